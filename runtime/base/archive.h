@@ -1,0 +1,61 @@
+// Byte images of state, for snapshots. Same build only: raw bytes in the order they are written.
+#pragma once
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "base/arena.h"
+#include "base/error.h"
+
+namespace feder {
+
+class Writer {
+ public:
+  explicit Writer(std::string& out) : out_(out) {}
+  template <class T>
+  void add(const T& x) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    out_.append(reinterpret_cast<const char*>(&x), sizeof(T));
+  }
+  template <class Container>
+  void list(const Container& v) {
+    using T = typename Container::value_type;
+    static_assert(std::is_standard_layout_v<T>);
+    add(static_cast<std::uint64_t>(v.size()));
+    if (!v.empty()) out_.append(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T));
+  }
+  void text(const std::string& s) { list(s); }
+
+ private:
+  std::string& out_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view in) : in_(in) {}
+  template <class T>
+  void get(T& x) {
+    take(&x, sizeof(T));
+  }
+  template <class Container>
+  void list(Container& v) {
+    using T = typename Container::value_type;
+    std::uint64_t n = 0;
+    get(n);
+    if (n > in_.size() / sizeof(T)) throw SceneError("snapshot: truncated or of another build");
+    v.resize(n);
+    if (n) take(v.data(), n * sizeof(T));
+  }
+  void text(std::string& s) { list(s); }
+  bool at_end() const { return in_.empty(); }
+
+ private:
+  void take(void* to, std::size_t n) {
+    if (n > in_.size()) throw SceneError("snapshot: truncated or of another build");
+    std::memcpy(to, in_.data(), n);
+    in_.remove_prefix(n);
+  }
+  std::string_view in_;
+};
+
+}  // namespace feder

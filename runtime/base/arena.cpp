@@ -1,0 +1,52 @@
+#include "base/arena.h"
+
+#include <algorithm>
+#include <new>
+
+namespace feder {
+namespace {
+constexpr std::size_t kLine = 64;  // a cache line, and the widest vector
+}
+
+void* Arena::do_allocate(std::size_t bytes, std::size_t alignment) {
+  void* p = ::operator new(bytes, std::align_val_t(std::max(alignment, kLine)));
+  bytes_.fetch_add(bytes, std::memory_order_relaxed);
+  allocations_.fetch_add(1, std::memory_order_relaxed);
+  return p;
+}
+
+void Arena::do_deallocate(void* p, std::size_t bytes, std::size_t alignment) {
+  ::operator delete(p, std::align_val_t(std::max(alignment, kLine)));
+  bytes_.fetch_sub(bytes, std::memory_order_relaxed);
+}
+
+Scratch::~Scratch() {
+  for (const Block& b : blocks_) arena_->deallocate(b.data, b.size, kLine);
+}
+
+void Scratch::reset() {
+  // several blocks mean the step outgrew them: make one that holds all
+  if (blocks_.size() > 1) {
+    for (const Block& b : blocks_) arena_->deallocate(b.data, b.size, kLine);
+    blocks_.clear();
+    const std::size_t size = total_ + total_ / 4;
+    blocks_.push_back({static_cast<std::byte*>(arena_->allocate(size, kLine)), size});
+  }
+  used_ = 0;
+  total_ = 0;
+}
+
+void* Scratch::take_bytes(std::size_t bytes) {
+  bytes = (bytes + kLine - 1) / kLine * kLine;
+  total_ += bytes;
+  if (blocks_.empty() || used_ + bytes > blocks_.back().size) {
+    const std::size_t size = std::max<std::size_t>(bytes, 1u << 16);
+    blocks_.push_back({static_cast<std::byte*>(arena_->allocate(size, kLine)), size});
+    used_ = 0;
+  }
+  void* p = blocks_.back().data + used_;
+  used_ += bytes;
+  return p;
+}
+
+}  // namespace feder

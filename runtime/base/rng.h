@@ -1,0 +1,29 @@
+// PCG32 (O'Neill 2014): small, seedable, the same everywhere.
+#pragma once
+#include "base/types.h"
+
+namespace feder {
+
+class Rng {
+ public:
+  explicit Rng(std::uint64_t seed = 1, std::uint64_t stream = 54) : increment_(stream << 1 | 1) {
+    next();
+    state_ += seed;
+    next();
+  }
+  std::uint32_t next() {
+    const std::uint64_t old = state_;
+    state_ = old * 6364136223846793005ull + increment_;
+    const auto shifted = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
+    const auto turn = static_cast<std::uint32_t>(old >> 59);
+    return shifted >> turn | shifted << ((32 - turn) & 31);
+  }
+  double unit() { return (next() >> 5) * (1.0 / 134217728.0); }  // [0, 1), 27 bits
+  Real uniform(Real lo, Real hi) { return lo + (hi - lo) * static_cast<Real>(unit()); }
+
+ private:
+  std::uint64_t state_ = 0;
+  std::uint64_t increment_;
+};
+
+}  // namespace feder

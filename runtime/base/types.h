@@ -1,0 +1,28 @@
+// The scalar and the small fixed-size types of the whole project. The only place that names Eigen types.
+// SI units, radians, y up, right-handed.
+#pragma once
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace feder {
+
+#ifdef FEDER_REAL_DOUBLE
+using Real = double;
+inline constexpr const char* kRealName = "double";
+#else
+using Real = float;
+inline constexpr const char* kRealName = "float";
+#endif
+
+using Vec2 = Eigen::Matrix<Real, 2, 1, Eigen::DontAlign>;
+using Vec3 = Eigen::Matrix<Real, 3, 1, Eigen::DontAlign>;
+using Mat3 = Eigen::Matrix<Real, 3, 3, Eigen::DontAlign>;
+
+inline constexpr Real kPi = Real(3.14159265358979323846);
+inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
+inline constexpr std::uint32_t kNone = 0xffffffffu;  // "no index" everywhere
+
+}  // namespace feder

@@ -1,0 +1,39 @@
+// Broad phase: from world-space boxes to pairs that may touch. Knows no bodies, shapes or world.
+#pragma once
+#include <compare>
+#include <span>
+
+#include "base/arena.h"
+#include "base/registry.h"
+#include "geom/aabb.h"
+
+namespace feder {
+
+// Indices into the box array; a < b.
+struct IndexPair {
+  std::uint32_t a, b;
+  friend auto operator<=>(const IndexPair&, const IndexPair&) = default;
+};
+
+enum class BoxMotion : std::uint8_t { absent, still, moving };  // absent: skipped; two still boxes make no pair
+
+// Contract, checked for every registered variant by tests/broad/test_broad_contract.cpp:
+//  - the pairs are exactly the overlapping ones (closed boxes) with at least one moving member, sorted;
+//  - so equal boxes give equal pairs in equal order, whatever was asked before;
+//  - boxes may be unbounded (planes).
+// Allocates only when boxes or pairs outnumber every earlier call.
+class BroadPhase {
+ public:
+  virtual ~BroadPhase() = default;
+
+  // Replaces the content of `pairs`. The one virtual call of a step; loops inside stay concrete.
+  virtual void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) = 0;
+
+  // Boxes of the last find_pairs() that overlap `box` / are hit by the segment, ascending; replaces `found`.
+  virtual void query(const Aabb& box, Array<std::uint32_t>& found) const = 0;
+  virtual void query_ray(const Vec3& origin, const Vec3& ray, Array<std::uint32_t>& found) const = 0;
+};
+
+std::span<const Variant<BroadPhase>> broad_phases();
+
+}  // namespace feder

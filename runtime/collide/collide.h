@@ -1,0 +1,90 @@
+// Collision detection as one system: boxes -> broad phase -> narrow phase -> contacts, with begin/end events,
+// sensors, filters, and the queries. Knows colliders, not bodies.
+#pragma once
+
+#include "broad/broad_phase.h"
+#include "narrow/narrow_phase.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
+#include "step/system.h"
+
+namespace feder {
+
+struct RaycastHit {
+  std::uint32_t collider = kNone;
+  ObjectId object;
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+  Real fraction = 1;
+};
+
+struct QueryFilter {
+  std::uint32_t group = 0xffffffffu, mask = 0xffffffffu;
+  bool sensors = false;
+  ObjectId ignore;
+};
+
+struct MaterialPair {
+  std::uint16_t a = 0, b = 0;      // material numbers
+  Real friction_static = -1, friction_dynamic = -1, restitution = -1;  // < 0: the usual mixing
+};
+
+class Collide final : public System {
+ public:
+  static constexpr const char* kName = "collide";
+  static const SystemDescriptor& descriptor();
+  explicit Collide(SystemSetup& setup);
+  ~Collide() override;
+
+  void add_rows(StepPlan& plan) override;
+  std::size_t count() const override;   // colliders
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override;
+  void load(Reader& r) override;
+  void residuals(std::vector<Residual>& out) const override;  // collide.max_penetration_m
+
+  Colliders& colliders();
+  Contacts& contacts();
+  const NarrowPhase& narrow() const;
+
+  // Pairs of objects that never touch, whatever their filters (joined bodies). Counted: exclude twice, include twice.
+  void exclude(ObjectId a, ObjectId b);
+  void include(ObjectId a, ObjectId b);
+
+  // A collider is about to go, to be switched to another filter or type, or to be teleported: its contacts are
+  // removed now, and their end events queued.
+  void forget(std::uint32_t collider);
+
+  // Named materials and their pair overrides. Number 0 is "no material".
+  std::uint16_t material(std::string_view name);   // made on first use
+  void set_material_pair(const MaterialPair& pair);
+
+  // Called in the narrow row, in deterministic order, when a touching begins between an awake and a sleeping
+  // collider: the owner wakes it. Set by the owner of bodies.
+  void (*on_touch_sleeping)(void* self, std::uint32_t sleeping_collider, std::uint32_t other_collider) = nullptr;
+  void* on_touch_self = nullptr;
+
+  // Queries on the state now (boxes are refreshed from the poses when the world was edited).
+  bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);      // nearest
+  void raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, std::vector<RaycastHit>& hits);
+  bool shape_cast(const Shape& shape, const Pose& pose, const Vec3& motion, const QueryFilter& filter, RaycastHit& hit);
+  void overlap(const Shape& shape, const Pose& pose, const QueryFilter& filter, std::vector<ObjectId>& found);
+  Real max_penetration() const;          // deepest touching contact now, m (0 when none)
+
+  // Contacts of an object now: for scripts. Normal points away from the object.
+  struct ContactInfo {
+    ObjectId other;
+    Vec3 point, normal;
+    Real separation, impulse;
+  };
+  void contacts_of(ObjectId object, std::vector<ContactInfo>& out) const;
+
+  // Owners refresh world poses and boxes for queries between steps.
+  void (*refresh)(void* self) = nullptr;
+  void* refresh_self = nullptr;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace feder

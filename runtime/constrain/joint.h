@@ -1,0 +1,70 @@
+// Joints: each kind is one file that fills rows (value, Jacobian, softness, bounds); it knows no solver, and a
+// solver knows no kinds. One feder_variant(constrain <kind>) line each. Contract, checked for every kind by
+// tests/constrain/test_joint_contract.cpp: Jacobians match finite differences of the value, the row count of given
+// options never changes, equal and opposite impulses (momentum), both solvers hold the joint.
+#pragma once
+#include <span>
+
+#include "base/math.h"
+#include "base/registry.h"
+#include "state/objects.h"
+#include "state/rows.h"
+
+namespace feder {
+
+inline constexpr int kMaxJointRows = 10;
+
+// What a script may ask of a joint; a kind uses its part, and refuses (SceneError) what it has no use for.
+struct JointOptions {
+  Real lower = -kInfinity, upper = kInfinity;  // limits, m or rad
+  bool has_limits = false;
+  Real motor_speed = 0, motor_max = 0;         // m/s or rad/s; N or N m
+  bool has_motor = false;
+  Real spring_hertz = 0, spring_damping = 1;   // 0 hertz: rigid
+  Real rest_length = -1;                       // distance; < 0: as built
+};
+
+// A joint as the kinds see it. Frames are in the centre-of-mass frames of the bodies; the x axis of a frame is the
+// joint's axis.
+struct JointShape {
+  Pose frame_a, frame_b;
+  JointOptions options;
+};
+
+// Poses of the centres of mass now (world: identity), and the solver indices.
+struct JointInput {
+  const JointShape* joint = nullptr;
+  Pose a, b;
+  std::uint32_t mover_a = 0, mover_b = 0;
+};
+
+// Collects the rows of one joint. `block(n)` opens a block of n rows that are solved together.
+class RowWriter {
+ public:
+  RowWriter(Array<Row>& rows, Array<RowBlock>& blocks) : rows_(rows), blocks_(blocks) {}
+  void start(const JointInput& in, std::uint32_t joint);
+  Row* block(int count);  // `count` default rows in sequence; valid until the next call
+  int rows_written() const { return written_; }
+
+ private:
+  Array<Row>& rows_;
+  Array<RowBlock>& blocks_;
+  RowBlock open_;
+  int written_ = 0;
+};
+
+struct JointKind {
+  const char* name;
+  const char* summary;
+  // Fills the rows for the poses in `in`. The number of rows and blocks depends on the options only.
+  void (*fill)(const JointInput& in, RowWriter& out);
+  // The joint's coordinate: hinge angle (rad), distance or slide (m); 0 where there is none.
+  Real (*coordinate)(const JointInput& in);
+  // Options this kind understands: bits of JointUses.
+  unsigned uses;
+};
+enum JointUses : unsigned { kUsesLimits = 1, kUsesMotor = 2, kUsesSpring = 4, kUsesAxis = 8, kUsesTwoAnchors = 16 };
+
+std::span<const JointKind> joint_kinds();
+
+}  // namespace feder

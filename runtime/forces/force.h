@@ -1,0 +1,52 @@
+// Force generators: from the state of one mass point to a force. Owners of mass points (rigid, springs) pull them.
+// One file per kind, one feder_variant(forces <kind>) line. Gravity of the world is not among them.
+#pragma once
+#include "base/registry.h"
+#include "base/params.h"
+#include "base/math.h"
+#include "state/objects.h"
+
+namespace feder {
+
+struct MassPoint {
+  Vec3 position, velocity;  // m, m/s, world
+  Real mass = 0;            // kg
+  Real area = 0;            // m^2, cross-section where known (drag, wind), else 0
+  Real volume = 0;          // m^3 where known (buoyancy), else 0
+};
+
+// Contract, checked for every kind by tests/forces/test_force_contract.cpp: finite for finite input, zero for zero
+// mass when the kind is proportional to mass, the potential's gradient where there is one.
+class Force {
+ public:
+  virtual ~Force() = default;
+  // Adds the forces on `count` points to `out` (N). One virtual call per force and evaluation, never per point.
+  virtual void add(const MassPoint* points, std::size_t count, double time, Vec3* out) const = 0;
+  // Potential energy of the points, J; 0 for forces without a potential.
+  virtual double potential(const MassPoint*, std::size_t) const { return 0; }
+};
+
+std::span<const Variant<Force>> force_kinds();
+
+// A force in a world, and whom it acts on.
+struct ForceEntry {
+  ObjectId object;           // the force's own handle
+  std::unique_ptr<Force> force;  // null for a scripted force
+  bool all = false;          // acts on everything
+  TagMask tags = 0;          // or on objects with one of these tags
+  ObjectId target;           // or on one object
+  bool enabled = true;
+};
+
+// The block: a world's forces in the order they were made.
+struct Forces {
+  explicit Forces(Arena&) {}
+  std::vector<ForceEntry> list;
+};
+
+// Does the force act on that object?
+inline bool acts_on(const ForceEntry& f, ObjectId object, TagMask tags) {
+  return f.enabled && f.force && (f.all || (f.tags & tags) != 0 || f.target == object);
+}
+
+}  // namespace feder

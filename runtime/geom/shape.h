@@ -1,0 +1,112 @@
+// A shape: immutable geometry in its own frame, shared between colliders. Convex shapes are a core (points, or an
+// analytic support function) rounded by `radius`: a sphere is a point, a capsule a segment.
+// One file per shape, one feder_variant(geom <kind>) line each. Checked for every kind by
+// tests/geom/test_shape_contract.cpp: bounds hold all supports, mass equals a voxel sum, I = tr(C)1 - C, faces lie
+// on the surface, rays agree with support planes.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "geom/aabb.h"
+
+namespace feder {
+
+// All about the centre of mass, in the shape's frame. A shape without volume (plane, mesh) has mass 0.
+struct MassProperties {
+  Real mass = 0;                     // kg
+  Vec3 center = Vec3::Zero();        // m
+  Mat3 inertia = Mat3::Zero();       // kg m^2
+};
+// The same solid turned and moved by `pose`.
+MassProperties transformed(const MassProperties& m, const Pose& pose);
+MassProperties combined(std::span<const MassProperties> parts);
+
+struct RayHit {
+  Real fraction = 1;                 // of the ray vector, 0..1
+  Vec3 normal = Vec3::Zero();        // unit, outward, in the frame of the ray; zero when the ray starts inside
+};
+
+struct Triangle {
+  Vec3 a, b, c;
+  std::uint8_t flat_edges = 0;       // bit k: edge k (ab, bc, ca) joins a coplanar or concave neighbour
+};
+
+inline constexpr int kMaxFacePoints = 32;
+
+class Shape {
+ public:
+  virtual ~Shape() = default;
+  const char* kind() const { return kind_; }
+  int kind_id() const { return kind_id_; }  // row in shape_kinds()
+  Real radius() const { return radius_; }   // rounding of the core, m
+  bool convex() const { return convex_; }
+
+  virtual Aabb bounds(const Pose& pose) const = 0;
+  virtual MassProperties mass(Real density) const = 0;  // density kg/m^3 (2D sections: kg/m^2)
+  // Farthest distance of any point from `center` (shape frame), m; infinite for planes.
+  virtual Real extent(const Vec3& center) const = 0;
+  // Ray from `origin` along `ray` (shape frame, whole vector = fraction 1). False when it misses.
+  virtual bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const = 0;
+
+  // Convex only. Farthest core point along `direction` (shape frame; need not be unit).
+  virtual Vec3 support(const Vec3& direction) const;
+  // Convex only. The core's face, edge or point most aligned with the unit `direction`: its corner points,
+  // counter-clockwise seen from outside; returns the count (1..kMaxFacePoints).
+  virtual int face(const Vec3& direction, Vec3* points) const;
+
+  // Meshes only. Calls visit(context, triangle index) for triangles whose box overlaps `local` (shape frame), in
+  // ascending order.
+  virtual void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const;
+  virtual Triangle triangle(std::uint32_t index) const;
+
+  // The section in the xy plane, for worlds with dimension = 2. SceneError when the shape has none.
+  virtual std::shared_ptr<const Shape> section() const;
+
+ protected:
+  Shape(const char* kind, bool convex, Real radius = 0);
+
+ private:
+  const char* kind_;
+  int kind_id_;
+  bool convex_;
+
+ protected:
+  Real radius_;
+};
+
+using ShapePtr = std::shared_ptr<const Shape>;
+
+// One row per kind, in the order of the feder_variant(geom ...) lines. `samples` makes a few shapes for the contract
+// tests (ordinary, flat, tiny).
+struct ShapeKind {
+  const char* name;
+  std::vector<ShapePtr> (*samples)();
+};
+std::span<const ShapeKind> shape_kinds();
+int shape_kind_id(const char* name);
+
+// Makers. SceneError on non-finite or non-positive sizes. Axis of capsule, cylinder and cone: y.
+// Origin: centre of sphere, box, capsule, cylinder; a cone's origin is halfway up its height (base at -h/2).
+ShapePtr make_sphere(Real radius);
+ShapePtr make_box(Real width, Real height, Real depth);            // full sizes
+ShapePtr make_capsule(Real radius, Real height);                   // whole height, caps included: height >= 2 radius
+ShapePtr make_cylinder(Real radius, Real height);
+ShapePtr make_cone(Real radius, Real height);
+ShapePtr make_hull(std::span<const Vec3> points);                  // quickhull; SceneError when flat or too few
+ShapePtr make_plane(const Vec3& normal, Real distance);            // half-space n.x <= d is solid
+ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles);  // static only
+ShapePtr make_circle(Real radius);                                 // 2D
+ShapePtr make_polygon(std::span<const Vec2> points, Real radius = 0);  // 2D, convex hull of the points
+
+struct CompoundPart {
+  ShapePtr shape;
+  Pose pose;
+};
+// A body made from a compound gets one collider per part.
+ShapePtr make_compound(std::vector<CompoundPart> parts);
+std::span<const CompoundPart> compound_parts(const Shape& shape);  // empty unless a compound
+
+}  // namespace feder

@@ -1,0 +1,54 @@
+// Time integrators for x'' = f(x, v, t)/m. The integrator drives: it asks for forces as often as it wants.
+// One file per method, one feder_variant(integrate <method>) line. Contract, checked for every row by
+// tests/integrate/test_integrator_contract.cpp: convergence order, stability limit h*w on the oscillator, momentum.
+#pragma once
+#include <span>
+
+#include "base/registry.h"
+#include "base/params.h"
+#include "base/math.h"
+#include "linear/block_sparse.h"
+
+namespace feder {
+
+// Second-order system over `count` points; implemented by owners (springs).
+class ForceField {
+ public:
+  virtual ~ForceField() = default;
+  virtual std::size_t count() const = 0;
+  virtual std::span<const Real> inv_mass() const = 0;  // 0 = pinned: neither x nor v change
+  virtual std::span<const Real> mass() const = 0;
+  // f(x, v, t), N. Replaces `force`.
+  virtual void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) = 0;
+  // K = df/dx and D = df/dv as symmetric 3x3 blocks, for implicit methods. Fills both (pattern fixed until structure changes).
+  virtual void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) = 0;
+  virtual void pattern(std::vector<BlockIndex>& blocks) const = 0;  // off-diagonal blocks (i < j)
+};
+
+struct IntegratorInfo {
+  int order = 1;                // of the global error
+  double stability_limit = 0;   // largest h*omega on the undamped oscillator; 0 = never stable, infinity = always
+  int evals_per_step = 1;
+  bool implicit = false;
+  bool symplectic = false;
+};
+
+struct IntegratorStats {
+  std::uint64_t force_evals = 0, jacobian_evals = 0, linear_solves = 0, cg_iterations = 0;
+  std::uint64_t unconverged = 0;  // solves that ended at the cap: reported as a warning
+  double residual = 0;            // of the last solve, relative
+};
+
+// No allocation after the first step of a size.
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  virtual IntegratorInfo info() const = 0;
+  // Advances x and v by h from time t, in place.
+  virtual void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) = 0;
+  IntegratorStats stats;
+};
+
+std::span<const Variant<Integrator>> integrators();
+
+}  // namespace feder

@@ -1,0 +1,48 @@
+// Rigid solvers: contacts and joint rows in, velocities and displacements of movers out. Know no joint kinds, shapes
+// or bodies. One file per solver, one feder_variant(rigid <solver>) line. Contract, checked for every row by
+// tests/rigid/test_solver_contract.cpp: free fall, momentum with contacts and joints, friction, stacking, bounce,
+// determinism over threads.
+#pragma once
+#include <span>
+
+#include "base/registry.h"
+#include "base/params.h"
+#include "constrain/joint.h"
+#include "state/contacts.h"
+#include "state/colliders.h"
+#include "state/movers.h"
+#include "step/context.h"
+
+namespace feder {
+
+// The joints of the scene as the solver sees them; owned by the rigid system.
+struct SolverJoint {
+  const JointKind* kind = nullptr;
+  JointShape shape;
+  std::uint32_t mover_a = kNone, mover_b = kNone;  // mover slots; kNone = world
+  Real impulse[kMaxJointRows] = {};                // of the last substep, by row; warm start
+  std::uint8_t rows = 0;
+  std::uint8_t active = 0;                         // this step: at least one awake side
+};
+
+struct SolverInput {
+  Contacts* contacts = nullptr;     // active ones are solved; impulses are read and written
+  const Colliders* colliders = nullptr;
+  Movers* movers = nullptr;
+  std::span<SolverJoint> joints;
+};
+
+// Called by the rigid system's rows. Movers [1, free_movers) are rigid bodies; those beyond were advanced by their
+// owners (net points): their velocity is already integrated, and `moved` is where they were before this substep.
+class RigidSolver {
+ public:
+  virtual ~RigidSolver() = default;
+  virtual void prepare(const SolverInput& in, StepContext& c) = 0;    // once, before the first substep
+  virtual void solve(const SolverInput& in, StepContext& c) = 0;      // each substep: velocities in, velocities and moved/rotation out
+  virtual void finish(const SolverInput& in, StepContext& c) = 0;     // once: restitution, impulses stored
+  virtual std::uint64_t capped() const { return 0; }                  // times an iteration limit was reached in the last step
+};
+
+std::span<const Variant<RigidSolver>> rigid_solvers();
+
+}  // namespace feder

@@ -1,0 +1,92 @@
+// Mass-spring nets: points, springs and faces, advanced by an integrator of choice.
+#pragma once
+#include <string>
+
+#include "integrate/integrator.h"
+#include "state/particles.h"
+#include "step/system.h"
+
+namespace feder {
+
+struct SpringDesc {
+  std::uint32_t i = 0, j = 0;
+  Real stiffness = 1000;         // N/m
+  Real damping = 0;              // N s/m along the spring
+  Real rest_length = -1;         // m; < 0: distance as built
+  Real break_strain = kInfinity; // elongation / rest length; snaps with an event
+};
+
+struct NetDesc {
+  std::string name;
+  TagMask tags = 0;
+  std::vector<Vec3> points;      // world, m
+  std::vector<Vec3> velocities;  // empty: at rest
+  std::vector<Real> masses;      // one per point, kg, > 0
+  std::vector<SpringDesc> springs;
+  std::string integrator = "symplectic_euler";
+  Params integrator_options;
+  Real damping = 0;              // drag on every point, 1/s (force = -damping m v)
+  Real radius = 0;               // m; > 0: points collide with rigid bodies
+  Real friction = Real(0.5), restitution = 0;
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  Real gravity_scale = 1;
+};
+
+class Springs final : public System {
+ public:
+  static constexpr const char* kName = "springs";
+  static const SystemDescriptor& descriptor();
+  explicit Springs(SystemSetup& setup);
+  ~Springs() override;
+
+  void add_rows(StepPlan& plan) override;
+  std::size_t count() const override;   // points
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override;
+  void load(Reader& r) override;
+  Energy energy(const Vec3& gravity) const override;
+  Momentum momentum() const override;
+  void residuals(std::vector<Residual>& out) const override;  // springs.max_strain ...
+  bool finite() const override;
+
+  ObjectId add_net(const NetDesc& desc);
+  void destroy_net(ObjectId net, std::string where);
+  std::size_t point_count(ObjectId net) const;
+  std::size_t spring_count(ObjectId net) const;
+  // i and k count from 0 within the net; SceneError when out of range.
+  Vec3 point(ObjectId net, std::size_t i) const;
+  void set_point(ObjectId net, std::size_t i, const Vec3& x);
+  Vec3 velocity(ObjectId net, std::size_t i) const;
+  void set_velocity(ObjectId net, std::size_t i, const Vec3& v);
+  void apply_impulse(ObjectId net, std::size_t i, const Vec3& impulse);
+  Real point_mass(ObjectId net, std::size_t i) const;
+  void pin(ObjectId net, std::size_t i);
+  void unpin(ObjectId net, std::size_t i);
+  bool pinned(ObjectId net, std::size_t i) const;
+  std::size_t add_spring(ObjectId net, const SpringDesc& spring);  // its index
+  void remove_spring(ObjectId net, std::size_t k);                 // later indices stay as they are
+  Real strain(ObjectId net, std::size_t k) const;                  // elongation / rest length; 0 when removed
+  SpringDesc spring(ObjectId net, std::size_t k) const;
+  void positions(ObjectId net, std::vector<Vec3>& out) const;
+  IntegratorStats stats(ObjectId net) const;
+
+  // Point `i` is held at `local` of a mover (a body); used by couple and the binding. Kept by couple/springs_rigid.
+  struct Attachment {
+    ObjectId net, body;
+    std::uint32_t point = 0;     // particle index in Particles
+    Vec3 local = Vec3::Zero();   // in the body frame of `body`, m
+  };
+  void attach(ObjectId net, std::size_t i, ObjectId body, const Vec3& local);
+  void detach(ObjectId net, std::size_t i);
+  const std::vector<Attachment>& attachments() const;
+
+  // Scripted force on one point, held until changed (evaluated between steps), N.
+  void set_script_force(ObjectId net, std::size_t i, const Vec3& force);
+  void clear_script_forces();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace feder

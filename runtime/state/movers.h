@@ -1,0 +1,61 @@
+// Movers: everything a contact or constraint row can push, in one dense array that the solver of the step works on.
+// A body or a colliding net point owns a mover slot for life; at the start of a step each owner that takes part
+// writes its solver index there. Index 0 is the world: infinite mass, at rest, never written.
+#pragma once
+#include "base/arena.h"
+#include "base/math.h"
+
+namespace feder {
+
+// Per mover and step, what the inner loops touch.
+struct alignas(64) MoverState {
+  Vec3 velocity = Vec3::Zero();          // m/s
+  Vec3 angular_velocity = Vec3::Zero();  // rad/s
+  Vec3 moved = Vec3::Zero();             // displacement of the centre of mass since the start of the step, m
+  Quat rotation;                         // now
+};
+
+// Per mover and step, read when rows are prepared.
+struct MoverMass {
+  Real inv_mass = 0;                    // 1/kg
+  Vec3 inv_mass_axes = Vec3::Zero();    // inv_mass with locked world axes zeroed (equal to inv_mass when none)
+  Mat3 inv_inertia = Mat3::Zero();      // world, 1/(kg m^2), locks applied
+  Vec3 center = Vec3::Zero();           // centre of mass at the start of the step, world, m
+  Quat start_rotation;
+};
+
+struct Movers {
+  explicit Movers(Arena& a) : solver(&a), free_list(&a), state(&a), mass(&a) {}
+
+  Array<std::uint32_t> solver;     // by mover slot: index into state/mass this step; 0 = does not move
+  Array<std::uint32_t> free_list;
+  Array<MoverState> state;         // by solver index
+  Array<MoverMass> mass;
+
+  std::uint32_t add() {
+    if (!free_list.empty()) {
+      const std::uint32_t m = free_list.back();
+      free_list.pop_back();
+      solver[m] = 0;
+      return m;
+    }
+    solver.push_back(0);
+    return static_cast<std::uint32_t>(solver.size() - 1);
+  }
+  void remove(std::uint32_t mover) {
+    solver[mover] = 0;
+    free_list.push_back(mover);
+  }
+  void reset() {  // start of a step: only the world
+    state.assign(1, MoverState{});
+    mass.assign(1, MoverMass{});
+    for (std::uint32_t& s : solver) s = 0;
+  }
+  std::uint32_t append(std::uint32_t mover, const MoverState& s, const MoverMass& m) {
+    state.push_back(s);
+    mass.push_back(m);
+    return solver[mover] = static_cast<std::uint32_t>(state.size() - 1);
+  }
+};
+
+}  // namespace feder

@@ -1,0 +1,148 @@
+#include "state/objects.h"
+
+#include "base/assert.h"
+
+namespace feder {
+namespace {
+const std::string kEmpty;
+constexpr std::size_t kTombstones = 64;  // freed slots that wait before they are used again
+}  // namespace
+
+const char* kind_name(ObjectKind kind) {
+  static const char* const names[] = {"none", "body", "joint", "net", "force", "region", "cloth", "fluid"};
+  return names[static_cast<int>(kind)];
+}
+
+const Objects::Slot* Objects::slot(ObjectId id) const {
+  if (id.slot >= slots_.size() || slots_[id.slot].generation != id.generation) return nullptr;
+  return &slots_[id.slot];
+}
+
+ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags) {
+  std::uint32_t i;
+  if (free_.size() - free_head_ > kTombstones) {
+    i = free_[free_head_++];
+    if (free_head_ > 1024) free_.erase(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(free_head_)), free_head_ = 0;
+  } else {
+    i = static_cast<std::uint32_t>(slots_.size());
+    slots_.emplace_back();
+  }
+  Slot& s = slots_[i];
+  ++s.generation;
+  s.index = index, s.kind = kind, s.alive = true, s.tags = tags;
+  s.name = std::move(name);
+  s.destroyed_at.clear();
+  return {i, s.generation};
+}
+
+void Objects::remove(ObjectId id, std::string where) {
+  FEDER_ASSERT(alive(id));
+  Slot& s = slots_[id.slot];
+  s.alive = false;
+  s.destroyed_at = std::move(where);
+  free_.push_back(id.slot);
+}
+
+bool Objects::alive(ObjectId id) const {
+  const Slot* s = slot(id);
+  return s && s->alive;
+}
+
+ObjectKind Objects::kind(ObjectId id) const {
+  const Slot* s = slot(id);
+  return s ? s->kind : ObjectKind::none;
+}
+
+std::uint32_t Objects::index(ObjectId id) const {
+  FEDER_ASSERT(alive(id));
+  return slots_[id.slot].index;
+}
+
+void Objects::set_index(ObjectId id, std::uint32_t index) {
+  FEDER_ASSERT(alive(id));
+  slots_[id.slot].index = index;
+}
+
+const std::string& Objects::name(ObjectId id) const {
+  const Slot* s = slot(id);
+  return s ? s->name : kEmpty;
+}
+
+const std::string& Objects::destroyed_at(ObjectId id) const {
+  const Slot* s = slot(id);
+  return s ? s->destroyed_at : kEmpty;
+}
+
+std::string Objects::describe(ObjectId id) const {
+  const Slot* s = slot(id);
+  if (!s) return "object #" + std::to_string(id.slot);
+  const std::string kind = kind_name(s->kind);
+  return s->name.empty() ? kind + " #" + std::to_string(id.slot) : kind + " \"" + s->name + "\"";
+}
+
+TagMask Objects::tags(ObjectId id) const {
+  const Slot* s = slot(id);
+  return s ? s->tags : 0;
+}
+
+void Objects::set_tags(ObjectId id, TagMask tags) {
+  FEDER_ASSERT(alive(id));
+  slots_[id.slot].tags = tags;
+}
+
+TagMask Objects::known_tag(std::string_view tag) const {
+  for (std::size_t i = 0; i < tag_names_.size(); ++i)
+    if (tag_names_[i] == tag) return TagMask(1) << i;
+  return 0;
+}
+
+TagMask Objects::tag_bit(std::string_view tag) {
+  if (const TagMask known = known_tag(tag)) return known;
+  if (tag_names_.size() == 64) throw SceneError("tags: a world knows at most 64 different tags, '" + std::string(tag) + "' is one more");
+  tag_names_.emplace_back(tag);
+  return TagMask(1) << (tag_names_.size() - 1);
+}
+
+ObjectId Objects::find(std::string_view name) const {
+  for (std::uint32_t i = 0; i < slots_.size(); ++i)
+    if (slots_[i].alive && slots_[i].name == name) return {i, slots_[i].generation};
+  return {};
+}
+
+std::size_t Objects::count(ObjectKind kind) const {
+  std::size_t n = 0;
+  for (const Slot& s : slots_) n += s.alive && s.kind == kind;
+  return n;
+}
+
+std::size_t Objects::bytes() const { return slots_.capacity() * sizeof(Slot) + free_.capacity() * sizeof(std::uint32_t); }
+
+void Objects::save(Writer& w) const {
+  w.add(static_cast<std::uint64_t>(slots_.size()));
+  for (const Slot& s : slots_) {
+    w.add(s.generation), w.add(s.index), w.add(s.kind), w.add(s.alive), w.add(s.tags);
+    w.text(s.name), w.text(s.destroyed_at);
+  }
+  w.list(free_);
+  w.add(static_cast<std::uint64_t>(free_head_));
+  w.add(static_cast<std::uint64_t>(tag_names_.size()));
+  for (const std::string& t : tag_names_) w.text(t);
+}
+
+void Objects::load(Reader& r) {
+  std::uint64_t n = 0;
+  r.get(n);
+  slots_.resize(n);
+  for (Slot& s : slots_) {
+    r.get(s.generation), r.get(s.index), r.get(s.kind), r.get(s.alive), r.get(s.tags);
+    r.text(s.name), r.text(s.destroyed_at);
+  }
+  r.list(free_);
+  r.get(n);
+  free_head_ = n;
+  r.get(n);
+  tag_names_.resize(n);
+  for (std::string& t : tag_names_) r.text(t);
+}
+
+}  // namespace feder

@@ -1,0 +1,82 @@
+// Every thing a script can hold (body, joint, net, force ...) is an object: a slot with a generation, a kind, a name
+// and tags. Systems keep the data; this table says where. A freed slot remembers its name and who destroyed it.
+#pragma once
+#include <compare>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/types.h"
+
+namespace feder {
+
+enum class ObjectKind : std::uint8_t { none, body, joint, net, force, region, cloth, fluid };
+const char* kind_name(ObjectKind kind);
+
+struct ObjectId {
+  std::uint32_t slot = kNone;
+  std::uint32_t generation = 0;
+  explicit operator bool() const { return slot != kNone; }
+  friend auto operator<=>(const ObjectId&, const ObjectId&) = default;
+};
+
+// One bit per tag; a world knows at most 64 different tags.
+using TagMask = std::uint64_t;
+
+class Objects {
+ public:
+  // `index` is the place in the owning system. The name may be empty.
+  ObjectId add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags);
+  // `where` ("scene.lua:41", may be empty) is kept for the message about stale handles.
+  void remove(ObjectId id, std::string where);
+
+  bool alive(ObjectId id) const;
+  ObjectKind kind(ObjectId id) const;             // also of the dead, until the slot is used again
+  std::uint32_t index(ObjectId id) const;         // alive only
+  void set_index(ObjectId id, std::uint32_t index);
+  const std::string& name(ObjectId id) const;     // also of the dead, until the slot is used again; else ""
+  const std::string& destroyed_at(ObjectId id) const;
+  std::string describe(ObjectId id) const;        // body "crate3", or body #17 without a name
+  TagMask tags(ObjectId id) const;
+  void set_tags(ObjectId id, TagMask tags);
+
+  // The bit of a tag, made on first use. SceneError beyond 64 tags.
+  TagMask tag_bit(std::string_view tag);
+  TagMask known_tag(std::string_view tag) const;  // 0 when never used
+  const std::vector<std::string>& tag_names() const { return tag_names_; }
+
+  // First living object with that name in slot order; none when absent.
+  ObjectId find(std::string_view name) const;
+
+  // Calls f(ObjectId) for the living ones of a kind in slot order.
+  template <class F>
+  void for_each(ObjectKind kind, F&& f) const {
+    for (std::uint32_t i = 0; i < slots_.size(); ++i)
+      if (slots_[i].alive && slots_[i].kind == kind) f(ObjectId{i, slots_[i].generation});
+  }
+  std::size_t count(ObjectKind kind) const;
+  std::size_t bytes() const;
+
+  void save(Writer& w) const;
+  void load(Reader& r);
+
+ private:
+  struct Slot {
+    std::uint32_t generation = 0;
+    std::uint32_t index = 0;
+    ObjectKind kind = ObjectKind::none;
+    bool alive = false;
+    TagMask tags = 0;
+    std::string name;
+    std::string destroyed_at;
+  };
+  const Slot* slot(ObjectId id) const;
+
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> free_;  // first in, first out: a stale handle keeps its tombstone as long as possible
+  std::size_t free_head_ = 0;
+  std::vector<std::string> tag_names_;
+};
+
+}  // namespace feder

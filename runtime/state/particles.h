@@ -1,0 +1,25 @@
+// Mass points as plain arrays: the points of all nets one after another (a net owns a run of indices).
+#pragma once
+#include "base/arena.h"
+#include "base/math.h"
+#include "state/objects.h"
+
+namespace feder {
+
+struct Particles {
+  explicit Particles(Arena& a)
+      : position(&a), velocity(&a), mass(&a), inv_mass(&a), radius(&a), net(&a), script_force(&a), collider(&a), mover(&a) {}
+
+  Array<Vec3> position;            // m, world
+  Array<Vec3> velocity;            // m/s
+  Array<Real> mass;                // kg
+  Array<Real> inv_mass;            // 1/kg; 0 = pinned
+  Array<Real> radius;              // m; 0 = does not collide
+  Array<ObjectId> net;             // owner
+  Array<Vec3> script_force;        // N
+  Array<std::uint32_t> collider;   // in Colliders, kNone while nothing collides; kept by couple
+  Array<std::uint32_t> mover;      // in Movers, likewise
+  std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
+};
+
+}  // namespace feder

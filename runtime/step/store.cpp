@@ -1,0 +1,12 @@
+#include "step/store.h"
+
+namespace feder {
+
+Arena& Store::arena(const char* name) {
+  for (const auto& a : arenas_)
+    if (a->name() == name) return *a;
+  arenas_.push_back(std::make_unique<Arena>(name));
+  return *arenas_.back();
+}
+
+}  // namespace feder

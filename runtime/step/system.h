@@ -1,0 +1,76 @@
+// What a system is: it adds rows to the plan and answers the world's questions about its part of the state.
+// A system is made on demand through its descriptor; a host lists the descriptors that its scenes may use.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/hash.h"
+#include "base/params.h"
+#include "step/plan.h"
+
+namespace feder {
+
+struct Energy {
+  double kinetic = 0, potential = 0, elastic = 0;  // J
+};
+
+struct Momentum {
+  double linear[3] = {0, 0, 0};   // kg m/s
+  double angular[3] = {0, 0, 0};  // about the world origin, kg m^2/s
+};
+
+// One number of World::residuals(): the name says what and in which unit ("rigid.penetration_m").
+struct Residual {
+  std::string name;
+  double value = 0;
+};
+
+// Finds the systems a system needs: `find` gives null when absent.
+class System;
+class SystemFinder {
+ public:
+  virtual ~SystemFinder() = default;
+  virtual System* find_system(std::string_view name) = 0;
+};
+
+// What a system is made from.
+struct SystemSetup {
+  Store& store;
+  Objects& objects;
+  Events& events;
+  const Params& options;   // world option table of that name: world { rigid = { solver = ... } }
+  const Params& world;     // top-level choices: broad_phase, narrow_phase
+  int dimension;
+  SystemFinder& systems;   // those listed in `needs` are there
+  bool* structure_changed; // set to true to have the plan rebuilt before the next step
+};
+
+class System {
+ public:
+  virtual ~System() = default;
+  virtual void add_rows(StepPlan& plan) = 0;  // only rows that have work: no bodies, no rows
+  virtual std::size_t count() const = 0;      // bodies, points ...: what `explain` prints
+  virtual void hash(Hash& h) const = 0;       // state that decides the future, in index order
+  virtual void save(Writer& w) const = 0;
+  virtual void load(Reader& r) = 0;
+  // Systems without such a thing inherit the empty answer.
+  virtual Energy energy(const Vec3& /*gravity*/) const { return {}; }
+  virtual Momentum momentum() const { return {}; }
+  virtual void residuals(std::vector<Residual>& /*out*/) const {}
+  virtual bool finite() const { return true; }
+};
+
+struct SystemDescriptor {
+  const char* name;                       // "rigid"; also the arena's name
+  std::span<const char* const> needs;     // made before it
+  // Made by the world as soon as all of these exist (couplings); empty for systems that are asked for.
+  std::span<const char* const> joins;
+  std::unique_ptr<System> (*make)(SystemSetup& setup);
+};
+
+using Catalog = std::span<const SystemDescriptor* const>;
+
+}  // namespace feder

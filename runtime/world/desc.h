@@ -1,0 +1,26 @@
+// What a world is made from.
+#pragma once
+#include <map>
+#include <string>
+
+#include "base/math.h"
+#include "base/params.h"
+
+namespace feder {
+
+struct WorldDesc {
+  Vec3 gravity = Vec3(0, Real(-9.81), 0);  // m/s^2
+  double dt = 1.0 / 60.0;                  // s per step, in (0, 1]
+  int substeps = 4;                        // 1 .. 1000
+  std::uint64_t seed = 1;
+  int threads = 1;                         // 1 .. 64; results do not depend on it
+  bool sleeping = true;
+  int dimension = 3;                       // 2: bodies move in the xy plane
+  Params options;                          // broad_phase, narrow_phase
+  std::map<std::string, Params> systems;   // options per system: systems["rigid"] holds solver = "soft_step" ...
+};
+
+// SceneError naming the field when something is out of range.
+void check(const WorldDesc& desc);
+
+}  // namespace feder

@@ -1,0 +1,63 @@
+// Snapshots: time, objects and every system's state as one byte image.
+#include "world/world.h"
+
+namespace feder {
+namespace {
+constexpr std::uint64_t kMagic = 0x3130726564656600ull + sizeof(Real);  // "feder01", and the precision
+}
+
+std::string World::snapshot() const {
+  std::string image;
+  Writer w(image);
+  w.add(kMagic);
+  w.add(this);  // the world that made it
+  w.add(time_);
+  w.add(steps_);
+  w.add(rng_);
+  w.add(desc_.gravity[0]), w.add(desc_.gravity[1]), w.add(desc_.gravity[2]);
+  objects_.save(w);
+  w.add(static_cast<std::uint64_t>(systems_.size()));
+  for (const Present& p : systems_) {
+    w.text(p.descriptor->name);
+    p.system->save(w);
+  }
+  return image;
+}
+
+void World::load_image(std::string_view image) {
+  Reader r(image);
+  std::uint64_t magic = 0, count = 0;
+  const World* maker = nullptr;
+  r.get(magic);
+  if (magic != kMagic) throw SceneError("snapshot: not a snapshot of this build");
+  r.get(maker);
+  if (maker != this) throw SceneError("snapshot: made by another world");
+  r.get(time_);
+  r.get(steps_);
+  r.get(rng_);
+  r.get(desc_.gravity[0]), r.get(desc_.gravity[1]), r.get(desc_.gravity[2]);
+  objects_.load(r);
+  r.get(count);
+  if (count != systems_.size()) throw SceneError("snapshot: the world has got other systems since it was taken");
+  for (Present& p : systems_) {
+    std::string name;
+    r.text(name);
+    if (name != p.descriptor->name) throw SceneError("snapshot: the world has got other systems since it was taken");
+    p.system->load(r);
+  }
+  if (!r.at_end()) throw SceneError("snapshot: longer than expected");
+  structure_changed_ = true;
+}
+
+void World::restore(std::string_view image) {
+  if (stepping_) throw SceneError("world: restore() called inside a step");
+  const std::string before = snapshot();
+  try {
+    load_image(image);
+  } catch (const SceneError&) {
+    load_image(before);
+    throw;
+  }
+}
+
+}  // namespace feder

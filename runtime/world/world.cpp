@@ -1,0 +1,226 @@
+#include "world/world.h"
+
+#include <cmath>
+
+#include "base/assert.h"
+
+namespace feder {
+
+void check(const WorldDesc& d) {
+  if (!is_finite(d.gravity)) throw SceneError("world.gravity: expected three finite numbers");
+  if (!(d.dt > 0 && d.dt <= 1)) throw SceneError("world.dt: expected a number above 0 and at most 1 s, got " + std::to_string(d.dt));
+  if (d.substeps < 1 || d.substeps > 1000)
+    throw SceneError("world.substeps: expected a whole number from 1 to 1000, got " + std::to_string(d.substeps));
+  if (d.threads < 1 || d.threads > 64)
+    throw SceneError("world.threads: expected a whole number from 1 to 64, got " + std::to_string(d.threads));
+  if (d.dimension != 2 && d.dimension != 3)
+    throw SceneError("world.dimension: expected 2 or 3, got " + std::to_string(d.dimension));
+}
+
+World::World(const WorldDesc& desc, Catalog catalog)
+    : desc_(desc), catalog_(catalog), events_(store_.arena("events")), jobs_(desc.threads),
+      scratch_(store_.arena("scratch")), rng_(desc.seed) {
+  check(desc);
+}
+
+World::~World() = default;
+
+void World::set_gravity(const Vec3& g) {
+  if (!feder::is_finite(g)) throw SceneError("gravity: expected three finite numbers");
+  desc_.gravity = g;
+}
+
+System* World::find_system(std::string_view name) {
+  for (Present& p : systems_)
+    if (name == p.descriptor->name) return p.system.get();
+  return nullptr;
+}
+
+const SystemDescriptor* World::find_descriptor(std::string_view name) const {
+  for (const SystemDescriptor* d : catalog_)
+    if (name == d->name) return d;
+  return nullptr;
+}
+
+System& World::need_system(std::string_view name) {
+  if (System* s = find_system(name)) return *s;
+  const SystemDescriptor* d = find_descriptor(name);
+  if (!d) throw SceneError("this build leaves out the module '" + std::string(name) + "'");
+  System& made = make_system(*d);
+  make_couplings();
+  return made;
+}
+
+System& World::make_system(const SystemDescriptor& d) {
+  for (const char* need : d.needs) {
+    if (find_system(need)) continue;
+    const SystemDescriptor* nd = find_descriptor(need);
+    if (!nd) throw SceneError(std::string("the module '") + d.name + "' needs '" + need + "', which this build leaves out");
+    make_system(*nd);
+  }
+  const auto it = desc_.systems.find(d.name);
+  const Params& options = it == desc_.systems.end() ? no_options_ : it->second;
+  SystemSetup setup{store_, objects_, events_, options, desc_.options, desc_.dimension, *this, &structure_changed_};
+  auto system = d.make(setup);
+  options.check_all_read(d.name);
+  systems_.push_back({&d, std::move(system)});
+  structure_changed_ = true;
+  return *systems_.back().system;
+}
+
+void World::make_couplings() {
+  for (const SystemDescriptor* d : catalog_) {
+    if (d->joins.empty() || find_system(d->name)) continue;
+    bool all = true;
+    for (const char* name : d->joins) all = all && find_system(name);
+    if (all) make_system(*d);
+  }
+}
+
+std::vector<std::string> World::absent() const {
+  std::vector<std::string> names;
+  for (const SystemDescriptor* d : catalog_) {
+    bool present = false;
+    for (const Present& p : systems_) present = present || p.descriptor == d;
+    if (!present) names.emplace_back(d->name);
+  }
+  return names;
+}
+
+void World::begin_step(void* self, StepContext&) {
+  World& w = *static_cast<World*>(self);
+  w.events_.clear();
+  w.scratch_.reset();
+}
+
+void World::finish_step(void* self, StepContext& c) {
+  World& w = *static_cast<World*>(self);
+  if (w.events_.wanted(EventKind::step)) w.events_.add(Event{});
+  w.events_.finish();
+  w.time_ = static_cast<double>(c.step + 1) * w.desc_.dt;
+  ++w.steps_;
+}
+
+void World::rebuild_plan() {
+  plan_.clear();
+  plan_.add(StepRow{Stage::begin, When::each_substep, 0, "begin", "world", &World::begin_step, this, {}});
+  for (Present& p : systems_) p.system->add_rows(plan_);
+  plan_.add(StepRow{Stage::finish, When::each_substep, 1000, "finish", "world", &World::finish_step, this, {}});
+  plan_.finish();
+  structure_changed_ = false;
+}
+
+const StepPlan& World::plan() {
+  if (structure_changed_) rebuild_plan();
+  return plan_;
+}
+
+void World::step() {
+  if (stepping_) throw SceneError("world: step() called inside a step");
+  if (structure_changed_) rebuild_plan();
+  StepContext c;
+  c.dt = static_cast<Real>(desc_.dt);
+  c.h = static_cast<Real>(desc_.dt / desc_.substeps);
+  c.substeps = desc_.substeps;
+  c.step = steps_;
+  c.time = time_;
+  c.dimension = desc_.dimension;
+  c.sleeping = desc_.sleeping;
+  c.gravity = desc_.gravity;
+  c.store = &store_;
+  c.objects = &objects_;
+  c.events = &events_;
+  c.jobs = &jobs_;
+  c.scratch = &scratch_;
+  stepping_ = true;
+  plan_.run(c);
+  stepping_ = false;
+}
+
+ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name, TagMask tags) {
+  Arena& arena = store_.arena("forces");
+  target.force = find_variant(force_kinds(), kind, "force kind").make(arena, options);
+  options.check_all_read("force");
+  return add_force(std::move(target), std::move(name), tags);
+}
+
+ObjectId World::add_force(ForceEntry entry, std::string name, TagMask tags) {
+  Forces& forces = store_.need<Forces>("forces");
+  entry.object = objects_.add(ObjectKind::force, static_cast<std::uint32_t>(forces.list.size()), std::move(name), tags);
+  forces.list.push_back(std::move(entry));
+  structure_changed_ = true;
+  return forces.list.back().object;
+}
+
+void World::remove_force(ObjectId force, std::string where) {
+  Forces& forces = store_.need<Forces>("forces");
+  for (std::size_t i = 0; i < forces.list.size(); ++i) {
+    if (forces.list[i].object != force) continue;
+    forces.list.erase(forces.list.begin() + static_cast<std::ptrdiff_t>(i));
+    objects_.remove(force, std::move(where));
+    structure_changed_ = true;
+    return;
+  }
+}
+
+Energy World::energy() const {
+  Energy sum;
+  for (const Present& p : systems_) {
+    const Energy e = p.system->energy(desc_.gravity);
+    sum.kinetic += e.kinetic, sum.potential += e.potential, sum.elastic += e.elastic;
+  }
+  return sum;
+}
+
+Momentum World::momentum() const {
+  Momentum sum;
+  for (const Present& p : systems_) {
+    const Momentum m = p.system->momentum();
+    for (int i = 0; i < 3; ++i) sum.linear[i] += m.linear[i], sum.angular[i] += m.angular[i];
+  }
+  return sum;
+}
+
+std::vector<Residual> World::residuals() const {
+  std::vector<Residual> all;
+  for (const Present& p : systems_) p.system->residuals(all);
+  return all;
+}
+
+bool World::is_finite() const {
+  for (const Present& p : systems_)
+    if (!p.system->finite()) return false;
+  return true;
+}
+
+std::uint64_t World::hash() const {
+  Hash h;
+  h.add(steps_);
+  for (const Present& p : systems_) p.system->hash(h);
+  return h.value();
+}
+
+std::vector<SystemReport> World::report() const {
+  std::vector<SystemReport> rows;
+  for (const Present& p : systems_) {
+    SystemReport r{p.descriptor->name, p.system->count(), 0};
+    for (const auto& a : store_.arenas())
+      if (a->name() == r.name) r.bytes = a->bytes();
+    rows.push_back(std::move(r));
+  }
+  return rows;
+}
+
+std::size_t World::bytes() const {
+  std::size_t sum = objects_.bytes();
+  for (const auto& a : store_.arenas()) sum += a->bytes();
+  return sum;
+}
+
+std::uint64_t World::allocations() const {
+  std::uint64_t sum = 0;
+  for (const auto& a : store_.arenas()) sum += a->allocations();
+  return sum;
+}
+
+}  // namespace feder

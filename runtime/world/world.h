@@ -1,0 +1,112 @@
+// A world: systems made on demand, the step plan they fill, the objects scripts hold, and the events of a step.
+// It knows no particular system. Nothing in a step allocates after warm-up, throws or logs.
+#pragma once
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/jobs.h"
+#include "base/rng.h"
+#include "forces/force.h"
+#include "step/system.h"
+#include "world/desc.h"
+
+namespace feder {
+
+struct SystemReport {
+  std::string name;
+  std::size_t count = 0;  // bodies, points, ...
+  std::size_t bytes = 0;  // its arena
+};
+
+class World final : private SystemFinder {
+ public:
+  // `catalog` lists the systems this host links; it must outlive the world.
+  World(const WorldDesc& desc, Catalog catalog);
+  ~World() override;
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  const WorldDesc& desc() const { return desc_; }
+  double time() const { return time_; }              // s, simulated
+  std::uint64_t step_count() const { return steps_; }
+  void set_gravity(const Vec3& g);                   // wakes nobody: see Rigid::wake_all
+
+  // The system with S::kName, made (with what it needs) on first use. SceneError when this host leaves it out.
+  template <class S>
+  S& need() {
+    return static_cast<S&>(need_system(S::kName));
+  }
+  template <class S>
+  S* find() {
+    return static_cast<S*>(find_system(S::kName));
+  }
+  System& need_system(std::string_view name);
+  // Names of the catalog that this world does not have.
+  std::vector<std::string> absent() const;
+
+  // One step of dt. Must not be called from inside a step.
+  void step();
+
+  Objects& objects() { return objects_; }
+  const Objects& objects() const { return objects_; }
+  Events& events() { return events_; }
+  Store& store() { return store_; }
+  Rng& rng() { return rng_; }
+  const StepPlan& plan();                            // rebuilt when needed
+  void reset_profile() { plan_.reset_counters(); }
+
+  // Forces: made by kind name; the target is everything, objects with a tag, or one object.
+  ObjectId add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name, TagMask tags);
+  // A force whose values a script writes between steps (target filled by the caller, force may be null).
+  ObjectId add_force(ForceEntry entry, std::string name, TagMask tags);
+  void remove_force(ObjectId force, std::string where);
+
+  // Health and conserved quantities, summed over the systems.
+  Energy energy() const;
+  Momentum momentum() const;
+  std::vector<Residual> residuals() const;
+  bool is_finite() const;
+  std::uint64_t hash() const;                        // FNV-1a over the systems' states
+
+  std::vector<SystemReport> report() const;          // systems present, in the order they were made
+  std::size_t bytes() const;
+  std::uint64_t allocations() const;                 // since birth, of all arenas: constant while only stepping
+
+  // A byte image of the state; restore then run = run, bit for bit. Belongs to the world that made it.
+  std::string snapshot() const;
+  void restore(std::string_view image);              // SceneError, world unchanged, when it does not fit
+
+ private:
+  struct Present {
+    const SystemDescriptor* descriptor;
+    std::unique_ptr<System> system;
+  };
+  System* find_system(std::string_view name) override;
+  const SystemDescriptor* find_descriptor(std::string_view name) const;
+  System& make_system(const SystemDescriptor& descriptor);
+  void make_couplings();
+  void rebuild_plan();
+  static void begin_step(void* self, StepContext& context);
+  static void finish_step(void* self, StepContext& context);
+  void load_image(std::string_view image);
+
+  WorldDesc desc_;
+  Catalog catalog_;
+  Store store_;
+  Objects objects_;
+  Events events_;
+  JobPool jobs_;
+  Scratch scratch_;
+  Rng rng_;
+  std::vector<Present> systems_;
+  StepPlan plan_;
+  Params no_options_;
+  bool structure_changed_ = true;
+  bool stepping_ = false;
+  double time_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace feder

@@ -1,0 +1,105 @@
+# One set of compile flags, and the three words that add things:
+#   feder_module(name SOURCES a.cpp ... NEEDS base geom ...)   a static library feder_<name>
+#   feder_variant(module name [FILE file.cpp])                 one source and one row of the module's table
+#   feder_pair(a b)                                            the same for a narrow-phase pair test
+# A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
+# generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
+
+find_program(FEDER_CCACHE ccache)
+if(FEDER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${FEDER_CCACHE})
+endif()
+
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_DEV "-O1 -g")
+
+find_package(Eigen3 3.4 QUIET NO_MODULE)
+if(NOT TARGET Eigen3::Eigen)
+  include(FetchContent)
+  FetchContent_Declare(eigen URL https://gitlab.com/libeigen/eigen/-/archive/3.4.0/eigen-3.4.0.tar.gz)
+  set(EIGEN_BUILD_DOC OFF)
+  set(BUILD_TESTING OFF)
+  FetchContent_MakeAvailable(eigen)
+  if(NOT TARGET Eigen3::Eigen)
+    add_library(Eigen3::Eigen ALIAS eigen)
+  endif()
+endif()
+find_package(Threads REQUIRED)
+
+# Same result for every compiler and optimisation level: no contraction, no fast-math, errno-free sqrt.
+add_library(feder_flags INTERFACE)
+add_library(feder::flags ALIAS feder_flags)
+target_compile_features(feder_flags INTERFACE cxx_std_20)
+target_compile_options(feder_flags INTERFACE
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wno-psabi;-fno-math-errno;-fno-trapping-math> -ffp-contract=off)
+if(FEDER_REAL STREQUAL "double")
+  target_compile_definitions(feder_flags INTERFACE FEDER_REAL_DOUBLE=1)
+elseif(NOT FEDER_REAL STREQUAL "float")
+  message(FATAL_ERROR "FEDER_REAL is float or double, not '${FEDER_REAL}'")
+endif()
+if(FEDER_SANITIZE)
+  target_compile_options(feder_flags INTERFACE -fsanitize=${FEDER_SANITIZE} -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer)
+  target_link_options(feder_flags INTERFACE -fsanitize=${FEDER_SANITIZE})
+  target_compile_definitions(feder_flags INTERFACE FEDER_SANITIZED=1)
+endif()
+target_link_libraries(feder_flags INTERFACE Eigen3::Eigen Threads::Threads)
+
+set_property(GLOBAL PROPERTY FEDER_MODULES "")
+
+function(feder_left_out out name)
+  list(FIND FEDER_WITHOUT "${name}" at)
+  if(at GREATER -1)
+    set(${out} TRUE PARENT_SCOPE)
+  else()
+    set(${out} FALSE PARENT_SCOPE)
+  endif()
+endfunction()
+
+function(feder_module name)
+  cmake_parse_arguments(M "" "ROOT" "SOURCES;NEEDS" ${ARGN})
+  feder_left_out(left_out ${name})
+  if(left_out)
+    return()
+  endif()
+  if(NOT M_ROOT)
+    set(M_ROOT ${PROJECT_SOURCE_DIR}/runtime)
+  endif()
+  set(target feder_${name})
+  add_library(${target} STATIC ${M_SOURCES})
+  add_library(feder::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${M_ROOT}> $<INSTALL_INTERFACE:include/feder>)
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+  target_link_libraries(${target} PUBLIC feder_flags)
+  foreach(need ${M_NEEDS})
+    target_link_libraries(${target} PUBLIC feder_${need})
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY FEDER_MODULES ${name})
+  set_property(GLOBAL PROPERTY FEDER_DECLARE_${name} "")
+  set_property(GLOBAL PROPERTY FEDER_ROWS_${name} "")
+  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}_declare.inc
+       CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},FEDER_DECLARE>,\n>\n")
+  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}_rows.inc
+       CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},FEDER_ROWS>,\n>\n")
+endfunction()
+
+function(feder_variant module name)
+  cmake_parse_arguments(V "" "FILE" "" ${ARGN})
+  feder_left_out(module_out ${module})
+  feder_left_out(variant_out ${module}.${name})
+  if(module_out OR variant_out)
+    return()
+  endif()
+  if(NOT V_FILE)
+    set(V_FILE ${name}.cpp)
+  endif()
+  target_sources(feder_${module} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${V_FILE})
+  set_property(TARGET feder_${module} APPEND PROPERTY FEDER_DECLARE "Row ${module}_${name}()\;")
+  set_property(TARGET feder_${module} APPEND PROPERTY FEDER_ROWS "${module}_${name}(),")
+endfunction()
+
+function(feder_pair a b)
+  feder_variant(narrow ${a}_${b})
+endfunction()
