@@ -1,0 +1,109 @@
+// A script in its own Lua state: the C++ face of the Lua binding, used by the feder program, tests and embedders.
+// Hides Lua completely. Errors are ScriptError with "file:line: message"; nothing a script does ends the process.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "world/world.h"
+
+namespace feder::lua {
+
+// what() is "file:line: message" (one line), or the message alone when no place is known.
+class ScriptError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct HostOptions {
+  std::vector<std::filesystem::path> library_roots;   // folders that `require` may read besides the scene's (scripts/)
+  std::map<std::string, std::string> set;             // --set NAME=VALUE: values for feder.param
+  std::map<std::string, std::string> world;           // --world KEY=VALUE: "dt", "substeps", "rigid.solver" ...
+  bool has_seed = false;
+  std::uint64_t seed = 1;
+  std::function<void(std::string_view)> print;        // output of print(); stdout when empty
+  std::size_t memory_limit = std::size_t(1) << 30;    // bytes of Lua memory
+  std::uint64_t instruction_limit = 0;                // per call into Lua; 0 = none
+  // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see yaml/yaml.h).
+  // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
+  std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml;
+};
+
+// A declared feder.param.
+struct ParamInfo {
+  std::string name, help, value, fallback;
+  double min = 0, max = 0, step = 0;
+  bool has_min = false, has_max = false, has_step = false;
+  std::vector<std::string> choices;
+};
+
+// An error in a handler, timer, task or update(): reported once per place, counted after that.
+struct HandlerError {
+  std::string where;    // file:line
+  std::string message;
+  std::uint64_t count = 0;
+};
+
+// One failed expect() of a scene's check.
+struct CheckFailure {
+  std::string where;    // file:line of the expect call
+  std::string message;
+};
+struct CheckResult {
+  bool has_check = false;
+  int passed = 0;
+  std::vector<CheckFailure> failures;
+};
+
+// Time spent in a Lua handler, by place.
+struct HandlerProfile {
+  std::string where;
+  std::uint64_t calls = 0, nanoseconds = 0;
+};
+
+class Script {
+ public:
+  explicit Script(HostOptions options);
+  ~Script();
+  Script(const Script&) = delete;
+  Script& operator=(const Script&) = delete;
+
+  // Runs a file (.lua, or .yaml/.yml when load_yaml is set) or a text. A scene is remembered; a plain script has run
+  // from top to bottom when this returns.
+  void load_file(const std::filesystem::path& file);
+  void load_string(std::string_view text, const std::string& chunk_name);
+
+  bool is_scene() const;
+  std::string title() const;
+  double seconds() const;                             // of the scene; 0 when it says nothing
+  std::vector<ParamInfo> params() const;
+
+  // Scenes: makes the world from the scene's defaults, the overrides and the host's options, then calls build().
+  void build();
+  // The scene's world, or the last world a plain script made; null when there is none.
+  World* world();
+  // One step: world.step(), then timers, events, tasks, update(). Handler errors are collected, not thrown.
+  void step();
+  // Runs the scene's check.
+  CheckResult check();
+  const std::vector<HandlerError>& handler_errors() const;
+  std::vector<HandlerProfile> handler_profile() const;
+
+  // Called after every step of any world (plain scripts included): progress, recording.
+  void on_step(std::function<void(World&)> callback);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The systems this build of the binding can make.
+Catalog catalog();
+
+}  // namespace feder::lua

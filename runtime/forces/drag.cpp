@@ -1,0 +1,31 @@
+// Linear and quadratic drag: f = -(linear + quadratic |v|) v. Linear in N s/m, quadratic in N s^2/m^2.
+#include "forces/force.h"
+
+namespace feder {
+namespace {
+
+class Drag final : public Force {
+ public:
+  explicit Drag(const Params& p)
+      : linear_(static_cast<Real>(p.number("linear", 0, 0, 1e12))),
+        quadratic_(static_cast<Real>(p.number("quadratic", 0, 0, 1e12))) {}
+
+  void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3& v = points[i].velocity;
+      out[i] -= v * (linear_ + quadratic_ * length(v));
+    }
+  }
+
+ private:
+  Real linear_, quadratic_;
+};
+
+}  // namespace
+
+Variant<Force> forces_drag() {
+  return {"drag", "linear and quadratic drag against the velocity",
+          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Drag>(p); }};
+}
+
+}  // namespace feder

@@ -1,0 +1,16 @@
+// The table of force kinds, generated from the feder_variant(forces ...) lines.
+#include "forces/force.h"
+
+namespace feder {
+
+using Row = Variant<Force>;
+#include "forces_declare.inc"
+
+std::span<const Variant<Force>> force_kinds() {
+  static const Variant<Force> table[] = {
+#include "forces_rows.inc"
+  };
+  return table;
+}
+
+}  // namespace feder
