@@ -1,0 +1,200 @@
+// The world with systems made up for the test: plan order, systems on demand, couplings, snapshots, absence.
+#include "support/catch.h"
+#include "world/world.h"
+
+using namespace feder;
+
+namespace {
+
+std::vector<std::string> trace;  // what ran, in order
+
+struct Counts {
+  explicit Counts(Arena& a) : values(&a) {}
+  Array<double> values;
+};
+
+template <int Which>
+class Fake final : public System {
+ public:
+  static constexpr const char* kName = Which == 0 ? "alpha" : Which == 1 ? "beta" : "alpha_beta";
+
+  explicit Fake(SystemSetup& setup) : counts_(setup.store.need<Counts>(kName)) {
+    counts_.values.assign(10, setup.options.number("start", 1, 0, 100));
+  }
+  void add_rows(StepPlan& plan) override {
+    plan.add<&Fake::solve>(Stage::solve, When::each_substep, 20 - Which, "solve", kName, this);
+    plan.add<&Fake::before>(Stage::advance, When::before_substeps, 10, "before", kName, this);
+    plan.add<&Fake::after>(Stage::solve, When::after_substeps, 10, "after", kName, this);
+    plan.add<&Fake::bounds>(Stage::bounds, When::each_substep, 10, "bounds", kName, this);
+  }
+  std::size_t count() const override { return counts_.values.size(); }
+  void hash(Hash& h) const override {
+    for (const double v : counts_.values) h.add(v);
+  }
+  void save(Writer& w) const override { w.list(counts_.values); }
+  void load(Reader& r) override { r.list(counts_.values); }
+
+ private:
+  void note(const char* row) { trace.push_back(std::string(kName) + "." + row); }
+  void before(StepContext&) { note("before"); }
+  void bounds(StepContext&) { note("bounds"); }
+  void solve(StepContext& c) {
+    note("solve");
+    counts_.values[0] += c.h;
+  }
+  void after(StepContext&) { note("after"); }
+  Counts& counts_;
+};
+
+template <int Which>
+std::unique_ptr<System> make_fake(SystemSetup& s) {
+  return std::make_unique<Fake<Which>>(s);
+}
+
+const char* const kNoNames[1] = {};
+const char* const kJoins[2] = {"alpha", "beta"};
+const char* const kNeedsMissing[1] = {"gamma"};
+const SystemDescriptor kAlpha{"alpha", {kNoNames, 0}, {kNoNames, 0}, &make_fake<0>};
+const SystemDescriptor kBeta{"beta", {kNoNames, 0}, {kNoNames, 0}, &make_fake<1>};
+const SystemDescriptor kAlphaBeta{"alpha_beta", {kNoNames, 0}, kJoins, &make_fake<2>};
+const SystemDescriptor kDelta{"delta", kNeedsMissing, {kNoNames, 0}, &make_fake<0>};
+const SystemDescriptor* const kCatalog[] = {&kAlpha, &kBeta, &kAlphaBeta, &kDelta};
+
+WorldDesc two_substeps() {
+  WorldDesc d;
+  d.substeps = 2;
+  return d;
+}
+
+}  // namespace
+
+TEST_CASE("a world without systems has a plan of its own two rows and no system bytes", "[world]") {
+  World world(two_substeps(), kCatalog);
+  world.step();
+  CHECK(world.plan().rows().size() == 2);
+  CHECK(world.report().empty());
+  CHECK(world.absent().size() == 4);
+  CHECK(world.step_count() == 1);
+  CHECK(world.time() == Approx(1.0 / 60));
+}
+
+TEST_CASE("rows run by stage, cadence and rank; a coupling appears with its partners", "[world]") {
+  World world(two_substeps(), kCatalog);
+  world.need<Fake<0>>();
+  CHECK(world.find<Fake<2>>() == nullptr);
+  world.need<Fake<1>>();
+  CHECK(world.find<Fake<2>>() != nullptr);
+  trace.clear();
+  world.step();
+  const std::vector<std::string> expected = {
+      "alpha.bounds", "beta.bounds", "alpha_beta.bounds",
+      "alpha.before", "beta.before", "alpha_beta.before",
+      "alpha_beta.solve", "beta.solve", "alpha.solve",
+      "alpha_beta.solve", "beta.solve", "alpha.solve",
+      "alpha.after", "beta.after", "alpha_beta.after"};
+  CHECK(trace == expected);
+  for (const StepRow& row : world.plan().rows())
+    CHECK(row.counter.calls == (row.stage == Stage::solve && row.when == When::each_substep ? 2u : 1u));
+}
+
+TEST_CASE("a system that needs an absent module says so", "[world]") {
+  World world(two_substeps(), kCatalog);
+  CHECK_THROWS_WITH(world.need_system("delta"), Catch::Contains("delta") && Catch::Contains("gamma"));
+  CHECK_THROWS_WITH(world.need_system("omega"), Catch::Contains("omega"));
+  CHECK(world.report().empty());
+}
+
+TEST_CASE("system options are read, and unknown ones refused", "[world]") {
+  WorldDesc d = two_substeps();
+  d.systems["alpha"].set("start", 5.0);
+  World world(d, kCatalog);
+  world.need<Fake<0>>();
+  CHECK(world.store().get<Counts>().values[1] == 5.0);
+
+  d.systems["alpha"].set("strat", 5.0);
+  World other(d, kCatalog);
+  CHECK_THROWS_WITH(other.need<Fake<0>>(), Catch::Contains("strat") && Catch::Contains("start"));
+}
+
+TEST_CASE("restore brings everything back, and refuses what does not fit", "[world]") {
+  World world(two_substeps(), kCatalog);
+  world.need<Fake<0>>();
+  for (int i = 0; i < 3; ++i) world.step();
+  const std::string image = world.snapshot();
+  const std::uint64_t at_three = world.hash();
+  for (int i = 0; i < 4; ++i) world.step();
+  const std::uint64_t at_seven = world.hash();
+  CHECK(at_seven != at_three);
+
+  world.restore(image);
+  CHECK(world.hash() == at_three);
+  CHECK(world.step_count() == 3);
+  for (int i = 0; i < 4; ++i) world.step();
+  CHECK(world.hash() == at_seven);
+
+  CHECK_THROWS_AS(world.restore(image.substr(0, image.size() / 2)), SceneError);
+  CHECK_THROWS_AS(world.restore("nonsense"), SceneError);
+  CHECK(world.hash() == at_seven);
+  World other(two_substeps(), kCatalog);
+  CHECK_THROWS_WITH(other.restore(image), Catch::Contains("another world"));
+}
+
+TEST_CASE("world options out of range are refused by name", "[world]") {
+  const auto with = [](auto&& change) {
+    WorldDesc d;
+    change(d);
+    World world(d, kCatalog);
+  };
+  CHECK_THROWS_WITH(with([](WorldDesc& d) { d.dt = 0; }), Catch::Contains("dt"));
+  CHECK_THROWS_WITH(with([](WorldDesc& d) { d.dt = std::numeric_limits<double>::quiet_NaN(); }), Catch::Contains("dt"));
+  CHECK_THROWS_WITH(with([](WorldDesc& d) { d.substeps = 0; }), Catch::Contains("substeps"));
+  CHECK_THROWS_WITH(with([](WorldDesc& d) { d.dimension = 4; }), Catch::Contains("dimension"));
+  CHECK_THROWS_WITH(with([](WorldDesc& d) { d.threads = 1000; }), Catch::Contains("threads"));
+  CHECK_THROWS_WITH(with([](WorldDesc& d) { d.gravity[1] = kInfinity; }), Catch::Contains("gravity"));
+}
+
+TEST_CASE("objects: handles go stale, tombstones keep name and place", "[world]") {
+  Objects objects;
+  const ObjectId a = objects.add(ObjectKind::body, 0, "crate", objects.tag_bit("wood"));
+  const ObjectId b = objects.add(ObjectKind::net, 1, "", 0);
+  CHECK(objects.find("crate") == a);
+  CHECK(objects.describe(a) == "body \"crate\"");
+  CHECK(objects.known_tag("wood") == objects.tags(a));
+  CHECK(objects.known_tag("stone") == 0);
+  objects.remove(a, "tower.lua:41");
+  CHECK_FALSE(objects.alive(a));
+  CHECK(objects.alive(b));
+  CHECK(objects.name(a) == "crate");
+  CHECK(objects.destroyed_at(a) == "tower.lua:41");
+  // the slot is not used again at once
+  for (int i = 0; i < 32; ++i) objects.remove(objects.add(ObjectKind::body, 0, "x", 0), "");
+  CHECK(objects.name(a) == "crate");
+  for (int i = 0; i < 63; ++i) objects.tag_bit("tag" + std::to_string(i));
+  CHECK_THROWS_AS(objects.tag_bit("one too many"), SceneError);
+}
+
+TEST_CASE("events are sorted by kind and partners, pending ones included", "[world]") {
+  Arena arena("events");
+  Objects objects;
+  const ObjectId a = objects.add(ObjectKind::body, 0, "a", 0), b = objects.add(ObjectKind::body, 1, "b", 0);
+  Events events(arena);
+  Event e;
+  e.kind = EventKind::contact_end, e.a = a, e.b = b;
+  events.add_pending(e);
+  e.kind = EventKind::contact_begin, e.a = b;
+  events.add(e);
+  e.a = a;
+  events.add(e);
+  events.warn("stiff", "one");
+  events.warn("stiff", "two");
+  events.finish();
+  REQUIRE(events.list().size() == 4);
+  CHECK(events.list()[0].kind == EventKind::contact_begin);
+  CHECK(events.list()[0].a == a);
+  CHECK(events.list()[1].a == b);
+  CHECK(events.list()[2].kind == EventKind::contact_end);
+  CHECK(events.warning_message(events.list()[3]) == "one");
+  events.clear();
+  events.finish();
+  CHECK(events.list().empty());
+}
