@@ -43,6 +43,7 @@ class Shape {
   int kind_id() const { return kind_id_; }  // row in shape_kinds()
   Real radius() const { return radius_; }   // rounding of the core, m
   bool convex() const { return convex_; }
+  bool planar() const { return planar_; }    // a 2D section in the xy plane; meets only its like and planes
 
   virtual Aabb bounds(const Pose& pose) const = 0;
   virtual MassProperties mass(Real density) const = 0;  // density kg/m^3 (2D sections: kg/m^2)
@@ -75,6 +76,7 @@ class Shape {
 
  protected:
   Real radius_;
+  bool planar_ = false;
 };
 
 using ShapePtr = std::shared_ptr<const Shape>;

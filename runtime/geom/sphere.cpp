@@ -1,6 +1,6 @@
 // Sphere: a point rounded by its radius.
-#include "base/error.h"
 #include "geom/shape.h"
+#include "geom/sizes.h"
 
 namespace feder {
 namespace {
@@ -33,8 +33,7 @@ class Sphere final : public Shape {
 }  // namespace
 
 ShapePtr make_sphere(Real radius) {
-  if (!(radius > 0) || !std::isfinite(radius)) throw SceneError("sphere: expected a radius above 0, got " + std::to_string(radius));
-  return std::make_shared<Sphere>(radius);
+  return std::make_shared<Sphere>(positive_size(radius, "sphere", "radius"));
 }
 
 ShapeKind geom_sphere() {

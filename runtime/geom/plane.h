@@ -1,0 +1,24 @@
+// Plane: the half-space n.x <= d is solid. Has neither mass nor support function; pair tests read n and d.
+#pragma once
+#include "geom/shape.h"
+
+namespace feder {
+
+class Plane final : public Shape {
+ public:
+  Plane(const Vec3& normal, Real distance) : Shape("plane", false), normal_(normal), distance_(distance) {}
+  const Vec3& normal() const { return normal_; }  // unit, out of the solid
+  Real distance() const { return distance_; }     // of the surface from the origin along the normal, m
+
+  Aabb bounds(const Pose& pose) const override;
+  MassProperties mass(Real) const override { return {}; }
+  Real extent(const Vec3&) const override { return kInfinity; }
+  bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
+  ShapePtr section() const override;
+
+ private:
+  Vec3 normal_;
+  Real distance_;
+};
+
+}  // namespace feder
