@@ -1,0 +1,72 @@
+// Dispatch by shape kinds. A row may name "convex" for every convex kind; a row that names the kinds themselves wins.
+// Pairs without any row (plane and plane, a 2D section and a solid, compounds as wholes) never touch.
+#include "narrow/narrow_phase.h"
+
+#include <cstring>
+
+#include "base/error.h"
+
+namespace feder {
+namespace {
+
+struct KindTraits {
+  const char* name;
+  bool convex, planar;
+};
+
+std::vector<KindTraits> kind_traits() {
+  std::vector<KindTraits> traits;
+  for (const ShapeKind& kind : shape_kinds()) {
+    const ShapePtr sample = kind.samples().front();
+    traits.push_back({kind.name, sample->convex(), sample->planar()});
+  }
+  return traits;
+}
+
+bool family(const char* word) { return !std::strcmp(word, "convex"); }
+
+bool matches(const char* word, const KindTraits& kind) {
+  return family(word) ? kind.convex : !std::strcmp(word, kind.name);
+}
+
+// How exactly a row names its pair: 0 by families only, 2 by both kinds.
+int precision(const PairRow& row) { return int(!family(row.kind_a)) + int(!family(row.kind_b)); }
+
+}  // namespace
+
+NarrowPhase::NarrowPhase(const std::string& algorithm) {
+  if (algorithm != "auto" && algorithm != "gjk")
+    throw SceneError("unknown narrow phase '" + algorithm + "'; known: auto, gjk");
+  const std::vector<KindTraits> kinds = kind_traits();
+  kinds_ = static_cast<int>(kinds.size());
+  table_.resize(kinds.size() * kinds.size());
+  for (int wanted = 0; wanted <= 2; ++wanted) {
+    for (const PairRow& row : pair_tests()) {
+      if (precision(row) != wanted) continue;
+      for (std::size_t i = 0; i < kinds.size(); ++i) {
+        for (std::size_t j = 0; j < kinds.size(); ++j) {
+          const bool both_convex = kinds[i].convex && kinds[j].convex;
+          if (!matches(row.kind_a, kinds[i]) || !matches(row.kind_b, kinds[j])) continue;
+          if (both_convex && kinds[i].planar != kinds[j].planar) continue;
+          // flat sections have no volume for EPA: they keep their own tests
+          if (algorithm == "gjk" && wanted == 2 && both_convex && !kinds[i].planar) continue;
+          table_[i * kinds.size() + j] = {row.test, false};
+          const bool same_family = matches(row.kind_a, kinds[j]) && matches(row.kind_b, kinds[i]);
+          if (i != j && !same_family) table_[j * kinds.size() + i] = {row.test, true};
+        }
+      }
+    }
+  }
+}
+
+int NarrowPhase::collide(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin,
+                         PairCache& cache, Manifold* out) const {
+  const Entry& entry = table_[static_cast<std::size_t>(a.kind_id() * kinds_ + b.kind_id())];
+  if (!entry.test) return 0;
+  if (!entry.swapped) return entry.test(a, pose_a, b, pose_b, margin, cache, out);
+  const int count = entry.test(b, pose_b, a, pose_a, margin, cache, out);
+  for (int i = 0; i < count; ++i) out[i].normal = -out[i].normal;
+  return count;
+}
+
+}  // namespace feder
