@@ -1,0 +1,91 @@
+// Hinge: anchors stay together and the x axes of the frames stay parallel; the angle about them is free, limited or
+// driven. Five equality rows in one block (three of the point; y_a . x_b = 0 and z_a . x_b = 0), one row per finite
+// limit, one motor row. The angle is that of y_b in the y-z plane of frame a, in (-pi, pi]; with two finite limits it
+// is measured from their middle, so that limits may lie anywhere on the circle. All Jacobians are exact derivatives
+// at any pose. Weak spot: axes turned by 180 degrees also satisfy the rows, and limits wider than a turn never act.
+#include "constrain/frames.h"
+
+namespace feder::joints {
+namespace {
+
+// The angle and its derivative with respect to the relative angular velocity.
+Real angle_of(const WorldFrames& f, Vec3& gradient) {
+  const Vec3 y_a = f.axes_a.col(1), z_a = f.axes_a.col(2), y_b = f.axes_b.col(1);
+  const Real s = dot(z_a, y_b), c = dot(y_a, y_b);
+  const Real norm2 = s * s + c * c;
+  if (norm2 < Real(1e-6)) {  // y_b along the axis of a: the angle has no meaning, the axis is the best direction
+    gradient = f.axes_a.col(0);
+    return 0;
+  }
+  const Vec3 turn = (c * z_a - s * y_a) / norm2;
+  gradient = cross(y_b, turn);
+  return arc_tan2(s, c);
+}
+
+// `x` brought into (-pi, pi], for |x| < 3 pi.
+Real wrapped(Real x) {
+  if (x > kPi) return x - 2 * kPi;
+  if (x <= -kPi) return x + 2 * kPi;
+  return x;
+}
+
+void fill_angle_row(const Vec3& gradient, Row& row) {
+  row.angular_b = gradient;
+  row.angular_a = -gradient;
+}
+
+void fill_limit(const Vec3& gradient, Real room, Real sign, Row& row) {
+  fill_angle_row(sign * gradient, row);
+  row.value = room;
+  make_limit(row);
+}
+
+void fill(const JointInput& in, RowWriter& out) {
+  const WorldFrames f = world_frames(in);
+  const JointOptions& o = in.joint->options;
+  const Vec3 x_b = f.axes_b.col(0);
+
+  // point and direction of the axis
+  Row* rows = out.block(5);
+  fill_point_rows(f, rows);
+  for (int k = 1; k <= 2; ++k) {
+    const Vec3 side = f.axes_a.col(k);
+    fill_angle_row(cross(x_b, side), rows[2 + k]);
+    rows[2 + k].value = dot(side, x_b);
+  }
+
+  // limits
+  Vec3 gradient;
+  const Real angle = angle_of(f, gradient);
+  if (o.has_limits) {
+    const bool low = o.lower > -kInfinity, high = o.upper < kInfinity;
+    const Real middle = low && high ? Real(0.5) * (o.lower + o.upper) : 0;
+    const Real from_middle = wrapped(wrapped(angle - middle));
+    if (low) fill_limit(gradient, from_middle - (o.lower - middle), 1, *out.block(1));
+    if (high) fill_limit(gradient, (o.upper - middle) - from_middle, -1, *out.block(1));
+  }
+
+  // motor
+  if (o.has_motor) {
+    Row& row = *out.block(1);
+    fill_angle_row(gradient, row);
+    row.speed = o.motor_speed;
+    row.lower = -o.motor_max;
+    row.upper = o.motor_max;
+    row.velocity_only = true;
+  }
+}
+
+Real coordinate(const JointInput& in) {
+  Vec3 gradient;
+  return angle_of(world_frames(in), gradient);
+}
+
+}  // namespace
+
+JointKind constrain_hinge() {
+  return {"hinge", "turns about one axis, with limits and a motor", fill, coordinate,
+          kUsesAxis | kUsesLimits | kUsesMotor};
+}
+
+}  // namespace feder::joints
