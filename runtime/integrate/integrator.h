@@ -1,6 +1,8 @@
 // Time integrators for x'' = f(x, v, t)/m. The integrator drives: it asks for forces as often as it wants.
 // One file per method, one feder_variant(integrate <method>) line. Contract, checked for every row by
-// tests/integrate/test_integrator_contract.cpp: convergence order, stability limit h*w on the oscillator, momentum.
+// tests/integrate/test_integrator_contract.cpp: convergence order, stability limit h*w on the oscillator, momentum of
+// free systems, pinned points stay, no allocation after the first step of a size, nothing remembered between steps
+// (a state written from outside, by a contact or a snapshot, continues like a fresh start).
 #pragma once
 #include <span>
 
@@ -20,9 +22,14 @@ class ForceField {
   virtual std::span<const Real> mass() const = 0;
   // f(x, v, t), N. Replaces `force`.
   virtual void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) = 0;
-  // K = df/dx and D = df/dv as symmetric 3x3 blocks, for implicit methods. Fills both (pattern fixed until structure changes).
+  // Does f depend on v? Then methods that treat damping implicitly have something to solve.
+  virtual bool damped() const = 0;
+  // D = df/dv as symmetric negative semidefinite 3x3 blocks. Fills it (its pattern is set).
+  virtual void damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) = 0;
+  // K = df/dx and D = df/dv likewise, for implicit methods: negative semidefinite, the other part is dropped.
   virtual void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) = 0;
   virtual void pattern(std::vector<BlockIndex>& blocks) const = 0;  // off-diagonal blocks (i < j)
+  virtual std::uint64_t pattern_version() const = 0;                // changes when the pattern does
 };
 
 struct IntegratorInfo {

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "base/arena.h"
 #include "base/math.h"
 
 namespace feder {
@@ -12,10 +13,14 @@ struct BlockIndex {
 };
 
 struct BlockSparse {
-  std::vector<BlockIndex> index;
-  std::vector<Mat3> off;       // by `index`: block (i, j); block (j, i) is its transpose
-  std::vector<Mat3> diagonal;
+  BlockSparse() = default;
+  explicit BlockSparse(Arena& a) : index(&a), off(&a), diagonal(&a) {}
 
+  Array<BlockIndex> index;
+  Array<Mat3> off;       // by `index`: block (i, j); block (j, i) is its transpose
+  Array<Mat3> diagonal;
+
+  // Allocates only when the pattern outgrows every earlier one. All blocks become zero.
   void set_pattern(std::size_t count, std::span<const BlockIndex> blocks);
   void set_zero();
   // y = A x

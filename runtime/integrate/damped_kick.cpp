@@ -1,0 +1,48 @@
+#include "integrate/damped_kick.h"
+
+namespace feder {
+namespace {
+// M - h D is close to diagonal unless the dashpots are very strong, so a few iterations reach this.
+constexpr CgOptions kDampingSolve = {sizeof(Real) == 4 ? 1e-6 : 1e-12, 200};
+}  // namespace
+
+void DampedKick::apply(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+                       IntegratorStats& stats) {
+  force_.resize(x.size());
+  field.eval(x, v, t, force_);
+  ++stats.force_evals;
+  if (implicit_ && field.damped()) return solve(field, t, h, x, v, stats);
+  const std::span<const Real> inv_mass = field.inv_mass();
+  for (std::size_t i = 0; i < x.size(); ++i) v[i] += (h * inv_mass[i]) * force_[i];
+}
+
+void DampedKick::solve(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+                       IntegratorStats& stats) {
+  const std::size_t n = x.size();
+  if (pattern_version_ != field.pattern_version() || d_.diagonal.size() != n) {
+    pattern_.clear();
+    field.pattern(pattern_);
+    d_.set_pattern(n, pattern_);
+    pattern_version_ = field.pattern_version();
+  }
+  dv_.resize(n);
+  field.damping(x, v, t, d_);
+  ++stats.jacobian_evals;
+
+  // A = M - h D, b = h f
+  const std::span<const Real> mass = field.mass();
+  for (Mat3& m : d_.off) m *= -h;
+  for (std::size_t i = 0; i < n; ++i) {
+    d_.diagonal[i] *= -h;
+    d_.diagonal[i].diagonal().array() += mass[i];
+    force_[i] *= h;
+  }
+  const CgResult r = cg_.solve(d_, field.inv_mass(), force_, kDampingSolve, dv_);
+  ++stats.linear_solves;
+  stats.cg_iterations += static_cast<std::uint64_t>(r.iterations);
+  stats.residual = r.residual;
+  if (!r.converged) ++stats.unconverged;
+  for (std::size_t i = 0; i < n; ++i) v[i] += dv_[i];
+}
+
+}  // namespace feder

@@ -1,0 +1,38 @@
+// Explicit Euler: x += h v, v += h f(x, v)/m, both from the old state (Euler 1768). Kept between calls: nothing.
+// Weak spot: never stable without damping, the energy of an oscillator grows by 1 + (h w)^2 per step. Here as the
+// method to compare with.
+#include "integrate/integrator.h"
+
+namespace feder {
+namespace {
+
+class ExplicitEuler final : public Integrator {
+ public:
+  explicit ExplicitEuler(Arena& a) : force_(&a) {}
+
+  IntegratorInfo info() const override { return {1, 0, 1, false, false}; }
+
+  void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
+    force_.resize(x.size());
+    field.eval(x, v, t, force_);
+    ++stats.force_evals;
+    const std::span<const Real> inv_mass = field.inv_mass();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (inv_mass[i] == 0) continue;
+      x[i] += h * v[i];
+      v[i] += (h * inv_mass[i]) * force_[i];
+    }
+  }
+
+ private:
+  Array<Vec3> force_;
+};
+
+}  // namespace
+
+Variant<Integrator> integrate_explicit_euler() {
+  return {"explicit_euler", "order 1, never stable on undamped springs: for comparison",
+          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<ExplicitEuler>(a); }};
+}
+
+}  // namespace feder

@@ -1,0 +1,16 @@
+// The table of integrators, generated from the feder_variant(integrate ...) lines.
+#include "integrate/integrator.h"
+
+namespace feder {
+
+using Row = Variant<Integrator>;
+#include "integrate_declare.inc"
+
+std::span<const Variant<Integrator>> integrators() {
+  static const Variant<Integrator> table[] = {
+#include "integrate_rows.inc"
+  };
+  return table;
+}
+
+}  // namespace feder

@@ -1,0 +1,91 @@
+// Conjugate gradient with a block-Jacobi preconditioner (Hestenes & Stiefel 1952). Fixed points are filtered by
+// giving them a zero preconditioner block and zeroing their product (the projection of Baraff & Witkin 1998), so the
+// search stays in the space of free points. Scalar products are summed in double, in index order: the same bits on
+// any machine and thread count, and the float build reaches its tolerance on stiff systems.
+// Kept between calls: work memory only. Weak spot: iterations grow with the square root of the condition number,
+// for a chain of n links at a large step about n of them.
+#include "linear/cg.h"
+
+#include <cmath>
+
+#include "base/assert.h"
+
+namespace feder {
+namespace {
+
+double dot_sum(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (int k = 0; k < 3; ++k) sum += static_cast<double>(a[i][k]) * static_cast<double>(b[i][k]);
+  return sum;
+}
+
+// Inverse of a diagonal block by LDL^T in double: the cofactors of a stiff float block would cancel or overflow. A
+// block that is not positive definite to rounding gives the inverse of its largest diagonal entry.
+Mat3 inverse_block(const Mat3& m) {
+  const double a = m(0, 0), b = m(1, 0), c = m(2, 0), d = m(1, 1), e = m(2, 1), f = m(2, 2);
+  const double largest = a > d ? (a > f ? a : f) : (d > f ? d : f);
+  if (!(largest > 0)) return Mat3::Identity();  // not positive definite: the search meets the curvature
+  const double floor = largest * 1e-12;
+  const Mat3 fallback = Mat3::Identity() * static_cast<Real>(1 / largest);
+  if (!(a > floor)) return fallback;
+  const double l10 = b / a, l20 = c / a, d1 = d - l10 * b;
+  if (!(d1 > floor)) return fallback;
+  const double l21 = (e - l20 * b) / d1, d2 = f - l20 * c - l21 * l21 * d1;
+  if (!(d2 > floor)) return fallback;
+  // inverse = L^-T D^-1 L^-1 with L^-1 = [1 0 0; -l10 1 0; t -l21 1]
+  const double t = l10 * l21 - l20, i0 = 1 / a, i1 = 1 / d1, i2 = 1 / d2;
+  const double m10 = -l10 * i1 - t * l21 * i2, m20 = t * i2, m21 = -l21 * i2;
+  Mat3 out;
+  out << static_cast<Real>(i0 + l10 * l10 * i1 + t * t * i2), static_cast<Real>(m10), static_cast<Real>(m20),
+      static_cast<Real>(m10), static_cast<Real>(i1 + l21 * l21 * i2), static_cast<Real>(m21), static_cast<Real>(m20),
+      static_cast<Real>(m21), static_cast<Real>(i2);
+  return out;
+}
+
+}  // namespace
+
+double ConjugateGradient::precondition() {
+  for (std::size_t i = 0; i < r_.size(); ++i) z_[i].noalias() = inverse_[i] * r_[i];
+  return dot_sum(r_, z_);
+}
+
+CgResult ConjugateGradient::solve(const BlockSparse& a, std::span<const Real> free, std::span<const Vec3> b,
+                                  const CgOptions& options, std::span<Vec3> x) {
+  const std::size_t n = a.diagonal.size();
+  FEDER_ASSERT(free.size() == n && b.size() == n && x.size() == n);
+  inverse_.resize(n), r_.resize(n), z_.resize(n), p_.resize(n), ap_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] = Vec3::Zero();
+    inverse_[i] = free[i] != 0 ? inverse_block(a.diagonal[i]) : Mat3(Mat3::Zero());
+    r_[i] = free[i] != 0 ? b[i] : Vec3(Vec3::Zero());
+  }
+
+  CgResult result;
+  double rz = precondition();
+  const double wanted = rz * options.tolerance * options.tolerance, start = rz;
+  if (!(rz > 0)) return result.converged = rz == 0, result;
+  for (std::size_t i = 0; i < n; ++i) p_[i] = z_[i];
+
+  while (result.iterations < options.max_iterations) {
+    a.multiply(p_, ap_);
+    const double curvature = dot_sum(p_, ap_);
+    if (!(curvature > 0)) break;
+    const Real alpha = static_cast<Real>(rz / curvature);
+    for (std::size_t i = 0; i < n; ++i) {
+      x[i] += alpha * p_[i];
+      r_[i] -= alpha * ap_[i];
+    }
+    ++result.iterations;
+    // fixed points: their residual is never seen, because the preconditioner block is zero
+    const double next = precondition();
+    result.residual = std::sqrt(std::fabs(next) / start);
+    if (next <= wanted) return result.converged = true, result;
+    const Real beta = static_cast<Real>(next / rz);
+    for (std::size_t i = 0; i < n; ++i) p_[i] = z_[i] + beta * p_[i];
+    rz = next;
+  }
+  return result;
+}
+
+}  // namespace feder
