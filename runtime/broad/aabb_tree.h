@@ -1,0 +1,86 @@
+// A binary tree of boxes that can be changed leaf by leaf. Used by the tree broad phase, one for still and one for
+// moving boxes. Only finite boxes with lo <= hi.
+// Source: insertion by surface area as in Omohundro, "Five Balltree Construction Algorithms" (1989), and Goldsmith
+// and Salmon (1987), greedy single descent; rotations after Kopta et al., "Fast, Effective BVH Updates for Animated
+// Scenes", I3D 2012. build() splits at the median of the centres along the longest axis.
+// Kept between calls: everything. Weak spot: a greedy insertion order can give a poor tree; build() repairs it.
+#pragma once
+#include <span>
+
+#include "base/arena.h"
+#include "broad/segment_box.h"
+#include "geom/aabb.h"
+
+namespace feder {
+
+class AabbTree {
+ public:
+  explicit AabbTree(Arena& arena) : nodes_(&arena) {}
+
+  std::uint32_t leaves() const { return leaves_; }
+  // The node of a new leaf that holds `item`.
+  std::uint32_t insert(const Aabb& box, std::uint32_t item);
+  void remove(std::uint32_t leaf);
+  const Aabb& box(std::uint32_t node) const { return nodes_[node].box; }
+
+  // Drops all leaves and makes one per item. `leaf_of[item]` receives the node. Reorders `items`.
+  void build(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
+
+  // Calls visit(item) for every leaf whose box overlaps `box`, in no particular order.
+  template <class Visit>
+  void query(const Aabb& box, Visit&& visit) const {
+    descend([&](const Aabb& node) { return overlaps(node, box); }, visit);
+  }
+  template <class Visit>
+  void query_ray(const Vec3& origin, const Vec3& ray, Visit&& visit) const {
+    descend([&](const Aabb& node) { return segment_hits(node, origin, ray); }, visit);
+  }
+
+ private:
+  struct Node {
+    Aabb box;
+    std::uint32_t parent = kNone;               // next free node when free
+    std::uint32_t child[2] = {kNone, kNone};    // a leaf has child[0] == kNone and its item in child[1]
+    bool leaf() const { return child[0] == kNone; }
+  };
+
+  // Depth-first with a stack of fixed size; a tree too deep for it is finished by recursion.
+  template <class Test, class Visit>
+  void descend(Test&& test, Visit&& visit) const {
+    if (root_ != kNone) descend_from(root_, test, visit);
+  }
+  template <class Test, class Visit>
+  void descend_from(std::uint32_t start, Test& test, Visit& visit) const {
+    constexpr int kStack = 128;
+    std::uint32_t stack[kStack];
+    int top = 0;
+    stack[top++] = start;
+    while (top > 0) {
+      const Node& node = nodes_[stack[--top]];
+      if (!test(node.box)) continue;
+      if (node.leaf()) {
+        visit(node.child[1]);
+      } else if (top + 2 <= kStack) {
+        stack[top++] = node.child[1];
+        stack[top++] = node.child[0];
+      } else {
+        descend_from(node.child[0], test, visit);
+        descend_from(node.child[1], test, visit);
+      }
+    }
+  }
+
+  std::uint32_t take();
+  void give_back(std::uint32_t node);
+  std::uint32_t best_sibling(const Aabb& box) const;
+  void refit_up(std::uint32_t node);
+  void rotate(std::uint32_t node);
+  std::uint32_t build_node(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
+
+  Array<Node> nodes_;
+  std::uint32_t root_ = kNone;
+  std::uint32_t free_ = kNone;
+  std::uint32_t leaves_ = 0;
+};
+
+}  // namespace feder

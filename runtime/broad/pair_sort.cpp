@@ -1,0 +1,27 @@
+#include "broad/pair_sort.h"
+
+#include <algorithm>
+
+namespace feder {
+
+void PairSort::sort(Array<IndexPair>& pairs, std::uint32_t count) {
+  // the counting sort walks all indices once: not worth it for a handful of pairs
+  if (pairs.size() < count / 8 + 32) {
+    std::sort(pairs.begin(), pairs.end());
+    return;
+  }
+  start_.assign(count + 1, 0);
+  for (const IndexPair& p : pairs) ++start_[p.a + 1];
+  for (std::uint32_t i = 0; i < count; ++i) start_[i + 1] += start_[i];
+  spare_.resize(pairs.size());
+  for (const IndexPair& p : pairs) spare_[start_[p.a]++] = p;
+  // start_[a] is now the end of run a
+  std::uint32_t first = 0;
+  for (std::uint32_t a = 0; a < count; ++a) {
+    if (start_[a] - first > 1) std::sort(spare_.begin() + first, spare_.begin() + start_[a]);
+    first = start_[a];
+  }
+  std::copy(spare_.begin(), spare_.end(), pairs.begin());
+}
+
+}  // namespace feder

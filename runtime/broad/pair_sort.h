@@ -1,0 +1,19 @@
+// Sorting of index pairs in linear time: a counting sort by `a`, then each short run by `b`.
+#pragma once
+#include "broad/broad_phase.h"
+
+namespace feder {
+
+class PairSort {
+ public:
+  explicit PairSort(Arena& arena) : start_(&arena), spare_(&arena) {}
+
+  // Sorts `pairs`; members are below `count`. Allocates only when `count` or the pairs outnumber every earlier call.
+  void sort(Array<IndexPair>& pairs, std::uint32_t count);
+
+ private:
+  Array<std::uint32_t> start_;
+  Array<IndexPair> spare_;
+};
+
+}  // namespace feder
