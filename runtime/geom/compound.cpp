@@ -1,0 +1,86 @@
+// Compound: shapes with poses, moving as one. Colliders are made per part, so pair tests never see the whole.
+#include "base/error.h"
+#include "geom/shape.h"
+
+namespace feder {
+namespace {
+
+class Compound final : public Shape {
+ public:
+  explicit Compound(std::vector<CompoundPart> parts) : Shape("compound", false), parts_(std::move(parts)) {
+    planar_ = true;
+    for (const CompoundPart& p : parts_) planar_ = planar_ && p.shape->planar();
+  }
+  std::span<const CompoundPart> parts() const { return parts_; }
+
+  Aabb bounds(const Pose& pose) const override {
+    Aabb box;
+    for (const CompoundPart& p : parts_) box.include(p.shape->bounds(pose * p.pose));
+    return box;
+  }
+  // Overlapping parts count twice.
+  MassProperties mass(Real density) const override {
+    std::vector<MassProperties> all;
+    for (const CompoundPart& p : parts_) all.push_back(transformed(p.shape->mass(density), p.pose));
+    return combined(all);
+  }
+  Real extent(const Vec3& center) const override {
+    Real far = 0;
+    for (const CompoundPart& p : parts_) far = std::max(far, p.shape->extent(to_local(p.pose, center)));
+    return far;
+  }
+  bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override {
+    bool found = false;
+    for (const CompoundPart& p : parts_) {
+      RayHit h;
+      if (!p.shape->raycast(to_local(p.pose, origin), rotate_inverse(p.pose.rotation, ray), h)) continue;
+      if (found && h.fraction >= hit.fraction) continue;
+      hit = {h.fraction, rotate(p.pose.rotation, h.normal)};
+      found = true;
+    }
+    return found;
+  }
+  // Of the parts, which must lie in the plane themselves: their poses may only turn about z.
+  ShapePtr section() const override {
+    std::vector<CompoundPart> flat;
+    for (const CompoundPart& p : parts_) {
+      if (std::abs(p.pose.rotation.x) > Real(1e-5) || std::abs(p.pose.rotation.y) > Real(1e-5))
+        throw SceneError("compound: for a 2D section its parts may only be rotated about z");
+      Pose pose = p.pose;
+      pose.position[2] = 0;
+      flat.push_back({p.shape->section(), pose});
+    }
+    return make_compound(std::move(flat));
+  }
+
+ private:
+  std::vector<CompoundPart> parts_;
+};
+
+}  // namespace
+
+ShapePtr make_compound(std::vector<CompoundPart> parts) {
+  if (parts.empty()) throw SceneError("compound: expected at least one part");
+  for (CompoundPart& p : parts) {
+    if (!p.shape) throw SceneError("compound: a part has no shape");
+    if (!compound_parts(*p.shape).empty()) throw SceneError("compound: a part is a compound itself");
+    if (!is_finite(p.pose.position)) throw SceneError("compound: a part's position is not finite");
+    p.pose.rotation = normalized(p.pose.rotation);
+  }
+  return std::make_shared<Compound>(std::move(parts));
+}
+
+std::span<const CompoundPart> compound_parts(const Shape& shape) {
+  static const int kind = shape_kind_id("compound");
+  return shape.kind_id() == kind ? static_cast<const Compound&>(shape).parts() : std::span<const CompoundPart>();
+}
+
+ShapeKind geom_compound() {
+  return {"compound", [] {
+            const Pose left{vec3(-1, 0, 0), {}};
+            const Pose right{vec3(1, Real(0.5), 0), from_axis_angle(vec3(0, 0, 1), Real(0.5))};
+            return std::vector<ShapePtr>{make_compound({{make_box(1, 1, 1), left}, {make_sphere(Real(0.5)), right}})};
+          }};
+}
+
+}  // namespace feder
