@@ -59,6 +59,23 @@ std::string Params::text(std::string_view key, std::string fallback) const {
   return *s;
 }
 
+Vec3 Params::vector(std::string_view key, const Vec3& fallback) const {
+  const Value* v = find(key);
+  if (!v) return fallback;
+  const auto* list = std::get_if<std::vector<double>>(v);
+  if (!list) throw SceneError(std::string(key) + ": expected three numbers, got " + kind_name(*v));
+  if (list->size() != 3)
+    throw SceneError(std::string(key) + ": expected three numbers, got " + std::to_string(list->size()));
+  Vec3 out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double d = (*list)[i];
+    if (!std::isfinite(static_cast<Real>(d)))
+      throw SceneError(std::string(key) + ": expected finite numbers, got " + print(d));
+    out[static_cast<Eigen::Index>(i)] = static_cast<Real>(d);
+  }
+  return out;
+}
+
 void Params::check_all_read(std::string_view owner) const {
   for (const auto& [key, value] : values_) {
     if (asked_.count(key)) continue;

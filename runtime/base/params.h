@@ -27,6 +27,8 @@ class Params {
   int integer(std::string_view key, int fallback, int lo, int hi) const;
   bool flag(std::string_view key, bool fallback) const;
   std::string text(std::string_view key, std::string fallback) const;
+  // Three finite numbers.
+  Vec3 vector(std::string_view key, const Vec3& fallback) const;
 
   // SceneError when a key was given that nobody asked for. `owner` is named in the message.
   void check_all_read(std::string_view owner) const;

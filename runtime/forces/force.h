@@ -9,7 +9,7 @@
 namespace feder {
 
 struct MassPoint {
-  Vec3 position, velocity;  // m, m/s, world
+  Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s, world
   Real mass = 0;            // kg
   Real area = 0;            // m^2, cross-section where known (drag, wind), else 0
   Real volume = 0;          // m^3 where known (buoyancy), else 0

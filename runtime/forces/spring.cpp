@@ -1,0 +1,47 @@
+// A spring from each point to a place in the world: f = -(stiffness (r - rest_length) + damping r') n.
+// At r = 0 with a rest length the direction is undefined: x is used.
+#include "forces/force.h"
+
+namespace feder {
+namespace {
+
+class AnchorSpring final : public Force {
+ public:
+  explicit AnchorSpring(const Params& p)
+      : position_(p.vector("position", Vec3(0, 0, 0))),
+        stiffness_(static_cast<Real>(p.number("stiffness", 100, 0, 1e15))),
+        damping_(static_cast<Real>(p.number("damping", 0, 0, 1e12))),
+        rest_length_(static_cast<Real>(p.number("rest_length", 0, 0, 1e9))) {}
+
+  void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 d = points[i].position - position_;
+      const Real r = length(d);
+      const Vec3 n = normalized_or(d, Vec3(1, 0, 0));
+      out[i] -= (stiffness_ * (r - rest_length_) + damping_ * dot(points[i].velocity, n)) * n;
+    }
+  }
+  double potential(const MassPoint* points, std::size_t count) const override {
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double stretch = static_cast<double>(length(points[i].position - position_) - rest_length_);
+      sum += 0.5 * static_cast<double>(stiffness_) * stretch * stretch;
+    }
+    return sum;
+  }
+
+ private:
+  Vec3 position_;     // m
+  Real stiffness_;    // N/m
+  Real damping_;      // N s/m
+  Real rest_length_;  // m
+};
+
+}  // namespace
+
+Variant<Force> forces_spring() {
+  return {"spring", "a spring to a place in the world: position, stiffness, damping, rest_length",
+          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<AnchorSpring>(p); }};
+}
+
+}  // namespace feder

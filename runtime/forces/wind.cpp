@@ -1,0 +1,53 @@
+// Wind: drag against the velocity u relative to moving air,
+//   f = -(linear + density coefficient area |u| / 2) u,  u = v - wind.
+// `area` is used for all points when given; else the object's own cross-section, or kDefaultArea where it has none.
+// Gusts scale the wind by 1 + gust (sin(w t) + sin(g w t))/2 with g the golden ratio, so that they never repeat, yet
+// depend on the simulated time only. Weak spot: no wind shadow, and the whole field breathes at once.
+#include "forces/force.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kDefaultArea = Real(0.01);  // m^2: a palm-sized point
+constexpr double kGoldenRatio = 1.6180339887498949;
+
+class Wind final : public Force {
+ public:
+  explicit Wind(const Params& p)
+      : velocity_(p.vector("velocity", Vec3(0, 0, 0))),
+        linear_(static_cast<Real>(p.number("linear", 0, 0, 1e12))),
+        half_density_(static_cast<Real>(0.5 * p.number("density", 1.2, 0, 1e6) * p.number("coefficient", 1, 0, 1e6))),
+        area_(static_cast<Real>(p.has("area") ? p.number("area", 0, 0, 1e9) : -1)),
+        gust_(p.number("gust", 0, 0, 100)), gust_speed_(6.283185307179586 * p.number("gust_hertz", 0.5, 0, 1000)) {}
+
+  void add(const MassPoint* points, std::size_t count, double time, Vec3* out) const override {
+    double scale = 1;
+    if (gust_ > 0) {
+      const double phase = gust_speed_ * time;
+      scale += 0.5 * gust_ * (sin_cos_sin(phase) + sin_cos_sin(kGoldenRatio * phase));
+    }
+    const Vec3 air = velocity_ * static_cast<Real>(scale);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 u = points[i].velocity - air;
+      const Real own = points[i].area > 0 ? points[i].area : kDefaultArea;
+      const Real area = area_ >= 0 ? area_ : own;
+      out[i] -= (linear_ + half_density_ * area * length(u)) * u;
+    }
+  }
+
+ private:
+  Vec3 velocity_;      // of the air, m/s
+  Real linear_;        // N s/m
+  Real half_density_;  // half the air's density times the drag coefficient, kg/m^3
+  Real area_;          // m^2; < 0: by object
+  double gust_, gust_speed_;  // fraction, rad/s
+};
+
+}  // namespace
+
+Variant<Force> forces_wind() {
+  return {"wind", "drag against moving air: velocity, linear, density, coefficient, area, gust, gust_hertz",
+          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Wind>(p); }};
+}
+
+}  // namespace feder
