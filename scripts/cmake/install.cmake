@@ -1,3 +1,55 @@
-# install() and the exported package: find_package(feder) gives feder::feder (all of the runtime) and feder::lua.
+# install() and the exported package. find_package(feder) gives
+#   feder::feder   the whole runtime;  feder::<module> each of its modules (a host links what its scenes use)
+#   feder::lua     the Lua binding (lua/host.h), when it was built
+#   feder::yaml    YAML scenes, with find_package(feder COMPONENTS yaml)
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+
+set(FEDER_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/feder)
+get_property(feder_modules GLOBAL PROPERTY FEDER_MODULES)
+list(REMOVE_ITEM feder_modules report cli view)  # parts of the program, not of the library
+set(feder_separate lua yaml)                     # not in feder::feder
+
+add_library(feder_all INTERFACE)
+add_library(feder::feder ALIAS feder_all)
+set_target_properties(feder_all PROPERTIES EXPORT_NAME feder)
+set_target_properties(feder_flags PROPERTIES EXPORT_NAME flags)
+set(feder_exported feder_all feder_flags)
+set(FEDER_HAS_LUA OFF)
+set(FEDER_HAS_YAML OFF)
+foreach(module ${feder_modules})
+  if(module STREQUAL "yaml")
+    set(FEDER_HAS_YAML ON)
+    continue()
+  endif()
+  list(APPEND feder_exported feder_${module})
+  if(module STREQUAL "lua")
+    set(FEDER_HAS_LUA ON)
+  else()
+    target_link_libraries(feder_all INTERFACE feder_${module})
+  endif()
+endforeach()
+
+install(TARGETS ${feder_exported} EXPORT feder_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/feder)
+install(EXPORT feder_targets NAMESPACE feder:: DESTINATION ${FEDER_PACKAGE_DIR})
+install(DIRECTORY runtime/ DESTINATION include/feder FILES_MATCHING PATTERN "*.h")
+if(FEDER_HAS_LUA)
+  install(FILES bindings/lua/host.h DESTINATION include/feder/lua)
+endif()
+if(FEDER_HAS_YAML)
+  install(TARGETS feder_yaml EXPORT feder_yaml_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/feder)
+  install(EXPORT feder_yaml_targets NAMESPACE feder:: DESTINATION ${FEDER_PACKAGE_DIR})
+  install(FILES bindings/yaml/yaml.h DESTINATION include/feder/yaml)
+endif()
+if(TARGET feder)
+  install(TARGETS feder RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+# what `require` finds (the program looks beside itself for ../share/feder/scripts) and the example scenes
+install(DIRECTORY scripts/feder DESTINATION ${CMAKE_INSTALL_DATADIR}/feder/scripts FILES_MATCHING PATTERN "*.lua")
+install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/feder)
+
+configure_package_config_file(scripts/cmake/feder-config.cmake.in ${PROJECT_BINARY_DIR}/feder-config.cmake
+                              INSTALL_DESTINATION ${FEDER_PACKAGE_DIR})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/feder-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/feder-config.cmake ${PROJECT_BINARY_DIR}/feder-config-version.cmake
+        DESTINATION ${FEDER_PACKAGE_DIR})

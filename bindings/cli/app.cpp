@@ -1,0 +1,86 @@
+#include "cli/app.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <new>
+
+#include "base/params.h"
+#include "cli/command.h"
+
+namespace feder::cli {
+namespace {
+
+void print_error(const std::string& message) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{}\n", message);
+}
+
+std::string help_text() {
+  std::string text = "feder: a physics sandbox scripted from Lua\n\nusage: feder COMMAND [SCENE] [options]\n\n";
+  for (const Row& row : commands()) text += fmt::format("  {:<10}{}\n", row.name, row.summary);
+  return text + "\nfeder COMMAND --help lists the options of a command.\n";
+}
+
+const Row* find_command(const std::string& name) {
+  for (const Row& row : commands())
+    if (name == row.name) return &row;
+  return nullptr;
+}
+
+std::string unknown_command(const std::string& word) {
+  std::vector<std::string> known;
+  std::string list;
+  for (const Row& row : commands()) {
+    known.emplace_back(row.name);
+    list += (list.empty() ? "" : ", ") + known.back();
+  }
+  std::string message = fmt::format("feder: unknown command '{}'; known: {}", word, list);
+  const std::string near = nearest_name(word, known);
+  if (word.ends_with(".lua") || word.ends_with(".yaml") || word.ends_with(".yml"))
+    message += fmt::format("; to run a scene: feder run {}", word);
+  else if (!near.empty())
+    message += fmt::format("; did you mean '{}'?", near);
+  return message;
+}
+
+int run_command(const Row& row, int argc, char* argv[]) {
+  CLI::App app(row.summary, std::string("feder ") + row.name);
+  Options options;
+  declare(app, options);
+  const auto command = row.make();
+  command->declare(app);
+  try {
+    app.parse(argc, argv);
+    return command->run(options);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", app.help());
+    return kPass;
+  } catch (const CLI::ParseError& e) {
+    throw Failure(kUsage, fmt::format("feder {}: {}", row.name, e.what()));
+  }
+}
+
+}  // namespace
+
+int run_program(int argc, char* argv[]) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  try {
+    if (word == "--help" || word == "-h" || word == "help") return fmt::print("{}", help_text()), kPass;
+    if (word == "--version") return fmt::print("feder {} ({})\n", FEDER_VERSION, kRealName), kPass;
+    if (word.empty()) return fmt::print(stderr, "{}", help_text()), kUsage;
+    const Row* row = find_command(word);
+    if (!row) throw Failure(kUsage, unknown_command(word));
+    return run_command(*row, argc - 1, argv + 1);
+  } catch (const Failure& e) {
+    print_error(e.what());
+    return e.status();
+  } catch (const std::bad_alloc&) {
+    print_error("feder: out of memory");
+  } catch (const std::exception& e) {
+    print_error(std::string("feder: ") + e.what());
+  }
+  return kFailed;
+}
+
+}  // namespace feder::cli

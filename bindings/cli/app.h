@@ -1,0 +1,8 @@
+// The feder program: picks the command, parses its options, turns whatever goes wrong into one line and an exit status.
+#pragma once
+
+namespace feder::cli {
+
+int run_program(int argc, char* argv[]);
+
+}  // namespace feder::cli

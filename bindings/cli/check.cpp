@@ -1,0 +1,160 @@
+// feder check: finds mistakes without running a scene: syntax, and names that neither `feder` nor a world has.
+// It reads words, not meanings: `feder.name` and `world:name(` outside comments and strings. What the names are, the
+// binding itself is asked.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <set>
+
+#include "base/params.h"
+#include "cli/command.h"
+#include "cli/session.h"
+#include "report/json.h"
+
+namespace feder::cli {
+namespace {
+
+struct Finding {
+  int line;
+  std::string message;
+};
+
+bool is_word(char c) { return c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+// Length of "[[", "[=[" ... at `at`, or 0.
+std::size_t long_bracket(const std::string& s, std::size_t at) {
+  if (s[at] != '[') return 0;
+  std::size_t end = at + 1;
+  while (end < s.size() && s[end] == '=') ++end;
+  return end < s.size() && s[end] == '[' ? end + 1 - at : 0;
+}
+
+// Lua source with comments and strings replaced by blanks; line ends stay.
+std::string code_only(std::string s) {
+  const auto blank = [&s](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to && i < s.size(); ++i)
+      if (s[i] != '\n') s[i] = ' ';
+  };
+  for (std::size_t i = 0; i < s.size();) {
+    const bool comment = s.compare(i, 2, "--") == 0;
+    const std::size_t text = comment ? i + 2 : i;
+    std::size_t end = i + 1;
+    if (const std::size_t open = text < s.size() ? long_bracket(s, text) : 0) {
+      const std::string close = "]" + std::string(open - 2, '=') + "]";
+      end = s.find(close, text + open);
+      end = end == std::string::npos ? s.size() : end + close.size();
+    } else if (comment) {
+      end = s.find('\n', i);
+      if (end == std::string::npos) end = s.size();
+    } else if (s[i] == '"' || s[i] == '\'') {
+      while (end < s.size() && s[end] != s[i] && s[end] != '\n') end += s[end] == '\\' ? 2 : 1;
+      ++end;
+    } else {
+      ++i;
+      continue;
+    }
+    blank(i, end);
+    i = end;
+  }
+  return s;
+}
+
+// The words after `prefix` ("feder.", "world:") and the lines they stand in.
+std::vector<std::pair<int, std::string>> words_after(const std::string& code, const std::string& prefix) {
+  std::vector<std::pair<int, std::string>> found;
+  int line = 1;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    if (code[i] == '\n') ++line;
+    const bool starts = code.compare(i, prefix.size(), prefix) == 0 &&
+                        (i == 0 || (!is_word(code[i - 1]) && code[i - 1] != '.' && code[i - 1] != ':'));
+    if (!starts) continue;
+    std::size_t end = i + prefix.size();
+    while (end < code.size() && is_word(code[end])) ++end;
+    if (end > i + prefix.size()) found.emplace_back(line, code.substr(i + prefix.size(), end - i - prefix.size()));
+  }
+  return found;
+}
+
+// Asks the binding: runs a few lines of Lua that print one name per line.
+std::set<std::string> ask(const Options& options, const std::string& script) {
+  std::set<std::string> lines;
+  std::string text;
+  lua::HostOptions host = host_options(options);
+  host.set.clear();
+  host.world.clear();
+  host.print = [&text](std::string_view more) { (text += more) += '\n'; };
+  lua::Script(std::move(host)).load_string(script, "check");
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty()) lines.insert(line);
+  return lines;
+}
+
+class Check final : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_option("SCENE", scenes_, "one or more .lua or .yaml files")->required(); }
+
+  int run(const Options& options) override {
+    report::Json all = report::Json::array();
+    int findings = 0;
+    for (const std::string& scene : scenes_) {
+      for (const Finding& f : check(scene, options)) {
+        ++findings;
+        all.push_back({{"file", scene}, {"line", f.line}, {"message", f.message}});
+        if (!options.json) fmt::print(stderr, "{}:{}: {}\n", scene, f.line, f.message);
+      }
+    }
+    if (options.json) {
+      std::fputs(report::to_text({{"files", scenes_.size()}, {"findings", all}}).c_str(), stdout);
+    } else if (!options.quiet && findings == 0) {
+      fmt::print("{} file{}: nothing found\n", scenes_.size(), scenes_.size() == 1 ? "" : "s");
+    }
+    return findings ? kFailed : kPass;
+  }
+
+ private:
+  static std::vector<Finding> check(const std::string& scene, const Options& options) {
+    check_syntax(scene, host_options(options));
+    std::vector<Finding> findings;
+    if (is_yaml(scene)) return findings;
+    const std::string code = code_only(read_text(scene));
+    check_functions(code, options, findings);
+    check_methods(code, options, findings);
+    return findings;
+  }
+
+  static void check_functions(const std::string& code, const Options& options, std::vector<Finding>& findings) {
+    const auto used = words_after(code, "feder.");
+    if (used.empty()) return;
+    const std::set<std::string> known = ask(options, "for name in pairs(require 'feder') do print(name) end");
+    for (const auto& [line, word] : used)
+      if (!known.count(word)) findings.push_back({line, unknown("feder." + word, word, known)});
+  }
+
+  static void check_methods(const std::string& code, const Options& options, std::vector<Finding>& findings) {
+    const auto used = words_after(code, "world:");
+    if (used.empty()) return;
+    std::string script = "local w = require 'feder'.world {}\n";
+    for (const auto& [line, word] : used)
+      script += fmt::format("if pcall(function() return assert(w['{0}']) end) then print '{0}' end\n", word);
+    const std::set<std::string> known = ask(options, script);
+    for (const auto& [line, word] : used)
+      if (!known.count(word)) findings.push_back({line, unknown("world:" + word, word, known)});
+  }
+
+  static std::string unknown(const std::string& written, const std::string& word, const std::set<std::string>& known) {
+    const std::string near = nearest_name(word, {known.begin(), known.end()});
+    return fmt::format("there is no {}{}", written, near.empty() ? "" : "; did you mean '" + near + "'?");
+  }
+
+  std::vector<std::string> scenes_;
+};
+
+}  // namespace
+
+Row cli_check() {
+  return {"check", "looks for mistakes without running: syntax and unknown names",
+          [] { return std::unique_ptr<Command>(new Check); }};
+}
+
+}  // namespace feder::cli

@@ -1,0 +1,109 @@
+// feder explain: what a scene uses and what it leaves out: systems, step rows, bytes, share of time.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "cli/command.h"
+#include "cli/session.h"
+#include "cli/summary.h"
+#include "report/table.h"
+
+namespace feder::cli {
+namespace {
+
+constexpr int kSteps = 10;  // enough for shares that repeat, fast for every scene
+
+class Explain final : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("SCENE", scene_, "a .lua or .yaml file")->required();
+    app.add_option("--steps", steps_, fmt::format("steps that are timed (default {})", kSteps))->check(CLI::Range(1, 1000000));
+  }
+
+  int run(const Options& options) override {
+    lua::HostOptions host = host_options(options);
+    host.print = [](std::string_view) {};  // the scene's own words are no part of the explanation
+    Session session(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
+    session.load(scene_);
+    World* world = session.world();
+    if (!world) throw Failure(kFailed, scene_ + ": this script makes no world");
+    std::uint64_t steps = world->step_count();
+    if (session.is_scene()) {
+      session.step();  // the first one fills caches and makes room
+      world->reset_profile();
+      for (int i = 0; i < steps_; ++i) session.step();
+      steps = static_cast<std::uint64_t>(steps_);
+    }
+    std::fputs((options.json ? report::to_text(json(session, steps)) : text(session, steps)).c_str(), stdout);
+    return session.script().handler_errors().empty() ? kPass : kFailed;
+  }
+
+ private:
+  // Arenas of the world itself: events, scratch and what systems share.
+  static std::vector<std::pair<std::string, std::size_t>> shared_arenas(World& world) {
+    std::vector<std::pair<std::string, std::size_t>> rows;
+    const auto systems = world.report();
+    for (const auto& arena : world.store().arenas()) {
+      bool own = false;
+      for (const SystemReport& s : systems) own = own || s.name == arena->name();
+      if (!own) rows.emplace_back(arena->name(), arena->bytes());
+    }
+    rows.emplace_back("objects", world.objects().bytes());
+    return rows;
+  }
+
+  static double total_nanoseconds(World& world) {
+    double sum = 0;
+    for (const StepRow& row : world.plan().rows()) sum += static_cast<double>(row.counter.nanoseconds);
+    return sum;
+  }
+
+  static report::Json json(Session& session, std::uint64_t steps) {
+    World& world = *session.world();
+    report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
+    for (const SystemReport& s : world.report())
+      systems.push_back({{"name", s.name}, {"count", s.count}, {"bytes", s.bytes}});
+    const double sum = total_nanoseconds(world);
+    const double per_step = steps ? 1e-6 / static_cast<double>(steps) : 0;
+    for (const StepRow& row : world.plan().rows()) {
+      const auto ns = static_cast<double>(row.counter.nanoseconds);
+      plan.push_back({{"stage", stage_name(row.stage)}, {"system", row.system}, {"name", row.name},
+                      {"calls", row.counter.calls}, {"ms", ns * per_step}, {"share", sum > 0 ? ns / sum : 0}});
+    }
+    for (const auto& h : session.script().handler_profile())
+      handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
+    report::Json memory = report::Json::object();
+    for (const auto& [name, bytes] : shared_arenas(world)) memory[name] = bytes;
+    return {{"title", session.title()}, {"scene", session.file()}, {"steps", steps}, {"systems", systems},
+            {"absent", world.absent()}, {"plan", plan}, {"memory", memory}, {"bytes", world.bytes()},
+            {"handlers", handlers}};
+  }
+
+  static std::string text(Session& session, std::uint64_t steps) {
+    World& world = *session.world();
+    report::Table systems({"system", ">count", ">bytes"});
+    for (const SystemReport& s : world.report()) systems.add({s.name, fmt::format("{}", s.count), report::bytes_text(s.bytes)});
+    report::Table absent({"not used", ">bytes"});
+    for (const std::string& name : world.absent()) absent.add({name, "0"});
+    report::Table memory({"world", ">bytes"});
+    for (const auto& [name, bytes] : shared_arenas(world)) memory.add({name, report::bytes_text(bytes)});
+    std::string out = session.title() + "\n\n" + systems.text("  ") + "\n";
+    if (!absent.empty()) out += absent.text("  ") + "\n";
+    out += memory.text("  ") + "\n";
+    const int substeps = world.desc().substeps;
+    out += fmt::format("one step, {} substep{}, mean of {}:\n\n", substeps, substeps == 1 ? "" : "s", steps);
+    return out + profile_text(session, steps);
+  }
+
+  std::string scene_;
+  int steps_ = kSteps;
+};
+
+}  // namespace
+
+Row cli_explain() {
+  return {"explain", "shows what a scene uses and leaves out: systems, step rows, bytes, time",
+          [] { return std::unique_ptr<Command>(new Explain); }};
+}
+
+}  // namespace feder::cli

@@ -1,0 +1,97 @@
+#include "cli/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "cli/command.h"
+#ifdef FEDER_HAS_YAML
+#include "yaml/yaml.h"
+#endif
+
+namespace feder::cli {
+namespace {
+
+bool parse_plain(std::string_view text, double& value) {
+  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+}
+
+// A number or a quotient of two numbers.
+bool parse_number(const std::string& text, double& value) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) return parse_plain(text, value);
+  double below = 0;
+  if (!parse_plain(std::string_view(text).substr(0, slash), value)) return false;
+  if (!parse_plain(std::string_view(text).substr(slash + 1), below) || below == 0) return false;
+  value /= below;
+  return std::isfinite(value);
+}
+
+std::pair<std::string, std::string> split(const std::string& given, const char* option) {
+  const std::size_t equals = given.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Failure(kUsage, fmt::format("{}: expected NAME=VALUE, got '{}'", option, given));
+  return {given.substr(0, equals), given.substr(equals + 1)};
+}
+
+// World values may be quotients (dt=1/240); the script host reads plain numbers.
+std::string without_quotient(const std::string& text) {
+  double value = 0;
+  if (text.find('/') == std::string::npos || !parse_number(text, value)) return text;
+  return fmt::format("{:.17g}", value);
+}
+
+}  // namespace
+
+void declare(CLI::App& app, Options& o) {
+  app.add_flag("--json", o.json, "print one JSON value instead of text");
+  app.add_flag("--quiet,-q", o.quiet, "print results and errors only");
+  app.add_option("--seed", o.seed, "seed of the world's random numbers");
+  app.add_option("--set", o.set, "NAME=VALUE: value of a feder.param (may be repeated)")->allow_extra_args(false);
+  app.add_option("--world", o.world, "KEY=VALUE: dt, substeps, rigid.solver ... (may be repeated)")
+      ->allow_extra_args(false);
+  app.add_option("--dt", o.dt, "seconds per step, for example 1/240");
+  app.add_option("--threads", o.threads, "worker threads")->check(CLI::Range(1, 64));
+}
+
+lua::HostOptions host_options(const Options& o) {
+  lua::HostOptions host;
+  host.library_roots = library_roots();
+  for (const std::string& given : o.set) host.set.insert_or_assign(split(given, "--set").first, split(given, "--set").second);
+  for (const std::string& given : o.world) {
+    const auto [key, value] = split(given, "--world");
+    host.world.insert_or_assign(key, without_quotient(value));
+  }
+  if (!o.dt.empty()) host.world["dt"] = fmt::format("{:.17g}", read_number(o.dt, "--dt"));
+  if (o.threads > 0) host.world["threads"] = std::to_string(o.threads);
+  if (!o.seed.empty()) {
+    const auto [end, error] = std::from_chars(o.seed.data(), o.seed.data() + o.seed.size(), host.seed);
+    if (error != std::errc{} || end != o.seed.data() + o.seed.size())
+      throw Failure(kUsage, fmt::format("--seed: expected a whole number >= 0, got '{}'", o.seed));
+    host.has_seed = true;
+  }
+#ifdef FEDER_HAS_YAML
+  host.load_yaml = yaml::push;
+#endif
+  return host;
+}
+
+double read_number(const std::string& text, const std::string& option) {
+  double value = 0;
+  if (!parse_number(text, value) || value < 0)
+    throw Failure(kUsage, fmt::format("{}: expected a number >= 0 or a quotient such as 1/240, got '{}'", option, text));
+  return value;
+}
+
+std::vector<std::filesystem::path> library_roots() {
+  std::error_code ignored;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  const std::filesystem::path installed = program.parent_path().parent_path() / "share/feder/scripts";
+  if (!program.empty() && std::filesystem::is_directory(installed, ignored)) return {installed};
+  return {FEDER_SOURCE_SCRIPTS};
+}
+
+}  // namespace feder::cli

@@ -1,0 +1,31 @@
+// What every command takes: --json, --quiet, --seed, --set, --world, --dt, --threads.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lua/host.h"
+
+namespace feder::cli {
+
+struct Options {
+  bool json = false, quiet = false;
+  std::string seed, dt;             // as given; empty when not given
+  int threads = 0;                  // 0: what the scene says
+  std::vector<std::string> set, world;  // NAME=VALUE
+};
+
+void declare(CLI::App& app, Options& options);
+
+// The options as the script host takes them. Failure (usage) for what cannot be read.
+lua::HostOptions host_options(const Options& options);
+
+// "3", "0.5", "1/240": a finite number >= 0. Failure (usage) naming the option.
+double read_number(const std::string& text, const std::string& option);
+
+// Where `require` looks for the scripts that come with feder.
+std::vector<std::filesystem::path> library_roots();
+
+}  // namespace feder::cli

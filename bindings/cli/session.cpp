@@ -1,0 +1,120 @@
+#include "cli/session.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "base/profile.h"
+#ifdef FEDER_HAS_YAML
+#include "yaml/yaml.h"
+#endif
+
+namespace feder::cli {
+
+std::string error_text(const lua::HandlerError& error) {
+  if (error.where.empty() || error.message.starts_with(error.where + ":")) return error.message;
+  return error.where + ": " + error.message;
+}
+
+bool is_yaml(const std::string& file) { return file.ends_with(".yaml") || file.ends_with(".yml"); }
+
+std::string read_text(const std::string& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) throw Failure(kLoadError, file + ": no such file");
+  if (std::filesystem::is_directory(file, ignored)) throw Failure(kLoadError, file + ": expected a scene, got a folder");
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw Failure(kLoadError, file + ": cannot be read");
+  return text.str();
+}
+
+void check_syntax(const std::string& file, const lua::HostOptions& host) {
+  const std::string text = read_text(file);
+  try {
+    if (is_yaml(file)) {
+#ifdef FEDER_HAS_YAML
+      yaml::check(file, text);
+#endif
+      return;
+    }
+    // the whole text is compiled, and nothing of it runs
+    lua::Script probe(host);
+    probe.load_string((text.starts_with("#") ? "do return end --" : "do return end ") + text, file);
+  } catch (const lua::ScriptError& e) {
+    throw Failure(kLoadError, e.what());
+  }
+}
+
+Session::Session(lua::HostOptions host, std::function<void(const std::string&)> report) : report_(std::move(report)) {
+  script_ = std::make_unique<lua::Script>(std::move(host));
+  script_->on_step([this](World& world) { after_step(world); });
+}
+
+void Session::load(const std::string& file) {
+  file_ = file;
+  check_syntax(file, {});
+  int status = is_yaml(file) ? kLoadError : kFailed;
+  try {
+    script_->load_file(file);
+    status = kLoadError;
+    if (script_->is_scene()) script_->build();
+  } catch (const lua::ScriptError& e) {
+    throw Failure(status, e.what());
+  } catch (const SceneError& e) {
+    throw Failure(status, file + ": " + e.what());
+  }
+  report_errors();
+}
+
+std::string Session::title() const {
+  const std::string title = script_->title();
+  return title.empty() ? std::filesystem::path(file_).stem().string() : title;
+}
+
+std::uint64_t Session::steps_for(double seconds) {
+  return static_cast<std::uint64_t>(std::llround(seconds / world()->desc().dt));
+}
+
+void Session::step() {
+  const std::uint64_t start = clock_nanoseconds();
+  script_->step();
+  nanoseconds_ += clock_nanoseconds() - start;
+  report_errors();
+}
+
+double Session::step_milliseconds() const {
+  if (steps_ == 0) return 0;
+  std::uint64_t sum = nanoseconds_;
+  // a plain script steps its world itself: only the rows are timed, and only those of its last world
+  if (!script_->is_scene() && script_->world()) {
+    const std::uint64_t steps = script_->world()->step_count();
+    for (const StepRow& row : script_->world()->plan().rows()) sum += row.counter.nanoseconds;
+    return steps ? static_cast<double>(sum) * 1e-6 / static_cast<double>(steps) : 0;
+  }
+  return static_cast<double>(sum) * 1e-6 / static_cast<double>(steps_);
+}
+
+void Session::after_step(World& world) {
+  ++steps_;
+  // events are sorted by kind and warnings are the last kind
+  const auto& events = world.events().list();
+  for (auto e = events.rbegin(); e != events.rend() && e->kind == EventKind::warning; ++e) {
+    const std::string& code = world.events().warning_code(*e);
+    std::size_t k = 0;
+    while (k < warnings_.size() && warnings_[k].code != code) ++k;
+    if (k == warnings_.size()) warnings_.push_back({code, world.events().warning_message(*e), 0});
+    ++warnings_[k].count;
+  }
+  report_errors();
+}
+
+void Session::report_errors() {
+  const auto& errors = script_->handler_errors();
+  for (; reported_errors_ < errors.size(); ++reported_errors_)
+    if (report_) report_(error_text(errors[reported_errors_]));
+}
+
+}  // namespace feder::cli

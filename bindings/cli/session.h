@@ -1,0 +1,64 @@
+// One script from its file to its last step: loads, builds and steps it, and collects what happened on the way.
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "lua/host.h"
+
+namespace feder::cli {
+
+struct Warning {
+  std::string code, message;  // of the first one
+  std::uint64_t count = 0;    // steps that had it
+};
+
+class Session {
+ public:
+  // Errors in handlers go to `report` once per place, as "file:line: message"; null keeps them silent.
+  Session(lua::HostOptions host, std::function<void(const std::string&)> report);
+
+  // Reads and compiles the file, runs it and, for a scene, builds its world. Failure: kLoadError when the file cannot be
+  // read, compiled or built, kFailed when a script fails while it runs.
+  void load(const std::string& file);
+
+  const std::string& file() const { return file_; }
+  bool is_scene() const { return script_->is_scene(); }
+  lua::Script& script() { return *script_; }
+  World* world() { return script_->world(); }
+  std::string title() const;  // of the scene, or the file's name
+  // Steps that make `seconds` of this world.
+  std::uint64_t steps_for(double seconds);
+  // One step of a scene; its wall time is counted.
+  void step();
+
+  std::uint64_t steps() const { return steps_; }          // of the scene, or of all worlds of a plain script
+  double step_milliseconds() const;                       // wall time per step; handlers included for scenes
+  const std::vector<Warning>& warnings() const { return warnings_; }
+
+ private:
+  void after_step(World& world);
+  void report_errors();
+
+  std::string file_;
+  std::function<void(const std::string&)> report_;
+  std::unique_ptr<lua::Script> script_;
+  std::vector<Warning> warnings_;
+  std::size_t reported_errors_ = 0;
+  std::uint64_t steps_ = 0;
+  std::uint64_t nanoseconds_ = 0;  // in step()
+};
+
+// "file:line: message" of a handler error.
+std::string error_text(const lua::HandlerError& error);
+
+// Compiles without running. Failure (kLoadError) "file:line: message".
+void check_syntax(const std::string& file, const lua::HostOptions& host);
+
+bool is_yaml(const std::string& file);
+std::string read_text(const std::string& file);  // Failure (kLoadError) when it cannot be read
+
+}  // namespace feder::cli

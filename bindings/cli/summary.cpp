@@ -1,0 +1,108 @@
+#include "cli/summary.h"
+
+#include <fmt/format.h>
+
+#include "report/table.h"
+
+namespace feder::cli {
+namespace {
+
+std::size_t system_count(const World& world, const char* name) {
+  for (const SystemReport& r : world.report())
+    if (r.name == name) return r.count;
+  return 0;
+}
+
+}  // namespace
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::size_t body_count(World& world) { return world.objects().count(ObjectKind::body); }
+
+Summary summarize(Session& session) {
+  Summary s;
+  s.title = session.title();
+  s.file = session.file();
+  s.steps = session.steps();
+  s.ms_per_step = session.step_milliseconds();
+  s.warnings = session.warnings();
+  s.handler_errors = session.script().handler_errors();
+  s.handlers = session.script().handler_profile();
+  World* world = session.world();
+  if (!world) return s;
+  s.seconds = world->time();
+  s.threads = world->desc().threads;
+  s.bodies = body_count(*world);
+  s.points = system_count(*world, "springs");
+  s.particles = system_count(*world, "fluid");
+  s.hash = hash_text(world->hash());
+  s.energy = world->energy();
+  s.finite = world->is_finite();
+  return s;
+}
+
+std::string summary_text(const Summary& s) {
+  std::string text = fmt::format("{}\n", s.title);
+  const double speed = s.ms_per_step > 0 && s.steps > 0 ? s.seconds * 1000 / (s.ms_per_step * static_cast<double>(s.steps)) : 0;
+  text += fmt::format("  time    {:g} s simulated{}, {} steps, {:.3f} ms/step ({:.3g} x real time), {} thread{}\n", s.seconds,
+                      s.interrupted ? " (interrupted)" : "", s.steps, s.ms_per_step, speed, s.threads,
+                      s.threads == 1 ? "" : "s");
+  text += fmt::format("  counts  {} bodies, {} points, {} particles\n", s.bodies, s.points, s.particles);
+  text += fmt::format("  energy  kinetic {:.6g} J, potential {:.6g} J, elastic {:.6g} J\n", s.energy.kinetic,
+                      s.energy.potential, s.energy.elastic);
+  if (!s.finite) text += "  state   NOT FINITE\n";
+  if (!s.hash.empty()) text += fmt::format("  hash    {}\n", s.hash);
+  for (const auto& h : s.handlers)
+    if (h.calls) text += fmt::format("  lua     {}: {} calls, {:.3f} ms\n", h.where, h.calls, static_cast<double>(h.nanoseconds) * 1e-6);
+  for (const Warning& w : s.warnings) text += fmt::format("  warning {} ({} x): {}\n", w.code, w.count, w.message);
+  for (const auto& e : s.handler_errors) text += fmt::format("  error   {} ({} x)\n", error_text(e), e.count);
+  return text;
+}
+
+report::Json summary_json(const Summary& s) {
+  report::Json warnings = report::Json::array(), errors = report::Json::array(), handlers = report::Json::array();
+  for (const Warning& w : s.warnings) warnings.push_back({{"code", w.code}, {"message", w.message}, {"count", w.count}});
+  for (const auto& e : s.handler_errors)
+    errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
+  for (const auto& h : s.handlers)
+    handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
+  return {{"title", s.title},
+          {"scene", s.file},
+          {"seconds", s.seconds},
+          {"steps", s.steps},
+          {"ms_per_step", s.ms_per_step},
+          {"threads", s.threads},
+          {"real", kRealName},
+          {"bodies", s.bodies},
+          {"points", s.points},
+          {"particles", s.particles},
+          {"hash", s.hash},
+          {"energy", {{"kinetic", s.energy.kinetic}, {"potential", s.energy.potential}, {"elastic", s.energy.elastic}}},
+          {"finite", s.finite},
+          {"interrupted", s.interrupted},
+          {"warnings", warnings},
+          {"handler_errors", errors},
+          {"handlers", handlers}};
+}
+
+std::string profile_text(Session& session, std::uint64_t steps) {
+  if (steps == 0) return "";
+  const auto rows = session.world()->plan().rows();
+  std::uint64_t sum = 0;
+  for (const StepRow& row : rows) sum += row.counter.nanoseconds;
+  report::Table table({"stage", "system", "row", ">calls", ">ms/step", ">share"});
+  for (const StepRow& row : rows)
+    table.add({stage_name(row.stage), row.system, row.name, fmt::format("{}", row.counter.calls),
+               fmt::format("{:.4f}", static_cast<double>(row.counter.nanoseconds) * 1e-6 / static_cast<double>(steps)),
+               fmt::format("{:.1f} %", sum ? 100.0 * static_cast<double>(row.counter.nanoseconds) / static_cast<double>(sum) : 0)});
+  std::string text = table.text("  ");
+  report::Table lua({"Lua handler", ">calls", ">ms/call"});
+  for (const auto& h : session.script().handler_profile())
+    if (h.calls)
+      lua.add({h.where, fmt::format("{}", h.calls),
+               fmt::format("{:.4f}", static_cast<double>(h.nanoseconds) * 1e-6 / static_cast<double>(h.calls))});
+  if (!lua.empty()) text += lua.text("  ");
+  return text;
+}
+
+}  // namespace feder::cli

@@ -1,0 +1,15 @@
+// JSON text with keys in the order they were written. Non-finite numbers become null.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace feder::report {
+
+using Json = nlohmann::ordered_json;
+
+// Indented by two spaces, closed by a newline; bytes that are no UTF-8 are replaced.
+std::string to_text(const Json& value);
+// The file as JSON. std::runtime_error "file: what is wrong".
+Json read_json(const std::string& file);
+
+}  // namespace feder::report

@@ -1,0 +1,116 @@
+#include "report/test_report.h"
+
+#include <fmt/format.h>
+
+namespace feder::report {
+namespace {
+
+// XML 1.0 knows few control characters; the others, and bytes that are no UTF-8, become '?'.
+std::string xml_escape(const std::string& text) {
+  const std::string valid = Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  std::string out;
+  for (const char c : valid) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\n': out += "&#10;"; break;
+      case '\t': out += "&#9;"; break;
+      default: out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+    }
+  }
+  return out;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text;
+}
+
+std::string failure_text(const TestFailure& f) { return f.where.empty() ? f.message : f.where + ": " + f.message; }
+
+// "scenes/rigid/tower.lua:12" -> file and line
+void junit_place(const std::string& where, std::string& out) {
+  const std::size_t colon = where.rfind(':');
+  if (colon == std::string::npos) return;
+  out += fmt::format(" file=\"{}\" line=\"{}\"", xml_escape(where.substr(0, colon)), xml_escape(where.substr(colon + 1)));
+}
+
+void junit_case(const TestResult& r, std::string& out) {
+  const std::size_t slash = r.name.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : r.name.substr(0, slash);
+  out += fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", xml_escape(folder),
+                     xml_escape(r.name.substr(slash == std::string::npos ? 0 : slash + 1)), r.seconds);
+  junit_place(r.failures.empty() ? r.name + ":1" : r.failures.front().where, out);
+  out += ">\n";
+  const char* const element = r.loaded ? "failure" : "error";
+  for (const TestFailure& f : r.failures)
+    out += fmt::format("    <{0} message=\"{1}\">{2}</{0}>\n", element, xml_escape(f.message), xml_escape(failure_text(f)));
+  if (r.status == TestStatus::skipped) out += fmt::format("    <skipped message=\"{}\"/>\n", xml_escape(r.notice));
+  if (!r.output.empty()) out += fmt::format("    <system-out>{}</system-out>\n", xml_escape(r.output));
+  out += "  </testcase>\n";
+}
+
+}  // namespace
+
+const char* status_name(TestStatus status) {
+  static const char* const names[] = {"passed", "failed", "skipped"};
+  return names[static_cast<int>(status)];
+}
+
+TestCounts count(const std::vector<TestResult>& results) {
+  TestCounts c;
+  for (const TestResult& r : results) {
+    c.passed += r.status == TestStatus::passed;
+    c.failed += r.status == TestStatus::failed;
+    c.skipped += r.status == TestStatus::skipped;
+  }
+  return c;
+}
+
+std::string junit_text(const std::vector<TestResult>& results) {
+  int failures = 0, errors = 0, skipped = 0;
+  double seconds = 0;
+  for (const TestResult& r : results) {
+    failures += r.status == TestStatus::failed && r.loaded;
+    errors += r.status == TestStatus::failed && !r.loaded;
+    skipped += r.status == TestStatus::skipped;
+    seconds += r.seconds;
+  }
+  const std::string attributes = fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"",
+                                             results.size(), failures, errors, skipped, seconds);
+  std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  out += fmt::format("<testsuites {}>\n<testsuite name=\"feder\" {}>\n", attributes, attributes);
+  for (const TestResult& r : results) junit_case(r, out);
+  return out + "</testsuite>\n</testsuites>\n";
+}
+
+std::string tap_text(const std::vector<TestResult>& results) {
+  std::string out = fmt::format("TAP version 13\n1..{}\n", results.size());
+  int number = 0;
+  for (const TestResult& r : results) {
+    out += fmt::format("{} {} - {}", r.status == TestStatus::failed ? "not ok" : "ok", ++number, one_line(r.name));
+    if (r.status == TestStatus::skipped) out += " # SKIP " + one_line(r.notice);
+    out += "\n";
+    for (const TestFailure& f : r.failures) out += "# " + one_line(failure_text(f)) + "\n";
+  }
+  return out;
+}
+
+Json test_json(const std::vector<TestResult>& results) {
+  const TestCounts c = count(results);
+  Json tests = Json::array();
+  for (const TestResult& r : results) {
+    Json failures = Json::array();
+    for (const TestFailure& f : r.failures) failures.push_back({{"where", f.where}, {"message", f.message}});
+    Json row = {{"name", r.name}, {"status", status_name(r.status)}, {"seconds", r.seconds}, {"checks", r.checks}};
+    if (!r.notice.empty()) row["notice"] = r.notice;
+    row["failures"] = failures;
+    tests.push_back(row);
+  }
+  return {{"passed", c.passed}, {"failed", c.failed}, {"skipped", c.skipped}, {"tests", tests}};
+}
+
+}  // namespace feder::report

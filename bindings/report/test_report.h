@@ -1,0 +1,38 @@
+// Results of a test run in the formats that test runners exchange.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/json.h"
+
+namespace feder::report {
+
+enum class TestStatus { passed, failed, skipped };
+const char* status_name(TestStatus status);
+
+struct TestFailure {
+  std::string where;  // file:line, may be empty
+  std::string message;
+};
+
+struct TestResult {
+  std::string name;    // path of the file
+  TestStatus status = TestStatus::passed;
+  double seconds = 0;  // wall time
+  int checks = 0;      // expectations that held
+  std::string notice;  // why it was skipped
+  std::string output;  // what the script printed
+  bool loaded = true;  // false: the file could not be loaded
+  std::vector<TestFailure> failures;
+};
+
+struct TestCounts {
+  int passed = 0, failed = 0, skipped = 0;
+};
+TestCounts count(const std::vector<TestResult>& results);
+
+std::string junit_text(const std::vector<TestResult>& results);
+std::string tap_text(const std::vector<TestResult>& results);  // version 13
+Json test_json(const std::vector<TestResult>& results);
+
+}  // namespace feder::report

@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Equal hashes for every scene from several builds and thread counts: determinism.py FEDER [FEDER...]."""
+import json
+import pathlib
+import subprocess
+import sys
+
+SECONDS = "3"
+THREADS = ("1", "2", "4")
+
+
+def final_hash(program, scene, threads):
+    out = subprocess.run([program, "run", str(scene), "--json", "--quiet", "--seconds", SECONDS, "--threads", threads],
+                         capture_output=True, text=True, check=False)
+    try:
+        return json.loads(out.stdout)["hash"]
+    except (ValueError, KeyError):
+        return "no result: " + (out.stderr.strip().splitlines() or ["?"])[-1]
+
+
+def main(programs):
+    root = pathlib.Path(__file__).resolve().parents[2]
+    scenes = sorted(p for p in (root / "scenes").rglob("*.lua") if "feder.scene" in p.read_text())
+    bad = 0
+    for scene in scenes:
+        hashes = {(p, t): final_hash(p, scene, t) for p in programs for t in THREADS}
+        if len(set(hashes.values())) > 1 or next(iter(hashes.values())).startswith("no result"):
+            bad += 1
+            print(f"{scene.relative_to(root)}: hashes differ")
+            for (program, threads), value in hashes.items():
+                print(f"  {program} --threads {threads}: {value}")
+    print(f"determinism: {len(scenes)} scenes, {len(programs)} builds, threads {', '.join(THREADS)}: {bad} differ")
+    return 1 if bad or not scenes else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
