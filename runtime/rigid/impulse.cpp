@@ -1,0 +1,370 @@
+// Solver `impulse`: the classical loop of impulse-based simulation, worst first (Baraff, "Physically Based Modeling",
+// SIGGRAPH 1997 notes; Mirtich 1996; Gauss-Southwell instead of Gauss-Seidel). Each substep, per island:
+//   speeds      a heap of contacts and joints keyed by what is wrong with their relative speed; the worst is solved in
+//               closed form, and only what shares a body with it is keyed again;
+//   positions   bodies travel; then a heap keyed by penetration and joint error; the deepest is moved apart by the
+//               least motion, in proportion to inverse mass and inertia; velocities stay.
+// Both end at a tolerance or at a cap, which is counted. O((n + pops * degree) log n) for n contacts and joints.
+// Kept between calls: impulses of resting contacts (Contact) and of joints (SolverJoint), where the next substep
+// starts; velocities at the end of the last substep, from which the share of forces is known. Weak spot: large piles
+// need many pops, and an island runs on one thread.
+#include <algorithm>
+
+#include "rigid/impulse_heap.h"
+#include "rigid/impulse_parts.h"
+
+namespace feder {
+namespace {
+
+class ImpulseSolver final : public RigidSolver {
+ public:
+  ImpulseSolver(Arena& a, const Params& p);
+  void prepare(const SolverInput& in, StepContext& c) override;
+  void solve(const SolverInput& in, StepContext& c) override;
+  void finish(const SolverInput& in, StepContext& c) override;
+  std::uint64_t capped() const override { return capped_; }
+
+ private:
+  struct Island {
+    std::uint32_t first, last;  // in order_
+  };
+
+  void load_bodies(const Movers& movers);
+  void load_contacts(const SolverInput& in);
+  void load_joints(const SolverInput& in);
+  void find_islands();
+  void index_nodes();
+  std::uint32_t root(std::uint32_t body);
+  void node_bodies(std::uint32_t node, std::uint32_t& a, std::uint32_t& b) const;
+
+  void start_substep(const SolverInput& in, const ImpulseScene& s);
+  void start_joints(const SolverInput& in, const ImpulseScene& s);
+  Pose body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const;
+  void fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s, RowWriter& out) const;
+  void travel(const Movers& movers, const ImpulseScene& s);
+
+  // `place` counts in order_, where the nodes of an island follow each other.
+  Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
+  void solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
+  Real position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
+  void correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
+  template <auto Error, auto Fix>
+  void worst_first(const SolverInput& in, const ImpulseScene& s, const Island& island, Real tolerance);
+
+  Real tolerance_, rest_speed_, slop_;
+  int pops_per_node_;
+  std::uint64_t capped_ = 0;
+
+  Array<ImpulseBody> bodies_;        // by solver index
+  Array<ImpulseContact> contacts_;   // nodes [0, contacts)
+  Array<ImpulseJoint> joints_;       // nodes after the contacts
+  Array<Row> rows_, spare_rows_;
+  Array<RowBlock> blocks_, spare_blocks_;
+  Array<ImpulseBlock> factors_;      // by block
+  Array<std::uint32_t> parent_, island_of_;          // by solver index
+  Array<std::uint32_t> node_island_, order_;         // by node; places -> nodes
+  Array<Island> islands_;
+  Array<std::uint32_t> first_place_, body_places_;   // by solver index: places of its nodes
+  WorstFirst heap_;
+};
+
+ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
+    : tolerance_(static_cast<Real>(p.number("tolerance", 1e-4, 1e-12, 1))),
+      rest_speed_(static_cast<Real>(p.number("restitution_speed", 0.05, 0, 1e6))),
+      slop_(static_cast<Real>(p.number("slop", 0.0005, 0, 1))), pops_per_node_(p.integer("iterations", 30, 1, 100000)),
+      bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a),
+      factors_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
+      body_places_(&a), heap_(a) {}
+
+void ImpulseSolver::load_bodies(const Movers& movers) {
+  bodies_.resize(movers.state.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const MoverMass& m = movers.mass[i];
+    ImpulseBody& b = bodies_[i];
+    b = ImpulseBody{};
+    b.movable = i > 0 && (m.inv_mass > 0 || m.inv_inertia.trace() > 0);
+    b.last_velocity = movers.state[i].velocity;
+    b.last_spin = movers.state[i].angular_velocity;
+  }
+}
+
+void ImpulseSolver::load_contacts(const SolverInput& in) {
+  const auto solver_index = [&](std::uint32_t collider) {
+    const std::uint32_t mover = in.colliders->mover[collider];
+    return mover == kNone ? 0u : in.movers->solver[mover];
+  };
+  contacts_.clear();
+  for (const std::uint32_t slot : in.contacts->active) {
+    Contact& from = in.contacts->slots[slot];
+    ImpulseContact c;
+    c.slot = slot;
+    c.a = solver_index(from.collider_a);
+    c.b = solver_index(from.collider_b);
+    for (ContactPoint& p : from.points) p.total_impulse = 0;
+    if (!bodies_[c.a].movable && !bodies_[c.b].movable) continue;
+    load_contact(from, c);
+    contacts_.push_back(c);
+    for (int i = 0; i < from.point_count; ++i) {
+      ContactPoint& p = from.points[i];
+      const MoverState &a = in.movers->state[c.a], &b = in.movers->state[c.b];
+      p.approach_speed = dot(from.normal, b.velocity + cross(b.angular_velocity, p.arm_b) - a.velocity -
+                                              cross(a.angular_velocity, p.arm_a));
+    }
+  }
+}
+
+void ImpulseSolver::load_joints(const SolverInput& in) {
+  const auto solver_index = [&](std::uint32_t slot) { return slot == kNone ? 0u : in.movers->solver[slot]; };
+  joints_.clear();
+  for (std::uint32_t i = 0; i < in.joints.size(); ++i) {
+    ImpulseJoint j;
+    j.joint = i;
+    j.a = solver_index(in.joints[i].mover_a);
+    j.b = solver_index(in.joints[i].mover_b);
+    if (in.joints[i].active && (bodies_[j.a].movable || bodies_[j.b].movable)) joints_.push_back(j);
+  }
+}
+
+void ImpulseSolver::node_bodies(std::uint32_t node, std::uint32_t& a, std::uint32_t& b) const {
+  if (node < contacts_.size())
+    a = contacts_[node].a, b = contacts_[node].b;
+  else
+    a = joints_[node - contacts_.size()].a, b = joints_[node - contacts_.size()].b;
+}
+
+std::uint32_t ImpulseSolver::root(std::uint32_t body) {
+  while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
+  return body;
+}
+
+// Islands in the order of their first node; inside an island nodes keep their order.
+void ImpulseSolver::find_islands() {
+  const auto node_count = static_cast<std::uint32_t>(contacts_.size() + joints_.size());
+  parent_.resize(bodies_.size());
+  for (std::uint32_t i = 0; i < parent_.size(); ++i) parent_[i] = i;
+  std::uint32_t a, b;
+  for (std::uint32_t node = 0; node < node_count; ++node) {
+    node_bodies(node, a, b);
+    if (!bodies_[a].movable || !bodies_[b].movable) continue;
+    const std::uint32_t ra = root(a), rb = root(b);
+    parent_[std::max(ra, rb)] = std::min(ra, rb);
+  }
+  island_of_.assign(bodies_.size(), kNone);
+  node_island_.resize(node_count);
+  islands_.clear();
+  for (std::uint32_t node = 0; node < node_count; ++node) {
+    node_bodies(node, a, b);
+    std::uint32_t& island = island_of_[root(bodies_[a].movable ? a : b)];
+    if (island == kNone) {
+      island = static_cast<std::uint32_t>(islands_.size());
+      islands_.push_back({0, 0});
+    }
+    node_island_[node] = island;
+    ++islands_[island].last;
+  }
+  std::uint32_t first = 0;
+  for (Island& i : islands_) {
+    const std::uint32_t count = i.last;
+    i.first = i.last = first;
+    first += count;
+  }
+  order_.resize(node_count);
+  for (std::uint32_t node = 0; node < node_count; ++node) order_[islands_[node_island_[node]].last++] = node;
+}
+
+// The places of the nodes of each movable body.
+void ImpulseSolver::index_nodes() {
+  first_place_.assign(bodies_.size() + 1, 0);
+  std::uint32_t ends[2];
+  const auto each = [&](auto&& visit) {
+    for (std::uint32_t place = 0; place < order_.size(); ++place) {
+      node_bodies(order_[place], ends[0], ends[1]);
+      for (const std::uint32_t body : ends)
+        if (bodies_[body].movable) visit(body, place);
+    }
+  };
+  each([&](std::uint32_t body, std::uint32_t) { ++first_place_[body + 1]; });
+  for (std::size_t i = 1; i < first_place_.size(); ++i) first_place_[i] += first_place_[i - 1];
+  body_places_.resize(first_place_.back());
+  std::uint32_t* next = parent_.data();  // union-find is done with it
+  std::copy(first_place_.begin(), first_place_.end() - 1, next);
+  each([&](std::uint32_t body, std::uint32_t place) { body_places_[next[body]++] = place; });
+}
+
+void ImpulseSolver::prepare(const SolverInput& in, StepContext&) {
+  capped_ = 0;
+  load_bodies(*in.movers);
+  load_contacts(in);
+  load_joints(in);
+  find_islands();
+  index_nodes();
+  heap_.reserve(order_.size());
+}
+
+Pose ImpulseSolver::body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const {
+  if (slot == kNone) return {};
+  return {s.mass[body].center + s.state[body].moved, s.state[body].rotation};
+}
+
+void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s,
+                         RowWriter& out) const {
+  const SolverJoint& j = in.joints[joint.joint];
+  JointInput input;
+  input.joint = &j.shape;
+  input.a = body_pose(joint.a, j.mover_a, s);
+  input.b = body_pose(joint.b, j.mover_b, s);
+  input.mover_a = joint.a;
+  input.mover_b = joint.b;
+  out.start(input, joint.joint);
+  j.kind->fill(input, out);
+}
+
+void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
+  rows_.clear();
+  blocks_.clear();
+  RowWriter out(rows_, blocks_);
+  for (ImpulseJoint& joint : joints_) {
+    joint.first_block = static_cast<std::uint32_t>(blocks_.size());
+    fill(in, joint, s, out);
+    joint.block_count = static_cast<std::uint32_t>(blocks_.size()) - joint.first_block;
+  }
+  factors_.resize(blocks_.size());
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const RowBlock& b = blocks_[i];
+    factor_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, s, factors_[i]);
+    apply_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, in.joints[b.joint].impulse + b.first_impulse, s);
+  }
+}
+
+// The world inverse inertia turned from the start of the step to now; locked axes stay locked.
+Mat3 turned_inverse_inertia(const Mat3& start, const Quat& turned) {
+  const Mat3 r = to_matrix(turned);
+  Mat3 now = r * start * r.transpose();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (start(axis, axis) != 0) continue;
+    now.row(axis).setZero();
+    now.col(axis).setZero();
+  }
+  return now;
+}
+
+void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) {
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    ImpulseBody& b = bodies_[i];
+    b.turned = s.state[i].rotation * conjugate(s.mass[i].start_rotation);
+    b.inv_inertia = turned_inverse_inertia(s.mass[i].inv_inertia, b.turned);
+    b.force_velocity = s.state[i].velocity - b.last_velocity;
+    b.force_spin = s.state[i].angular_velocity - b.last_spin;
+    b.late_move = b.late_turn = Vec3::Zero();
+  }
+  for (ImpulseContact& c : contacts_) start_contact(c, s);
+  start_joints(in, s);
+}
+
+void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
+  for (std::size_t i = 1; i < movers.state.size(); ++i) {
+    MoverState& m = s.state[i];
+    ImpulseBody& b = bodies_[i];
+    const Vec3 turn = s.h * m.angular_velocity + b.late_turn;
+    m.moved += s.h * m.velocity + b.late_move;
+    m.turned += turn;
+    m.rotation = integrate_rotation(m.rotation, turn);
+    b.turned = m.rotation * conjugate(s.mass[i].start_rotation);
+  }
+}
+
+Real ImpulseSolver::speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
+  const std::uint32_t node = order_[place];
+  if (node < contacts_.size()) return contact_speed_error(contacts_[node], s);
+  const ImpulseJoint& j = joints_[node - contacts_.size()];
+  Real worst = 0;
+  for (std::uint32_t i = j.first_block; i < j.first_block + j.block_count; ++i) {
+    const RowBlock& b = blocks_[i];
+    const Real* impulse = in.joints[j.joint].impulse + b.first_impulse;
+    worst = std::max(worst, block_speed_error(&rows_[b.first], b.count, j.a, j.b, factors_[i], impulse, s));
+  }
+  return worst;
+}
+
+void ImpulseSolver::solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
+  const std::uint32_t node = order_[place];
+  if (node < contacts_.size()) return solve_contact_speed(contacts_[node], s, tolerance_ / 4);
+  const ImpulseJoint& j = joints_[node - contacts_.size()];
+  for (std::uint32_t i = j.first_block; i < j.first_block + j.block_count; ++i) {
+    const RowBlock& b = blocks_[i];
+    solve_block_speed(&rows_[b.first], b.count, j.a, j.b, factors_[i], in.joints[j.joint].impulse + b.first_impulse, s);
+  }
+}
+
+Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
+  const std::uint32_t node = order_[place];
+  if (node < contacts_.size()) return contact_depth(contacts_[node], s);
+  spare_rows_.clear();
+  spare_blocks_.clear();
+  RowWriter out(spare_rows_, spare_blocks_);
+  fill(in, joints_[node - contacts_.size()], s, out);
+  Real worst = 0;
+  for (const RowBlock& b : spare_blocks_)
+    worst = std::max(worst, block_position_error(&spare_rows_[b.first], b.count));
+  return worst;
+}
+
+void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
+  const std::uint32_t node = order_[place];
+  if (node < contacts_.size()) return push_contact_apart(contacts_[node], s);
+  position_error(in, s, place);  // rows for the poses now
+  for (const RowBlock& b : spare_blocks_) correct_block(&spare_rows_[b.first], b.count, b.mover_a, b.mover_b, s);
+}
+
+template <auto Error, auto Fix>
+void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, const Island& island, Real tolerance) {
+  heap_.build(island.first, island.last, [&](std::uint32_t place) { return (this->*Error)(in, s, place); });
+  const std::uint64_t cap = static_cast<std::uint64_t>(pops_per_node_) * (island.last - island.first);
+  for (std::uint64_t pop = 0; heap_.top_key() > tolerance; ++pop) {
+    if (pop == cap) {
+      ++capped_;
+      return;
+    }
+    const std::uint32_t place = heap_.top();
+    (this->*Fix)(in, s, place);
+    std::uint32_t ends[2];
+    node_bodies(order_[place], ends[0], ends[1]);
+    for (const std::uint32_t body : ends)
+      for (std::uint32_t i = first_place_[body]; i < first_place_[body + 1]; ++i)
+        heap_.update(body_places_[i], (this->*Error)(in, s, body_places_[i]));
+  }
+}
+
+void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
+  const ImpulseScene s{in.movers->state.data(), in.movers->mass.data(), bodies_.data(), c.h, rest_speed_, slop_};
+  start_substep(in, s);
+  for (const Island& island : islands_)
+    worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);
+  travel(*in.movers, s);
+  for (const Island& island : islands_)
+    worst_first<&ImpulseSolver::position_error, &ImpulseSolver::correct_position>(in, s, island, slop_ / 10);
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    bodies_[i].last_velocity = s.state[i].velocity;
+    bodies_[i].last_spin = s.state[i].angular_velocity;
+  }
+  for (const ImpulseContact& contact : contacts_) {
+    Contact& to = in.contacts->slots[contact.slot];
+    for (int i = 0; i < contact.count; ++i)
+      to.points[i].total_impulse += dot(contact.normal, contact.points[i].impulse) + contact.points[i].bounced;
+  }
+}
+
+void ImpulseSolver::finish(const SolverInput& in, StepContext&) {
+  for (const ImpulseContact& contact : contacts_) store_contact(contact, in.contacts->slots[contact.slot]);
+}
+
+}  // namespace
+
+Variant<RigidSolver> rigid_impulse() {
+  return {"impulse", "worst first, one closed-form impulse at a time: the classical loop",
+          [](Arena& a, const Params& p) -> std::unique_ptr<RigidSolver> {
+            return std::make_unique<ImpulseSolver>(a, p);
+          }};
+}
+
+}  // namespace feder

@@ -1,0 +1,166 @@
+// One block of joint rows of the impulse solver: velocities by a direct solve of the block, J M^-1 J^T = L D L^T;
+// soft rows as implicit spring and damper (Catto, "Soft Constraints", GDC 2011): with k = omega^2 / w and
+// c = 2 zeta omega / w for the row's response w, gamma = 1 / (h (c + h k)) and the wanted speed is
+// -h k / (c + h k) C / h. Positions of stiff rows are corrected apart from velocities, so that correction adds no
+// energy of motion. Rows that depend on others (planar worlds, locked axes) get no impulse.
+#include <algorithm>
+
+#include "rigid/impulse_parts.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kMaxTurn = Real(0.3);  // rad or m per correction: rows are linear in small motions only
+
+Real row_speed(const Row& r, const MoverState& a, const MoverState& b) {
+  return dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.angular_velocity) +
+         dot(r.angular_b, b.angular_velocity);
+}
+
+// w_ij = J_i M^-1 J_j^T.
+Real response(const Row& i, const Row& j, std::uint32_t a, std::uint32_t b, const ImpulseScene& s) {
+  Real w = 0;
+  if (s.body[a].movable)
+    w += dot(i.linear, s.mass[a].inv_mass_axes.cwiseProduct(j.linear)) +
+         dot(i.angular_a, s.body[a].inv_inertia * j.angular_a);
+  if (s.body[b].movable)
+    w += dot(i.linear, s.mass[b].inv_mass_axes.cwiseProduct(j.linear)) +
+         dot(i.angular_b, s.body[b].inv_inertia * j.angular_b);
+  return w;
+}
+
+// L D L^T of the matrix in the lower half of `m`.
+void factor(Real m[6][6], int count, Real* inv_d) {
+  Real d[6];
+  for (int j = 0; j < count; ++j) {
+    const Real size = m[j][j];
+    d[j] = size;
+    for (int k = 0; k < j; ++k) d[j] -= m[j][k] * m[j][k] * d[k];
+    const bool independent = d[j] > 32 * kEpsilon * size;
+    if (!independent) d[j] = 0;
+    inv_d[j] = independent ? 1 / d[j] : 0;
+    for (int i = j + 1; i < count; ++i) {
+      Real sum = m[i][j];
+      for (int k = 0; k < j; ++k) sum -= m[i][k] * m[j][k] * d[k];
+      m[i][j] = sum * inv_d[j];
+    }
+  }
+}
+
+void solve(const Real m[6][6], const Real* inv_d, int count, Real* x) {
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
+  for (int i = 0; i < count; ++i) x[i] *= inv_d[i];
+  for (int i = count; i-- > 0;)
+    for (int k = i + 1; k < count; ++k) x[i] -= m[k][i] * x[k];
+}
+
+bool is_bounded(const Row& r) { return r.lower > -kInfinity || r.upper < kInfinity; }
+
+// Change of the block's impulses that solves it for the velocities now.
+void wanted_change(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
+                   const Real* impulse, const ImpulseScene& s, Real* change) {
+  for (int i = 0; i < count; ++i)
+    change[i] = block.target[i] - row_speed(rows[i], s.state[a], s.state[b]) - block.gamma[i] * impulse[i];
+  solve(block.factor, block.inv_d, count, change);
+  for (int i = 0; i < count; ++i) {
+    if (!is_bounded(rows[i])) continue;
+    const Real sum = clamp(impulse[i] + change[i], rows[i].lower * s.h, rows[i].upper * s.h);
+    change[i] = sum - impulse[i];
+  }
+}
+
+// Stiff equality, or a limit that is passed: what the position pass corrects.
+bool has_position(const Row& r) { return !r.velocity_only && r.hertz <= 0 && (!is_bounded(r) || r.value < 0); }
+
+}  // namespace
+
+void factor_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s,
+                  ImpulseBlock& out) {
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j <= i; ++j) out.factor[i][j] = response(rows[i], rows[j], a, b, s);
+  for (int i = 0; i < count; ++i) {
+    const Row& r = rows[i];
+    const Real w = out.factor[i][i];
+    out.gamma[i] = 0;
+    out.target[i] = r.speed;
+    if (r.velocity_only || !(w > 0)) continue;
+    if (r.hertz > 0) {
+      const Real omega = 2 * kPi * r.hertz, stiffness = omega * omega / w, damping = 2 * r.damping_ratio * omega / w;
+      out.gamma[i] = 1 / (s.h * (damping + s.h * stiffness));
+      out.target[i] -= stiffness / (damping + s.h * stiffness) * r.value;
+      out.factor[i][i] += out.gamma[i];
+    } else if (is_bounded(r)) {
+      out.target[i] -= std::max(r.value, Real(0)) / s.h;  // the room that is left may be used up
+    }
+  }
+  factor(out.factor, count, out.inv_d);
+}
+
+void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
+                 const ImpulseScene& s) {
+  Vec3 linear = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    linear += impulse[i] * rows[i].linear;
+    moment_a += impulse[i] * rows[i].angular_a;
+    moment_b += impulse[i] * rows[i].angular_b;
+  }
+  push(s, a, -linear, moment_a);
+  push(s, b, linear, moment_b);
+}
+
+Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
+                       const Real* impulse, const ImpulseScene& s) {
+  Real worst = 0, change[6];
+  wanted_change(rows, count, a, b, block, impulse, s, change);
+  for (int i = 0; i < count; ++i) {
+    if (block.inv_d[i] == 0) continue;
+    // speed the row would change by on its own
+    Real error;
+    if (is_bounded(rows[i]))
+      error = std::abs(change[i]) / block.inv_d[i];
+    else
+      error = std::abs(block.target[i] - row_speed(rows[i], s.state[a], s.state[b]) - block.gamma[i] * impulse[i]);
+    const Real size = length(s.state[a].velocity) + length(s.state[b].velocity) +
+                      length(rows[i].angular_a) * length(s.state[a].angular_velocity) +
+                      length(rows[i].angular_b) * length(s.state[b].angular_velocity);
+    worst = std::max(worst, error - 8 * kEpsilon * (size + std::abs(block.gamma[i] * impulse[i])));
+  }
+  return worst;
+}
+
+void solve_block_speed(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
+                       Real* impulse, const ImpulseScene& s) {
+  Real change[6];
+  wanted_change(rows, count, a, b, block, impulse, s, change);
+  for (int i = 0; i < count; ++i) impulse[i] += change[i];
+  apply_block(rows, count, a, b, change, s);
+}
+
+Real block_position_error(const Row* rows, int count) {
+  Real worst = 0;
+  for (int i = 0; i < count; ++i)
+    if (has_position(rows[i])) worst = std::max(worst, std::abs(rows[i].value));
+  return worst;
+}
+
+void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s) {
+  if (!(block_position_error(rows, count) > 0)) return;
+  Real m[6][6], inv_d[6], move[6];
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j <= i; ++j) m[i][j] = response(rows[i], rows[j], a, b, s);
+    move[i] = clamp(-rows[i].value, -kMaxTurn, kMaxTurn);
+  }
+  factor(m, count, inv_d);
+  solve(m, inv_d, count, move);
+  Vec3 linear = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    linear += move[i] * rows[i].linear;
+    moment_a += move[i] * rows[i].angular_a;
+    moment_b += move[i] * rows[i].angular_b;
+  }
+  shift(s, a, -linear, moment_a);
+  shift(s, b, linear, moment_b);
+}
+
+}  // namespace feder
