@@ -69,12 +69,12 @@ void clip_faces(const ConvexPair& pair, const Outline& reference, const Outline&
   c.count = incident.count;
   for (int i = 0; i < c.count; ++i) c.p[i] = incident.p[i], c.edge[i] = static_cast<std::uint8_t>(i);
   const bool closed = incident.count > 2;
+  const Vec3 n = sign * patch.normal;  // from reference to incident; the sides are parallel to it
   for (int i = 0; i < reference.count && c.count > 0; ++i) {
     const Vec3 &p = reference.p[i], e = reference.p[(i + 1) % reference.count] - p;
-    const Vec3 m = normalized_or(cross(e, reference.normal), Vec3::Zero());
+    const Vec3 m = normalized_or(cross(e, n), Vec3::Zero());
     clip(c, closed, m, dot(m, p) + kSlack * reference.size, static_cast<std::uint8_t>(kSideLabel + i));
   }
-  const Vec3 n = sign * patch.normal;  // from reference to incident
   const Real along = dot(n, reference.normal), radii = pair.a.radius + pair.b.radius;
   const Real own = sign > 0 ? pair.b.radius : pair.a.radius;
   const std::uint32_t faces = feature_of(reference.p[0]) ^ feature_of(incident.p[0]) << 1;
