@@ -1,0 +1,107 @@
+// Eight lanes of Real as one value, over the vector extensions of gcc and clang. A kernel file is compiled twice,
+// plain and with -mavx2 (never -mfma), and chosen at run time; every operation works lane by lane, so both give the
+// same bits. Included by such files, therefore: no std, no Eigen (their inline functions could leak AVX2 code into
+// the plain build), and everything here has internal linkage.
+#pragma once
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+#include <immintrin.h>
+#endif
+
+namespace feder {
+
+#ifdef FEDER_REAL_DOUBLE
+using WideReal = double;  // the same as Real of base/types.h, which kernels cannot include
+using WideIndex = long long;
+#else
+using WideReal = float;
+using WideIndex = int;
+#endif
+
+inline constexpr int kLanes = 8;
+
+// Eight numbers in memory.
+struct alignas(kLanes * sizeof(WideReal)) Lane8 {
+  WideReal v[kLanes];
+};
+struct Lane8x3 {
+  Lane8 x, y, z;
+};
+
+namespace lanes {
+namespace {
+
+typedef WideReal Lanes __attribute__((vector_size(kLanes * sizeof(WideReal))));
+typedef WideIndex LaneMask __attribute__((vector_size(kLanes * sizeof(WideIndex))));
+
+[[gnu::always_inline]] inline Lanes load(const Lane8& from) {
+  Lanes x;
+  __builtin_memcpy(&x, __builtin_assume_aligned(&from, sizeof x), sizeof x);
+  return x;
+}
+[[gnu::always_inline]] inline Lanes load_row(const WideReal* from) {  // aligned to a row of eight
+  Lanes x;
+  __builtin_memcpy(&x, __builtin_assume_aligned(from, sizeof(WideReal) * 4), sizeof x);
+  return x;
+}
+[[gnu::always_inline]] inline void store(Lane8& to, Lanes x) {
+  __builtin_memcpy(__builtin_assume_aligned(&to, sizeof x), &x, sizeof x);
+}
+[[gnu::always_inline]] inline void store_row(WideReal* to, Lanes x) {
+  __builtin_memcpy(__builtin_assume_aligned(to, sizeof(WideReal) * 4), &x, sizeof x);
+}
+[[gnu::always_inline]] inline Lanes all_lanes(WideReal x) { return Lanes{x, x, x, x, x, x, x, x}; }
+[[gnu::always_inline]] inline Lanes zero_lanes() { return Lanes{}; }
+[[gnu::always_inline]] inline Lanes select(LaneMask m, Lanes yes, Lanes no) { return m ? yes : no; }
+[[gnu::always_inline]] inline Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
+[[gnu::always_inline]] inline Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
+[[gnu::always_inline]] inline Lanes square_root(Lanes x) {
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+  return reinterpret_cast<Lanes>(_mm256_sqrt_ps(reinterpret_cast<__m256>(x)));
+#else
+  for (int i = 0; i < kLanes; ++i) {
+#ifdef FEDER_REAL_DOUBLE
+    x[i] = __builtin_sqrt(x[i]);
+#else
+    x[i] = __builtin_sqrtf(x[i]);
+#endif
+  }
+  return x;
+#endif
+}
+
+struct Lanes3 {
+  Lanes x, y, z;
+};
+[[gnu::always_inline]] inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+[[gnu::always_inline]] inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+[[gnu::always_inline]] inline Lanes3 operator*(const Lanes3& a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
+[[gnu::always_inline]] inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+[[gnu::always_inline]] inline Lanes3 load(const Lane8x3& a) { return {load(a.x), load(a.y), load(a.z)}; }
+[[gnu::always_inline]] inline void store(Lane8x3& to, const Lanes3& a) { store(to.x, a.x), store(to.y, a.y), store(to.z, a.z); }
+
+// Rows to columns: lane i of r[k] becomes lane k of r[i].
+[[gnu::always_inline]] inline void transpose(Lanes (&r)[kLanes]) {
+  Lanes t[8], u[8];
+  for (int i = 0; i < 8; i += 2) {
+    t[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    t[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+  }
+  for (int i = 0; i < 8; i += 4) {
+    for (int k = 0; k < 2; ++k) {
+      u[i + 2 * k] = __builtin_shufflevector(t[i + k], t[i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      u[i + 2 * k + 1] = __builtin_shufflevector(t[i + k], t[i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    r[i] = __builtin_shufflevector(u[i], u[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    r[i + 4] = __builtin_shufflevector(u[i], u[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
+}  // namespace
+}  // namespace lanes
+}  // namespace feder

@@ -1,0 +1,300 @@
+// Making, changing and removing bodies: mass properties from shapes, one collider per part of a compound, and the
+// checks that keep impossible numbers out. Nothing is changed before all checks have passed.
+#include <algorithm>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kLightest = Real(1e-9), kHeaviest = Real(1e12);  // kg: beyond, products of inverses leave the float range
+
+std::string text(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%g", x);
+  return buffer;
+}
+
+// Shapes with their place in the body frame, nested compounds opened.
+void flatten(const ShapePtr& shape, const Pose& at, std::vector<CompoundPart>& out) {
+  const std::span<const CompoundPart> parts = compound_parts(*shape);
+  if (parts.empty()) {
+    out.push_back({shape, at});
+    return;
+  }
+  for (const CompoundPart& p : parts) flatten(p.shape, at * p.pose, out);
+}
+
+bool finite_pose(const Pose& p) {
+  return is_finite(p.position) && is_finite(p.rotation.vec()) && is_finite(p.rotation.w);
+}
+
+void check_motion(const BodyDesc& d) {
+  require(is_finite(d.position), "position: expected three finite numbers", d.position.sum());
+  const Quat& q = d.rotation;
+  const Real n = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  require(is_finite(n) && n > Real(1e-6), "rotation: expected a quaternion that is not zero", n);
+  require(is_finite(d.velocity), "velocity: expected three finite numbers", d.velocity.sum());
+  require(is_finite(d.angular_velocity), "angular_velocity: expected three finite numbers", d.angular_velocity.sum());
+  require(is_finite(d.surface_velocity), "surface_velocity: expected three finite numbers", d.surface_velocity.sum());
+  require(is_finite(d.center_of_mass), "center_of_mass: expected three finite numbers", d.center_of_mass.sum());
+  require(is_finite(d.gravity_scale), "gravity_scale: expected a finite number", d.gravity_scale);
+}
+
+void check_numbers(const BodyDesc& d) {
+  const auto not_negative = [](Real x) { return x >= 0 && is_finite(x); };
+  require(d.density > 0 && is_finite(d.density), "density: expected a number above 0", d.density);
+  require(not_negative(d.mass), "mass: expected a number above 0", d.mass);
+  require(not_negative(d.friction_static) && not_negative(d.friction_dynamic), "friction: expected a number not below 0",
+          d.friction_static);
+  require(d.restitution >= 0 && d.restitution <= 1, "restitution: expected a number from 0 to 1", d.restitution);
+  require(not_negative(d.rolling_friction), "rolling_friction: expected a number not below 0", d.rolling_friction);
+  require(not_negative(d.linear_damping), "linear_damping: expected a number not below 0", d.linear_damping);
+  require(not_negative(d.angular_damping), "angular_damping: expected a number not below 0", d.angular_damping);
+}
+
+// Cube root by Newton's method: the C library's differs between machines.
+double cube_root(double x) {
+  if (!(x > 0)) return 0;
+  double r = x > 1 ? x : 1;
+  for (int i = 0; i < 200; ++i) {
+    const double next = r - (r * r * r - x) / (3 * r * r);
+    if (!(next < r)) break;
+    r = next;
+  }
+  return r;
+}
+
+// Do the moments of inertia differ enough for gyroscopic motion?
+bool uneven(const Mat3& inertia) {
+  const Real mean = (inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / 3;
+  return (inertia - mean * Mat3::Identity()).cwiseAbs().maxCoeff() > Real(1e-4) * mean;
+}
+
+}  // namespace
+
+void require(bool good, const char* what, double came) {
+  if (!good) throw SceneError(std::string("body.") + what + ", got " + text(came));
+}
+
+std::uint32_t Rigid::Impl::index(ObjectId body) const {
+  if (!objects.alive(body) || objects.kind(body) != ObjectKind::body)
+    throw SceneError("expected a living body, got " + objects.describe(body));
+  return objects.index(body);
+}
+
+void Rigid::Impl::set_mass(std::uint32_t i) {
+  const bool dynamic = bodies.type[i] == BodyType::dynamic;
+  bodies.inv_mass[i] = dynamic ? 1 / bodies.mass[i] : 0;
+  bodies.inv_inertia[i] = Mat3::Zero();
+  if (!dynamic) return;
+  if (dimension == 2) {
+    bodies.inv_inertia[i](2, 2) = 1 / bodies.inertia[i](2, 2);
+  } else {
+    bodies.inv_inertia[i] = inverse(bodies.inertia[i]);
+  }
+  spins[i] = dimension == 3 && !(bodies.lock[i] & (kLockRx | kLockRy | kLockRz)) && uneven(bodies.inertia[i]);
+}
+
+ObjectId Rigid::Impl::add(const BodyDesc& desc) {
+  if (!desc.shape) throw SceneError("body.shape: expected a shape, got none");
+  check_motion(desc);
+  check_numbers(desc);
+  // the parts, and what they weigh
+  BodyDesc d = desc;
+  d.rotation = normalized(d.rotation);
+  std::vector<CompoundPart> parts;
+  flatten(dimension == 2 ? desc.shape->section() : desc.shape, Pose{}, parts);
+  std::vector<MassProperties> solids;
+  for (const CompoundPart& p : parts) solids.push_back(transformed(p.shape->mass(1), p.pose));
+  MassProperties m = combined(solids);
+  const Real whole = m.mass;
+  const bool dynamic = d.type == BodyType::dynamic;
+  const Real mass = d.mass > 0 ? d.mass : d.density * whole;
+  if (whole > 0) m.inertia *= mass / whole;
+  if (d.has_center) m.center = d.center_of_mass;
+  if (dynamic) {
+    for (const CompoundPart& p : parts)
+      if (!(p.shape->mass(1).mass > 0))
+        throw SceneError(std::string("body.shape: a ") + p.shape->kind() + " has no volume and can only be static or kinematic");
+    require(mass >= kLightest && mass <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg", mass);
+    const Mat3 inv = dimension == 2 ? Mat3(Mat3::Identity() / m.inertia(2, 2)) : inverse(m.inertia);
+    require(inv.allFinite() && inv.trace() > 0 && m.inertia.allFinite(), "shape: too small or too large for its mass", mass);
+  }
+  if (d.type == BodyType::free) throw SceneError("body.type: expected static, kinematic or dynamic");
+  // from here on nothing fails
+  const std::uint32_t i = bodies.add();
+  if (volume.size() < bodies.size()) {
+    volume.resize(bodies.size()), area.resize(bodies.size()), spins.resize(bodies.size()), calm.resize(bodies.size());
+    next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
+  }
+  bodies.type[i] = d.type;
+  bodies.lock[i] = dimension == 2 ? std::uint8_t(d.lock | kLockZ | kLockRx | kLockRy) : d.lock;
+  bodies.rotation[i] = d.rotation;
+  bodies.local_com[i] = m.center;
+  bodies.position[i] = d.position + rotate(d.rotation, m.center);
+  const Real planar = dimension == 2 ? 0 : 1;
+  bodies.velocity[i] = Vec3(d.velocity[0], d.velocity[1], planar * d.velocity[2]);
+  bodies.angular_velocity[i] = Vec3(planar * d.angular_velocity[0], planar * d.angular_velocity[1], d.angular_velocity[2]);
+  if (d.type == BodyType::fixed) bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
+  bodies.mass[i] = m.mass > 0 ? mass : 0;
+  bodies.inertia[i] = m.inertia;
+  bodies.gravity_scale[i] = d.gravity_scale;
+  bodies.linear_damping[i] = d.linear_damping;
+  bodies.angular_damping[i] = d.angular_damping;
+  bodies.can_sleep[i] = d.can_sleep;
+  bodies.bullet[i] = d.bullet;
+  bodies.extent[i] = 0;
+  for (const CompoundPart& p : parts)
+    bodies.extent[i] = std::max(bodies.extent[i], p.shape->extent(to_local(p.pose, m.center)));
+  volume[i] = whole;
+  const double radius = cube_root(static_cast<double>(whole) * 3 / (4 * static_cast<double>(kPi)));
+  area[i] = kPi * static_cast<Real>(radius * radius);
+  calm[i] = spins[i] = 0;
+  next_in_island[i] = kNone;
+  bodies.mover[i] = movers.add();
+  bodies.object[i] = objects.add(ObjectKind::body, i, d.name, d.tags);
+  set_mass(i);
+  // in reverse, so that the list of a body runs in the order of the parts
+  std::reverse(parts.begin(), parts.end());
+  for (const CompoundPart& p : parts) {
+    const std::uint32_t k = colliders.add();
+    colliders.shape[k] = p.shape.get();
+    colliders.shapes[k] = p.shape;
+    colliders.local[k] = {p.pose.position - m.center, p.pose.rotation};
+    colliders.next_of_body[k] = bodies.first_collider[i];
+    bodies.first_collider[i] = k;
+  }
+  add_colliders(i, d);
+  if (dynamic) {
+    wake_one(i, WakeCause::none, {});
+    if (d.sleeping) put_to_sleep(i);
+  }
+  bodies.awake[i] = d.type == BodyType::kinematic ? 1 : bodies.awake[i];
+  place_colliders(i, 0, Vec3::Zero());
+  if (body_count++ == 0) *structure_changed = true;
+  list_stale = true;
+  return bodies.object[i];
+}
+
+// Fills what all colliders of a new body share.
+void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d) {
+  const std::uint16_t material = d.material.empty() ? std::uint16_t(0) : collide.material(d.material);
+  each_collider(i, [&](std::uint32_t k) {
+    colliders.motion[k] = d.type == BodyType::dynamic     ? ColliderMotion::dynamic
+                          : d.type == BodyType::kinematic ? ColliderMotion::kinematic
+                                                          : ColliderMotion::fixed;
+    colliders.owner[k] = ObjectKind::body;
+    colliders.owner_index[k] = i;
+    colliders.mover[k] = d.type == BodyType::fixed ? kNone : bodies.mover[i];
+    colliders.object[k] = bodies.object[i];
+    colliders.sensor[k] = d.sensor;
+    colliders.bullet[k] = d.bullet;
+    colliders.friction_static[k] = d.friction_static;
+    colliders.friction_dynamic[k] = d.friction_dynamic;
+    colliders.restitution[k] = d.restitution;
+    colliders.rolling_friction[k] = d.rolling_friction;
+    colliders.surface_velocity[k] = d.surface_velocity;
+    colliders.material[k] = material;
+    colliders.group[k] = d.group;
+    colliders.mask[k] = d.mask;
+  });
+}
+
+// Poses and boxes of a body's colliders now; boxes reach as far as the body can move within `dt`.
+void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity) {
+  const Vec3& v = bodies.velocity[i];
+  const Vec3& w = bodies.angular_velocity[i];
+  const bool dynamic = bodies.type[i] == BodyType::dynamic;
+  const Real pull = dynamic ? bodies.gravity_scale[i] * dt * dt : 0;
+  const Vec3 step = v * dt + gravity * pull;
+  const Pose com = bodies.com_pose(i);
+  const Real turn = length(w) * dt;
+  const bool moves = dynamic ? bodies.awake[i] != 0 : bodies.type[i] == BodyType::kinematic && (!v.isZero(0) || !w.isZero(0));
+  each_collider(i, [&](std::uint32_t k) {
+    const Pose pose = com * colliders.local[k];
+    colliders.pose[k] = pose;
+    colliders.center[k] = com.position;
+    colliders.velocity[k] = v;
+    colliders.angular_velocity[k] = w;
+    colliders.awake[k] = moves;
+    const Shape& shape = *colliders.shape[k];
+    Aabb box = shape.bounds(pose);
+    // a turning shape leaves its box by at most the arc of its farthest point, and by its whole extent
+    const Real reach = bodies.extent[i];
+    const Real arc = turn > 0 && is_finite(reach) ? std::min(turn * reach, 2 * reach) : Real(0);
+    box.lo += step.cwiseMin(Real(0)) - Vec3::Constant(kContactMargin + arc);
+    box.hi += step.cwiseMax(Real(0)) + Vec3::Constant(kContactMargin + arc);
+    colliders.box[k] = box;
+  });
+}
+
+void Rigid::Impl::changed(std::uint32_t i) {
+  each_collider(i, [&](std::uint32_t k) {
+    collide.forget(k);
+    colliders.changed.push_back(k);
+  });
+}
+
+void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
+  if (!finite_pose(origin)) throw SceneError("set_position: expected finite numbers");
+  wake_touching(i, WakeCause::script);
+  if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::script, {});
+  bodies.rotation[i] = normalized(origin.rotation);
+  bodies.position[i] = origin.position + rotate(bodies.rotation[i], bodies.local_com[i]);
+  bodies.has_target[i] = 0;
+  changed(i);
+  place_colliders(i, 0, Vec3::Zero());
+  if (bodies.type[i] == BodyType::fixed) refresh_joints_of(i);
+}
+
+void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
+  if (type == BodyType::free) throw SceneError("set_type: expected static, kinematic or dynamic");
+  if (type == bodies.type[i]) return;
+  if (type == BodyType::dynamic) {
+    each_collider(i, [&](std::uint32_t k) {
+      if (!(colliders.shape[k]->mass(1).mass > 0))
+        throw SceneError(std::string("set_type: a ") + colliders.shape[k]->kind() + " cannot be dynamic");
+    });
+    require(bodies.mass[i] >= kLightest && bodies.mass[i] <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg", bodies.mass[i]);
+  }
+  if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::script, {});
+  wake_touching(i, WakeCause::script);
+  changed(i);
+  bodies.type[i] = type;
+  bodies.awake[i] = type == BodyType::kinematic;
+  bodies.has_target[i] = 0;
+  if (type == BodyType::fixed) bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
+  set_mass(i);
+  each_collider(i, [&](std::uint32_t k) {
+    colliders.motion[k] = type == BodyType::dynamic     ? ColliderMotion::dynamic
+                          : type == BodyType::kinematic ? ColliderMotion::kinematic
+                                                        : ColliderMotion::fixed;
+    colliders.mover[k] = type == BodyType::fixed ? kNone : bodies.mover[i];
+  });
+  if (type == BodyType::dynamic) wake_one(i, WakeCause::none, {});
+  place_colliders(i, 0, Vec3::Zero());
+  refresh_joints_of(i);
+  list_stale = true;
+}
+
+void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
+  for (std::uint32_t j = 0; j < records.size(); ++j)
+    if (records[j].alive && (records[j].body_a == i || records[j].body_b == i)) remove_joint(j, where, WakeCause::destroyed);
+  wake_touching(i, WakeCause::destroyed);
+  if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::destroyed, bodies.object[i]);
+  std::uint32_t k = bodies.first_collider[i];
+  while (k != kNone) {
+    const std::uint32_t next = colliders.next_of_body[k];
+    collide.forget(k);
+    colliders.remove(k);
+    k = next;
+  }
+  movers.remove(bodies.mover[i]);
+  objects.remove(bodies.object[i], where);
+  bodies.remove(i);
+  if (--body_count == 0) *structure_changed = true;
+  list_stale = true;
+}
+
+}  // namespace feder

@@ -1,0 +1,84 @@
+// Eight contacts side by side, all fields wide, and the kernels that work on them. Plain structs only: included by
+// the file that is compiled with -mavx2. No two contacts of a batch push the same mover.
+#pragma once
+#include "base/simd.h"
+
+namespace feder {
+
+inline constexpr int kBatchPoints = 4;
+
+struct BatchPoint {
+  Lane8x3 turn_a, turn_b;  // arm x normal, m; the arms themselves until `prepare`
+  Lane8 separation;        // at the start of the step, m
+  Lane8 mass;              // effective along the normal, kg; 1 or 0 (no such point) until `prepare`
+  Lane8 impulse;           // N s
+};
+
+struct ContactBatch {
+  unsigned mover_a[kLanes], mover_b[kLanes];  // solver indices; 0 = world
+  unsigned points;                            // the largest point count of the lanes
+  unsigned writes_a, writes_b;                // bit per lane: the mover can be pushed
+  Lane8x3 normal;                             // a to b
+  BatchPoint point[kBatchPoints];
+  Lane8 coupling[6];                          // between points 01 02 03 12 13 23, 1/kg
+  Lane8x3 inv_mass_a, inv_mass_b;             // by world axis, 1/kg
+  Lane8 inv_inertia_a[6], inv_inertia_b[6];   // xx yy zz xy xz yz, 1/(kg m^2)
+  Lane8 against_fixed;                        // 1: one side cannot move, else 0
+  // friction at the manifold's centre
+  Lane8x3 center_a, center_b;                 // arms, m
+  Lane8x3 tangent;                            // first of tangent_frame(normal); the second is normal x tangent
+  Lane8 tangent_mass[3];                      // inverse of the 2x2 matrix: 11 12 22, kg
+  Lane8 tangent_impulse[2];                   // N s
+  Lane8 tangent_speed[2];                     // wanted, m/s (conveyor)
+  Lane8 twist_mass, twist_impulse;            // kg m^2, N m s
+  Lane8 friction_static, friction_dynamic;
+  Lane8 radius[kBatchPoints];                 // distance of the points from the centre, m
+};
+
+// What the inner loops rarely need.
+struct BatchSide {
+  Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s
+  Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s
+  Lane8 restitution;
+  unsigned bounces;              // some lane has restitution
+  unsigned rolls;                // some lane has rolling friction
+  Lane8 rolling_arm;             // m
+  Lane8 rolling_mass[6];         // inverse of the sum of the inverse inertias, kg m^2
+  Lane8x3 rolling_impulse;       // N m s
+};
+
+// A mover's mass in the order the kernels want: 16 numbers.
+struct alignas(64) WideMass {
+  WideReal inv_mass[3];
+  WideReal inv_inertia[6];
+  WideReal pad[7];
+};
+
+struct SoftFactors {
+  WideReal bias_rate, mass_scale, impulse_scale;
+};
+
+struct ContactPass {
+  ContactBatch* batches;
+  BatchSide* sides;
+  unsigned first, last;      // range of batches
+  WideReal* movers;          // MoverState as 16 numbers each
+  const WideMass* masses;
+  WideReal h, inv_h;
+  SoftFactors soft, soft_fixed;  // between movers; against something that cannot move
+  WideReal push_speed;           // largest speed at which overlap is undone, m/s
+  WideReal bounce_speed;         // slower approaches do not bounce, m/s
+};
+
+struct ContactKernels {
+  void (*prepare)(const ContactPass&);
+  void (*warm_start)(const ContactPass&);
+  void (*solve)(const ContactPass&);       // with bias, without friction
+  void (*relax)(const ContactPass&);       // without bias; friction, twist, rolling
+  void (*restitution)(const ContactPass&);
+};
+
+extern const ContactKernels kContactKernelsPlain;
+extern const ContactKernels kContactKernelsAvx2;
+
+}  // namespace feder

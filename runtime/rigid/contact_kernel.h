@@ -1,0 +1,376 @@
+// The arithmetic of contacts, eight at a time. Included by contact_plain.cpp and contact_avx2.cpp, which differ in
+// compiler flags only and give the same bits.
+//
+// Rows are linear in the step: the normal and arm x normal stay as they were at its start, so the speed and the
+// separation of a point use the same numbers (v, w) and (moved, turned). Within a manifold the points are solved one
+// after another in impulse space: their coupling is known, so the bodies are read and written once per pass.
+// Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's centre
+// with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
+#pragma once
+#include "rigid/contact_batch.h"
+
+namespace feder {
+namespace {
+
+using namespace lanes;
+
+constexpr int kStride = 16;  // numbers per mover
+
+struct Bodies8 {
+  Lanes3 v, w;
+};
+
+// Symmetric matrix times vector.
+[[gnu::always_inline]] inline Lanes3 times(const Lane8* m, const Lanes3& a) {
+  const Lanes xx = load(m[0]), yy = load(m[1]), zz = load(m[2]), xy = load(m[3]), xz = load(m[4]), yz = load(m[5]);
+  return {xx * a.x + xy * a.y + xz * a.z, xy * a.x + yy * a.y + yz * a.z, xz * a.x + yz * a.y + zz * a.z};
+}
+[[gnu::always_inline]] inline Lanes3 times(const Lanes3& diagonal, const Lanes3& a) {
+  return {diagonal.x * a.x, diagonal.y * a.y, diagonal.z * a.z};
+}
+
+// One half of eight movers: row 0 holds v, w and the first two of moved; row 1 the rest of moved, turned, rotation.
+[[gnu::always_inline]] inline void gather(const WideReal* movers, const unsigned* index, int row, Lanes (&out)[kLanes]) {
+  for (int i = 0; i < kLanes; ++i) out[i] = load_row(movers + index[i] * kStride + row * kLanes);
+  transpose(out);
+}
+
+[[gnu::always_inline]] inline void scatter(WideReal* movers, const unsigned* index, unsigned writes, Lanes (&rows)[kLanes]) {
+  transpose(rows);
+  for (int i = 0; i < kLanes; ++i)
+    if (writes >> i & 1u) store_row(movers + index[i] * kStride, rows[i]);
+}
+
+// Both sides of a batch: velocities now, and the rows they came in (to be written back).
+struct Sides {
+  Lanes a[kLanes], b[kLanes];
+  Lanes3 moved, turned_a, turned_b;  // moved: b minus a
+};
+
+[[gnu::always_inline]] inline void gather_velocity(const ContactPass& p, const ContactBatch& c, Sides& s) {
+  gather(p.movers, c.mover_a, 0, s.a);
+  gather(p.movers, c.mover_b, 0, s.b);
+}
+
+[[gnu::always_inline]] inline void gather_displacement(const ContactPass& p, const ContactBatch& c, Sides& s) {
+  Lanes a[kLanes], b[kLanes];
+  gather(p.movers, c.mover_a, 1, a);
+  gather(p.movers, c.mover_b, 1, b);
+  s.moved = {s.b[6] - s.a[6], s.b[7] - s.a[7], b[0] - a[0]};
+  s.turned_a = {a[1], a[2], a[3]};
+  s.turned_b = {b[1], b[2], b[3]};
+}
+
+[[gnu::always_inline]] inline void put(Lanes (&rows)[kLanes], const Lanes3& v, const Lanes3& w) {
+  rows[0] = v.x, rows[1] = v.y, rows[2] = v.z, rows[3] = w.x, rows[4] = w.y, rows[5] = w.z;
+}
+[[gnu::always_inline]] inline Lanes3 linear(const Lanes (&rows)[kLanes]) { return {rows[0], rows[1], rows[2]}; }
+[[gnu::always_inline]] inline Lanes3 angular(const Lanes (&rows)[kLanes]) { return {rows[3], rows[4], rows[5]}; }
+
+// Velocities changed by the linear impulse `l` and the angular impulses (on b; the opposite signs on a).
+[[gnu::always_inline]] inline void push(const ContactBatch& c, Sides& s, const Lanes3& l, const Lanes3& turn_a,
+                                        const Lanes3& turn_b) {
+  put(s.a, linear(s.a) - times(load(c.inv_mass_a), l), angular(s.a) - times(c.inv_inertia_a, turn_a));
+  put(s.b, linear(s.b) + times(load(c.inv_mass_b), l), angular(s.b) + times(c.inv_inertia_b, turn_b));
+}
+
+[[gnu::always_inline]] inline void write_back(const ContactPass& p, const ContactBatch& c, Sides& s) {
+  scatter(p.movers, c.mover_a, c.writes_a, s.a);
+  scatter(p.movers, c.mover_b, c.writes_b, s.b);
+}
+
+[[gnu::always_inline]] inline Lanes reciprocal_or_zero(Lanes k) {
+  const LaneMask good = k > zero_lanes();
+  return select(good, all_lanes(1) / select(good, k, all_lanes(1)), zero_lanes());
+}
+
+constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4, 5, -1}};
+
+[[gnu::always_inline]] inline Lanes point_speed(const BatchPoint& q, Lanes along, const Lanes3& wa, const Lanes3& wb) {
+  return along + dot(load(q.turn_b), wb) - dot(load(q.turn_a), wa);
+}
+
+// Masses into the batch, and the effective masses and couplings of its points.
+[[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, ContactBatch& c) {
+  for (int side = 0; side < 2; ++side) {
+    const unsigned* index = side ? c.mover_b : c.mover_a;
+    Lanes r[kLanes];
+    for (int i = 0; i < kLanes; ++i) r[i] = load_row(reinterpret_cast<const WideReal*>(p.masses + index[i]));
+    transpose(r);
+    store(side ? c.inv_mass_b : c.inv_mass_a, Lanes3{r[0], r[1], r[2]});
+    Lane8* inertia = side ? c.inv_inertia_b : c.inv_inertia_a;
+    for (int k = 0; k < 5; ++k) store(inertia[k], r[k + 3]);
+    for (int i = 0; i < kLanes; ++i) inertia[5].v[i] = p.masses[index[i]].inv_inertia[5];
+  }
+  const Lanes3 n = load(c.normal);
+  const Lanes3 inv_mass = load(c.inv_mass_a) + load(c.inv_mass_b);
+  const Lanes along = dot(times(inv_mass, n), n);
+  for (int j = 0; j < kBatchPoints; ++j) {
+    BatchPoint& q = c.point[j];
+    const Lanes valid = load(q.mass);
+    const Lanes3 a = cross(load(q.turn_a), n) * valid, b = cross(load(q.turn_b), n) * valid;
+    store(q.turn_a, a);
+    store(q.turn_b, b);
+    const Lanes3 ia = times(c.inv_inertia_a, a), ib = times(c.inv_inertia_b, b);
+    for (int k = 0; k < j; ++k)
+      store(c.coupling[kPair[j][k]], along + dot(load(c.point[k].turn_a), ia) + dot(load(c.point[k].turn_b), ib));
+    store(q.mass, reciprocal_or_zero(along + dot(a, ia) + dot(b, ib)) * valid);
+  }
+}
+
+// The centre of the manifold from the arms (before they are overwritten), and the distances from it.
+[[gnu::always_inline]] inline void prepare_center(ContactBatch& c) {
+  Lanes count = zero_lanes();
+  Lanes3 a{}, b{};
+  for (int j = 0; j < kBatchPoints; ++j) {
+    const Lanes valid = load(c.point[j].mass);
+    count += valid;
+    a = a + load(c.point[j].turn_a) * valid;
+    b = b + load(c.point[j].turn_b) * valid;
+  }
+  const Lanes weight = all_lanes(1) / max(count, all_lanes(1));
+  a = a * weight, b = b * weight;
+  store(c.center_a, a);
+  store(c.center_b, b);
+  for (int j = 0; j < kBatchPoints; ++j) {
+    const Lanes3 d = load(c.point[j].turn_a) - a;
+    store(c.radius[j], square_root(dot(d, d)) * load(c.point[j].mass));
+  }
+}
+
+[[gnu::always_inline]] inline void prepare_friction(ContactBatch& c) {
+  const Lanes3 n = load(c.normal);
+  // tangent_frame(n) of base/math.h (Duff et al. 2017)
+  const Lanes one = all_lanes(1);
+  const Lanes sign = select(n.z < zero_lanes(), -one, one);
+  const Lanes s = -one / (sign + n.z);
+  const Lanes3 t1{one + sign * n.x * n.x * s, sign * n.x * n.y * s, -sign * n.x};
+  const Lanes3 t2 = cross(n, t1);
+  store(c.tangent, t1);
+  const Lanes3 inv_mass = load(c.inv_mass_a) + load(c.inv_mass_b);
+  const Lanes3 a1 = cross(load(c.center_a), t1), a2 = cross(load(c.center_a), t2);
+  const Lanes3 b1 = cross(load(c.center_b), t1), b2 = cross(load(c.center_b), t2);
+  const Lanes3 ia1 = times(c.inv_inertia_a, a1), ib1 = times(c.inv_inertia_b, b1);
+  const Lanes k11 = dot(times(inv_mass, t1), t1) + dot(a1, ia1) + dot(b1, ib1);
+  const Lanes k12 = dot(times(inv_mass, t1), t2) + dot(a2, ia1) + dot(b2, ib1);
+  const Lanes k22 = dot(times(inv_mass, t2), t2) + dot(a2, times(c.inv_inertia_a, a2)) + dot(b2, times(c.inv_inertia_b, b2));
+  // a singular matrix (locked axes) leaves the axes on their own
+  const Lanes det = k11 * k22 - k12 * k12;
+  const LaneMask good = det > all_lanes(WideReal(1e-6)) * k11 * k22;
+  const Lanes inv = select(good, one / select(good, det, one), zero_lanes());
+  store(c.tangent_mass[0], select(good, k22 * inv, reciprocal_or_zero(k11)));
+  store(c.tangent_mass[1], select(good, -k12 * inv, zero_lanes()));
+  store(c.tangent_mass[2], select(good, k11 * inv, reciprocal_or_zero(k22)));
+  store(c.twist_mass, reciprocal_or_zero(dot(n, times(c.inv_inertia_a, n)) + dot(n, times(c.inv_inertia_b, n))));
+}
+
+// Inverse of a symmetric matrix by cofactors; zero when singular.
+[[gnu::always_inline]] inline void prepare_rolling(const ContactBatch& c, BatchSide& side) {
+  Lanes m[6];
+  for (int k = 0; k < 6; ++k) m[k] = load(c.inv_inertia_a[k]) + load(c.inv_inertia_b[k]);
+  const Lanes cxx = m[1] * m[2] - m[5] * m[5], cxy = m[4] * m[5] - m[3] * m[2], cxz = m[3] * m[5] - m[4] * m[1];
+  const Lanes det = m[0] * cxx + m[3] * cxy + m[4] * cxz;
+  const Lanes inv = reciprocal_or_zero(det);
+  store(side.rolling_mass[0], cxx * inv);
+  store(side.rolling_mass[1], (m[0] * m[2] - m[4] * m[4]) * inv);
+  store(side.rolling_mass[2], (m[0] * m[1] - m[3] * m[3]) * inv);
+  store(side.rolling_mass[3], cxy * inv);
+  store(side.rolling_mass[4], cxz * inv);
+  store(side.rolling_mass[5], (m[3] * m[4] - m[0] * m[5]) * inv);
+}
+
+void prepare_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    ContactBatch& c = p.batches[i];
+    BatchSide& side = p.sides[i];
+    prepare_center(c);
+    prepare_normals(p, c);
+    prepare_friction(c);
+    if (side.rolls) prepare_rolling(c, side);
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes along = dot(load(c.normal), linear(s.b) - linear(s.a));
+    for (int j = 0; j < kBatchPoints; ++j) {
+      store(side.approach[j], point_speed(c.point[j], along, angular(s.a), angular(s.b)));
+      store(side.total[j], zero_lanes());
+    }
+  }
+}
+
+void warm_start_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const ContactBatch& c = p.batches[i];
+    const BatchSide& side = p.sides[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
+    Lanes sum = zero_lanes();
+    Lanes3 turn_a = n * load(c.twist_impulse), turn_b = turn_a;
+    if (side.rolls) turn_a = turn_a + load(side.rolling_impulse), turn_b = turn_a;
+    for (unsigned j = 0; j < c.points; ++j) {
+      const Lanes impulse = load(c.point[j].impulse);
+      sum += impulse;
+      turn_a = turn_a + load(c.point[j].turn_a) * impulse;
+      turn_b = turn_b + load(c.point[j].turn_b) * impulse;
+    }
+    const Lanes3 t = t1 * load(c.tangent_impulse[0]) + t2 * load(c.tangent_impulse[1]);
+    push(c, s, n * sum + t, turn_a + cross(load(c.center_a), t), turn_b + cross(load(c.center_b), t));
+    write_back(p, c, s);
+  }
+}
+
+// The normal rows of one batch; returns with the velocities of `s` changed and impulses stored.
+template <bool kBiased>
+[[gnu::always_inline]] inline Lanes solve_normals(const ContactPass& p, ContactBatch& c, Sides& s) {
+  const Lanes3 n = load(c.normal);
+  const Lanes along = dot(n, linear(s.b) - linear(s.a));
+  const Lanes moved = dot(n, s.moved);
+  const Lanes zero = zero_lanes(), one = all_lanes(1), inv_h = all_lanes(p.inv_h);
+  const LaneMask fixed = load(c.against_fixed) > zero;
+  const Lanes rate = select(fixed, all_lanes(p.soft_fixed.bias_rate), all_lanes(p.soft.bias_rate));
+  const Lanes mass_scale = select(fixed, all_lanes(p.soft_fixed.mass_scale), all_lanes(p.soft.mass_scale));
+  const Lanes impulse_scale = select(fixed, all_lanes(p.soft_fixed.impulse_scale), all_lanes(p.soft.impulse_scale));
+  Lanes speed[kBatchPoints], apart[kBatchPoints];
+  const unsigned count = c.points;
+  for (unsigned j = 0; j < count; ++j) {
+    const BatchPoint& q = c.point[j];
+    speed[j] = point_speed(q, along, angular(s.a), angular(s.b));
+    apart[j] = point_speed(q, load(q.separation) + moved, s.turned_a, s.turned_b);
+  }
+  Lanes sum = zero, held = zero;
+  Lanes3 turn_a{}, turn_b{};
+  for (unsigned j = 0; j < count; ++j) {
+    BatchPoint& q = c.point[j];
+    const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
+    const Lanes old = load(q.impulse);
+    Lanes wanted;
+    if constexpr (kBiased) {
+      const Lanes bias = select(open, apart[j] * inv_h, max(apart[j] * rate, all_lanes(-p.push_speed)));
+      wanted = old - load(q.mass) * select(open, one, mass_scale) * (speed[j] + bias) -
+               select(open, zero, impulse_scale) * old;
+    } else {
+      wanted = old - load(q.mass) * (speed[j] + select(open, apart[j] * inv_h, zero));
+    }
+    const Lanes now = max(wanted, zero);
+    const Lanes change = now - old;
+    store(q.impulse, now);
+    held += now;
+    sum += change;
+    turn_a = turn_a + load(q.turn_a) * change;
+    turn_b = turn_b + load(q.turn_b) * change;
+    for (unsigned k = j + 1; k < count; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
+  }
+  push(c, s, n * sum, turn_a, turn_b);
+  return held;
+}
+
+void solve_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    ContactBatch& c = p.batches[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    gather_displacement(p, c, s);
+    solve_normals<true>(p, c, s);
+    write_back(p, c, s);
+  }
+}
+
+// Torque against rolling, at most arm x normal impulse.
+[[gnu::always_inline]] inline void relax_rolling(const ContactBatch& c, BatchSide& side, Lanes held, Sides& s) {
+  const Lanes3 old = load(side.rolling_impulse);
+  Lanes3 now = old - times(side.rolling_mass, angular(s.b) - angular(s.a));
+  const Lanes limit = load(side.rolling_arm) * held;
+  const Lanes size = square_root(dot(now, now));
+  const LaneMask over = size > limit;
+  now = now * select(over, limit / select(over, size, all_lanes(1)), all_lanes(1));
+  store(side.rolling_impulse, now);
+  const Lanes3 change = now - old;
+  push(c, s, Lanes3{}, change, change);
+}
+
+[[gnu::always_inline]] inline void relax_twist(ContactBatch& c, Sides& s) {
+  const Lanes3 n = load(c.normal);
+  Lanes limit = zero_lanes();
+  for (unsigned j = 0; j < c.points; ++j) limit += load(c.radius[j]) * load(c.point[j].impulse);
+  limit *= load(c.friction_dynamic);
+  const Lanes old = load(c.twist_impulse);
+  const Lanes wanted = old - load(c.twist_mass) * dot(n, angular(s.b) - angular(s.a));
+  const Lanes now = max(-limit, min(wanted, limit));
+  store(c.twist_impulse, now);
+  const Lanes3 change = n * (now - old);
+  push(c, s, Lanes3{}, change, change);
+}
+
+// Holds while the impulse stays in the static cone; otherwise slides with the dynamic one.
+[[gnu::always_inline]] inline void relax_friction(ContactBatch& c, Lanes held, Sides& s) {
+  const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
+  const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
+  const Lanes3 v = linear(s.b) + cross(angular(s.b), rb) - linear(s.a) - cross(angular(s.a), ra);
+  const Lanes v1 = dot(v, t1) - load(c.tangent_speed[0]), v2 = dot(v, t2) - load(c.tangent_speed[1]);
+  const Lanes old1 = load(c.tangent_impulse[0]), old2 = load(c.tangent_impulse[1]);
+  const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
+  Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
+  const Lanes size = square_root(now1 * now1 + now2 * now2);
+  const LaneMask slides = size > load(c.friction_static) * held;
+  const Lanes scale = select(slides, load(c.friction_dynamic) * held / select(slides, size, all_lanes(1)), all_lanes(1));
+  now1 = now1 * scale, now2 = now2 * scale;
+  store(c.tangent_impulse[0], now1);
+  store(c.tangent_impulse[1], now2);
+  const Lanes3 change = t1 * (now1 - old1) + t2 * (now2 - old2);
+  push(c, s, change, cross(ra, change), cross(rb, change));
+}
+
+void relax_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    ContactBatch& c = p.batches[i];
+    BatchSide& side = p.sides[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    gather_displacement(p, c, s);
+    const Lanes held = solve_normals<false>(p, c, s);
+    if (side.rolls) relax_rolling(c, side, held, s);
+    relax_twist(c, s);
+    relax_friction(c, held, s);
+    write_back(p, c, s);
+    for (unsigned j = 0; j < c.points; ++j) store(side.total[j], load(side.total[j]) + load(c.point[j].impulse));
+  }
+}
+
+// Points that closed in fast and carried an impulse leave with restitution x approach speed.
+void restitution_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    ContactBatch& c = p.batches[i];
+    BatchSide& side = p.sides[i];
+    if (!side.bounces) continue;
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes3 n = load(c.normal);
+    const Lanes along = dot(n, linear(s.b) - linear(s.a)), zero = zero_lanes();
+    Lanes speed[kBatchPoints];
+    for (unsigned j = 0; j < c.points; ++j) speed[j] = point_speed(c.point[j], along, angular(s.a), angular(s.b));
+    Lanes sum = zero;
+    Lanes3 turn_a{}, turn_b{};
+    for (unsigned j = 0; j < c.points; ++j) {
+      BatchPoint& q = c.point[j];
+      const Lanes approach = load(side.approach[j]), e = load(side.restitution);
+      const Lanes bounces = select(approach < all_lanes(-p.bounce_speed), all_lanes(1), zero) *
+                            select(load(side.total[j]) > zero, all_lanes(1), zero) * select(e > zero, all_lanes(1), zero);
+      const Lanes old = load(q.impulse);
+      const Lanes now = max(old - load(q.mass) * (speed[j] + e * approach), zero);
+      const Lanes change = (now - old) * bounces;
+      store(q.impulse, old + change);
+      store(side.total[j], load(side.total[j]) + change);
+      sum += change;
+      turn_a = turn_a + load(q.turn_a) * change;
+      turn_b = turn_b + load(q.turn_b) * change;
+      for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
+    }
+    push(c, s, n * sum, turn_a, turn_b);
+    write_back(p, c, s);
+  }
+}
+
+constexpr ContactKernels kKernels = {prepare_batches, warm_start_batches, solve_batches, relax_batches, restitution_batches};
+
+}  // namespace
+}  // namespace feder

@@ -1,0 +1,225 @@
+// What scripts do to bodies and joints between steps. Numbers are checked, sleepers woken, contacts forgotten where
+// they no longer hold.
+#include <cmath>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+void check(const Vec3& v, const char* what) {
+  if (!is_finite(v)) throw SceneError(std::string(what) + ": expected three finite numbers");
+}
+
+void check_not_negative(Real x, const char* what) {
+  if (!(x >= 0) || !is_finite(x)) throw SceneError(std::string(what) + ": expected a number not below 0, got " + std::to_string(x));
+}
+
+}  // namespace
+
+ObjectId Rigid::add_body(const BodyDesc& desc) { return impl_->add(desc); }
+void Rigid::destroy_body(ObjectId body, std::string where) { impl_->remove(impl_->index(body), where); }
+const Bodies& Rigid::bodies() const { return impl_->bodies; }
+std::uint32_t Rigid::index(ObjectId body) const { return impl_->index(body); }
+Pose Rigid::pose(ObjectId body) const { return impl_->bodies.origin_pose(impl_->index(body)); }
+void Rigid::set_pose(ObjectId body, const Pose& origin) { impl_->set_pose(impl_->index(body), origin); }
+
+void Rigid::set_velocity(ObjectId body, const Vec3& v) {
+  const std::uint32_t i = impl_->index(body);
+  check(v, "set_velocity");
+  if (impl_->bodies.type[i] == BodyType::fixed) return;
+  impl_->wake(i, WakeCause::script, {});
+  impl_->bodies.has_target[i] = 0;
+  for (int k = 0; k < 3; ++k) impl_->bodies.velocity[i][k] = impl_->bodies.lock[i] & (kLockX << k) ? Real(0) : v[k];
+}
+
+void Rigid::set_angular_velocity(ObjectId body, const Vec3& w) {
+  const std::uint32_t i = impl_->index(body);
+  check(w, "set_angular_velocity");
+  if (impl_->bodies.type[i] == BodyType::fixed) return;
+  impl_->wake(i, WakeCause::script, {});
+  impl_->bodies.has_target[i] = 0;
+  for (int k = 0; k < 3; ++k)
+    impl_->bodies.angular_velocity[i][k] = impl_->bodies.lock[i] & (kLockRx << k) ? Real(0) : w[k];
+}
+
+void Rigid::apply_force(ObjectId body, const Vec3& force, const Vec3* world_point) {
+  const std::uint32_t i = impl_->index(body);
+  check(force, "apply_force");
+  if (world_point) check(*world_point, "apply_force (point)");
+  impl_->wake(i, WakeCause::force, {});
+  impl_->bodies.force[i] += force;
+  if (world_point) impl_->bodies.torque[i] += cross(*world_point - impl_->bodies.position[i], force);
+}
+
+void Rigid::apply_torque(ObjectId body, const Vec3& torque) {
+  const std::uint32_t i = impl_->index(body);
+  check(torque, "apply_torque");
+  impl_->wake(i, WakeCause::force, {});
+  impl_->bodies.torque[i] += torque;
+}
+
+void Rigid::apply_impulse(ObjectId body, const Vec3& impulse, const Vec3* world_point) {
+  const std::uint32_t i = impl_->index(body);
+  check(impulse, "apply_impulse");
+  if (world_point) check(*world_point, "apply_impulse (point)");
+  Bodies& b = impl_->bodies;
+  if (b.type[i] != BodyType::dynamic) return;
+  impl_->wake(i, WakeCause::force, {});
+  for (int k = 0; k < 3; ++k)
+    if (!(b.lock[i] & (kLockX << k))) b.velocity[i][k] += impulse[k] * b.inv_mass[i];
+  if (world_point) b.angular_velocity[i] += b.world_inv_inertia(i) * cross(*world_point - b.position[i], impulse);
+}
+
+void Rigid::apply_angular_impulse(ObjectId body, const Vec3& impulse) {
+  const std::uint32_t i = impl_->index(body);
+  check(impulse, "apply_angular_impulse");
+  if (impl_->bodies.type[i] != BodyType::dynamic) return;
+  impl_->wake(i, WakeCause::force, {});
+  impl_->bodies.angular_velocity[i] += impl_->bodies.world_inv_inertia(i) * impulse;
+}
+
+void Rigid::move_to(ObjectId body, const Pose& origin) {
+  const std::uint32_t i = impl_->index(body);
+  check(origin.position, "move_to");
+  check(origin.rotation.vec(), "move_to (rotation)");
+  if (!is_finite(origin.rotation.w)) throw SceneError("move_to (rotation): expected four finite numbers");
+  if (impl_->bodies.type[i] != BodyType::kinematic) throw SceneError("move_to: expected a kinematic body");
+  impl_->bodies.target[i] = {origin.position, normalized(origin.rotation)};
+  impl_->bodies.has_target[i] = 1;
+}
+
+void Rigid::set_type(ObjectId body, BodyType type) { impl_->set_type(impl_->index(body), type); }
+
+void Rigid::set_filter(ObjectId body, std::uint32_t group, std::uint32_t mask) {
+  const std::uint32_t i = impl_->index(body);
+  impl_->wake(i, WakeCause::script, {});
+  impl_->wake_touching(i, WakeCause::script);
+  impl_->changed(i);
+  impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.group[k] = group, impl_->colliders.mask[k] = mask; });
+}
+
+void Rigid::set_friction(ObjectId body, Real fixed, Real dynamic) {
+  const std::uint32_t i = impl_->index(body);
+  check_not_negative(fixed, "set_friction");
+  check_not_negative(dynamic, "set_friction");
+  impl_->wake(i, WakeCause::script, {});
+  impl_->wake_touching(i, WakeCause::script);
+  impl_->each_collider(i, [&](std::uint32_t k) {
+    impl_->colliders.friction_static[k] = fixed;
+    impl_->colliders.friction_dynamic[k] = dynamic;
+    impl_->colliders.changed.push_back(k);
+  });
+}
+
+void Rigid::set_restitution(ObjectId body, Real e) {
+  const std::uint32_t i = impl_->index(body);
+  if (!(e >= 0 && e <= 1)) throw SceneError("set_restitution: expected a number from 0 to 1, got " + std::to_string(e));
+  impl_->each_collider(i, [&](std::uint32_t k) {
+    impl_->colliders.restitution[k] = e;
+    impl_->colliders.changed.push_back(k);
+  });
+}
+
+void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
+  const std::uint32_t i = impl_->index(body);
+  check(v, "set_surface_velocity");
+  impl_->wake(i, WakeCause::script, {});
+  impl_->wake_touching(i, WakeCause::script);
+  impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.surface_velocity[k] = v; });
+}
+
+void Rigid::set_damping(ObjectId body, Real linear, Real angular) {
+  const std::uint32_t i = impl_->index(body);
+  check_not_negative(linear, "set_damping");
+  check_not_negative(angular, "set_damping");
+  impl_->bodies.linear_damping[i] = linear;
+  impl_->bodies.angular_damping[i] = angular;
+}
+
+void Rigid::set_gravity_scale(ObjectId body, Real scale) {
+  const std::uint32_t i = impl_->index(body);
+  if (!is_finite(scale)) throw SceneError("set_gravity_scale: expected a finite number");
+  impl_->wake(i, WakeCause::script, {});
+  impl_->bodies.gravity_scale[i] = scale;
+}
+
+void Rigid::set_sensor(ObjectId body, bool sensor) {
+  const std::uint32_t i = impl_->index(body);
+  impl_->wake_touching(i, WakeCause::script);
+  impl_->changed(i);
+  impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.sensor[k] = sensor; });
+}
+
+void Rigid::wake(ObjectId body, WakeCause cause, ObjectId other) { impl_->wake(impl_->index(body), cause, other); }
+void Rigid::sleep(ObjectId body) { impl_->put_to_sleep(impl_->index(body)); }
+
+void Rigid::wake_all(WakeCause cause) {
+  for (std::uint32_t i = 0; impl_->sleeping_count > 0 && i < impl_->bodies.size(); ++i)
+    if (!impl_->bodies.awake[i]) impl_->wake(i, cause, {});
+}
+
+Real Rigid::mass(ObjectId body) const { return impl_->bodies.mass[impl_->index(body)]; }
+Mat3 Rigid::inertia(ObjectId body) const { return impl_->bodies.inertia[impl_->index(body)]; }
+Vec3 Rigid::center_of_mass(ObjectId body) const { return impl_->bodies.position[impl_->index(body)]; }
+
+ObjectId Rigid::add_joint(const JointDesc& desc) { return impl_->add_joint(desc); }
+void Rigid::destroy_joint(ObjectId joint, std::string where) {
+  impl_->remove_joint(impl_->joint_index(joint), where, WakeCause::joint);
+}
+
+Vec3 Rigid::joint_force(ObjectId joint) const {
+  Vec3 force, torque;
+  impl_->joint_load(impl_->joint_index(joint), force, torque);
+  return force;
+}
+
+Vec3 Rigid::joint_torque(ObjectId joint) const {
+  Vec3 force, torque;
+  impl_->joint_load(impl_->joint_index(joint), force, torque);
+  return torque;
+}
+
+Real Rigid::joint_coordinate(ObjectId joint) const {
+  const std::uint32_t j = impl_->joint_index(joint);
+  const SolverJoint& s = impl_->joints[j];
+  return s.kind->coordinate ? s.kind->coordinate(impl_->joint_input(j)) : Real(0);
+}
+
+void Rigid::set_motor(ObjectId joint, Real speed, Real max_force) {
+  const std::uint32_t j = impl_->joint_index(joint);
+  SolverJoint& s = impl_->joints[j];
+  if (!(s.kind->uses & kUsesMotor)) throw SceneError(std::string("set_motor: a ") + s.kind->name + " has no motor");
+  if (!is_finite(speed) || !(max_force >= 0)) throw SceneError("set_motor: expected a finite speed and a force not below 0");
+  JointOptions& o = s.shape.options;
+  if (!o.has_motor)  // other rows than before: their impulses start anew
+    for (Real& impulse : s.impulse) impulse = 0;
+  o.motor_speed = speed, o.motor_max = max_force, o.has_motor = true;
+  const JointRecord& r = impl_->records[j];
+  if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
+  if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
+}
+
+void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
+  const std::uint32_t j = impl_->joint_index(joint);
+  SolverJoint& s = impl_->joints[j];
+  if (!(s.kind->uses & kUsesLimits)) throw SceneError(std::string("set_limits: a ") + s.kind->name + " has no limits");
+  if (!(lower <= upper)) throw SceneError("set_limits: expected a lower number not above the upper one");
+  JointOptions& o = s.shape.options;
+  for (Real& impulse : s.impulse) impulse = 0;
+  o.lower = lower, o.upper = upper, o.has_limits = true;
+  const JointRecord& r = impl_->records[j];
+  if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
+  if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
+}
+
+Real Rigid::max_joint_error() const {
+  Real error = 0;
+  double elastic = 0;
+  impl_->joint_totals(error, elastic);
+  return error;
+}
+
+std::size_t Rigid::joint_count() const { return impl_->joint_count; }
+
+}  // namespace feder

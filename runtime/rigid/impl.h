@@ -1,0 +1,131 @@
+// The inside of the rigid system, shared by its source files.
+#pragma once
+#include "collide/collide.h"
+#include "forces/force.h"
+#include "rigid/rigid.h"
+#include "rigid/solver.h"
+#include "state/movers.h"
+
+namespace feder {
+
+inline constexpr Real kContactMargin = Real(0.02);  // m, boxes reach this far out
+
+// What the solver does not need to know of a joint.
+struct JointRecord {
+  ObjectId object, a, b;
+  std::uint32_t body_a = kNone, body_b = kNone;  // kNone = world
+  std::uint32_t kind = 0;                        // row in joint_kinds()
+  Pose local_a, local_b;                         // frames in the centre-of-mass frames (world: in the world)
+  Real break_force = kInfinity;
+  std::uint8_t alive = 0, collide = 0, mass_checked = 0, broken = 0;
+};
+
+struct Rigid::Impl {
+  explicit Impl(SystemSetup& setup);
+
+  // bodies.cpp
+  ObjectId add(const BodyDesc& desc);
+  void remove(std::uint32_t i, const std::string& where);
+  std::uint32_t index(ObjectId body) const;
+  void add_colliders(std::uint32_t i, const BodyDesc& desc);
+  template <class F>
+  void each_collider(std::uint32_t i, F&& f) const {
+    for (std::uint32_t k = bodies.first_collider[i]; k != kNone; k = colliders.next_of_body[k]) f(k);
+  }
+  void set_pose(std::uint32_t i, const Pose& origin);
+  void set_type(std::uint32_t i, BodyType type);
+  void set_mass(std::uint32_t i);  // inverse mass and inertia from mass, inertia, type and locks
+  void changed(std::uint32_t i);   // contacts are forgotten, pairs are examined again
+  void place_colliders(std::uint32_t i, Real dt, const Vec3& gravity);
+
+  // rows.cpp
+  void update_boxes(StepContext& c);
+  void gather(StepContext& c);
+  void add_forces(StepContext& c);
+  void integrate_velocities(StepContext& c);
+  void prepare(StepContext& c);
+  void solve(StepContext& c);
+  void finish_solve(StepContext& c);
+  void commit(StepContext& c);
+  void gather_body(std::uint32_t place, StepContext& c);
+  void integrate_body(std::uint32_t place, StepContext& c);
+  void commit_body(std::uint32_t place, StepContext& c);
+  bool commit_finite(std::uint32_t place) const;
+  void quarantine(std::uint32_t i);
+  void refresh();
+  void rebuild_list();
+  SolverInput input();
+
+  // sleep.cpp
+  void wake(std::uint32_t i, WakeCause cause, ObjectId other);
+  void wake_one(std::uint32_t i, WakeCause cause, ObjectId other);
+  void wake_touching(std::uint32_t i, WakeCause cause);
+  void put_to_sleep(std::uint32_t i);
+  void update_sleep(StepContext& c);
+  void measure_motion(StepContext& c);
+  void join_islands();
+  void sleep_islands();
+  std::uint32_t root(std::uint32_t i);
+  void join(std::uint32_t a, std::uint32_t b);
+
+  // joints.cpp
+  ObjectId add_joint(const JointDesc& desc);
+  void remove_joint(std::uint32_t j, const std::string& where, WakeCause cause);
+  std::uint32_t joint_index(ObjectId joint) const;
+  void refresh_joint(std::uint32_t j);
+  void refresh_joints_of(std::uint32_t body);
+  void activate_joints(StepContext& c);
+  void check_mass_ratio(std::uint32_t j, StepContext& c);
+  void break_joints(StepContext& c);
+  JointInput joint_input(std::uint32_t j) const;
+  void joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const;
+  void joint_totals(Real& max_error, double& elastic) const;
+
+  Store& store;
+  Objects& objects;
+  Events& events;
+  Collide& collide;
+  Bodies& bodies;
+  Colliders& colliders;
+  Movers& movers;
+  int dimension;
+  bool* structure_changed;
+  std::unique_ptr<RigidSolver> solver;
+
+  // per body, beside Bodies
+  Array<Real> volume;                 // m^3
+  Array<Real> area;                   // cross-section of the sphere of that volume, m^2
+  Array<std::uint8_t> spins;          // moments of inertia differ: angular momentum is integrated
+  Array<std::uint8_t> calm;           // slow enough to sleep (two thresholds)
+  Array<std::uint32_t> next_in_island;  // ring of a sleeping island
+  Array<std::uint32_t> parent;        // union-find
+
+  // joints, by joint index
+  Array<SolverJoint> joints;
+  Array<JointRecord> records;
+  Array<std::uint32_t> free_joints;
+  std::uint32_t joint_count = 0;
+  mutable Array<Row> rows;            // for questions about joints
+  mutable Array<RowBlock> blocks;
+  Real last_h = Real(1) / 240;        // s
+
+  // this step
+  Array<std::uint32_t> moving;        // awake dynamic and kinematic bodies, ascending; mover = place + 1
+  bool list_stale = true;
+  Array<Vec3> applied_force, applied_torque;  // by place, N and N m
+  Array<Vec3> angular_momentum;       // by place, of bodies that spin, N m s
+  Array<Vec3> given_spin;             // what the velocity row left there, rad/s
+  Array<std::uint8_t> bad;            // by place: not finite
+  Array<MassPoint> points;            // for force generators
+  Array<Vec3> point_force;
+  Array<std::uint32_t> point_place;
+  std::uint32_t body_count = 0, sleeping_count = 0;
+  std::size_t force_count = 0;        // forces known when the rows were made
+  bool poses_stale = false;           // collider poses are those of the start of the last step
+  bool any_calm = false;
+};
+
+// SceneError unless `x` is finite and in [lo, hi].
+void require(bool good, const char* what, double came);
+
+}  // namespace feder

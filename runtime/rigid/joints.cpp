@@ -1,0 +1,228 @@
+// Joints as the rigid system keeps them: frames from world anchors, options a kind has no use for refused, forces for
+// questions and for breaking. A side that cannot move is handed to the solver as the world.
+#include <cmath>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep holds along a short chain, by experiment
+
+void refuse(bool given, unsigned uses, unsigned bit, const JointKind& kind, const char* option) {
+  if (given && !(uses & bit)) throw SceneError(std::string("joint: a ") + kind.name + " has no use for '" + option + "'");
+}
+
+void check_options(const JointDesc& d, const JointKind& kind) {
+  const JointOptions& o = d.options;
+  refuse(o.has_limits, kind.uses, kUsesLimits, kind, "limits");
+  refuse(o.has_motor, kind.uses, kUsesMotor, kind, "motor");
+  refuse(o.spring_hertz > 0, kind.uses, kUsesSpring, kind, "spring");
+  refuse(o.rest_length >= 0, kind.uses, kUsesTwoAnchors, kind, "rest_length");
+  const auto good = [](bool ok, const char* what) {
+    if (!ok) throw SceneError(std::string("joint.") + what);
+  };
+  good(is_finite(d.anchor_a) && is_finite(d.anchor_b), "anchor: expected three finite numbers");
+  good(is_finite(d.axis) && length(d.axis) > Real(1e-6), "axis: expected three finite numbers, not all zero");
+  good(!std::isnan(o.lower) && !std::isnan(o.upper) && (!o.has_limits || o.lower <= o.upper),
+       "limits: expected a lower number not above the upper one");
+  good(is_finite(o.motor_speed) && o.motor_max >= 0, "motor: expected a finite speed and a largest force not below 0");
+  good(o.spring_hertz >= 0 && is_finite(o.spring_hertz) && o.spring_damping >= 0 && is_finite(o.spring_damping),
+       "spring: expected hertz and damping_ratio not below 0");
+  good(!std::isnan(o.rest_length) && o.rest_length < kInfinity, "rest_length: expected a finite number");
+  good(d.break_force > 0, "break_force: expected a number above 0");
+}
+
+}  // namespace
+
+std::uint32_t Rigid::Impl::joint_index(ObjectId joint) const {
+  if (!objects.alive(joint) || objects.kind(joint) != ObjectKind::joint)
+    throw SceneError("expected a living joint, got " + objects.describe(joint));
+  return objects.index(joint);
+}
+
+ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
+  const std::span<const JointKind> kinds = joint_kinds();
+  const JointKind& kind = find_variant(kinds, d.type, "joint type");
+  check_options(d, kind);
+  if (!d.a && !d.b) throw SceneError("joint: expected at least one body");
+  if (d.a == d.b) throw SceneError("joint: expected two different bodies");
+  const std::uint32_t a = d.a ? index(d.a) : kNone, b = d.b ? index(d.b) : kNone;
+  const Vec3 axis = d.axis / length(d.axis);
+  const Quat turn = rotation_from_to(Vec3(1, 0, 0), axis);
+  const Pose com_a = a == kNone ? Pose{} : bodies.com_pose(a), com_b = b == kNone ? Pose{} : bodies.com_pose(b);
+  const Vec3& anchor_b = kind.uses & kUsesTwoAnchors ? d.anchor_b : d.anchor_a;
+  JointRecord r;
+  r.a = d.a, r.b = d.b;
+  r.body_a = a, r.body_b = b;
+  r.kind = static_cast<std::uint32_t>(&kind - kinds.data());
+  r.local_a = {to_local(com_a, d.anchor_a), conjugate(com_a.rotation) * turn};
+  r.local_b = {to_local(com_b, anchor_b), conjugate(com_b.rotation) * turn};
+  r.break_force = d.break_force;
+  r.alive = 1;
+  r.collide = d.collide;
+  std::uint32_t j;
+  if (!free_joints.empty()) {
+    j = free_joints.back();
+    free_joints.pop_back();
+  } else {
+    j = static_cast<std::uint32_t>(records.size());
+    records.emplace_back();
+    joints.emplace_back();
+  }
+  records[j] = r;
+  joints[j] = SolverJoint{};
+  joints[j].kind = &kind;
+  joints[j].shape.options = d.options;
+  if (d.options.rest_length < 0 && (kind.uses & kUsesTwoAnchors))
+    joints[j].shape.options.rest_length = length(Vec3(anchor_b - d.anchor_a));
+  refresh_joint(j);
+  records[j].object = objects.add(ObjectKind::joint, j, d.name, d.tags);
+  if (!d.collide && d.a && d.b) {
+    collide.exclude(d.a, d.b);
+    changed(a), changed(b);
+  }
+  if (a != kNone) wake(a, WakeCause::joint, d.b);
+  if (b != kNone) wake(b, WakeCause::joint, d.a);
+  if (joint_count++ == 0) *structure_changed = true;
+  return records[j].object;
+}
+
+void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCause cause) {
+  JointRecord& r = records[j];
+  if (!r.collide && r.a && r.b) collide.include(r.a, r.b);
+  if (r.body_a != kNone) wake(r.body_a, cause, r.b);
+  if (r.body_b != kNone) wake(r.body_b, cause, r.a);
+  objects.remove(r.object, where);
+  r = JointRecord{};
+  joints[j] = SolverJoint{};
+  free_joints.push_back(j);
+  if (--joint_count == 0) *structure_changed = true;
+}
+
+// Movers and frames for the solver, from the bodies' types and (fixed) poses.
+void Rigid::Impl::refresh_joint(std::uint32_t j) {
+  const JointRecord& r = records[j];
+  SolverJoint& s = joints[j];
+  const auto side = [&](std::uint32_t body, const Pose& local, std::uint32_t& mover, Pose& frame) {
+    const bool world = body == kNone || bodies.type[body] == BodyType::fixed;
+    mover = world ? kNone : bodies.mover[body];
+    frame = body != kNone && world ? bodies.com_pose(body) * local : local;
+  };
+  side(r.body_a, r.local_a, s.mover_a, s.shape.frame_a);
+  side(r.body_b, r.local_b, s.mover_b, s.shape.frame_b);
+}
+
+void Rigid::Impl::refresh_joints_of(std::uint32_t body) {
+  for (std::uint32_t j = 0; j < records.size(); ++j)
+    if (records[j].alive && (records[j].body_a == body || records[j].body_b == body)) refresh_joint(j);
+}
+
+void Rigid::Impl::activate_joints(StepContext& c) {
+  const auto moves = [&](std::uint32_t body) {
+    return body != kNone && bodies.type[body] == BodyType::dynamic && bodies.awake[body];
+  };
+  for (std::uint32_t j = 0; j < records.size(); ++j) {
+    const JointRecord& r = records[j];
+    joints[j].active = r.alive && (moves(r.body_a) || moves(r.body_b));
+    if (joints[j].active && !r.mass_checked) check_mass_ratio(j, c);
+  }
+}
+
+void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
+  JointRecord& r = records[j];
+  r.mass_checked = 1;
+  if (r.body_a == kNone || r.body_b == kNone) return;
+  const Real a = bodies.inv_mass[r.body_a], b = bodies.inv_mass[r.body_b];
+  if (!(a > 0) || !(b > 0)) return;
+  const Real ratio = a > b ? a / b : b / a;
+  if (ratio <= kRatioPerSubstep * static_cast<Real>(c.substeps)) return;
+  const int enough = static_cast<int>(std::ceil(ratio / kRatioPerSubstep));
+  events.warn("mass_ratio",
+              objects.describe(r.object) + " joins masses of ratio " + std::to_string(static_cast<long long>(ratio)) +
+                  "; " + std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) + " would hold it",
+              r.object);
+}
+
+JointInput Rigid::Impl::joint_input(std::uint32_t j) const {
+  const JointRecord& r = records[j];
+  const SolverJoint& s = joints[j];
+  JointInput in;
+  in.joint = &s.shape;
+  in.mover_a = s.mover_a == kNone ? 0 : 1;
+  in.mover_b = s.mover_b == kNone ? 0 : 2;
+  in.a = s.mover_a == kNone ? Pose{} : bodies.com_pose(r.body_a);
+  in.b = s.mover_b == kNone ? Pose{} : bodies.com_pose(r.body_b);
+  return in;
+}
+
+// Force and torque on b at its anchor, from the impulses of the last substep.
+void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
+  const SolverJoint& s = joints[j];
+  const JointInput in = joint_input(j);
+  rows.clear(), blocks.clear();
+  RowWriter writer(rows, blocks);
+  writer.start(in, j);
+  s.kind->fill(in, writer);
+  force = torque = Vec3::Zero();
+  for (const RowBlock& block : blocks) {
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const Row& row = rows[block.first + k];
+      const Real size = s.impulse[block.first_impulse + k] / last_h;
+      force += row.linear * size;
+      torque += row.angular_b * size;
+    }
+  }
+  torque -= cross(to_world(in.b, s.shape.frame_b.position) - in.b.position, force);
+}
+
+void Rigid::Impl::break_joints(StepContext&) {
+  for (std::uint32_t j = 0; j < records.size(); ++j) {
+    const JointRecord& r = records[j];
+    if (!joints[j].active || !(r.break_force < kInfinity)) continue;
+    Vec3 force, torque;
+    joint_load(j, force, torque);
+    const Real size = length(force);
+    if (!(size > r.break_force)) continue;
+    Event e;
+    e.kind = EventKind::joint_break;
+    e.a = r.object;
+    e.force = size;
+    events.add(e);
+    remove_joint(j, "break", WakeCause::joint);
+  }
+}
+
+// Largest violation of a stiff equality (m; rad rows count as metres), and the energy in springs: k = m_eff omega^2.
+void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
+  max_error = 0;
+  elastic = 0;
+  const auto compliance = [&](std::uint32_t body, const Vec3& linear, const Vec3& angular) {
+    if (body == kNone || bodies.type[body] != BodyType::dynamic) return Real(0);
+    return bodies.inv_mass[body] * dot(linear, linear) + dot(angular, Vec3(bodies.world_inv_inertia(body) * angular));
+  };
+  for (std::uint32_t j = 0; j < records.size(); ++j) {
+    if (!records[j].alive) continue;
+    rows.clear(), blocks.clear();
+    RowWriter writer(rows, blocks);
+    const JointInput in = joint_input(j);
+    writer.start(in, j);
+    joints[j].kind->fill(in, writer);
+    Real squares = 0;
+    for (const Row& row : rows) {
+      if (row.velocity_only) continue;
+      const bool equality = row.lower == -kInfinity && row.upper == kInfinity;
+      if (row.hertz > 0) {
+        const Real k = compliance(records[j].body_a, row.linear, row.angular_a) + compliance(records[j].body_b, row.linear, row.angular_b);
+        const double omega = 2 * static_cast<double>(kPi * row.hertz), value = static_cast<double>(row.value);
+        if (k > 0) elastic += 0.5 * omega * omega / static_cast<double>(k) * value * value;
+      } else if (equality) {
+        squares += row.value * row.value;
+      }
+    }
+    const Real error = std::sqrt(squares);
+    max_error = error > max_error ? error : max_error;
+  }
+}
+
+}  // namespace feder

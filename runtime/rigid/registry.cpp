@@ -1,0 +1,20 @@
+// The table of rigid solvers, generated from the feder_variant(rigid ...) lines. Declares the solver by hand because
+// the name Row is taken by the constraint rows that solver.h includes.
+#include "base/registry.h"
+
+namespace feder {
+
+class RigidSolver;
+std::span<const Variant<RigidSolver>> rigid_solvers();
+
+using Row = Variant<RigidSolver>;
+#include "rigid_declare.inc"
+
+std::span<const Variant<RigidSolver>> rigid_solvers() {
+  static const Variant<RigidSolver> table[] = {
+#include "rigid_rows.inc"
+  };
+  return table;
+}
+
+}  // namespace feder

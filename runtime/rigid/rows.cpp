@@ -1,0 +1,240 @@
+// The rows of the rigid system. Bodies that take part are listed once per step (awake dynamic and kinematic ones,
+// ascending); the mover of the body at place p is p + 1, so that all rows run over plain ranges.
+// Free rotation keeps the angular momentum: a substep turns the body with the velocity at the middle of the turn,
+// w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w is added
+// to L through the inertia they were solved with.
+#include <algorithm>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr std::uint32_t kGrain = 256;  // bodies per job
+constexpr int kSpinRounds = 3;
+
+Vec3 spin_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {
+  return rotate(rotation, Vec3(inv_inertia * rotate_inverse(rotation, momentum)));
+}
+
+Vec3 momentum_of(const Mat3& inertia, const Quat& rotation, const Vec3& spin) {
+  return rotate(rotation, Vec3(inertia * rotate_inverse(rotation, spin)));
+}
+
+bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
+
+}  // namespace
+
+void Rigid::Impl::rebuild_list() {
+  if (!list_stale) return;
+  list_stale = false;
+  moving.clear();
+  for (std::uint32_t i = 0; i < bodies.size(); ++i)
+    if (bodies.awake[i]) moving.push_back(i);
+}
+
+void Rigid::Impl::refresh() {
+  if (!poses_stale) return;
+  poses_stale = false;
+  rebuild_list();
+  for (const std::uint32_t i : moving) place_colliders(i, 0, Vec3::Zero());
+}
+
+void Rigid::Impl::update_boxes(StepContext& c) {
+  rebuild_list();
+  poses_stale = true;
+  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t p = first; p < last; ++p) {
+      const std::uint32_t i = moving[p];
+      if (bodies.type[i] == BodyType::kinematic) {
+        if (bodies.has_target[i] == 1) {
+          const Pose& to = bodies.target[i];
+          const Vec3 center = to.position + rotate(to.rotation, bodies.local_com[i]);
+          bodies.velocity[i] = (center - bodies.position[i]) / c.dt;
+          bodies.angular_velocity[i] = rotation_between(bodies.rotation[i], to.rotation) / c.dt;
+        } else if (bodies.has_target[i] == 2) {
+          // arrived in the last step: stays there
+          bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
+          bodies.has_target[i] = 0;
+        }
+      }
+      place_colliders(i, c.dt, c.gravity);
+    }
+  });
+}
+
+void Rigid::Impl::gather(StepContext& c) {
+  last_h = c.h;
+  rebuild_list();  // contacts may have woken somebody
+  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  movers.reset();
+  movers.resize(count);
+  applied_force.resize(count), applied_torque.resize(count);
+  angular_momentum.resize(count), given_spin.resize(count), bad.resize(count);
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t p = first; p < last; ++p) gather_body(p, c);
+  });
+  activate_joints(c);
+}
+
+void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
+  const std::uint32_t i = moving[p];
+  MoverState& s = movers.state[p + 1];
+  MoverMass& m = movers.mass[p + 1];
+  movers.solver[bodies.mover[i]] = p + 1;
+  s.velocity = bodies.velocity[i];
+  s.angular_velocity = bodies.angular_velocity[i];
+  s.moved = s.turned = Vec3::Zero();
+  s.rotation = m.start_rotation = bodies.rotation[i];
+  m.center = bodies.position[i];
+  m.inv_mass = bodies.inv_mass[i];
+  for (int k = 0; k < 3; ++k) m.inv_mass_axes[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : m.inv_mass;
+  m.inv_inertia = bodies.type[i] == BodyType::dynamic ? bodies.world_inv_inertia(i) : Mat3(Mat3::Zero());
+  applied_force[p] = bodies.force[i];
+  applied_torque[p] = bodies.torque[i];
+  bad[p] = 0;
+  if (spins[i] && bodies.type[i] == BodyType::dynamic) {
+    angular_momentum[p] = momentum_of(bodies.inertia[i], bodies.rotation[i], bodies.angular_velocity[i]);
+    given_spin[p] = bodies.angular_velocity[i];
+  }
+}
+
+// Force generators, at the state of this substep.
+void Rigid::Impl::add_forces(StepContext& c) {
+  const Forces& forces = store.get<Forces>();
+  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  for (std::uint32_t p = 0; p < count; ++p) applied_force[p] = bodies.force[moving[p]];
+  const double now = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  for (const ForceEntry& f : forces.list) {
+    if (!f.enabled || !f.force) continue;
+    points.clear();
+    point_place.clear();
+    for (std::uint32_t p = 0; p < count; ++p) {
+      const std::uint32_t i = moving[p];
+      if (bodies.type[i] != BodyType::dynamic || !acts_on(f, bodies.object[i], objects.tags(bodies.object[i]))) continue;
+      const MoverState& s = movers.state[p + 1];
+      MassPoint point;
+      point.position = movers.mass[p + 1].center + s.moved;
+      point.velocity = s.velocity;
+      point.mass = bodies.mass[i];
+      point.area = area[i];
+      point.volume = volume[i];
+      points.push_back(point);
+      point_place.push_back(p);
+    }
+    point_force.assign(points.size(), Vec3::Zero());
+    f.force->add(points.data(), points.size(), now, point_force.data());
+    for (std::size_t k = 0; k < points.size(); ++k) applied_force[point_place[k]] += point_force[k];
+  }
+}
+
+void Rigid::Impl::integrate_velocities(StepContext& c) {
+  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
+  });
+}
+
+void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
+  const std::uint32_t i = moving[p];
+  if (bodies.type[i] != BodyType::dynamic) return;
+  MoverState& s = movers.state[p + 1];
+  const MoverMass& m = movers.mass[p + 1];
+  const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
+  const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
+  for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
+  const Real brake = 1 / (1 + c.h * bodies.angular_damping[i]);
+  if (!spins[i]) {
+    s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
+    for (int k = 0; k < 3; ++k)
+      if (bodies.lock[i] & (kLockRx << k)) s.angular_velocity[k] = 0;
+  } else {
+    const Vec3 pushed = s.angular_velocity - given_spin[p];
+    Vec3& l = angular_momentum[p];
+    if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], m.start_rotation, pushed);
+    l = (l + c.h * applied_torque[p]) * brake;
+    Vec3 w = spin_of(bodies.inv_inertia[i], s.rotation, l);
+    for (int round = 0; round < kSpinRounds; ++round)
+      w = spin_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
+    s.angular_velocity = given_spin[p] = w;
+  }
+  // a body gone bad must not reach the others through its contacts
+  if (all_finite(s.velocity) && all_finite(s.angular_velocity)) return;
+  bad[p] = 1;
+  s.velocity = s.angular_velocity = given_spin[p] = angular_momentum[p] = Vec3::Zero();
+}
+
+SolverInput Rigid::Impl::input() { return {&collide.contacts(), &colliders, &movers, {joints.data(), joints.size()}}; }
+
+void Rigid::Impl::prepare(StepContext& c) {
+  SolverInput in = input();
+  if (joint_count == 0) in.joints = {};
+  solver->prepare(in, c);
+}
+
+void Rigid::Impl::solve(StepContext& c) {
+  SolverInput in = input();
+  if (joint_count == 0) in.joints = {};
+  solver->solve(in, c);
+}
+
+void Rigid::Impl::finish_solve(StepContext& c) {
+  SolverInput in = input();
+  if (joint_count == 0) in.joints = {};
+  solver->finish(in, c);
+}
+
+bool Rigid::Impl::commit_finite(std::uint32_t p) const {
+  const MoverState& s = movers.state[p + 1];
+  const Quat& q = s.rotation;
+  return !bad[p] && all_finite(s.velocity) && all_finite(s.angular_velocity) && all_finite(bodies.position[moving[p]] + s.moved) &&
+         is_finite(q.x + q.y + q.z + q.w);
+}
+
+void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
+  const std::uint32_t i = moving[p];
+  const MoverState& s = movers.state[p + 1];
+  bodies.force[i] = bodies.torque[i] = Vec3::Zero();
+  if (bodies.type[i] == BodyType::kinematic) {
+    if (bodies.has_target[i] == 1) {
+      bodies.rotation[i] = bodies.target[i].rotation;
+      bodies.position[i] = bodies.target[i].position + rotate(bodies.rotation[i], bodies.local_com[i]);
+      bodies.has_target[i] = 2;
+    } else {
+      bodies.position[i] += s.moved;
+      bodies.rotation[i] = s.rotation;
+    }
+    return;
+  }
+  bad[p] = !commit_finite(p);
+  if (bad[p]) return;
+  bodies.position[i] += s.moved;
+  bodies.rotation[i] = s.rotation;
+  bodies.velocity[i] = s.velocity;
+  bodies.angular_velocity[i] = s.angular_velocity;
+  if (!spins[i]) return;
+  const Vec3 pushed = s.angular_velocity - given_spin[p];
+  const Vec3 l = angular_momentum[p] + momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
+  bodies.angular_velocity[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
+}
+
+// A body whose numbers went bad stays where it last was, fixed.
+void Rigid::Impl::quarantine(std::uint32_t i) {
+  events.warn("non_finite", objects.describe(bodies.object[i]) + " got a velocity or position that is not finite; it is fixed now",
+              bodies.object[i]);
+  bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
+  set_type(i, BodyType::fixed);
+}
+
+void Rigid::Impl::commit(StepContext& c) {
+  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t p = first; p < last; ++p) commit_body(p, c);
+  });
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (bad[p]) quarantine(moving[p]);
+  if (joint_count) break_joints(c);
+  rebuild_list();
+  update_sleep(c);
+}
+
+}  // namespace feder

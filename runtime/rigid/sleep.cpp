@@ -1,0 +1,176 @@
+// Sleep. Each body keeps an exponential average of its kinetic energy per mass, capped so that it falls below the
+// lower threshold about half a second after the body has come to rest; two thresholds keep it from flickering. Islands
+// are found by union-find over active contacts and joints, only when somebody is calm; an island sleeps when all its
+// members are calm and nothing in it touches a moving kinematic body. A thrown body is not calm at its apex, because
+// the average remembers the flight. Sleeping islands are rings through next_in_island; waking one member wakes all.
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kCalm = Real(0.5) * Real(0.04) * Real(0.04);     // m^2/s^2: 4 cm/s
+constexpr Real kRestless = Real(0.5) * Real(0.08) * Real(0.08);
+constexpr Real kCap = 25 * kCalm;                               // decays to kCalm in log(25) = 3.2 time constants
+constexpr Real kMemory = Real(0.15);                            // s, time constant
+
+}  // namespace
+
+void Rigid::Impl::wake_one(std::uint32_t i, WakeCause cause, ObjectId other) {
+  if (bodies.awake[i] || bodies.type[i] != BodyType::dynamic) return;
+  bodies.awake[i] = 1;
+  bodies.sleep_energy[i] = kCap;
+  bodies.island[i] = kNone;
+  calm[i] = 0;
+  each_collider(i, [&](std::uint32_t k) { colliders.awake[k] = 1; });
+  list_stale = true;
+  if (cause == WakeCause::none) return;  // newly made
+  Event e;
+  e.kind = EventKind::wake;
+  e.cause = cause;
+  e.a = bodies.object[i];
+  e.b = other;
+  events.add_pending(e);
+}
+
+void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
+  if (bodies.type[i] != BodyType::dynamic) return;
+  if (bodies.awake[i]) {
+    bodies.sleep_energy[i] = kCap;
+    calm[i] = 0;
+    return;
+  }
+  std::uint32_t next = next_in_island[i];
+  next_in_island[i] = kNone;
+  wake_one(i, cause, other);
+  --sleeping_count;
+  while (next != kNone && next != i) {
+    const std::uint32_t k = next;
+    next = next_in_island[k];
+    next_in_island[k] = kNone;
+    wake_one(k, WakeCause::neighbor, bodies.object[i]);
+    --sleeping_count;
+  }
+}
+
+// Wakes the sleepers that touch body i, and those joined to it.
+void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
+  if (sleeping_count == 0) return;
+  const Contacts& contacts = collide.contacts();
+  const auto owner = [&](std::uint32_t collider) {
+    return colliders.owner[collider] == ObjectKind::body ? colliders.owner_index[collider] : kNone;
+  };
+  for (const std::uint32_t slot : contacts.order) {
+    const Contact& contact = contacts.slots[slot];
+    const std::uint32_t a = owner(contact.collider_a), b = owner(contact.collider_b);
+    if (contact.sensor || contact.point_count == 0 || (a != i && b != i)) continue;
+    const std::uint32_t other = a == i ? b : a;
+    if (other != kNone && !bodies.awake[other]) wake(other, cause, bodies.object[i]);
+  }
+  for (const JointRecord& r : records) {
+    if (!r.alive || (r.body_a != i && r.body_b != i)) continue;
+    const std::uint32_t other = r.body_a == i ? r.body_b : r.body_a;
+    if (other != kNone && !bodies.awake[other]) wake(other, cause, bodies.object[i]);
+  }
+}
+
+// One body on its own; a ring of one.
+void Rigid::Impl::put_to_sleep(std::uint32_t i) {
+  if (bodies.type[i] != BodyType::dynamic || !bodies.awake[i]) return;
+  bodies.awake[i] = 0;
+  bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
+  bodies.sleep_energy[i] = 0;
+  bodies.island[i] = i;
+  next_in_island[i] = i;
+  place_colliders(i, 0, Vec3::Zero());
+  ++sleeping_count;
+  list_stale = true;
+  Event e;
+  e.kind = EventKind::sleep;
+  e.a = bodies.object[i];
+  events.add_pending(e);
+}
+
+void Rigid::Impl::measure_motion(StepContext& c) {
+  const Real keep = 1 / (1 + c.dt / kMemory);
+  any_calm = false;
+  for (const std::uint32_t i : moving) {
+    if (bodies.type[i] != BodyType::dynamic) continue;
+    const Vec3 w = rotate_inverse(bodies.rotation[i], bodies.angular_velocity[i]);
+    const Vec3 turning = bodies.inertia[i] * w;
+    const Real energy = Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, turning) * bodies.inv_mass[i]);
+    const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
+    bodies.sleep_energy[i] = mean < kCap ? mean : kCap;
+    if (bodies.sleep_energy[i] < kCalm && energy < kRestless) calm[i] = 1;
+    if (bodies.sleep_energy[i] > kRestless || energy > kCap || !bodies.can_sleep[i]) calm[i] = 0;
+    any_calm = any_calm || calm[i];
+  }
+}
+
+std::uint32_t Rigid::Impl::root(std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];  // path halving
+  return i;
+}
+
+// The smaller index is the root, so that names do not depend on the order of joins.
+void Rigid::Impl::join(std::uint32_t a, std::uint32_t b) {
+  a = root(a), b = root(b);
+  if (a < b) parent[b] = a;
+  if (b < a) parent[a] = b;
+}
+
+void Rigid::Impl::join_islands() {
+  for (const std::uint32_t i : moving) parent[i] = i;
+  // what keeps a body awake is written into `calm`: a moving kinematic partner
+  const auto link = [&](std::uint32_t a, std::uint32_t b) {
+    const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic && bodies.awake[a];
+    const bool moves_b = b != kNone && bodies.type[b] == BodyType::dynamic && bodies.awake[b];
+    if (moves_a && moves_b) return join(a, b);
+    const auto carries = [&](std::uint32_t k) {
+      return k != kNone && bodies.type[k] == BodyType::kinematic &&
+             (!bodies.velocity[k].isZero(0) || !bodies.angular_velocity[k].isZero(0));
+    };
+    if (moves_a && carries(b)) calm[a] = 0;
+    if (moves_b && carries(a)) calm[b] = 0;
+  };
+  const Contacts& contacts = collide.contacts();
+  for (const std::uint32_t slot : contacts.active) {
+    const Contact& contact = contacts.slots[slot];
+    const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
+    link(colliders.owner[ca] == ObjectKind::body ? colliders.owner_index[ca] : kNone,
+         colliders.owner[cb] == ObjectKind::body ? colliders.owner_index[cb] : kNone);
+  }
+  for (const JointRecord& r : records)
+    if (r.alive) link(r.body_a, r.body_b);
+}
+
+void Rigid::Impl::sleep_islands() {
+  // a restless member keeps its root awake
+  for (const std::uint32_t i : moving)
+    if (bodies.type[i] == BodyType::dynamic) bodies.island[i] = kNone;
+  for (const std::uint32_t i : moving)
+    if (bodies.type[i] == BodyType::dynamic && !calm[i]) bodies.island[root(i)] = i;
+  for (const std::uint32_t i : moving) {
+    if (bodies.type[i] != BodyType::dynamic) continue;
+    const std::uint32_t r = root(i);
+    if (bodies.island[r] != kNone && bodies.island[r] != r) continue;
+    if (bodies.island[r] == r && !calm[r]) continue;
+    put_to_sleep(i);
+    // members come in ascending order, the root first: insert behind the root
+    bodies.island[i] = r;
+    if (i == r) continue;
+    next_in_island[i] = next_in_island[r];
+    next_in_island[r] = i;
+  }
+  for (const std::uint32_t i : moving)
+    if (bodies.awake[i]) bodies.island[i] = kNone;
+}
+
+void Rigid::Impl::update_sleep(StepContext& c) {
+  if (!c.sleeping) return;
+  measure_motion(c);
+  if (!any_calm) return;
+  join_islands();
+  sleep_islands();
+}
+
+}  // namespace feder

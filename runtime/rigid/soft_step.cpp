@@ -1,0 +1,352 @@
+// Soft step: substepped sequential impulses with soft constraints (Catto, "Solver2D", 2024; "Soft Constraints", GDC
+// 2011). Per substep: warm start, joints and contacts with bias, positions, the same without bias (friction only
+// here, so that it never reacts to bias velocity), and once per step a restitution pass.
+// Contacts are coloured greedily (no two of a colour push the same mover) and solved eight at a time; those that
+// find no colour are solved alone. Contact rows do not change within a step, so warm starting substeps 2..n is one
+// addition per mover: what contacts did to its velocity in the substep before.
+// Kept between steps: impulses, in Contacts and SolverJoint. Weak spot: stiff trees of joints, very high mass ratios
+// with few substeps; simultaneous hits are resolved in colour order.
+#include <algorithm>
+
+#include "base/simd.h"
+#include "rigid/contact_batch.h"
+#include "rigid/soft_joints.h"
+#include "rigid/solver.h"
+
+namespace feder {
+namespace {
+
+constexpr int kColors = 64;
+constexpr int kFixedColor = 48;          // colours from here on hold contacts against what cannot move: solved last
+constexpr std::uint32_t kBatchGrain = 8; // batches per job: 64 contacts, some microseconds
+constexpr std::uint32_t kMoverGrain = 512;
+
+static_assert(std::is_same_v<WideReal, Real>);
+static_assert(kBatchPoints == kMaxContactPoints);
+
+const ContactKernels& pick_kernels(const std::string& width) {
+#if defined(__x86_64__) || defined(__i386__)
+  if (width != "plain" && __builtin_cpu_supports("avx2")) return kContactKernelsAvx2;
+#endif
+  (void)width;
+  return kContactKernelsPlain;
+}
+
+class SoftStep final : public RigidSolver {
+ public:
+  SoftStep(Arena& arena, const Params& p)
+      : kernels_(&pick_kernels(p.text("kernels", "auto"))),
+        contact_hertz_(real(p, "contact_hertz", 30, 0.1, 1e5)),
+        contact_damping_(real(p, "contact_damping", 10, 0, 1e3)),
+        push_speed_(real(p, "push_speed", 3, 0, 1e6)),
+        bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
+        bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
+        joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3)) {}
+
+  void prepare(const SolverInput& in, StepContext& c) override;
+  void solve(const SolverInput& in, StepContext& c) override;
+  void finish(const SolverInput& in, StepContext& c) override;
+
+ private:
+  static Real real(const Params& p, const char* key, double fallback, double lo, double hi) {
+    return static_cast<Real>(p.number(key, fallback, lo, hi));
+  }
+  void color(const SolverInput& in, StepContext& c);
+  void fill(const Contacts& contacts, const Colliders& colliders, const Movers& movers, std::uint32_t batch);
+  void fill_lane(const Contact& contact, std::uint32_t batch, int lane);
+  void store_batch(Contacts& contacts, std::uint32_t batch) const;
+  void start_velocities(const SolverInput& in, StepContext& c);
+  void integrate(const SolverInput& in, StepContext& c);
+  void end_velocities(const SolverInput& in, StepContext& c);
+  ContactPass pass(const SolverInput& in, const StepContext& c) const;
+  void run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c);
+
+  const ContactKernels* kernels_;
+  Real contact_hertz_, contact_damping_, push_speed_, bounce_speed_;
+  int bounce_rounds_;
+  SoftJoints joints_;
+
+  // in the step's scratch memory
+  ContactBatch* batches_ = nullptr;
+  BatchSide* sides_ = nullptr;
+  WideMass* masses_ = nullptr;
+  std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
+  Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per mover
+  Real* contact_change_ = nullptr;  // what contacts did in the last substep, 6 per mover
+  Real* joint_change_ = nullptr;    // what joints did in this substep; null without joints
+  std::uint32_t batch_count_ = 0, overflow_count_ = 0;
+  std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0
+  bool bounces_ = false;
+};
+
+bool movable(const MoverMass& m) {
+  return m.inv_mass > 0 || m.inv_inertia(0, 0) > 0 || m.inv_inertia(1, 1) > 0 || m.inv_inertia(2, 2) > 0;
+}
+
+void SoftStep::color(const SolverInput& in, StepContext& c) {
+  const Contacts& contacts = *in.contacts;
+  const Movers& movers = *in.movers;
+  const std::uint32_t count = static_cast<std::uint32_t>(contacts.active.size());
+  const std::size_t mover_count = movers.state.size();
+  std::uint64_t* taken = c.scratch->take<std::uint64_t>(mover_count);
+  std::uint8_t* color_of = c.scratch->take<std::uint8_t>(count);
+  // the world and kinematic movers never conflict
+  const std::uint64_t kFixedMask = ~std::uint64_t(0) << kFixedColor;
+  for (std::size_t i = 0; i < mover_count; ++i) taken[i] = 0;
+  std::uint32_t of_color[kColors + 1] = {};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Contact& contact = contacts.slots[contacts.active[i]];
+    const std::uint32_t ca = in.colliders->mover[contact.collider_a], cb = in.colliders->mover[contact.collider_b];
+    const std::uint32_t a = ca == kNone ? 0 : movers.solver[ca], b = cb == kNone ? 0 : movers.solver[cb];
+    const bool moves_a = masses_[a].pad[0] > 0, moves_b = masses_[b].pad[0] > 0;
+    std::uint64_t used = (moves_a ? taken[a] : 0) | (moves_b ? taken[b] : 0);
+    used |= moves_a && moves_b ? kFixedMask : ~kFixedMask;
+    std::uint8_t color = kColors;
+    if (~used) {
+      color = static_cast<std::uint8_t>(__builtin_ctzll(~used));
+      const std::uint64_t bit = std::uint64_t(1) << color;
+      if (moves_a) taken[a] |= bit;
+      if (moves_b) taken[b] |= bit;
+    }
+    color_of[i] = color;
+    ++of_color[color];
+  }
+  // overflow first, one contact per batch
+  overflow_count_ = of_color[kColors];
+  std::uint32_t batch = overflow_count_, next[kColors + 1];
+  next[kColors] = 0;
+  for (int k = 0; k < kColors; ++k) {
+    color_first_[k] = batch;
+    next[k] = batch * kLanes;
+    batch += (of_color[k] + kLanes - 1) / kLanes;
+  }
+  color_first_[kColors] = batch_count_ = batch;
+  lanes_ = c.scratch->take<std::uint32_t>(std::size_t(batch) * kLanes);
+  std::fill(lanes_, lanes_ + std::size_t(batch) * kLanes, kNone);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t& at = next[color_of[i]];
+    lanes_[at] = contacts.active[i];
+    at += color_of[i] == kColors ? kLanes : 1;
+  }
+}
+
+void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) {
+  ContactBatch& c = batches_[batch];
+  BatchSide& side = sides_[batch];
+  const auto put = [lane](Lane8x3& to, const Vec3& v) { to.x.v[lane] = v[0], to.y.v[lane] = v[1], to.z.v[lane] = v[2]; };
+  put(c.normal, contact.normal);
+  for (int j = 0; j < contact.point_count; ++j) {
+    const ContactPoint& from = contact.points[j];
+    BatchPoint& q = c.point[j];
+    put(q.turn_a, from.arm_a);
+    put(q.turn_b, from.arm_b);
+    q.separation.v[lane] = from.separation;
+    q.impulse.v[lane] = from.normal_impulse;
+    q.mass.v[lane] = 1;
+  }
+  c.points = std::max(c.points, unsigned(contact.point_count));
+  c.friction_static.v[lane] = contact.friction_static;
+  c.friction_dynamic.v[lane] = contact.friction_dynamic;
+  c.tangent_impulse[0].v[lane] = contact.tangent_impulse[0];
+  c.tangent_impulse[1].v[lane] = contact.tangent_impulse[1];
+  c.twist_impulse.v[lane] = contact.twist_impulse;
+  if (!contact.surface_velocity.isZero(0)) {
+    Vec3 t1, t2;
+    tangent_frame(contact.normal, t1, t2);
+    c.tangent_speed[0].v[lane] = dot(contact.surface_velocity, t1);
+    c.tangent_speed[1].v[lane] = dot(contact.surface_velocity, t2);
+  }
+  side.restitution.v[lane] = contact.restitution;
+  if (contact.restitution > 0) side.bounces = 1;
+  if (contact.rolling_friction > 0) side.rolls = 1;
+  side.rolling_arm.v[lane] = contact.rolling_friction;
+  put(side.rolling_impulse, contact.rolling_impulse);
+}
+
+void SoftStep::fill(const Contacts& contacts, const Colliders& colliders, const Movers& movers, std::uint32_t batch) {
+  ContactBatch& c = batches_[batch];
+  std::memset(static_cast<void*>(&c), 0, sizeof c);
+  std::memset(static_cast<void*>(&sides_[batch]), 0, sizeof(BatchSide));
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
+    if (slot == kNone) continue;
+    const Contact& contact = contacts.slots[slot];
+    const std::uint32_t ca = colliders.mover[contact.collider_a], cb = colliders.mover[contact.collider_b];
+    const std::uint32_t a = ca == kNone ? 0 : movers.solver[ca], b = cb == kNone ? 0 : movers.solver[cb];
+    const bool moves_a = masses_[a].pad[0] > 0, moves_b = masses_[b].pad[0] > 0;
+    c.mover_a[lane] = a, c.mover_b[lane] = b;
+    if (moves_a) c.writes_a |= 1u << lane;
+    if (moves_b) c.writes_b |= 1u << lane;
+    c.against_fixed.v[lane] = moves_a && moves_b ? 0 : 1;
+    fill_lane(contact, batch, lane);
+  }
+}
+
+ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
+  ContactPass p{};
+  p.batches = batches_;
+  p.sides = sides_;
+  p.movers = reinterpret_cast<Real*>(in.movers->state.data());
+  p.masses = masses_;
+  p.h = c.h;
+  p.inv_h = 1 / c.h;
+  // as stiff as the substep rate can carry; twice that against what cannot move
+  const Real hertz = std::min(contact_hertz_, Real(0.125) / c.h);
+  p.soft = soft_factors(hertz, contact_damping_, c.h);
+  p.soft_fixed = soft_factors(2 * hertz, contact_damping_ / 2, c.h);
+  p.push_speed = push_speed_;
+  p.bounce_speed = bounce_speed_;
+  return p;
+}
+
+void SoftStep::run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c) {
+  if (batch_count_ == 0) return;
+  ContactPass p = pass(in, c);
+  p.first = 0, p.last = overflow_count_;
+  if (overflow_count_) kernel(p);
+  for (int k = 0; k < kColors; ++k) {
+    const std::uint32_t first = color_first_[k], count = color_first_[k + 1] - first;
+    if (count == 0) continue;
+    c.jobs->for_blocks(count, kBatchGrain, [&p, first, kernel](std::uint32_t from, std::uint32_t to, int) {
+      ContactPass part = p;
+      part.first = first + from, part.last = first + to;
+      kernel(part);
+    });
+  }
+}
+
+void SoftStep::prepare(const SolverInput& in, StepContext& c) {
+  const Movers& movers = *in.movers;
+  const std::uint32_t mover_count = static_cast<std::uint32_t>(movers.state.size());
+  before_ = c.scratch->take<Real>(std::size_t(mover_count) * 6);
+  contact_change_ = c.scratch->take<Real>(std::size_t(mover_count) * 6);
+  joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(mover_count) * 6);
+  joints_.clear();
+  batch_count_ = overflow_count_ = 0;
+  bounces_ = false;
+  if (in.contacts->active.empty()) return;
+  masses_ = c.scratch->take<WideMass>(mover_count);
+  for (std::uint32_t i = 0; i < mover_count; ++i) {
+    const MoverMass& m = movers.mass[i];
+    const Mat3& j = m.inv_inertia;
+    masses_[i] = {{m.inv_mass_axes[0], m.inv_mass_axes[1], m.inv_mass_axes[2]},
+                  {j(0, 0), j(1, 1), j(2, 2), j(0, 1), j(0, 2), j(1, 2)},
+                  {Real(movable(m) ? 1 : 0), 0, 0, 0, 0, 0, 0}};
+  }
+  color(in, c);
+  batches_ = c.scratch->take<ContactBatch>(batch_count_);
+  sides_ = c.scratch->take<BatchSide>(batch_count_);
+  const ContactPass p = pass(in, c);
+  c.jobs->for_blocks(batch_count_, kBatchGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) fill(*in.contacts, *in.colliders, movers, i);
+    ContactPass part = p;
+    part.first = first, part.last = last;
+    kernels_->prepare(part);
+  });
+  for (std::uint32_t i = 0; i < batch_count_; ++i) bounces_ = bounces_ || sides_[i].bounces;
+}
+
+void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
+  MoverState* state = in.movers->state.data();
+  const bool again = c.substep > 0;
+  const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
+  c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
+      Real* before = before_ + std::size_t(i) * 6;
+      const Real* change = contact_change_ + std::size_t(i) * 6;
+      for (int k = 0; k < 3; ++k) {
+        before[k] = state[i].velocity[k];
+        before[k + 3] = state[i].angular_velocity[k];
+        if (!again) continue;
+        state[i].velocity[k] += change[k];
+        state[i].angular_velocity[k] += change[k + 3];
+      }
+      if (joint_change_) std::fill_n(joint_change_ + std::size_t(i) * 6, 6, Real(0));
+    }
+  });
+}
+
+void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
+  const MoverState* state = in.movers->state.data();
+  const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
+  c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
+      const Real* before = before_ + std::size_t(i) * 6;
+      const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
+      Real* change = contact_change_ + std::size_t(i) * 6;
+      for (int k = 0; k < 3; ++k) {
+        change[k] = state[i].velocity[k] - before[k] - (joint ? joint[k] : 0);
+        change[k + 3] = state[i].angular_velocity[k] - before[k + 3] - (joint ? joint[k + 3] : 0);
+      }
+    }
+  });
+}
+
+void SoftStep::integrate(const SolverInput& in, StepContext& c) {
+  MoverState* state = in.movers->state.data();
+  const Real h = c.h;
+  const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
+  c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
+      MoverState& s = state[i];
+      s.moved += h * s.velocity;
+      const Vec3 turn = h * s.angular_velocity;
+      if (turn[0] == 0 && turn[1] == 0 && turn[2] == 0) continue;
+      s.turned += turn;
+      s.rotation = integrate_rotation(s.rotation, turn);
+    }
+  });
+}
+
+void SoftStep::solve(const SolverInput& in, StepContext& c) {
+  start_velocities(in, c);
+  if (c.substep == 0) run(kernels_->warm_start, in, c);
+  if (joint_change_) {
+    joints_.start(in, c, joint_change_);
+    joints_.solve(in, true, joint_change_);
+  }
+  run(kernels_->solve, in, c);
+  integrate(in, c);
+  if (joint_change_) joints_.solve(in, false, joint_change_);
+  run(kernels_->relax, in, c);
+  if (batch_count_) end_velocities(in, c);
+}
+
+void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
+  const ContactBatch& c = batches_[batch];
+  const BatchSide& side = sides_[batch];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
+    if (slot == kNone) continue;
+    Contact& contact = contacts.slots[slot];
+    for (int j = 0; j < contact.point_count; ++j) {
+      ContactPoint& to = contact.points[j];
+      to.normal_impulse = c.point[j].impulse.v[lane];
+      to.total_impulse = side.total[j].v[lane];
+      to.approach_speed = side.approach[j].v[lane];
+    }
+    contact.tangent_impulse[0] = c.tangent_impulse[0].v[lane];
+    contact.tangent_impulse[1] = c.tangent_impulse[1].v[lane];
+    contact.twist_impulse = c.twist_impulse.v[lane];
+    contact.rolling_impulse =
+        Vec3(side.rolling_impulse.x.v[lane], side.rolling_impulse.y.v[lane], side.rolling_impulse.z.v[lane]);
+  }
+}
+
+void SoftStep::finish(const SolverInput& in, StepContext& c) {
+  // several rounds, so that bodies that bounce together do not overshoot
+  if (bounces_)
+    for (int round = 0; round < bounce_rounds_; ++round) run(kernels_->restitution, in, c);
+  c.jobs->for_blocks(batch_count_, kBatchGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) store_batch(*in.contacts, i);
+  });
+}
+
+}  // namespace
+
+Variant<RigidSolver> rigid_soft_step() {
+  return {"soft_step", "substepped soft constraints with relaxation; eight contacts at a time",
+          [](Arena& arena, const Params& p) -> std::unique_ptr<RigidSolver> { return std::make_unique<SoftStep>(arena, p); }};
+}
+
+}  // namespace feder
