@@ -18,6 +18,9 @@ struct ContactPoint {
   Real total_impulse = 0;        // sum over the substeps of the last step, N s; for events
   Real approach_speed = 0;       // relative normal speed at the start of the step (negative = closing), m/s
   std::uint32_t feature = 0;
+#ifdef FEDER_REAL_DOUBLE
+  std::uint32_t unused = 0;      // no padding: contacts are written to snapshots as bytes
+#endif
 };
 
 struct Contact {

@@ -1,0 +1,143 @@
+// The collide system: its rows, filters by pairs of objects, materials, hash and snapshots.
+#include "collide/collide.h"
+
+#include <algorithm>
+
+#include "collide/impl.h"
+
+namespace feder {
+
+Collide::Impl::Impl(SystemSetup& setup, Collide& owner)
+    : self(&owner), colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
+      narrow(setup.world.text("narrow_phase", "auto")), motion(&setup.store.arena(kName)), pairs(motion.get_allocator()),
+      seen(motion.get_allocator()), entries(motion.get_allocator()), next_entries(motion.get_allocator()),
+      memory(motion.get_allocator()), watched(motion.get_allocator()), touches(motion.get_allocator()),
+      next_touches(motion.get_allocator()), transitions(motion.get_allocator()), stays(motion.get_allocator()),
+      exclusions(motion.get_allocator()) {
+  const std::string name = setup.world.text("broad_phase", "tree");
+  broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
+}
+
+Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup, *this)) {}
+Collide::~Collide() = default;
+
+const SystemDescriptor& Collide::descriptor() {
+  static const SystemDescriptor d{kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                    return std::make_unique<Collide>(setup);
+                                  }};
+  return d;
+}
+
+// Ends that wait for a step need the rows even when the last collider is gone.
+void Collide::add_rows(StepPlan& plan) {
+  if (count() == 0 && impl_->transitions.empty() && impl_->entries.empty()) return;
+  plan.add<&Impl::find_pairs>(Stage::broad, When::each_substep, 0, "find pairs", kName, impl_.get());
+  plan.add<&Impl::collide>(Stage::narrow, When::each_substep, 0, "collide", kName, impl_.get());
+  plan.add<&Impl::report_touches>(Stage::finish, When::each_substep, 100, "touches", kName, impl_.get());
+}
+
+std::size_t Collide::count() const { return impl_->colliders->size() - impl_->colliders->free_list.size(); }
+Colliders& Collide::colliders() { return *impl_->colliders; }
+Contacts& Collide::contacts() { return *impl_->contacts; }
+const NarrowPhase& Collide::narrow() const { return impl_->narrow; }
+void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
+
+void Collide::residuals(std::vector<Residual>& out) const {
+  out.push_back({"collide.max_penetration_m", static_cast<double>(max_penetration())});
+}
+
+namespace {
+
+auto place_of(auto& list, ObjectId a, ObjectId b) {
+  return std::lower_bound(list.begin(), list.end(), ordered(a, b), [](const Exclusion& e, const auto& pair) {
+    return std::pair{e.a, e.b} < pair;
+  });
+}
+
+}  // namespace
+
+bool Collide::Impl::excluded(ObjectId a, ObjectId b) const {
+  const auto it = place_of(exclusions, a, b);
+  return it != exclusions.end() && std::pair{it->a, it->b} == ordered(a, b);
+}
+
+void Collide::exclude(ObjectId a, ObjectId b) {
+  Array<Exclusion>& list = impl_->exclusions;
+  const auto it = place_of(list, a, b);
+  if (it != list.end() && std::pair{it->a, it->b} == ordered(a, b)) {
+    ++it->count;
+    return;
+  }
+  list.insert(it, {ordered(a, b).first, ordered(a, b).second, 1});
+  impl_->recheck_filters = true;
+}
+
+void Collide::include(ObjectId a, ObjectId b) {
+  Array<Exclusion>& list = impl_->exclusions;
+  const auto it = place_of(list, a, b);
+  if (it == list.end() || std::pair{it->a, it->b} != ordered(a, b)) return;
+  if (--it->count == 0) list.erase(it);
+}
+
+std::uint16_t Collide::material(std::string_view name) {
+  std::vector<std::string>& list = impl_->materials;
+  const auto it = std::find(list.begin(), list.end(), name);
+  if (it != list.end()) return static_cast<std::uint16_t>(it - list.begin() + 1);
+  if (list.size() == 0xffff) throw SceneError("more than 65535 materials");
+  list.emplace_back(name);
+  return static_cast<std::uint16_t>(list.size());
+}
+
+void Collide::set_material_pair(const MaterialPair& pair) {
+  MaterialPair p = pair;
+  if (p.a > p.b) std::swap(p.a, p.b);
+  std::vector<MaterialPair>& list = impl_->material_pairs;
+  const auto same = [&](const MaterialPair& q) { return q.a == p.a && q.b == p.b; };
+  const auto it = std::find_if(list.begin(), list.end(), same);
+  if (it != list.end()) *it = p; else list.push_back(p);
+  impl_->recheck_surfaces = true;
+}
+
+void Collide::hash(Hash& h) const {
+  h.add(static_cast<std::uint64_t>(impl_->entries.size()));
+  for (const ContactEntry& e : impl_->entries) {
+    const Contact& contact = impl_->contacts->slots[e.slot];
+    h.add(e.a), h.add(e.b), h.add(e.sub), h.add(static_cast<std::uint16_t>(e.bits & (kTouching | kReported | kNear)));
+    if (contact.point_count == 0) continue;
+    h.add(contact.normal);
+    for (int k = 0; k < contact.point_count; ++k) {
+      const ContactPoint& p = contact.points[k];
+      h.add(p.arm_a), h.add(p.arm_b), h.add(p.separation), h.add(p.normal_impulse), h.add(p.feature);
+    }
+    h.add(contact.tangent_impulse[0]), h.add(contact.tangent_impulse[1]), h.add(contact.twist_impulse);
+    h.add(contact.rolling_impulse);
+  }
+  for (const Touch& t : impl_->touches) h.add(t.key.a.slot), h.add(t.key.b.slot), h.add(t.key.index), h.add(t.count);
+}
+
+void Collide::save(Writer& w) const {
+  const Impl& m = *impl_;
+  m.colliders->save(w);
+  w.list(m.contacts->slots), w.list(m.contacts->order), w.list(m.contacts->free_list), w.list(m.contacts->active);
+  w.list(m.seen), w.list(m.entries), w.list(m.memory), w.list(m.touches), w.list(m.transitions), w.list(m.exclusions);
+  w.add(m.recheck_filters), w.add(m.recheck_surfaces);
+  w.list(m.material_pairs);
+  w.add(static_cast<std::uint64_t>(m.materials.size()));
+  for (const std::string& name : m.materials) w.text(name);
+}
+
+void Collide::load(Reader& r) {
+  Impl& m = *impl_;
+  m.colliders->load(r);
+  r.list(m.contacts->slots), r.list(m.contacts->order), r.list(m.contacts->free_list), r.list(m.contacts->active);
+  r.list(m.seen), r.list(m.entries), r.list(m.memory), r.list(m.touches), r.list(m.transitions), r.list(m.exclusions);
+  r.get(m.recheck_filters), r.get(m.recheck_surfaces);
+  r.list(m.material_pairs);
+  std::uint64_t names = 0;
+  r.get(names);
+  m.materials.resize(std::min<std::uint64_t>(names, 0xffff));
+  for (std::string& name : m.materials) r.text(name);
+  m.watched.clear();
+}
+
+}  // namespace feder

@@ -1,0 +1,173 @@
+// What Collide keeps, and the parts of its step. One file per part: pairs.cpp (boxes -> list of contacts), update.cpp
+// (narrow tests and recycling), touches.cpp (events), queries.cpp, collide.cpp (system, filters, snapshots).
+#pragma once
+#include <tuple>
+
+#include "collide/collide.h"
+
+namespace feder {
+
+// Distances of a pair, all from its margin, so that tiny shapes get tiny tolerances.
+//  - margin: contacts exist (and are solved) below this separation. 2 cm lets a body at 1 m/s be caught in the step
+//    before it touches; a tenth of the smaller shape keeps a 1 cm die from being solved against all its neighbours.
+//  - touch begins at half a millimetre and ends at two (for margin 2 cm): contacts at rest breathe by less.
+//  - a contact is recycled while the relative motion since its manifold was made stays below an eighth of the margin:
+//    then a feature that was outside the margin cannot have come near the surface.
+inline constexpr Real kSpeculative = Real(0.02);          // m
+inline constexpr Real kSpeculativePart = Real(0.1);       // of the smaller shape's reach
+inline constexpr Real kTouchBegin = Real(1) / 40;         // of the margin
+inline constexpr Real kTouchEnd = Real(1) / 10;           // of the margin
+inline constexpr Real kRecycleDistance = Real(1) / 8;     // of the margin
+// Normal and arms stay as they were in the world, so a pair that turns together must be tested again: 0.01 rad tilts
+// the friction cone by less than a hundredth of the load.
+inline constexpr Real kRecycleAngle = Real(0.01);         // rad
+inline constexpr Real kSlowestHit = Real(0.05);           // m/s; slower begins are no hits
+
+// One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
+struct ContactEntry {
+  std::uint32_t a = kNone, b = kNone;  // colliders
+  std::uint32_t slot = kNone;          // in Contacts::slots and in `memory`
+  std::uint16_t sub = 0;
+  std::uint16_t bits = 0;
+};
+enum EntryBits : std::uint16_t {
+  kSensorPair = 1,
+  kTouching = 2,    // has points, or overlaps (sensors)
+  kReported = 4,    // counted as touching in `touches`
+  kNear = 8,        // touched, or was about to, at its last test
+  kNew = 16,        // never tested
+  kTested = 32,     // in this step
+  kWatch = 64,      // whether it touches depends on the impulse of this step
+  kArrived = 128,   // kNear became true in this step
+  kMany = 256,      // the pair has kMaxManifolds entries
+};
+
+// Of the last real narrow test. No padding: written to snapshots as bytes.
+struct ContactMemory {
+  PairCache cache;
+  std::uint32_t valid = 0;    // may be recycled
+  std::uint32_t about_a = 0;  // a is the smaller one
+  Real reach = 0;             // of the smaller one from its centre of mass, m
+  Real margin = 0;            // m
+  Vec3 between = Vec3::Zero();  // from centre of mass a to b, m
+  Quat rotation_a, rotation_b;
+  Real base[kMaxContactPoints] = {0, 0, 0, 0};  // separations, m
+};
+
+// Begin and end are counted per pair of objects: a compound on a mesh is one touching.
+struct TouchKey {
+  ObjectId a, b;            // contacts: a < b; sensors: a is the sensor
+  std::uint32_t index = 0;  // point of the net, if one is a net
+  std::uint32_t sensor = 0;
+  friend auto operator<=>(const TouchKey&, const TouchKey&) = default;
+};
+struct Touch {
+  TouchKey key;
+  std::uint32_t count = 0;
+  std::uint32_t unused = 0;
+  std::uint64_t begun = 0;  // step
+};
+// A contact of that pair began (+1) or ended (-1); waits for the next "touches" row.
+struct Transition {
+  TouchKey key;
+  std::int32_t change = 0;
+  std::uint32_t sequence = 0;
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+  Real speed = 0, impulse = 0;
+};
+
+// What was known of a collider in the last step: differences make its pairs looked at again.
+struct SeenCollider {
+  ColliderMotion motion = ColliderMotion::none;
+  std::uint8_t sensor = 0;
+  std::uint16_t material = 0;
+  std::uint32_t group = 0, mask = 0;
+  ObjectId object;
+  std::uint32_t bits = 0;
+  Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
+  Real reach = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
+};
+enum SeenBits : std::uint32_t { kChanged = 1, kSurfaceChanged = 2, kConveyor = 4 };
+
+struct Exclusion {
+  ObjectId a, b;  // a < b
+  std::uint32_t count = 0;
+};
+
+static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
+static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
+static_assert(sizeof(ContactMemory) == 16 + 17 * sizeof(Real));
+static_assert(sizeof(Transition) == 32 + 8 * sizeof(Real));
+static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
+
+struct Collide::Impl {
+  Impl(SystemSetup& setup, Collide& owner);
+
+  // Rows.
+  void find_pairs(StepContext& c);
+  void collide(StepContext& c);
+  void report_touches(StepContext& c);
+
+  // pairs.cpp
+  void look_at_colliders();
+  void merge_pairs();
+  bool may_collide(std::uint32_t a, std::uint32_t b) const;
+  bool keep(const ContactEntry& e, bool reported);
+  void create(std::uint32_t a, std::uint32_t b);
+  void release(const ContactEntry& e);
+  void forget(std::uint32_t collider);
+  void write_order();
+
+  // update.cpp
+  void test_pair(std::uint32_t head, Real dt);
+  void test_sensor(ContactEntry& e);
+  bool recycle(std::span<const ContactEntry> group);
+  void test_fresh(std::span<const ContactEntry> group);
+  void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
+  void mix(Contact& contact) const;
+  void judge(ContactEntry& e, Real margin, Real dt);
+  void wake_arrivals();
+  void list_active();
+
+  // touches.cpp
+  TouchKey key(const ContactEntry& e, bool& flipped) const;
+  void add_transition(const ContactEntry& e, int change);
+  void judge_watched();
+  void report_stay(StepContext& c);
+  void merge_transitions(StepContext& c);
+  void report(StepContext& c, bool began, std::size_t first, std::size_t last);
+
+  // queries.cpp
+  bool passes(std::uint32_t i, const QueryFilter& f) const;
+  void refresh_boxes();
+
+  bool excluded(ObjectId a, ObjectId b) const;
+
+  Collide* self;
+  Colliders* colliders;
+  Contacts* contacts;
+  std::unique_ptr<BroadPhase> broad;
+  NarrowPhase narrow;
+
+  Array<BoxMotion> motion;
+  Array<IndexPair> pairs;
+  Array<SeenCollider> seen;         // by collider
+  Array<ContactEntry> entries, next_entries;  // sorted by (a, b, sub)
+  Array<ContactMemory> memory;      // by slot
+  Array<std::uint32_t> watched;     // places in `entries`
+  Array<Touch> touches, next_touches;  // sorted
+  Array<Transition> transitions;
+  Array<Transition> stays;
+  Array<Exclusion> exclusions;      // sorted
+  bool recheck_filters = false;   // exclusions changed
+  bool recheck_surfaces = false;  // material pairs changed
+  std::vector<std::string> materials;         // number - 1
+  std::vector<MaterialPair> material_pairs;   // sorted, a <= b
+};
+
+// Object pairs of exclusions are unordered.
+inline std::pair<ObjectId, ObjectId> ordered(ObjectId a, ObjectId b) {
+  return a < b ? std::pair{a, b} : std::pair{b, a};
+}
+
+}  // namespace feder

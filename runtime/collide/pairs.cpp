@@ -1,0 +1,164 @@
+// From boxes to the sorted list of contacts. The broad phase's sorted pairs are merged against the sorted contacts of
+// the last step: in both = kept, only a pair = new, only a contact = gone. No hashing, and order is always defined.
+// Kept between calls: the contacts, and what was known of each collider. A contact between two colliders at rest is
+// kept although the broad phase reports no pair of two still boxes.
+// Weak spot: pairs that filters reject are looked at again in every step.
+#include "collide/impl.h"
+
+namespace feder {
+
+// Notes what changed since the last step, and what the broad phase should treat as moving: whatever is awake, and
+// sensors, which see sleeping bodies too. A changed collider counts as moving once, so that a fixed one put on top
+// of a sleeping one is found.
+void Collide::Impl::look_at_colliders() {
+  Colliders& c = *colliders;
+  const std::uint32_t count = c.size();
+  motion.resize(count);
+  if (seen.size() < count) seen.resize(count);
+  for (SeenCollider& s : seen) s.bits &= kConveyor;
+  for (const std::uint32_t i : c.changed) seen[i].bits |= kChanged;
+  c.changed.clear();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    SeenCollider& s = seen[i];
+    if (c.motion[i] == ColliderMotion::none) {
+      s = {};
+      motion[i] = BoxMotion::absent;
+      continue;
+    }
+    if (s.motion != c.motion[i] || s.sensor != c.sensor[i] || s.group != c.group[i] || s.mask != c.mask[i] ||
+        s.object != c.object[i])
+      s.bits |= kChanged;
+    const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
+    if (recheck_surfaces) s.bits |= kSurfaceChanged;
+    if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits & kChanged) | kSurfaceChanged | conveyor;
+    if (s.friction_static != c.friction_static[i] || s.friction_dynamic != c.friction_dynamic[i] ||
+        s.restitution != c.restitution[i] || s.rolling_friction != c.rolling_friction[i] || s.material != c.material[i])
+      s.bits |= kSurfaceChanged;
+    if (s.bits & kChanged) {
+      s.motion = c.motion[i], s.sensor = c.sensor[i], s.group = c.group[i], s.mask = c.mask[i], s.object = c.object[i];
+      s.reach = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
+    }
+    if (s.bits & kSurfaceChanged) {
+      s.friction_static = c.friction_static[i], s.friction_dynamic = c.friction_dynamic[i];
+      s.restitution = c.restitution[i], s.rolling_friction = c.rolling_friction[i], s.material = c.material[i];
+    }
+    const bool moving = c.awake[i] || c.sensor[i] || (s.bits & kChanged);
+    motion[i] = moving ? BoxMotion::moving : BoxMotion::still;
+  }
+  recheck_surfaces = false;
+}
+
+void Collide::Impl::find_pairs(StepContext&) {
+  look_at_colliders();
+  broad->find_pairs(colliders->box, motion, pairs);
+}
+
+bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
+  const Colliders& c = *colliders;
+  if (c.object[a] == c.object[b]) return false;
+  if (!(c.group[a] & c.mask[b]) || !(c.group[b] & c.mask[a])) return false;
+  if (c.sensor[a] && c.sensor[b]) return false;  // sensors do not see each other
+  const bool dynamic = c.motion[a] == ColliderMotion::dynamic || c.motion[b] == ColliderMotion::dynamic;
+  if (!dynamic && !c.sensor[a] && !c.sensor[b]) return false;
+  return exclusions.empty() || !excluded(c.object[a], c.object[b]);
+}
+
+// Whether the contact of the last step stays. `reported`: the broad phase has the pair too.
+bool Collide::Impl::keep(const ContactEntry& e, bool reported) {
+  const Colliders& c = *colliders;
+  if (!reported) {
+    if (motion[e.a] != BoxMotion::still || motion[e.b] != BoxMotion::still) return false;
+    if (!overlaps(c.box[e.a], c.box[e.b])) return false;
+  }
+  if (!recheck_filters && !((seen[e.a].bits | seen[e.b].bits) & kChanged)) return true;
+  const bool sensor = c.sensor[e.a] || c.sensor[e.b];
+  return sensor == ((e.bits & kSensorPair) != 0) && may_collide(e.a, e.b);
+}
+
+void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
+  const Colliders& c = *colliders;
+  const bool sensor = c.sensor[a] || c.sensor[b];
+  // only shapes that are neither convex nor a half-space can touch in several places
+  const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].reach < kInfinity; };
+  const bool many = !sensor && (meshlike(a) || meshlike(b));
+  ContactMemory fresh;
+  fresh.about_a = seen[a].reach <= seen[b].reach;
+  fresh.reach = std::min(seen[a].reach, seen[b].reach);
+  fresh.margin = std::min(kSpeculative, kSpeculativePart * fresh.reach);
+  const std::uint32_t count = many ? kMaxManifolds : 1;
+  for (std::uint32_t sub = 0; sub < count; ++sub) {
+    std::uint32_t slot;
+    if (contacts->free_list.empty()) {
+      slot = static_cast<std::uint32_t>(contacts->slots.size());
+      contacts->slots.emplace_back();
+      memory.emplace_back();
+    } else {
+      slot = contacts->free_list.back();
+      contacts->free_list.pop_back();
+    }
+    Contact& contact = contacts->slots[slot];
+    contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;
+    memory[slot] = fresh;
+    const int bits = kNew | (sensor ? kSensorPair : 0) | (many ? kMany : 0);
+    next_entries.push_back({a, b, slot, static_cast<std::uint16_t>(sub), static_cast<std::uint16_t>(bits)});
+  }
+}
+
+// Gives the slot back; a touching that was reported gets its end.
+void Collide::Impl::release(const ContactEntry& e) {
+  if (e.bits & kReported) add_transition(e, -1);
+  contacts->slots[e.slot] = Contact{};
+  memory[e.slot] = ContactMemory{};
+  contacts->free_list.push_back(e.slot);
+}
+
+void Collide::Impl::merge_pairs() {
+  next_entries.clear();
+  bool changed = false;
+  std::size_t n = 0;
+  const auto drop_or_keep = [&](bool reported) {
+    const ContactEntry head = entries[n];
+    const bool stays = keep(head, reported);
+    for (; n < entries.size() && entries[n].a == head.a && entries[n].b == head.b; ++n) {
+      if (stays) next_entries.push_back(entries[n]); else release(entries[n]);
+    }
+    changed = changed || !stays;
+    return stays;
+  };
+  for (const IndexPair& p : pairs) {
+    while (n < entries.size() && IndexPair{entries[n].a, entries[n].b} < p) drop_or_keep(false);
+    const bool known = n < entries.size() && entries[n].a == p.a && entries[n].b == p.b;
+    if (known && drop_or_keep(true)) continue;
+    if (!may_collide(p.a, p.b)) continue;
+    create(p.a, p.b);
+    changed = true;
+  }
+  while (n < entries.size()) drop_or_keep(false);
+  entries.swap(next_entries);
+  next_entries.reserve(entries.capacity());
+  recheck_filters = false;
+  if (changed) write_order();
+}
+
+void Collide::Impl::write_order() {
+  contacts->order.resize(entries.size());
+  for (std::size_t i = 0; i < entries.size(); ++i) contacts->order[i] = entries[i].slot;
+}
+
+void Collide::Impl::forget(std::uint32_t collider) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (entries[i].a == collider || entries[i].b == collider) {
+      release(entries[i]);
+    } else {
+      entries[kept++] = entries[i];
+    }
+  }
+  if (kept == entries.size()) return;
+  entries.resize(kept);
+  write_order();
+  // `active` may name freed slots until the next step
+  contacts->active.clear();
+}
+
+}  // namespace feder

@@ -1,0 +1,278 @@
+// Narrow tests of all contacts with an awake side, in parallel: each contact writes its own slot only. A serial pass
+// in order then wakes whom an arriving contact touches and lists the active contacts.
+// Contact recycling (Catto, Box3D 2026): most contacts of a pile are tested again although nothing moved. While the
+// relative motion since the last real test is tiny, normal, arms and features stay and only the separations follow:
+// base + relative displacement along the normal, to first order in the rotations. The base is always that of the
+// real test, so errors do not add up over steps.
+// Kept between calls: per contact the poses and separations of its last real test. Points of a new manifold take the
+// impulses of the old points with the same feature, else of the nearest.
+// Weak spot: a pair that turns together (in a drum) is tested again every few steps.
+#include "collide/impl.h"
+
+namespace feder {
+namespace {
+
+// Rotation vector from `from` to `to`, right to first order: recycled angles are below kRecycleAngle.
+Vec3 small_rotation(const Quat& from, const Quat& to) {
+  const Quat d = to * conjugate(from);
+  const Real twice = d.w < 0 ? Real(-2) : Real(2);
+  return twice * d.vec();
+}
+
+bool same(const Quat& p, const Quat& q) { return p.x == q.x && p.y == q.y && p.z == q.z && p.w == q.w; }
+
+// The old point that a new one continues: same feature, else the nearest unused one within `limit`.
+const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> old, Real limit, std::uint32_t& used) {
+  const ContactPoint* nearest = nullptr;
+  Real best = limit * limit;
+  std::uint32_t best_bit = 0, bit = 1;
+  for (const Contact& contact : old) {
+    for (int k = 0; k < contact.point_count; ++k, bit <<= 1) {
+      if (used & bit) continue;
+      const ContactPoint& q = contact.points[k];
+      if (q.feature == p.feature) return used |= bit, &q;
+      // the arms are in world axes: whichever body turned less tells the distance
+      const Vec3 da = p.arm_a - q.arm_a, db = p.arm_b - q.arm_b;
+      const Real distance = std::min(dot(da, da), dot(db, db));
+      if (distance < best) best = distance, nearest = &q, best_bit = bit;
+    }
+  }
+  used |= best_bit;
+  return nearest;
+}
+
+}  // namespace
+
+void Collide::Impl::collide(StepContext& c) {
+  merge_pairs();
+  const std::uint32_t count = static_cast<std::uint32_t>(entries.size());
+  // 64 contacts: some 5 us of work when recycled
+  c.jobs->for_blocks(count, 64, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i)
+      if (entries[i].sub == 0) test_pair(i, c.dt);
+  });
+  wake_arrivals();
+  list_active();
+}
+
+void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
+  constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
+  const Colliders& c = *colliders;
+  const std::uint32_t count = entries[head].bits & kMany ? kMaxManifolds : 1;
+  const std::span<ContactEntry> group(&entries[head], count);
+  const std::uint32_t a = group[0].a, b = group[0].b;
+  const bool is_new = group[0].bits & kNew;
+  for (ContactEntry& e : group) e.bits &= static_cast<std::uint16_t>(~(kOfStep | kNew));
+  const std::uint32_t seen_bits = seen[a].bits | seen[b].bits;
+  if (group[0].bits & kSensorPair) return test_sensor(group[0]);
+  if (!is_new && !c.awake[a] && !c.awake[b] && !(seen_bits & kChanged)) {
+    if (seen_bits & kSurfaceChanged)
+      for (const ContactEntry& e : group) mix(contacts->slots[e.slot]);
+    return;
+  }
+  ContactMemory& m = memory[group[0].slot];
+  if (seen_bits & kChanged) {
+    m.valid = 0;
+    m.about_a = seen[a].reach <= seen[b].reach;
+    m.reach = std::min(seen[a].reach, seen[b].reach);
+    m.margin = std::min(kSpeculative, kSpeculativePart * m.reach);
+  }
+  if (!recycle(group)) test_fresh(group);
+  for (ContactEntry& e : group) {
+    Contact& contact = contacts->slots[e.slot];
+    if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);
+    judge(e, m.margin, dt);
+  }
+}
+
+// Sensors are exact: only a pair that did not move at all keeps its answer.
+void Collide::Impl::test_sensor(ContactEntry& e) {
+  const Colliders& c = *colliders;
+  ContactMemory& m = memory[e.slot];
+  const Vec3 between = c.center[e.b] - c.center[e.a];
+  const Quat &ra = c.pose[e.a].rotation, &rb = c.pose[e.b].rotation;
+  const bool changed = (seen[e.a].bits | seen[e.b].bits) & kChanged;
+  e.bits |= kTested;
+  if (m.valid && !changed && between == m.between && same(ra, m.rotation_a) && same(rb, m.rotation_b)) return;
+  m.valid = 1;
+  m.between = between;
+  m.rotation_a = ra, m.rotation_b = rb;
+  const bool hit = shapes_overlap(narrow, *c.shape[e.a], c.pose[e.a], *c.shape[e.b], c.pose[e.b]);
+  contacts->slots[e.slot].touching = hit;
+  e.bits = static_cast<std::uint16_t>(hit ? e.bits | kTouching : e.bits & ~kTouching);
+}
+
+// False when the pair moved too far since its last real test.
+bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
+  const Colliders& c = *colliders;
+  const ContactMemory& m = memory[group[0].slot];
+  if (!m.valid) return false;
+  const std::uint32_t a = group[0].a, b = group[0].b;
+  const Vec3 turn_a = small_rotation(m.rotation_a, c.pose[a].rotation);
+  const Vec3 turn_b = small_rotation(m.rotation_b, c.pose[b].rotation);
+  constexpr Real limit = kRecycleAngle * kRecycleAngle;
+  if (!(dot(turn_a, turn_a) < limit && dot(turn_b, turn_b) < limit)) return false;
+  // relative displacement at the centre of the smaller one, and what relative rotation adds at its far end
+  const Vec3 between = c.center[b] - c.center[a];
+  const Vec3 apart = between - m.between;
+  const Vec3 shift = m.about_a ? Vec3(apart - cross(turn_b, between)) : Vec3(apart - cross(turn_a, between));
+  const Real moved = length(shift) + length(turn_b - turn_a) * m.reach;
+  if (!(moved < kRecycleDistance * m.margin)) return false;
+
+  for (const ContactEntry& e : group) {
+    Contact& contact = contacts->slots[e.slot];
+    const Real* base = memory[e.slot].base;
+    contact.fresh = 0;
+    for (int k = 0; k < contact.point_count; ++k) {
+      ContactPoint& p = contact.points[k];
+      const Vec3 slip = apart + cross(turn_b, p.arm_b) - cross(turn_a, p.arm_a);
+      p.separation = base[k] + dot(slip, contact.normal);
+      p.total_impulse = 0;
+    }
+  }
+  return true;
+}
+
+void Collide::Impl::test_fresh(std::span<const ContactEntry> group) {
+  const Colliders& c = *colliders;
+  ContactMemory& m = memory[group[0].slot];
+  const std::uint32_t a = group[0].a, b = group[0].b;
+  Manifold found[kMaxManifolds];
+  const int count =
+      narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], m.margin, m.cache, found);
+  m.valid = 1;
+  m.between = c.center[b] - c.center[a];
+  m.rotation_a = c.pose[a].rotation, m.rotation_b = c.pose[b].rotation;
+  Contact old[kMaxManifolds];
+  for (std::size_t k = 0; k < group.size(); ++k) old[k] = contacts->slots[group[k].slot];
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const Manifold none;
+    // a point that moved by more than a tenth of the smaller shape is another point
+    write_manifold(group[k], static_cast<int>(k) < count ? found[k] : none, {old, group.size()}, m.reach / 10);
+  }
+}
+
+void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old,
+                                   Real limit) {
+  const Colliders& c = *colliders;
+  Contact& contact = contacts->slots[e.slot];
+  ContactMemory& mem = memory[e.slot];
+  contact.fresh = 1;
+  contact.point_count = static_cast<std::uint8_t>(m.count);
+  contact.normal = m.normal;
+  contact.tangent_impulse[0] = contact.tangent_impulse[1] = contact.twist_impulse = 0;
+  contact.rolling_impulse = Vec3::Zero();
+  const Contact* ancestor = nullptr;
+  std::uint32_t used = 0;
+  for (int k = 0; k < kMaxContactPoints; ++k) {
+    ContactPoint& p = contact.points[k];
+    p = {};
+    mem.base[k] = 0;
+    if (k >= m.count) continue;
+    const ManifoldPoint& q = m.points[k];
+    p.arm_a = q.position - c.center[e.a], p.arm_b = q.position - c.center[e.b];
+    p.separation = mem.base[k] = q.separation;
+    p.feature = q.feature;
+    const ContactPoint* from = old_point(p, old, limit, used);
+    if (!from) continue;
+    p.normal_impulse = from->normal_impulse;
+    for (const Contact& o : old)
+      if (!ancestor && from >= o.points && from < o.points + kMaxContactPoints) ancestor = &o;
+  }
+  if (!ancestor) return;
+  // friction carries over as a vector: the tangents turned with the normal
+  Vec3 s1, s2, t1, t2;
+  tangent_frame(ancestor->normal, s1, s2);
+  tangent_frame(contact.normal, t1, t2);
+  const Vec3 friction = s1 * ancestor->tangent_impulse[0] + s2 * ancestor->tangent_impulse[1];
+  contact.tangent_impulse[0] = dot(friction, t1), contact.tangent_impulse[1] = dot(friction, t2);
+  contact.twist_impulse = ancestor->twist_impulse;
+  contact.rolling_impulse = ancestor->rolling_impulse;
+}
+
+// Friction: geometric mean, so that ice makes any pair slippery. Restitution and rolling friction: the larger, so
+// that a ball bounces (a soft one rolls badly) on any floor. A material pair overrides what it states.
+void Collide::Impl::mix(Contact& contact) const {
+  const Colliders& c = *colliders;
+  const std::uint32_t a = contact.collider_a, b = contact.collider_b;
+  contact.friction_static = std::sqrt(c.friction_static[a] * c.friction_static[b]);
+  contact.friction_dynamic = std::sqrt(c.friction_dynamic[a] * c.friction_dynamic[b]);
+  contact.restitution = std::max(c.restitution[a], c.restitution[b]);
+  contact.rolling_friction = std::max(c.rolling_friction[a], c.rolling_friction[b]);
+  const std::uint16_t low = std::min(c.material[a], c.material[b]), high = std::max(c.material[a], c.material[b]);
+  for (const MaterialPair& pair : material_pairs) {
+    if (pair.a != low || pair.b != high) continue;
+    if (pair.friction_static >= 0) contact.friction_static = pair.friction_static;
+    if (pair.friction_dynamic >= 0) contact.friction_dynamic = pair.friction_dynamic;
+    if (pair.restitution >= 0) contact.restitution = pair.restitution;
+  }
+  contact.surface_velocity = Vec3::Zero();
+  if (!((seen[a].bits | seen[b].bits) & kConveyor)) return;
+  // a belt on a carries b along, one on b pushes it back
+  const auto belt = [&](std::uint32_t i) {
+    return rotate(c.pose[i].rotation * conjugate(c.local[i].rotation), c.surface_velocity[i]);
+  };
+  const Vec3 wanted = belt(a) - belt(b);
+  contact.surface_velocity = wanted - contact.normal * dot(wanted, contact.normal);
+}
+
+// Speeds, and what the contact means for waking and for events (see touches.cpp for the rule of touching).
+void Collide::Impl::judge(ContactEntry& e, Real margin, Real dt) {
+  const Colliders& c = *colliders;
+  Contact& contact = contacts->slots[e.slot];
+  const Vec3 between = c.velocity[e.b] - c.velocity[e.a];
+  const Vec3 spin_a = c.angular_velocity[e.a], spin_b = c.angular_velocity[e.b];
+  Real nearest = kInfinity, predicted = kInfinity;
+  for (int k = 0; k < contact.point_count; ++k) {
+    ContactPoint& p = contact.points[k];
+    p.approach_speed = dot(between + cross(spin_b, p.arm_b) - cross(spin_a, p.arm_a), contact.normal);
+    nearest = std::min(nearest, p.separation);
+    predicted = std::min(predicted, p.separation + std::min(p.approach_speed, Real(0)) * dt);
+  }
+  contact.touching = contact.point_count > 0;
+  const bool reported = e.bits & kReported, was_near = e.bits & kNear;
+  const bool near = predicted <= (was_near ? kTouchEnd : kTouchBegin) * margin;
+  const bool watch = reported ? !(nearest <= kTouchEnd * margin) : contact.touching != 0;
+  int bits = e.bits & ~(kTouching | kNear);
+  bits |= kTested | (contact.touching ? kTouching : 0) | (near ? kNear : 0);
+  bits |= (near && !was_near ? kArrived : 0) | (watch ? kWatch : 0);
+  e.bits = static_cast<std::uint16_t>(bits);
+}
+
+void Collide::Impl::wake_arrivals() {
+  const Colliders& c = *colliders;
+  watched.clear();
+  for (std::uint32_t i = 0; i < entries.size(); ++i) {
+    ContactEntry& e = entries[i];
+    if (!(e.bits & kTested)) continue;
+    if (e.bits & kSensorPair) {
+      const bool inside = e.bits & kTouching, reported = e.bits & kReported;
+      if (inside != reported) add_transition(e, inside ? 1 : -1), e.bits ^= kReported;
+      continue;
+    }
+    if (e.bits & kWatch) watched.push_back(i);
+    if (!(e.bits & kArrived) || !self->on_touch_sleeping) continue;
+    const auto asleep = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && !c.awake[n]; };
+    if (c.awake[e.a] && asleep(e.b)) self->on_touch_sleeping(self->on_touch_self, e.b, e.a);
+    else if (c.awake[e.b] && asleep(e.a)) self->on_touch_sleeping(self->on_touch_self, e.a, e.b);
+  }
+}
+
+// After all wakes, so that the contacts of a woken island are solved in this step: their data is that of the moment
+// it fell asleep, and nothing of it moved since.
+void Collide::Impl::list_active() {
+  const Colliders& c = *colliders;
+  const auto movable = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && c.awake[n]; };
+  contacts->active.clear();
+  for (const ContactEntry& e : entries) {
+    if ((e.bits & (kTouching | kSensorPair)) != kTouching) continue;
+    if (!movable(e.a) && !movable(e.b)) continue;
+    contacts->active.push_back(e.slot);
+    if (e.bits & kTested) continue;
+    Contact& woken = contacts->slots[e.slot];
+    woken.fresh = 0;
+    for (ContactPoint& p : woken.points) p.total_impulse = p.approach_speed = 0;
+  }
+}
+
+}  // namespace feder
