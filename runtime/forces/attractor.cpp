@@ -62,6 +62,7 @@ class Attractor final : public Force {
     }
     return sum;
   }
+  bool depends_on_velocity() const override { return false; }
 
  private:
   double softened(const Vec3& d) const {

@@ -24,6 +24,8 @@ class Force {
   virtual void add(const MassPoint* points, std::size_t count, double time, Vec3* out) const = 0;
   // Potential energy of the points, J; 0 for forces without a potential.
   virtual double potential(const MassPoint*, std::size_t) const { return 0; }
+  // False spares methods with implicit damping the derivative by the velocity.
+  virtual bool depends_on_velocity() const { return true; }
 };
 
 std::span<const Variant<Force>> force_kinds();

@@ -17,6 +17,7 @@ class Gravity final : public Force {
       sum -= static_cast<double>(points[i].mass) * static_cast<double>(dot(acceleration_, points[i].position));
     return sum;
   }
+  bool depends_on_velocity() const override { return false; }
 
  private:
   Vec3 acceleration_;  // m/s^2

@@ -1,6 +1,8 @@
 // Mass-spring nets: points, springs and faces, advanced by an integrator of choice.
 #pragma once
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "integrate/integrator.h"
 #include "state/particles.h"
@@ -69,6 +71,24 @@ class Springs final : public System {
   SpringDesc spring(ObjectId net, std::size_t k) const;
   void positions(ObjectId net, std::vector<Vec3>& out) const;
   IntegratorStats stats(ObjectId net) const;
+  // Upper bound of the fastest angular frequency of the net (Gershgorin), 1/s: h times it against the limit in
+  // IntegratorInfo decides whether the warning "stiff" is raised.
+  Real max_frequency(ObjectId net) const;
+  // Did the net go non-finite? It is then held at the last good step's positions, and finite() stays false.
+  bool quarantined(ObjectId net) const;
+
+  // For couplings: the net's run of indices in Particles and how its points collide.
+  struct NetInfo {
+    ObjectId object;
+    std::uint32_t first = 0, count = 0;
+    Real friction = 0, restitution = 0;
+    std::uint32_t group = 1, mask = 0xffffffffu;
+  };
+  std::size_t net_count() const;
+  NetInfo net_info(std::size_t n) const;  // 0 .. net_count()-1, in the order the nets were made
+  // Called before the points [first, first + count) go; later indices move down. Set by couple.
+  void (*on_remove)(void* self, std::uint32_t first, std::uint32_t count) = nullptr;
+  void* on_remove_self = nullptr;
 
   // Point `i` is held at `local` of a mover (a body); used by couple and the binding. Kept by couple/springs_rigid.
   struct Attachment {

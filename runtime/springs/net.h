@@ -1,0 +1,94 @@
+// One net: its springs as arrays, its integrator, and the force field the integrator pulls. Private to the module.
+#pragma once
+#include "forces/force.h"
+#include "integrate/integrator.h"
+#include "springs/springs.h"
+#include "state/particles.h"
+
+namespace feder {
+
+// Springs of a net; point indices count from 0 within the net. A removed spring keeps its index, without stiffness.
+struct SpringArrays {
+  explicit SpringArrays(Arena& a)
+      : i(&a), j(&a), stiffness(&a), damping(&a), rest_length(&a), break_strain(&a), alive(&a) {}
+  Array<std::uint32_t> i, j;
+  Array<Real> stiffness;     // N/m
+  Array<Real> damping;       // N s/m
+  Array<Real> rest_length;   // m
+  Array<Real> break_strain;
+  Array<std::uint8_t> alive;
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(i.size()); }
+  void add(const SpringDesc& s, Real rest);
+  void remove(std::uint32_t k);
+
+  template <class S, class F>
+  static void each_array(S& s, F&& f) {
+    f(s.i), f(s.j), f(s.stiffness), f(s.damping), f(s.rest_length), f(s.break_strain), f(s.alive);
+  }
+};
+
+// What decides a net's motion beside its points and springs; plain data, saved as it is.
+struct NetSettings {
+  Real damping = 0;          // 1/s
+  Real gravity_scale = 1;
+  Real friction = 0, restitution = 0;
+  std::uint32_t group = 1, mask = 0xffffffffu;
+};
+
+// Forces of a net: weight, drag, springs, the world's force generators and scripted forces.
+class Net final : public ForceField {
+ public:
+  Net(Arena& a, Particles& p) : springs(a), particles_(p), acting_(&a), points_(&a), base_(&a), shifted_(&a), work_(&a) {}
+
+  ObjectId object;
+  std::uint32_t first = 0, points = 0;  // run in Particles
+  NetSettings settings;
+  SpringArrays springs;
+  std::string integrator_name;
+  Params integrator_options;
+  std::unique_ptr<Integrator> integrator;
+  std::uint64_t version = 0;            // of the spring pattern
+  bool can_break = false;               // some spring has a finite break strain
+  bool frozen = false;                  // quarantined
+  bool warned_stiff = false, warned_unconverged = false;
+  Real checked_step = 0;                // s, substep the stiffness was checked for; 0: has to be
+  std::uint32_t bad_point = kNone;      // found non-finite in this step
+
+  // What acts this step. Called once per step; the generators are not kept beyond it.
+  void prepare(const Vec3& gravity, const Forces* forces, TagMask tags);
+  void integrate(double t, Real h);
+  // First non-finite point of the net, or kNone.
+  std::uint32_t find_non_finite() const;
+  // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s.
+  void bounds(double& frequency, double& decay) const;
+  Energy energy();
+  Real length_of(std::uint32_t k) const;
+  Real strain(std::uint32_t k) const;
+
+  std::size_t count() const override { return points; }
+  std::span<const Real> inv_mass() const override { return {particles_.inv_mass.data() + first, points}; }
+  std::span<const Real> mass() const override { return {particles_.mass.data() + first, points}; }
+  void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) override;
+  bool damped() const override { return damped_; }
+  void damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) override;
+  void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override;
+  void pattern(std::vector<BlockIndex>& blocks) const override;
+  std::uint64_t pattern_version() const override { return version; }
+
+ private:
+  void fill_points(std::span<const Vec3> x, std::span<const Vec3> v);
+  // Adds the generators' derivative by position or velocity to the diagonal, by differences, negative part only.
+  void add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity,
+                            BlockSparse& out);
+
+  Particles& particles_;
+  Vec3 gravity_ = Vec3::Zero();  // m/s^2, scaled
+  bool damped_ = false;
+  Array<const Force*> acting_;
+  Array<MassPoint> points_;      // for the generators
+  Array<Vec3> base_, shifted_;   // their forces, for differences
+  Array<Mat3> work_;
+};
+
+}  // namespace feder

@@ -1,0 +1,98 @@
+// State hash and snapshots of the springs system. A net that was destroyed or made since is undone: integrators are
+// made again by name, they remember nothing between steps.
+#include "springs/impl.h"
+
+namespace feder {
+namespace {
+
+void save_params(Writer& w, const Params& p) {
+  w.add(static_cast<std::uint64_t>(p.values().size()));
+  for (const auto& [key, value] : p.values()) {
+    w.text(key);
+    w.add(static_cast<std::uint8_t>(value.index()));
+    if (const bool* b = std::get_if<bool>(&value)) w.add(*b);
+    if (const double* d = std::get_if<double>(&value)) w.add(*d);
+    if (const auto* s = std::get_if<std::string>(&value)) w.text(*s);
+    if (const auto* l = std::get_if<std::vector<double>>(&value)) w.list(*l);
+  }
+}
+
+template <class T>
+T read(Reader& r) {
+  T x{};
+  r.get(x);
+  return x;
+}
+
+Params load_params(Reader& r) {
+  Params p;
+  const auto count = read<std::uint64_t>(r);
+  for (std::uint64_t k = 0; k < count; ++k) {
+    std::string key, text;
+    std::vector<double> list;
+    r.text(key);
+    switch (read<std::uint8_t>(r)) {
+      case 0: p.set(key, read<bool>(r)); break;
+      case 1: p.set(key, read<double>(r)); break;
+      case 2: r.text(text), p.set(key, text); break;
+      case 3: r.list(list), p.set(key, list); break;
+      default: throw SceneError("snapshot: truncated or of another build");
+    }
+  }
+  return p;
+}
+
+}  // namespace
+
+void Springs::hash(Hash& h) const {
+  const Particles& p = impl_->particles;
+  for (std::uint32_t i = 0; i < p.size(); ++i) {
+    h.add(p.position[i]), h.add(p.velocity[i]), h.add(p.script_force[i]);
+    h.add(p.mass[i]), h.add(p.inv_mass[i]);
+  }
+  for (const auto& n : impl_->nets) {
+    h.add(n->points), h.add(n->frozen);
+    h.bytes(n->integrator_name.data(), n->integrator_name.size());
+    for (std::uint32_t k = 0; k < n->springs.size(); ++k) {
+      h.add(n->springs.i[k]), h.add(n->springs.j[k]), h.add(n->springs.alive[k]);
+      h.add(n->springs.stiffness[k]), h.add(n->springs.damping[k]), h.add(n->springs.rest_length[k]);
+    }
+  }
+  for (const Attachment& a : impl_->attachments) h.add(a.point), h.add(a.body.slot), h.add(a.local);
+}
+
+void Springs::save(Writer& w) const {
+  Particles::each_array(impl_->particles, [&](const auto& array) { w.list(array); });
+  w.list(impl_->attachments);
+  w.add(static_cast<std::uint64_t>(impl_->nets.size()));
+  for (const auto& n : impl_->nets) {
+    w.add(n->object), w.add(n->first), w.add(n->points), w.add(n->settings);
+    w.add(n->can_break), w.add(n->frozen), w.add(n->warned_stiff), w.add(n->warned_unconverged);
+    w.text(n->integrator_name);
+    save_params(w, n->integrator_options);
+    w.add(n->integrator->stats);
+    SpringArrays::each_array(n->springs, [&](const auto& array) { w.list(array); });
+  }
+}
+
+void Springs::load(Reader& r) {
+  Impl& m = *impl_;
+  Particles::each_array(m.particles, [&](auto& array) { r.list(array); });
+  r.list(m.attachments);
+  const auto count = read<std::uint64_t>(r);
+  m.nets.clear();
+  for (std::uint64_t k = 0; k < count; ++k) {
+    auto n = std::make_unique<Net>(m.arena, m.particles);
+    r.get(n->object), r.get(n->first), r.get(n->points), r.get(n->settings);
+    r.get(n->can_break), r.get(n->frozen), r.get(n->warned_stiff), r.get(n->warned_unconverged);
+    std::string name;
+    r.text(name);
+    m.attach_integrator(*n, name, load_params(r));
+    r.get(n->integrator->stats);
+    SpringArrays::each_array(n->springs, [&](auto& array) { r.list(array); });
+    m.nets.push_back(std::move(n));
+  }
+  *m.structure_changed = true;
+}
+
+}  // namespace feder
