@@ -45,20 +45,17 @@ std::string unknown_command(const std::string& word) {
 }
 
 int run_command(const Row& row, int argc, char* argv[]) {
-  CLI::App app(row.summary, std::string("feder ") + row.name);
+  Arguments arguments(row.name, row.summary);
   Options options;
-  declare(app, options);
   const auto command = row.make();
-  command->declare(app);
+  command->declare(arguments);
+  declare(arguments, options);
   try {
-    app.parse(argc, argv);
-    return command->run(options);
-  } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", app.help());
-    return kPass;
-  } catch (const CLI::ParseError& e) {
+    if (!arguments.parse(argc, argv)) return fmt::print("{}", arguments.help()), kPass;
+  } catch (const std::invalid_argument& e) {
     throw Failure(kUsage, fmt::format("feder {}: {}", row.name, e.what()));
   }
+  return command->run(options);
 }
 
 }  // namespace

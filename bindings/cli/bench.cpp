@@ -27,11 +27,12 @@ struct Measured {
 
 class Bench final : public Command {
  public:
-  void declare(CLI::App& app) override {
-    app.add_option("SCENE", scenes_, "one or more .lua or .yaml files")->required();
-    app.add_option("--runs", runs_, "runs per scene (default 5)")->check(CLI::Range(1, 10000));
-    app.add_option("--steps", steps_, "steps per run after the first (default 200)")->check(CLI::Range(1, 10000000));
-    app.add_option("--compare", compare_, "a file that bench --json wrote: prints the ratio to its medians");
+  void declare(Arguments& a) override {
+    a.list("SCENE", scenes_, "one or more .lua or .yaml files");
+    a.require("SCENE");
+    a.whole("--runs", runs_, 1, 10000, "runs per scene (default 5)");
+    a.whole("--steps", steps_, 1, 10000000, "steps per run after the first (default 200)");
+    a.text("--compare", compare_, "a file that bench --json wrote: prints the ratio to its medians");
   }
 
   int run(const Options& options) override {

@@ -92,7 +92,10 @@ std::set<std::string> ask(const Options& options, const std::string& script) {
 
 class Check final : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("SCENE", scenes_, "one or more .lua or .yaml files")->required(); }
+  void declare(Arguments& a) override {
+    a.list("SCENE", scenes_, "one or more .lua or .yaml files");
+    a.require("SCENE");
+  }
 
   int run(const Options& options) override {
     report::Json all = report::Json::array();

@@ -1,11 +1,11 @@
 // A command of the feder program: its options and what it does. One file per command; the table is generated.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
 
+#include "cli/arguments.h"
 #include "cli/options.h"
 
 namespace feder::cli {
@@ -27,7 +27,7 @@ class Command {
  public:
   virtual ~Command() = default;
   // Declares the options beside the common ones.
-  virtual void declare(CLI::App& app) = 0;
+  virtual void declare(Arguments& arguments) = 0;
   // Returns the exit status, or throws Failure.
   virtual int run(const Options& options) = 0;
 };

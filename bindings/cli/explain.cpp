@@ -15,9 +15,10 @@ constexpr int kSteps = 10;  // enough for shares that repeat, fast for every sce
 
 class Explain final : public Command {
  public:
-  void declare(CLI::App& app) override {
-    app.add_option("SCENE", scene_, "a .lua or .yaml file")->required();
-    app.add_option("--steps", steps_, fmt::format("steps that are timed (default {})", kSteps))->check(CLI::Range(1, 1000000));
+  void declare(Arguments& a) override {
+    a.text("SCENE", scene_, "a .lua or .yaml file");
+    a.require("SCENE");
+    a.whole("--steps", steps_, 1, 1000000, fmt::format("steps that are timed (default {})", kSteps));
   }
 
   int run(const Options& options) override {

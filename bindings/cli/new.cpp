@@ -38,7 +38,10 @@ return feder.scene {{
 
 class New final : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("NAME", name_, "NAME.lua is written")->required(); }
+  void declare(Arguments& a) override {
+    a.text("NAME", name_, "NAME.lua is written");
+    a.require("NAME");
+  }
 
   int run(const Options& options) override {
     namespace fs = std::filesystem;

@@ -46,15 +46,14 @@ std::string without_quotient(const std::string& text) {
 
 }  // namespace
 
-void declare(CLI::App& app, Options& o) {
-  app.add_flag("--json", o.json, "print one JSON value instead of text");
-  app.add_flag("--quiet,-q", o.quiet, "print results and errors only");
-  app.add_option("--seed", o.seed, "seed of the world's random numbers");
-  app.add_option("--set", o.set, "NAME=VALUE: value of a feder.param (may be repeated)")->allow_extra_args(false);
-  app.add_option("--world", o.world, "KEY=VALUE: dt, substeps, rigid.solver ... (may be repeated)")
-      ->allow_extra_args(false);
-  app.add_option("--dt", o.dt, "seconds per step, for example 1/240");
-  app.add_option("--threads", o.threads, "worker threads")->check(CLI::Range(1, 64));
+void declare(Arguments& a, Options& o) {
+  a.flag("--json", o.json, "print one JSON value instead of text");
+  a.flag("--quiet,-q", o.quiet, "print results and errors only");
+  a.text("--seed", o.seed, "seed of the world's random numbers");
+  a.list("--set", o.set, "NAME=VALUE: value of a feder.param (may be repeated)");
+  a.list("--world", o.world, "KEY=VALUE: dt, substeps, rigid.solver ... (may be repeated)");
+  a.text("--dt", o.dt, "seconds per step, for example 1/240");
+  a.whole("--threads", o.threads, 1, 64, "worker threads");
 }
 
 lua::HostOptions host_options(const Options& o) {

@@ -1,11 +1,11 @@
 // What every command takes: --json, --quiet, --seed, --set, --world, --dt, --threads.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "cli/arguments.h"
 #include "lua/host.h"
 
 namespace feder::cli {
@@ -17,7 +17,7 @@ struct Options {
   std::vector<std::string> set, world;  // NAME=VALUE
 };
 
-void declare(CLI::App& app, Options& options);
+void declare(Arguments& arguments, Options& options);
 
 // The options as the script host takes them. Failure (usage) for what cannot be read.
 lua::HostOptions host_options(const Options& options);

@@ -60,12 +60,13 @@ class Progress {
 
 class Run final : public Command {
  public:
-  void declare(CLI::App& app) override {
-    app.add_option("SCENE", scene_, "a .lua or .yaml file")->required();
-    app.add_option("--seconds", seconds_, "simulated time (default: what the scene says, else 10)");
-    app.add_flag("--check", check_, "run the scene's check at the end; exit status 1 when it fails");
-    app.add_option("--record", record_, "write a recording (not in this version)");
-    app.add_option("--export", export_, "write an animation (not in this version)");
+  void declare(Arguments& a) override {
+    a.text("SCENE", scene_, "a .lua or .yaml file");
+    a.require("SCENE");
+    a.text("--seconds", seconds_, "simulated time (default: what the scene says, else 10)");
+    a.flag("--check", check_, "run the scene's check at the end; exit status 1 when it fails");
+    a.text("--record", record_, "write a recording (not in this version)");
+    a.text("--export", export_, "write an animation (not in this version)");
   }
 
   int run(const Options& options) override {

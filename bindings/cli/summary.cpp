@@ -101,7 +101,7 @@ std::string profile_text(Session& session, std::uint64_t steps) {
     if (h.calls)
       lua.add({h.where, fmt::format("{}", h.calls),
                fmt::format("{:.4f}", static_cast<double>(h.nanoseconds) * 1e-6 / static_cast<double>(h.calls))});
-  if (!lua.empty()) text += lua.text("  ");
+  if (!lua.empty()) text += "\n" + lua.text("  ");
   return text;
 }
 

@@ -105,11 +105,11 @@ TestResult run_test(const std::string& file, const Options& options) {
 
 class Test final : public Command {
  public:
-  void declare(CLI::App& app) override {
-    app.add_option("PATHS", paths_, "files and folders (default: scenes)");
-    app.add_option("--filter", filter_, "only files whose path contains this text");
-    app.add_option("--junit", junit_, "also write the results as JUnit XML to this file");
-    app.add_flag("--tap", tap_, "print TAP version 13");
+  void declare(Arguments& a) override {
+    a.list("PATHS", paths_, "files and folders (default: scenes)");
+    a.text("--filter", filter_, "only files whose path contains this text");
+    a.text("--junit", junit_, "also write the results as JUnit XML to this file");
+    a.flag("--tap", tap_, "print TAP version 13");
   }
 
   int run(const Options& options) override {

@@ -49,10 +49,10 @@ CODE = {".h", ".cpp", ".inc", ".lua", ".py", ".cmake"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
-def tracked_files(root):
-    """Files of the checkout that git knows or would add; all files when the tree is no checkout."""
-    out = subprocess.run(["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"],
-                         capture_output=True, text=True, check=False)
+def listed_files(root, *kinds):
+    """Files of the checkout that git knows (and, with --others, would add); all files when the tree is no checkout."""
+    out = subprocess.run(["git", "-C", str(root), "ls-files", "--cached", *kinds], capture_output=True, text=True,
+                         check=False)
     if out.returncode == 0 and out.stdout:
         return sorted(p for p in map(pathlib.PurePosixPath, out.stdout.splitlines()) if (root / p).is_file())
     return sorted(pathlib.PurePosixPath(p.relative_to(root).as_posix()) for p in root.rglob("*") if p.is_file())
@@ -111,11 +111,10 @@ def check_file(root, path):
 
 def check_tree(root):
     findings = []
-    files = tracked_files(root)
-    for top in sorted({p.parts[0] for p in files}):
+    for top in sorted({p.parts[0] for p in listed_files(root)}):
         if top not in TOP_LEVEL and not top.startswith("."):
             findings.append(f"{top}:1: not one of the top-level entries: {', '.join(sorted(TOP_LEVEL))}, dotfiles")
-    for path in files:
+    for path in listed_files(root, "--others", "--exclude-standard"):
         if path.suffix in CODE:
             findings += check_file(root, path)
     return findings

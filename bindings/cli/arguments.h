@@ -1,0 +1,34 @@
+// The options of a command, declared by binding variables. Only arguments.cpp knows CLI11, which is slow to
+// compile.
+#pragma once
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace feder::cli {
+
+class Arguments {
+ public:
+  Arguments(const std::string& command, const std::string& summary);
+  ~Arguments();
+  Arguments(const Arguments&) = delete;
+  Arguments& operator=(const Arguments&) = delete;
+
+  // Names are "--seconds" or "--quiet,-q"; a word without dashes is a positional argument.
+  void flag(const std::string& name, bool& value, const std::string& help);
+  void text(const std::string& name, std::string& value, const std::string& help);
+  void whole(const std::string& name, int& value, int lowest, int highest, const std::string& help);
+  void list(const std::string& name, std::vector<std::string>& value, const std::string& help);  // name may be repeated
+  void require(const std::string& name);
+
+  // False when help was asked for. std::invalid_argument "what is wrong".
+  bool parse(int argc, char* argv[]);
+  std::string help() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace feder::cli

@@ -1,0 +1,183 @@
+// feder run, explain, bench, check, new: what they print and how they end.
+#include <algorithm>
+
+#include "cli/program.h"
+#include "support/catch.h"
+
+using namespace feder::test;
+
+TEST_CASE("usage errors end with status 2 and one line", "[cli]") {
+  const Program p;
+  const Outcome unknown = p.run("rnu x.lua");
+  CHECK(unknown.status == 2);
+  CHECK(count_lines(unknown.err) == 1);
+  for (const char* name : {"run", "test", "explain", "bench", "check", "new"})
+    CHECK(unknown.err.find(name) != std::string::npos);
+  CHECK(p.run("").status == 2);
+  CHECK(p.run("run").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --no-such-option").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --seconds soon").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --dt 1/0").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --set height").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --seed -1").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --record x").status == 2);
+  CHECK(p.run("test --tap --json $S").status == 2);
+  CHECK(p.run("--help").status == 0);
+  CHECK(p.run("run --help").status == 0);
+}
+
+TEST_CASE("run prints a summary, or one JSON value with the promised keys", "[cli]") {
+  const Program p;
+  p.write("ball.lua", scene(std::string("print('hello')\n") + kBall));
+  const Outcome text = p.run("run ball.lua");
+  CHECK(text.status == 0);
+  CHECK(text.err.empty());
+  CHECK(text.out.find("hello\n") != std::string::npos);
+  CHECK(text.out.find("Probe") != std::string::npos);
+
+  const Outcome json = p.run("run ball.lua --json --seconds 0.25 --dt 1/240 --seed 7 --threads 2");
+  REQUIRE(json.status == 0);
+  const auto j = json.json();
+  for (const char* key : {"title", "seconds", "steps", "ms_per_step", "bodies", "points", "particles", "hash", "energy",
+                          "finite", "warnings", "handler_errors"})
+    CHECK(j.contains(key));
+  CHECK(j["title"] == "Probe");
+  CHECK(j["steps"] == 60);
+  CHECK(j["seconds"].get<double>() == Approx(0.25));
+  CHECK(j["bodies"] == 1);
+  CHECK(j["threads"] == 2);
+  CHECK(j["finite"] == true);
+  CHECK(j["hash"].get<std::string>().size() == 16);
+  CHECK(j["energy"]["kinetic"].get<double>() > 0);
+  CHECK(j["warnings"].is_array());
+  // what the script printed is not in the JSON value
+  CHECK(json.err.find("hello") != std::string::npos);
+
+  CHECK(p.run("run ball.lua --quiet --seconds 0.1").out == "hello\n");
+  CHECK(p.run("run ball.lua --json").json()["steps"] == 30);
+}
+
+TEST_CASE("the same run gives the same hash, another seed or step another one", "[cli]") {
+  const Program p;
+  p.write("ball.lua", scene(kBall));
+  const auto hash = [&](const std::string& more) { return p.run("run ball.lua --json " + more).json()["hash"].get<std::string>(); };
+  CHECK(hash("") == hash(""));
+  CHECK(hash("") == hash("--threads 4"));
+  CHECK(hash("") != hash("--world dt=1/120"));
+  CHECK(hash("--dt 1/120") == hash("--world dt=1/120"));
+}
+
+TEST_CASE("--set reaches feder.param", "[cli]") {
+  const Program p;
+  p.write("many.lua",
+          "local feder = require 'feder'\nlocal n = feder.param('n', 2, { min = 1, max = 9 })\nreturn feder.scene { seconds = 0.1, "
+          "build = function(world) for i = 1, n do world:body { shape = feder.sphere(0.1), position = { i, 0, 0 } } end end }\n");
+  CHECK(p.run("run many.lua --json").json()["bodies"] == 2);
+  CHECK(p.run("run many.lua --json --set n=5").json()["bodies"] == 5);
+  CHECK(p.run("run many.lua --set n=10").status != 0);
+  CHECK(p.run("run many.lua --set m=3").status != 0);
+}
+
+TEST_CASE("run --check runs the check", "[cli]") {
+  const Program p;
+  p.write("good.lua", scene(kBall));
+  p.write("bad.lua", scene(kBall, "expect(true)\nexpect(false, 'it must not be')"));
+  CHECK(p.run("run good.lua --check").status == 0);
+  const Outcome bad = p.run("run bad.lua --check");
+  CHECK(bad.status == 1);
+  CHECK(bad.err == "bad.lua:8: it must not be\n");
+  const auto j = p.run("run bad.lua --check --json").json();
+  CHECK(j["check"]["passed"] == 1);
+  CHECK(j["check"]["failed"] == 1);
+  CHECK(p.run("run bad.lua").status == 0);
+}
+
+TEST_CASE("plain scripts run from top to bottom", "[cli]") {
+  const Program p;
+  p.write("plain.lua",
+          "local feder = require 'feder'\nlocal world = feder.world { dt = 1 / 100 }\n"
+          "world:body { shape = feder.sphere(1), position = { 0, 1, 0 } }\nworld:step(50)\nprint(world:time())\n");
+  const Outcome good = p.run("run plain.lua --json");
+  CHECK(good.status == 0);
+  CHECK(good.json()["steps"] == 50);
+  CHECK(good.json()["bodies"] == 1);
+  p.write("broken.lua", "local feder = require 'feder'\nlocal world = feder.world {}\nerror('enough')\n");
+  const Outcome bad = p.run("run broken.lua");
+  CHECK(bad.status == 1);
+  CHECK(bad.err == "broken.lua:3: enough\n");
+}
+
+TEST_CASE("explain lists what is used and names the rest", "[cli]") {
+  const Program p;
+  p.write("ball.lua", scene(kBall));
+  const Outcome json = p.run("explain ball.lua --json");
+  REQUIRE(json.status == 0);
+  const auto j = json.json();
+  std::vector<std::string> names;
+  for (const auto& s : j["systems"]) {
+    names.push_back(s["name"]);
+    CHECK(s["bytes"].is_number());
+    CHECK(s["count"].is_number());
+  }
+  CHECK(std::count(names.begin(), names.end(), "rigid") == 1);
+  CHECK(std::count(names.begin(), names.end(), "springs") == 0);
+  CHECK(std::count(j["absent"].begin(), j["absent"].end(), "springs") == 1);
+  CHECK(std::count(j["absent"].begin(), j["absent"].end(), "rigid") == 0);
+  double share = 0;
+  for (const auto& row : j["plan"]) {
+    for (const char* key : {"stage", "system", "name", "ms", "share"}) CHECK(row.contains(key));
+    CHECK(row["system"] != "springs");
+    share += row["share"].get<double>();
+  }
+  CHECK(share == Approx(1));
+  const Outcome text = p.run("explain ball.lua");
+  CHECK(text.status == 0);
+  CHECK(text.out.find("rigid") != std::string::npos);
+}
+
+TEST_CASE("bench reports median, min and max, and compares", "[cli]") {
+  const Program p;
+  p.write("ball.lua", scene(kBall));
+  const Outcome first = p.run("bench ball.lua --runs 3 --steps 20 --json");
+  REQUIRE(first.status == 0);
+  const auto j = first.json();
+  CHECK(j["scene"] == "ball.lua");
+  CHECK(j["bodies"] == 1);
+  CHECK(j["threads"] == 1);
+  const auto& ms = j["ms_per_step"];
+  CHECK(ms["min"].get<double>() > 0);
+  CHECK(ms["min"].get<double>() <= ms["median"].get<double>());
+  CHECK(ms["median"].get<double>() <= ms["max"].get<double>());
+  p.write("before.json", first.out);
+  const auto compared = p.run("bench ball.lua --runs 1 --steps 20 --json --compare before.json").json();
+  CHECK(compared["compared"]["ratio"].get<double>() > 0);
+  CHECK(p.run("bench ball.lua ball.lua --runs 1 --steps 5 --json").json().size() == 2);
+  CHECK(p.run("bench ball.lua --compare nothing.json").status == 2);
+}
+
+TEST_CASE("new writes a scene that passes its own check, and overwrites nothing", "[cli]") {
+  const Program p;
+  CHECK(p.run("new first").status == 0);
+  CHECK(p.run("run first.lua --check --quiet").status == 0);
+  CHECK(p.run("check first.lua").status == 0);
+  const std::string before = p.read("first.lua");
+  CHECK(p.run("new first").status != 0);
+  CHECK(p.read("first.lua") == before);
+}
+
+TEST_CASE("check finds mistakes without running", "[cli]") {
+  const Program p;
+  p.write("good.lua", scene(std::string("-- feder.nothing and world:nothing in a comment\nprint('feder.none')\n") + kBall));
+  CHECK(p.run("check good.lua").status == 0);
+  CHECK(p.run("check good.lua").out.find("feder.none") == std::string::npos);
+  p.write("syntax.lua", "local x = 1\nlocal y = = 2\n");
+  const Outcome syntax = p.run("check syntax.lua");
+  CHECK(syntax.status == 3);
+  CHECK(syntax.err.find("syntax.lua:2: ") == 0);
+  p.write("names.lua", scene("world:bodyy { shape = feder.sphre(1) }"));
+  const Outcome names = p.run("check names.lua");
+  CHECK(names.status == 1);
+  CHECK(names.err.find("names.lua:5: there is no feder.sphre; did you mean 'sphere'?") != std::string::npos);
+  CHECK(names.err.find("names.lua:5: there is no world:bodyy; did you mean 'body'?") != std::string::npos);
+  CHECK(p.run("check names.lua --json").json()["findings"].size() == 2);
+}
