@@ -14,8 +14,12 @@ constexpr double kFlat = 1e-10;  // of the size: thinner polytopes have no volum
 
 struct Face {
   int v[3];
+  int next[3];  // neighbour across the edge from v[i] to v[i + 1]
+  bool alive;
   Double3 normal;  // unit, outward
   double distance;
+
+  int edge_from(int vertex) const { return v[0] == vertex ? 0 : (v[1] == vertex ? 1 : 2); }
 };
 
 struct Polytope {
@@ -28,19 +32,24 @@ struct Polytope {
     v[vertices++] = d;
     size = std::max(size, length(d.w - v[0].w));
   }
-  // False when the triangle has no area.
-  bool add_face(int i, int j, int k) {
+  // -1 when the triangle has no area.
+  int add_face(int i, int j, int k) {
     const Double3 n = cross(v[j].w - v[i].w, v[k].w - v[i].w);
     const double len = length(n);
-    if (!(len > 1e-20 * size * size) || face_count == kMaxFaces) return false;
+    if (!(len > 1e-20 * size * size)) return -1;
+    int slot = 0;
+    while (slot < face_count && faces[slot].alive) ++slot;
+    if (slot == kMaxFaces) return -1;
+    if (slot == face_count) ++face_count;
     const Double3 unit = (1 / len) * n;
-    faces[face_count++] = {{i, j, k}, unit, dot(unit, v[i].w)};
-    return true;
+    faces[slot] = {{i, j, k}, {-1, -1, -1}, true, unit, dot(unit, v[i].w)};
+    return slot;
   }
+  void join(int f, int edge_f, int g, int edge_g) { faces[f].next[edge_f] = g, faces[g].next[edge_g] = f; }
   int nearest_face() const {
-    int best = 0;
-    for (int i = 1; i < face_count; ++i)
-      if (faces[i].distance < faces[best].distance) best = i;
+    int best = -1;
+    for (int i = 0; i < face_count; ++i)
+      if (faces[i].alive && (best < 0 || faces[i].distance < faces[best].distance)) best = i;
     return best;
   }
 };
@@ -91,36 +100,53 @@ bool make_tetrahedron(const ConvexPair& pair, const Simplex& s, Polytope& p, Dou
   return p.vertices == 4 || widen(pair, p, n);
 }
 
-// Replaces the faces that see vertex `w` by a cone over their rim. False when rounding has spoilt the polytope.
-bool expand(Polytope& p, int w) {
-  struct Edge {
-    int from, to;
+struct RimEdge {
+  int from, to, outer;  // outer: the face that stays
+};
+
+// Removes the connected faces that see vertex `w`, starting at `seed`; their rim comes out in order.
+int remove_visible(Polytope& p, int seed, int w, RimEdge* rim) {
+  struct Visit {
+    int face, edge;  // the edge to look across
   };
-  Edge rim[kMaxFaces];
-  int rim_count = 0, kept = 0;
-  for (int f = 0; f < p.face_count; ++f) {
-    const Face face = p.faces[f];
-    if (dot(face.normal, p.v[w].w) - face.distance <= 1e-14 * p.size) {
-      p.faces[kept++] = face;
+  Visit stack[2 * kMaxFaces];
+  int depth = 0, count = 0;
+  p.faces[seed].alive = false;
+  for (int e = 2; e >= 0; --e) stack[depth++] = {seed, e};
+  while (depth > 0) {
+    const Visit at = stack[--depth];
+    const Face& from = p.faces[at.face];
+    const int a = from.v[at.edge], b = from.v[(at.edge + 1) % 3], neighbor = from.next[at.edge];
+    Face& face = p.faces[neighbor];
+    if (!face.alive) continue;
+    if (dot(face.normal, p.v[w].w) - face.distance <= 0) {
+      if (count == kMaxFaces) return 0;
+      rim[count++] = {a, b, neighbor};
       continue;
     }
-    for (int e = 0; e < 3; ++e) {
-      const int from = face.v[e], to = face.v[(e + 1) % 3];
-      int twin = 0;
-      while (twin < rim_count && !(rim[twin].from == to && rim[twin].to == from)) ++twin;
-      if (twin < rim_count) {
-        rim[twin] = rim[--rim_count];
-      } else if (rim_count < kMaxFaces) {
-        rim[rim_count++] = {from, to};
-      } else {
-        return false;
-      }
-    }
+    face.alive = false;
+    const int entered = face.edge_from(b);
+    if (depth + 2 > 2 * kMaxFaces) return 0;
+    stack[depth++] = {neighbor, (entered + 2) % 3};
+    stack[depth++] = {neighbor, (entered + 1) % 3};
   }
-  p.face_count = kept;
-  if (rim_count < 3) return false;
-  for (int e = 0; e < rim_count; ++e)
-    if (!p.add_face(rim[e].from, rim[e].to, w)) return false;
+  return count;
+}
+
+// Replaces the faces that see vertex `w` by a cone over their rim. False when rounding has spoilt the polytope.
+bool expand(Polytope& p, int seed, int w) {
+  RimEdge rim[kMaxFaces];
+  int made[kMaxFaces];
+  const int count = remove_visible(p, seed, w, rim);
+  if (count < 3) return false;
+  for (int i = 0; i < count; ++i)
+    if (rim[i].to != rim[(i + 1) % count].from) return false;
+  for (int i = 0; i < count; ++i) {
+    made[i] = p.add_face(rim[i].from, rim[i].to, w);
+    if (made[i] < 0) return false;
+    p.join(made[i], 0, rim[i].outer, p.faces[rim[i].outer].edge_from(rim[i].to));
+  }
+  for (int i = 0; i < count; ++i) p.join(made[i], 1, made[(i + 1) % count], 2);
   return true;
 }
 
@@ -160,20 +186,30 @@ Gap epa_depth(const ConvexPair& pair, const Simplex& simplex) {
   Polytope p;
   Double3 flat;
   if (!make_tetrahedron(pair, simplex, p, flat)) return flat_gap(pair, simplex, flat);
-  const bool turned = dot(cross(p.v[1].w - p.v[0].w, p.v[2].w - p.v[0].w), p.v[3].w - p.v[0].w) > 0;
+  if (dot(cross(p.v[1].w - p.v[0].w, p.v[2].w - p.v[0].w), p.v[3].w - p.v[0].w) > 0) std::swap(p.v[1], p.v[2]);
   constexpr int kFaces[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
-  for (const auto& f : kFaces)
-    if (!(turned ? p.add_face(f[0], f[2], f[1]) : p.add_face(f[0], f[1], f[2]))) return flat_gap(pair, simplex, flat);
-  Gap best = gap_of(p, p.faces[p.nearest_face()]);
-  while (p.vertices < kMaxVertices) {
-    const Face face = p.faces[p.nearest_face()];
-    best = gap_of(p, face);
-    const Difference next = support(pair, face.normal);
-    if (dot(face.normal, next.w) - face.distance <= kExact * p.size || known(p, next.w)) break;
-    p.add_vertex(next);
-    if (!expand(p, p.vertices - 1)) break;
+  constexpr int kNext[4][3] = {{1, 3, 2}, {2, 3, 0}, {0, 3, 1}, {1, 2, 0}};
+  for (int f = 0; f < 4; ++f) {
+    if (p.add_face(kFaces[f][0], kFaces[f][1], kFaces[f][2]) != f) return flat_gap(pair, simplex, flat);
+    for (int e = 0; e < 3; ++e) p.faces[f].next[e] = kNext[f][e];
   }
-  return best;
+  // every support plane bounds the depth from above: the least one seen is the answer
+  Gap best;
+  double least = std::numeric_limits<double>::infinity();
+  for (;;) {
+    const int nearest = p.nearest_face();
+    const Face& face = p.faces[nearest];
+    const Difference next = support(pair, face.normal);
+    const double bound = dot(face.normal, next.w);
+    if (bound < least) {
+      least = bound;
+      best = gap_of(p, face);
+      best.distance = -bound;
+    }
+    if (least - face.distance <= kExact * p.size || known(p, next.w) || p.vertices == kMaxVertices) return best;
+    p.add_vertex(next);
+    if (!expand(p, nearest, p.vertices - 1)) return best;
+  }
 }
 
 }  // namespace feder

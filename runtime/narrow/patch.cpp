@@ -137,11 +137,16 @@ void contact_patch(const ConvexPair& pair, const Gap& gap, Real margin, Patch& p
     clip_edges(pair, fa, fb, margin, patch);
   }
 
-  // the nearest points themselves, when no clipped point is as deep
+  // no point is deeper than the gap: what is, comes from the normal's rounding
   const Real separation = Real(gap.distance) - pair.a.radius - pair.b.radius;
   Real deepest = kInfinity;
-  for (int i = 0; i < patch.count; ++i) deepest = std::min(deepest, patch.points[i].separation);
-  if (deepest > separation + kSlack * std::max(fa.size, fb.size) || patch.count == 0) {
+  for (int i = 0; i < patch.count; ++i) {
+    patch.points[i].separation = std::max(patch.points[i].separation, separation);
+    deepest = std::min(deepest, patch.points[i].separation);
+  }
+  // the nearest points themselves, when no clipped point is as deep
+  const Real rounding = kSlack * std::min(fa.size, fb.size) + 10 * kEpsilon * std::max(fa.size, fb.size);
+  if (deepest > separation + rounding || patch.count == 0) {
     const Vec3 middle = narrow(0.5 * (gap.a + gap.b)) + patch.normal * ((pair.a.radius - pair.b.radius) / 2);
     patch.points[patch.count++] = {middle, separation, 0};
   }

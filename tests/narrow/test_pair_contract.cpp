@@ -65,7 +65,7 @@ void check_case(const NarrowPhase& narrow, const Case& c, Rng& rng) {
   CHECK(length(r.normal) == Approx(1).margin(1e-5));
   for (int k = 0; k < r.count; ++k) CHECK(r.points[k].separation <= c.margin);
 
-  CHECK(depth == Approx(deepest(again, cached)).margin(tolerance / 100));
+  CHECK(depth == Approx(deepest(again, cached)).margin(tolerance / 10));
   CHECK((r.normal - again[0].normal).norm() < 1e-2);
   if (depth < c.margin - tolerance) {
     REQUIRE(reversed == 1);
