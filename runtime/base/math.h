@@ -60,11 +60,14 @@ inline Quat operator*(const Quat& a, const Quat& b) {
 
 inline Quat conjugate(const Quat& q) { return {-q.x, -q.y, -q.z, q.w}; }
 
+// In double: a length rounded to float is never below 1 by half a unit but above it, and the bias would pump energy
+// and angular momentum into spinning bodies.
 inline Quat normalized(const Quat& q) {
-  const Real n = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  const double x = q.x, y = q.y, z = q.z, w = q.w;
+  const double n = std::sqrt(x * x + y * y + z * z + w * w);
   if (!(n > 0)) return {};
-  const Real s = Real(1) / n;
-  return {q.x * s, q.y * s, q.z * s, q.w * s};
+  const double s = 1 / n;
+  return {Real(x * s), Real(y * s), Real(z * s), Real(w * s)};
 }
 
 inline Vec3 rotate(const Quat& q, const Vec3& v) {
