@@ -1,0 +1,114 @@
+#include "geom/hull.h"
+
+namespace feder {
+
+Hull::Hull(HullData data) : Shape("hull", true), data_(std::move(data)) {}
+
+Aabb Hull::bounds(const Pose& pose) const {
+  const Mat3 r = to_matrix(pose.rotation);
+  Aabb box;
+  for (const Vec3& c : data_.corners) box.include(Vec3(r * c));
+  return {box.lo + pose.position, box.hi + pose.position};
+}
+
+// Second moments over tetrahedra from an inner point to the triangles of the faces (Tonon 2004), as the covariance C
+// about the centre of mass: I = tr(C) 1 - C.
+MassProperties Hull::mass(Real density) const {
+  using Sum = double;
+  Vec3 inner = Vec3::Zero();
+  for (const Vec3& c : data_.corners) inner += c / Real(data_.corners.size());
+  Sum volume = 0, first[3] = {0, 0, 0}, second[3][3] = {};
+  for (const HullFace& f : data_.faces) {
+    for (int k = 2; k < f.count; ++k) {
+      const Vec3 p[3] = {data_.corners[data_.loops[f.first]] - inner, data_.corners[data_.loops[f.first + k - 1]] - inner,
+                         data_.corners[data_.loops[f.first + k]] - inner};
+      const Vec3 s = p[0] + p[1] + p[2];
+      const Sum v = Sum(dot(p[0], cross(p[1], p[2]))) / 6;
+      volume += v;
+      for (int i = 0; i < 3; ++i) {
+        first[i] += v / 4 * s[i];
+        for (int j = 0; j < 3; ++j) {
+          Sum sum = Sum(s[i]) * s[j];
+          for (const Vec3& q : p) sum += Sum(q[i]) * q[j];
+          second[i][j] += v / 20 * sum;
+        }
+      }
+    }
+  }
+  Vec3 center;
+  for (int i = 0; i < 3; ++i) center[i] = Real(first[i] / volume);
+  Sum c[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) c[i][j] = density * (second[i][j] - first[i] * first[j] / volume);
+  MassProperties m{Real(density * volume), inner + center, Mat3::Zero()};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m.inertia(i, j) = Real((i == j ? c[0][0] + c[1][1] + c[2][2] : 0) - c[i][j]);
+  return m;
+}
+
+Real Hull::extent(const Vec3& center) const {
+  Real far = 0;
+  for (const Vec3& c : data_.corners) far = std::max(far, length(c - center));
+  return far;
+}
+
+// Clips the ray by every face (Cyrus and Beck 1978).
+bool Hull::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
+  Real enter = 0, leave = 1;
+  const HullFace* by = nullptr;
+  for (const HullFace& f : data_.faces) {
+    const Real height = dot(f.normal, o) - f.offset, rise = dot(f.normal, d);
+    if (rise == 0) {
+      if (height > 0) return false;
+      continue;
+    }
+    const Real t = -height / rise;
+    if (rise < 0 && t > enter) enter = t, by = &f;
+    if (rise > 0 && t < leave) leave = t;
+    if (enter > leave) return false;
+  }
+  hit = {enter, by ? by->normal : Vec3(Vec3::Zero())};
+  return true;
+}
+
+Vec3 Hull::support(const Vec3& d) const {
+  const Vec3* best = &data_.corners[0];
+  Real far = dot(*best, d);
+  for (const Vec3& c : data_.corners) {
+    const Real h = dot(c, d);
+    if (h > far) far = h, best = &c;
+  }
+  return *best;
+}
+
+int Hull::face(const Vec3& d, Vec3* points) const {
+  const HullFace* best = &data_.faces[0];
+  for (const HullFace& f : data_.faces)
+    if (dot(f.normal, d) > dot(best->normal, d)) best = &f;
+  // rounder faces give evenly chosen corners
+  const int count = std::min<int>(best->count, kMaxFacePoints);
+  for (int i = 0; i < count; ++i) points[i] = data_.corners[data_.loops[best->first + i * best->count / count]];
+  return count;
+}
+
+// The outline of the projection to the xy plane.
+ShapePtr Hull::section() const {
+  std::vector<Vec2> flat;
+  for (const Vec3& c : data_.corners) flat.push_back(Vec2(c[0], c[1]));
+  return make_polygon(flat);
+}
+
+ShapePtr make_hull(std::span<const Vec3> points) { return std::make_shared<Hull>(build_hull(points)); }
+
+ShapeKind geom_hull() {
+  return {"hull", [] {
+            const Vec3 wedge[6] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {-1, 1, -1}, {-1, 1, 1}};
+            const Vec3 tetra[4] = {{0, 0, 0}, {Real(0.01), 0, 0}, {0, Real(0.02), 0}, {0, 0, Real(0.01)}};
+            // a flat octahedron with a point inside
+            const Vec3 gem[7] = {{1, 0, 0}, {-1, 0, 0}, {0, Real(0.2), 0}, {0, Real(-0.2), 0}, {0, 0, 1}, {0, 0, -1},
+                                 {Real(0.1), 0, 0}};
+            return std::vector<ShapePtr>{make_hull(wedge), make_hull(tetra), make_hull(gem)};
+          }};
+}
+
+}  // namespace feder
