@@ -31,7 +31,9 @@ struct RayHit {
 
 struct Triangle {
   Vec3 a, b, c;
-  std::uint8_t flat_edges = 0;       // bit k: edge k (ab, bc, ca) joins a coplanar or concave neighbour
+  std::uint8_t flat_edges = 0;       // bit k: edge k (ab, bc, ca) joins a coplanar or concave neighbour;
+                                     // bit 3 + k: the same seen from behind
+  Real edge_cosine[3] = {-1, -1, -1};  // between this normal and that of the neighbour across edge k; -1: none
 };
 
 inline constexpr int kMaxFacePoints = 32;

@@ -1,0 +1,256 @@
+// Triangle mesh: static, a surface without inside. A bounding volume hierarchy over boxes, split at the median of the
+// longer axis (triangles are stored in its order, so visits are ascending), and per edge what the neighbour does, so
+// that contacts do not catch on seams. Corners at the same place are one corner; triangles without area are dropped.
+#include <algorithm>
+#include <map>
+
+#include "base/error.h"
+#include "geom/shape.h"
+
+namespace feder {
+namespace {
+
+constexpr std::uint32_t kLeafSize = 4;
+constexpr Real kFlatSine = Real(0.01);    // edges bent by less than 0.6 degrees count as flat
+constexpr Real kNoArea = Real(1e-10);     // of the longest side squared: such triangles are dropped
+constexpr int kMaxDepth = 64;
+
+struct Corners {
+  std::uint32_t v[3];
+};
+
+struct Node {
+  Aabb box;
+  std::uint32_t first = 0, count = 0;  // triangles of a leaf (count > 0)
+  std::uint32_t right = 0;             // the left child follows its parent
+};
+
+bool ray_meets(const Aabb& box, const Vec3& o, const Vec3& d, Real limit) {
+  Real enter = 0, leave = limit;
+  for (int i = 0; i < 3; ++i) {
+    if (d[i] == 0) {
+      if (o[i] < box.lo[i] || o[i] > box.hi[i]) return false;
+      continue;
+    }
+    const Real t0 = (box.lo[i] - o[i]) / d[i], t1 = (box.hi[i] - o[i]) / d[i];
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  // the slack keeps rays along an edge between two boxes
+  return enter <= leave + Real(1e-5) * (1 + std::abs(leave));
+}
+
+class Mesh final : public Shape {
+ public:
+  Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles);
+
+  Aabb bounds(const Pose& pose) const override {
+    Aabb box;
+    for (const Vec3& v : vertices_) box.include(to_world(pose, v));
+    return box;
+  }
+  MassProperties mass(Real) const override { return {}; }
+  Real extent(const Vec3& center) const override {
+    Real far = 0;
+    for (const Vec3& v : vertices_) far = std::max(far, length(v - center));
+    return far;
+  }
+  bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
+  void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
+  Triangle triangle(std::uint32_t i) const override {
+    const Corners& c = corners_[i];
+    Triangle t{vertices_[c.v[0]], vertices_[c.v[1]], vertices_[c.v[2]], flat_[i], {}};
+    for (int k = 0; k < 3; ++k) t.edge_cosine[k] = cosine_[3 * i + static_cast<std::uint32_t>(k)];
+    return t;
+  }
+
+ private:
+  void build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& boxes, std::uint32_t first, std::uint32_t count);
+  void find_neighbors();
+  Aabb box_of(const Corners& c) const {
+    Aabb box;
+    for (const std::uint32_t v : c.v) box.include(vertices_[v]);
+    return box;
+  }
+  Vec3 area_vector(const Corners& c) const {
+    return cross(vertices_[c.v[1]] - vertices_[c.v[0]], vertices_[c.v[2]] - vertices_[c.v[0]]);
+  }
+
+  std::vector<Vec3> vertices_;
+  std::vector<Corners> corners_;      // in the order of the hierarchy's leaves
+  std::vector<std::uint8_t> flat_;    // Triangle::flat_edges
+  std::vector<Real> cosine_;          // Triangle::edge_cosine
+  std::vector<Aabb> boxes_;           // of the triangles
+  std::vector<Node> nodes_;
+};
+
+Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles)
+    : Shape("mesh", false), vertices_(std::move(vertices)), corners_(std::move(triangles)) {
+  std::vector<Aabb> boxes;
+  std::vector<std::uint32_t> order;
+  for (const Corners& c : corners_) {
+    order.push_back(static_cast<std::uint32_t>(boxes.size()));
+    boxes.push_back(box_of(c));
+  }
+  build(order, boxes, 0, static_cast<std::uint32_t>(order.size()));
+  const std::vector<Corners> given = corners_;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    corners_[i] = given[order[i]];
+    boxes_.push_back(boxes[order[i]]);
+  }
+  find_neighbors();
+}
+
+void Mesh::build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& boxes, std::uint32_t first,
+                 std::uint32_t count) {
+  const std::size_t at = nodes_.size();
+  nodes_.emplace_back();
+  Aabb box, middles;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    box.include(boxes[order[i]]);
+    middles.include(Vec3((boxes[order[i]].lo + boxes[order[i]].hi) / 2));
+  }
+  nodes_[at].box = box;
+  if (count <= kLeafSize) {
+    nodes_[at].first = first;
+    nodes_[at].count = count;
+    return;
+  }
+  int axis = 0;
+  const Vec3 size = middles.hi - middles.lo;
+  for (int k = 1; k < 3; ++k)
+    if (size[k] > size[axis]) axis = k;
+  const std::uint32_t half = count / 2;
+  const auto middle = [&](std::uint32_t t) { return boxes[t].lo[axis] + boxes[t].hi[axis]; };
+  std::nth_element(order.begin() + first, order.begin() + first + half, order.begin() + first + count,
+                   [&](std::uint32_t a, std::uint32_t b) { return middle(a) != middle(b) ? middle(a) < middle(b) : a < b; });
+  // nth_element leaves the order within the halves to the library: sort it away
+  std::sort(order.begin() + first, order.begin() + first + half);
+  std::sort(order.begin() + first + half, order.begin() + first + count);
+  build(order, boxes, first, half);
+  nodes_[at].right = static_cast<std::uint32_t>(nodes_.size());
+  build(order, boxes, first + half, count - half);
+}
+
+void Mesh::find_neighbors() {
+  struct Side {
+    std::uint32_t triangle, edge;
+  };
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Side>> edges;
+  for (std::uint32_t i = 0; i < corners_.size(); ++i)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = corners_[i].v[k], b = corners_[i].v[(k + 1) % 3];
+      edges[{std::min(a, b), std::max(a, b)}].push_back({i, k});
+    }
+  flat_.assign(corners_.size(), 0);
+  cosine_.assign(3 * corners_.size(), Real(-1));
+  for (const auto& [key, sides] : edges) {
+    if (sides.size() != 2) continue;  // borders, and edges of three or more triangles, stay sharp
+    for (int s = 0; s < 2; ++s) {
+      const Side &own = sides[static_cast<std::size_t>(s)], &other = sides[static_cast<std::size_t>(1 - s)];
+      const Corners &c = corners_[own.triangle], &o = corners_[other.triangle];
+      const Vec3 n = normalized_or(area_vector(c), Vec3::Zero()), m = normalized_or(area_vector(o), Vec3::Zero());
+      const Vec3 &p = vertices_[c.v[own.edge]], &q = vertices_[c.v[(own.edge + 1) % 3]];
+      const Vec3& far = vertices_[o.v[(other.edge + 2) % 3]];
+      const Vec3 away = cross(far - p, q - p);  // as long as the distance to the edge, times the edge
+      const Real sine = dot(n, far - p) * length(q - p) / length(away);
+      const bool outward = dot(cross(q - p, n), far - p) > 0;  // else folded back over the triangle
+      if (outward && sine > -kFlatSine) flat_[own.triangle] |= std::uint8_t(1u << own.edge);
+      if (outward && sine < kFlatSine) flat_[own.triangle] |= std::uint8_t(8u << own.edge);
+      cosine_[3 * own.triangle + own.edge] = outward ? std::abs(dot(n, m)) : -std::abs(dot(n, m));
+    }
+  }
+}
+
+// Two-sided, as contacts are. Möller and Trumbore 1997.
+bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
+  bool found = false;
+  Real best = 1;
+  std::uint32_t stack[kMaxDepth], depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t at = stack[--depth];
+    const Node& node = nodes_[at];
+    if (!ray_meets(node.box, o, d, best)) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.right;
+      stack[depth++] = at + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const Vec3 &a = vertices_[corners_[i].v[0]], ab = vertices_[corners_[i].v[1]] - a, ac = vertices_[corners_[i].v[2]] - a;
+      const Vec3 p = cross(d, ac), s = o - a, q = cross(s, ab);
+      const Real det = dot(ab, p);
+      if (det == 0) continue;
+      const Real u = dot(s, p) / det, v = dot(d, q) / det, t = dot(ac, q) / det;
+      constexpr Real kSeam = Real(-1e-6);  // rays through a shared edge hit one of the two
+      if (u < kSeam || v < kSeam || u + v > 1 - kSeam || t < 0 || t > best || (found && t == best)) continue;
+      best = t, found = true;
+      const Vec3 n = normalized_or(cross(ab, ac), Vec3::Zero());
+      hit = {t, dot(n, d) > 0 ? Vec3(-n) : n};
+    }
+  }
+  return found;
+}
+
+void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const {
+  std::uint32_t stack[kMaxDepth], depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t at = stack[--depth];
+    const Node& node = nodes_[at];
+    if (!overlaps(node.box, local)) continue;
+    if (node.count == 0) {
+      stack[depth++] = node.right;
+      stack[depth++] = at + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+      if (overlaps(boxes_[i], local)) visit(context, i);
+  }
+}
+
+}  // namespace
+
+ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles) {
+  if (triangles.size() % 3 != 0 || triangles.empty())
+    throw SceneError("mesh: expected three vertex numbers per triangle, got " + std::to_string(triangles.size()) + " numbers");
+  const auto before = [](const Vec3& a, const Vec3& b) {
+    return a[0] != b[0] ? a[0] < b[0] : (a[1] != b[1] ? a[1] < b[1] : a[2] < b[2]);
+  };
+  std::map<Vec3, std::uint32_t, decltype(before)> place(before);
+  std::vector<Vec3> points;
+  std::vector<std::uint32_t> number;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!is_finite(vertices[i])) throw SceneError("mesh: expected finite vertices, but vertex " + std::to_string(i + 1) + " is not");
+    const auto [it, fresh] = place.try_emplace(vertices[i] + Vec3::Zero(), static_cast<std::uint32_t>(points.size()));
+    if (fresh) points.push_back(vertices[i]);
+    number.push_back(it->second);
+  }
+  std::vector<Corners> kept;
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    Corners c;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (triangles[i + k] >= vertices.size())
+        throw SceneError("mesh: triangle " + std::to_string(i / 3 + 1) + " names vertex " + std::to_string(triangles[i + k] + 1) +
+                         ", but there are " + std::to_string(vertices.size()));
+      c.v[k] = number[triangles[i + k]];
+    }
+    const Vec3 ab = points[c.v[1]] - points[c.v[0]], ac = points[c.v[2]] - points[c.v[0]], bc = ac - ab;
+    const Real longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
+    if (length(cross(ab, ac)) > kNoArea * longest) kept.push_back(c);
+  }
+  if (kept.empty()) throw SceneError("mesh: no triangle has an area");
+  return std::make_shared<Mesh>(std::move(points), std::move(kept));
+}
+
+ShapeKind geom_mesh() {
+  return {"mesh", [] {
+            const Vec3 v[5] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {0, 1, 0}};
+            const std::uint32_t pyramid[12] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
+            const std::uint32_t floor[6] = {0, 2, 1, 0, 3, 2};
+            return std::vector<ShapePtr>{make_mesh(v, pyramid), make_mesh({v, 4}, floor)};
+          }};
+}
+
+}  // namespace feder
