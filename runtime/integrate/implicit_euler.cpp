@@ -1,9 +1,11 @@
 // Implicit Euler: M (v1 - v0) = h f(x0 + h v1, v1), x1 = x0 + h v1. Unconditionally stable, order 1, damps.
-// Newton's method on v1 with A = M - h D - h^2 K, solved by block-Jacobi conjugate gradient. Newton and not the one
-// linearised solve of Baraff & Witkin 1998, because a stiff chain that swings far in one step overshoots along its
-// tangents when linearised; `iterations = 1` gives that cheaper method. The force field hands over negative
-// semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko 2002), so A stays positive definite;
-// then a full Newton step may overshoot, and the step length is halved until the residual along it shrinks.
+// The first solve is that of Baraff & Witkin 1998, linearised where the step starts: A dv = h f + h^2 K v0 with
+// A = M - h D - h^2 K (linearised at x0 + h v0 instead, stiff springs would look compressed there and buckle). Newton
+// steps from the state it reaches follow until the residual is gone, because a stiff chain that swings far in one step
+// overshoots along its tangents; `iterations = 1` leaves them out. All solves are block-Jacobi conjugate gradient.
+// The force field hands over negative semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko
+// 2002), so A stays positive definite; then a full step may overshoot, and it is halved until the residual along it
+// shrinks.
 // Kept between calls: work arrays. Weak spot: numerical damping, 28 % of a 1 Hz swing per period at 60 steps/s.
 #include <cmath>
 
@@ -30,10 +32,12 @@ class ImplicitEuler final : public Integrator {
     prepare(field, x.size());
     v_start_.assign(v.begin(), v.end());
     const double t_new = t + static_cast<double>(h);
-    const double first = evaluate(field, t_new, h, x, v);
-    bool converged = first == 0;
+    evaluate(field, t_new, h, 0, x, v);
+    double first = 0;
+    bool converged = false;
     for (int k = 0; k < newton_cap_ && !converged; ++k) {
-      const bool solved = solve_direction(field, t_new, h, v);
+      const bool solved = solve_direction(field, t_new, h, k == 0, v);
+      if (k == 0) first = squared_residual(field);
       if (newton_cap_ == 1) {
         for (std::size_t i = 0; i < v.size(); ++i) v[i] += dv_[i];
         converged = solved;
@@ -57,30 +61,36 @@ class ImplicitEuler final : public Integrator {
     pattern_version_ = field.pattern_version();
   }
 
-  // r = h f(x + h v, v) - M (v - v0) of the free points; returns r . M^-1 r.
-  double evaluate(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> v) {
+  // r = h f(x + reach v, v) - M (v - v0) of the free points.
+  void evaluate(ForceField& field, double t, Real h, Real reach, std::span<const Vec3> x, std::span<const Vec3> v) {
     const std::span<const Real> mass = field.mass(), inv_mass = field.inv_mass();
-    for (std::size_t i = 0; i < v.size(); ++i) x_new_[i] = x[i] + h * v[i];
+    for (std::size_t i = 0; i < v.size(); ++i) x_new_[i] = x[i] + reach * v[i];
     field.eval(x_new_, v, t, force_);
     ++stats.force_evals;
-    double norm = 0;
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      if (inv_mass[i] == 0) {
-        residual_[i] = Vec3::Zero();
-        continue;
-      }
-      residual_[i] = h * force_[i] - mass[i] * (v[i] - v_start_[i]);
-      norm += static_cast<double>(dot(residual_[i], residual_[i])) * static_cast<double>(inv_mass[i]);
-    }
-    return norm;
+    for (std::size_t i = 0; i < v.size(); ++i)
+      residual_[i] = inv_mass[i] == 0 ? Vec3(0, 0, 0) : Vec3(h * force_[i] - mass[i] * (v[i] - v_start_[i]));
   }
 
-  // dv = A^-1 r at the state of the last evaluate().
-  bool solve_direction(ForceField& field, double t, Real h, std::span<const Vec3> v) {
+  // r . M^-1 r
+  double squared_residual(const ForceField& field) const {
+    const std::span<const Real> inv_mass = field.inv_mass();
+    double sum = 0;
+    for (std::size_t i = 0; i < residual_.size(); ++i)
+      sum += static_cast<double>(dot(residual_[i], residual_[i])) * static_cast<double>(inv_mass[i]);
+    return sum;
+  }
+
+  // dv = A^-1 r at the state of the last evaluate(). The first time that was at x0: h^2 K v0 leads r on to x0 + h v0.
+  bool solve_direction(ForceField& field, double t, Real h, bool at_start, std::span<const Vec3> v) {
     field.jacobian(x_new_, v, t, a_, d_);
     ++stats.jacobian_evals;
-    const std::span<const Real> mass = field.mass();
+    const std::span<const Real> mass = field.mass(), inv_mass = field.inv_mass();
     const Real hh = h * h;
+    if (at_start) {
+      a_.multiply(v, dv_);
+      for (std::size_t i = 0; i < v.size(); ++i)
+        if (inv_mass[i] != 0) residual_[i] += hh * dv_[i];
+    }
     for (std::size_t k = 0; k < a_.off.size(); ++k) a_.off[k] = -hh * a_.off[k] - h * d_.off[k];
     for (std::size_t i = 0; i < a_.diagonal.size(); ++i) {
       Mat3& m = a_.diagonal[i];
@@ -90,7 +100,7 @@ class ImplicitEuler final : public Integrator {
       m.diagonal().array() += hint;
     }
     const int cap = cg_cap_ > 0 ? cg_cap_ : 3 * static_cast<int>(v.size()) + 50;
-    const CgResult r = cg_.solve(a_, field.inv_mass(), residual_, {kLinearTolerance, cap}, dv_);
+    const CgResult r = cg_.solve(a_, inv_mass, residual_, {kLinearTolerance, cap}, dv_);
     ++stats.linear_solves;
     stats.cg_iterations += static_cast<std::uint64_t>(r.iterations);
     stats.residual = r.residual;
@@ -108,13 +118,12 @@ class ImplicitEuler final : public Integrator {
     const double start = slope_along_direction();
     v_base_.assign(v.begin(), v.end());
     Real s = 1;
-    double norm = 0;
     for (int k = 0; k <= kMaxHalvings; ++k, s /= 2) {
       for (std::size_t i = 0; i < v.size(); ++i) v[i] = v_base_[i] + s * dv_[i];
-      norm = evaluate(field, t, h, x, v);
+      evaluate(field, t, h, h, x, v);
       if (std::fabs(slope_along_direction()) <= 0.9 * start) break;
     }
-    return norm;
+    return squared_residual(field);
   }
 
   // Is the last update below what the positions can resolve?

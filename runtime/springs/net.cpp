@@ -158,24 +158,24 @@ void Net::add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v,
   for (const Force* f : acting_) any = any || !by_velocity || f->depends_on_velocity();
   if (!any) return;
   fill_points(x, v);
-  const auto forces = [&](Array<Vec3>& f) {
-    f.assign(points, Vec3(Vec3::Zero()));
-    for (const Force* g : acting_) g->add(points_.data(), points, t, f.data());
-  };
-  forces(base_);
-  // one axis after another: all points are shifted together, because a generator sees each point alone
-  Mat3* columns = out.diagonal.data();
-  work_.assign(points, Mat3(Mat3::Zero()));
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto shift = [&](std::uint32_t i) { return (1 + (by_velocity ? v[i] : x[i]).cwiseAbs().maxCoeff()) / 1024; };
+  const auto shift = [&](std::uint32_t i) { return (1 + (by_velocity ? v[i] : x[i]).cwiseAbs().maxCoeff()) / 1024; };
+  // forces with all points moved by side * shift along the axis: a generator sees each point alone
+  const auto forces = [&](int axis, Real side, Array<Vec3>& f) {
     for (std::uint32_t i = 0; i < points; ++i) {
       points_[i].position = x[i], points_[i].velocity = v[i];
-      (by_velocity ? points_[i].velocity : points_[i].position)[axis] += shift(i);
+      (by_velocity ? points_[i].velocity : points_[i].position)[axis] += side * shift(i);
     }
-    forces(shifted_);
-    for (std::uint32_t i = 0; i < points; ++i) work_[i].col(axis) = (shifted_[i] - base_[i]) / shift(i);
+    f.assign(points, Vec3(0, 0, 0));
+    for (const Force* g : acting_) g->add(points_.data(), points, t, f.data());
+  };
+  derivative_.resize(points);
+  for (int axis = 0; axis < 3; ++axis) {
+    forces(axis, -1, below_);
+    forces(axis, 1, above_);
+    for (std::uint32_t i = 0; i < points; ++i)
+      derivative_[i].col(axis) = (above_[i] - below_[i]) / (2 * shift(i));
   }
-  for (std::uint32_t i = 0; i < points; ++i) columns[i] += negative_part(work_[i]);
+  for (std::uint32_t i = 0; i < points; ++i) out.diagonal[i] += negative_part(derivative_[i]);
 }
 
 void Net::bounds(double& frequency, double& decay) const {

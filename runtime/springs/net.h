@@ -39,7 +39,7 @@ struct NetSettings {
 // Forces of a net: weight, drag, springs, the world's force generators and scripted forces.
 class Net final : public ForceField {
  public:
-  Net(Arena& a, Particles& p) : springs(a), particles_(p), acting_(&a), points_(&a), base_(&a), shifted_(&a), work_(&a) {}
+  Net(Arena& a, Particles& p) : springs(a), particles_(p), acting_(&a), points_(&a), below_(&a), above_(&a), derivative_(&a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0;  // run in Particles
@@ -87,8 +87,8 @@ class Net final : public ForceField {
   bool damped_ = false;
   Array<const Force*> acting_;
   Array<MassPoint> points_;      // for the generators
-  Array<Vec3> base_, shifted_;   // their forces, for differences
-  Array<Mat3> work_;
+  Array<Vec3> below_, above_;    // their forces, for differences
+  Array<Mat3> derivative_;
 };
 
 }  // namespace feder
