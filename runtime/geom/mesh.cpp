@@ -155,8 +155,8 @@ void Mesh::find_neighbors() {
       const Vec3 away = cross(far - p, q - p);  // as long as the distance to the edge, times the edge
       const Real sine = dot(n, far - p) * length(q - p) / length(away);
       const bool outward = dot(cross(q - p, n), far - p) > 0;  // else folded back over the triangle
-      if (outward && sine > -kFlatSine) flat_[own.triangle] |= std::uint8_t(1u << own.edge);
-      if (outward && sine < kFlatSine) flat_[own.triangle] |= std::uint8_t(8u << own.edge);
+      if (sine > (outward ? -kFlatSine : kFlatSine)) flat_[own.triangle] |= std::uint8_t(1u << own.edge);
+      if (sine < (outward ? kFlatSine : -kFlatSine)) flat_[own.triangle] |= std::uint8_t(8u << own.edge);
       cosine_[3 * own.triangle + own.edge] = outward ? std::abs(dot(n, m)) : -std::abs(dot(n, m));
     }
   }
