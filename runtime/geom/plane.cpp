@@ -27,7 +27,7 @@ ShapePtr Plane::section() const {
   const Vec3 flat = vec3(normal_[0], normal_[1], 0);
   const Real n = length(flat);
   if (!(n > Real(1e-6))) throw SceneError("plane: a normal along z has no 2D section");
-  return make_plane(flat, distance_ / n);
+  return make_plane(flat, distance_);
 }
 
 ShapePtr make_plane(const Vec3& normal, Real distance) {
@@ -36,7 +36,7 @@ ShapePtr make_plane(const Vec3& normal, Real distance) {
     throw SceneError("plane: expected a finite normal other than 0 and a finite distance, got normal (" +
                      std::to_string(normal[0]) + ", " + std::to_string(normal[1]) + ", " + std::to_string(normal[2]) +
                      "), distance " + std::to_string(distance));
-  return std::make_shared<Plane>(normal / n, distance);
+  return std::make_shared<Plane>(normal / n, distance / n);
 }
 
 ShapeKind geom_plane() {
