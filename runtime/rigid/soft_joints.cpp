@@ -1,8 +1,8 @@
 // Joint rows in the soft-step loop. Rows are written anew in every substep (their Jacobians turn with the bodies);
 // each block solves K x = J v + bias by LDL^T, where K = J M^-1 J^T, and takes the softened step (Catto, GDC 2011).
 // A row of a spring keeps its softness in the relax pass; a stiff one loses its bias there. Bounded rows stand alone
-// and clamp the accumulated impulse. Kept between steps: the impulses, in SolverJoint. Weak spot: a long chain under a
-// heavy end converges along the chain only, so sweeps change direction.
+// and clamp the accumulated impulse. Stiff joints that make a tree are solved together (joint_trees.h); in loops sweeps
+// change direction. Kept between steps: the impulses, in SolverJoint. Weak spot: loops with high mass ratios.
 #include "rigid/soft_joints.h"
 
 namespace feder {
@@ -16,12 +16,38 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
   return {omega / a1, a2 * a3, a3};
 }
 
-void SoftJoints::prepare_row(const Row& row, const MoverMass& a, const MoverMass& b, Real h, ReadyRow& out) const {
+bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && trees_.direct(block); }
+
+// Tension in a joint is a spring against rotation: a body of inertia I between pulls p/h at arms r swings with
+// omega^2 = sum p r / (h I), and above 2/h the substep cannot follow. There (and only there) joints see a larger
+// inertia (Andrews et al., "Geometric Stiffness for Real-time Constrained Multibody Dynamics", 2017).
+void SoftJoints::stabilize(const SolverInput& in, Real h) {
+  const Movers& movers = *in.movers;
+  strain_.assign(movers.state.size(), Real(0));
+  for (const RowBlock& block : blocks_) {
+    const SolverJoint& joint = in.joints[block.joint];
+    Vec3 pull = Vec3::Zero();
+    for (std::uint32_t k = 0; k < block.count; ++k)
+      pull += rows_[block.first + k].linear * joint.impulse[block.first_impulse + k];
+    const Real size = length(pull);
+    strain_[block.mover_a] += h * size * length(joint.shape.frame_a.position);
+    strain_[block.mover_b] += h * size * length(joint.shape.frame_b.position);
+  }
+  for (std::size_t i = 1; i < strain_.size(); ++i) {
+    const Real softest = movers.mass[i].inv_inertia.cwiseAbs().rowwise().sum().maxCoeff();
+    const Real ratio = strain_[i] * softest;  // (h omega)^2, at most
+    strain_[i] = ratio > 1 ? 1 / ratio : 1;
+  }
+  strain_[0] = 1;
+}
+
+void SoftJoints::prepare_row(const Row& row, const Mat3& inv_inertia_a, const Mat3& inv_inertia_b, Real h,
+                             ReadyRow& out) const {
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
-  out.push_a = a.inv_inertia * row.angular_a;
-  out.push_b = b.inv_inertia * row.angular_b;
+  out.push_a = inv_inertia_a * row.angular_a;
+  out.push_b = inv_inertia_b * row.angular_b;
   out.lower = row.lower * h;
   out.upper = row.upper * h;
   out.bias = out.relaxed_bias = -row.speed;
@@ -103,7 +129,7 @@ void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverI
 }
 
 void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change) {
-  clear();
+  rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
   const Movers& movers = *in.movers;
   for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
@@ -123,13 +149,19 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change
   prepared_.resize(blocks_.size());
   const Real quarter = Real(0.25) / c.h;
   stiff_hertz_ = hertz_ < quarter ? hertz_ : quarter;
+  stabilize(in, c.h);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& block = blocks_[i];
     const MoverMass& a = movers.mass[block.mover_a];
     const MoverMass& b = movers.mass[block.mover_b];
-    for (std::uint32_t k = block.first; k < block.first + block.count; ++k) prepare_row(rows_[k], a, b, c.h, ready_[k]);
+    const Mat3 inertia_a = a.inv_inertia * strain_[block.mover_a], inertia_b = b.inv_inertia * strain_[block.mover_b];
+    for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
+      prepare_row(rows_[k], inertia_a, inertia_b, c.h, ready_[k]);
+    if (c.substep != 0 && is_direct(i)) continue;
     prepare_block(block, a, b, prepared_[i]);
   }
+  if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, movers);
+  if (!trees_.empty()) trees_.factor(rows_, movers, strain_);
   for (const RowBlock& block : blocks_) apply(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
 }
 
@@ -168,11 +200,25 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
   apply(block, step, in, change);
 }
 
+void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
+  bias_.resize(rows_.size());
+  step_.resize(rows_.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
+  trees_.solve(rows_, *in.movers, bias_, step_);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (!trees_.direct(i)) continue;
+    const RowBlock& block = blocks_[i];
+    Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
+    for (std::uint32_t k = 0; k < block.count; ++k) impulse[k] += step_[block.first + k];
+    apply(block, &step_[block.first], in, change);
+  }
+}
+
 void SoftJoints::solve(const SolverInput& in, bool biased, Real* change) {
-  if (biased) {
-    for (std::size_t i = 0; i < blocks_.size(); ++i) solve_block(i, in, true, change);
-  } else {
-    for (std::size_t i = blocks_.size(); i-- > 0;) solve_block(i, in, false, change);
+  if (!trees_.empty()) solve_trees(in, biased, change);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const std::size_t at = biased ? i : blocks_.size() - 1 - i;
+    if (!is_direct(at)) solve_block(at, in, biased, change);
   }
 }
 

@@ -1,6 +1,7 @@
 // Joint rows for the soft-step solver: blocks of up to six rows solved together by LDL^T, softened like contacts.
 #pragma once
 #include "rigid/contact_batch.h"
+#include "rigid/joint_trees.h"
 #include "rigid/solver.h"
 
 namespace feder {
@@ -10,14 +11,15 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h);
 
 class SoftJoints {
  public:
-  SoftJoints(Arena& arena, Real hertz, Real damping_ratio)
-      : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), hertz_(hertz), damping_ratio_(damping_ratio) {}
+  SoftJoints(Arena& arena, Real hertz, Real damping_ratio, bool use_trees)
+      : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), trees_(arena), bias_(&arena), step_(&arena), strain_(&arena),
+        hertz_(hertz), damping_ratio_(damping_ratio), use_trees_(use_trees) {}
 
   bool empty() const { return blocks_.empty(); }
   // Rows at the poses now, effective masses, and last impulses applied. `change` collects what joints do to each
   // mover's velocity (6 numbers per mover).
   void start(const SolverInput& in, const StepContext& c, Real* change);
-  void clear() { rows_.clear(), blocks_.clear(); }
+  void clear() { rows_.clear(), blocks_.clear(), trees_.clear(); }
   void solve(const SolverInput& in, bool biased, Real* change);
 
  private:
@@ -35,16 +37,23 @@ class SoftJoints {
     Real factor[15];
     Real inv_pivot[6];
   };
-  void prepare_row(const Row& row, const MoverMass& a, const MoverMass& b, Real h, ReadyRow& out) const;
+  bool is_direct(std::size_t block) const;
+  void stabilize(const SolverInput& in, Real h);
+  void prepare_row(const Row& row, const Mat3& inv_inertia_a, const Mat3& inv_inertia_b, Real h, ReadyRow& out) const;
   void prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const;
   void apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
+  void solve_trees(const SolverInput& in, bool biased, Real* change);
   void solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change);
 
   Array<Row> rows_;
   Array<RowBlock> blocks_;
   Array<ReadyRow> ready_;
   Array<ReadyBlock> prepared_;
+  JointTrees trees_;
+  Array<Real> bias_, step_;  // by row, for the trees
+  Array<Real> strain_;       // by mover: h sum |impulse| |arm|, then the factor on the inverse inertia
   Real hertz_, damping_ratio_;
+  bool use_trees_;
   Real stiff_hertz_ = 0;
 };
 

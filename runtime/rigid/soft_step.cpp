@@ -41,7 +41,8 @@ class SoftStep final : public RigidSolver {
         push_speed_(real(p, "push_speed", 3, 0, 1e6)),
         bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
         bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
-        joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3)) {}
+        joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3),
+                p.flag("joint_trees", true)) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
@@ -248,7 +249,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
 
 void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
   MoverState* state = in.movers->state.data();
-  const bool again = c.substep > 0;
+  const bool again = c.substep > 0 && batch_count_ > 0;
   const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
   c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {

@@ -1,0 +1,305 @@
+// Linear-time elimination along trees of joints (Baraff, "Linear-Time Dynamics using Lagrange Multipliers", 1996;
+// the same recursion as Featherstone's articulated inertia). Unknown are the velocity changes dv of the bodies and
+// the impulses p of the links, M dv = J^T p and J dv + g p = -(J v + bias). From the leaves up, a child is eliminated
+// into its parent: A = M + sum J_up^T Y^-1 J_up with Y = J_own A_child^-1 J_own^T + g; then impulses follow from the
+// root down. g is a compliance at rounding level that makes redundant rows and closed world anchors solvable.
+// In double precision, because Y spans the mass ratio. Nothing is kept between calls of find(). Loops of bodies,
+// springs, limits and motors stay with the iterative rows.
+#include "rigid/joint_trees.h"
+
+namespace feder {
+namespace {
+
+constexpr double kCompliance = 1e-8;  // of a row's own compliance
+
+// In place L D L^T of a symmetric matrix in packed rows (lower triangle); the diagonal becomes 1/D.
+void factorize(double* m, int n) {
+  for (int i = 0; i < n; ++i) {
+    double* row = m + i * (i + 1) / 2;
+    for (int j = 0; j < i; ++j) {
+      const double* other = m + j * (j + 1) / 2;
+      for (int k = 0; k < j; ++k) row[j] -= row[k] * other[k];
+    }
+    for (int j = 0; j < i; ++j) {
+      const double scaled = row[j] * m[j * (j + 1) / 2 + j];
+      row[i] -= row[j] * scaled;
+      row[j] = scaled;
+    }
+    row[i] = row[i] > 0 ? 1 / row[i] : 0;
+  }
+}
+
+void solve_factors(const double* m, int n, double* x) {
+  for (int i = 1; i < n; ++i)
+    for (int k = 0; k < i; ++k) x[i] -= m[i * (i + 1) / 2 + k] * x[k];
+  for (int i = 0; i < n; ++i) x[i] *= m[i * (i + 1) / 2 + i];
+  for (int i = n - 1; i > 0; --i)
+    for (int k = 0; k < i; ++k) x[k] -= m[i * (i + 1) / 2 + k] * x[i];
+}
+
+double dot6(const double* a, const double* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+}
+
+bool moves(const MoverMass& m) { return m.inv_mass > 0; }
+
+bool stiff(const Row& r) { return r.lower == -kInfinity && r.upper == kInfinity && r.hertz == 0; }
+
+// Mass matrix, packed. A locked axis gets a mass beyond all others.
+void mass_matrix(const MoverMass& m, double inertia_scale, double* out) {
+  const double heavy = 1e9 / static_cast<double>(m.inv_mass);
+  for (int i = 0; i < 21; ++i) out[i] = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double inv = static_cast<double>(m.inv_mass_axes[k]);
+    out[k * (k + 1) / 2 + k] = inv > 0 ? 1 / inv : heavy;
+  }
+  double inv[3][3], largest = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) inv[i][j] = 0.5 * inertia_scale * static_cast<double>(m.inv_inertia(i, j) + m.inv_inertia(j, i));
+  for (int i = 0; i < 3; ++i) largest = inv[i][i] > largest ? inv[i][i] : largest;
+  for (int i = 0; i < 3; ++i) inv[i][i] += inv[i][i] > 0 ? 0 : (largest > 0 ? 1e-9 * largest : 1e-9 / heavy);
+  double c[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      c[i][j] = inv[i1][j1] * inv[i2][j2] - inv[i1][j2] * inv[i2][j1];
+    }
+  }
+  const double det = inv[0][0] * c[0][0] + inv[0][1] * c[0][1] + inv[0][2] * c[0][2];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j) out[(i + 3) * (i + 4) / 2 + j + 3] = c[i][j] / det;
+}
+
+void jacobian(const Row& row, bool side_a, double* out) {
+  const Vec3& turn = side_a ? row.angular_a : row.angular_b;
+  const double sign = side_a ? -1 : 1;
+  for (int k = 0; k < 3; ++k) {
+    out[k] = sign * static_cast<double>(row.linear[k]);
+    out[k + 3] = static_cast<double>(turn[k]);
+  }
+}
+
+}  // namespace
+
+std::uint32_t JointTrees::find_root(std::uint32_t i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers) {
+  links_.clear();
+  for (const RowBlock& block : blocks) {
+    bool all = true;
+    for (std::uint32_t k = 0; k < block.count; ++k) all = all && stiff(rows[block.first + k]);
+    if (!all) continue;
+    if (links_.empty() || links_.back().joint != block.joint) {
+      Link link;
+      link.mover_a = moves(movers.mass[block.mover_a]) ? block.mover_a : 0;
+      link.mover_b = moves(movers.mass[block.mover_b]) ? block.mover_b : 0;
+      link.state_a = block.mover_a;
+      link.state_b = block.mover_b;
+      link.joint = block.joint;
+      links_.push_back(link);
+    }
+    Link& link = links_.back();
+    if (link.rows + block.count > kMaxRows) continue;
+    for (std::uint32_t k = 0; k < block.count; ++k) link.row[link.rows++] = block.first + k;
+  }
+}
+
+void JointTrees::accept_trees() {
+  for (Link& link : links_) {
+    if (!link.mover_a || !link.mover_b) continue;
+    const std::uint32_t a = find_root(link.mover_a), b = find_root(link.mover_b);
+    if (a == b) {
+      cyclic_[a] = 1;
+    } else {
+      const std::uint32_t low = a < b ? a : b, high = a < b ? b : a;
+      parent_[high] = low;
+      cyclic_[low] |= cyclic_[high];
+    }
+  }
+  for (Link& link : links_) {
+    link.root = find_root(link.mover_a ? link.mover_a : link.mover_b);
+    ++count_[link.root];
+  }
+  // one link alone is exact as a block of rows
+  for (Link& link : links_)
+    if (cyclic_[link.root] || count_[link.root] < 2 || (!link.mover_a && !link.mover_b)) link.root = kNone;
+}
+
+void JointTrees::grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link) {
+  Node node;
+  node.mover = mover;
+  node.parent = parent;
+  node.link = link;
+  if (link != kNone) node.rows = links_[link].rows, node.body_is_a = links_[link].mover_a == mover;
+  queue_.push_back(static_cast<std::uint32_t>(nodes_.size()));
+  nodes_.push_back(node);
+  visited_[mover] = 1;
+}
+
+void JointTrees::order_nodes(std::size_t mover_count) {
+  // links by mover
+  first_edge_.assign(mover_count + 1, 0);
+  const auto each_side = [&](auto&& f) {
+    for (std::uint32_t l = 0; l < links_.size(); ++l) {
+      if (links_[l].root == kNone) continue;
+      if (links_[l].mover_a) f(links_[l].mover_a, l);
+      if (links_[l].mover_b) f(links_[l].mover_b, l);
+    }
+  };
+  each_side([&](std::uint32_t m, std::uint32_t) { ++first_edge_[m + 1]; });
+  for (std::size_t m = 0; m < mover_count; ++m) first_edge_[m + 1] += first_edge_[m];
+  edges_.resize(first_edge_[mover_count]);
+  count_.assign(first_edge_.begin(), first_edge_.end());
+  each_side([&](std::uint32_t m, std::uint32_t l) { edges_[count_[m]++] = l; });
+  // breadth first; links to the world are roots, the first of a tree its root link
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::uint32_t l = 0; l < links_.size(); ++l) {
+      const Link& link = links_[l];
+      if (link.root == kNone) continue;
+      const bool anchored = !link.mover_a || !link.mover_b;
+      const std::uint32_t start = link.mover_a ? link.mover_a : link.mover_b;
+      if (visited_[start] || (pass == 0 && !anchored)) continue;
+      queue_.clear();
+      grow(start, kNone, anchored ? l : kNone);
+      for (std::size_t q = 0; q < queue_.size(); ++q) {
+        const std::uint32_t at = queue_[q], mover = nodes_[at].mover, from = nodes_[at].link;
+        for (std::uint32_t e = first_edge_[mover]; e < first_edge_[mover + 1]; ++e) {
+          const Link& next = links_[edges_[e]];
+          if (edges_[e] == from) continue;
+          const std::uint32_t other = next.mover_a == mover ? next.mover_b : next.mover_a;
+          if (other) {
+            if (!visited_[other]) grow(other, at, edges_[e]);
+            continue;
+          }
+          // a second anchor: a leaf without a body
+          Node leaf;
+          leaf.parent = at;
+          leaf.link = edges_[e];
+          leaf.leaf = true;
+          leaf.rows = next.rows;
+          leaf.body_is_a = next.mover_a != mover;
+          nodes_.push_back(leaf);
+        }
+      }
+    }
+  }
+}
+
+void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers) {
+  const std::size_t count = movers.state.size();
+  nodes_.clear();
+  direct_.assign(blocks.size(), 0);
+  collect_links(rows, blocks, movers);
+  if (links_.empty()) return;
+  parent_.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
+  cyclic_.assign(count, 0);
+  count_.assign(count, 0);
+  visited_.assign(count, 0);
+  accept_trees();
+  order_nodes(count);
+  // blocks of accepted links
+  std::size_t l = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    while (l < links_.size() && links_[l].joint < blocks[i].joint) ++l;
+    if (l == links_.size()) break;
+    if (links_[l].joint != blocks[i].joint || links_[l].root == kNone) continue;
+    for (int k = 0; k < links_[l].rows; ++k) direct_[i] |= links_[l].row[k] == blocks[i].first;
+  }
+  response_.resize(nodes_.size() * 6);
+}
+
+void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Movers& movers) {
+  for (int i = 0; i < node.rows; ++i) {
+    const Row& row = rows[links_[node.link].row[i]];
+    jacobian(row, node.body_is_a, node.own[i]);
+    jacobian(row, !node.body_is_a, node.up[i]);
+  }
+  if (!node.leaf) factorize(node.inertia, 6);
+  // Y = own A^-1 own^T + g
+  for (int i = 0; i < node.rows; ++i) {
+    double* y = node.stiffness + i * (i + 1) / 2;
+    if (node.leaf) {
+      for (int j = 0; j < i; ++j) y[j] = 0;
+    } else {
+      for (int k = 0; k < 6; ++k) node.weight[i][k] = node.own[i][k];
+      solve_factors(node.inertia, 6, node.weight[i]);
+      for (int j = 0; j <= i; ++j) y[j] = dot6(node.weight[i], node.own[j]);
+    }
+    // the row's compliance through the bodies alone
+    double own = 0;
+    const Row& row = rows[links_[node.link].row[i]];
+    const auto side = [&](const MoverMass& m, const Vec3& turn) {
+      own += static_cast<double>(dot(row.linear, Vec3(m.inv_mass_axes.cwiseProduct(row.linear))) +
+                                 dot(turn, Vec3(m.inv_inertia * turn)));
+    };
+    side(movers.mass[links_[node.link].mover_a], row.angular_a);
+    side(movers.mass[links_[node.link].mover_b], row.angular_b);
+    y[i] = (node.leaf ? 0 : y[i]) + kCompliance * own + 1e-30;
+  }
+  factorize(node.stiffness, node.rows);
+  if (node.parent == kNone) return;
+  // A_parent += up^T Y^-1 up
+  double scaled[kMaxRows];
+  double* a = nodes_[node.parent].inertia;
+  for (int k = 0; k < 6; ++k) {
+    for (int i = 0; i < node.rows; ++i) scaled[i] = node.up[i][k];
+    solve_factors(node.stiffness, node.rows, scaled);
+    for (int m = 0; m <= k; ++m)
+      for (int i = 0; i < node.rows; ++i) a[k * (k + 1) / 2 + m] += scaled[i] * node.up[i][m];
+  }
+}
+
+void JointTrees::factor(std::span<const Row> rows, const Movers& movers, std::span<const Real> inertia_scale) {
+  for (Node& node : nodes_)
+    if (!node.leaf) mass_matrix(movers.mass[node.mover], static_cast<double>(inertia_scale[node.mover]), node.inertia);
+  for (std::size_t i = nodes_.size(); i-- > 0;) factor_node(nodes_[i], rows, movers);
+}
+
+void JointTrees::solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias, std::span<Real> step) {
+  for (Node& node : nodes_)
+    for (double& x : node.load) x = 0;
+  // up: what each link asks for, less what its child can do alone
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    for (int i = 0; i < node.rows; ++i) {
+      const std::uint32_t r = links_[node.link].row[i];
+      const Row& row = rows[r];
+      const MoverState& a = movers.state[links_[node.link].state_a];
+      const MoverState& b = movers.state[links_[node.link].state_b];
+      const Real speed = dot(row.linear, Vec3(b.velocity - a.velocity)) + dot(row.angular_b, b.angular_velocity) +
+                         dot(row.angular_a, a.angular_velocity);
+      node.wanted[i] = -static_cast<double>(speed + bias[r]);
+      if (!node.leaf) node.wanted[i] -= dot6(node.weight[i], node.load);
+    }
+    if (node.parent == kNone) continue;
+    double p[kMaxRows];
+    for (int i = 0; i < node.rows; ++i) p[i] = node.wanted[i];
+    solve_factors(node.stiffness, node.rows, p);
+    for (int i = 0; i < node.rows; ++i)
+      for (int k = 0; k < 6; ++k) nodes_[node.parent].load[k] += node.up[i][k] * p[i];
+  }
+  // down: impulses from the parent's velocity change
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const Node& node = nodes_[n];
+    double p[kMaxRows];
+    for (int i = 0; i < node.rows; ++i) {
+      p[i] = node.wanted[i];
+      if (node.parent != kNone) p[i] -= dot6(node.up[i], &response_[6 * node.parent]);
+    }
+    solve_factors(node.stiffness, node.rows, p);
+    for (int i = 0; i < node.rows; ++i) step[links_[node.link].row[i]] = static_cast<Real>(p[i]);
+    if (node.leaf) continue;
+    double* dv = &response_[6 * n];
+    for (int k = 0; k < 6; ++k) {
+      dv[k] = node.load[k];
+      for (int i = 0; i < node.rows; ++i) dv[k] += node.own[i][k] * p[i];
+    }
+    solve_factors(node.inertia, 6, dv);
+  }
+}
+
+}  // namespace feder

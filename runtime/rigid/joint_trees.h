@@ -1,0 +1,70 @@
+// Direct solution of the stiff joints of bodies that hang together like a tree (chains, ragdolls): exact in one pass,
+// whatever the mass ratio.
+#pragma once
+#include "rigid/solver.h"
+
+namespace feder {
+
+class JointTrees {
+ public:
+  explicit JointTrees(Arena& arena)
+      : links_(&arena), nodes_(&arena), edges_(&arena), first_edge_(&arena), parent_(&arena), cyclic_(&arena),
+        count_(&arena), visited_(&arena), direct_(&arena), queue_(&arena), response_(&arena) {}
+
+  // Which blocks belong to trees; once per step, as rows keep their number.
+  void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
+  void clear() { nodes_.clear(); }
+  bool empty() const { return nodes_.empty(); }
+  bool direct(std::size_t block) const { return direct_[block] != 0; }
+
+  // Once per substep. `inertia_scale`: factor on the inverse inertia, by mover.
+  void factor(std::span<const Row> rows, const Movers& movers, std::span<const Real> inertia_scale);
+  // Impulses that make J v = -bias for all rows of the trees together, added to `step` by row.
+  void solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias, std::span<Real> step);
+
+ private:
+  static constexpr int kMaxRows = 6;
+  static constexpr int kTriangle = 21;
+
+  // The stiff rows of a joint.
+  struct Link {
+    std::uint32_t mover_a = 0, mover_b = 0;  // 0: a side that does not move
+    std::uint32_t state_a = 0, state_b = 0;  // the same with kinematic bodies
+    std::uint32_t row[kMaxRows];
+    int rows = 0;
+    std::uint32_t root = kNone;              // union-find name of the tree; kNone: not solved here
+    std::uint32_t joint = 0;
+  };
+  // A body and the link to its parent (or to the world).
+  struct Node {
+    std::uint32_t mover = 0, parent = kNone;  // place of the parent node
+    std::uint32_t link = kNone;
+    bool body_is_a = false;
+    bool leaf = false;                        // a second link of the parent to the world: no body of its own
+    int rows = 0;
+    double own[kMaxRows][6], up[kMaxRows][6];  // Jacobians of the two sides
+    double inertia[kTriangle];                // factors of the articulated inertia
+    double weight[kMaxRows][6];               // own x inverse inertia
+    double stiffness[kTriangle];              // factors of weight x own^T + regularisation
+    double load[6];                           // what the children ask for
+    double wanted[kMaxRows];
+  };
+  std::uint32_t find_root(std::uint32_t i);
+  void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
+  void accept_trees();
+  void order_nodes(std::size_t mover_count);
+  void grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link);
+  void factor_node(Node& node, std::span<const Row> rows, const Movers& movers);
+
+  Array<Link> links_;
+  Array<Node> nodes_;   // parents before children
+  Array<std::uint32_t> edges_, first_edge_;  // links by mover
+  Array<std::uint32_t> parent_;              // union-find over movers
+  Array<std::uint8_t> cyclic_;
+  Array<std::uint32_t> count_;               // links of a tree
+  Array<std::uint8_t> visited_, direct_;
+  Array<std::uint32_t> queue_;
+  Array<double> response_;                   // velocity change by node, 6 each
+};
+
+}  // namespace feder
