@@ -1,0 +1,61 @@
+// Stacks against statics: what each level carries, what stays where it is, and that size does not matter.
+#include "rigid/closed_scene.h"
+
+using namespace feder;
+
+namespace {
+
+std::vector<ObjectId> add_stack(ClosedScene& s, int n, Real size, Real mass) {
+  BodyDesc ground = body_of(make_box(40 * size, size, 40 * size), Vec3(0, -size / 2, 0), 0, Real(0.5));
+  ground.type = BodyType::fixed;
+  s.rigid().add_body(ground);
+  std::vector<ObjectId> stack;
+  for (int i = 0; i < n; ++i)
+    stack.push_back(s.rigid().add_body(
+        body_of(make_box(size, size, size), Vec3(0, size * (Real(i) + Real(0.5)), 0), mass, Real(0.5))));
+  return stack;
+}
+
+// Sum of the normal impulses of the last step under a body: contacts below its centre.
+double carried(ClosedScene& s, ObjectId body) {
+  std::vector<Collide::ContactInfo> contacts;
+  s.world().need<Collide>().contacts_of(body, contacts);
+  double sum = 0;
+  for (const auto& c : contacts)
+    if (c.normal[1] < -Real(0.5)) sum += c.impulse;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("each level of a stack carries what is above it", "[rigid][closed]") {
+  const char* solver = solver_name(GENERATE(range(0, solver_count())));
+  const int n = GENERATE(1, 5, 10);
+  CAPTURE(solver, n);
+  ClosedScene s(solver);
+  const std::vector<ObjectId> stack = add_stack(s, n, 1, 3);
+  s.run(10);
+  const double weight = 3 * kG * s.desc.dt;
+  for (int i = 0; i < n; ++i) {
+    CAPTURE(i);
+    CHECK(carried(s, stack[std::size_t(i)]) == Approx((n - i) * weight).epsilon(closed_tolerance(solver).stack_impulse));
+    const Vec3 x = s.position(stack[std::size_t(i)]);
+    CHECK(x[1] == Approx(i + 0.5).margin(0.01));
+    CHECK(std::abs(x[0]) + std::abs(x[2]) < Real(1e-3));
+    CHECK(length(s.velocity(stack[std::size_t(i)])) < Real(0.01));
+  }
+}
+
+TEST_CASE("light under heavy", "[rigid][closed]") {
+  const char* solver = solver_name(GENERATE(range(0, solver_count())));
+  CAPTURE(solver);
+  ClosedScene s(solver);
+  s.rigid().add_body(ground_of(Real(0.5)));
+  const ObjectId light = s.rigid().add_body(body_of(make_sphere(Real(0.5)), Vec3(0, Real(0.5), 0), 1, Real(0.5)));
+  const ObjectId heavy = s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, Real(1.5), 0), 100, Real(0.5)));
+  // the unstable balance lasts this long
+  s.run(0.5);
+  CHECK(s.position(light)[1] == Approx(0.5).margin(0.01));
+  CHECK(s.position(heavy)[1] == Approx(1.5).margin(0.02));
+  CHECK(carried(s, light) == Approx(101 * kG * s.desc.dt).epsilon(0.05));
+}

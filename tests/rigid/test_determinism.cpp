@@ -1,0 +1,80 @@
+// The same scene gives the same bits whatever the number of threads, and the same as the stored hashes: compilers and
+// optimisation levels are compared through tests/golden/hashes.txt, one line per scalar type, scene and solver. A
+// change of physics changes them: FEDER_WRITE_GOLDEN=1 prints the new lines.
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "base/rng.h"
+#include "rigid/closed_scene.h"
+
+using namespace feder;
+
+namespace {
+
+// Boxes, spheres, capsules and cylinders fall on each other around a bridge of hinges.
+void fill(ClosedScene& s) {
+  Rng rng(7);
+  s.rigid().add_body(ground_of(Real(0.6)));
+  const ShapePtr shapes[] = {make_box(Real(0.6), Real(0.4), Real(0.5)), make_sphere(Real(0.3)),
+                             make_capsule(Real(0.2), Real(0.8)), make_cylinder(Real(0.3), Real(0.5))};
+  for (int i = 0; i < 40; ++i) {
+    BodyDesc d = body_of(shapes[i % 4], Vec3(rng.uniform(-1, 1), Real(2.5 + 0.5 * i), rng.uniform(-1, 1)),
+                         rng.uniform(1, 3), Real(0.5));
+    d.rotation = from_axis_angle(Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)), rng.uniform(0, 3));
+    d.angular_velocity = Vec3(rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-2, 2));
+    d.restitution = i % 5 == 0 ? Real(0.5) : Real(0);
+    s.rigid().add_body(d);
+  }
+  ObjectId last;
+  for (int i = 0; i <= 8; ++i) {
+    ObjectId plank;
+    if (i < 8) plank = s.rigid().add_body(body_of(make_box(Real(0.45), Real(0.1), 1), Vec3(Real(-1.75 + 0.5 * i), Real(1.5), 0), 2, Real(0.5)));
+    JointDesc j;
+    j.type = "hinge";
+    j.a = last;
+    j.b = plank;
+    if (!j.a) std::swap(j.a, j.b);
+    j.anchor_a = j.anchor_b = Vec3(Real(-2 + 0.5 * i), Real(1.5), 0);
+    s.rigid().add_joint(j);
+    last = plank;
+  }
+}
+
+std::uint64_t run(const char* solver, int threads) {
+  ClosedScene s(solver);
+  s.desc.threads = threads;
+  s.desc.sleeping = true;
+  fill(s);
+  for (int i = 0; i < 240; ++i) s.world().step();
+  return s.world().hash();
+}
+
+std::string stored(const std::string& key) {
+  std::ifstream file(FEDER_SOURCE_DIR "/tests/golden/hashes.txt");
+  std::string line;
+  while (std::getline(file, line))
+    if (line.compare(0, key.size() + 1, key + " ") == 0) return line.substr(key.size() + 1);
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][determinism]") {
+  const char* solver = solver_name(GENERATE(range(0, solver_count())));
+  CAPTURE(solver);
+  const std::uint64_t one = run(solver, 1);
+  CHECK(run(solver, 1) == one);
+  CHECK(run(solver, 2) == one);
+  CHECK(run(solver, 4) == one);
+  char hash[32];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(one));
+  const std::string key = std::string(kRealName) + " rigid_pile " + solver;
+  if (std::getenv("FEDER_WRITE_GOLDEN")) std::printf("%s %s\n", key.c_str(), hash);
+  const std::string golden = stored(key);
+  if (golden.empty())
+    WARN("no stored hash for '" << key << "', got " << hash);
+  else
+    CHECK(golden == hash);
+}
