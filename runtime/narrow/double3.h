@@ -7,7 +7,7 @@
 namespace feder {
 
 struct Double3 {
-  double x = 0, y = 0, z = 0;
+  double x, y, z;  // no defaults: EPA keeps hundreds of these on the stack
 };
 
 inline Double3 wide(const Vec3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }

@@ -51,7 +51,7 @@ void nearest_on_triangle(Simplex& s, int i, int j, int k) {
 }
 
 Double3 nearest_point(const Simplex& s) {
-  Double3 p;
+  Double3 p{};
   for (int i = 0; i < s.count; ++i) p = p + s.weight[i] * s.v[i].w;
   return p;
 }

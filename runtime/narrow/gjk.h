@@ -46,8 +46,8 @@ struct Simplex {
 
 struct Gap {
   double distance = 0;  // between the cores; negative: depth of the overlap
-  Double3 a, b;         // nearest points of the cores (overlap: the deepest ones)
-  Double3 normal;       // unit, from a to b
+  Double3 a{}, b{};     // nearest points of the cores (overlap: the deepest ones)
+  Double3 normal{};     // unit, from a to b
 };
 
 // True when the cores are apart: `gap` is filled. Else the simplex holds the origin, to rounding. `start`: a guess of
