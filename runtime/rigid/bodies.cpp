@@ -125,7 +125,8 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   // from here on nothing fails
   const std::uint32_t i = bodies.add();
   if (volume.size() < bodies.size()) {
-    volume.resize(bodies.size()), area.resize(bodies.size()), spins.resize(bodies.size()), calm.resize(bodies.size());
+    volume.resize(bodies.size()), area.resize(bodies.size()), spins.resize(bodies.size()), kept_momentum.resize(bodies.size(), Vec3::Zero()),
+        kept_spin.resize(bodies.size(), Vec3::Zero()), calm.resize(bodies.size());
     next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
   }
   bodies.type[i] = d.type;
@@ -151,6 +152,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   const double radius = cube_root(static_cast<double>(whole) * 3 / (4 * static_cast<double>(kPi)));
   area[i] = kPi * static_cast<Real>(radius * radius);
   calm[i] = spins[i] = 0;
+  kept_momentum[i] = kept_spin[i] = Vec3::Zero();
   next_in_island[i] = kNone;
   bodies.mover[i] = movers.add();
   bodies.object[i] = objects.add(ObjectKind::body, i, d.name, d.tags);
@@ -243,6 +245,7 @@ void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
   bodies.rotation[i] = normalized(origin.rotation);
   bodies.position[i] = origin.position + rotate(bodies.rotation[i], bodies.local_com[i]);
   bodies.has_target[i] = 0;
+  kept_spin[i] = kept_momentum[i] = Vec3::Zero();
   changed(i);
   place_colliders(i, 0, Vec3::Zero());
   if (bodies.type[i] == BodyType::fixed) refresh_joints_of(i);

@@ -40,6 +40,7 @@ struct Rigid::Impl {
 
   // rows.cpp
   void update_boxes(StepContext& c);
+  void aim_kinematic(std::uint32_t i, StepContext& c);
   void gather(StepContext& c);
   void add_forces(StepContext& c);
   void integrate_velocities(StepContext& c);
@@ -96,6 +97,8 @@ struct Rigid::Impl {
   Array<Real> volume;                 // m^3
   Array<Real> area;                   // cross-section of the sphere of that volume, m^2
   Array<std::uint8_t> spins;          // moments of inertia differ: angular momentum is integrated
+  Array<Vec3> kept_momentum;          // angular momentum at the end of the last step, N m s, and the velocity it gave:
+  Array<Vec3> kept_spin;              // while nobody changed that, the momentum goes on without rounding
   Array<std::uint8_t> calm;           // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island;  // ring of a sleeping island
   Array<std::uint32_t> parent;        // union-find

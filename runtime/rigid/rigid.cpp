@@ -14,6 +14,7 @@ Rigid::Impl::Impl(SystemSetup& s)
       solver(find_variant(rigid_solvers(), s.options.text("solver", "soft_step"), "rigid solver")
                  .make(s.store.arena(kName), s.options)),
       volume(&s.store.arena(kName)), area(&s.store.arena(kName)), spins(&s.store.arena(kName)),
+      kept_momentum(&s.store.arena(kName)), kept_spin(&s.store.arena(kName)),
       calm(&s.store.arena(kName)), next_in_island(&s.store.arena(kName)), parent(&s.store.arena(kName)),
       joints(&s.store.arena(kName)), records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)),
       rows(&s.store.arena(kName)), blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)),
@@ -72,6 +73,7 @@ void Rigid::hash(Hash& h) const {
     if (b.type[i] == BodyType::free) continue;
     h.add(b.position[i]), h.add(b.velocity[i]), h.add(b.angular_velocity[i]);
     h.add(b.rotation[i].vec()), h.add(b.rotation[i].w), h.add(b.sleep_energy[i]);
+    if (impl_->spins[i]) h.add(impl_->kept_momentum[i]);
   }
   for (const SolverJoint& j : impl_->joints)
     for (int k = 0; k < j.rows; ++k) h.add(j.impulse[k]);
@@ -93,7 +95,7 @@ void Rigid::save(Writer& w) const {
   const Impl& s = *impl_;
   s.bodies.save(w);
   w.list(s.movers.solver), w.list(s.movers.free_list);
-  w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.calm), w.list(s.next_in_island);
+  w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.kept_momentum), w.list(s.kept_spin), w.list(s.calm), w.list(s.next_in_island);
   w.list(s.free_joints);
   std::vector<SavedJoint> saved(s.joints.size());
   for (std::size_t j = 0; j < saved.size(); ++j) {
@@ -112,7 +114,7 @@ void Rigid::load(Reader& r) {
   Impl& s = *impl_;
   s.bodies.load(r);
   r.list(s.movers.solver), r.list(s.movers.free_list);
-  r.list(s.volume), r.list(s.area), r.list(s.spins), r.list(s.calm), r.list(s.next_in_island);
+  r.list(s.volume), r.list(s.area), r.list(s.spins), r.list(s.kept_momentum), r.list(s.kept_spin), r.list(s.calm), r.list(s.next_in_island);
   r.list(s.free_joints);
   std::vector<SavedJoint> saved;
   r.list(saved);

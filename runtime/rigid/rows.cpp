@@ -40,26 +40,31 @@ void Rigid::Impl::refresh() {
   for (const std::uint32_t i : moving) place_colliders(i, 0, Vec3::Zero());
 }
 
+// Velocities that take kinematic bodies to their targets; one that starts to move wakes what rests on it.
+void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
+  if (bodies.has_target[i] == 1) {
+    const Pose& to = bodies.target[i];
+    const Vec3 center = to.position + rotate(to.rotation, bodies.local_com[i]);
+    bodies.velocity[i] = (center - bodies.position[i]) / c.dt;
+    bodies.angular_velocity[i] = rotation_between(bodies.rotation[i], to.rotation) / c.dt;
+  } else if (bodies.has_target[i] == 2) {
+    // arrived in the last step: stays there
+    bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
+    bodies.has_target[i] = 0;
+  }
+  const std::uint32_t k = bodies.first_collider[i];
+  const bool starts = !bodies.velocity[i].isZero(0) || !bodies.angular_velocity[i].isZero(0);
+  if (starts && k != kNone && !colliders.awake[k]) wake_touching(i, WakeCause::contact);
+}
+
 void Rigid::Impl::update_boxes(StepContext& c) {
   rebuild_list();
   poses_stale = true;
+  for (const std::uint32_t i : moving)
+    if (bodies.type[i] == BodyType::kinematic) aim_kinematic(i, c);
+  rebuild_list();
   c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) {
-      const std::uint32_t i = moving[p];
-      if (bodies.type[i] == BodyType::kinematic) {
-        if (bodies.has_target[i] == 1) {
-          const Pose& to = bodies.target[i];
-          const Vec3 center = to.position + rotate(to.rotation, bodies.local_com[i]);
-          bodies.velocity[i] = (center - bodies.position[i]) / c.dt;
-          bodies.angular_velocity[i] = rotation_between(bodies.rotation[i], to.rotation) / c.dt;
-        } else if (bodies.has_target[i] == 2) {
-          // arrived in the last step: stays there
-          bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
-          bodies.has_target[i] = 0;
-        }
-      }
-      place_colliders(i, c.dt, c.gravity);
-    }
+    for (std::uint32_t p = first; p < last; ++p) place_colliders(moving[p], c.dt, c.gravity);
   });
 }
 
@@ -94,7 +99,9 @@ void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
   applied_torque[p] = bodies.torque[i];
   bad[p] = 0;
   if (spins[i] && bodies.type[i] == BodyType::dynamic) {
-    angular_momentum[p] = momentum_of(bodies.inertia[i], bodies.rotation[i], bodies.angular_velocity[i]);
+    angular_momentum[p] = bodies.angular_velocity[i] == kept_spin[i]
+                              ? kept_momentum[i]
+                              : momentum_of(bodies.inertia[i], bodies.rotation[i], bodies.angular_velocity[i]);
     given_spin[p] = bodies.angular_velocity[i];
   }
 }
@@ -213,8 +220,10 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
   bodies.angular_velocity[i] = s.angular_velocity;
   if (!spins[i]) return;
   const Vec3 pushed = s.angular_velocity - given_spin[p];
-  const Vec3 l = angular_momentum[p] + momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
-  bodies.angular_velocity[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
+  Vec3& l = kept_momentum[i];
+  l = angular_momentum[p];
+  if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
+  bodies.angular_velocity[i] = kept_spin[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
 }
 
 // A body whose numbers went bad stays where it last was, fixed.

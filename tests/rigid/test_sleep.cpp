@@ -133,6 +133,11 @@ TEST_CASE("a body on a moving lift stays awake, on a resting one it sleeps", "[r
   s.rigid().set_velocity(lift, Vec3::Zero());
   s.run(2);
   CHECK(!s.awake(crate));
+  const Pose there = s.rigid().pose(lift);
+  s.rigid().move_to(lift, Pose{there.position + Vec3(0, Real(0.01), 0), there.rotation});
+  s.world().step();
+  CHECK(s.awake(crate));
+  CHECK(s.cause(crate) == WakeCause::contact);
 }
 
 TEST_CASE("bodies that must not sleep stay awake", "[rigid][sleep]") {
