@@ -29,8 +29,9 @@ class ImpulseSolver final : public RigidSolver {
     std::uint32_t first, last;  // in order_
   };
 
+  ImpulseScene scene(const SolverInput& in, const StepContext& c);
   void load_bodies(const Movers& movers);
-  void load_contacts(const SolverInput& in);
+  void load_contacts(const SolverInput& in, const ImpulseScene& s);
   void load_joints(const SolverInput& in);
   void find_islands();
   void index_nodes();
@@ -69,7 +70,7 @@ class ImpulseSolver final : public RigidSolver {
 };
 
 ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
-    : tolerance_(static_cast<Real>(p.number("tolerance", 1e-4, 1e-12, 1))),
+    : tolerance_(static_cast<Real>(p.number("tolerance", 2e-5, 1e-12, 1))),
       rest_speed_(static_cast<Real>(p.number("restitution_speed", 0.05, 0, 1e6))),
       slop_(static_cast<Real>(p.number("slop", 0.0005, 0, 1))), pops_per_node_(p.integer("iterations", 30, 1, 100000)),
       bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a),
@@ -82,13 +83,14 @@ void ImpulseSolver::load_bodies(const Movers& movers) {
     const MoverMass& m = movers.mass[i];
     ImpulseBody& b = bodies_[i];
     b = ImpulseBody{};
+    b.inv_inertia = m.inv_inertia;
     b.movable = i > 0 && (m.inv_mass > 0 || m.inv_inertia.trace() > 0);
     b.last_velocity = movers.state[i].velocity;
     b.last_spin = movers.state[i].angular_velocity;
   }
 }
 
-void ImpulseSolver::load_contacts(const SolverInput& in) {
+void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) {
   const auto solver_index = [&](std::uint32_t collider) {
     const std::uint32_t mover = in.colliders->mover[collider];
     return mover == kNone ? 0u : in.movers->solver[mover];
@@ -102,7 +104,7 @@ void ImpulseSolver::load_contacts(const SolverInput& in) {
     c.b = solver_index(from.collider_b);
     for (ContactPoint& p : from.points) p.total_impulse = 0;
     if (!bodies_[c.a].movable && !bodies_[c.b].movable) continue;
-    load_contact(from, c);
+    load_contact(from, s, c);
     contacts_.push_back(c);
     for (int i = 0; i < from.point_count; ++i) {
       ContactPoint& p = from.points[i];
@@ -191,10 +193,14 @@ void ImpulseSolver::index_nodes() {
   each([&](std::uint32_t body, std::uint32_t place) { body_places_[next[body]++] = place; });
 }
 
-void ImpulseSolver::prepare(const SolverInput& in, StepContext&) {
+ImpulseScene ImpulseSolver::scene(const SolverInput& in, const StepContext& c) {
+  return {in.movers->state.data(), in.movers->mass.data(), bodies_.data(), c.h, rest_speed_, slop_};
+}
+
+void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
   capped_ = 0;
   load_bodies(*in.movers);
-  load_contacts(in);
+  load_contacts(in, scene(in, c));
   load_joints(in);
   find_islands();
   index_nodes();
@@ -226,6 +232,7 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   for (ImpulseJoint& joint : joints_) {
     joint.first_block = static_cast<std::uint32_t>(blocks_.size());
     fill(in, joint, s, out);
+    in.joints[joint.joint].rows = static_cast<std::uint8_t>(out.rows_written());
     joint.block_count = static_cast<std::uint32_t>(blocks_.size()) - joint.first_block;
   }
   factors_.resize(blocks_.size());
@@ -236,23 +243,9 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   }
 }
 
-// The world inverse inertia turned from the start of the step to now; locked axes stay locked.
-Mat3 turned_inverse_inertia(const Mat3& start, const Quat& turned) {
-  const Mat3 r = to_matrix(turned);
-  Mat3 now = r * start * r.transpose();
-  for (int axis = 0; axis < 3; ++axis) {
-    if (start(axis, axis) != 0) continue;
-    now.row(axis).setZero();
-    now.col(axis).setZero();
-  }
-  return now;
-}
-
 void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
-    b.turned = s.state[i].rotation * conjugate(s.mass[i].start_rotation);
-    b.inv_inertia = turned_inverse_inertia(s.mass[i].inv_inertia, b.turned);
     b.force_velocity = s.state[i].velocity - b.last_velocity;
     b.force_spin = s.state[i].angular_velocity - b.last_spin;
     b.late_move = b.late_turn = Vec3::Zero();
@@ -264,12 +257,11 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
 void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
   for (std::size_t i = 1; i < movers.state.size(); ++i) {
     MoverState& m = s.state[i];
-    ImpulseBody& b = bodies_[i];
+    const ImpulseBody& b = bodies_[i];
     const Vec3 turn = s.h * m.angular_velocity + b.late_turn;
     m.moved += s.h * m.velocity + b.late_move;
     m.turned += turn;
     m.rotation = integrate_rotation(m.rotation, turn);
-    b.turned = m.rotation * conjugate(s.mass[i].start_rotation);
   }
 }
 
@@ -336,7 +328,7 @@ void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, co
 }
 
 void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
-  const ImpulseScene s{in.movers->state.data(), in.movers->mass.data(), bodies_.data(), c.h, rest_speed_, slop_};
+  const ImpulseScene s = scene(in, c);
   start_substep(in, s);
   for (const Island& island : islands_)
     worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);

@@ -175,15 +175,17 @@ void act_late(std::uint32_t i, const MoverState& before, Real late, const Impuls
   s.body[i].late_turn -= late * (s.state[i].angular_velocity - before.angular_velocity);
 }
 
+// Arms and normal keep their directions within a step, and separations follow the turning to first order: a ball that
+// rolls stays where it touches.
 Real separation_now(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
-  const Vec3 at_a = s.state[c.a].moved + rotate(s.body[c.a].turned, p.start_arm_a) - p.start_arm_a;
-  const Vec3 at_b = s.state[c.b].moved + rotate(s.body[c.b].turned, p.start_arm_b) - p.start_arm_b;
-  return p.start_separation + dot(c.normal, at_b - at_a);
+  const MoverState &a = s.state[c.a], &b = s.state[c.b];
+  return p.start_separation +
+         dot(c.normal, b.moved + cross(b.turned, p.arm_b) - a.moved - cross(a.turned, p.arm_a));
 }
 
 }  // namespace
 
-void load_contact(const Contact& from, ImpulseContact& c) {
+void load_contact(const Contact& from, const ImpulseScene& s, ImpulseContact& c) {
   c.count = from.point_count;
   c.normal = from.normal;
   c.surface_velocity = from.surface_velocity;
@@ -200,8 +202,11 @@ void load_contact(const Contact& from, ImpulseContact& c) {
   for (int i = 0; i < c.count; ++i) {
     ImpulsePoint& p = c.points[i];
     p = ImpulsePoint{};
-    p.start_arm_a = from.points[i].arm_a;
-    p.start_arm_b = from.points[i].arm_b;
+    p.arm_a = from.points[i].arm_a;
+    p.arm_b = from.points[i].arm_b;
+    add_inverse_mass(s, c.a, p.arm_a, p.k);
+    add_inverse_mass(s, c.b, p.arm_b, p.k);
+    p.k_inverse = inverse_response(p.k);
     p.start_separation = from.points[i].separation;
     const Real push = from.points[i].normal_impulse;
     if (push > 0) p.impulse = push * c.normal + (push / pressure) * friction;
@@ -225,15 +230,10 @@ void start_contact(ImpulseContact& c, const ImpulseScene& s) {
   const ImpulseBody &a = s.body[c.a], &b = s.body[c.b];
   for (int i = 0; i < c.count; ++i) {
     ImpulsePoint& p = c.points[i];
-    p.arm_a = rotate(a.turned, p.start_arm_a);
-    p.arm_b = rotate(b.turned, p.start_arm_b);
-    p.k = Mat3::Zero();
-    add_inverse_mass(s, c.a, p.arm_a, p.k);
-    add_inverse_mass(s, c.b, p.arm_b, p.k);
-    p.k_inverse = inverse_response(p.k);
     p.separation = separation_now(c, p, s);
     p.target = resting_target(p, s);
-    const Vec3 gained = b.force_velocity + cross(b.force_spin, p.arm_b) - a.force_velocity - cross(a.force_spin, p.arm_a);
+    const Vec3 gained =
+        b.force_velocity + cross(b.force_spin, p.arm_b) - a.force_velocity - cross(a.force_spin, p.arm_a);
     p.force_speed = std::max(-dot(c.normal, gained), Real(0));
     p.bounced = 0;
     push_point(c, p, p.impulse, s);

@@ -7,11 +7,10 @@ namespace feder {
 
 // Per mover, beside MoverState and MoverMass.
 struct ImpulseBody {
-  Mat3 inv_inertia = Mat3::Zero();                          // world, now
+  Mat3 inv_inertia = Mat3::Zero();                                // world, at the start of the step
   Vec3 last_velocity = Vec3::Zero(), last_spin = Vec3::Zero();    // when the last substep ended
   Vec3 force_velocity = Vec3::Zero(), force_spin = Vec3::Zero();  // gained from forces in this substep
   Vec3 late_move = Vec3::Zero(), late_turn = Vec3::Zero();        // of impacts inside the substep, m and rad
-  Quat turned;                                              // rotation since the start of the step
   bool movable = false;
 };
 
@@ -38,12 +37,10 @@ inline void shift(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, co
   s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
   s.state[i].turned += turn;
   s.state[i].rotation = integrate_rotation(s.state[i].rotation, turn);
-  s.body[i].turned = s.state[i].rotation * conjugate(s.mass[i].start_rotation);
 }
 
 struct ImpulsePoint {
-  Vec3 start_arm_a = Vec3::Zero(), start_arm_b = Vec3::Zero();  // at the start of the step, m
-  Vec3 arm_a = Vec3::Zero(), arm_b = Vec3::Zero();              // now
+  Vec3 arm_a = Vec3::Zero(), arm_b = Vec3::Zero();  // at the start of the step, m
   Mat3 k = Mat3::Zero(), k_inverse = Mat3::Zero();  // relative velocity per impulse, 1/kg, and its inverse
   Vec3 impulse = Vec3::Zero();    // on b, accumulated in this substep; may be taken back
   Real start_separation = 0;      // m
@@ -64,9 +61,9 @@ struct ImpulseContact {
 };
 
 // Contacts (impulse_contact.cpp).
-void load_contact(const Contact& from, ImpulseContact& c);
+void load_contact(const Contact& from, const ImpulseScene& s, ImpulseContact& c);  // once per step; c.a and c.b are set
 void store_contact(const ImpulseContact& c, Contact& to);
-void start_contact(ImpulseContact& c, const ImpulseScene& s);        // arms, matrices, targets; applies what was kept
+void start_contact(ImpulseContact& c, const ImpulseScene& s);        // gaps and targets; applies what was kept
 Real contact_speed_error(const ImpulseContact& c, const ImpulseScene& s);  // m/s: what solving it would change
 void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real tolerance);
 Real contact_depth(const ImpulseContact& c, const ImpulseScene& s);  // beyond the slop, m
