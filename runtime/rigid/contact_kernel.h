@@ -154,13 +154,15 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
   const Lanes k11 = dot(times(inv_mass, t1), t1) + dot(a1, ia1) + dot(b1, ib1);
   const Lanes k12 = dot(times(inv_mass, t1), t2) + dot(a2, ia1) + dot(b2, ib1);
   const Lanes k22 = dot(times(inv_mass, t2), t2) + dot(a2, times(c.inv_inertia_a, a2)) + dot(b2, times(c.inv_inertia_b, b2));
-  // a singular matrix (locked axes) leaves the axes on their own
-  const Lanes det = k11 * k22 - k12 * k12;
-  const LaneMask good = det > all_lanes(WideReal(1e-6)) * k11 * k22;
+  // singular (planar worlds, locked axes): the pseudo-inverse of a matrix of rank one, so that a direction in which
+  // nothing but rounding can move gets no impulse
+  const Lanes det = k11 * k22 - k12 * k12, trace2 = (k11 + k22) * (k11 + k22);
+  const LaneMask good = det > all_lanes(WideReal(1e-6)) * trace2;
   const Lanes inv = select(good, one / select(good, det, one), zero_lanes());
-  store(c.tangent_mass[0], select(good, k22 * inv, reciprocal_or_zero(k11)));
-  store(c.tangent_mass[1], select(good, -k12 * inv, zero_lanes()));
-  store(c.tangent_mass[2], select(good, k11 * inv, reciprocal_or_zero(k22)));
+  const Lanes flat = reciprocal_or_zero(trace2);
+  store(c.tangent_mass[0], select(good, k22 * inv, k11 * flat));
+  store(c.tangent_mass[1], select(good, -k12 * inv, k12 * flat));
+  store(c.tangent_mass[2], select(good, k11 * inv, k22 * flat));
   store(c.twist_mass, reciprocal_or_zero(dot(n, times(c.inv_inertia_a, n)) + dot(n, times(c.inv_inertia_b, n))));
 }
 
@@ -168,6 +170,9 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
 [[gnu::always_inline]] inline void prepare_rolling(const ContactBatch& c, BatchSide& side) {
   Lanes m[6];
   for (int k = 0; k < 6; ++k) m[k] = load(c.inv_inertia_a[k]) + load(c.inv_inertia_b[k]);
+  // an axis about which nothing turns (planar worlds) answers with no impulse
+  const Lanes trace = m[0] + m[1] + m[2];
+  for (int k = 0; k < 3; ++k) m[k] = select(m[k] > zero_lanes(), m[k], trace);
   const Lanes cxx = m[1] * m[2] - m[5] * m[5], cxy = m[4] * m[5] - m[3] * m[2], cxz = m[3] * m[5] - m[4] * m[1];
   const Lanes det = m[0] * cxx + m[3] * cxy + m[4] * cxz;
   const Lanes inv = reciprocal_or_zero(det);

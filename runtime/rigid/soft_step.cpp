@@ -37,7 +37,7 @@ class SoftStep final : public RigidSolver {
   SoftStep(Arena& arena, const Params& p)
       : kernels_(&pick_kernels(p.text("kernels", "auto"))),
         contact_hertz_(real(p, "contact_hertz", 30, 0.1, 1e5)),
-        contact_damping_(real(p, "contact_damping", 10, 0, 1e3)),
+        contact_damping_(real(p, "contact_damping", 10, 0, 1e3)), contact_cap_(real(p, "contact_cap", 0.25, 0, 1)),
         push_speed_(real(p, "push_speed", 3, 0, 1e6)),
         bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
         bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
@@ -63,7 +63,7 @@ class SoftStep final : public RigidSolver {
   void run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c);
 
   const ContactKernels* kernels_;
-  Real contact_hertz_, contact_damping_, push_speed_, bounce_speed_;
+  Real contact_hertz_, contact_damping_, contact_cap_, push_speed_, bounce_speed_;
   int bounce_rounds_;
   SoftJoints joints_;
 
@@ -192,7 +192,7 @@ ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
   p.h = c.h;
   p.inv_h = 1 / c.h;
   // as stiff as the substep rate can carry; twice that against what cannot move
-  const Real hertz = std::min(contact_hertz_, Real(0.125) / c.h);
+  const Real hertz = std::min(contact_hertz_, contact_cap_ / c.h);
   p.soft = soft_factors(hertz, contact_damping_, c.h);
   p.soft_fixed = soft_factors(2 * hertz, contact_damping_ / 2, c.h);
   p.push_speed = push_speed_;
