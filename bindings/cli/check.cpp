@@ -3,8 +3,11 @@
 // binding itself is asked.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <map>
 #include <set>
+#include <sstream>
 
 #include "base/params.h"
 #include "cli/command.h"
@@ -40,7 +43,8 @@ std::string code_only(std::string s) {
     const std::size_t text = comment ? i + 2 : i;
     std::size_t end = i + 1;
     if (const std::size_t open = text < s.size() ? long_bracket(s, text) : 0) {
-      const std::string close = "]" + std::string(open - 2, '=') + "]";
+      std::string close(open, '=');  // as long as the opening one
+      close.front() = close.back() = ']';
       end = s.find(close, text + open);
       end = end == std::string::npos ? s.size() : end + close.size();
     } else if (comment) {
@@ -75,19 +79,38 @@ std::vector<std::pair<int, std::string>> words_after(const std::string& code, co
   return found;
 }
 
-// Asks the binding: runs a few lines of Lua that print one name per line.
-std::set<std::string> ask(const Options& options, const std::string& script) {
-  std::set<std::string> lines;
+// Asks the binding itself: what it says about looking up each of the words in `object`, a Lua expression. Empty for the
+// words that are there.
+std::map<std::string, std::string> ask(const Options& options, const std::string& object, const std::set<std::string>& words) {
+  std::string script = "local object = " + object + R"(
+local function ask(word)
+  local found, value = pcall(function() return object[word] end)
+  if not found then print(word, (tostring(value):gsub('^[^:]*:%d+: ', '')))
+  elseif value == nil then print(word, '') end
+end
+if type(object) == 'table' then for name in pairs(object) do print('', name) end end
+)";
+  for (const std::string& word : words) script += fmt::format("ask '{}'\n", word);
   std::string text;
   lua::HostOptions host = host_options(options);
   host.set.clear();
   host.world.clear();
-  host.print = [&text](std::string_view more) { (text += more) += '\n'; };
+  host.print = [&text](std::string_view more) { text += more; };
   lua::Script(std::move(host)).load_string(script, "check");
+  std::map<std::string, std::string> answers;
+  std::vector<std::string> known;
   std::istringstream in(text);
-  for (std::string line; std::getline(in, line);)
-    if (!line.empty()) lines.insert(line);
-  return lines;
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t tab = line.find('\t');
+    if (tab == 0) known.push_back(line.substr(1));
+    else if (tab != std::string::npos) answers[line.substr(0, tab)] = line.substr(tab + 1);
+  }
+  for (auto& [word, answer] : answers) {
+    if (!answer.empty()) continue;
+    const std::string near = nearest_name(word, known);
+    answer = fmt::format("there is no '{}'{}", word, near.empty() ? "" : "; did you mean '" + near + "'?");
+  }
+  return answers;
 }
 
 class Check final : public Command {
@@ -117,37 +140,25 @@ class Check final : public Command {
 
  private:
   static std::vector<Finding> check(const std::string& scene, const Options& options) {
-    check_syntax(scene, host_options(options));
+    check_syntax(scene, {});
     std::vector<Finding> findings;
     if (is_yaml(scene)) return findings;
     const std::string code = code_only(read_text(scene));
-    check_functions(code, options, findings);
-    check_methods(code, options, findings);
+    check_words(code, "feder.", "require 'feder'", options, findings);
+    check_words(code, "world:", "require 'feder'.world {}", options, findings);
+    std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) { return a.line < b.line; });
     return findings;
   }
 
-  static void check_functions(const std::string& code, const Options& options, std::vector<Finding>& findings) {
-    const auto used = words_after(code, "feder.");
+  static void check_words(const std::string& code, const std::string& prefix, const std::string& object,
+                          const Options& options, std::vector<Finding>& findings) {
+    const auto used = words_after(code, prefix);
     if (used.empty()) return;
-    const std::set<std::string> known = ask(options, "for name in pairs(require 'feder') do print(name) end");
+    std::set<std::string> words;
+    for (const auto& [line, word] : used) words.insert(word);
+    const auto answers = ask(options, object, words);
     for (const auto& [line, word] : used)
-      if (!known.count(word)) findings.push_back({line, unknown("feder." + word, word, known)});
-  }
-
-  static void check_methods(const std::string& code, const Options& options, std::vector<Finding>& findings) {
-    const auto used = words_after(code, "world:");
-    if (used.empty()) return;
-    std::string script = "local w = require 'feder'.world {}\n";
-    for (const auto& [line, word] : used)
-      script += fmt::format("if pcall(function() return assert(w['{0}']) end) then print '{0}' end\n", word);
-    const std::set<std::string> known = ask(options, script);
-    for (const auto& [line, word] : used)
-      if (!known.count(word)) findings.push_back({line, unknown("world:" + word, word, known)});
-  }
-
-  static std::string unknown(const std::string& written, const std::string& word, const std::set<std::string>& known) {
-    const std::string near = nearest_name(word, {known.begin(), known.end()});
-    return fmt::format("there is no {}{}", written, near.empty() ? "" : "; did you mean '" + near + "'?");
+      if (const auto answer = answers.find(word); answer != answers.end()) findings.push_back({line, answer->second});
   }
 
   std::vector<std::string> scenes_;
