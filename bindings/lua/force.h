@@ -1,0 +1,32 @@
+// Forces: the kinds of the runtime, and Lua functions evaluated before each step.
+#pragma once
+#include <map>
+#include <vector>
+
+#include "base/math.h"
+#include "lua/state.h"
+#include "state/objects.h"
+
+namespace feder::lua {
+
+struct ScriptForce {
+  ObjectId object;       // the force's handle
+  int function = 0;      // key in the world's callbacks
+  bool all = false;
+  TagMask tags = 0;
+  ObjectId target;
+  std::size_t profile = 0;
+  std::map<std::uint32_t, Vec3> held;  // by body index: the force when it was last awake
+};
+
+struct ScriptForces {
+  std::vector<ScriptForce> list;
+};
+
+// Evaluates the functions for every point and body they act on, and hands the sums to the systems.
+void apply_script_forces(lua_State* L, WorldRecord& record);
+
+int world_force(lua_State* L);
+std::span<const Method> force_methods();
+
+}  // namespace feder::lua

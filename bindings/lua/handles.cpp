@@ -1,0 +1,414 @@
+// Handles and worlds as userdata.
+#include <random>
+
+#include "lua/records.h"
+
+namespace feder::lua {
+namespace {
+
+lua_Integer cache_key(ObjectId id) {
+  return static_cast<lua_Integer>(static_cast<std::uint64_t>(id.generation) << 32 | id.slot);
+}
+
+Class class_of(const WorldRecord& record, ObjectId id) {
+  if (record.regions.count(id)) return Class::region;
+  switch (record.world->objects().kind(id)) {
+    case ObjectKind::joint: return Class::joint;
+    case ObjectKind::net: return Class::net;
+    case ObjectKind::force: return Class::force;
+    case ObjectKind::region: return Class::region;
+    default: return Class::body;
+  }
+}
+
+WorldRecord* record_of(lua_State* L, std::uint32_t id) {
+  State& s = state(L);
+  return id < s.worlds.size() ? s.worlds[id].get() : nullptr;
+}
+
+// Pushes the name; "" when nobody remembers.
+void push_name(lua_State* L, int index, const Handle& h) {
+  index = lua_absindex(L, index);
+  if (h.dead) {
+    lua_getiuservalue(L, index, 2);
+    return;
+  }
+  const WorldRecord* r = record_of(L, h.world);
+  lua_pushstring(L, r && r->world ? r->world->objects().name(h.id).c_str() : "");
+}
+
+std::string describe_handle(lua_State* L, int index, const Handle& h) {
+  push_name(L, index, h);
+  const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+  lua_pop(L, 1);
+  const std::string kind = class_name(h.kind);
+  return name.empty() ? kind + " #" + std::to_string(h.id.slot) : kind + " \"" + name + "\"";
+}
+
+bool is_alive(lua_State* L, const Handle& h) {
+  const WorldRecord* r = record_of(L, h.world);
+  return !h.dead && r && r->world && r->world->objects().alive(h.id);
+}
+
+[[noreturn]] void fail_dead(lua_State* L, int index, const Handle& h, const std::string& before) {
+  index = lua_absindex(L, index);
+  const WorldRecord* r = record_of(L, h.world);
+  const std::string what = before + describe_handle(L, index, h);
+  if (!r || !r->world) fail(L, what + " belongs to a closed world");
+  std::string where;
+  if (h.dead) {
+    lua_getiuservalue(L, index, 3);
+    where = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+    lua_pop(L, 1);
+  } else {
+    where = r->world->objects().destroyed_at(h.id);
+  }
+  fail(L, what + " was destroyed" + (where.empty() ? "" : " at " + where));
+}
+
+// Leaves name and place in the handle, if a script holds one.
+void bury(lua_State* L, WorldRecord& record, ObjectId id, const std::string& name, const std::string& where) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  if (lua_rawgeti(L, -1, cache_key(id)) == LUA_TUSERDATA) {
+    static_cast<Handle*>(lua_touserdata(L, -1))->dead = true;
+    lua_pushstring(L, name.c_str());
+    lua_setiuservalue(L, -2, 2);
+    lua_pushstring(L, where.c_str());
+    lua_setiuservalue(L, -2, 3);
+  }
+  lua_pop(L, 2);
+}
+
+int world_collected(lua_State* L) {
+  const auto* block = static_cast<const WorldBlock*>(lua_touserdata(L, 1));
+  if (WorldRecord* r = block ? record_of(L, block->world) : nullptr) close_world(L, *r);
+  return 0;
+}
+
+int handle_tostring(lua_State* L) {
+  const Handle* h = test_handle(L, 1);
+  lua_pushstring(L, h ? describe_handle(L, 1, *h).c_str() : "?");
+  return 1;
+}
+
+int world_tostring(lua_State* L) {
+  const auto* block = static_cast<const WorldBlock*>(test_class(L, 1, Class::world));
+  lua_pushstring(L, block ? ("world #" + std::to_string(block->world + 1)).c_str() : "?");
+  return 1;
+}
+
+Handle& self_handle(lua_State* L) {
+  void* block = self_block(L);
+  if (!block) {
+    const std::string name = function_name(L);
+    wrong_self(L, name.substr(0, name.find(':')).c_str());
+  }
+  return *static_cast<Handle*>(block);
+}
+
+int object_alive(lua_State* L) {
+  lua_pushboolean(L, is_alive(L, self_handle(L)));
+  return 1;
+}
+
+int object_kind(lua_State* L) {
+  lua_pushstring(L, class_name(self_handle(L).kind));
+  return 1;
+}
+
+int object_name(lua_State* L) {
+  push_name(L, 1, self_handle(L));
+  return 1;
+}
+
+int object_destroy(lua_State* L) {
+  Self self = check_self(L);
+  destroy_object(L, self.record, self.id, short_place(L));
+  return 0;
+}
+
+int object_on(lua_State* L) {
+  Self self = check_self(L);
+  return push_subscription(L, self.record, self.id);
+}
+
+int object_tags(lua_State* L) {
+  Self self = check_self(L);
+  const Objects& objects = self.world.objects();
+  const TagMask tags = objects.tags(self.id);
+  lua_newtable(L);
+  lua_Integer n = 0;
+  for (std::size_t i = 0; i < objects.tag_names().size(); ++i) {
+    if (!(tags >> i & 1)) continue;
+    lua_pushstring(L, objects.tag_names()[i].c_str());
+    lua_rawseti(L, -2, ++n);
+  }
+  return 1;
+}
+
+const Method kObjectMethods[] = {
+    {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
+    {"kind", guard<object_kind>, "h:kind() -> string", "\"body\", \"joint\", \"net\", \"force\" or \"region\""},
+    {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
+    {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
+    {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
+    {"tags", guard<object_tags>, "h:tags() -> {string, ...}", "the tags it was made with"},
+};
+
+}  // namespace
+
+Rigid& WorldRecord::rigid() {
+  Rigid& r = world->need<Rigid>();
+  if (!has_pairs) {
+    has_pairs = true;
+    Collide& collide = world->need<Collide>();
+    for (const NamedMaterialPair& p : settings.material_pairs)
+      collide.set_material_pair({collide.material(p.a), collide.material(p.b), p.friction_static, p.friction_dynamic, p.restitution});
+  }
+  return r;
+}
+
+Springs& WorldRecord::springs() { return world->need<Springs>(); }
+
+std::span<const Method> object_methods() { return kObjectMethods; }
+
+WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
+  State& s = state(L);
+  std::size_t open = 0;
+  for (const auto& r : s.worlds) open += r->world != nullptr;
+  // the collector does not see how large a world is
+  if (open >= 8) lua_gc(L, LUA_GCCOLLECT, 0);
+  if (open >= 1000) fail_here(L, "expected at most 1000 open worlds");
+  auto record = std::make_unique<WorldRecord>();
+  record->id = static_cast<std::uint32_t>(s.worlds.size());
+  record->settings = settings;
+  std::random_device random;
+  const auto word = [&random] { return static_cast<std::uint64_t>(random()) << 32 | random(); };
+  record->key.a = word(), record->key.b = word();
+  record->world = std::make_unique<World>(settings.desc, catalog());
+  // begin and end events are always made, so that polling misses none
+  for (int k = 0; k < kEventKinds; ++k) {
+    const EventKind kind = static_cast<EventKind>(k);
+    record->world->events().set_wanted(kind, kind != EventKind::contact_stay && kind != EventKind::hit && kind != EventKind::step);
+  }
+
+  auto* block = static_cast<WorldBlock*>(lua_newuserdatauv(L, sizeof(WorldBlock), 1));
+  block->world = 0xffffffffu;
+  push_class(L, Class::world);
+  lua_setmetatable(L, -2);
+  lua_newtable(L);
+  lua_setiuservalue(L, -2, 1);
+  lua_newtable(L);
+  lua_newtable(L);
+  lua_pushstring(L, "v");
+  lua_setfield(L, -2, "__mode");
+  lua_setmetatable(L, -2);
+  record->cache_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.worlds_ref);
+  lua_pushvalue(L, -2);
+  lua_rawseti(L, -2, static_cast<lua_Integer>(record->id) + 1);
+  lua_pop(L, 1);
+  block->world = record->id;
+  s.worlds.push_back(std::move(record));
+  return *s.worlds.back();
+}
+
+void push_world(lua_State* L, const WorldRecord& record) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).worlds_ref);
+  lua_rawgeti(L, -1, static_cast<lua_Integer>(record.id) + 1);
+  lua_remove(L, -2);
+}
+
+void push_data(lua_State* L, const WorldRecord& record) {
+  push_world(L, record);
+  lua_getiuservalue(L, -1, 1);
+  lua_remove(L, -2);
+}
+
+int keep(lua_State* L, WorldRecord& record, int index) {
+  index = lua_absindex(L, index);
+  push_data(L, record);
+  lua_pushvalue(L, index);
+  const int key = luaL_ref(L, -2);
+  lua_pop(L, 1);
+  return key;
+}
+
+void drop(lua_State* L, WorldRecord& record, int key) {
+  if (!key) return;
+  push_data(L, record);
+  if (lua_type(L, -1) == LUA_TTABLE) luaL_unref(L, -1, key);
+  lua_pop(L, 1);
+}
+
+void close_world(lua_State* L, WorldRecord& record) {
+  if (!record.world) return;
+  luaL_unref(L, LUA_REGISTRYINDEX, record.cache_ref);
+  record.cache_ref = LUA_NOREF;
+  record.subscriptions = {};
+  record.timers = {};
+  record.tasks = {};
+  record.forces = {};
+  record.regions.clear();
+  record.joints.clear();
+  record.world.reset();
+}
+
+WorldRecord& check_world(lua_State* L) {
+  const auto* block = static_cast<const WorldBlock*>(self_block(L));
+  if (!block) wrong_self(L, "world");
+  WorldRecord* r = record_of(L, block->world);
+  if (!r || !r->world) fail_here(L, "the world is closed");
+  return *r;
+}
+
+Self check_self(lua_State* L) {
+  const Handle& h = self_handle(L);
+  WorldRecord* r = record_of(L, h.world);
+  if (h.dead || !r || !r->world || !r->world->objects().alive(h.id)) fail_dead(L, 1, h, std::string(function_name(L)) + ": ");
+  return {*r, *r->world, h.id};
+}
+
+Handle* test_handle(lua_State* L, int index) {
+  for (Class c : {Class::body, Class::net, Class::joint, Class::force, Class::region})
+    if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
+  return nullptr;
+}
+
+ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what) {
+  const Handle* h = test_handle(L, index);
+  if (!h) fail(L, what + ": expected an object of the world, got " + describe(L, index));
+  if (!is_alive(L, *h)) fail_dead(L, index, *h, what + ": ");
+  if (h->world != record.id) fail(L, what + ": " + describe_handle(L, index, *h) + " belongs to another world");
+  return h->id;
+}
+
+ObjectId check_body(lua_State* L, int index, WorldRecord& record, const std::string& what) {
+  const Handle* h = test_handle(L, index);
+  if (!h || h->kind != Class::body) fail(L, what + ": expected a body, got " + describe(L, index));
+  return check_object(L, index, record, what);
+}
+
+bool object_option(Options& o, const char* key, WorldRecord& record, ObjectId& out) {
+  if (!o.push_any(key)) return false;
+  out = check_object(o.L(), -1, record, o.path(key));
+  lua_pop(o.L(), 1);
+  return true;
+}
+
+void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
+  if (!id) {
+    lua_pushnil(L);
+    return;
+  }
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  if (lua_rawgeti(L, -1, cache_key(id)) == LUA_TUSERDATA) {
+    lua_remove(L, -2);
+    return;
+  }
+  lua_pop(L, 1);
+  auto* h = static_cast<Handle*>(lua_newuserdatauv(L, sizeof(Handle), 3));
+  new (h) Handle{record.id, class_of(record, id), false, id};
+  push_class(L, h->kind);
+  lua_setmetatable(L, -2);
+  push_world(L, record);
+  lua_setiuservalue(L, -2, 1);
+  lua_pushvalue(L, -1);
+  lua_rawseti(L, -3, cache_key(id));
+  lua_remove(L, -2);
+}
+
+void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
+  World& world = *record.world;
+  const std::string name = world.objects().name(id);
+  switch (world.objects().kind(id)) {
+    case ObjectKind::joint: record.rigid().destroy_joint(id, where); break;
+    case ObjectKind::net: record.springs().destroy_net(id, where); break;
+    case ObjectKind::force:
+      world.remove_force(id, where);
+      std::erase_if(record.forces.list, [&](const ScriptForce& f) {
+        if (f.object == id) drop(L, record, f.function);
+        return f.object == id;
+      });
+      if (Springs* springs = world.find<Springs>()) springs->clear_script_forces();
+      break;
+    default: record.rigid().destroy_body(id, where); break;
+  }
+  bury(L, record, id, name, where);
+  record.regions.erase(id);
+  // joints go with their bodies
+  for (auto it = record.joints.begin(); it != record.joints.end();) {
+    if (world.objects().alive(it->first)) {
+      ++it;
+      continue;
+    }
+    bury(L, record, it->first, world.objects().name(it->first), where);
+    it = record.joints.erase(it);
+  }
+}
+
+void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
+  const Objects& objects = record.world->objects();
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  lua_newtable(L);
+  lua_Integer lost = 0;
+  for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) {
+    auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
+    const bool alive = objects.alive(h->id);
+    if (alive) h->dead = false;
+    if (alive) continue;
+    lua_pushvalue(L, -1);
+    lua_rawseti(L, -4, ++lost);
+  }
+  // ids of the lost are given again: their handles must never be found under them
+  for (lua_Integer i = 1; i <= lost; ++i) {
+    lua_rawgeti(L, -1, i);
+    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
+    const ObjectId id = h->id;
+    push_name(L, -1, *h);
+    const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+    const bool known = h->dead;
+    lua_pop(L, 2);
+    if (!known) bury(L, record, id, name, where);
+    lua_pushnil(L);
+    lua_rawseti(L, -3, cache_key(id));
+  }
+  lua_pop(L, 2);
+  std::erase_if(record.forces.list, [&](const ScriptForce& f) { return !objects.alive(f.object); });
+}
+
+std::string describe_object(lua_State* L, int index, Class c) {
+  if (const Handle* h = test_handle(L, index)) return describe_handle(L, index, *h);
+  return std::string(c == Class::event ? "an " : "a ") + class_name(c);
+}
+
+TagMask tag_option(Options& o, WorldRecord& record) {
+  std::vector<std::string> words;
+  if (!o.words("tags", words)) return 0;
+  for (const std::string& w : words)
+    if (w.empty() || w.size() > 64) o.raise("tags", "expected words of 1 to 64 characters, got '" + w.substr(0, 64) + "'");
+  // the world learns a tag only when there is room for all of them
+  std::size_t fresh = 0;
+  for (const std::string& w : words) fresh += record.world->objects().known_tag(w) == 0;
+  if (record.world->objects().tag_names().size() + fresh > 64) o.raise("tags", "a world knows at most 64 different tags");
+  TagMask mask = 0;
+  for (const std::string& w : words) mask |= record.world->objects().tag_bit(w);
+  return mask;
+}
+
+void open_classes(lua_State* L) {
+  for (Class c : {Class::body, Class::joint, Class::net, Class::force, Class::region}) {
+    push_class(L, c);
+    lua_pushcfunction(L, guard<handle_tostring>);
+    lua_setfield(L, -2, "__tostring");
+    lua_pop(L, 1);
+  }
+  push_class(L, Class::world);
+  lua_pushcfunction(L, world_tostring);
+  lua_setfield(L, -2, "__tostring");
+  lua_pushcfunction(L, world_collected);
+  lua_setfield(L, -2, "__gc");
+  lua_pop(L, 1);
+}
+
+}  // namespace feder::lua

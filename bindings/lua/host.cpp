@@ -1,0 +1,148 @@
+// Script: the C++ face. Every way into Lua goes through State::call, so that nothing unwinds into the host.
+#include "lua/host.h"
+
+#include "lua/library.h"
+#include "lua/params.h"
+#include "lua/records.h"
+#include "lua/scene.h"
+#include "lua/step.h"
+
+namespace feder::lua {
+
+struct Script::Impl {
+  explicit Impl(HostOptions options) : state(std::move(options)) {}
+
+  // Runs a C++ function under Lua's protection; errors become ScriptError.
+  template <class F>
+  void protect(F&& body) {
+    lua_State* L = state.L;
+    lua_pushcfunction(L, [](lua_State* on) -> int {
+      (*static_cast<F*>(lua_touserdata(on, 1)))(on);
+      return 0;
+    });
+    lua_pushlightuserdata(L, &body);
+    Failure failure;
+    if (!state.call(L, 1, 0, failure)) throw ScriptError(failure.text());
+  }
+
+  void run(std::string_view text, const std::string& name) {
+    begin_load();
+    protect([&](lua_State* L) {
+      if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + name).c_str(), "t") != LUA_OK) lua_error(L);
+      lua_call(L, 0, 1);
+      state.is_scene = take_scene(L, name);
+    });
+    end_load();
+  }
+
+  void run_yaml(const std::string& text, const std::string& name) {
+    begin_load();
+    if (!state.options.load_yaml) throw ScriptError(name + ": this host reads no YAML");
+    protect([&](lua_State* L) {
+      std::string error;
+      try {
+        state.options.load_yaml(L, name, text);
+      } catch (const ScriptError& e) {
+        error = e.what();
+      }
+      if (!error.empty()) {
+        lua_pushstring(L, error.c_str());
+        lua_error(L);
+      }
+      yaml_to_scene(L, name);
+      state.is_scene = take_scene(L, name);
+    });
+    end_load();
+  }
+
+  void begin_load() {
+    if (loaded) throw ScriptError("a script has been loaded already: make another lua::Script");
+    loaded = true;
+    state.phase = Phase::loading;
+  }
+
+  void end_load() {
+    state.phase = Phase::idle;
+    check_set_names(state);
+  }
+
+  struct InPhase {
+    State& state;
+    Phase before;
+    InPhase(State& s, Phase p) : state(s), before(s.phase) { s.phase = p; }
+    ~InPhase() { state.phase = before; }
+  };
+
+  State state;
+  bool loaded = false;
+};
+
+Script::Script(HostOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Script::~Script() = default;
+
+void Script::load_file(const std::filesystem::path& file) {
+  State& s = impl_->state;
+  std::string text;
+  try {
+    text = read_text(file);
+  } catch (const SceneError& e) {
+    throw ScriptError(e.what());
+  }
+  s.folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  if (file.extension() == ".yaml" || file.extension() == ".yml") return impl_->run_yaml(text, chunk_name(file));
+  // a mark of UTF-8 and a #! line belong to other programs
+  std::string_view code = text;
+  if (code.substr(0, 3) == "\xef\xbb\xbf") code.remove_prefix(3);
+  if (code.substr(0, 1) == "#") code.remove_prefix(std::min(code.find('\n'), code.size()));
+  impl_->run(code, chunk_name(file));
+}
+
+void Script::load_string(std::string_view text, const std::string& chunk) { impl_->run(text, chunk_name(chunk)); }
+
+bool Script::is_scene() const { return impl_->state.is_scene; }
+std::string Script::title() const { return impl_->state.scene.title; }
+double Script::seconds() const { return impl_->state.scene.seconds; }
+std::vector<ParamInfo> Script::params() const { return impl_->state.params; }
+
+void Script::build() {
+  State& s = impl_->state;
+  if (!s.is_scene) throw ScriptError("the script is no scene: it has nothing to build");
+  const Impl::InPhase phase(s, Phase::building);
+  lua_pushcfunction(s.L, guard<build_scene>);
+  Failure failure;
+  if (!s.call(s.L, 0, 0, failure)) throw ScriptError(failure.text());
+}
+
+World* Script::world() {
+  State& s = impl_->state;
+  return s.last_world < s.worlds.size() ? s.worlds[s.last_world]->world.get() : nullptr;
+}
+
+void Script::step() {
+  State& s = impl_->state;
+  if (!world()) throw ScriptError("there is no world to step; build() makes a scene's");
+  const Impl::InPhase phase(s, Phase::running);
+  lua_pushcfunction(s.L, [](lua_State* L) -> int {
+    run_step(L, *state(L).worlds[state(L).last_world]);
+    return 0;
+  });
+  Failure failure;
+  if (!s.call(s.L, 0, 0, failure, true)) s.report(failure);
+}
+
+CheckResult Script::check() {
+  const Impl::InPhase phase(impl_->state, Phase::checking);
+  return run_check(impl_->state.L);
+}
+
+const std::vector<HandlerError>& Script::handler_errors() const { return impl_->state.errors; }
+std::vector<HandlerProfile> Script::handler_profile() const {
+  std::vector<HandlerProfile> used;
+  for (const HandlerProfile& p : impl_->state.profile)
+    if (p.calls > 0) used.push_back(p);
+  return used;
+}
+
+void Script::on_step(std::function<void(World&)> callback) { impl_->state.on_step = std::move(callback); }
+
+}  // namespace feder::lua

@@ -1,0 +1,156 @@
+#include "lua/library.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "lua/options.h"
+
+namespace feder::lua {
+namespace {
+
+namespace fs = std::filesystem;
+
+// lower_case words with dots between: no "..", no slash, nothing hidden.
+bool is_module_name(const std::string& name) {
+  bool start = true;
+  for (char c : name) {
+    if (c == '.') {
+      if (start) return false;
+      start = true;
+    } else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_') {
+      start = false;
+    } else {
+      return false;
+    }
+  }
+  return !start && name.size() <= 200;
+}
+
+// The file `name` in `folder`, when it is a regular file that really lies inside.
+fs::path inside(const fs::path& folder, const fs::path& name) {
+  std::error_code error;
+  const fs::path root = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+  if (error) return {};
+  const fs::path real = fs::canonical(root / name, error);
+  if (error || !fs::is_regular_file(real, error)) return {};
+  const auto end = std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first;
+  return end == root.end() ? folder / name : fs::path();
+}
+
+// Modules of feder's own that are not files.
+bool is_left_out(const std::string& name) {
+  for (const char* later : {"feder.cloth", "feder.fluid", "feder.view", "feder.study"})
+    if (name == later) return true;
+  return false;
+}
+
+void run_module(lua_State* L, const std::string& name, const fs::path& file) {
+  State& s = state(L);
+  const std::string text = read_text(file);
+  if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + chunk_name(file)).c_str(), "t") != LUA_OK) lua_error(L);
+  struct Loading {
+    State& s;
+    ~Loading() { s.loading.pop_back(); }
+  };
+  s.loading.push_back(name);
+  const Loading loading{s};
+  lua_pushstring(L, name.c_str());
+  lua_call(L, 1, 1);
+}
+
+// "materials.yaml", "sub/materials.yml": relative, no "..".
+bool is_data_name(const std::string& name) {
+  if (name.empty() || name.size() > 200 || name[0] == '/' || name.find("..") != std::string::npos) return false;
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/'; });
+  const fs::path extension = fs::path(name).extension();
+  return plain && (extension == ".yaml" || extension == ".yml");
+}
+
+}  // namespace
+
+std::string read_text(const fs::path& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  if (error) throw SceneError(file.string() + ": cannot be read: " + error.message());
+  if (size > (std::uintmax_t(64) << 20)) throw SceneError(file.string() + ": larger than 64 MB");
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw SceneError(file.string() + ": cannot be read");
+  return text.str();
+}
+
+std::string chunk_name(const fs::path& file) {
+  std::string name = file.lexically_normal().generic_string();
+  // Lua cuts names of 60 characters and more in its own messages: leave whole folders out instead
+  while (name.size() > 57) {
+    const std::size_t slash = name.find('/', 1);
+    if (slash == std::string::npos) break;
+    name.erase(0, slash + 1);
+  }
+  return name;
+}
+
+int lua_require(lua_State* L) {
+  State& s = state(L);
+  if (lua_type(L, 1) != LUA_TSTRING) fail(L, "require: expected the name of a module, got " + describe(L, 1));
+  const std::string name = lua_tostring(L, 1);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
+  lua_getfield(L, -1, name.c_str());
+  if (!lua_isnil(L, -1)) return 1;
+  if (is_left_out(name)) fail(L, "require: this build leaves out the module '" + name + "'");
+  if (!is_module_name(name))
+    fail(L, "require: expected a name of lower-case words with dots between, got " + describe(L, 1));
+  if (std::find(s.loading.begin(), s.loading.end(), name) != s.loading.end()) {
+    std::string chain;
+    for (const std::string& m : s.loading) chain += m + " -> ";
+    fail(L, "require: modules need each other in a circle: " + chain + name);
+  }
+  std::string relative = name;
+  std::replace(relative.begin(), relative.end(), '.', '/');
+  relative += ".lua";
+  fs::path file;
+  for (const fs::path& root : s.options.library_roots)
+    if (file.empty()) file = inside(root, relative);
+  if (file.empty() && !s.folder.empty()) file = inside(s.folder, relative);
+  if (file.empty()) {
+    const std::string where = s.folder.empty() ? "" : " and beside the scene";
+    fail(L, "require: no module '" + name + "': no file " + relative + " in the " + std::to_string(s.options.library_roots.size()) +
+                " library folders" + where);
+  }
+  run_module(L, name, file);
+  if (lua_isnil(L, -1)) lua_pop(L, 1), lua_pushboolean(L, 1);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
+  lua_pushvalue(L, -2);
+  lua_setfield(L, -2, name.c_str());
+  lua_pop(L, 1);
+  return 1;
+}
+
+int feder_load(lua_State* L) {
+  State& s = state(L);
+  const std::string name = check_text(L, 1, function_name(L));
+  if (!is_data_name(name)) fail_here(L, "expected the name of a .yaml file beside the scene or in a library, got " + describe(L, 1));
+  if (!s.options.load_yaml) fail_here(L, "this host reads no YAML");
+  fs::path file;
+  if (!s.folder.empty()) file = inside(s.folder, name);
+  for (const fs::path& root : s.options.library_roots)
+    for (const fs::path& folder : {root, root / "materials", root / "scenes" / "materials", root / ".." / "scenes" / "materials"})
+      if (file.empty()) file = inside(folder, name);
+  if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
+  const std::string text = read_text(file);
+  std::string error;
+  try {
+    s.options.load_yaml(L, chunk_name(file), text);
+    return 1;
+  } catch (const ScriptError& e) {
+    error = e.what();
+  }
+  // the error has the place in the file; the script's own place would hide it
+  lua_pushstring(L, error.c_str());
+  return lua_error(L);
+}
+
+}  // namespace feder::lua

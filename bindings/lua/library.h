@@ -1,0 +1,14 @@
+// Files of scripts: require and feder.load. Names cannot leave the library folders and the scene's own folder.
+#pragma once
+#include "lua/state.h"
+
+namespace feder::lua {
+
+int lua_require(lua_State* L);
+int feder_load(lua_State* L);
+// Reads a file of at most 64 MB; SceneError when it cannot.
+std::string read_text(const std::filesystem::path& file);
+// The name of a file in messages: as short as it can be said from here, at most 58 characters.
+std::string chunk_name(const std::filesystem::path& file);
+
+}  // namespace feder::lua

@@ -1,0 +1,107 @@
+// The module "feder", the classes without a world, and the list of all functions.
+#include "lua/buffer.h"
+#include "lua/docs.h"
+#include "lua/library.h"
+#include "lua/objects.h"
+#include "lua/params.h"
+#include "lua/sandbox.h"
+#include "lua/scene.h"
+#include "lua/shapes.h"
+#include "lua/world_options.h"
+#if __has_include("couple/springs_rigid.h")
+#include "couple/springs_rigid.h"
+#define FEDER_HAS_SPRINGS_RIGID 1
+#endif
+
+namespace feder::lua {
+namespace {
+
+constexpr const char* kVersion = "0.1.0";
+
+int feder_world(lua_State* L) {
+  State& s = state(L);
+  if (lua_isnoneornil(L, 1)) {
+    lua_settop(L, 0);
+    lua_newtable(L);
+  }
+  const WorldSettings settings = read_world_options(L, 1, function_name(L));
+  WorldRecord& r = push_new_world(L, settings);
+  // a scene's own world stays the host's
+  if (s.is_scene && s.phase != Phase::loading) return 1;
+  luaL_unref(L, LUA_REGISTRYINDEX, s.last_world_ref);
+  lua_pushvalue(L, -1);
+  s.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  s.last_world = r.id;
+  return 1;
+}
+
+int feder_deg(lua_State* L) {
+  lua_pushnumber(L, check_number(L, 1, function_name(L)) * 0.01745329251994329577);
+  return 1;
+}
+
+int feder_version(lua_State* L) {
+  lua_pushstring(L, kVersion);
+  return 1;
+}
+
+const Method kFederFunctions[] = {
+    {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world", "a world of a plain script; see section 3"},
+    {"scene", guard<feder_scene>, "feder.scene{ title =, seconds =, world =, build =, update =, check = } -> scene", "what a scene file returns"},
+    {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value", "a value that --set, a viewer or a study may change"},
+    {"load", guard<feder_load>, "feder.load(\"materials.yaml\") -> table", "a YAML file beside the scene or in the libraries"},
+    {"deg", guard<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
+    {"buffer", guard<feder_buffer>, "feder.buffer(n) -> buffer", "n numbers for bulk data; buf[i] counts from 1"},
+    {"wait", guard<feder_wait>, "feder.wait(seconds)", "in a task: simulated seconds, at least one step"},
+    {"wait_until", guard<feder_wait_until>, "feder.wait_until(fn)", "in a task: until fn() is true, asked after each step"},
+    {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table", "in a task: until such an event, which it returns as a copy"},
+    {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
+};
+
+}  // namespace
+
+std::span<const Method> feder_functions() { return kFederFunctions; }
+
+void open_module(lua_State* L) {
+  const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()}, connection[] = {connection_methods()},
+                                task[] = {task_methods()}, event[] = {event_methods()};
+  make_class(L, Class::shape, shape), make_class(L, Class::buffer, buffer), make_class(L, Class::connection, connection);
+  make_class(L, Class::task, task), make_class(L, Class::event, event);
+  open_shapes(L);
+  open_buffer(L);
+  open_events(L);
+  lua_newtable(L);
+  add_methods(L, feder_functions(), "feder.", 0);
+  add_methods(L, shape_functions(), "feder.", 0);
+  lua_pushnumber(L, 3.14159265358979323846);
+  lua_setfield(L, -2, "pi");
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+  lua_pushvalue(L, -2);
+  lua_setfield(L, -2, "feder");
+}
+
+Catalog catalog() {
+  // couplings come after what they join
+  static const SystemDescriptor* const systems[] = {&Collide::descriptor(), &Rigid::descriptor(), &Springs::descriptor(),
+#ifdef FEDER_HAS_SPRINGS_RIGID
+                                                   &SpringsRigid::descriptor(),
+#endif
+  };
+  return systems;
+}
+
+std::vector<DocRow> docs() {
+  std::vector<DocRow> rows;
+  const auto add = [&rows](const char* owner, std::span<const Method> methods) {
+    for (const Method& m : methods) rows.push_back({owner, m.name, m.signature, m.doc});
+  };
+  add("feder", feder_functions()), add("feder", shape_functions());
+  add("world", world_methods()), add("world", query_methods());
+  add("object", object_methods());
+  add("body", body_methods()), add("joint", joint_methods()), add("net", net_methods()), add("force", force_methods());
+  add("region", region_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
+  add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
+  return rows;
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,378 @@
+#include "lua/options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace feder::lua {
+namespace {
+
+[[noreturn]] void wrong_value(lua_State* L, int index, const std::string& what, const std::string& expected) {
+  fail(L, what + ": expected " + expected + ", got " + describe(L, index));
+}
+
+Real to_real(lua_State* L, int index, const std::string& what) {
+  return static_cast<Real>(check_number(L, index, what));
+}
+
+// The number at t[i] of the table at `index`.
+Real component(lua_State* L, int index, int i, const std::string& what) {
+  static const char* const names[] = {"x", "y", "z", "w"};
+  lua_rawgeti(L, index, i);
+  const Real value = to_real(L, -1, what + "." + names[i - 1]);
+  lua_pop(L, 1);
+  return value;
+}
+
+Quat euler_rotation(Options& o) {
+  Vec3 angles = Vec3::Zero();
+  o.vector("euler", angles);
+  std::string order = "xyz";
+  bool fixed = false;
+  o.text("order", order);
+  o.flag("fixed", fixed);
+  o.finish();
+  if (order.size() != 3 || order.find_first_not_of("xyz") != std::string::npos)
+    o.raise("order", "expected three of the letters x, y, z, got '" + order + "'");
+  // turning about the body's own axes multiplies on the right, about the fixed axes on the left
+  Quat q;
+  for (int k = 0; k < 3; ++k) {
+    Vec3 axis = Vec3::Zero();
+    axis[order[static_cast<std::size_t>(k)] - 'x'] = 1;
+    const Quat turn = from_axis_angle(axis, angles[k]);
+    q = fixed ? turn * q : q * turn;
+  }
+  return normalized(q);
+}
+
+}  // namespace
+
+std::string Range::text() const {
+  const bool below = hi < kHuge, above = lo > -kHuge;
+  if (above && below && open) return "a number above " + print_number(lo) + " and at most " + print_number(hi);
+  if (above && below) return "a number from " + print_number(lo) + " to " + print_number(hi);
+  if (above) return open ? "a number above " + print_number(lo) : "a number of at least " + print_number(lo);
+  if (below) return "a number of at most " + print_number(hi);
+  return "a finite number";
+}
+
+double check_number(lua_State* L, int index, const std::string& what, const Range& range) {
+  if (lua_type(L, index) != LUA_TNUMBER) wrong_value(L, index, what, range.text());
+  const double x = lua_tonumber(L, index);
+  if (!std::isfinite(x)) wrong_value(L, index, what, "a finite number");
+  if (x < range.lo || x > range.hi || (range.open && x <= range.lo)) {
+    const bool huge = std::abs(x) > kHuge && range.hi >= kHuge;
+    wrong_value(L, index, what, huge ? "a number of at most 1e30" : range.text());
+  }
+  // positive in double, zero in float
+  if (range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo))) wrong_value(L, index, what, range.text());
+  return x;
+}
+
+std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi) {
+  const std::string expected = "a whole number from " + std::to_string(lo) + " to " + std::to_string(hi);
+  if (lua_type(L, index) != LUA_TNUMBER) wrong_value(L, index, what, expected);
+  int whole = 0;
+  const lua_Integer i = lua_tointegerx(L, index, &whole);
+  if (!whole || i < lo || i > hi) wrong_value(L, index, what, expected);
+  return i;
+}
+
+const char* check_text(lua_State* L, int index, const std::string& what) {
+  if (lua_type(L, index) != LUA_TSTRING) wrong_value(L, index, what, "a string");
+  return lua_tostring(L, index);
+}
+
+Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar) {
+  index = lua_absindex(L, index);
+  const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";
+  if (lua_type(L, index) != LUA_TTABLE) wrong_value(L, index, what, expected);
+  const auto size = lua_rawlen(L, index);
+  if (size != 3 && !(planar && size == 2))
+    fail(L, what + ": expected " + expected + ", got a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+  Vec3 v = Vec3::Zero();
+  for (int i = 1; i <= static_cast<int>(size); ++i) v[i - 1] = component(L, index, i, what);
+  return v;
+}
+
+Quat check_rotation(lua_State* L, int index, const std::string& what) {
+  index = lua_absindex(L, index);
+  if (lua_type(L, index) != LUA_TTABLE)
+    wrong_value(L, index, what, "{x, y, z, w}, {axis =, angle =} or {euler = {..}}");
+  if (lua_rawlen(L, index) == 4) {
+    Quat q;
+    q.x = component(L, index, 1, what), q.y = component(L, index, 2, what);
+    q.z = component(L, index, 3, what), q.w = component(L, index, 4, what);
+    const double n = static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z +
+                     static_cast<double>(q.w) * q.w;
+    if (!(n > 1e-12 && n < 1e12)) fail(L, what + ": expected a quaternion of length 1, got one of length " + print_number(std::sqrt(n)));
+    return normalized(q);
+  }
+  Options o(L, index, what);
+  if (o.has("euler")) return euler_rotation(o);
+  Vec3 axis = Vec3::Zero();
+  double angle = 0;
+  const bool has_axis = o.unit("axis", axis), has_angle = o.number("angle", angle);
+  o.has("order"), o.has("fixed");
+  o.finish();
+  if (!has_axis || !has_angle) fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
+                                           (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values" : "a table without them"));
+  return from_axis_angle(axis, static_cast<Real>(angle));
+}
+
+Vec3 vector_argument(lua_State* L, int index, bool planar, int* next) {
+  if (lua_type(L, index) == LUA_TTABLE) {
+    if (next) *next = index + 1;
+    return check_vector(L, index, function_name(L), planar);
+  }
+  static const char* const names[] = {".x", ".y", ".z"};
+  const int count = planar && lua_isnoneornil(L, index + 2) ? 2 : 3;
+  Vec3 v = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    // the fast path of every hot verb: no strings are made unless something is wrong
+    const double x = lua_type(L, index + i) == LUA_TNUMBER ? lua_tonumber(L, index + i) : std::nan("");
+    if (!(std::abs(x) <= kHuge)) check_number(L, index + i, std::string(function_name(L)) + names[i]);
+    v[i] = static_cast<Real>(x);
+  }
+  if (next) *next = index + 3;
+  return v;
+}
+
+void set_param(lua_State* L, int index, const std::string& key, const std::string& what, Params& out) {
+  index = lua_absindex(L, index);
+  switch (lua_type(L, index)) {
+    case LUA_TBOOLEAN: out.set(key, lua_toboolean(L, index) != 0); return;
+    case LUA_TNUMBER: out.set(key, check_number(L, index, what, Range{})); return;
+    case LUA_TSTRING: out.set(key, std::string(lua_tostring(L, index))); return;
+    case LUA_TTABLE: {
+      const auto size = lua_rawlen(L, index);
+      if (size > 1024) fail(L, what + ": expected a list of at most 1024 numbers, got " + std::to_string(size));
+      std::vector<double> list;
+      for (std::size_t i = 1; i <= size; ++i) {
+        lua_rawgeti(L, index, static_cast<lua_Integer>(i));
+        list.push_back(check_number(L, -1, what + "[" + std::to_string(i) + "]", Range{}));
+        lua_pop(L, 1);
+      }
+      out.set(key, std::move(list));
+      return;
+    }
+    default: wrong_value(L, index, what, "a number, a string, true or false, or a list of numbers");
+  }
+}
+
+Options::Options(lua_State* L, int index, std::string owner, bool planar)
+    : L_(L), index_(lua_absindex(L, index)), owner_(std::move(owner)), planar_(planar) {
+  luaL_checkstack(L, 12, "options");
+  if (lua_type(L, index_) != LUA_TTABLE) wrong_value(L, index_, owner_, "a table of options { ... }");
+}
+
+void Options::raise_at(const std::string& key, const std::string& message) {
+  // tables read from a YAML file remember where their keys stood
+  std::string at;
+  if (lua_getfield(L_, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L_, index_);
+    if (lua_rawget(L_, -2) == LUA_TTABLE) {
+      lua_pushlstring(L_, key.data(), key.size());
+      if (lua_rawget(L_, -2) != LUA_TSTRING) {
+        lua_pop(L_, 1);
+        lua_pushboolean(L_, 1);
+        lua_rawget(L_, -2);
+      }
+      if (lua_type(L_, -1) == LUA_TSTRING) at = lua_tostring(L_, -1);
+    }
+  }
+  if (at.empty()) fail(L_, message);
+  lua_pushstring(L_, (at + ": " + message).c_str());
+  lua_error(L_);
+  std::abort();  // lua_error does not return
+}
+
+void Options::raise(const char* key, const std::string& message) {
+  raise_at(key ? key : "", (key ? path(key) : owner_) + ": " + message);
+}
+
+void Options::wrong(const char* key, const std::string& expected) {
+  lua_pushstring(L_, key);
+  lua_rawget(L_, index_);
+  raise(key, "expected " + expected + ", got " + describe(L_, -1));
+}
+
+bool Options::push_any(const char* key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  lua_pushstring(L_, key);
+  if (lua_rawget(L_, index_) != LUA_TNIL) return true;
+  lua_pop(L_, 1);
+  return false;
+}
+
+bool Options::push(const char* key, int type, const char* expected) {
+  if (!push_any(key)) return false;
+  if (lua_type(L_, -1) != type) wrong(key, expected);
+  return true;
+}
+
+bool Options::has(const char* key) {
+  if (!push_any(key)) return false;
+  lua_pop(L_, 1);
+  return true;
+}
+
+bool Options::number(const char* key, double& out, const Range& range) {
+  if (!push_any(key)) return false;
+  const double x = lua_type(L_, -1) == LUA_TNUMBER ? lua_tonumber(L_, -1) : std::nan("");
+  const bool good = std::isfinite(x) && x >= range.lo && x <= range.hi &&
+                    !(range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo)));
+  if (!good) {
+    const bool finite = lua_type(L_, -1) != LUA_TNUMBER || std::isfinite(x);
+    wrong(key, !finite ? "a finite number" : std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30" : range.text());
+  }
+  lua_pop(L_, 1);
+  out = x;
+  return true;
+}
+
+bool Options::real(const char* key, Real& out, const Range& range) {
+  double x = 0;
+  if (!number(key, x, range)) return false;
+  out = static_cast<Real>(x);
+  return true;
+}
+
+bool Options::integer(const char* key, std::int64_t& out, std::int64_t lo, std::int64_t hi) {
+  if (!push_any(key)) return false;
+  int whole = 0;
+  const lua_Integer i = lua_type(L_, -1) == LUA_TNUMBER ? lua_tointegerx(L_, -1, &whole) : 0;
+  if (!whole || i < lo || i > hi) wrong(key, "a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
+  lua_pop(L_, 1);
+  out = i;
+  return true;
+}
+
+bool Options::flag(const char* key, bool& out) {
+  if (!push(key, LUA_TBOOLEAN, "true or false")) return false;
+  out = lua_toboolean(L_, -1) != 0;
+  lua_pop(L_, 1);
+  return true;
+}
+
+bool Options::text(const char* key, std::string& out) {
+  if (!push(key, LUA_TSTRING, "a string")) return false;
+  std::size_t size = 0;
+  const char* s = lua_tolstring(L_, -1, &size);
+  if (size > 1000) raise(key, "expected at most 1000 characters, got " + std::to_string(size));
+  if (std::strlen(s) != size) raise(key, "expected text without zero bytes");
+  out.assign(s, size);
+  lua_pop(L_, 1);
+  return true;
+}
+
+bool Options::vector(const char* key, Vec3& out) {
+  if (!push_any(key)) return false;
+  const char* expected = planar_ ? "{x, y} or {x, y, z}" : "{x, y, z}";
+  if (lua_type(L_, -1) != LUA_TTABLE) wrong(key, expected);
+  const int at = lua_gettop(L_);
+  const auto size = lua_rawlen(L_, at);
+  if (size != 3 && !(planar_ && size == 2))
+    raise(key, std::string("expected ") + expected + ", got a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+  Vec3 v = Vec3::Zero();
+  for (int i = 1; i <= static_cast<int>(size); ++i) {
+    lua_rawgeti(L_, at, i);
+    const double x = lua_type(L_, -1) == LUA_TNUMBER ? lua_tonumber(L_, -1) : std::nan("");
+    if (!(std::abs(x) <= kHuge)) {
+      const std::string which = std::string(key) + "." + "xyz"[i - 1];
+      raise_at(key, path(which.c_str()) + ": expected a finite number, got " + describe(L_, -1));
+    }
+    v[i - 1] = static_cast<Real>(x);
+    lua_pop(L_, 1);
+  }
+  lua_pop(L_, 1);
+  out = v;
+  return true;
+}
+
+bool Options::unit(const char* key, Vec3& out) {
+  Vec3 v = Vec3::Zero();
+  if (!vector(key, v)) return false;
+  const Vec3 n = normalized_or(v / std::max(Real(1e-20), std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])})), Vec3::Zero());
+  if (!(length(n) > Real(0.5))) raise(key, "expected a direction, got {0, 0, 0}");
+  out = n;
+  return true;
+}
+
+bool Options::rotation(const char* key, Quat& out) {
+  if (!push_any(key)) return false;
+  out = check_rotation(L_, -1, path(key));
+  lua_pop(L_, 1);
+  return true;
+}
+
+bool Options::choice(const char* key, const std::vector<std::string>& names, int& out) {
+  if (!push(key, LUA_TSTRING, ("one of " + join(names)).c_str())) return false;
+  const std::string given = lua_tostring(L_, -1);
+  const auto found = std::find(names.begin(), names.end(), given);
+  if (found == names.end()) wrong(key, "one of " + join(names));
+  out = static_cast<int>(found - names.begin());
+  lua_pop(L_, 1);
+  return true;
+}
+
+bool Options::words(const char* key, std::vector<std::string>& out) {
+  if (!push_any(key)) return false;
+  std::vector<std::string> list;
+  if (lua_type(L_, -1) == LUA_TSTRING) {
+    list.emplace_back(lua_tostring(L_, -1));
+  } else {
+    if (lua_type(L_, -1) != LUA_TTABLE) wrong(key, "a string or a list of strings");
+    const auto size = lua_rawlen(L_, -1);
+    if (size > 64) raise(key, "expected at most 64 strings, got " + std::to_string(size));
+    for (std::size_t i = 1; i <= size; ++i) {
+      lua_rawgeti(L_, -1, static_cast<lua_Integer>(i));
+      if (lua_type(L_, -1) != LUA_TSTRING)
+        raise(key, "expected a list of strings, got " + describe(L_, -1) + " at " + std::to_string(i));
+      list.emplace_back(lua_tostring(L_, -1));
+      lua_pop(L_, 1);
+    }
+  }
+  lua_pop(L_, 1);
+  out = std::move(list);
+  return true;
+}
+
+void Options::rest(Params& out) {
+  lua_pushnil(L_);
+  while (lua_next(L_, index_)) {
+    if (lua_type(L_, -2) == LUA_TSTRING) {
+      const std::string key = lua_tostring(L_, -2);
+      if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
+        set_param(L_, -1, key, path(key.c_str()), out);
+        if (const auto* list = std::get_if<std::vector<double>>(&out.values().at(key)); planar_ && list && list->size() == 2)
+          out.set(key, std::vector<double>{(*list)[0], (*list)[1], 0});
+        known_.push_back(key);
+      }
+    }
+    lua_pop(L_, 1);
+  }
+  finish();
+}
+
+void Options::finish() {
+  // of several unknown keys the first in alphabetical order is named, so that the message is always the same
+  std::string unknown;
+  bool found = false;
+  lua_pushnil(L_);
+  while (lua_next(L_, index_)) {
+    lua_pop(L_, 1);
+    if (lua_type(L_, -1) != LUA_TSTRING)
+      raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
+    const std::string key = lua_tostring(L_, -1);
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    if (!found || key < unknown) unknown = key;
+    found = true;
+  }
+  if (!found) return;
+  const std::string near = nearest_name(unknown, known_);
+  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" +
+                        (near.empty() ? "; known: " + join(known_) : "; did you mean '" + near + "'?"));
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,128 @@
+// What runs other functions or code: pcall, xpcall, coroutine, load, setmetatable. An exhausted instruction budget
+// passes through all of them; text becomes code only as source.
+#include "lua/library.h"
+#include "lua/sandbox.h"
+
+namespace feder::lua {
+namespace {
+
+int finish_pcall(lua_State* L, int status, lua_KContext) {
+  if (status == LUA_OK || status == LUA_YIELD) return lua_gettop(L);
+  if (is_budget_error(L, -1)) raise_budget_error(L);
+  lua_pushboolean(L, 0);
+  lua_insert(L, -2);
+  return 2;
+}
+
+int safe_pcall(lua_State* L) {
+  luaL_checkany(L, 1);
+  lua_pushboolean(L, 1);
+  lua_insert(L, 1);
+  return finish_pcall(L, lua_pcallk(L, lua_gettop(L) - 2, LUA_MULTRET, 0, 0, finish_pcall), 0);
+}
+
+int finish_handler(lua_State* L, int, lua_KContext) {  // stack: handler, its results
+  lua_pushboolean(L, 0);
+  lua_replace(L, 1);
+  return lua_gettop(L);
+}
+
+// The handler runs after the stack has been unwound: in the place of the error it would run outside every limit.
+int finish_xpcall(lua_State* L, int status, lua_KContext) {  // stack: handler, true, results | handler, ..., error
+  if (status == LUA_OK || status == LUA_YIELD) return lua_gettop(L) - 1;
+  if (is_budget_error(L, -1)) raise_budget_error(L);
+  lua_replace(L, 2);
+  lua_settop(L, 2);
+  lua_pushvalue(L, 1);
+  lua_insert(L, 2);  // handler, handler, error
+  lua_callk(L, 1, LUA_MULTRET, 0, finish_handler);
+  return finish_handler(L, LUA_OK, 0);
+}
+
+int safe_xpcall(lua_State* L) {
+  luaL_checktype(L, 2, LUA_TFUNCTION);
+  // f, handler, arguments -> handler, true, f, arguments
+  lua_pushvalue(L, 1);
+  lua_pushvalue(L, 2);
+  lua_replace(L, 1);
+  lua_pushboolean(L, 1);
+  lua_replace(L, 2);
+  lua_insert(L, 3);
+  return finish_xpcall(L, lua_pcallk(L, lua_gettop(L) - 3, LUA_MULTRET, 0, 0, finish_xpcall), 0);
+}
+
+int safe_setmetatable(lua_State* L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  if (!lua_isnil(L, 2)) luaL_checktype(L, 2, LUA_TTABLE);
+  if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL) fail(L, "setmetatable: the metatable is protected");
+  if (lua_istable(L, 2)) {
+    lua_pushstring(L, "__gc");
+    if (lua_rawget(L, 2) != LUA_TNIL) fail(L, "setmetatable: __gc is not available to scripts");
+  }
+  lua_settop(L, 2);
+  lua_setmetatable(L, 1);
+  return 1;
+}
+
+// load(text | function, [name], [mode], [environment]): source text only.
+int safe_load(lua_State* L) {
+  lua_settop(L, lua_gettop(L) > 4 ? 4 : lua_gettop(L));
+  const bool has_environment = lua_gettop(L) == 4;
+  std::string text;
+  if (lua_type(L, 1) == LUA_TFUNCTION) {
+    for (;;) {
+      lua_pushvalue(L, 1);
+      lua_call(L, 0, 1);
+      std::size_t size = 0;
+      const char* piece = lua_type(L, -1) == LUA_TSTRING ? lua_tolstring(L, -1, &size) : nullptr;
+      if (size > 0) text.append(piece, size);
+      lua_pop(L, 1);
+      if (size == 0) break;
+      if (text.size() > (std::size_t(64) << 20)) fail(L, "load: more than 64 MB of text");
+    }
+  } else {
+    std::size_t size = 0;
+    const char* given = luaL_checklstring(L, 1, &size);
+    text.assign(given, size);
+  }
+  charge(L, text.size());
+  const std::string name = luaL_optstring(L, 2, "=(load)");
+  if (luaL_loadbufferx(L, text.data(), text.size(), name.c_str(), "t") != LUA_OK) {
+    lua_pushnil(L);
+    lua_insert(L, -2);
+    return 2;
+  }
+  if (has_environment) {
+    lua_pushvalue(L, 4);
+    if (!lua_setupvalue(L, -2, 1)) lua_pop(L, 1);
+  }
+  return 1;
+}
+
+// coroutine.resume, close: (true, ...) or (false, error); a spent budget goes on.
+int safe_resume(lua_State* L) {  // upvalue 1: the library's function
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+  if (lua_gettop(L) >= 2 && is_budget_error(L, 2)) raise_budget_error(L);
+  return lua_gettop(L);
+}
+
+}  // namespace
+
+void open_protected(lua_State* L) {
+  lua_register(L, "pcall", safe_pcall);
+  lua_register(L, "xpcall", safe_xpcall);
+  lua_register(L, "setmetatable", guard<safe_setmetatable>);
+  lua_register(L, "load", guard<safe_load>);
+  lua_register(L, "require", guard<lua_require>);
+  lua_getglobal(L, "coroutine");
+  for (const char* name : {"resume", "close"}) {
+    lua_getfield(L, -1, name);
+    lua_pushcclosure(L, safe_resume, 1);
+    lua_setfield(L, -2, name);
+  }
+  lua_pop(L, 1);
+}
+
+}  // namespace feder::lua

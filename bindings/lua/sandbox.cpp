@@ -1,0 +1,218 @@
+#include "lua/sandbox.h"
+
+#include <cmath>
+
+#include "base/math.h"
+#include "lua/objects.h"
+
+namespace feder::lua {
+namespace {
+
+int lua_print(lua_State* L) {
+  const int count = lua_gettop(L);
+  std::string line;
+  for (int i = 1; i <= count; ++i) {
+    push_text(L, i);
+    std::size_t size = 0;
+    const char* text = lua_tolstring(L, -1, &size);
+    if (i > 1) line += '\t';
+    line.append(text, size);
+    lua_pop(L, 1);
+  }
+  // terminal escapes stay text
+  for (char& c : line)
+    if ((static_cast<unsigned char>(c) < 32 && c != '\t' && c != '\n') || c == 127) c = '?';
+  line += '\n';
+  charge(L, line.size());
+  state(L).print(line);
+  return 0;
+}
+
+int lua_tostring_safe(lua_State* L) {
+  luaL_checkany(L, 1);
+  push_text(L, 1);
+  return 1;
+}
+
+int lua_collectgarbage(lua_State* L) {
+  const std::string what = luaL_optstring(L, 1, "collect");
+  if (what == "count") {
+    lua_pushinteger(L, static_cast<lua_Integer>(state(L).memory_used / 1024));
+    return 1;
+  }
+  // the host collects; a script that asks for it loses nothing
+  if (what != "collect") fail(L, "collectgarbage: expected \"count\", got " + describe(L, 1));
+  lua_pushinteger(L, 0);
+  return 1;
+}
+
+// Uniform in [lo, hi], without the bias of a plain remainder.
+lua_Integer random_between(Rng& rng, lua_Integer lo, lua_Integer hi) {
+  const std::uint64_t range = static_cast<std::uint64_t>(hi) - static_cast<std::uint64_t>(lo);
+  const auto next = [&rng] {
+    const std::uint64_t high = rng.next();
+    return high << 32 | rng.next();
+  };
+  if (range == ~std::uint64_t(0)) return static_cast<lua_Integer>(next());
+  const std::uint64_t count = range + 1, limit = ~std::uint64_t(0) - (~std::uint64_t(0) % count + 1) % count;
+  std::uint64_t x = next();
+  while (x > limit) x = next();
+  return static_cast<lua_Integer>(static_cast<std::uint64_t>(lo) + x % count);
+}
+
+int math_random(lua_State* L) {
+  Rng& rng = state(L).random();
+  switch (lua_gettop(L)) {
+    case 0: lua_pushnumber(L, rng.unit()); return 1;
+    case 1: {
+      const lua_Integer hi = luaL_checkinteger(L, 1);
+      if (hi < 1) fail(L, "math.random: expected a whole number of at least 1, got " + describe(L, 1));
+      lua_pushinteger(L, random_between(rng, 1, hi));
+      return 1;
+    }
+    case 2: {
+      const lua_Integer lo = luaL_checkinteger(L, 1), hi = luaL_checkinteger(L, 2);
+      if (lo > hi) fail(L, "math.random: expected lo at most hi, got " + describe(L, 1) + ", " + describe(L, 2));
+      lua_pushinteger(L, random_between(rng, lo, hi));
+      return 1;
+    }
+    default: fail(L, "math.random: expected at most two numbers");
+  }
+}
+
+int math_randomseed(lua_State* L) {
+  if (lua_type(L, 1) != LUA_TNUMBER) fail(L, "math.randomseed: expected a number, got " + describe(L, 1));
+  const lua_Number x = lua_tonumber(L, 1);
+  if (!std::isfinite(x)) fail(L, "math.randomseed: expected a finite number, got " + describe(L, 1));
+  int whole = 0;
+  const lua_Integer i = lua_tointegerx(L, 1, &whole);
+  state(L).random() = Rng(whole ? static_cast<std::uint64_t>(i) : static_cast<std::uint64_t>(static_cast<std::int64_t>(std::fmod(x, 9e15) * 1024)));
+  return 0;
+}
+
+// The runtime's own sine: the same on every machine.
+template <double (*F)(double)>
+int math_wave(lua_State* L) {
+  double x = luaL_checknumber(L, 1);
+  if (std::abs(x) > 1e5) x = std::fmod(x, 6.283185307179586476925);
+  lua_pushnumber(L, std::isfinite(x) ? F(x) : std::nan(""));
+  return 1;
+}
+
+void make_classes(lua_State* L) {
+  using List = std::span<const Method>;
+  const List object = object_methods();
+  const List body[] = {object, body_methods()}, joint[] = {object, joint_methods()}, net[] = {object, net_methods()},
+             force[] = {object, force_methods()}, region[] = {object, region_methods()}, world[] = {world_methods(), query_methods()};
+  make_class(L, Class::body, body), make_class(L, Class::joint, joint), make_class(L, Class::net, net);
+  make_class(L, Class::force, force), make_class(L, Class::region, region), make_class(L, Class::world, world);
+  open_classes(L);
+}
+
+int make_weak_table(lua_State* L, const char* mode) {
+  lua_newtable(L);
+  lua_newtable(L);
+  lua_pushstring(L, mode);
+  lua_setfield(L, -2, "__mode");
+  lua_setmetatable(L, -2);
+  return luaL_ref(L, LUA_REGISTRYINDEX);
+}
+
+void remove_globals(lua_State* L, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    lua_pushnil(L);
+    lua_setglobal(L, name);
+  }
+}
+
+void set_field(lua_State* L, const char* table, const char* name, lua_CFunction f) {
+  lua_getglobal(L, table);
+  if (f)
+    lua_pushcfunction(L, f);
+  else
+    lua_pushnil(L);
+  lua_setfield(L, -2, name);
+  lua_pop(L, 1);
+}
+
+}  // namespace
+
+lua_Integer value_id(lua_State* L, int index) {
+  index = lua_absindex(L, index);
+  State& s = state(L);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.ids_ref);
+  lua_pushvalue(L, index);
+  lua_rawget(L, -2);
+  lua_Integer id = lua_tointeger(L, -1);
+  lua_pop(L, 1);
+  if (id == 0) {
+    id = ++s.next_id;
+    lua_pushvalue(L, index);
+    lua_pushinteger(L, id);
+    lua_rawset(L, -3);
+  }
+  lua_pop(L, 1);
+  return id;
+}
+
+void push_text(lua_State* L, int index) {
+  index = lua_absindex(L, index);
+  if (luaL_callmeta(L, index, "__tostring")) {
+    if (lua_type(L, -1) != LUA_TSTRING) fail(L, "'__tostring' must return a string");
+    return;
+  }
+  switch (lua_type(L, index)) {
+    case LUA_TNIL:
+    case LUA_TBOOLEAN:
+    case LUA_TNUMBER:
+    case LUA_TSTRING: luaL_tolstring(L, index, nullptr); return;
+    default: break;
+  }
+  std::string name = luaL_typename(L, index);
+  const int type = luaL_getmetafield(L, index, "__name");
+  if (type == LUA_TSTRING) name = lua_tostring(L, -1);
+  if (type != LUA_TNIL) lua_pop(L, 1);
+  lua_pushstring(L, (name.substr(0, 100) + ": #" + std::to_string(value_id(L, index))).c_str());
+}
+
+int open_sandbox(lua_State* L) {
+  State& s = state(L);
+  luaL_requiref(L, "_G", luaopen_base, 1);
+  luaL_requiref(L, "table", luaopen_table, 1);
+  luaL_requiref(L, "string", luaopen_string, 1);
+  luaL_requiref(L, "math", luaopen_math, 1);
+  luaL_requiref(L, "utf8", luaopen_utf8, 1);
+  luaL_requiref(L, "coroutine", luaopen_coroutine, 1);
+  lua_settop(L, 0);
+  remove_globals(L, {"dofile", "loadfile", "load", "warn", "collectgarbage", "print", "tostring"});
+  set_field(L, "string", "dump", nullptr);
+  set_field(L, "math", "random", guard<math_random>);
+  set_field(L, "math", "randomseed", guard<math_randomseed>);
+  set_field(L, "math", "sin", math_wave<sin_cos_sin>);
+  set_field(L, "math", "cos", math_wave<sin_cos_cos>);
+  lua_register(L, "print", guard<lua_print>);
+  lua_register(L, "tostring", guard<lua_tostring_safe>);
+  lua_register(L, "collectgarbage", guard<lua_collectgarbage>);
+
+  s.worlds_ref = make_weak_table(L, "v");
+  s.ids_ref = make_weak_table(L, "k");
+  lua_newtable(L);
+  s.modules_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  lua_newtable(L);
+  s.params_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  open_protected(L);
+  open_ordered(L);
+  open_text(L);
+  make_classes(L);
+  open_module(L);
+
+  // one script cannot change the strings of another
+  lua_pushstring(L, "");
+  lua_getmetatable(L, -1);
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
+  lua_settop(L, 0);
+  return 0;
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,25 @@
+// The globals of scripts: an allow-list, made once per state.
+#pragma once
+#include "lua/state.h"
+
+namespace feder::lua {
+
+// Opens base, table, string, math, utf8 and coroutine without what could leave the sandbox, makes the classes and the
+// module "feder". A lua_CFunction.
+int open_sandbox(lua_State* L);
+
+// Text of a value without addresses: tables and functions get numbers in the order they are first shown.
+void push_text(lua_State* L, int index);
+lua_Integer value_id(lua_State* L, int index);
+
+// Replacements with a promised order: pairs, next, table.sort (ordered.cpp).
+void open_ordered(lua_State* L);
+// string functions with a budget (text.cpp).
+void open_text(lua_State* L);
+// pcall, xpcall, coroutines, load, setmetatable ... (protected.cpp).
+void open_protected(lua_State* L);
+// The module table of require "feder" (module.cpp).
+void open_module(lua_State* L);
+std::span<const Method> feder_functions();
+
+}  // namespace feder::lua

@@ -1,0 +1,171 @@
+// feder.scene{...} and what the host does with it.
+#include "lua/scene.h"
+
+#include "base/profile.h"
+#include "lua/options.h"
+#include "lua/world_options.h"
+
+namespace feder::lua {
+namespace {
+
+SceneState& scene(lua_State* L) { return state(L).scene; }
+
+// Checks the keys of a scene table at `index` and reads what the host asks about.
+void read_scene(lua_State* L, int index, SceneState& out, const std::string& owner) {
+  Options o(L, index, owner);
+  o.text("title", out.title);
+  o.number("seconds", out.seconds, Range{0, 1e9, true});
+  if (o.push("world", LUA_TTABLE, "a table of options")) lua_pop(L, 1);
+  if (o.push("build", LUA_TFUNCTION, "a function(world, scene)"))
+    lua_pop(L, 1);
+  else
+    o.wrong("build", "a function(world, scene)");
+  out.has_update = o.push("update", LUA_TFUNCTION, "a function(world, scene)");
+  if (out.has_update) lua_pop(L, 1);
+  out.has_check = o.push("check", LUA_TFUNCTION, "a function(world, scene, expect)");
+  if (out.has_check) lua_pop(L, 1);
+  o.finish();
+}
+
+// A fresh copy of the scene for build, update and check: what a build leaves there does not reach the next.
+void push_scene_copy(lua_State* L) {
+  lua_newtable(L);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
+  for (lua_pushnil(L); lua_next(L, -2);) {
+    lua_pushvalue(L, -2);
+    lua_insert(L, -2);
+    lua_rawset(L, -5);
+  }
+  lua_pop(L, 1);
+}
+
+void push_callback(lua_State* L, const char* name) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
+  lua_pushstring(L, name);
+  lua_rawget(L, -2);
+  lua_remove(L, -2);
+}
+
+int expect(lua_State* L) {  // upvalue 1: the result, light
+  auto& result = *static_cast<CheckResult*>(lua_touserdata(L, lua_upvalueindex(1)));
+  luaL_checkany(L, 1);
+  if (lua_toboolean(L, 1)) {
+    ++result.passed;
+    lua_pushvalue(L, 1);
+    return 1;
+  }
+  std::string message = "expectation failed";
+  if (!lua_isnoneornil(L, 2)) {
+    lua_getglobal(L, "tostring");
+    lua_pushvalue(L, 2);
+    lua_call(L, 1, 1);
+    message = lua_tostring(L, -1) ? lua_tostring(L, -1) : "?";
+  }
+  result.failures.push_back({place(L), message});
+  lua_pushvalue(L, 1);
+  return 1;
+}
+
+}  // namespace
+
+int feder_scene(lua_State* L) {
+  SceneState read;
+  read_scene(L, 1, read, "feder.scene");
+  SceneState& s = scene(L);
+  luaL_unref(L, LUA_REGISTRYINDEX, s.last);
+  s.where = place(L);
+  lua_settop(L, 1);
+  lua_pushvalue(L, 1);
+  s.last = luaL_ref(L, LUA_REGISTRYINDEX);
+  return 1;
+}
+
+bool take_scene(lua_State* L, const std::string& file) {
+  SceneState& s = scene(L);
+  if (lua_isnil(L, -1)) {
+    if (s.last == LUA_NOREF) return false;
+    lua_pushstring(L, (s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'").c_str());
+    lua_error(L);
+  }
+  if (lua_type(L, -1) != LUA_TTABLE) {
+    lua_pushstring(L, (file + ": expected a scene (return feder.scene { ... }) or nothing, got " + describe(L, -1)).c_str());
+    lua_error(L);
+  }
+  const std::string where = s.where;
+  s.title.clear(), s.seconds = 0;
+  read_scene(L, lua_gettop(L), s, "feder.scene");
+  s.where = where.empty() ? file : where;
+  lua_pushvalue(L, -1);
+  s.table = luaL_ref(L, LUA_REGISTRYINDEX);
+  return true;
+}
+
+int build_scene(lua_State* L) {
+  State& st = state(L);
+  SceneState& s = scene(L);
+  lua_settop(L, 0);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.table);
+  lua_getfield(L, 1, "world");
+  if (lua_isnil(L, -1)) lua_newtable(L), lua_replace(L, 2);
+  WorldSettings settings;
+  std::string error;
+  try {
+    settings = read_world_options(L, 2, "world");
+  } catch (const SceneError& e) {
+    error = e.what();
+    if (error.rfind("--world", 0) != 0 && error.rfind("world", 0) != 0) error = "world." + error;
+  }
+  if (!error.empty()) {
+    // a mistake on the command line has no place in the script
+    lua_pushstring(L, (error.rfind("--world", 0) == 0 ? error : s.where + ": " + error).c_str());
+    return lua_error(L);
+  }
+  WorldRecord* old = st.last_world < st.worlds.size() ? st.worlds[st.last_world].get() : nullptr;
+  WorldRecord& record = push_new_world(L, settings);  // at 3
+  luaL_unref(L, LUA_REGISTRYINDEX, st.last_world_ref);
+  lua_pushvalue(L, 3);
+  st.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  st.last_world = record.id;
+  if (old && s.passed != LUA_NOREF) close_world(L, *old);
+  luaL_unref(L, LUA_REGISTRYINDEX, s.passed);
+  push_scene_copy(L);  // at 4
+  lua_pushvalue(L, 4);
+  s.passed = luaL_ref(L, LUA_REGISTRYINDEX);
+  push_callback(L, "build");
+  lua_pushvalue(L, 3);
+  lua_pushvalue(L, 4);
+  lua_call(L, 2, 0);
+  return 0;
+}
+
+void run_update(lua_State* L, WorldRecord& record) {
+  State& st = state(L);
+  SceneState& s = scene(L);
+  if (!s.has_update || st.last_world != record.id || st.phase != Phase::running) return;
+  push_callback(L, "update");
+  const std::size_t profile = st.profile_slot(L, -1);
+  push_world(L, record);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.passed);
+  const std::uint64_t start = clock_nanoseconds();
+  Failure failure;
+  if (!st.call(L, 2, 0, failure)) st.report(failure);
+  st.profile[profile].calls += 1;
+  st.profile[profile].nanoseconds += clock_nanoseconds() - start;
+}
+
+CheckResult run_check(lua_State* L) {
+  State& st = state(L);
+  CheckResult result;
+  result.has_check = scene(L).has_check;
+  if (!result.has_check || st.last_world >= st.worlds.size()) return result;
+  push_callback(L, "check");
+  push_world(L, *st.worlds[st.last_world]);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
+  lua_pushlightuserdata(L, &result);
+  lua_pushcclosure(L, expect, 1);
+  Failure failure;
+  if (!st.call(L, 3, 0, failure)) result.failures.push_back({failure.where, failure.message});
+  return result;
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,18 @@
+// Shapes as Lua values: immutable, shared between bodies.
+#pragma once
+#include "geom/shape.h"
+#include "lua/options.h"
+
+namespace feder::lua {
+
+void push_shape(lua_State* L, ShapePtr shape);
+// The shape at `index`; an error naming `what` when it is none.
+ShapePtr check_shape(lua_State* L, int index, const std::string& what);
+bool shape_option(Options& o, const char* key, ShapePtr& out);
+// A list of {x, y, z} tables, or a buffer of 3 n numbers.
+std::vector<Vec3> check_points(lua_State* L, int index, const std::string& what, bool planar = false);
+std::span<const Method> shape_functions();  // of the module feder
+std::span<const Method> shape_methods();
+void open_shapes(lua_State* L);
+
+}  // namespace feder::lua

@@ -1,0 +1,379 @@
+#include "lua/state.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "base/params.h"
+#include "lua/records.h"
+#include "lua/sandbox.h"
+
+namespace feder::lua {
+namespace {
+
+constexpr int kHookSlice = 1000;  // instructions between two looks at the budget
+const char kBudgetSentinel = 0;
+
+void* allocate(void* self, void* block, std::size_t old_size, std::size_t new_size) {
+  State& s = *static_cast<State*>(self);
+  if (!block) old_size = 0;
+  if (new_size == 0) {
+    std::free(block);
+    s.memory_used -= old_size;
+    return nullptr;
+  }
+  if (new_size > old_size && s.memory_used + (new_size - old_size) > s.options.memory_limit) return nullptr;
+  void* moved = std::realloc(block, new_size);
+  if (moved) s.memory_used += new_size - old_size;
+  return moved;
+}
+
+int panic(lua_State* L) {
+  std::fprintf(stderr, "feder: unprotected error in Lua: %s\n", lua_tostring(L, -1));
+  return 0;
+}
+
+void budget_hook(lua_State* L, lua_Debug*) {
+  State& s = state(L);
+  const std::uint64_t slice = std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit);
+  if (s.tripped || s.budget < slice) raise_budget_error(L);
+  s.budget -= slice;
+}
+
+// Message handler of State::call: the error becomes text with a place while the stack still stands.
+int on_error(lua_State* L) {
+  if (is_budget_error(L, 1)) {
+    const std::string at = place(L, 1);
+    const std::string text = "instruction limit of " + std::to_string(state(L).options.instruction_limit) + " reached";
+    lua_pushstring(L, (at.empty() ? text : at + ": " + text).c_str());
+    return 1;
+  }
+  std::string text;
+  if (lua_type(L, 1) == LUA_TSTRING || lua_type(L, 1) == LUA_TNUMBER) {
+    lua_pushvalue(L, 1);
+    text = lua_tostring(L, -1);
+  } else {
+    text = "error object is " + describe(L, 1);
+  }
+  if (split_place(text).where.empty()) {
+    const std::string at = place(L, 1);
+    if (!at.empty()) text = at + ": " + text;
+  }
+  lua_pushlstring(L, text.data(), text.size());
+  return 1;
+}
+
+// Errors are one line without control bytes, of bounded length.
+std::string one_line(std::string text) {
+  if (text.size() > 4000) text.resize(4000);
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+  return text;
+}
+
+int unknown_member(lua_State* L) {  // upvalues: class name, methods
+  const char* name = lua_tostring(L, lua_upvalueindex(1));
+  std::vector<std::string> known;
+  lua_pushnil(L);
+  while (lua_next(L, lua_upvalueindex(2))) {
+    known.emplace_back(lua_tostring(L, -2));
+    lua_pop(L, 1);
+  }
+  std::sort(known.begin(), known.end());
+  if (lua_type(L, 2) != LUA_TSTRING) fail(L, std::string("a ") + name + " has no member " + describe(L, 2));
+  const std::string asked = lua_tostring(L, 2);
+  const std::string near = nearest_name(asked, known);
+  fail(L, std::string("a ") + name + " has no method '" + asked + "'" +
+              (near.empty() ? "" : "; did you mean '" + near + "'?"));
+}
+
+int no_fields(lua_State* L) {
+  fail(L, std::string("a ") + lua_tostring(L, lua_upvalueindex(1)) + " keeps no fields of a script; use a table keyed by it");
+}
+
+}  // namespace
+
+const char* class_name(Class c) {
+  static const char* const names[kClassCount] = {"world", "body",   "joint",      "net",  "force", "region",
+                                                 "shape", "buffer", "connection", "task", "event"};
+  return names[static_cast<int>(c)];
+}
+
+State::State(HostOptions o) : options(std::move(o)), rng(options.has_seed ? options.seed : 1) {
+  L = lua_newstate(&allocate, this);
+  if (!L) throw ScriptError("not enough memory for a Lua state");
+  *static_cast<State**>(lua_getextraspace(L)) = this;
+  lua_atpanic(L, &panic);
+  if (options.instruction_limit > 0)
+    lua_sethook(L, &budget_hook, LUA_MASKCOUNT, static_cast<int>(std::min<std::uint64_t>(kHookSlice, options.instruction_limit)));
+  lua_pushcfunction(L, &open_sandbox);
+  Failure failure;
+  if (!call(L, 0, 0, failure)) {
+    lua_close(L);
+    throw ScriptError(failure.text());
+  }
+}
+
+State::~State() {
+  lua_close(L);
+  worlds.clear();
+}
+
+bool State::call(lua_State* on, int args, int results, Failure& failure, bool outer) {
+  if (depth == 0) budget = options.instruction_limit, tripped = false;
+  depth += !outer;
+  const int base = lua_gettop(on) - args;
+  lua_pushcfunction(on, &on_error);
+  lua_insert(on, base);
+  const int status = lua_pcall(on, args, results, base);
+  depth -= !outer;
+  lua_remove(on, base);
+  if (status == LUA_OK) return true;
+  std::size_t size = 0;
+  const char* text = lua_type(on, -1) == LUA_TSTRING ? lua_tolstring(on, -1, &size) : nullptr;
+  failure = split_place(one_line(text ? std::string(text, size) : "error without a message"));
+  lua_pop(on, 1);
+  if (tripped && depth > 0) raise_budget_error(on);
+  tripped = false;
+  return false;
+}
+
+bool State::resume(lua_State* thread, lua_State* from, int args, bool& yielded, Failure& failure) {
+  if (depth == 0) budget = options.instruction_limit, tripped = false;
+  ++depth;
+  int results = 0;
+  const int status = lua_resume(thread, from, args, &results);
+  --depth;
+  yielded = status == LUA_YIELD;
+  if (status == LUA_OK || yielded) {
+    lua_pop(thread, results);
+    return true;
+  }
+  if (is_budget_error(thread, -1)) {
+    failure = {place(thread), "instruction limit of " + std::to_string(options.instruction_limit) + " reached"};
+  } else {
+    const char* text = lua_type(thread, -1) == LUA_TSTRING ? lua_tostring(thread, -1) : nullptr;
+    failure = split_place(one_line(text ? text : "error object is " + describe(thread, -1)));
+    if (failure.where.empty()) failure.where = place(thread);
+  }
+  lua_resetthread(thread);
+  if (tripped && depth > 0) raise_budget_error(from);
+  tripped = false;
+  return false;
+}
+
+void State::report(const Failure& failure) {
+  // with no place, the message tells places apart
+  for (HandlerError& e : errors) {
+    if (e.where == failure.where && (!e.where.empty() || e.message == failure.message)) {
+      ++e.count;
+      return;
+    }
+  }
+  errors.push_back({failure.where, failure.message, 1});
+}
+
+void State::print(std::string_view text) const {
+  if (options.print) {
+    options.print(text);
+    return;
+  }
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fflush(stdout);
+}
+
+std::size_t State::profile_slot(lua_State* on, int index) {
+  lua_pushvalue(on, index);
+  lua_Debug ar;
+  lua_getinfo(on, ">S", &ar);
+  const std::string source = ar.source[0] == '@' || ar.source[0] == '=' ? ar.source + 1 : ar.short_src;
+  const std::string where = source + ":" + std::to_string(ar.linedefined);
+  for (std::size_t i = 0; i < profile.size(); ++i)
+    if (profile[i].where == where) return i;
+  profile.push_back({where, 0, 0});
+  return profile.size() - 1;
+}
+
+Rng& State::random() {
+  if (last_world < worlds.size() && worlds[last_world]->world) return worlds[last_world]->world->rng();
+  return rng;
+}
+
+std::string place(lua_State* L, int level) {
+  lua_Debug ar;
+  for (; lua_getstack(L, level, &ar); ++level) {
+    lua_getinfo(L, "Sl", &ar);
+    if (ar.currentline <= 0) continue;
+    const std::string source = ar.source[0] == '@' || ar.source[0] == '=' ? ar.source + 1 : ar.short_src;
+    return source + ":" + std::to_string(ar.currentline);
+  }
+  return {};
+}
+
+std::string short_place(lua_State* L) {
+  const std::string at = place(L);
+  const std::size_t slash = at.find_last_of('/');
+  return slash == std::string::npos ? at : at.substr(slash + 1);
+}
+
+void fail(lua_State* L, const std::string& message) {
+  const std::string at = place(L);
+  lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
+  lua_error(L);
+  std::abort();  // lua_error does not return
+}
+
+void fail_here(lua_State* L, const std::string& message) {
+  const char* name = function_name(L);
+  fail(L, *name ? std::string(name) + ": " + message : message);
+}
+
+void relay(lua_State* L, const std::string& what) {
+  const std::string name = function_name(L);
+  if (name.empty()) fail(L, what);
+  const std::size_t dot = name.find_last_of(":.");
+  const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
+  if (what.rfind(last + ":", 0) == 0 || what.rfind(last + ".", 0) == 0) fail(L, name + what.substr(last.size()));
+  const bool noun = last == "body" || last == "joint" || last == "net" || last == "force" || last == "region" || last == "world";
+  std::size_t word = 0;
+  while (word < what.size() && (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.')) ++word;
+  const bool option = noun && word > 0 && what.compare(word, 2, ": ") == 0;
+  fail(L, name + (option ? "." : ": ") + what);
+}
+
+const char* function_name(lua_State* L) {
+  lua_Debug ar;
+  if (!lua_getstack(L, 0, &ar)) return "";
+  lua_getinfo(L, "S", &ar);
+  if (std::strcmp(ar.what, "C") != 0 || lua_type(L, lua_upvalueindex(2)) != LUA_TSTRING) return "";
+  return lua_tostring(L, lua_upvalueindex(2));
+}
+
+std::string print_number(double x) {
+  char buffer[40];
+  if (std::isnan(x)) return "nan";  // the sign of a NaN tells nobody anything
+  std::snprintf(buffer, sizeof buffer, "%.10g", x);
+  return buffer;
+}
+
+std::string describe(lua_State* L, int index) {
+  switch (lua_type(L, index)) {
+    case LUA_TNONE:
+    case LUA_TNIL: return "nil";
+    case LUA_TBOOLEAN: return lua_toboolean(L, index) ? "true" : "false";
+    case LUA_TNUMBER: return print_number(lua_tonumber(L, index));
+    case LUA_TSTRING: {
+      std::size_t size = 0;
+      const char* text = lua_tolstring(L, index, &size);
+      return "'" + std::string(text, std::min<std::size_t>(size, 40)) + (size > 40 ? "...'" : "'");
+    }
+    case LUA_TTABLE: return "a table";
+    case LUA_TFUNCTION: return "a function";
+    case LUA_TTHREAD: return "a coroutine";
+    default: break;
+  }
+  for (int c = 0; c < kClassCount; ++c)
+    if (test_class(L, index, static_cast<Class>(c))) return describe_object(L, index, static_cast<Class>(c));
+  return "a userdata";
+}
+
+Failure split_place(std::string_view text) {
+  // the first ":<digits>: " ends a place
+  for (std::size_t i = text.find(':'); i != std::string_view::npos; i = text.find(':', i + 1)) {
+    std::size_t end = i + 1;
+    while (end < text.size() && text[end] >= '0' && text[end] <= '9') ++end;
+    if (i > 0 && end > i + 1 && end + 1 < text.size() && text[end] == ':' && text[end + 1] == ' ')
+      return {std::string(text.substr(0, end)), std::string(text.substr(end + 2))};
+    if (i + 1 < text.size() && text[i + 1] == ' ') break;  // a message has begun
+  }
+  return {"", std::string(text)};
+}
+
+bool is_budget_error(lua_State* L, int index) {
+  return lua_type(L, index) == LUA_TLIGHTUSERDATA && lua_touserdata(L, index) == &kBudgetSentinel;
+}
+
+void raise_budget_error(lua_State* L) {
+  state(L).tripped = true;
+  lua_pushlightuserdata(L, const_cast<char*>(&kBudgetSentinel));
+  lua_error(L);
+}
+
+void charge(lua_State* L, std::uint64_t units) {
+  State& s = state(L);
+  if (s.options.instruction_limit == 0) return;
+  if (s.tripped || s.budget < units) raise_budget_error(L);
+  s.budget -= units;
+}
+
+std::string join(std::span<const std::string> words) {
+  std::string all;
+  for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
+  return all;
+}
+
+void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable) {
+  if (metatable) metatable = lua_absindex(L, metatable);
+  for (const Method& row : rows) {
+    if (metatable)
+      lua_pushvalue(L, metatable);
+    else
+      lua_pushnil(L);
+    lua_pushstring(L, (prefix + row.name).c_str());
+    lua_pushcclosure(L, row.fn, 2);
+    lua_setfield(L, -2, row.name);
+  }
+}
+
+void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists) {
+  const char* name = class_name(c);
+  lua_newtable(L);
+  lua_pushvalue(L, -1);
+  state(L).class_ref[static_cast<int>(c)] = luaL_ref(L, LUA_REGISTRYINDEX);
+  const int metatable = lua_gettop(L);
+  lua_pushboolean(L, 0);
+  lua_setfield(L, metatable, "__metatable");
+  lua_pushstring(L, name);
+  lua_setfield(L, metatable, "__name");
+  lua_pushstring(L, name);
+  lua_pushcclosure(L, &no_fields, 1);
+  lua_setfield(L, metatable, "__newindex");
+  lua_newtable(L);
+  for (const auto& rows : method_lists) add_methods(L, rows, std::string(name) + ":", metatable);
+  // a miss in the method table names the nearest method
+  lua_newtable(L);
+  lua_pushstring(L, name);
+  lua_pushvalue(L, -3);
+  lua_pushcclosure(L, &unknown_member, 2);
+  lua_setfield(L, -2, "__index");
+  lua_setmetatable(L, -2);
+  lua_setfield(L, metatable, "__index");
+}
+
+void push_class(lua_State* L, Class c) { lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<int>(c)]); }
+
+void* self_block(lua_State* L) {
+  void* block = lua_touserdata(L, 1);
+  if (!block || !lua_getmetatable(L, 1)) return nullptr;
+  const bool same = lua_rawequal(L, -1, lua_upvalueindex(1));
+  lua_pop(L, 1);
+  return same ? block : nullptr;
+}
+
+void* test_class(lua_State* L, int index, Class c) {
+  index = lua_absindex(L, index);
+  if (lua_type(L, index) != LUA_TUSERDATA || !lua_getmetatable(L, index)) return nullptr;
+  push_class(L, c);
+  const bool same = lua_rawequal(L, -1, -2);
+  lua_pop(L, 2);
+  return same ? lua_touserdata(L, index) : nullptr;
+}
+
+void wrong_self(lua_State* L, const char* expected) {
+  fail_here(L, std::string("expected a ") + expected + " before the ':', got " + describe(L, 1));
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,161 @@
+// One Lua state and what the binding keeps beside it: limits, classes, worlds, errors. Everything of the binding finds
+// it through state(L). Lua is linked as C++, so an error unwinds destructors; SceneError and bad_alloc become Lua
+// errors in guard<>, never anywhere else.
+#pragma once
+#include <lua.h>
+
+#include <lauxlib.h>
+#include <lualib.h>
+
+#include <memory>
+#include <new>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/rng.h"
+#include "lua/host.h"
+
+namespace feder::lua {
+
+struct WorldRecord;
+struct Task;
+
+enum class Class : int { world, body, joint, net, force, region, shape, buffer, connection, task, event, count };
+inline constexpr int kClassCount = static_cast<int>(Class::count);
+const char* class_name(Class c);
+
+// A row of the API: what a script sees, and what `feder doc` prints.
+struct Method {
+  const char* name;
+  lua_CFunction fn;
+  const char* signature;
+  const char* doc;
+};
+
+// What is being run for the host. Declaring parameters is for `loading`; stepping by hand is for plain scripts.
+enum class Phase { loading, idle, building, running, checking };
+
+// Where an error came from and what it said.
+struct Failure {
+  std::string where;    // file:line, may be empty
+  std::string message;  // one line
+  std::string text() const { return where.empty() ? message : where + ": " + message; }
+};
+
+// The scene of the state, when it has one.
+struct SceneState {
+  int table = LUA_NOREF;      // what feder.scene returned
+  int passed = LUA_NOREF;     // the copy of it that build, update and check see
+  std::string title;
+  double seconds = 0;
+  std::string where;          // file:line of feder.scene
+  bool has_update = false, has_check = false;
+  int last = LUA_NOREF;       // of feder.scene, while the file loads
+};
+
+struct State {
+  explicit State(HostOptions o);
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  // Calls the function below `args` arguments on the stack. False: the error is in `failure`, the stack holds no
+  // results. An exhausted instruction budget of an outer call is raised again, so nothing can swallow it.
+  // An `outer` call is the frame around a whole step: the budget is that of each call inside it.
+  bool call(lua_State* on, int args, int results, Failure& failure, bool outer = false);
+  // The same for a coroutine with `args` arguments on its stack; it may yield. True: ended or yielded.
+  bool resume(lua_State* thread, lua_State* from, int args, bool& yielded, Failure& failure);
+  // An error in a handler, timer, task or update(): counted by place.
+  void report(const Failure& failure);
+  void print(std::string_view text) const;
+  // The slot of handler_profile for the function at `index`.
+  std::size_t profile_slot(lua_State* on, int index);
+  Rng& random();  // of the current world; before the first world, the state's own
+
+  HostOptions options;
+  lua_State* L = nullptr;
+  std::size_t memory_used = 0;       // bytes
+  std::uint64_t budget = 0;          // instructions left of the outermost call
+  bool tripped = false;              // the budget is spent: every hook raises until the outermost call has ended
+  int depth = 0;                     // calls from the host into Lua, nested
+  int class_ref[kClassCount] = {};   // metatables
+  int worlds_ref = 0;                // weak table: world id -> world userdata
+  int modules_ref = 0;               // name -> value, of require
+  int ids_ref = 0;                   // weak table: value -> number shown by tostring
+  lua_Integer next_id = 0;
+  int last_world_ref = LUA_NOREF;    // keeps the last world (or the scene's) alive
+  std::uint32_t last_world = 0xffffffffu;
+  std::vector<std::unique_ptr<WorldRecord>> worlds;
+  Rng rng;
+  SceneState scene;
+  Phase phase = Phase::loading;
+  bool is_scene = false;
+  std::filesystem::path folder;      // of the scene file; empty for strings
+  std::vector<std::string> loading;  // modules being required, for the cycle message
+  WorldRecord* task_world = nullptr; // of the task that runs now
+  Task* task = nullptr;
+  lua_State* task_thread = nullptr;
+  std::vector<ParamInfo> params;
+  int params_ref = 0;                // name -> value
+  std::vector<HandlerError> errors;
+  std::vector<HandlerProfile> profile;
+  std::function<void(World&)> on_step;
+};
+
+inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextraspace(L)); }
+
+// "file:line" of the innermost Lua function at or above `level`; "" when there is none.
+std::string place(lua_State* L, int level = 0);
+// The same with the file's name alone: what a destroyed object remembers.
+std::string short_place(lua_State* L);
+// Raises "file:line: message".
+[[noreturn]] void fail(lua_State* L, const std::string& message);
+// Raises "file:line: function: message", with the name of the running API function.
+[[noreturn]] void fail_here(lua_State* L, const std::string& message);
+// The API name of the running C function ("body:position").
+const char* function_name(lua_State* L);
+// A value for messages: -5, 'text', a table, body "crate3" ...
+std::string describe(lua_State* L, int index);
+std::string print_number(double x);
+// Splits "file:line: message"; where stays empty when the text has no place.
+Failure split_place(std::string_view text);
+// Value of the budget error: compares equal only to itself, no script can hold it.
+bool is_budget_error(lua_State* L, int index);
+void raise_budget_error(lua_State* L);
+// Takes `units` instructions off the budget, for C functions that work long.
+void charge(lua_State* L, std::uint64_t units);
+std::string join(std::span<const std::string> words);
+
+// A SceneError of the runtime as the error of the running API function: "density: ..." thrown under world:body becomes
+// "world:body.density: ...".
+[[noreturn]] void relay(lua_State* L, const std::string& what);
+
+// Turns C++ errors of an API function into Lua errors.
+template <int (*F)(lua_State*)>
+int guard(lua_State* L) {
+  std::string message;
+  try {
+    return F(L);
+  } catch (const std::bad_alloc&) {
+    message = "not enough memory";
+  } catch (const std::exception& e) {
+    message = e.what();
+  }
+  relay(L, message);
+}
+
+// Fills the table on top of the stack: each function gets upvalues (metatable of its class or nil, qualified name).
+void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable);
+// Makes the metatable of a class from its methods; leaves it on the stack for metamethods.
+void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists);
+void push_class(lua_State* L, Class c);
+
+// The block of the userdata at `index` when it is of the class in upvalue 1 (methods) or `c`; else null.
+void* self_block(lua_State* L);
+void* test_class(lua_State* L, int index, Class c);
+[[noreturn]] void wrong_self(lua_State* L, const char* expected);
+
+}  // namespace feder::lua

@@ -1,0 +1,114 @@
+#include "lua/step.h"
+
+#include <cstring>
+
+#include "lua/scene.h"
+
+namespace feder::lua {
+namespace {
+
+// SipHash-2-4 (Aumasson and Bernstein 2012), keyed per world: a script that edits a snapshot cannot seal it again.
+
+std::uint64_t turn(std::uint64_t x, int bits) { return x << bits | x >> (64 - bits); }
+
+std::uint64_t sip_hash(const SipKey& key, std::string_view text) {
+  std::uint64_t v[4] = {key.a ^ 0x736f6d6570736575ull, key.b ^ 0x646f72616e646f6dull, key.a ^ 0x6c7967656e657261ull,
+                        key.b ^ 0x7465646279746573ull};
+  const auto round = [&v] {
+    v[0] += v[1], v[1] = turn(v[1], 13) ^ v[0], v[0] = turn(v[0], 32);
+    v[2] += v[3], v[3] = turn(v[3], 16) ^ v[2];
+    v[0] += v[3], v[3] = turn(v[3], 21) ^ v[0];
+    v[2] += v[1], v[1] = turn(v[1], 17) ^ v[2], v[2] = turn(v[2], 32);
+  };
+  const auto absorb = [&](std::uint64_t m) {
+    v[3] ^= m;
+    round(), round();
+    v[0] ^= m;
+  };
+  std::size_t i = 0;
+  for (; i + 8 <= text.size(); i += 8) {
+    std::uint64_t m = 0;
+    std::memcpy(&m, text.data() + i, 8);
+    absorb(m);
+  }
+  std::uint64_t last = static_cast<std::uint64_t>(text.size()) << 56;
+  for (int shift = 0; i < text.size(); ++i, shift += 8) last |= static_cast<std::uint64_t>(static_cast<unsigned char>(text[i])) << shift;
+  absorb(last);
+  v[2] ^= 0xff;
+  for (int k = 0; k < 4; ++k) round();
+  return v[0] ^ v[1] ^ v[2] ^ v[3];
+}
+
+constexpr std::string_view kHeader = "feder snapshot\n";
+
+struct Busy {
+  explicit Busy(WorldRecord& r) : record(r) { record.busy = true; }
+  ~Busy() { record.busy = false; }
+  WorldRecord& record;
+};
+
+}  // namespace
+
+void run_step(lua_State* L, WorldRecord& record) {
+  if (record.busy) fail_here(L, "the world is in a step; handlers and forces cannot step it");
+  const Busy busy(record);
+  const int top = lua_gettop(L);
+  apply_script_forces(L, record);
+  record.world->step();
+  run_timers(L, record);
+  dispatch_events(L, record);
+  run_tasks(L, record);
+  run_update(L, record);
+  lua_settop(L, top);
+  if (const auto& callback = state(L).on_step) callback(*record.world);
+}
+
+std::string seal_snapshot(const WorldRecord& record) {
+  std::string body;
+  Writer w(body);
+  w.add(static_cast<std::uint64_t>(record.regions.size()));
+  for (ObjectId id : record.regions) w.add(id);
+  w.add(static_cast<std::uint64_t>(record.joints.size()));
+  for (const auto& [id, joint] : record.joints) w.add(id), w.add(joint.kind), w.add(joint.a), w.add(joint.b);
+  body += record.world->snapshot();
+  const std::uint64_t seal = sip_hash(record.key, body);
+  std::string text(kHeader);
+  text.append(reinterpret_cast<const char*>(&seal), sizeof seal);
+  return text + body;
+}
+
+void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) {
+  std::uint64_t seal = 0;
+  if (text.substr(0, kHeader.size()) != kHeader || text.size() < kHeader.size() + sizeof seal)
+    throw SceneError("expected a string that world:snapshot() gave");
+  std::memcpy(&seal, text.data() + kHeader.size(), sizeof seal);
+  text.remove_prefix(kHeader.size() + sizeof seal);
+  if (seal != sip_hash(record.key, text)) throw SceneError("the snapshot is another world's, or has been changed");
+  Reader r(text);
+  std::set<ObjectId> regions;
+  std::map<ObjectId, JointRecord> joints;
+  std::uint64_t count = 0;
+  std::size_t used = sizeof count;
+  for (r.get(count); count > 0; --count, used += sizeof(ObjectId)) {
+    ObjectId id;
+    r.get(id);
+    regions.insert(id);
+  }
+  used += sizeof count;
+  for (r.get(count); count > 0; --count, used += 3 * sizeof(ObjectId) + sizeof(const JointKind*)) {
+    ObjectId id;
+    JointRecord joint;
+    r.get(id), r.get(joint.kind), r.get(joint.a), r.get(joint.b);
+    joints[id] = joint;
+  }
+  record.world->restore(text.substr(used));
+  record.regions = std::move(regions);
+  record.joints = std::move(joints);
+  record.subscriptions.events.clear();
+  for (ScriptForce& f : record.forces.list) f.held.clear();
+  for (auto& s : record.subscriptions.all)
+    if (s->self && !record.world->objects().alive(s->self)) unsubscribe(L, record, s->id);
+  bury_lost(L, record, short_place(L) + " (world:restore)");
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,13 @@
+// One step of a world as scripts see it.
+#pragma once
+#include "lua/records.h"
+
+namespace feder::lua {
+
+// Script forces, the step, then timers, events, tasks, the scene's update() and the host's callback.
+void run_step(lua_State* L, WorldRecord& record);
+// A snapshot as scripts hold it: the image with a seal, so that an edited one is refused.
+std::string seal_snapshot(const WorldRecord& record);
+void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text);
+
+}  // namespace feder::lua

@@ -1,0 +1,256 @@
+// The methods of worlds that make nothing: time, health, conserved quantities, look-up, snapshots, the report.
+#include <cinttypes>
+#include <cstdio>
+
+#include "lua/objects.h"
+#include "lua/step.h"
+#include "lua/world_options.h"
+
+namespace feder::lua {
+namespace {
+
+int world_step(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  State& s = state(L);
+  const std::int64_t n = lua_isnoneornil(L, 2) ? 1 : check_integer(L, 2, function_name(L), 0, 1000000000);
+  if (r.busy) fail_here(L, "the world is in a step; handlers, timers and tasks cannot step it");
+  if (s.task_world == &r) fail_here(L, "a task cannot step its world; use feder.wait");
+  if (s.phase == Phase::building || s.phase == Phase::checking || (s.is_scene && s.phase != Phase::loading))
+    fail_here(L, "a scene does not step worlds; the host steps it (only plain scripts step)");
+  for (std::int64_t i = 0; i < n; ++i) run_step(L, r);
+  return return_self(L);
+}
+
+int world_time(lua_State* L) {
+  lua_pushnumber(L, check_world(L).world->time());
+  return 1;
+}
+
+int world_step_count(lua_State* L) {
+  lua_pushinteger(L, static_cast<lua_Integer>(check_world(L).world->step_count()));
+  return 1;
+}
+
+int world_dt(lua_State* L) {
+  lua_pushnumber(L, check_world(L).world->desc().dt);
+  return 1;
+}
+
+int world_dimension(lua_State* L) {
+  lua_pushinteger(L, check_world(L).world->desc().dimension);
+  return 1;
+}
+
+int world_gravity(lua_State* L) { return push_vector(L, check_world(L).world->desc().gravity); }
+
+int world_set_gravity(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  r.world->set_gravity(vector_argument(L, 2, r.planar()));
+  if (Rigid* rigid = r.world->find<Rigid>()) rigid->wake_all(WakeCause::script);
+  return return_self(L);
+}
+
+int world_energy(lua_State* L) {
+  const Energy e = check_world(L).world->energy();
+  lua_pushnumber(L, e.kinetic), lua_pushnumber(L, e.potential), lua_pushnumber(L, e.elastic);
+  return 3;
+}
+
+int world_momentum(lua_State* L) {
+  const Momentum m = check_world(L).world->momentum();
+  for (double x : m.linear) lua_pushnumber(L, x);
+  return 3;
+}
+
+int world_angular_momentum(lua_State* L) {
+  const Momentum m = check_world(L).world->momentum();
+  for (double x : m.angular) lua_pushnumber(L, x);
+  return 3;
+}
+
+int world_is_finite(lua_State* L) {
+  lua_pushboolean(L, check_world(L).world->is_finite());
+  return 1;
+}
+
+int world_max_penetration(lua_State* L) {
+  Collide* collide = check_world(L).world->find<Collide>();
+  lua_pushnumber(L, collide ? collide->max_penetration() : Real(0));
+  return 1;
+}
+
+int world_residuals(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  lua_newtable(L);
+  for (const Residual& x : r.world->residuals()) {
+    lua_pushnumber(L, x.value);
+    lua_setfield(L, -2, x.name.c_str());
+  }
+  return 1;
+}
+
+int world_hash(lua_State* L) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016" PRIx64, check_world(L).world->hash());
+  lua_pushstring(L, text);
+  return 1;
+}
+
+int world_snapshot(lua_State* L) {
+  const std::string image = seal_snapshot(check_world(L));
+  lua_pushlstring(L, image.data(), image.size());
+  return 1;
+}
+
+int world_restore(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  if (lua_type(L, 2) != LUA_TSTRING) fail_here(L, "expected a string that world:snapshot() gave, got " + describe(L, 2));
+  std::size_t size = 0;
+  const char* text = lua_tolstring(L, 2, &size);
+  restore_snapshot(L, r, {text, size});
+  return return_self(L);
+}
+
+void number_field(lua_State* L, const char* key, double value) {
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, key);
+}
+
+void count_field(lua_State* L, const char* key, std::size_t value) {
+  lua_pushinteger(L, static_cast<lua_Integer>(value));
+  lua_setfield(L, -2, key);
+}
+
+void text_field(lua_State* L, const char* key, const char* value) {
+  lua_pushstring(L, value);
+  lua_setfield(L, -2, key);
+}
+
+int world_report(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  World& w = *r.world;
+  lua_newtable(L);
+  lua_newtable(L);
+  lua_Integer n = 0;
+  for (const SystemReport& s : w.report()) {
+    lua_newtable(L);
+    text_field(L, "name", s.name.c_str());
+    count_field(L, "count", s.count);
+    count_field(L, "bytes", s.bytes);
+    lua_rawseti(L, -2, ++n);
+  }
+  lua_setfield(L, -2, "systems");
+  lua_newtable(L);
+  n = 0;
+  for (const std::string& name : w.absent()) {
+    lua_pushstring(L, name.c_str());
+    lua_rawseti(L, -2, ++n);
+  }
+  lua_setfield(L, -2, "absent");
+  lua_newtable(L);
+  n = 0;
+  const double steps = static_cast<double>(std::max<std::uint64_t>(1, w.step_count()));
+  for (const StepRow& row : w.plan().rows()) {
+    lua_newtable(L);
+    text_field(L, "stage", stage_name(row.stage));
+    text_field(L, "name", row.name);
+    text_field(L, "system", row.system);
+    number_field(L, "ms", static_cast<double>(row.counter.nanoseconds) * 1e-6 / steps);
+    count_field(L, "calls", row.counter.calls);
+    lua_rawseti(L, -2, ++n);
+  }
+  lua_setfield(L, -2, "plan");
+  lua_newtable(L);
+  for (const auto& arena : w.store().arenas()) count_field(L, arena->name().c_str(), arena->bytes());
+  lua_setfield(L, -2, "blocks");
+  count_field(L, "bytes", w.bytes());
+  count_field(L, "bodies", w.objects().count(ObjectKind::body));
+  count_field(L, "joints", w.objects().count(ObjectKind::joint));
+  count_field(L, "nets", w.objects().count(ObjectKind::net));
+  count_field(L, "forces", w.objects().count(ObjectKind::force));
+  count_field(L, "points", w.find<Springs>() ? w.find<Springs>()->count() : 0);
+  count_field(L, "steps", w.step_count());
+  return 1;
+}
+
+int world_bodies(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  const Objects& objects = r.world->objects();
+  bool filtered = false;
+  TagMask tags = 0;
+  if (!lua_isnoneornil(L, 2)) {
+    Options o(L, 2, function_name(L));
+    std::vector<std::string> words;
+    filtered = o.words("tag", words);
+    o.finish();
+    for (const std::string& w : words) tags |= objects.known_tag(w);
+  }
+  lua_newtable(L);
+  lua_Integer n = 0;
+  objects.for_each(ObjectKind::body, [&](ObjectId id) {
+    if (r.regions.count(id) || (filtered && !(objects.tags(id) & tags))) return;
+    push_handle(L, r, id);
+    lua_rawseti(L, -2, ++n);
+  });
+  return 1;
+}
+
+int world_find(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  push_handle(L, r, r.world->objects().find(check_text(L, 2, function_name(L))));
+  return 1;
+}
+
+int world_close(lua_State* L) {
+  const auto* block = static_cast<const WorldBlock*>(self_block(L));
+  if (!block) wrong_self(L, "world");
+  State& s = state(L);
+  WorldRecord& r = *s.worlds[block->world];
+  if (r.busy || r.tasks.running > 0) fail_here(L, "the world is in use: its handlers and tasks cannot close it");
+  if (s.is_scene && s.last_world == r.id) fail_here(L, "the host owns a scene's world");
+  close_world(L, r);
+  return 0;
+}
+
+int left_out(lua_State* L) { fail_here(L, "this build leaves out the module '" + std::string(function_name(L)).substr(6) + "'"); }
+
+const Method kWorldMethods[] = {
+    {"step", guard<world_step>, "world:step([n]) -> self", "n steps (1); in plain scripts only"},
+    {"time", guard<world_time>, "world:time() -> number", "simulated seconds"},
+    {"step_count", guard<world_step_count>, "world:step_count() -> integer", "steps done"},
+    {"dt", guard<world_dt>, "world:dt() -> number", "seconds per step"},
+    {"dimension", guard<world_dimension>, "world:dimension() -> integer", "2 or 3"},
+    {"gravity", guard<world_gravity>, "world:gravity() -> x, y, z", "m/s^2"},
+    {"set_gravity", guard<world_set_gravity>, "world:set_gravity(x, y, z) -> self", "m/s^2; wakes all bodies"},
+    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API"},
+    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint", "joins two bodies, or one and the world"},
+    {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs"},
+    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region", "sensor_enter and sensor_leave events"},
+    {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force", "or each = function(x,y,z, vx,vy,vz, mass, t) return fx, fy, fz end"},
+    {"cloth", guard<left_out>, "world:cloth{ ... }", "not in this build"},
+    {"fluid", guard<left_out>, "world:fluid{ ... }", "not in this build"},
+    {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection", "fn(event) runs after the step; see section 7"},
+    {"events", guard<world_events>, "for e in world:events(kind) do", "the last step's events; contact_stay and hit are made from the first call on"},
+    {"after", guard<world_after>, "world:after(seconds, fn) -> connection", "once, in simulated time"},
+    {"every", guard<world_every>, "world:every(seconds, fn) -> connection", "again and again, at most once per step"},
+    {"task", guard<world_task>, "world:task(fn) -> task", "a coroutine that may wait; it starts at once"},
+    {"energy", guard<world_energy>, "world:energy() -> kinetic, potential, elastic", "J"},
+    {"momentum", guard<world_momentum>, "world:momentum() -> x, y, z", "kg m/s"},
+    {"angular_momentum", guard<world_angular_momentum>, "world:angular_momentum() -> x, y, z", "about the origin, kg m^2/s"},
+    {"is_finite", guard<world_is_finite>, "world:is_finite() -> boolean", "no NaN and no infinity anywhere"},
+    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number", "of touching contacts now, m"},
+    {"residuals", guard<world_residuals>, "world:residuals() -> {[name] = number}", "how well the solvers do"},
+    {"hash", guard<world_hash>, "world:hash() -> string", "of the state, 16 hex digits"},
+    {"snapshot", guard<world_snapshot>, "world:snapshot() -> string", "the state; without timers, tasks and handlers"},
+    {"restore", guard<world_restore>, "world:restore(snapshot) -> self", "back to a snapshot of this world"},
+    {"report", guard<world_report>, "world:report() -> table", "systems, absent, plan (ms per step), blocks (bytes), counts"},
+    {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag"},
+    {"find", guard<world_find>, "world:find(name) -> object", "the first with that name, or nil"},
+    {"close", guard<world_close>, "world:close()", "frees the world; its handles are errors from then on"},
+};
+
+}  // namespace
+
+std::span<const Method> world_methods() { return kWorldMethods; }
+
+}  // namespace feder::lua

@@ -1,0 +1,232 @@
+#include "lua/world_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+namespace feder::lua {
+namespace {
+
+bool in_catalog(std::string_view name) {
+  for (const SystemDescriptor* d : catalog())
+    if (name == d->name) return true;
+  return false;
+}
+
+void read_friction(Options& o, const char* key, bool& has, Real& fixed, Real& dynamic) {
+  if (!o.push_any(key)) return;
+  has = true;
+  if (lua_type(o.L(), -1) == LUA_TTABLE) {
+    Options f(o.L(), -1, o.path(key));
+    if (!f.real("static", fixed, kNotNegative) || !f.real("dynamic", dynamic, kNotNegative))
+      f.raise(nullptr, "expected a number or { static =, dynamic = }");
+    f.finish();
+  } else {
+    o.real(key, fixed, kNotNegative);
+    dynamic = fixed;
+  }
+  lua_pop(o.L(), 1);
+}
+
+// Calls read(key, options of the value) for each entry of a table by name, in the order of the names.
+template <class F>
+void each_named(Options& o, const char* key, F&& read) {
+  if (!o.push(key, LUA_TTABLE, "a table of tables by name")) return;
+  lua_State* L = o.L();
+  std::vector<std::string> names;
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+    if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != LUA_TTABLE) o.wrong(key, "a table of tables by name");
+    names.emplace_back(lua_tostring(L, -2));
+  }
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names) {
+    lua_getfield(L, -1, name.c_str());
+    Options inner(L, -1, o.path(key) + "." + name);
+    read(name, inner);
+    inner.finish();
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+}
+
+void read_materials(Options& o, WorldSettings& w) {
+  each_named(o, "materials", [&](const std::string& name, Options& m) {
+    Material made;
+    read_friction(m, "friction", made.has_friction, made.friction_static, made.friction_dynamic);
+    made.has_restitution = m.real("restitution", made.restitution, Range{0, 1});
+    made.has_density = m.real("density", made.density, kPositive);
+    made.has_rolling = m.real("rolling_friction", made.rolling_friction, kNotNegative);
+    // what a materials file may say besides
+    for (const char* other : {"color", "title", "description"}) m.has(other);
+    w.materials[name] = made;
+  });
+  if (!o.push("material_pairs", LUA_TTABLE, "a list of { \"a\", \"b\", friction =, restitution = }")) return;
+  lua_State* L = o.L();
+  const auto count = lua_rawlen(L, -1);
+  if (count > 4096) o.raise("material_pairs", "expected at most 4096 pairs");
+  for (std::size_t i = 1; i <= count; ++i) {
+    lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
+    const std::string what = o.path("material_pairs") + "[" + std::to_string(i) + "]";
+    if (lua_type(L, -1) != LUA_TTABLE) fail(L, what + ": expected { \"a\", \"b\", friction =, restitution = }, got " + describe(L, -1));
+    // a copy by name, without the two names at 1 and 2
+    NamedMaterialPair pair;
+    for (int k = 1; k <= 2; ++k) {
+      lua_rawgeti(L, -1, k);
+      const std::string name = check_text(L, -1, what);
+      if (!w.materials.count(name)) {
+        std::vector<std::string> known;
+        for (const auto& m : w.materials) known.push_back(m.first);
+        fail(L, what + ": unknown material '" + name + "'; known: " + join(known));
+      }
+      (k == 1 ? pair.a : pair.b) = name;
+      lua_pop(L, 1);
+    }
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, -3);) {
+      if (lua_isinteger(L, -2) && (lua_tointeger(L, -2) == 1 || lua_tointeger(L, -2) == 2)) {
+        lua_pop(L, 1);
+        continue;
+      }
+      lua_pushvalue(L, -2);
+      lua_insert(L, -2);
+      lua_rawset(L, -4);
+    }
+    Options p(L, -1, what);
+    bool has = false;
+    read_friction(p, "friction", has, pair.friction_static, pair.friction_dynamic);
+    p.real("restitution", pair.restitution, Range{0, 1});
+    p.finish();
+    w.material_pairs.push_back(pair);
+    lua_pop(L, 2);
+  }
+  lua_pop(L, 1);
+}
+
+// "0.25", "1/240".
+bool parse_number(const std::string& text, double& out) {
+  const auto one = [](std::string_view part, double& value) {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc() && end == part.data() + part.size() && std::isfinite(value);
+  };
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) return one(text, out);
+  double over = 0, under = 0;
+  if (!one(std::string_view(text).substr(0, slash), over) || !one(std::string_view(text).substr(slash + 1), under) || under == 0) return false;
+  out = over / under;
+  return std::isfinite(out);
+}
+
+// A value from the command line by its looks: number, boolean, list of numbers, else text.
+Params::Value parse_value(const std::string& text) {
+  double x = 0;
+  if (parse_number(text, x)) return x;
+  if (text == "true" || text == "false") return text == "true";
+  if (text.find(',') != std::string::npos) {
+    std::vector<double> list;
+    std::string part;
+    bool numbers = true;
+    for (std::size_t i = 0; i <= text.size() && numbers; ++i) {
+      if (i < text.size() && text[i] != ',') {
+        if (text[i] != ' ') part += text[i];
+        continue;
+      }
+      numbers = parse_number(part, x);
+      list.push_back(x);
+      part.clear();
+    }
+    if (numbers) return list;
+  }
+  return text;
+}
+
+void apply_override(WorldSettings& w, const std::string& key, const std::string& text) {
+  const std::string what = "--world " + key + "=" + text;
+  const Params::Value value = parse_value(text);
+  const auto number = [&] {
+    if (const double* x = std::get_if<double>(&value)) return *x;
+    throw SceneError(what + ": expected a number");
+  };
+  const auto whole = [&](double lo, double hi) {
+    const double x = number();
+    if (x != std::floor(x) || x < lo || x > hi)
+      throw SceneError(what + ": expected a whole number from " + print_number(lo) + " to " + print_number(hi));
+    return x;
+  };
+  const std::size_t dot = key.find('.');
+  if (dot != std::string::npos) {
+    const std::string system = key.substr(0, dot);
+    if (!in_catalog(system)) throw SceneError(what + ": unknown system '" + system + "'");
+    w.desc.systems[system].set(key.substr(dot + 1), value);
+  } else if (key == "dt") {
+    w.desc.dt = number();
+  } else if (key == "substeps") {
+    w.desc.substeps = static_cast<int>(whole(1, 1000));
+  } else if (key == "seed") {
+    w.desc.seed = static_cast<std::uint64_t>(whole(0, 9007199254740992.0));
+  } else if (key == "threads") {
+    w.desc.threads = static_cast<int>(whole(1, 64));
+  } else if (key == "dimension") {
+    w.desc.dimension = static_cast<int>(whole(2, 3));
+  } else if (key == "sleeping") {
+    const bool* b = std::get_if<bool>(&value);
+    if (!b) throw SceneError(what + ": expected true or false");
+    w.desc.sleeping = *b;
+  } else if (key == "gravity") {
+    const auto* list = std::get_if<std::vector<double>>(&value);
+    if (!list || list->size() != 3) throw SceneError(what + ": expected three numbers x,y,z");
+    for (int i = 0; i < 3; ++i) w.desc.gravity[i] = static_cast<Real>((*list)[static_cast<std::size_t>(i)]);
+  } else if (key == "broad_phase" || key == "narrow_phase") {
+    w.desc.options.set(key, value);
+  } else {
+    const std::string near = nearest_name(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
+                                                "broad_phase", "narrow_phase", "rigid.solver"});
+    throw SceneError(what + ": unknown option '" + key + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  }
+}
+
+// Makes the systems that were given options, in a world that is thrown away.
+void try_options(const WorldSettings& w) {
+  check(w.desc);
+  WorldDesc desc = w.desc;
+  desc.threads = 1;
+  const bool collide = desc.options.has("broad_phase") || desc.options.has("narrow_phase");
+  if (desc.systems.empty() && !collide) return;
+  World probe(desc, catalog());
+  if (collide) probe.need_system("collide");
+  for (const auto& [name, options] : desc.systems) probe.need_system(name);
+}
+
+}  // namespace
+
+WorldSettings read_world_options(lua_State* L, int index, const std::string& owner) {
+  State& s = state(L);
+  WorldSettings w;
+  Options o(L, index, owner, true);
+  std::int64_t n = 0;
+  o.vector("gravity", w.desc.gravity);
+  o.number("dt", w.desc.dt, Range{0, 1, true});
+  if (o.integer("substeps", n, 1, 1000)) w.desc.substeps = static_cast<int>(n);
+  if (o.integer("seed", n, 0, std::int64_t(1) << 62)) w.desc.seed = static_cast<std::uint64_t>(n);
+  if (o.integer("threads", n, 1, 64)) w.desc.threads = static_cast<int>(n);
+  if (o.integer("dimension", n, 2, 3)) w.desc.dimension = static_cast<int>(n);
+  o.flag("sleeping", w.desc.sleeping);
+  for (const char* key : {"broad_phase", "narrow_phase"}) {
+    std::string name;
+    if (o.text(key, name)) w.desc.options.set(key, name);
+  }
+  read_materials(o, w);
+  for (const SystemDescriptor* d : catalog()) {
+    if (!d->joins.empty() || !o.push(d->name, LUA_TTABLE, "a table of options")) continue;
+    Options inner(L, -1, o.path(d->name), true);
+    inner.rest(w.desc.systems[d->name]);
+    lua_pop(L, 1);
+  }
+  o.finish();
+  if (s.options.has_seed) w.desc.seed = s.options.seed;
+  for (const auto& [key, text] : s.options.world) apply_override(w, key, text);
+  try_options(w);
+  return w;
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,334 @@
+// Scenes written in YAML: the same keys as the Lua form, built by the same functions.
+//   params:  { height: 10 } or { height: { value: 10, min: 1, max: 40 } }; "$height" stands for it anywhere below
+//   bodies:  a list of body options; shape: { box: [1, 1, 1] } or { type: box, size: [1, 1, 1] };
+//            repeat: { count: 10, step: [0, 1, 0] } makes copies, named name1, name2 ...
+//   joints:  a and b are the names of bodies;  nets: as in world:net
+#include <algorithm>
+#include <cmath>
+
+#include "lua/options.h"
+#include "lua/scene.h"
+#include "lua/shapes.h"
+
+namespace feder::lua {
+namespace {
+
+const char* const kSceneKeys[] = {"title", "seconds", "world", "params", "bodies", "joints", "nets", "forces", "regions", "cloths", "fluids"};
+
+// Raises an error at a place in the file, when the table remembers one.
+[[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
+  table = lua_absindex(L, table);
+  std::string at;
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, table);
+    if (lua_rawget(L, -2) == LUA_TTABLE) {
+      lua_pushboolean(L, 1);
+      lua_rawget(L, -2);
+      if (lua_type(L, -1) == LUA_TSTRING) at = lua_tostring(L, -1);
+    }
+  }
+  lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
+  lua_error(L);
+  std::abort();  // lua_error does not return
+}
+
+// Takes the places of one table over to another, so that copies of YAML tables keep theirs.
+void copy_places(lua_State* L, int from, int to) {
+  from = lua_absindex(L, from), to = lua_absindex(L, to);
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, to);
+    lua_pushvalue(L, from);
+    lua_rawget(L, -3);
+    lua_rawset(L, -3);
+  }
+  lua_pop(L, 1);
+}
+
+// Replaces "$name" by the parameter's value in a deep copy of the value on top. YAML values have no cycles.
+void fill_in(lua_State* L, int params) {
+  luaL_checkstack(L, 10, "the YAML file is nested too deeply");
+  if (lua_type(L, -1) == LUA_TSTRING) {
+    const std::string text = lua_tostring(L, -1);
+    if (text.size() < 2 || text[0] != '$') return;
+    lua_getfield(L, params, text.c_str() + 1);
+    if (lua_isnil(L, -1)) lua_pop(L, 1);
+    else lua_remove(L, -2);
+    return;
+  }
+  if (lua_type(L, -1) != LUA_TTABLE) return;
+  lua_newtable(L);
+  copy_places(L, -2, -1);
+  for (lua_pushnil(L); lua_next(L, -3);) {
+    fill_in(L, params);
+    lua_pushvalue(L, -2);
+    lua_insert(L, -2);
+    lua_rawset(L, -4);
+  }
+  lua_remove(L, -2);
+}
+
+// The shape of the table on top: { box: [1, 1, 1] } or { type: box, size: [..] | radius:, height: ... }. Replaces it.
+void make_shape(lua_State* L) {
+  if (lua_type(L, -1) == LUA_TSTRING) {  // shape: plane
+    lua_newtable(L);
+    lua_insert(L, -2);
+    lua_setfield(L, -2, "type");
+  }
+  if (lua_type(L, -1) != LUA_TTABLE) return;  // the body's own reader complains
+  const int table = lua_gettop(L);
+  std::string kind;
+  lua_getfield(L, table, "type");
+  if (lua_type(L, -1) == LUA_TSTRING) kind = lua_tostring(L, -1);
+  lua_pop(L, 1);
+  std::vector<std::string> known;
+  for (const Method& m : shape_functions()) known.emplace_back(m.name);
+  int arguments = 0;
+  if (kind.empty()) {
+    lua_pushnil(L);
+    if (!lua_next(L, table) || lua_type(L, -2) != LUA_TSTRING) fail_in(L, table, "shape: expected one of " + join(known));
+    kind = lua_tostring(L, -2);
+    lua_remove(L, -2);
+    if (lua_type(L, -1) == LUA_TTABLE && kind != "hull" && kind != "polygon" && kind != "compound") {
+      const int list = lua_gettop(L);
+      arguments = static_cast<int>(lua_rawlen(L, list));
+      luaL_checkstack(L, arguments + 10, "shape");
+      for (int i = 1; i <= arguments; ++i) lua_rawgeti(L, list, i);
+      lua_remove(L, list);
+    } else {
+      arguments = 1;
+    }
+  } else {
+    for (const char* key : {"size", "points", "normal", "vertices", "radius", "height", "distance", "triangles", "parts"}) {
+      lua_getfield(L, table, key);
+      const bool spread = std::string_view(key) == "size" && lua_type(L, -1) == LUA_TTABLE;
+      if (lua_isnil(L, -1)) {
+        lua_pop(L, 1);
+        continue;
+      }
+      ++arguments;
+      if (!spread) continue;
+      const int list = lua_gettop(L);
+      --arguments;
+      for (int i = 1; i <= 3; ++i) {
+        lua_rawgeti(L, list, i);
+        if (lua_isnil(L, -1)) lua_pop(L, 1);
+        else ++arguments;
+      }
+      lua_remove(L, list);
+    }
+  }
+  // parts of a compound are shapes themselves
+  if (kind == "compound" && lua_type(L, -1) == LUA_TTABLE) {
+    const int parts = lua_gettop(L);
+    for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, parts)); ++i) {
+      if (lua_rawgeti(L, parts, i) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
+        make_shape(L);
+        lua_setfield(L, -2, "shape");
+      }
+      lua_settop(L, parts);
+    }
+  }
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+  lua_getfield(L, -1, "feder");
+  lua_remove(L, -2);
+  lua_pushstring(L, kind.c_str());
+  lua_rawget(L, -2);
+  bool is_shape = false;
+  for (const std::string& name : known) is_shape = is_shape || name == kind;
+  if (!is_shape) {
+    const std::string near = nearest_name(kind, known);
+    fail_in(L, table, "shape: unknown shape '" + kind + "'" + (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+  }
+  lua_remove(L, -2);
+  lua_insert(L, table + 1);
+  lua_call(L, arguments, 1);
+  lua_replace(L, table);
+  lua_settop(L, table);
+}
+
+// Calls world:<maker>(options on top); pops them.
+void make_object(lua_State* L, int world, const char* maker) {
+  const int options = lua_gettop(L);
+  lua_getfield(L, world, maker);
+  lua_pushvalue(L, world);
+  lua_pushvalue(L, options);
+  lua_call(L, 2, 0);
+  lua_settop(L, options - 1);
+}
+
+// repeat: { count:, step: }: how many, and how far apart.
+void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
+  count = 1;
+  if (lua_getfield(L, options, "repeat") != LUA_TNIL) {
+    Options o(L, -1, "repeat");
+    std::int64_t n = 1;
+    Vec3 v = Vec3::Zero();
+    if (!o.integer("count", n, 0, 1000000)) o.wrong("count", "a whole number from 0 to 1000000");
+    o.vector("step", v);
+    o.finish();
+    count = n;
+    for (int k = 0; k < 3; ++k) step[k] = v[k];
+    lua_pushnil(L);
+    lua_setfield(L, options, "repeat");
+  }
+  lua_pop(L, 1);
+}
+
+void make_bodies(lua_State* L, int world, const char* maker) {
+  const int options = lua_gettop(L);
+  if (lua_type(L, options) != LUA_TTABLE) fail(L, "bodies: expected a list of tables, got " + describe(L, options));
+  lua_Integer count = 1;
+  double step[3] = {0, 0, 0};
+  read_repeat(L, options, count, step);
+  if (lua_getfield(L, options, "shape") != LUA_TNIL) {
+    make_shape(L);
+    lua_setfield(L, options, "shape");
+  } else {
+    lua_pop(L, 1);
+  }
+  for (lua_Integer i = 0; i < count; ++i) {
+    lua_newtable(L);
+    copy_places(L, options, -1);
+    for (lua_pushnil(L); lua_next(L, options);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+    if (count > 1) {
+      lua_getfield(L, -1, "name");
+      if (lua_type(L, -1) == LUA_TSTRING) {
+        lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
+        lua_setfield(L, -3, "name");
+      }
+      lua_pop(L, 1);
+      lua_getfield(L, -1, "position");
+      const int position = lua_gettop(L);
+      lua_newtable(L);
+      for (int k = 1; k <= 3; ++k) {
+        double x = 0;
+        if (lua_type(L, position) == LUA_TTABLE) {
+          lua_rawgeti(L, position, k);
+          x = lua_isnil(L, -1) ? 0 : check_number(L, -1, "position");
+          lua_pop(L, 1);
+        }
+        lua_pushnumber(L, x + static_cast<double>(i) * step[k - 1]);
+        lua_rawseti(L, -2, k);
+      }
+      lua_setfield(L, -3, "position");
+      lua_pop(L, 1);
+    }
+    make_object(L, world, maker);
+  }
+  lua_settop(L, options - 1);
+}
+
+// Replaces the name at options[key] by the object.
+void resolve(lua_State* L, int world, int options, const char* key) {
+  if (lua_getfield(L, options, key) == LUA_TSTRING) {
+    lua_getfield(L, world, "find");
+    lua_pushvalue(L, world);
+    lua_pushvalue(L, -3);
+    lua_call(L, 2, 1);
+    if (lua_isnil(L, -1)) fail_in(L, options, std::string(key) + ": no object is called " + describe(L, -2));
+    lua_setfield(L, options, key);
+  }
+  lua_pop(L, 1);
+}
+
+template <class F>
+void each_of(lua_State* L, int scene, const char* key, F&& make) {
+  if (lua_getfield(L, scene, key) != LUA_TNIL) {
+    if (lua_type(L, -1) != LUA_TTABLE) fail_in(L, scene, std::string(key) + ": expected a list, got " + describe(L, -1));
+    const int list = lua_gettop(L);
+    for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, list)); ++i) {
+      lua_rawgeti(L, list, i);
+      if (lua_type(L, -1) != LUA_TTABLE) fail_in(L, list, std::string(key) + ": expected a list of tables, got " + describe(L, -1));
+      make();
+      lua_settop(L, list);
+    }
+  }
+  lua_pop(L, 1);
+}
+
+int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, parameters filled in
+  lua_settop(L, 1);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  constexpr int world = 1, scene = 2;
+  for (const char* later : {"cloths", "fluids"}) {
+    if (lua_getfield(L, scene, later) != LUA_TNIL)
+      fail_in(L, scene, std::string(later) + ": this build leaves out the module '" + std::string(later, std::string_view(later).size() - 1) + "'");
+    lua_pop(L, 1);
+  }
+  each_of(L, scene, "bodies", [&] { make_bodies(L, world, "body"); });
+  each_of(L, scene, "regions", [&] { make_bodies(L, world, "region"); });
+  each_of(L, scene, "joints", [&] {
+    const int options = lua_gettop(L);
+    resolve(L, world, options, "a"), resolve(L, world, options, "b");
+    make_object(L, world, "joint");
+  });
+  each_of(L, scene, "nets", [&] { make_object(L, world, "net"); });
+  each_of(L, scene, "forces", [&] { make_object(L, world, "force"); });
+  return 0;
+}
+
+// Declares the parameters; leaves a table of their values.
+void declare_params(lua_State* L, int scene) {
+  lua_newtable(L);
+  const int values = lua_gettop(L);
+  if (lua_getfield(L, scene, "params") == LUA_TTABLE) {
+    // ordered by name: the order of the file is not known here
+    std::vector<std::string> names;
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+      if (lua_type(L, -2) == LUA_TSTRING) names.emplace_back(lua_tostring(L, -2));
+    std::sort(names.begin(), names.end());
+    for (const std::string& name : names) {
+      lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+      lua_getfield(L, -1, "feder");
+      lua_getfield(L, -1, "param");
+      lua_pushstring(L, name.c_str());
+      lua_getfield(L, values + 1, name.c_str());
+      if (lua_type(L, -1) == LUA_TTABLE) {
+        lua_newtable(L);
+        copy_places(L, -2, -1);
+        for (lua_pushnil(L); lua_next(L, -3);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+        lua_remove(L, -2);
+        lua_getfield(L, -1, "value");
+        if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
+        lua_pushnil(L);
+        lua_setfield(L, -3, "value");
+        lua_insert(L, -2);
+      } else {
+        lua_pushnil(L);
+      }
+      lua_call(L, 3, 1);
+      lua_setfield(L, values, name.c_str());
+      lua_settop(L, values + 1);
+    }
+  } else if (!lua_isnil(L, -1)) {
+    fail_in(L, scene, "params: expected a table by name, got " + describe(L, -1));
+  }
+  lua_settop(L, values);
+}
+
+}  // namespace
+
+void yaml_to_scene(lua_State* L, const std::string& file) {
+  if (lua_type(L, -1) != LUA_TTABLE) fail(L, file + ": expected a scene with the keys title, world, bodies ..., got " + describe(L, -1));
+  const int given = lua_gettop(L);
+  Options o(L, given, "scene");
+  for (const char* key : kSceneKeys) o.has(key);
+  o.finish();
+  declare_params(L, given);
+  lua_pushvalue(L, given);
+  fill_in(L, given + 1);
+  const int scene = lua_gettop(L);
+  lua_newtable(L);
+  copy_places(L, scene, -1);
+  for (const char* key : {"title", "seconds", "world"}) {
+    lua_getfield(L, scene, key);
+    lua_setfield(L, -2, key);
+  }
+  lua_pushvalue(L, scene);
+  lua_pushcclosure(L, guard<build_yaml>, 1);
+  lua_setfield(L, -2, "build");
+  lua_replace(L, given);
+  lua_settop(L, given);
+}
+
+}  // namespace feder::lua
