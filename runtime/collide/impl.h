@@ -40,6 +40,7 @@ enum EntryBits : std::uint16_t {
   kWatch = 64,      // whether it touches depends on the impulse of this step
   kArrived = 128,   // kNear became true in this step
   kMany = 256,      // the pair has kMaxManifolds entries
+  kSensorIsB = 512,
 };
 
 // Of the last real narrow test. No padding: written to snapshots as bytes.
@@ -87,7 +88,13 @@ struct SeenCollider {
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
   Real reach = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
 };
-enum SeenBits : std::uint32_t { kChanged = 1, kSurfaceChanged = 2, kConveyor = 4 };
+enum SeenBits : std::uint32_t {
+  kChanged = 1,         // pairs are looked at again
+  kSurfaceChanged = 2,  // contacts are mixed again
+  kSettled = 4,         // fell asleep since the last step
+  kConveyor = 8,        // has a surface velocity; kept over steps
+  kAwake = 16,          // kept over steps
+};
 
 struct Exclusion {
   ObjectId a, b;  // a < b

@@ -9,13 +9,13 @@ namespace feder {
 
 // Notes what changed since the last step, and what the broad phase should treat as moving: whatever is awake, and
 // sensors, which see sleeping bodies too. A changed collider counts as moving once, so that a fixed one put on top
-// of a sleeping one is found.
+// of a sleeping one is found; so does one that fell asleep, because it moved after its last test.
 void Collide::Impl::look_at_colliders() {
   Colliders& c = *colliders;
   const std::uint32_t count = c.size();
   motion.resize(count);
   if (seen.size() < count) seen.resize(count);
-  for (SeenCollider& s : seen) s.bits &= kConveyor;
+  for (SeenCollider& s : seen) s.bits &= kConveyor | kAwake;
   for (const std::uint32_t i : c.changed) seen[i].bits |= kChanged;
   c.changed.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -30,7 +30,7 @@ void Collide::Impl::look_at_colliders() {
       s.bits |= kChanged;
     const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
     if (recheck_surfaces) s.bits |= kSurfaceChanged;
-    if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits & kChanged) | kSurfaceChanged | conveyor;
+    if (conveyor != (s.bits & kConveyor)) s.bits ^= kConveyor, s.bits |= kSurfaceChanged;
     if (s.friction_static != c.friction_static[i] || s.friction_dynamic != c.friction_dynamic[i] ||
         s.restitution != c.restitution[i] || s.rolling_friction != c.rolling_friction[i] || s.material != c.material[i])
       s.bits |= kSurfaceChanged;
@@ -42,7 +42,9 @@ void Collide::Impl::look_at_colliders() {
       s.friction_static = c.friction_static[i], s.friction_dynamic = c.friction_dynamic[i];
       s.restitution = c.restitution[i], s.rolling_friction = c.rolling_friction[i], s.material = c.material[i];
     }
-    const bool moving = c.awake[i] || c.sensor[i] || (s.bits & kChanged);
+    if (c.awake[i]) s.bits |= kAwake;
+    else if (s.bits & kAwake) s.bits ^= kAwake | kSettled;
+    const bool moving = c.awake[i] || c.sensor[i] || (s.bits & (kChanged | kSettled));
     motion[i] = moving ? BoxMotion::moving : BoxMotion::still;
   }
   recheck_surfaces = false;
@@ -72,7 +74,8 @@ bool Collide::Impl::keep(const ContactEntry& e, bool reported) {
   }
   if (!recheck_filters && !((seen[e.a].bits | seen[e.b].bits) & kChanged)) return true;
   const bool sensor = c.sensor[e.a] || c.sensor[e.b];
-  return sensor == ((e.bits & kSensorPair) != 0) && may_collide(e.a, e.b);
+  if (sensor != ((e.bits & kSensorPair) != 0) || (c.sensor[e.b] != 0) != ((e.bits & kSensorIsB) != 0)) return false;
+  return may_collide(e.a, e.b);
 }
 
 void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
@@ -99,7 +102,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
     Contact& contact = contacts->slots[slot];
     contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;
     memory[slot] = fresh;
-    const int bits = kNew | (sensor ? kSensorPair : 0) | (many ? kMany : 0);
+    const int bits = kNew | (many ? kMany : 0) | (sensor ? kSensorPair : 0) | (c.sensor[b] ? kSensorIsB : 0);
     next_entries.push_back({a, b, slot, static_cast<std::uint16_t>(sub), static_cast<std::uint16_t>(bits)});
   }
 }

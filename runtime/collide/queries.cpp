@@ -8,14 +8,6 @@
 namespace feder {
 namespace {
 
-// The query's shape as convex parts (or one mesh or plane): a compound is its parts.
-template <class Visit>
-void each_part(const Shape& shape, const Pose& pose, Visit&& visit) {
-  const std::span<const CompoundPart> parts = compound_parts(shape);
-  if (parts.empty()) return visit(shape, pose);
-  for (const CompoundPart& part : parts) each_part(*part.shape, pose * part.pose, visit);
-}
-
 bool nearer(const RaycastHit& x, const RaycastHit& y) {
   return x.fraction < y.fraction || (x.fraction == y.fraction && x.collider < y.collider);
 }
@@ -68,19 +60,16 @@ bool Collide::shape_cast(const Shape& shape, const Pose& pose, const Vec3& motio
   impl_->refresh_boxes();
   const Colliders& c = *impl_->colliders;
   bool found = false;
-  each_part(shape, pose, [&](const Shape& part, const Pose& part_pose) {
-    Aabb swept = part.bounds(part_pose);
-    swept.include(Aabb{swept.lo + motion, swept.hi + motion});
-    for (std::uint32_t i = 0; i < c.size(); ++i) {
-      if (!impl_->passes(i, filter) || !overlaps(c.box[i], swept)) continue;
-      CastHit cast;
-      if (!feder::shape_cast(part, part_pose, motion, *c.shape[i], c.pose[i], cast)) continue;
-      const RaycastHit candidate{i, c.object[i], cast.point, cast.normal, cast.fraction};
-      if (found && !nearer(candidate, hit)) continue;
-      found = true;
-      hit = candidate;
-    }
-  });
+  Aabb swept = shape.bounds(pose);
+  swept.include(Aabb{swept.lo + motion, swept.hi + motion});
+  for (std::uint32_t i = 0; i < c.size(); ++i) {
+    if (!impl_->passes(i, filter) || !overlaps(c.box[i], swept)) continue;
+    CastHit cast;
+    if (!feder::shape_cast(shape, pose, motion, *c.shape[i], c.pose[i], cast)) continue;
+    if (found && !(cast.fraction < hit.fraction)) continue;
+    found = true;
+    hit = {i, c.object[i], cast.point, cast.normal, cast.fraction};
+  }
   return found;
 }
 
@@ -88,13 +77,11 @@ void Collide::overlap(const Shape& shape, const Pose& pose, const QueryFilter& f
   impl_->refresh_boxes();
   const Colliders& c = *impl_->colliders;
   found.clear();
-  each_part(shape, pose, [&](const Shape& part, const Pose& part_pose) {
-    const Aabb box = part.bounds(part_pose);
-    for (std::uint32_t i = 0; i < c.size(); ++i) {
-      if (!impl_->passes(i, filter) || !overlaps(c.box[i], box)) continue;
-      if (shapes_overlap(impl_->narrow, part, part_pose, *c.shape[i], c.pose[i])) found.push_back(c.object[i]);
-    }
-  });
+  const Aabb box = shape.bounds(pose);
+  for (std::uint32_t i = 0; i < c.size(); ++i) {
+    if (!impl_->passes(i, filter) || !overlaps(c.box[i], box)) continue;
+    if (shapes_overlap(impl_->narrow, shape, pose, *c.shape[i], c.pose[i])) found.push_back(c.object[i]);
+  }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
 }

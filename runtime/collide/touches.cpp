@@ -16,7 +16,7 @@ namespace feder {
 TouchKey Collide::Impl::key(const ContactEntry& e, bool& flipped) const {
   const Colliders& c = *colliders;
   const ObjectId a = c.object[e.a], b = c.object[e.b];
-  flipped = e.bits & kSensorPair ? c.sensor[e.b] != 0 : b < a;
+  flipped = e.bits & kSensorPair ? (e.bits & kSensorIsB) != 0 : b < a;
   std::uint32_t index = 0;
   if (c.owner[e.b] == ObjectKind::net) index = c.sub[e.b];
   if (c.owner[e.a] == ObjectKind::net) index = c.sub[e.a];
@@ -68,7 +68,7 @@ void Collide::Impl::report_stay(StepContext& c) {
   for (const ContactEntry& e : entries) {
     if ((e.bits & (kTested | kReported | kSensorPair)) != (kTested | kReported)) continue;
     const Contact& contact = contacts->slots[e.slot];
-    if (contact.point_count == 0) continue;
+    if (contact.point_count == 0 || (!colliders->awake[e.a] && !colliders->awake[e.b])) continue;
     Transition t;
     bool flipped;
     t.key = key(e, flipped);

@@ -1,4 +1,4 @@
-// Narrow tests of all contacts with an awake side, in parallel: each contact writes its own slot only. A serial pass
+// Narrow tests of all contacts with a side that may have moved, in parallel: each contact writes its own slot only. A serial pass
 // in order then wakes whom an arriving contact touches and lists the active contacts.
 // Contact recycling (Catto, Box3D 2026): most contacts of a pile are tested again although nothing moved. While the
 // relative motion since the last real test is tiny, normal, arms and features stay and only the separations follow:
@@ -65,7 +65,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   for (ContactEntry& e : group) e.bits &= static_cast<std::uint16_t>(~(kOfStep | kNew));
   const std::uint32_t seen_bits = seen[a].bits | seen[b].bits;
   if (group[0].bits & kSensorPair) return test_sensor(group[0]);
-  if (!is_new && !c.awake[a] && !c.awake[b] && !(seen_bits & kChanged)) {
+  if (!is_new && !c.awake[a] && !c.awake[b] && !(seen_bits & (kChanged | kSettled))) {
     if (seen_bits & kSurfaceChanged)
       for (const ContactEntry& e : group) mix(contacts->slots[e.slot]);
     return;
