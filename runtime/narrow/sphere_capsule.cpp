@@ -1,0 +1,22 @@
+// Sphere against capsule: the nearest point of the segment. A centre on the axis leaves across it.
+#include "narrow/narrow_phase.h"
+#include "narrow/round.h"
+
+namespace feder {
+namespace {
+
+int sphere_capsule(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin, PairCache&,
+                   Manifold* out) {
+  const Real half = b.support(vec3(0, 1, 0))[1];
+  const Real along = clamp(to_local(pose_b, pose_a.position)[1], -half, half);
+  out->points[0].feature = 0;
+  out->count = round_point(pose_a.position, a.radius(), to_world(pose_b, vec3(0, along, 0)), b.radius(), margin,
+                           rotate(pose_b.rotation, vec3(1, 0, 0)), out->normal, out->points[0]);
+  return out->count;
+}
+
+}  // namespace
+
+PairRow narrow_sphere_capsule() { return {"sphere", "capsule", sphere_capsule}; }
+
+}  // namespace feder
