@@ -68,7 +68,7 @@ class Net final : public ForceField {
 
   std::size_t count() const override { return points; }
   std::span<const Real> inv_mass() const override { return {particles_.inv_mass.data() + first, points}; }
-  std::span<const Real> mass() const override { return {particles_.mass.data() + first, points}; }
+  std::span<const Real> mass() const override { return {particles_.inertia.data() + first, points}; }
   void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) override;
   bool damped() const override { return damped_; }
   void damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) override;

@@ -131,7 +131,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
     const std::uint32_t at = n->first + i;
     p.position[at] = p.start[at] = desc.points[i];
     p.velocity[at] = desc.velocities.empty() ? Vec3(0, 0, 0) : desc.velocities[i];
-    p.mass[at] = desc.masses[i];
+    p.mass[at] = p.inertia[at] = desc.masses[i];
     p.inv_mass[at] = 1 / desc.masses[i];
     p.radius[at] = desc.radius;
     p.net[at] = n->object;
@@ -251,7 +251,7 @@ std::size_t Springs::net_count() const { return impl_->nets.size(); }
 Springs::NetInfo Springs::net_info(std::size_t k) const {
   const Net& n = *impl_->nets[k];
   const NetSettings& s = n.settings;
-  return {n.object, n.first, n.points, s.friction, s.restitution, s.group, s.mask};
+  return {n.object, n.first, n.points, s.friction, s.restitution, s.group, s.mask, n.integrator->info().implicit};
 }
 
 void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {

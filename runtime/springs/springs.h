@@ -83,6 +83,7 @@ class Springs final : public System {
     std::uint32_t first = 0, count = 0;
     Real friction = 0, restitution = 0;
     std::uint32_t group = 1, mask = 0xffffffffu;
+    bool implicit = false;  // its integrator
   };
   std::size_t net_count() const;
   NetInfo net_info(std::size_t n) const;  // 0 .. net_count()-1, in the order the nets were made

@@ -8,14 +8,15 @@ namespace feder {
 
 struct Particles {
   explicit Particles(Arena& a)
-      : position(&a), velocity(&a), start(&a), mass(&a), inv_mass(&a), radius(&a), net(&a), script_force(&a),
-        collider(&a), mover(&a) {}
+      : position(&a), velocity(&a), start(&a), mass(&a), inertia(&a), inv_mass(&a), radius(&a), net(&a),
+        script_force(&a), collider(&a), mover(&a) {}
 
   Array<Vec3> position;            // m, world
   Array<Vec3> velocity;            // m/s
   Array<Vec3> start;               // position at the start of the step, m
   Array<Real> mass;                // kg
-  Array<Real> inv_mass;            // 1/kg; 0 = pinned
+  Array<Real> inertia;             // kg; mass, plus what the point carries while couple lets the integrators run
+  Array<Real> inv_mass;            // 1/inertia, 1/kg; 0 = pinned
   Array<Real> radius;              // m; 0 = does not collide
   Array<ObjectId> net;             // owner
   Array<Vec3> script_force;        // N
@@ -26,7 +27,7 @@ struct Particles {
   // Calls f(array) for every array, always in the same order: for growing, erasing, saving and loading.
   template <class P, class F>
   static void each_array(P& p, F&& f) {
-    f(p.position), f(p.velocity), f(p.start), f(p.mass), f(p.inv_mass), f(p.radius), f(p.net), f(p.script_force);
+    f(p.position), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius), f(p.net), f(p.script_force);
     f(p.collider), f(p.mover);
   }
 };

@@ -1,0 +1,133 @@
+// Structure of the coupling: which points have a collider and a mover, the plan's rows, and what is asked from
+// outside. The rows themselves are in springs_rigid_step.cpp.
+// Everything here follows from the nets: colliders and movers live in their blocks, their numbers in Particles, so a
+// snapshot needs nothing from this system.
+#include "couple/springs_rigid.h"
+
+#include <algorithm>
+
+namespace feder {
+
+const SystemDescriptor& SpringsRigid::descriptor() {
+  static const char* const joins[] = {Springs::kName, Rigid::kName};
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<SpringsRigid>(setup);
+                                     }};
+  return d;
+}
+
+SpringsRigid::SpringsRigid(SystemSetup& s)
+    : springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
+      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
+      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+      movers_(s.store.need<Movers>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
+      objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
+      holds_(&s.store.arena(kName)), touching_(&s.store.arena(kName)) {
+  springs_.on_remove = [](void* self, std::uint32_t first, std::uint32_t count) {
+    static_cast<SpringsRigid*>(self)->release(first, count);
+  };
+  springs_.on_remove_self = this;
+}
+
+SpringsRigid::~SpringsRigid() { springs_.on_remove = nullptr; }
+
+std::size_t SpringsRigid::count() const { return coupled_.size(); }
+
+void SpringsRigid::add_rows(StepPlan& plan) {
+  sync();
+  if (coupled_.empty() || rigid_.count() == 0) return;
+  using S = SpringsRigid;
+  plan.add<&S::update_boxes>(Stage::bounds, When::each_substep, 20, "point boxes", kName, this);
+  plan.add<&S::append>(Stage::advance, When::before_substeps, 15, "append points", kName, this);
+  plan.add<&S::before_integrate>(Stage::advance, When::each_substep, 19, "before integrate", kName, this);
+  plan.add<&S::after_integrate>(Stage::advance, When::each_substep, 21, "after integrate", kName, this);
+  plan.add<&S::hand_over>(Stage::solve, When::each_substep, 10, "hand over", kName, this);
+  plan.add<&S::read_back>(Stage::solve, When::each_substep, 30, "read back", kName, this);
+  plan.add<&S::read_back_velocities>(Stage::solve, When::after_substeps, 30, "read back bounces", kName, this);
+  plan.add<&S::keep_awake>(Stage::finish, When::each_substep, 5, "keep awake", kName, this);
+}
+
+std::uint32_t SpringsRigid::find_coupled(std::uint32_t particle) const {
+  const auto at = std::lower_bound(coupled_.begin(), coupled_.end(), particle,
+                                   [](const Coupled& k, std::uint32_t p) { return k.particle < p; });
+  return at != coupled_.end() && at->particle == particle ? static_cast<std::uint32_t>(at - coupled_.begin()) : kNone;
+}
+
+void SpringsRigid::sync() {
+  // attachments to bodies that are gone end
+  std::vector<Springs::Attachment> dead;
+  for (const Springs::Attachment& a : springs_.attachments())
+    if (!objects_.alive(a.body)) dead.push_back(a);
+  for (const Springs::Attachment& a : dead)
+    springs_.detach(a.net, a.point - springs_.net_info(objects_.index(a.net)).first);
+
+  std::vector<std::uint8_t> attached(particles_.size(), 0);
+  for (const Springs::Attachment& a : springs_.attachments()) attached[a.point] = 1;
+  coupled_.clear();
+  for (std::size_t n = 0; n < springs_.net_count(); ++n) {
+    const Springs::NetInfo net = springs_.net_info(n);
+    for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
+      sync_collider(i, net, attached[i] != 0);
+      if (particles_.mover[i] == kNone) continue;
+      Coupled k;
+      k.particle = i;
+      k.implicit = net.implicit;
+      k.attached = attached[i] != 0;
+      coupled_.push_back(k);
+    }
+  }
+}
+
+// An attached point collides with nothing: the body it is part of does.
+void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, bool attached) {
+  const bool collides = particles_.radius[i] > 0;
+  std::uint32_t& mover = particles_.mover[i];
+  if ((collides || attached) && mover == kNone) mover = movers_.add();
+  if (!collides && !attached && mover != kNone) {
+    movers_.remove(mover);
+    mover = kNone;
+  }
+  if (!collides) return;
+  std::uint32_t& k = particles_.collider[i];
+  if (k == kNone) {
+    k = colliders_.add();
+    // the points of a net share one shape
+    const std::uint32_t first = particles_.collider[net.first];
+    const bool share = first != kNone && first != k && particles_.radius[net.first] == particles_.radius[i];
+    colliders_.shapes[k] = share ? colliders_.shapes[first] : make_sphere(particles_.radius[i]);
+    colliders_.shape[k] = colliders_.shapes[k].get();
+    colliders_.motion[k] = ColliderMotion::dynamic;
+    colliders_.owner[k] = ObjectKind::net;
+    colliders_.object[k] = net.object;
+    colliders_.sub[k] = i - net.first;
+    colliders_.friction_static[k] = colliders_.friction_dynamic[k] = net.friction;
+    colliders_.restitution[k] = net.restitution;
+  }
+  colliders_.owner_index[k] = i;
+  colliders_.mover[k] = mover;
+  colliders_.group[k] = attached ? 0 : net.group;
+  colliders_.mask[k] = attached ? 0 : net.mask;
+}
+
+void SpringsRigid::release(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    if (particles_.collider[i] != kNone) {
+      collide_.forget(particles_.collider[i]);
+      colliders_.remove(particles_.collider[i]);
+    }
+    if (particles_.mover[i] != kNone) movers_.remove(particles_.mover[i]);
+  }
+}
+
+void SpringsRigid::residuals(std::vector<Residual>& out) const {
+  const Bodies& b = rigid_.bodies();
+  double worst = 0;
+  for (const Springs::Attachment& a : springs_.attachments()) {
+    if (!objects_.alive(a.body)) continue;
+    const Vec3 anchor = to_world(b.origin_pose(rigid_.index(a.body)), a.local);
+    worst = std::max(worst, static_cast<double>(length(particles_.position[a.point] - anchor)));
+  }
+  if (!springs_.attachments().empty()) out.push_back({"springs_rigid.attachment_error_m", worst});
+}
+
+}  // namespace feder

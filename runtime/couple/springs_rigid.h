@@ -1,0 +1,84 @@
+// Nets and rigid bodies in one world: net points with a radius collide with bodies, attached points hold bodies.
+// Exists as soon as a world has both. Momentum passes both ways in the same substep.
+#pragma once
+#include "collide/collide.h"
+#include "rigid/rigid.h"
+#include "springs/springs.h"
+#include "state/movers.h"
+#include "step/system.h"
+
+namespace feder {
+
+class SpringsRigid final : public System {
+ public:
+  static constexpr const char* kName = "springs_rigid";
+  static const SystemDescriptor& descriptor();
+  explicit SpringsRigid(SystemSetup& setup);
+  ~SpringsRigid() override;
+
+  void add_rows(StepPlan& plan) override;
+  std::size_t count() const override;  // points that meet bodies
+  void hash(Hash&) const override {}   // all state is that of the two systems
+  void save(Writer&) const override {}
+  void load(Reader&) override {}
+  void residuals(std::vector<Residual>& out) const override;  // springs_rigid.attachment_error_m
+
+ private:
+  // A net point that takes part: it collides, or it is attached.
+  struct Coupled {
+    std::uint32_t particle = 0;
+    std::uint32_t solver = 0;       // in Movers this step; 0 = pinned
+    Vec3 before = Vec3::Zero();     // position before the substep, m
+    Vec3 given = Vec3::Zero();      // velocity the solver got, m/s
+    Vec3 given_moved = Vec3::Zero();
+    Real added = 0;                 // inertia carried this step, kg
+    bool implicit = false;          // net's integrator
+    bool attached = false;
+  };
+  // An attachment this step.
+  struct Hold {
+    std::uint32_t coupled = 0;      // place in coupled_
+    std::uint32_t body = 0;         // index in Bodies
+    std::uint32_t solver = 0;       // body's place in Movers; 0 = does not move
+    Vec3 local = Vec3::Zero();      // from the centre of mass, body axes, m
+    Mat3 mass = Mat3::Zero();       // effective, of the three rows, kg
+    Vec3 arm = Vec3::Zero();        // world, now, m
+  };
+
+  // Structure: colliders, movers and the list of coupled points brought up to date.
+  void sync();
+  void sync_collider(std::uint32_t particle, const Springs::NetInfo& net, bool attached);
+  void release(std::uint32_t first, std::uint32_t count);
+  std::uint32_t find_coupled(std::uint32_t particle) const;
+
+  // Rows.
+  void update_boxes(StepContext& c);
+  void append(StepContext& c);
+  void before_integrate(StepContext& c);
+  void after_integrate(StepContext& c);
+  void hand_over(StepContext& c);
+  void read_back(StepContext& c);
+  void read_back_velocities(StepContext& c);
+  void keep_awake(StepContext& c);
+
+  void find_holds();
+  void add_carried_mass();
+  // Velocity projection of all attachments; `rate` times the position error is taken out as velocity (1/s).
+  void hold(int rounds, Real rate);
+  Vec3 hold_error(const Hold& k) const;  // point minus anchor, m
+  Mat3 body_response(const Hold& k) const;  // velocity of the anchor per impulse on it, 1/kg
+
+  Springs& springs_;
+  Rigid& rigid_;
+  Collide& collide_;
+  Colliders& colliders_;
+  Movers& movers_;
+  Particles& particles_;
+  Objects& objects_;
+  bool* structure_changed_;
+  Array<Coupled> coupled_;      // ascending by particle
+  Array<Hold> holds_;
+  Array<std::uint32_t> touching_;  // contacts with points of implicit nets by body, while masses are shared out
+};
+
+}  // namespace feder

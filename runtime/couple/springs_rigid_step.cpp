@@ -1,0 +1,228 @@
+// The rows of the coupling. Per substep: the net's integrator has moved its points; their velocities are handed to
+// the rigid solver as movers of their own, contacts push both sides, and what changed is read back. A point without
+// a contact keeps its integrator's result to rounding.
+// Attachments are ball joints between body and point: three rows solved together, with the position error taken out
+// as bias velocity before the rigid solve and the velocity projected again after it.
+// An integrator that knew only the light point would give a hanging body too little: an implicit one answers with the
+// impulse that stops the point, not the body. So while it runs, the point has the inertia of what it carries; the
+// impulse it found is then given to the point alone and the constraint passes it on, which keeps momentum. Contacts
+// of implicit nets are treated likewise.
+// Kept between calls: nothing. Weak spot: a long chain of bodies joined by attachments converges slowly.
+#include <algorithm>
+
+#include "couple/springs_rigid.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kBoxMargin = Real(0.02);  // m, as bodies have it
+constexpr int kHoldRounds = 10;
+constexpr Real kHoldShare = Real(0.5);   // of the position error taken out in a substep
+
+Vec3 velocity_at(const MoverState& s, const Vec3& arm) { return s.velocity + cross(s.angular_velocity, arm); }
+
+}  // namespace
+
+void SpringsRigid::update_boxes(StepContext& c) {
+  for (const Coupled& k : coupled_) {
+    const std::uint32_t i = k.particle, collider = particles_.collider[i];
+    if (collider == kNone) continue;
+    const bool pinned = particles_.inv_mass[i] == 0;
+    const Vec3 x = particles_.position[i], v = particles_.velocity[i];
+    const Vec3 reach = pinned ? Vec3(0, 0, 0) : Vec3(v * c.dt + c.gravity * (c.dt * c.dt));
+    const Vec3 size = Vec3::Constant(particles_.radius[i] + kBoxMargin);
+    colliders_.motion[collider] = pinned ? ColliderMotion::fixed : ColliderMotion::dynamic;
+    colliders_.awake[collider] = !pinned;
+    colliders_.pose[collider] = {x, Quat::identity()};
+    colliders_.center[collider] = x;
+    colliders_.velocity[collider] = v;
+    colliders_.box[collider].lo = x + reach.cwiseMin(Real(0)) - size;
+    colliders_.box[collider].hi = x + reach.cwiseMax(Real(0)) + size;
+  }
+}
+
+void SpringsRigid::append(StepContext&) {
+  for (Coupled& k : coupled_) {
+    const std::uint32_t i = k.particle;
+    k.solver = 0;
+    k.added = 0;
+    const Real inv_mass = particles_.inv_mass[i];
+    if (inv_mass == 0) continue;
+    MoverState s;
+    s.velocity = particles_.velocity[i];
+    MoverMass m;
+    m.inv_mass = inv_mass;
+    m.inv_mass_axes = Vec3::Constant(inv_mass);
+    m.center = particles_.position[i];
+    k.solver = movers_.append(particles_.mover[i], s, m);
+  }
+  find_holds();
+  add_carried_mass();
+}
+
+void SpringsRigid::find_holds() {
+  const Bodies& b = rigid_.bodies();
+  holds_.clear();
+  for (const Springs::Attachment& a : springs_.attachments()) {
+    if (!objects_.alive(a.body)) {
+      *structure_changed_ = true;  // the next sync drops it
+      continue;
+    }
+    Hold k;
+    k.coupled = find_coupled(a.point);
+    k.body = rigid_.index(a.body);
+    k.solver = movers_.solver[b.mover[k.body]];
+    k.local = a.local - b.local_com[k.body];
+    k.arm = rotate(b.rotation[k.body], k.local);
+    holds_.push_back(k);
+  }
+}
+
+Mat3 SpringsRigid::body_response(const Hold& k) const {
+  const MoverMass& m = movers_.mass[k.solver];
+  const Mat3 arm = skew(k.arm);
+  Mat3 r = -(arm * m.inv_inertia * arm);
+  r.diagonal() += m.inv_mass_axes;
+  return r;
+}
+
+void SpringsRigid::add_carried_mass() {
+  const Bodies& b = rigid_.bodies();
+  touching_.assign(b.size(), 0);
+  for (const Hold& k : holds_) ++touching_[k.body];
+  for (const Hold& k : holds_) {
+    const Real trace = body_response(k).trace();
+    if (trace > 0) coupled_[k.coupled].added += 3 / (trace * static_cast<Real>(touching_[k.body]));
+  }
+
+  // a body that rests on points of implicit nets is shared out between them
+  const Contacts& contacts = collide_.contacts();
+  const auto each = [&](auto&& f) {
+    for (const std::uint32_t slot : contacts.active) {
+      std::uint32_t point = contacts.slots[slot].collider_a, body = contacts.slots[slot].collider_b;
+      if (colliders_.owner[point] == ObjectKind::body) std::swap(point, body);
+      if (colliders_.owner[point] != ObjectKind::net || colliders_.owner[body] != ObjectKind::body) continue;
+      Coupled& k = coupled_[find_coupled(colliders_.owner_index[point])];
+      if (k.implicit && k.solver != 0) f(k, colliders_.owner_index[body]);
+    }
+  };
+  touching_.assign(b.size(), 0);
+  each([&](Coupled&, std::uint32_t body) { ++touching_[body]; });
+  each([&](Coupled& k, std::uint32_t body) { k.added += b.mass[body] / static_cast<Real>(touching_[body]); });
+}
+
+Vec3 SpringsRigid::hold_error(const Hold& k) const {
+  const Coupled& p = coupled_[k.coupled];
+  const Bodies& b = rigid_.bodies();
+  const Vec3 x = p.solver != 0 ? Vec3(movers_.mass[p.solver].center + movers_.state[p.solver].moved)
+                               : particles_.position[p.particle];
+  const Vec3 center = b.position[k.body] + (k.solver != 0 ? movers_.state[k.solver].moved : Vec3(0, 0, 0));
+  return x - center - k.arm;
+}
+
+void SpringsRigid::hold(int rounds, Real rate) {
+  for (Hold& k : holds_) {
+    if (k.solver != 0) k.arm = rotate(movers_.state[k.solver].rotation, k.local);
+    Mat3 response = body_response(k);
+    response.diagonal().array() += movers_.mass[coupled_[k.coupled].solver].inv_mass;
+    k.mass = inverse(response);  // zero when neither can move
+  }
+  for (int round = 0; round < rounds; ++round)
+    for (const Hold& k : holds_) {
+      MoverState& point = movers_.state[coupled_[k.coupled].solver];
+      MoverState& body = movers_.state[k.solver];
+      Vec3 speed = point.velocity - velocity_at(body, k.arm);
+      if (rate > 0) speed += rate * hold_error(k);
+      const Vec3 impulse = -(k.mass * speed);
+      const MoverMass& pm = movers_.mass[coupled_[k.coupled].solver];
+      const MoverMass& bm = movers_.mass[k.solver];
+      point.velocity += pm.inv_mass * impulse;
+      body.velocity -= bm.inv_mass_axes.cwiseProduct(impulse);
+      body.angular_velocity -= bm.inv_inertia * cross(k.arm, impulse);
+    }
+}
+
+void SpringsRigid::before_integrate(StepContext&) {
+  for (Coupled& k : coupled_) {
+    k.before = particles_.position[k.particle];
+    if (k.solver != 0) movers_.state[k.solver].velocity = particles_.velocity[k.particle];
+  }
+  if (!holds_.empty()) hold(kHoldRounds, 0);  // forces have moved the bodies' velocities since
+  for (Coupled& k : coupled_) {
+    if (k.solver == 0) continue;
+    const std::uint32_t i = k.particle;
+    k.given = particles_.velocity[i] = movers_.state[k.solver].velocity;
+    if (k.added == 0) continue;
+    particles_.inertia[i] = particles_.mass[i] + k.added;
+    particles_.inv_mass[i] = 1 / particles_.inertia[i];
+  }
+}
+
+void SpringsRigid::after_integrate(StepContext&) {
+  for (Coupled& k : coupled_) {
+    const std::uint32_t i = k.particle;
+    if (k.added == 0 || k.solver == 0) continue;
+    const Real inertia = particles_.inertia[i];
+    particles_.inertia[i] = particles_.mass[i];
+    if (particles_.inv_mass[i] == 0) continue;  // quarantined meanwhile
+    particles_.inv_mass[i] = 1 / particles_.mass[i];
+    const Vec3 impulse = inertia * (particles_.velocity[i] - k.given);
+    particles_.velocity[i] = k.given + impulse / particles_.mass[i];
+  }
+}
+
+void SpringsRigid::hand_over(StepContext& c) {
+  for (Coupled& k : coupled_) {
+    if (k.solver == 0) continue;
+    MoverState& s = movers_.state[k.solver];
+    s.velocity = particles_.velocity[k.particle];
+    s.moved = k.before - movers_.mass[k.solver].center;
+  }
+  if (!holds_.empty()) hold(kHoldRounds, kHoldShare / c.h);
+  for (Coupled& k : coupled_) {
+    if (k.solver == 0) continue;
+    k.given = movers_.state[k.solver].velocity;
+    k.given_moved = movers_.state[k.solver].moved;
+  }
+}
+
+void SpringsRigid::read_back(StepContext& c) {
+  if (!holds_.empty()) hold(kHoldRounds, 0);
+  for (const Coupled& k : coupled_) {
+    const std::uint32_t i = k.particle;
+    if (k.solver == 0 || particles_.inv_mass[i] == 0) continue;
+    const MoverState& s = movers_.state[k.solver];
+    particles_.velocity[i] = s.velocity;
+    const Vec3 pushed = s.moved - k.given_moved - c.h * k.given;
+    if (k.added > 0 || k.attached)
+      particles_.position[i] = movers_.mass[k.solver].center + s.moved;
+    else
+      particles_.position[i] += pushed;
+  }
+}
+
+void SpringsRigid::read_back_velocities(StepContext&) {
+  if (!holds_.empty()) hold(kHoldRounds, 0);
+  for (const Coupled& k : coupled_)
+    if (k.solver != 0 && particles_.inv_mass[k.particle] != 0)
+      particles_.velocity[k.particle] = movers_.state[k.solver].velocity;
+}
+
+// A sleeping body is as good as fixed, but a net never sleeps and may creep away below it: what touches or holds free
+// points stays awake.
+void SpringsRigid::keep_awake(StepContext&) {
+  const Bodies& b = rigid_.bodies();
+  for (const Hold& k : holds_)
+    if (coupled_[k.coupled].solver != 0 && b.type[k.body] == BodyType::dynamic)
+      rigid_.wake(b.object[k.body], WakeCause::joint, particles_.net[coupled_[k.coupled].particle]);
+  const Contacts& contacts = collide_.contacts();
+  for (const std::uint32_t slot : contacts.active) {
+    std::uint32_t point = contacts.slots[slot].collider_a, body = contacts.slots[slot].collider_b;
+    if (colliders_.owner[point] == ObjectKind::body) std::swap(point, body);
+    if (colliders_.owner[point] != ObjectKind::net || colliders_.owner[body] != ObjectKind::body) continue;
+    if (colliders_.motion[point] != ColliderMotion::dynamic || colliders_.motion[body] != ColliderMotion::dynamic) continue;
+    rigid_.wake(colliders_.object[body], WakeCause::contact, colliders_.object[point]);
+  }
+}
+
+}  // namespace feder
