@@ -202,25 +202,54 @@ void prepare_batches(const ContactPass& p) {
   }
 }
 
+// The velocity change of a batch's impulses, times `scale` by lane.
+[[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchSide& side, Lanes scale, Sides& s) {
+  const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
+  Lanes sum = zero_lanes();
+  Lanes3 turn_a = n * load(c.twist_impulse), turn_b = turn_a;
+  if (side.rolls) turn_a = turn_a + load(side.rolling_impulse), turn_b = turn_a;
+  for (unsigned j = 0; j < c.points; ++j) {
+    const Lanes impulse = load(c.point[j].impulse);
+    sum += impulse;
+    turn_a = turn_a + load(c.point[j].turn_a) * impulse;
+    turn_b = turn_b + load(c.point[j].turn_b) * impulse;
+  }
+  const Lanes3 t = t1 * load(c.tangent_impulse[0]) + t2 * load(c.tangent_impulse[1]);
+  push(c, s, (n * sum + t) * scale, (turn_a + cross(load(c.center_a), t)) * scale,
+       (turn_b + cross(load(c.center_b), t)) * scale);
+}
+
 void warm_start_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const ContactBatch& c = p.batches[i];
-    const BatchSide& side = p.sides[i];
     Sides s;
     gather_velocity(p, c, s);
-    const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
-    Lanes sum = zero_lanes();
-    Lanes3 turn_a = n * load(c.twist_impulse), turn_b = turn_a;
-    if (side.rolls) turn_a = turn_a + load(side.rolling_impulse), turn_b = turn_a;
-    for (unsigned j = 0; j < c.points; ++j) {
-      const Lanes impulse = load(c.point[j].impulse);
-      sum += impulse;
-      turn_a = turn_a + load(c.point[j].turn_a) * impulse;
-      turn_b = turn_b + load(c.point[j].turn_b) * impulse;
-    }
-    const Lanes3 t = t1 * load(c.tangent_impulse[0]) + t2 * load(c.tangent_impulse[1]);
-    push(c, s, n * sum + t, turn_a + cross(load(c.center_a), t), turn_b + cross(load(c.center_b), t));
+    push_impulses(c, p.sides[i], all_lanes(1), s);
     write_back(p, c, s);
+  }
+}
+
+// Takes the warm start of bouncing contacts back: an impact is no forecast of the next substep, and between several
+// bodies that bounce it would be passed on as energy.
+void release_batches(const ContactPass& p) {
+  const Lanes zero = zero_lanes(), one = all_lanes(1);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    ContactBatch& c = p.batches[i];
+    BatchSide& side = p.sides[i];
+    if (!side.bounces) continue;
+    Lanes nearest = zero;
+    for (unsigned j = 0; j < c.points; ++j) nearest = min(nearest, load(side.approach[j]));
+    const Lanes hit = select(nearest < all_lanes(-p.bounce_speed), one, zero) *
+                      select(load(side.restitution) > zero, one, zero);
+    const Lanes kept = one - hit;
+    Sides s;
+    gather_velocity(p, c, s);
+    push_impulses(c, side, -hit, s);
+    write_back(p, c, s);
+    for (unsigned j = 0; j < c.points; ++j) store(c.point[j].impulse, load(c.point[j].impulse) * kept);
+    for (int k = 0; k < 2; ++k) store(c.tangent_impulse[k], load(c.tangent_impulse[k]) * kept);
+    store(c.twist_impulse, load(c.twist_impulse) * kept);
+    store(side.rolling_impulse, load(side.rolling_impulse) * kept);
   }
 }
 
@@ -375,7 +404,8 @@ void restitution_batches(const ContactPass& p) {
   }
 }
 
-constexpr ContactKernels kKernels = {prepare_batches, warm_start_batches, solve_batches, relax_batches, restitution_batches};
+constexpr ContactKernels kKernels = {prepare_batches, warm_start_batches, release_batches,
+                                     solve_batches,   relax_batches,      restitution_batches};
 
 }  // namespace
 }  // namespace feder

@@ -1,8 +1,10 @@
 // One block of joint rows of the impulse solver: velocities by a direct solve of the block, J M^-1 J^T = L D L^T;
 // soft rows as implicit spring and damper (Catto, "Soft Constraints", GDC 2011): with k = omega^2 / w and
 // c = 2 zeta omega / w for the row's response w, gamma = 1 / (h (c + h k)) and the wanted speed is
-// -h k / (c + h k) C / h. Positions of stiff rows are corrected apart from velocities, so that correction adds no
-// energy of motion. Rows that depend on others (planar worlds, locked axes) get no impulse.
+// -h k / (c + h k) C / h. What a substep of straight motion adds to the error of a stiff row is taken back along the
+// rows of its start, in position and velocity alike (SHAKE: Ryckaert, Ciccotti, Berendsen 1977): only so are angular
+// momentum and, over long times, energy kept. Errors that were there before are corrected in position alone. Rows
+// that depend on others (planar worlds, locked axes) get no impulse.
 #include <algorithm>
 
 #include "rigid/impulse_parts.h"
@@ -72,6 +74,25 @@ void wanted_change(const Row* rows, int count, std::uint32_t a, std::uint32_t b,
 
 // Stiff equality, or a limit that is passed: what the position pass corrects.
 bool has_position(const Row& r) { return !r.velocity_only && r.hertz <= 0 && (!is_bounded(r) || r.value < 0); }
+
+// What the motion of a substep added to the error of a stiff row, or to that of a limit beyond its end.
+Real drift(const Row& start, const Row& now) {
+  if (now.velocity_only || now.hertz > 0) return 0;
+  if (!is_bounded(now)) return now.value - start.value;
+  return std::min(std::min(now.value, Real(0)) - std::min(start.value, Real(0)), Real(0));
+}
+
+void shift_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* move,
+                 const ImpulseScene& s) {
+  Vec3 linear = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    linear += move[i] * rows[i].linear;
+    moment_a += move[i] * rows[i].angular_a;
+    moment_b += move[i] * rows[i].angular_b;
+  }
+  shift(s, a, -linear, moment_a);
+  shift(s, b, linear, moment_b);
+}
 
 }  // namespace
 
@@ -153,14 +174,27 @@ void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b,
   }
   factor(m, count, inv_d);
   solve(m, inv_d, count, move);
-  Vec3 linear = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+  shift_block(rows, count, a, b, move, s);
+}
+
+Real block_drift(const Row* start, const Row* now, int count) {
+  Real worst = 0;
+  for (int i = 0; i < count; ++i) worst = std::max(worst, std::abs(drift(start[i], now[i])));
+  return worst;
+}
+
+void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a, std::uint32_t b,
+                   const ImpulseBlock& block, Real* impulse, const ImpulseScene& s) {
+  if (!(block_drift(start, now, count) > 0)) return;
+  Real move[6];
+  for (int i = 0; i < count; ++i) move[i] = clamp(-drift(start[i], now[i]), -kMaxTurn, kMaxTurn);
+  solve(block.factor, block.inv_d, count, move);
+  shift_block(start, count, a, b, move, s);
   for (int i = 0; i < count; ++i) {
-    linear += move[i] * rows[i].linear;
-    moment_a += move[i] * rows[i].angular_a;
-    moment_b += move[i] * rows[i].angular_b;
+    move[i] /= s.h;
+    impulse[i] += move[i];
   }
-  shift(s, a, -linear, moment_a);
-  shift(s, b, linear, moment_b);
+  apply_block(start, count, a, b, move, s);
 }
 
 }  // namespace feder

@@ -96,6 +96,10 @@ Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_
                        const Real* impulse, const ImpulseScene& s);
 void solve_block_speed(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
                        Real* impulse, const ImpulseScene& s);
+// What the motion of the substep added to the errors of stiff rows (m or rad), and its way back in position and speed.
+Real block_drift(const Row* start, const Row* now, int count);
+void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a, std::uint32_t b,
+                   const ImpulseBlock& block, Real* impulse, const ImpulseScene& s);
 Real block_position_error(const Row* rows, int count);  // m or rad
 void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s);
 

@@ -104,8 +104,10 @@ TEST_CASE("a free top keeps energy and angular momentum, and flips on time", "[r
   CHECK(worst_energy < 0.01);
   CHECK(worst_momentum < 1e-3);
   CHECK(worst_direction < 1e-3);
+  // the period hangs on L^2 - 2 E I_2, which is 1e-5 (second top: 4e-7) of L^2: float knows it to a few percent or not
   REQUIRE(flips.size() >= 3);
-  CHECK(flips[2] - flips[0] == Approx(top.period).epsilon(0.01));
+  if (sizeof(Real) == 8) CHECK(flips[2] - flips[0] == Approx(top.period).epsilon(0.003));
+  else CHECK(flips[2] - flips[0] == Approx(top.period).epsilon(top.period < 7 ? 0.3 : 0.12));
 }
 
 TEST_CASE("momentum and angular momentum last 10000 steps with joints and contacts", "[rigid][closed]") {
@@ -167,6 +169,6 @@ TEST_CASE("momentum and angular momentum last 10000 steps with joints and contac
   for (int i = 0; i < 3; ++i) {
     CAPTURE(i);
     CHECK(end.linear[i] == Approx(start.linear[i]).margin(12 * tolerance));
-    CHECK(end.angular[i] == Approx(start.angular[i]).margin(sizeof(Real) == 8 ? 0.02 : 0.05));
+    CHECK(end.angular[i] == Approx(start.angular[i]).margin(closed_tolerance(solver).angular));
   }
 }
