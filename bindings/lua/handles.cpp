@@ -347,6 +347,17 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   }
 }
 
+void note_names(lua_State* L, WorldRecord& record) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
+    if (h->dead) continue;
+    lua_pushstring(L, record.world->objects().name(h->id).c_str());
+    lua_setiuservalue(L, -2, 2);
+  }
+  lua_pop(L, 1);
+}
+
 void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
   const Objects& objects = record.world->objects();
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
@@ -365,7 +376,7 @@ void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
     lua_rawgeti(L, -1, i);
     const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
     const ObjectId id = h->id;
-    push_name(L, -1, *h);
+    lua_getiuservalue(L, -1, 2);
     const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
     const bool known = h->dead;
     lua_pop(L, 2);

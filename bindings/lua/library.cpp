@@ -96,10 +96,12 @@ std::string chunk_name(const fs::path& file) {
 int lua_require(lua_State* L) {
   State& s = state(L);
   if (lua_type(L, 1) != LUA_TSTRING) fail(L, "require: expected the name of a module, got " + describe(L, 1));
-  const std::string name = lua_tostring(L, 1);
+  std::size_t size = 0;
+  const char* given = lua_tolstring(L, 1, &size);
+  const std::string name(given, size);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
-  lua_getfield(L, -1, name.c_str());
-  if (!lua_isnil(L, -1)) return 1;
+  lua_pushvalue(L, 1);
+  if (lua_rawget(L, -2) != LUA_TNIL) return 1;
   if (is_left_out(name)) fail(L, "require: this build leaves out the module '" + name + "'");
   if (!is_module_name(name))
     fail(L, "require: expected a name of lower-case words with dots between, got " + describe(L, 1));

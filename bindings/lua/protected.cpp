@@ -86,7 +86,7 @@ int safe_load(lua_State* L) {
     text.assign(given, size);
   }
   charge(L, text.size());
-  const std::string name = luaL_optstring(L, 2, "=(load)");
+  const std::string name = luaL_optstring(L, 2, lua_type(L, 1) == LUA_TFUNCTION ? "=(load)" : text.c_str());
   if (luaL_loadbufferx(L, text.data(), text.size(), name.c_str(), "t") != LUA_OK) {
     lua_pushnil(L);
     lua_insert(L, -2);

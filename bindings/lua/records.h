@@ -106,7 +106,8 @@ bool object_option(Options& o, const char* key, WorldRecord& record, ObjectId& o
 void push_handle(lua_State* L, WorldRecord& record, ObjectId id);
 // Destroys the object, with whatever depends on it; handles learn name and place.
 void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where);
-// After restore: handles of objects that are no more.
+// Before and after restore: handles learn their names, and which objects are no more.
+void note_names(lua_State* L, WorldRecord& record);
 void bury_lost(lua_State* L, WorldRecord& record, const std::string& where);
 std::string describe_object(lua_State* L, int index, Class c);
 

@@ -71,6 +71,16 @@ int expect(lua_State* L) {  // upvalue 1: the result, light
 int feder_scene(lua_State* L) {
   SceneState read;
   read_scene(L, 1, read, "feder.scene");
+  // the world's options are read here too, where the script's line is known
+  lua_pushstring(L, "world");
+  if (lua_rawget(L, 1) == LUA_TTABLE) {
+    try {
+      read_world_options(L, -1, "world", false);
+    } catch (const SceneError& e) {
+      const std::string what = e.what();
+      fail(L, what.rfind("world", 0) == 0 ? what : "world: " + what);
+    }
+  }
   SceneState& s = scene(L);
   luaL_unref(L, LUA_REGISTRYINDEX, s.last);
   s.where = place(L);
@@ -113,7 +123,7 @@ int build_scene(lua_State* L) {
     settings = read_world_options(L, 2, "world");
   } catch (const SceneError& e) {
     error = e.what();
-    if (error.rfind("--world", 0) != 0 && error.rfind("world", 0) != 0) error = "world." + error;
+    if (error.rfind("--world", 0) != 0 && error.rfind("world", 0) != 0) error = "world: " + error;
   }
   if (!error.empty()) {
     // a mistake on the command line has no place in the script

@@ -101,6 +101,7 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
     r.get(id), r.get(joint.kind), r.get(joint.a), r.get(joint.b);
     joints[id] = joint;
   }
+  note_names(L, record);
   record.world->restore(text.substr(used));
   record.regions = std::move(regions);
   record.joints = std::move(joints);

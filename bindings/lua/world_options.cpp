@@ -194,12 +194,19 @@ void try_options(const WorldSettings& w) {
   if (desc.systems.empty() && !collide) return;
   World probe(desc, catalog());
   if (collide) probe.need_system("collide");
-  for (const auto& [name, options] : desc.systems) probe.need_system(name);
+  for (const auto& [name, options] : desc.systems) {
+    try {
+      probe.need_system(name);
+    } catch (const SceneError& e) {
+      const std::string what = e.what();
+      throw SceneError("world." + (what.rfind(name, 0) == 0 ? what : name + ": " + what));
+    }
+  }
 }
 
 }  // namespace
 
-WorldSettings read_world_options(lua_State* L, int index, const std::string& owner) {
+WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {
   State& s = state(L);
   WorldSettings w;
   Options o(L, index, owner, true);
@@ -223,8 +230,9 @@ WorldSettings read_world_options(lua_State* L, int index, const std::string& own
     lua_pop(L, 1);
   }
   o.finish();
-  if (s.options.has_seed) w.desc.seed = s.options.seed;
-  for (const auto& [key, text] : s.options.world) apply_override(w, key, text);
+  if (overrides && s.options.has_seed) w.desc.seed = s.options.seed;
+  if (overrides)
+    for (const auto& [key, text] : s.options.world) apply_override(w, key, text);
   try_options(w);
   return w;
 }

@@ -3,6 +3,7 @@
 //   bodies:  a list of body options; shape: { box: [1, 1, 1] } or { type: box, size: [1, 1, 1] };
 //            repeat: { count: 10, step: [0, 1, 0] } makes copies, named name1, name2 ...
 //   joints:  a and b are the names of bodies;  nets: as in world:net
+//   check:   Lua text that sees world, scene and expect: what makes the scene a test
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +14,7 @@
 namespace feder::lua {
 namespace {
 
-const char* const kSceneKeys[] = {"title", "seconds", "world", "params", "bodies", "joints", "nets", "forces", "regions", "cloths", "fluids"};
+const char* const kSceneKeys[] = {"title", "seconds", "world", "params", "bodies", "joints", "nets", "forces", "regions", "cloths", "fluids", "check"};
 
 // Raises an error at a place in the file, when the table remembers one.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
@@ -306,6 +307,25 @@ void declare_params(lua_State* L, int scene) {
   lua_settop(L, values);
 }
 
+// Leaves the function of the check text, or nil. A text block starts in the line after its key.
+void push_check(lua_State* L, int scene, const std::string& file) {
+  if (lua_getfield(L, scene, "check") == LUA_TNIL) return;
+  if (lua_type(L, -1) != LUA_TSTRING) fail_in(L, scene, "check: expected Lua text, got " + describe(L, -1));
+  const std::string text = lua_tostring(L, -1);
+  int line = 0;
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, scene);
+    if (lua_rawget(L, -2) == LUA_TTABLE && lua_getfield(L, -1, "check") == LUA_TSTRING) {
+      const std::string at = lua_tostring(L, -1);
+      line = std::atoi(at.c_str() + at.rfind(':') + 1);
+    }
+  }
+  const bool block = !text.empty() && text.back() == '\n';
+  std::string code(static_cast<std::size_t>(std::max(0, block ? line : line - 1)), '\n');
+  code += "local world, scene, expect = ... " + text;
+  if (luaL_loadbufferx(L, code.data(), code.size(), ("@" + file).c_str(), "t") != LUA_OK) lua_error(L);
+}
+
 }  // namespace
 
 void yaml_to_scene(lua_State* L, const std::string& file) {
@@ -327,6 +347,10 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   lua_pushvalue(L, scene);
   lua_pushcclosure(L, guard<build_yaml>, 1);
   lua_setfield(L, -2, "build");
+  const int made = lua_gettop(L);
+  push_check(L, scene, file);
+  lua_setfield(L, made, "check");
+  lua_settop(L, made);
   lua_replace(L, given);
   lua_settop(L, given);
 }
