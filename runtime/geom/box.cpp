@@ -67,7 +67,8 @@ ShapePtr Box::section() const {
 
 ShapePtr make_box(Real width, Real height, Real depth) {
   return std::make_shared<Box>(vec3(positive_size(width, "box", "width"), positive_size(height, "box", "height"),
-                                    positive_size(depth, "box", "depth")) / 2);
+                                    positive_size(depth, "box", "depth")) /
+                               2);
 }
 
 ShapeKind geom_box() {

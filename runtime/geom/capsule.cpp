@@ -14,10 +14,11 @@ class Capsule final : public Shape {
     return {pose.position - y, pose.position + y};
   }
   MassProperties mass(Real density) const override {
-    const Real r = radius_, h = 2 * half_, rod = density * kPi * r * r * h, ball = density * Real(4) / 3 * kPi * r * r * r;
+    const Real r = radius_, h = 2 * half_, rod = density * kPi * r * r * h,
+               ball = density * Real(4) / 3 * kPi * r * r * r;
     // a half ball's centre is 3/8 r from its flat side
-    const Real across = rod * (h * h / 12 + r * r / 4) +
-                        ball * (Real(0.4) * r * r + half_ * half_ + Real(0.75) * half_ * r);
+    const Real across =
+        rod * (h * h / 12 + r * r / 4) + ball * (Real(0.4) * r * r + half_ * half_ + Real(0.75) * half_ * r);
     MassProperties p{rod + ball, Vec3::Zero(), Mat3::Zero()};
     p.inertia(0, 0) = p.inertia(2, 2) = across;
     p.inertia(1, 1) = rod * r * r / 2 + ball * Real(0.4) * r * r;

@@ -11,7 +11,9 @@ ShapePtr make_cone(Real radius, Real height) {
 }
 
 ShapeKind geom_cone() {
-  return {"cone", [] { return std::vector<ShapePtr>{make_cone(1, 2), make_cone(1, Real(0.3)), make_cone(Real(0.01), Real(0.03))}; }};
+  return {"cone", [] {
+            return std::vector<ShapePtr>{make_cone(1, 2), make_cone(1, Real(0.3)), make_cone(Real(0.01), Real(0.03))};
+          }};
 }
 
 }  // namespace feder

@@ -20,7 +20,8 @@ MassProperties Hull::mass(Real density) const {
   Sum volume = 0, first[3] = {0, 0, 0}, second[3][3] = {};
   for (const HullFace& f : data_.faces) {
     for (int k = 2; k < f.count; ++k) {
-      const Vec3 p[3] = {data_.corners[data_.loops[f.first]] - inner, data_.corners[data_.loops[f.first + k - 1]] - inner,
+      const Vec3 p[3] = {data_.corners[data_.loops[f.first]] - inner,
+                         data_.corners[data_.loops[f.first + k - 1]] - inner,
                          data_.corners[data_.loops[f.first + k]] - inner};
       const Vec3 s = p[0] + p[1] + p[2];
       const Sum v = Sum(dot(p[0], cross(p[1], p[2]))) / 6;
@@ -98,15 +99,17 @@ ShapePtr Hull::section() const {
   return make_polygon(flat);
 }
 
-ShapePtr make_hull(std::span<const Vec3> points) { return std::make_shared<Hull>(build_hull(points)); }
+ShapePtr make_hull(std::span<const Vec3> points) {
+  return std::make_shared<Hull>(build_hull(points));
+}
 
 ShapeKind geom_hull() {
   return {"hull", [] {
             const Vec3 wedge[6] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {-1, 1, -1}, {-1, 1, 1}};
             const Vec3 tetra[4] = {{0, 0, 0}, {Real(0.01), 0, 0}, {0, Real(0.02), 0}, {0, 0, Real(0.01)}};
             // a flat octahedron with a point inside
-            const Vec3 gem[7] = {{1, 0, 0}, {-1, 0, 0}, {0, Real(0.2), 0}, {0, Real(-0.2), 0}, {0, 0, 1}, {0, 0, -1},
-                                 {Real(0.1), 0, 0}};
+            const Vec3 gem[7] = {{1, 0, 0}, {-1, 0, 0}, {0, Real(0.2), 0}, {0, Real(-0.2), 0},
+                                 {0, 0, 1}, {0, 0, -1}, {Real(0.1), 0, 0}};
             return std::vector<ShapePtr>{make_hull(wedge), make_hull(tetra), make_hull(gem)};
           }};
 }

@@ -12,8 +12,8 @@
 namespace feder {
 namespace {
 
-constexpr double kThin = 1e-6;          // of the size of the cloud
-constexpr double kFlat = 2e-5;          // of the size: triangles this near to a plane are one face
+constexpr double kThin = 1e-6;            // of the size of the cloud
+constexpr double kFlat = 2e-5;            // of the size: triangles this near to a plane are one face
 constexpr double kLeastThickness = 1e-4;  // of the size: flatter clouds are refused
 constexpr std::size_t kMaxPoints = 100000;
 constexpr int kMaxWorkingCorners = 1024;
@@ -21,12 +21,18 @@ constexpr int kMaxWorkingCorners = 1024;
 struct Point {
   double x, y, z;
 };
-Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Point operator-(const Point& a, const Point& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+double dot(const Point& a, const Point& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 Point cross(const Point& a, const Point& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-double norm(const Point& a) { return std::sqrt(dot(a, a)); }
+double norm(const Point& a) {
+  return std::sqrt(dot(a, a));
+}
 
 struct Face {
   int v[3], next[3];  // next[i]: across the edge v[i], v[i + 1]
@@ -50,8 +56,9 @@ class Builder {
     start();
     int corners = 4;
     for (int f = highest(); f >= 0; f = highest()) {
-      if (++corners > kMaxWorkingCorners) throw SceneError("hull: expected points with at most " +
-          std::to_string(kMaxHullCorners) + " corners in their convex hull, got more than " + std::to_string(corners - 1));
+      if (++corners > kMaxWorkingCorners)
+        throw SceneError("hull: expected points with at most " + std::to_string(kMaxHullCorners) +
+                         " corners in their convex hull, got more than " + std::to_string(corners - 1));
       grow(f, faces_[f].farthest);
     }
   }
@@ -127,7 +134,8 @@ void Builder::start() {
     const double h = norm(cross(points_[i] - points_[a], points_[b] - points_[a])) / size_;
     if (h > most) most = h, c = i;
   }
-  if (!(most > kLeastThickness * size_)) throw SceneError("hull: the points lie on a line; expected a body with a volume");
+  if (!(most > kLeastThickness * size_))
+    throw SceneError("hull: the points lie on a line; expected a body with a volume");
   const Point m = cross(points_[b] - points_[a], points_[c] - points_[a]);
   double side = 0;
   for (int i = 0; i < n; ++i) {
@@ -262,7 +270,8 @@ void set_planes(HullData& hull) {
     const Vec3& origin = hull.corners[hull.loops[f.first]];
     Vec3 n = Vec3::Zero();
     for (int i = 2; i < f.count; ++i)
-      n += feder::cross(hull.corners[hull.loops[f.first + i - 1]] - origin, hull.corners[hull.loops[f.first + i]] - origin);
+      n += feder::cross(hull.corners[hull.loops[f.first + i - 1]] - origin,
+                        hull.corners[hull.loops[f.first + i]] - origin);
     f.normal = normalized_or(n, Vec3::Zero());
     f.offset = -kInfinity;
     for (int i = 0; i < f.count; ++i)
@@ -275,9 +284,11 @@ void set_planes(HullData& hull) {
 HullData build_hull(std::span<const Vec3> cloud) {
   if (cloud.size() < 4) throw SceneError("hull: expected at least 4 points, got " + std::to_string(cloud.size()));
   if (cloud.size() > kMaxPoints)
-    throw SceneError("hull: expected at most " + std::to_string(kMaxPoints) + " points, got " + std::to_string(cloud.size()));
+    throw SceneError("hull: expected at most " + std::to_string(kMaxPoints) + " points, got " +
+                     std::to_string(cloud.size()));
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (!is_finite(cloud[i])) throw SceneError("hull: expected finite points, but point " + std::to_string(i + 1) + " is not");
+    if (!is_finite(cloud[i]))
+      throw SceneError("hull: expected finite points, but point " + std::to_string(i + 1) + " is not");
   Builder builder(cloud);
   builder.run();
   HullData hull = builder.polygons(cloud);

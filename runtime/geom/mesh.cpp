@@ -11,8 +11,8 @@ namespace feder {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
-constexpr Real kFlatSine = Real(0.01);    // edges bent by less than 0.6 degrees count as flat
-constexpr Real kNoArea = Real(1e-10);     // of the longest side squared: such triangles are dropped
+constexpr Real kFlatSine = Real(0.01);  // edges bent by less than 0.6 degrees count as flat
+constexpr Real kNoArea = Real(1e-10);   // of the longest side squared: such triangles are dropped
 constexpr int kMaxDepth = 64;
 
 struct Corners {
@@ -65,7 +65,8 @@ class Mesh final : public Shape {
   }
 
  private:
-  void build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& boxes, std::uint32_t first, std::uint32_t count);
+  void build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& boxes, std::uint32_t first,
+             std::uint32_t count);
   void find_neighbors();
   Aabb box_of(const Corners& c) const {
     Aabb box;
@@ -77,10 +78,10 @@ class Mesh final : public Shape {
   }
 
   std::vector<Vec3> vertices_;
-  std::vector<Corners> corners_;      // in the order of the hierarchy's leaves
-  std::vector<std::uint8_t> flat_;    // Triangle::flat_edges
-  std::vector<Real> cosine_;          // Triangle::edge_cosine
-  std::vector<Aabb> boxes_;           // of the triangles
+  std::vector<Corners> corners_;    // in the order of the hierarchy's leaves
+  std::vector<std::uint8_t> flat_;  // Triangle::flat_edges
+  std::vector<Real> cosine_;        // Triangle::edge_cosine
+  std::vector<Aabb> boxes_;         // of the triangles
   std::vector<Node> nodes_;
 };
 
@@ -122,8 +123,9 @@ void Mesh::build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& box
     if (size[k] > size[axis]) axis = k;
   const std::uint32_t half = count / 2;
   const auto middle = [&](std::uint32_t t) { return boxes[t].lo[axis] + boxes[t].hi[axis]; };
-  std::nth_element(order.begin() + first, order.begin() + first + half, order.begin() + first + count,
-                   [&](std::uint32_t a, std::uint32_t b) { return middle(a) != middle(b) ? middle(a) < middle(b) : a < b; });
+  std::nth_element(
+      order.begin() + first, order.begin() + first + half, order.begin() + first + count,
+      [&](std::uint32_t a, std::uint32_t b) { return middle(a) != middle(b) ? middle(a) < middle(b) : a < b; });
   // nth_element leaves the order within the halves to the library: sort it away
   std::sort(order.begin() + first, order.begin() + first + half);
   std::sort(order.begin() + first + half, order.begin() + first + count);
@@ -178,7 +180,8 @@ bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const Vec3 &a = vertices_[corners_[i].v[0]], ab = vertices_[corners_[i].v[1]] - a, ac = vertices_[corners_[i].v[2]] - a;
+      const Vec3 &a = vertices_[corners_[i].v[0]], ab = vertices_[corners_[i].v[1]] - a,
+                 ac = vertices_[corners_[i].v[2]] - a;
       const Vec3 p = cross(d, ac), s = o - a, q = cross(s, ab);
       const Real det = dot(ab, p);
       if (det == 0) continue;
@@ -214,7 +217,8 @@ void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), 
 
 ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles) {
   if (triangles.size() % 3 != 0 || triangles.empty())
-    throw SceneError("mesh: expected three vertex numbers per triangle, got " + std::to_string(triangles.size()) + " numbers");
+    throw SceneError("mesh: expected three vertex numbers per triangle, got " + std::to_string(triangles.size()) +
+                     " numbers");
   const auto before = [](const Vec3& a, const Vec3& b) {
     return a[0] != b[0] ? a[0] < b[0] : (a[1] != b[1] ? a[1] < b[1] : a[2] < b[2]);
   };
@@ -222,7 +226,8 @@ ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t
   std::vector<Vec3> points;
   std::vector<std::uint32_t> number;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!is_finite(vertices[i])) throw SceneError("mesh: expected finite vertices, but vertex " + std::to_string(i + 1) + " is not");
+    if (!is_finite(vertices[i]))
+      throw SceneError("mesh: expected finite vertices, but vertex " + std::to_string(i + 1) + " is not");
     const auto [it, fresh] = place.try_emplace(vertices[i] + Vec3::Zero(), static_cast<std::uint32_t>(points.size()));
     if (fresh) points.push_back(vertices[i]);
     number.push_back(it->second);
@@ -232,8 +237,8 @@ ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t
     Corners c;
     for (std::size_t k = 0; k < 3; ++k) {
       if (triangles[i + k] >= vertices.size())
-        throw SceneError("mesh: triangle " + std::to_string(i / 3 + 1) + " names vertex " + std::to_string(triangles[i + k] + 1) +
-                         ", but there are " + std::to_string(vertices.size()));
+        throw SceneError("mesh: triangle " + std::to_string(i / 3 + 1) + " names vertex " +
+                         std::to_string(triangles[i + k] + 1) + ", but there are " + std::to_string(vertices.size()));
       c.v[k] = number[triangles[i + k]];
     }
     const Vec3 ab = points[c.v[1]] - points[c.v[0]], ac = points[c.v[2]] - points[c.v[0]], bc = ac - ab;

@@ -7,7 +7,9 @@
 namespace feder {
 namespace {
 
-Real cross2(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+Real cross2(const Vec2& a, const Vec2& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
 
 // Area, first and second moments of a piece about its own centre, then moved: m, c, and the tensor of x and y.
 struct Moments {
@@ -150,7 +152,9 @@ int Polygon::face(const Vec3& d, Vec3* points) const {
   return 2;
 }
 
-ShapePtr Polygon::section() const { return std::make_shared<Polygon>(points_, radius_); }
+ShapePtr Polygon::section() const {
+  return std::make_shared<Polygon>(points_, radius_);
+}
 
 std::vector<Vec2> convex_hull_2d(std::span<const Vec2> points) {
   std::vector<Vec2> p(points.begin(), points.end());
@@ -181,8 +185,9 @@ ShapePtr make_polygon(std::span<const Vec2> points, Real radius) {
   std::vector<Vec2> hull = convex_hull_2d(points);
   const std::size_t least = radius > 0 ? 2 : 3;
   if (hull.size() < least)
-    throw SceneError("polygon: expected at least 3 points with an area (or 2 and a radius), but the convex hull of the " +
-                     std::to_string(points.size()) + " given has " + std::to_string(hull.size()) + " corners");
+    throw SceneError(
+        "polygon: expected at least 3 points with an area (or 2 and a radius), but the convex hull of the " +
+        std::to_string(points.size()) + " given has " + std::to_string(hull.size()) + " corners");
   if (hull.size() > kMaxFacePoints)
     throw SceneError("polygon: expected at most " + std::to_string(kMaxFacePoints) + " corners, got " +
                      std::to_string(hull.size()));

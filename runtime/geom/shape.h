@@ -16,23 +16,23 @@ namespace feder {
 
 // All about the centre of mass, in the shape's frame. A shape without volume (plane, mesh) has mass 0.
 struct MassProperties {
-  Real mass = 0;                     // kg
-  Vec3 center = Vec3::Zero();        // m
-  Mat3 inertia = Mat3::Zero();       // kg m^2
+  Real mass = 0;                // kg
+  Vec3 center = Vec3::Zero();   // m
+  Mat3 inertia = Mat3::Zero();  // kg m^2
 };
 // The same solid turned and moved by `pose`.
 MassProperties transformed(const MassProperties& m, const Pose& pose);
 MassProperties combined(std::span<const MassProperties> parts);
 
 struct RayHit {
-  Real fraction = 1;                 // of the ray vector, 0..1
-  Vec3 normal = Vec3::Zero();        // unit, outward, in the frame of the ray; zero when the ray starts inside
+  Real fraction = 1;           // of the ray vector, 0..1
+  Vec3 normal = Vec3::Zero();  // unit, outward, in the frame of the ray; zero when the ray starts inside
 };
 
 struct Triangle {
   Vec3 a, b, c;
-  std::uint8_t flat_edges = 0;       // bit k: edge k (ab, bc, ca) joins a coplanar or concave neighbour;
-                                     // bit 3 + k: the same seen from behind
+  std::uint8_t flat_edges = 0;         // bit k: edge k (ab, bc, ca) joins a coplanar or concave neighbour;
+                                       // bit 3 + k: the same seen from behind
   Real edge_cosine[3] = {-1, -1, -1};  // between this normal and that of the neighbour across edge k; -1: none
 };
 
@@ -45,7 +45,7 @@ class Shape {
   int kind_id() const { return kind_id_; }  // row in shape_kinds()
   Real radius() const { return radius_; }   // rounding of the core, m
   bool convex() const { return convex_; }
-  bool planar() const { return planar_; }    // a 2D section in the xy plane; meets only its like and planes
+  bool planar() const { return planar_; }  // a 2D section in the xy plane; meets only its like and planes
 
   virtual Aabb bounds(const Pose& pose) const = 0;
   virtual MassProperties mass(Real density) const = 0;  // density kg/m^3 (2D sections: kg/m^2)
@@ -95,14 +95,14 @@ int shape_kind_id(const char* name);
 // Makers. SceneError on non-finite or non-positive sizes. Axis of capsule, cylinder and cone: y.
 // Origin: centre of sphere, box, capsule, cylinder; a cone's origin is halfway up its height (base at -h/2).
 ShapePtr make_sphere(Real radius);
-ShapePtr make_box(Real width, Real height, Real depth);            // full sizes
-ShapePtr make_capsule(Real radius, Real height);                   // whole height, caps included: height >= 2 radius
+ShapePtr make_box(Real width, Real height, Real depth);  // full sizes
+ShapePtr make_capsule(Real radius, Real height);         // whole height, caps included: height >= 2 radius
 ShapePtr make_cylinder(Real radius, Real height);
 ShapePtr make_cone(Real radius, Real height);
-ShapePtr make_hull(std::span<const Vec3> points);                  // quickhull; SceneError when flat or too few
-ShapePtr make_plane(const Vec3& normal, Real distance);            // half-space n.x <= d is solid
+ShapePtr make_hull(std::span<const Vec3> points);        // quickhull; SceneError when flat or too few
+ShapePtr make_plane(const Vec3& normal, Real distance);  // half-space n.x <= d is solid
 ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles);  // static only
-ShapePtr make_circle(Real radius);                                 // 2D
+ShapePtr make_circle(Real radius);                                                             // 2D
 ShapePtr make_polygon(std::span<const Vec2> points, Real radius = 0);  // 2D, convex hull of the points
 
 struct CompoundPart {

@@ -6,13 +6,14 @@
 // Kept between calls: the last separating axis, tried first. Weak spot: when the boxes are apart corner to corner,
 // the separation along the best axis is shorter than the distance (both are beyond zero).
 #include "geom/box.h"
+
 #include "narrow/narrow_phase.h"
 #include "narrow/reduce.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kPreference = Real(0.005);     // of the smallest half size: how much better a later axis must be
+constexpr Real kPreference = Real(0.005);      // of the smallest half size: how much better a later axis must be
 constexpr Real kParallelSquared = Real(1e-6);  // edges within 1 mrad give no axis of their own
 constexpr Real kClipSlack = Real(1e-4);        // of the reference face: flush sides keep their corners
 constexpr int kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
@@ -110,8 +111,8 @@ int face_points(const Relative& rel, int axis, const Pose& reference, const Mat3
   constexpr Real kU[4] = {1, -1, -1, 1}, kV[4] = {1, 1, -1, -1};
   for (int i = 0; i < 4; ++i) {
     for (int k = 0; k < 3; ++k)
-      loop.p[i][k] = rel.t[k] + facing * rel.g[j] * rel.r[k][j] + kU[i] * rel.g[u] * rel.r[k][u] +
-                     kV[i] * rel.g[v] * rel.r[k][v];
+      loop.p[i][k] =
+          rel.t[k] + facing * rel.g[j] * rel.r[k][j] + kU[i] * rel.g[u] * rel.r[k][u] + kV[i] * rel.g[v] * rel.r[k][v];
     loop.edge[i] = static_cast<std::uint8_t>(i);
   }
   const int x = kNext[axis], y = kLast[axis];
@@ -133,7 +134,8 @@ int face_points(const Relative& rel, int axis, const Pose& reference, const Mat3
       point.position[k] =
           reference.position[k] + (rotation(k, 0) * p[0] + rotation(k, 1) * p[1] + rotation(k, 2) * p[2]);
     point.separation = separation;
-    point.feature = code << 8 | static_cast<std::uint32_t>(loop.edge[i > 0 ? i - 1 : loop.count - 1]) << 4 | loop.edge[i];
+    point.feature =
+        code << 8 | static_cast<std::uint32_t>(loop.edge[i > 0 ? i - 1 : loop.count - 1]) << 4 | loop.edge[i];
   }
   return count;
 }
@@ -232,8 +234,7 @@ int box_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
             Manifold* out) {
   const Mat3 ra = to_matrix(pose_a.rotation), rb = to_matrix(pose_b.rotation);
   const Vec3 d = pose_b.position - pose_a.position;
-  const Relative rel =
-      relative_boxes(ra, rb, d, static_cast<const Box&>(a).half(), static_cast<const Box&>(b).half());
+  const Relative rel = relative_boxes(ra, rb, d, static_cast<const Box&>(a).half(), static_cast<const Box&>(b).half());
   if (cache.word[0] - 1 < 15u && rel.apart(cache.word[0] - 1, margin)) return 0;
 
   const Real smallest = std::min(std::min({rel.h[0], rel.h[1], rel.h[2]}), std::min({rel.g[0], rel.g[1], rel.g[2]}));
@@ -261,6 +262,8 @@ int box_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
 
 }  // namespace
 
-PairRow narrow_box_box() { return {"box", "box", box_box}; }
+PairRow narrow_box_box() {
+  return {"box", "box", box_box};
+}
 
 }  // namespace feder

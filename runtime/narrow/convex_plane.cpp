@@ -33,13 +33,16 @@ int convex_plane(const Shape& a, const Pose& pose_a, const Shape& b, const Pose&
     const Vec3 midway = to_world(pose_a, corner[i]) - n * (a.radius() + separation / 2);
     points[count++] = {midway, separation, feature_of(corner[i])};
   }
-  if (count == 0) points[count++] = {to_world(pose_a, deepest) - n * (a.radius() + depth / 2), depth, feature_of(deepest)};
+  if (count == 0)
+    points[count++] = {to_world(pose_a, deepest) - n * (a.radius() + depth / 2), depth, feature_of(deepest)};
   reduce_points({points, static_cast<std::size_t>(count)}, -n, *out);
   return 1;
 }
 
 }  // namespace
 
-PairRow narrow_convex_plane() { return {"convex", "plane", convex_plane}; }
+PairRow narrow_convex_plane() {
+  return {"convex", "plane", convex_plane};
+}
 
 }  // namespace feder

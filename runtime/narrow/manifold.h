@@ -14,8 +14,8 @@ struct ManifoldPoint {
 };
 
 struct Manifold {
-  Vec3 normal = Vec3::Zero();    // unit, world, from a to b
-  int count = 0;                 // points in use; 0 = apart by more than the margin
+  Vec3 normal = Vec3::Zero();  // unit, world, from a to b
+  int count = 0;               // points in use; 0 = apart by more than the margin
   ManifoldPoint points[kMaxManifoldPoints];
 };
 

@@ -42,9 +42,9 @@ class NarrowPhase {
 };
 
 struct ClosestResult {
-  Real distance = 0;       // between the rounded surfaces; 0 when overlapping
-  Vec3 point_a, point_b;   // world, on the surfaces
-  Vec3 normal;             // unit, a to b
+  Real distance = 0;      // between the rounded surfaces; 0 when overlapping
+  Vec3 point_a, point_b;  // world, on the surfaces
+  Vec3 normal;            // unit, a to b
 };
 // GJK between two convex shapes (radii included).
 ClosestResult closest_points(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b);
@@ -58,6 +58,7 @@ struct CastHit {
   Vec3 normal = Vec3::Zero();  // on b, unit
 };
 // Sweeps convex `a` by `motion` (no rotation) against b: conservative advancement. False when it never touches.
-bool shape_cast(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b, CastHit& hit);
+bool shape_cast(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b,
+                CastHit& hit);
 
 }  // namespace feder

@@ -2,6 +2,7 @@
 // axes over the edge normals of both (EPA would find no depth across the plane). Then the common stretch of the two
 // edges, as for solids.
 #include "geom/polygon.h"
+
 #include "narrow/narrow_phase.h"
 #include "narrow/patch.h"
 #include "narrow/reduce.h"
@@ -26,9 +27,8 @@ Gap best_edge(const Polygon& own, const Support& lowest) {
 }
 
 Gap overlap_gap(const ConvexPair& pair, const Polygon& a, const Polygon& b) {
-  const Gap ga = best_edge(a, [&](const Double3& n) {
-    return pair.from_b(wide(pair.b.support(narrow(pair.direction_to_b(-n)))));
-  });
+  const Gap ga = best_edge(
+      a, [&](const Double3& n) { return pair.from_b(wide(pair.b.support(narrow(pair.direction_to_b(-n))))); });
   const Gap gb = best_edge(b, [&](const Double3& n) {  // in the frame of b
     const Double3 in_a = pair.from_b(n) - pair.offset, s = wide(pair.a.support(narrow(-in_a))) - pair.offset;
     return pair.direction_to_b(s);
@@ -58,6 +58,8 @@ int polygon_polygon(const Shape& a, const Pose& pose_a, const Shape& b, const Po
 
 }  // namespace
 
-PairRow narrow_polygon_polygon() { return {"polygon", "polygon", polygon_polygon}; }
+PairRow narrow_polygon_polygon() {
+  return {"polygon", "polygon", polygon_polygon};
+}
 
 }  // namespace feder

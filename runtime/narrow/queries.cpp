@@ -10,11 +10,13 @@ namespace {
 constexpr int kMaxAdvances = 64;
 constexpr double kTouch = 1e-5;  // of the moving shape's size: as near as this is a hit
 
-Double3 to_world(const Pose& p, const Double3& v) { return wide(p.position) + wide(rotate(p.rotation, narrow(v))); }
+Double3 to_world(const Pose& p, const Double3& v) {
+  return wide(p.position) + wide(rotate(p.rotation, narrow(v)));
+}
 
 // Sweeps a against one convex b; keeps the hit when it is earlier than hit.fraction.
-bool cast_convex(const Convex& a, const Pose& pose_a, const Vec3& motion, Real size, const Convex& b, const Pose& pose_b,
-                 CastHit& hit) {
+bool cast_convex(const Convex& a, const Pose& pose_a, const Vec3& motion, Real size, const Convex& b,
+                 const Pose& pose_b, CastHit& hit) {
   const double radii = double(a.radius) + b.radius, touch = kTouch * size;
   const double limit = hit.fraction;
   double t = 0;
@@ -78,7 +80,8 @@ bool cast_mesh(const Convex& a, const Pose& pose_a, const Vec3& motion, Real siz
   return cast.found;
 }
 
-bool cast_into(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b, CastHit& hit) {
+bool cast_into(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b,
+               CastHit& hit) {
   bool found = false;
   if (const auto parts = compound_parts(a); !parts.empty()) {
     for (const CompoundPart& p : parts) found |= cast_into(*p.shape, pose_a * p.pose, motion, b, pose_b, hit);
@@ -91,7 +94,8 @@ bool cast_into(const Shape& a, const Pose& pose_a, const Vec3& motion, const Sha
   if (!a.convex()) return false;
   const Real size = a.extent(Vec3::Zero());
   if (b.convex()) return cast_convex(Convex(a), pose_a, motion, size, Convex(b), pose_b, hit);
-  if (const Plane* plane = dynamic_cast<const Plane*>(&b)) return cast_plane(Convex(a), pose_a, motion, *plane, pose_b, hit);
+  if (const Plane* plane = dynamic_cast<const Plane*>(&b))
+    return cast_plane(Convex(a), pose_a, motion, *plane, pose_b, hit);
   return cast_mesh(Convex(a), pose_a, motion, size, b, pose_b, hit);
 }
 
@@ -126,7 +130,8 @@ bool shapes_overlap(const NarrowPhase& narrow, const Shape& a, const Pose& pose_
   return false;
 }
 
-bool shape_cast(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b, CastHit& hit) {
+bool shape_cast(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b,
+                CastHit& hit) {
   CastHit nearest;
   if (!cast_into(a, pose_a, motion, b, pose_b, nearest)) return false;
   hit = nearest;

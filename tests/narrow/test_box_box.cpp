@@ -80,7 +80,9 @@ TEST_CASE("nearly parallel edges and turned faces keep the depth", "[narrow][box
     Real best = -kInfinity;
     const Mat3 ra = to_matrix(pa.rotation), rb = to_matrix(pb.rotation);
     for (int k = 0; k < 15; ++k) {
-      const Vec3 axis = k < 3 ? Vec3(ra.col(k)) : k < 6 ? Vec3(rb.col(k - 3)) : cross(ra.col((k - 6) / 3), rb.col(k % 3));
+      const Vec3 axis = k < 3   ? Vec3(ra.col(k))
+                        : k < 6 ? Vec3(rb.col(k - 3))
+                                : cross(ra.col((k - 6) / 3), rb.col(k % 3));
       if (length(axis) < Real(1e-2)) continue;
       best = std::max(best, gap_along(*a, pa, *b, pb, axis / length(axis)));
       best = std::max(best, gap_along(*a, pa, *b, pb, -axis / length(axis)));
@@ -106,7 +108,8 @@ TEST_CASE("cost of box against box", "[.][bench]") {
   for (int i = 0; i < 1024; ++i) {
     const Vec3 p = random_direction(rng) * 50;
     a.push_back({p, turned ? random_rotation(rng) : from_axis_angle(random_direction(rng), Real(1e-4))});
-    const Vec3 off = turned ? Vec3(random_direction(rng) * Real(1.1)) : vec3(i % 2 ? Real(0.5) : Real(-0.5), Real(0.999), 0);
+    const Vec3 off =
+        turned ? Vec3(random_direction(rng) * Real(1.1)) : vec3(i % 2 ? Real(0.5) : Real(-0.5), Real(0.999), 0);
     b.push_back({p + off, turned ? random_rotation(rng) : from_axis_angle(random_direction(rng), Real(1e-4))});
   }
   std::vector<PairCache> cache(a.size());
@@ -116,7 +119,9 @@ TEST_CASE("cost of box against box", "[.][bench]") {
   for (int round = 0; round < 200; ++round)
     for (std::size_t i = 0; i < a.size(); ++i)
       if (narrow.collide(*box, a[i], *box, b[i], Real(0.02), cache[i], m)) points += m[0].count;
-  const double ns = 1e9 * double(std::clock() - start) / CLOCKS_PER_SEC;  // of this process, not of the clock on the wall
-  std::printf("box_box %s %s: %.0f ns per call, %.2f points\n", algorithm, turned ? "turned" : "stacked", ns / 204800, points / 204800.0);
+  const double ns =
+      1e9 * double(std::clock() - start) / CLOCKS_PER_SEC;  // of this process, not of the clock on the wall
+  std::printf("box_box %s %s: %.0f ns per call, %.2f points\n", algorithm, turned ? "turned" : "stacked", ns / 204800,
+              points / 204800.0);
   CHECK(points > 0);
 }

@@ -107,7 +107,8 @@ TEST_CASE("moving mesh and shape together changes nothing", "[narrow][mesh]") {
     const Real x = rng.uniform(-1, 1), z = rng.uniform(-1, 1);
     const Pose pose{vec3(x, Real(0.1) * x * x - Real(0.05) * x * z + Real(0.22), z), random_rotation(rng)};
     const Pose frame{random_direction(rng) * 3, random_rotation(rng)};
-    const Hit a = collide(*box, pose, *hills, {}, Real(0.01)), b = collide(*box, frame * pose, *hills, frame, Real(0.01));
+    const Hit a = collide(*box, pose, *hills, {}, Real(0.01)),
+              b = collide(*box, frame * pose, *hills, frame, Real(0.01));
     CAPTURE(i, a.count, b.count);
     if (a.count == 0 || deepest(a.m, a.count) > Real(0.009)) continue;
     REQUIRE(b.count >= 1);

@@ -26,7 +26,8 @@ Case random_case(Rng& rng, const Shape& a, const Shape& b) {
   c.pb.position = c.pa.position;
   // from the first touch along d, a little further in or out, sometimes deep
   const Real touch = -gap_along(a, c.pa, b, c.pb, d);
-  c.pb.position += d * (rng.next() % 3 == 0 ? touch * rng.uniform(Real(0.2), 1) : touch + c.margin * rng.uniform(-2, 1));
+  c.pb.position +=
+      d * (rng.next() % 3 == 0 ? touch * rng.uniform(Real(0.2), 1) : touch + c.margin * rng.uniform(-2, 1));
   return c;
 }
 
@@ -43,7 +44,8 @@ Real sampled_gap(Rng& rng, const Case& c, const Vec3& n) {
 }
 
 void check_case(const NarrowPhase& narrow, const Case& c, Rng& rng) {
-  const Real tolerance = Real(2e-3) * std::min(c.a->extent(Vec3::Zero()), c.b->extent(Vec3::Zero())) + Real(2e-5) * c.size;
+  const Real tolerance =
+      Real(2e-3) * std::min(c.a->extent(Vec3::Zero()), c.b->extent(Vec3::Zero())) + Real(2e-5) * c.size;
   PairCache cache, fresh;
   Manifold m[kMaxManifolds], back[kMaxManifolds], again[kMaxManifolds];
   const int count = narrow.collide(*c.a, c.pa, *c.b, c.pb, c.margin, cache, m);

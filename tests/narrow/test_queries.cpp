@@ -19,7 +19,9 @@ Hit collide(const Shape& a, const Pose& pa, const Shape& b, const Pose& pb, Real
   return hit;
 }
 
-Real distance(const Shape& a, const Vec3& at, const Shape& b) { return closest_points(a, {at, {}}, b, {}).distance; }
+Real distance(const Shape& a, const Vec3& at, const Shape& b) {
+  return closest_points(a, {at, {}}, b, {}).distance;
+}
 
 }  // namespace
 
@@ -30,17 +32,18 @@ TEST_CASE("distances have closed forms at every size", "[narrow][gjk]") {
   const ShapePtr cylinder = make_cylinder(s, 2 * s), cone = make_cone(s, 2 * s);
   const Real tolerance = Real(2e-5) * s;
   CHECK(distance(*ball, vec3(3 * s, 4 * s, 0), *ball) == Approx(3 * s).margin(tolerance));
-  CHECK(distance(*ball, vec3(4 * s, 5 * s, 0), *box) == Approx(4 * s).margin(tolerance));        // to an edge
-  CHECK(distance(*ball, vec3(3 * s, 3 * s, 2 * s), *box) == Approx(2 * s).margin(tolerance));    // to a corner
-  CHECK(distance(*box, vec3(3 * s, s / 2, 0), *box) == Approx(s).margin(tolerance));             // faces
-  CHECK(distance(*box, vec3(3 * s, 4 * s, 4 * s), *box) == Approx(3 * s).margin(tolerance));     // corners
-  CHECK(distance(*capsule, vec3(4 * s, s, 0), *capsule) == Approx(3 * s).margin(tolerance));     // side by side
-  CHECK(distance(*capsule, vec3(0, 5 * s, 0), *capsule) == Approx(2 * s).margin(tolerance));     // end to end
+  CHECK(distance(*ball, vec3(4 * s, 5 * s, 0), *box) == Approx(4 * s).margin(tolerance));      // to an edge
+  CHECK(distance(*ball, vec3(3 * s, 3 * s, 2 * s), *box) == Approx(2 * s).margin(tolerance));  // to a corner
+  CHECK(distance(*box, vec3(3 * s, s / 2, 0), *box) == Approx(s).margin(tolerance));           // faces
+  CHECK(distance(*box, vec3(3 * s, 4 * s, 4 * s), *box) == Approx(3 * s).margin(tolerance));   // corners
+  CHECK(distance(*capsule, vec3(4 * s, s, 0), *capsule) == Approx(3 * s).margin(tolerance));   // side by side
+  CHECK(distance(*capsule, vec3(0, 5 * s, 0), *capsule) == Approx(2 * s).margin(tolerance));   // end to end
   CHECK(distance(*cylinder, vec3(5 * s, 0, 0), *cylinder) == Approx(3 * s).margin(tolerance));
   CHECK(distance(*cylinder, vec3(4 * s, 4 * s, 0), *cylinder) == Approx(std::sqrt(Real(8)) * s).margin(tolerance));
-  CHECK(distance(*ball, vec3(0, 4 * s, 0), *cone) == Approx(2 * s).margin(tolerance));           // above the tip
+  CHECK(distance(*ball, vec3(0, 4 * s, 0), *cone) == Approx(2 * s).margin(tolerance));  // above the tip
   // beside the cone: the slant x + y/2 = s/2 seen from (4 s, 2 s)
-  CHECK(distance(*ball, vec3(4 * s, 2 * s, 0), *cone) == Approx((Real(4.5) / std::sqrt(Real(1.25)) - 1) * s).margin(tolerance));
+  CHECK(distance(*ball, vec3(4 * s, 2 * s, 0), *cone) ==
+        Approx((Real(4.5) / std::sqrt(Real(1.25)) - 1) * s).margin(tolerance));
   const ClosestResult r = closest_points(*ball, {vec3(4 * s, 5 * s, 0), {}}, *box, {});
   CHECK((r.point_b - vec3(s, s, 0)).norm() < tolerance);
   CHECK((r.normal - vec3(Real(-0.6), Real(-0.8), 0)).norm() < 1e-4);
@@ -53,14 +56,16 @@ TEST_CASE("huge against tiny", "[narrow][gjk]") {
   PairCache cache;
   Manifold m[kMaxManifolds];
   // tiny first: its frame keeps the precision
-  REQUIRE(generic.collide(*tiny, {vec3(0, Real(0.5e-3) - Real(1e-5), 0), {}}, *huge, {vec3(0, -5000, 0), {}}, Real(1e-4), cache, m) == 1);
+  REQUIRE(generic.collide(*tiny, {vec3(0, Real(0.5e-3) - Real(1e-5), 0), {}}, *huge, {vec3(0, -5000, 0), {}},
+                          Real(1e-4), cache, m) == 1);
   CHECK((m[0].normal - vec3(0, -1, 0)).norm() < 1e-5);
   CHECK(m[0].count == 4);
 }
 
 TEST_CASE("flat ends stand on three points or more", "[narrow][manifold]") {
   const ShapePtr cylinder = make_cylinder(Real(0.5), 1), cone = make_cone(Real(0.5), 1), box = make_box(4, 1, 4);
-  const Vec3 cloud[8] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1}};
+  const Vec3 cloud[8] = {{-2, 0, -2},  {2, 0, -2},  {2, 0, 2},  {-2, 0, 2},
+                         {-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1}};
   const ShapePtr hull = make_hull(cloud), plane = make_plane(vec3(0, 1, 0), 0);
   const Shape* ground[3] = {box.get(), hull.get(), plane.get()};
   const Shape* standing[2] = {cylinder.get(), cone.get()};
