@@ -73,6 +73,7 @@ struct ContactPass {
 struct ContactKernels {
   void (*prepare)(const ContactPass&);
   void (*warm_start)(const ContactPass&);
+  void (*release)(const ContactPass&);     // warm start of bouncing contacts taken back
   void (*solve)(const ContactPass&);       // with bias, without friction
   void (*relax)(const ContactPass&);       // without bias; friction, twist, rolling
   void (*restitution)(const ContactPass&);

@@ -36,8 +36,8 @@ class SoftStep final : public RigidSolver {
  public:
   SoftStep(Arena& arena, const Params& p)
       : kernels_(&pick_kernels(p.text("kernels", "auto"))),
-        contact_hertz_(real(p, "contact_hertz", 30, 0.1, 1e5)),
-        contact_damping_(real(p, "contact_damping", 10, 0, 1e3)), contact_cap_(real(p, "contact_cap", 0.25, 0, 1)),
+        contact_hertz_(real(p, "contact_hertz", 45, 0.1, 1e5)),
+        contact_damping_(real(p, "contact_damping", 4, 0, 1e3)), contact_cap_(real(p, "contact_cap", 0.25, 0, 1)),
         push_speed_(real(p, "push_speed", 3, 0, 1e6)),
         bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
         bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
@@ -302,6 +302,7 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
 void SoftStep::solve(const SolverInput& in, StepContext& c) {
   start_velocities(in, c);
   if (c.substep == 0) run(kernels_->warm_start, in, c);
+  if (bounces_) run(kernels_->release, in, c);
   if (joint_change_) {
     joints_.start(in, c, joint_change_);
     joints_.solve(in, true, joint_change_);
@@ -322,7 +323,8 @@ void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
     Contact& contact = contacts.slots[slot];
     for (int j = 0; j < contact.point_count; ++j) {
       ContactPoint& to = contact.points[j];
-      to.normal_impulse = c.point[j].impulse.v[lane];
+      const bool bounced = contact.restitution > 0 && side.approach[j].v[lane] < -bounce_speed_;
+      to.normal_impulse = bounced ? Real(0) : c.point[j].impulse.v[lane];
       to.total_impulse = side.total[j].v[lane];
       to.approach_speed = side.approach[j].v[lane];
     }
