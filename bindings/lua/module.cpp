@@ -1,4 +1,5 @@
 // The module "feder", the classes without a world, and the list of all functions.
+#include "couple/springs_rigid.h"
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
@@ -8,10 +9,6 @@
 #include "lua/scene.h"
 #include "lua/shapes.h"
 #include "lua/world_options.h"
-#if __has_include("couple/springs_rigid.h")
-#include "couple/springs_rigid.h"
-#define FEDER_HAS_SPRINGS_RIGID 1
-#endif
 
 namespace feder::lua {
 namespace {
@@ -83,7 +80,7 @@ void open_module(lua_State* L) {
 Catalog catalog() {
   // couplings come after what they join
   static const SystemDescriptor* const systems[] = {&Collide::descriptor(), &Rigid::descriptor(), &Springs::descriptor(),
-#ifdef FEDER_HAS_SPRINGS_RIGID
+#ifdef FEDER_HAS_COUPLE
                                                    &SpringsRigid::descriptor(),
 #endif
   };
