@@ -256,7 +256,8 @@ int body_set_surface_velocity(lua_State* L) {
 int body_set_damping(lua_State* L) {
   const Body b = body(L);
   const Real linear = number_argument(L, 2, kNotNegative);
-  b.rigid.set_damping(b.self.id, linear, lua_isnoneornil(L, 3) ? b.all().angular_damping[b.i] : number_argument(L, 3, kNotNegative));
+  b.rigid.set_damping(b.self.id, linear,
+                      lua_isnoneornil(L, 3) ? b.all().angular_damping[b.i] : number_argument(L, 3, kNotNegative));
   return return_self(L);
 }
 
@@ -271,7 +272,8 @@ int body_set_filter(lua_State* L) {
   const Body b = body(L);
   const Colliders& colliders = b.self.world.need<Collide>().colliders();
   const std::uint32_t first = b.all().first_collider[b.i];
-  std::int64_t group = first == kNone ? 1 : colliders.group[first], mask = first == kNone ? 0xffffffffll : colliders.mask[first];
+  std::int64_t group = first == kNone ? 1 : colliders.group[first],
+               mask = first == kNone ? 0xffffffffll : colliders.mask[first];
   if (lua_type(L, 2) == LUA_TTABLE) {
     Options o(L, 2, function_name(L));
     o.integer("group", group, 0, 0xffffffffll);
@@ -300,36 +302,51 @@ int body_set_sensor(lua_State* L) {
 
 const Method kBodyMethods[] = {
     {"position", guard<body_position>, "body:position() -> x, y, z", "of the body's origin, m"},
-    {"set_position", guard<body_set_position>, "body:set_position(x, y, z) -> self", "puts it there at once; contacts end and begin"},
+    {"set_position", guard<body_set_position>, "body:set_position(x, y, z) -> self",
+     "puts it there at once; contacts end and begin"},
     {"rotation", guard<body_rotation>, "body:rotation() -> x, y, z, w", "unit quaternion, body to world"},
-    {"set_rotation", guard<body_set_rotation>, "body:set_rotation(x, y, z, w) -> self", "or one table: {axis=, angle=}, {euler=}"},
+    {"set_rotation", guard<body_set_rotation>, "body:set_rotation(x, y, z, w) -> self",
+     "or one table: {axis=, angle=}, {euler=}"},
     {"velocity", guard<body_velocity>, "body:velocity() -> x, y, z", "of the centre of mass, m/s"},
     {"set_velocity", guard<body_set_velocity>, "body:set_velocity(x, y, z) -> self", "m/s; wakes it"},
     {"angular_velocity", guard<body_angular_velocity>, "body:angular_velocity() -> x, y, z", "world axes, rad/s"},
-    {"set_angular_velocity", guard<body_set_angular_velocity>, "body:set_angular_velocity(x, y, z) -> self", "rad/s; wakes it"},
+    {"set_angular_velocity", guard<body_set_angular_velocity>, "body:set_angular_velocity(x, y, z) -> self",
+     "rad/s; wakes it"},
     {"mass", guard<body_mass>, "body:mass() -> number", "kg; 0 for static and kinematic bodies"},
-    {"inertia", guard<body_inertia>, "body:inertia() -> ixx, iyy, izz, ixy, ixz, iyz", "about the centre of mass, body axes, kg m^2"},
+    {"inertia", guard<body_inertia>, "body:inertia() -> ixx, iyy, izz, ixy, ixz, iyz",
+     "about the centre of mass, body axes, kg m^2"},
     {"center_of_mass", guard<body_center_of_mass>, "body:center_of_mass() -> x, y, z", "world, m"},
-    {"world_point", guard<body_world_point>, "body:world_point(x, y, z) -> x, y, z", "a point of the body frame in the world"},
-    {"local_point", guard<body_local_point>, "body:local_point(x, y, z) -> x, y, z", "a point of the world in the body frame"},
-    {"velocity_at", guard<body_velocity_at>, "body:velocity_at(x, y, z) -> x, y, z", "of the body's matter at a world point, m/s"},
-    {"apply_force", guard<body_push<&Rigid::apply_force>>, "body:apply_force(x, y, z, [px, py, pz]) -> self", "during the next step, N; at a world point"},
-    {"apply_impulse", guard<body_push<&Rigid::apply_impulse>>, "body:apply_impulse(x, y, z, [px, py, pz]) -> self", "at once, N s; at a world point"},
+    {"world_point", guard<body_world_point>, "body:world_point(x, y, z) -> x, y, z",
+     "a point of the body frame in the world"},
+    {"local_point", guard<body_local_point>, "body:local_point(x, y, z) -> x, y, z",
+     "a point of the world in the body frame"},
+    {"velocity_at", guard<body_velocity_at>, "body:velocity_at(x, y, z) -> x, y, z",
+     "of the body's matter at a world point, m/s"},
+    {"apply_force", guard<body_push<&Rigid::apply_force>>, "body:apply_force(x, y, z, [px, py, pz]) -> self",
+     "during the next step, N; at a world point"},
+    {"apply_impulse", guard<body_push<&Rigid::apply_impulse>>, "body:apply_impulse(x, y, z, [px, py, pz]) -> self",
+     "at once, N s; at a world point"},
     {"apply_torque", guard<body_apply_torque>, "body:apply_torque(x, y, z) -> self", "during the next step, N m"},
-    {"apply_angular_impulse", guard<body_apply_angular_impulse>, "body:apply_angular_impulse(x, y, z) -> self", "at once, N m s"},
+    {"apply_angular_impulse", guard<body_apply_angular_impulse>, "body:apply_angular_impulse(x, y, z) -> self",
+     "at once, N m s"},
     {"awake", guard<body_awake>, "body:awake() -> boolean", "does it take part in the step?"},
     {"wake", guard<body_wake>, "body:wake() -> self", "wakes it and its island"},
     {"sleep", guard<body_sleep>, "body:sleep() -> self", "puts it to sleep"},
     {"type", guard<body_type>, "body:type() -> string", "\"dynamic\", \"static\" or \"kinematic\""},
     {"set_type", guard<body_set_type>, "body:set_type(name) -> self", "\"dynamic\", \"static\" or \"kinematic\""},
-    {"move_to", guard<body_move_to>, "body:move_to(x, y, z, [qx, qy, qz, qw]) -> self", "kinematic: the pose at the end of the next step"},
-    {"contacts", guard<body_contacts>, "body:contacts() -> {{other, x, y, z, nx, ny, nz, separation, impulse}, ...}", "contact points now; normals point away from it"},
-    {"set_friction", guard<body_set_friction>, "body:set_friction(static, [dynamic]) -> self", "or { static =, dynamic = }"},
+    {"move_to", guard<body_move_to>, "body:move_to(x, y, z, [qx, qy, qz, qw]) -> self",
+     "kinematic: the pose at the end of the next step"},
+    {"contacts", guard<body_contacts>, "body:contacts() -> {{other, x, y, z, nx, ny, nz, separation, impulse}, ...}",
+     "contact points now; normals point away from it"},
+    {"set_friction", guard<body_set_friction>, "body:set_friction(static, [dynamic]) -> self",
+     "or { static =, dynamic = }"},
     {"set_restitution", guard<body_set_restitution>, "body:set_restitution(e) -> self", "0 to 1"},
-    {"set_surface_velocity", guard<body_set_surface_velocity>, "body:set_surface_velocity(x, y, z) -> self", "conveyor: body frame, m/s"},
+    {"set_surface_velocity", guard<body_set_surface_velocity>, "body:set_surface_velocity(x, y, z) -> self",
+     "conveyor: body frame, m/s"},
     {"set_damping", guard<body_set_damping>, "body:set_damping(linear, [angular]) -> self", "1/s"},
     {"set_gravity_scale", guard<body_set_gravity_scale>, "body:set_gravity_scale(s) -> self", "1: as the world says"},
-    {"set_filter", guard<body_set_filter>, "body:set_filter{ group =, mask = } -> self", "32-bit numbers; a pair meets when each group is in the other's mask"},
+    {"set_filter", guard<body_set_filter>, "body:set_filter{ group =, mask = } -> self",
+     "32-bit numbers; a pair meets when each group is in the other's mask"},
     {"is_sensor", guard<body_is_sensor>, "body:is_sensor() -> boolean", "does it only notice?"},
     {"set_sensor", guard<body_set_sensor>, "body:set_sensor(on) -> self", "sensors notice and do not push"},
 };
@@ -341,6 +358,8 @@ int push_vector(lua_State* L, const Vec3& v) {
   return 3;
 }
 
-std::span<const Method> body_methods() { return kBodyMethods; }
+std::span<const Method> body_methods() {
+  return kBodyMethods;
+}
 
 }  // namespace feder::lua

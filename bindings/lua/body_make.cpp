@@ -87,7 +87,8 @@ bool friction_option(Options& o, Real& fixed, Real& dynamic) {
     Real s = fixed, d = dynamic;
     const bool has_static = f.real("static", s, kNotNegative), has_dynamic = f.real("dynamic", d, kNotNegative);
     f.finish();
-    if (!has_static && !has_dynamic) f.raise(nullptr, "expected a number or { static =, dynamic = }, got an empty table");
+    if (!has_static && !has_dynamic)
+      f.raise(nullptr, "expected a number or { static =, dynamic = }, got an empty table");
     fixed = has_static ? s : d;
     dynamic = has_dynamic ? d : s;
   } else {

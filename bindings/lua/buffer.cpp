@@ -52,7 +52,8 @@ int buffer_len(lua_State* L) {
 }
 
 int buffer_tostring(lua_State* L) {
-  lua_pushfstring(L, "buffer of %I numbers", static_cast<lua_Integer>(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count));
+  lua_pushfstring(L, "buffer of %I numbers",
+                  static_cast<lua_Integer>(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count));
   return 1;
 }
 
@@ -69,7 +70,9 @@ const Method kBufferMethods[] = {
 
 }  // namespace
 
-std::span<const Method> buffer_methods() { return kBufferMethods; }
+std::span<const Method> buffer_methods() {
+  return kBufferMethods;
+}
 
 std::span<double> test_buffer(lua_State* L, int index) {
   auto* b = static_cast<BufferBlock*>(test_class(L, index, Class::buffer));

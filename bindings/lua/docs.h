@@ -6,7 +6,7 @@
 namespace feder::lua {
 
 struct DocRow {
-  std::string owner;      // "feder", "world", "body" ...
+  std::string owner;  // "feder", "world", "body" ...
   std::string name;
   std::string signature;
   std::string doc;

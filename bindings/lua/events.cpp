@@ -10,11 +10,18 @@ namespace feder::lua {
 namespace {
 
 bool is_contact(EventKind k) {
-  return k == EventKind::contact_begin || k == EventKind::contact_stay || k == EventKind::contact_end || k == EventKind::hit;
+  return k == EventKind::contact_begin || k == EventKind::contact_stay || k == EventKind::contact_end ||
+         k == EventKind::hit;
 }
-bool is_sensor(EventKind k) { return k == EventKind::sensor_enter || k == EventKind::sensor_leave; }
-bool is_break(EventKind k) { return k == EventKind::joint_break || k == EventKind::spring_break || k == EventKind::tear; }
-bool has_two(EventKind k) { return is_contact(k) || is_sensor(k); }
+bool is_sensor(EventKind k) {
+  return k == EventKind::sensor_enter || k == EventKind::sensor_leave;
+}
+bool is_break(EventKind k) {
+  return k == EventKind::joint_break || k == EventKind::spring_break || k == EventKind::tear;
+}
+bool has_two(EventKind k) {
+  return is_contact(k) || is_sensor(k);
+}
 
 // What the event object reads from. Valid while its handler runs, or until its iterator moves on.
 struct EventBlock {
@@ -24,10 +31,35 @@ struct EventBlock {
   Event event;
 };
 
-enum Field : int { f_kind = 1, f_time, f_step, f_a, f_b, f_x, f_y, f_z, f_nx, f_ny, f_nz, f_impulse, f_slip, f_speed, f_object,
-                   f_cause, f_other, f_sensor, f_index, f_force, f_count, f_code, f_message, f_copy };
-const char* const kFields[] = {"kind", "time", "step", "a", "b", "x", "y", "z", "nx", "ny", "nz", "impulse", "slip", "speed", "object",
-                               "cause", "other", "sensor", "index", "force", "count", "code", "message", "copy"};
+enum Field : int {
+  f_kind = 1,
+  f_time,
+  f_step,
+  f_a,
+  f_b,
+  f_x,
+  f_y,
+  f_z,
+  f_nx,
+  f_ny,
+  f_nz,
+  f_impulse,
+  f_slip,
+  f_speed,
+  f_object,
+  f_cause,
+  f_other,
+  f_sensor,
+  f_index,
+  f_force,
+  f_count,
+  f_code,
+  f_message,
+  f_copy
+};
+const char* const kFields[] = {"kind",  "time",   "step",  "a",       "b",     "x",     "y",       "z",
+                               "nx",    "ny",     "nz",    "impulse", "slip",  "speed", "object",  "cause",
+                               "other", "sensor", "index", "force",   "count", "code",  "message", "copy"};
 
 // Does the event tell about a point of a net (or cloth)?
 bool has_index(WorldRecord& r, const Event& e) {
@@ -47,39 +79,80 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
   const auto number = [&](bool present, double x) { present ? lua_pushnumber(L, x) : lua_pushnil(L); };
   const auto object = [&](bool present, ObjectId id) { present ? push_handle(L, r, id) : lua_pushnil(L); };
   switch (field) {
-    case f_kind: lua_pushstring(L, event_name(k)); return;
-    case f_time: lua_pushnumber(L, r.world->time()); return;
-    case f_step: lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count())); return;
-    case f_a: object(is_contact(k), turned ? e.b : e.a); return;
-    case f_b: object(is_contact(k), turned ? e.a : e.b); return;
-    case f_x: case f_y: case f_z: number(is_contact(k), e.point[field - f_x]); return;
-    case f_nx: case f_ny: case f_nz: number(is_contact(k), sign * e.normal[field - f_nx]); return;
-    case f_impulse: number(k == EventKind::contact_stay || k == EventKind::hit, e.impulse); return;
-    case f_slip: number(k == EventKind::contact_stay, e.slip); return;
-    case f_speed: number(k == EventKind::hit, e.speed); return;
-    case f_object: object(!has_two(k) && k != EventKind::step, e.a); return;
-    case f_cause: k == EventKind::wake ? (void)lua_pushstring(L, wake_cause_name(e.cause)) : lua_pushnil(L); return;
-    case f_other: object(k == EventKind::wake || is_sensor(k), e.b); return;
-    case f_sensor: object(is_sensor(k), e.a); return;
-    case f_index: has_index(r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L); return;
-    case f_force: number(is_break(k), e.force); return;
+    case f_kind:
+      lua_pushstring(L, event_name(k));
+      return;
+    case f_time:
+      lua_pushnumber(L, r.world->time());
+      return;
+    case f_step:
+      lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count()));
+      return;
+    case f_a:
+      object(is_contact(k), turned ? e.b : e.a);
+      return;
+    case f_b:
+      object(is_contact(k), turned ? e.a : e.b);
+      return;
+    case f_x:
+    case f_y:
+    case f_z:
+      number(is_contact(k), e.point[field - f_x]);
+      return;
+    case f_nx:
+    case f_ny:
+    case f_nz:
+      number(is_contact(k), sign * e.normal[field - f_nx]);
+      return;
+    case f_impulse:
+      number(k == EventKind::contact_stay || k == EventKind::hit, e.impulse);
+      return;
+    case f_slip:
+      number(k == EventKind::contact_stay, e.slip);
+      return;
+    case f_speed:
+      number(k == EventKind::hit, e.speed);
+      return;
+    case f_object:
+      object(!has_two(k) && k != EventKind::step, e.a);
+      return;
+    case f_cause:
+      k == EventKind::wake ? (void)lua_pushstring(L, wake_cause_name(e.cause)) : lua_pushnil(L);
+      return;
+    case f_other:
+      object(k == EventKind::wake || is_sensor(k), e.b);
+      return;
+    case f_sensor:
+      object(is_sensor(k), e.a);
+      return;
+    case f_index:
+      has_index(r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L);
+      return;
+    case f_force:
+      number(is_break(k), e.force);
+      return;
     case f_count:
       if (k == EventKind::emitter_done || k == EventKind::drained)
         lua_pushinteger(L, static_cast<lua_Integer>(e.index));
       else
         lua_pushnil(L);
       return;
-    case f_code: case f_message:
+    case f_code:
+    case f_message:
       if (k == EventKind::warning && e.text != kNone)
-        lua_pushstring(L, (field == f_code ? r.world->events().warning_code(e) : r.world->events().warning_message(e)).c_str());
+        lua_pushstring(
+            L, (field == f_code ? r.world->events().warning_code(e) : r.world->events().warning_message(e)).c_str());
       else
         lua_pushnil(L);
       return;
-    default: lua_pushnil(L);
+    default:
+      lua_pushnil(L);
   }
 }
 
-bool readable(lua_State* L, const EventBlock& block) { return block.valid && state(L).worlds[block.world]->world; }
+bool readable(lua_State* L, const EventBlock& block) {
+  return block.valid && state(L).worlds[block.world]->world;
+}
 
 int event_copy(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
@@ -97,18 +170,23 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   if (field == 0) {
     const std::vector<std::string> known(std::begin(kFields), std::end(kFields));
     const std::string near = lua_type(L, 2) == LUA_TSTRING ? nearest_name(lua_tostring(L, 2), known) : "";
-    fail(L, "event: no field " + describe(L, 2) + (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+    fail(L, "event: no field " + describe(L, 2) +
+                (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
   }
   if (field == f_copy) {
     lua_pushvalue(L, lua_upvalueindex(2));
     return 1;
   }
-  if (!readable(L, *block)) fail(L, "event." + std::string(kFields[field - 1]) + ": an event is valid inside its handler only; keep it with e:copy()");
+  if (!readable(L, *block))
+    fail(L, "event." + std::string(kFields[field - 1]) +
+                ": an event is valid inside its handler only; keep it with e:copy()");
   push_field(L, *state(L).worlds[block->world], block->event, block->turned, field);
   return 1;
 }
 
-int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
+int event_no_write(lua_State* L) {
+  fail(L, "event: an event cannot be changed; e:copy() gives a table");
+}
 
 int event_tostring(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
@@ -167,7 +245,8 @@ void find_matches(WorldRecord& record, const Event& e, std::uint64_t newest) {
     if (const auto found = kind.object.find(id.slot); found != kind.object.end()) take(found->second);
     if (e.a == e.b) break;
   }
-  std::sort(subs.matches.begin(), subs.matches.end(), [](const Subscription* x, const Subscription* y) { return x->id < y->id; });
+  std::sort(subs.matches.begin(), subs.matches.end(),
+            [](const Subscription* x, const Subscription* y) { return x->id < y->id; });
 }
 
 // Hands the event to a task that waits for it.
@@ -210,16 +289,22 @@ int connection_disconnect(lua_State* L) {
 }
 
 const Method kConnectionMethods[] = {
-    {"disconnect", guard<connection_disconnect>, "c:disconnect() -> boolean", "ends a subscription or timer; false when it had ended"},
+    {"disconnect", guard<connection_disconnect>, "c:disconnect() -> boolean",
+     "ends a subscription or timer; false when it had ended"},
 };
 const Method kEventMethods[] = {
-    {"copy", guard<event_copy>, "e:copy() -> table", "the event's fields in a table of their own, to keep after the handler"},
+    {"copy", guard<event_copy>, "e:copy() -> table",
+     "the event's fields in a table of their own, to keep after the handler"},
 };
 
 }  // namespace
 
-std::span<const Method> event_methods() { return kEventMethods; }
-std::span<const Method> connection_methods() { return kConnectionMethods; }
+std::span<const Method> event_methods() {
+  return kEventMethods;
+}
+std::span<const Method> connection_methods() {
+  return kConnectionMethods;
+}
 
 void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool turned) {
   lua_newtable(L);
@@ -231,7 +316,8 @@ void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool tur
 
 Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
   const EventFilter& f = s.filter;
-  if (e.speed < f.min_speed || e.impulse < f.min_impulse || e.force < f.min_force || e.slip < f.min_slip) return Side::none;
+  if (e.speed < f.min_speed || e.impulse < f.min_impulse || e.force < f.min_force || e.slip < f.min_slip)
+    return Side::none;
   if (f.cause >= 0 && static_cast<int>(e.cause) != f.cause) return Side::none;
   if (f.object && e.a != f.object && !(has_two(e.kind) && e.b == f.object)) return Side::none;
   if (f.has_tags) {
@@ -323,7 +409,8 @@ EventKind check_event_kind(lua_State* L, int index) {
   for (int k = 0; k < kEventKinds; ++k) known.emplace_back(event_name(static_cast<EventKind>(k)));
   if (lua_type(L, index) != LUA_TSTRING) fail_here(L, "expected the name of an event, got " + describe(L, index));
   const std::string near = nearest_name(lua_tostring(L, index), known);
-  fail_here(L, "unknown event " + describe(L, index) + (near.empty() ? "" : "; did you mean '" + near + "'?") + "; known: " + join(known));
+  fail_here(L, "unknown event " + describe(L, index) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+                   "; known: " + join(known));
 }
 
 EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind kind) {
@@ -347,7 +434,8 @@ EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind 
   if (is_break(kind)) o.real("min_force", f.min_force, kNotNegative);
   if (kind == EventKind::wake) {
     std::vector<std::string> causes;
-    for (int c = 0; c <= static_cast<int>(WakeCause::destroyed); ++c) causes.emplace_back(wake_cause_name(static_cast<WakeCause>(c)));
+    for (int c = 0; c <= static_cast<int>(WakeCause::destroyed); ++c)
+      causes.emplace_back(wake_cause_name(static_cast<WakeCause>(c)));
     o.choice("cause", causes, f.cause);
     object_option(o, "other", record, f.b);
   }
@@ -369,7 +457,8 @@ int push_subscription(lua_State* L, WorldRecord& record, ObjectId self) {
   const int function = has_filter ? 4 : 3;
   EventFilter filter;
   if (has_filter && !lua_isnil(L, 3)) filter = read_filter(L, 3, record, kind);
-  if (lua_type(L, function) != LUA_TFUNCTION) fail_here(L, "expected a function as handler, got " + describe(L, function));
+  if (lua_type(L, function) != LUA_TFUNCTION)
+    fail_here(L, "expected a function as handler, got " + describe(L, function));
   if (record.subscriptions.all.size() >= 1000000) fail_here(L, "expected at most a million subscriptions");
   const int key = keep(L, record, function);
   Subscription& s = subscribe(record, kind, filter, self);
@@ -379,7 +468,9 @@ int push_subscription(lua_State* L, WorldRecord& record, ObjectId self) {
   return 1;
 }
 
-int world_on(lua_State* L) { return push_subscription(L, check_world(L), {}); }
+int world_on(lua_State* L) {
+  return push_subscription(L, check_world(L), {});
+}
 
 int world_events(lua_State* L) {
   WorldRecord& r = check_world(L);

@@ -14,22 +14,22 @@ class Options;
 
 struct EventFilter {
   bool has_tags = false;
-  TagMask tags = 0;         // one of the objects has one of them
-  ObjectId a, b, object;    // a and b also turn the event so that e.a is a
+  TagMask tags = 0;       // one of the objects has one of them
+  ObjectId a, b, object;  // a and b also turn the event so that e.a is a
   Real min_speed = 0, min_impulse = 0, min_force = 0, min_slip = 0;
-  int cause = -1;           // wake
+  int cause = -1;  // wake
 };
 
 struct Subscription {
-  std::uint64_t id = 0;     // grows: handlers run in the order of subscription
+  std::uint64_t id = 0;  // grows: handlers run in the order of subscription
   EventKind kind = EventKind::step;
   EventFilter filter;
-  ObjectId self;            // of object:on; none for world:on
-  int function = 0;         // key in the world's callbacks; 0: wakes the task below
+  ObjectId self;     // of object:on; none for world:on
+  int function = 0;  // key in the world's callbacks; 0: wakes the task below
   std::uint64_t task = 0;
   std::size_t profile = 0;
   bool live = true;
-  bool self_died = false;   // kept for one dispatch more, which brings the end events
+  bool self_died = false;  // kept for one dispatch more, which brings the end events
 };
 
 struct Subscriptions {
@@ -41,7 +41,7 @@ struct Subscriptions {
   PerKind kinds[kEventKinds];
   std::vector<std::unique_ptr<Subscription>> all;  // ascending ids
   std::uint64_t next_id = 1;
-  std::vector<Event> events;                       // being dispatched, or of the last step
+  std::vector<Event> events;  // being dispatched, or of the last step
   std::vector<Subscription*> matches;
 };
 

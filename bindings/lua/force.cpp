@@ -10,7 +10,8 @@ namespace feder::lua {
 namespace {
 
 // One evaluation. False: the function failed, or answered something else than three finite numbers.
-bool evaluate(lua_State* L, WorldRecord& record, const ScriptForce& f, const Vec3& x, const Vec3& v, Real mass, Vec3& out) {
+bool evaluate(lua_State* L, WorldRecord& record, const ScriptForce& f, const Vec3& x, const Vec3& v, Real mass,
+              Vec3& out) {
   State& s = state(L);
   push_data(L, record);
   lua_rawgeti(L, -1, f.function);
@@ -80,7 +81,8 @@ void apply_to_nets(lua_State* L, WorldRecord& record, std::vector<ScriptForce>& 
       Vec3 sum = Vec3::Zero(), one = Vec3::Zero();
       for (std::size_t k = 0; k < forces.size(); ++k) {
         if (failed[k] || !acts(forces[k], net, tags)) continue;
-        failed[k] = !evaluate(L, record, forces[k], positions[i], springs->velocity(net, i), springs->point_mass(net, i), one);
+        failed[k] =
+            !evaluate(L, record, forces[k], positions[i], springs->velocity(net, i), springs->point_mass(net, i), one);
         if (!failed[k]) sum += one;
         if (!record.world->objects().alive(net)) break;
       }
@@ -159,7 +161,9 @@ const Method kForceMethods[] = {
 
 }  // namespace
 
-std::span<const Method> force_methods() { return kForceMethods; }
+std::span<const Method> force_methods() {
+  return kForceMethods;
+}
 
 void apply_script_forces(lua_State* L, WorldRecord& record) {
   if (record.forces.list.empty()) return;

@@ -10,8 +10,8 @@
 namespace feder::lua {
 
 struct ScriptForce {
-  ObjectId object;       // the force's handle
-  int function = 0;      // key in the world's callbacks
+  ObjectId object;   // the force's handle
+  int function = 0;  // key in the world's callbacks
   bool all = false;
   TagMask tags = 0;
   ObjectId target;

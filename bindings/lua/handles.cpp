@@ -13,11 +13,16 @@ lua_Integer cache_key(ObjectId id) {
 Class class_of(const WorldRecord& record, ObjectId id) {
   if (record.regions.count(id)) return Class::region;
   switch (record.world->objects().kind(id)) {
-    case ObjectKind::joint: return Class::joint;
-    case ObjectKind::net: return Class::net;
-    case ObjectKind::force: return Class::force;
-    case ObjectKind::region: return Class::region;
-    default: return Class::body;
+    case ObjectKind::joint:
+      return Class::joint;
+    case ObjectKind::net:
+      return Class::net;
+    case ObjectKind::force:
+      return Class::force;
+    case ObjectKind::region:
+      return Class::region;
+    default:
+      return Class::body;
   }
 }
 
@@ -163,14 +168,19 @@ Rigid& WorldRecord::rigid() {
     has_pairs = true;
     Collide& collide = world->need<Collide>();
     for (const NamedMaterialPair& p : settings.material_pairs)
-      collide.set_material_pair({collide.material(p.a), collide.material(p.b), p.friction_static, p.friction_dynamic, p.restitution});
+      collide.set_material_pair(
+          {collide.material(p.a), collide.material(p.b), p.friction_static, p.friction_dynamic, p.restitution});
   }
   return r;
 }
 
-Springs& WorldRecord::springs() { return world->need<Springs>(); }
+Springs& WorldRecord::springs() {
+  return world->need<Springs>();
+}
 
-std::span<const Method> object_methods() { return kObjectMethods; }
+std::span<const Method> object_methods() {
+  return kObjectMethods;
+}
 
 WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   State& s = state(L);
@@ -189,7 +199,8 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   // begin and end events are always made, so that polling misses none
   for (int k = 0; k < kEventKinds; ++k) {
     const EventKind kind = static_cast<EventKind>(k);
-    record->world->events().set_wanted(kind, kind != EventKind::contact_stay && kind != EventKind::hit && kind != EventKind::step);
+    record->world->events().set_wanted(
+        kind, kind != EventKind::contact_stay && kind != EventKind::hit && kind != EventKind::step);
   }
 
   auto* block = static_cast<WorldBlock*>(lua_newuserdatauv(L, sizeof(WorldBlock), 1));
@@ -265,7 +276,8 @@ WorldRecord& check_world(lua_State* L) {
 Self check_self(lua_State* L) {
   const Handle& h = self_handle(L);
   WorldRecord* r = record_of(L, h.world);
-  if (h.dead || !r || !r->world || !r->world->objects().alive(h.id)) fail_dead(L, 1, h, std::string(function_name(L)) + ": ");
+  if (h.dead || !r || !r->world || !r->world->objects().alive(h.id))
+    fail_dead(L, 1, h, std::string(function_name(L)) + ": ");
   return {*r, *r->world, h.id};
 }
 
@@ -322,8 +334,12 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   World& world = *record.world;
   const std::string name = world.objects().name(id);
   switch (world.objects().kind(id)) {
-    case ObjectKind::joint: record.rigid().destroy_joint(id, where); break;
-    case ObjectKind::net: record.springs().destroy_net(id, where); break;
+    case ObjectKind::joint:
+      record.rigid().destroy_joint(id, where);
+      break;
+    case ObjectKind::net:
+      record.springs().destroy_net(id, where);
+      break;
     case ObjectKind::force:
       world.remove_force(id, where);
       std::erase_if(record.forces.list, [&](const ScriptForce& f) {
@@ -332,7 +348,9 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
       });
       if (Springs* springs = world.find<Springs>()) springs->clear_script_forces();
       break;
-    default: record.rigid().destroy_body(id, where); break;
+    default:
+      record.rigid().destroy_body(id, where);
+      break;
   }
   bury(L, record, id, name, where);
   record.regions.erase(id);
@@ -397,11 +415,13 @@ TagMask tag_option(Options& o, WorldRecord& record) {
   std::vector<std::string> words;
   if (!o.words("tags", words)) return 0;
   for (const std::string& w : words)
-    if (w.empty() || w.size() > 64) o.raise("tags", "expected words of 1 to 64 characters, got '" + w.substr(0, 64) + "'");
+    if (w.empty() || w.size() > 64)
+      o.raise("tags", "expected words of 1 to 64 characters, got '" + w.substr(0, 64) + "'");
   // the world learns a tag only when there is room for all of them
   std::size_t fresh = 0;
   for (const std::string& w : words) fresh += record.world->objects().known_tag(w) == 0;
-  if (record.world->objects().tag_names().size() + fresh > 64) o.raise("tags", "a world knows at most 64 different tags");
+  if (record.world->objects().tag_names().size() + fresh > 64)
+    o.raise("tags", "a world knows at most 64 different tags");
   TagMask mask = 0;
   for (const std::string& w : words) mask |= record.world->objects().tag_bit(w);
   return mask;

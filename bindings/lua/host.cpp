@@ -8,6 +8,14 @@
 #include "lua/step.h"
 
 namespace feder::lua {
+namespace {
+
+int step_world(lua_State* L) {
+  run_step(L, *state(L).worlds[state(L).last_world]);
+  return 0;
+}
+
+}  // namespace
 
 struct Script::Impl {
   explicit Impl(HostOptions options) : state(std::move(options)) {}
@@ -97,12 +105,22 @@ void Script::load_file(const std::filesystem::path& file) {
   impl_->run(code, chunk_name(file));
 }
 
-void Script::load_string(std::string_view text, const std::string& chunk) { impl_->run(text, chunk_name(chunk)); }
+void Script::load_string(std::string_view text, const std::string& chunk) {
+  impl_->run(text, chunk_name(chunk));
+}
 
-bool Script::is_scene() const { return impl_->state.is_scene; }
-std::string Script::title() const { return impl_->state.scene.title; }
-double Script::seconds() const { return impl_->state.scene.seconds; }
-std::vector<ParamInfo> Script::params() const { return impl_->state.params; }
+bool Script::is_scene() const {
+  return impl_->state.is_scene;
+}
+std::string Script::title() const {
+  return impl_->state.scene.title;
+}
+double Script::seconds() const {
+  return impl_->state.scene.seconds;
+}
+std::vector<ParamInfo> Script::params() const {
+  return impl_->state.params;
+}
 
 void Script::build() {
   State& s = impl_->state;
@@ -122,12 +140,11 @@ void Script::step() {
   State& s = impl_->state;
   if (!world()) throw ScriptError("there is no world to step; build() makes a scene's");
   const Impl::InPhase phase(s, Phase::running);
-  lua_pushcfunction(s.L, [](lua_State* L) -> int {
-    run_step(L, *state(L).worlds[state(L).last_world]);
-    return 0;
-  });
+  lua_pushcfunction(s.L, guard<step_world>);
   Failure failure;
   if (!s.call(s.L, 0, 0, failure, true)) s.report(failure);
+  // outside Lua, which would take the host's own exceptions for errors of the script
+  if (s.on_step && world()) s.on_step(*world());
 }
 
 CheckResult Script::check() {
@@ -135,7 +152,9 @@ CheckResult Script::check() {
   return run_check(impl_->state.L);
 }
 
-const std::vector<HandlerError>& Script::handler_errors() const { return impl_->state.errors; }
+const std::vector<HandlerError>& Script::handler_errors() const {
+  return impl_->state.errors;
+}
 std::vector<HandlerProfile> Script::handler_profile() const {
   std::vector<HandlerProfile> used;
   for (const HandlerProfile& p : impl_->state.profile)
@@ -143,6 +162,8 @@ std::vector<HandlerProfile> Script::handler_profile() const {
   return used;
 }
 
-void Script::on_step(std::function<void(World&)> callback) { impl_->state.on_step = std::move(callback); }
+void Script::on_step(std::function<void(World&)> callback) {
+  impl_->state.on_step = std::move(callback);
+}
 
 }  // namespace feder::lua

@@ -12,11 +12,13 @@ const JointKind& kind_option(Options& o, std::string& type) {
     known.emplace_back(k.name);
   }
   // named in the API, to come
-  static const char* const later[] = {"slider", "rope", "wheel", "cone_twist", "six_dof", "gear", "rack", "pulley", "motor", "mouse"};
+  static const char* const later[] = {"slider", "rope", "wheel",  "cone_twist", "six_dof",
+                                      "gear",   "rack", "pulley", "motor",      "mouse"};
   for (const char* name : later)
     if (type == name) o.raise("type", "this build has no joint type '" + type + "'; known: " + join(known));
   const std::string near = nearest_name(type, known);
-  o.raise("type", "unknown joint type '" + type + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") + "; known: " + join(known));
+  o.raise("type", "unknown joint type '" + type + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+                      "; known: " + join(known));
 }
 
 void body_option(Options& o, const char* key, WorldRecord& r, ObjectId& out) {
@@ -46,7 +48,8 @@ void read_motor(Options& o, JointOptions& j) {
   Options m(o.L(), -1, o.path("motor"));
   j.has_motor = true;
   m.real("speed", j.motor_speed);
-  if (!m.real("max_force", j.motor_max, kNotNegative) && !m.real("max_torque", j.motor_max, kNotNegative)) m.wrong("max_force", kNotNegative.text());
+  if (!m.real("max_force", j.motor_max, kNotNegative) && !m.real("max_torque", j.motor_max, kNotNegative))
+    m.wrong("max_force", kNotNegative.text());
   m.has("max_torque");
   m.finish();
   lua_pop(o.L(), 1);
@@ -55,7 +58,8 @@ void read_motor(Options& o, JointOptions& j) {
 void read_limits(Options& o, JointOptions& j) {
   if (!o.push("limits", LUA_TTABLE, "{lo, hi}")) return;
   lua_State* L = o.L();
-  if (lua_rawlen(L, -1) != 2) o.raise("limits", "expected {lo, hi}, got a table of " + std::to_string(lua_rawlen(L, -1)) + " values");
+  if (lua_rawlen(L, -1) != 2)
+    o.raise("limits", "expected {lo, hi}, got a table of " + std::to_string(lua_rawlen(L, -1)) + " values");
   lua_rawgeti(L, -1, 1), lua_rawgeti(L, -2, 2);
   j.lower = static_cast<Real>(check_number(L, -2, o.path("limits") + ".lo"));
   j.upper = static_cast<Real>(check_number(L, -1, o.path("limits") + ".hi"));
@@ -81,7 +85,8 @@ void read_anchors(Options& o, const JointKind& kind, WorldRecord& r, JointDesc& 
   if (has_anchor) (desc.b ? desc.anchor_a : desc.anchor_b) = anchor;
   const bool has_b = o.vector("anchor_b", desc.anchor_b);
   o.vector("anchor_a", desc.anchor_a);
-  if (!desc.b && !has_b && !has_anchor) o.raise("anchor", "expected the point of the world that holds the joint, got nil");
+  if (!desc.b && !has_b && !has_anchor)
+    o.raise("anchor", "expected the point of the world that holds the joint, got nil");
 }
 
 int joint_vector(lua_State* L, Vec3 (Rigid::*get)(ObjectId) const) {
@@ -89,8 +94,12 @@ int joint_vector(lua_State* L, Vec3 (Rigid::*get)(ObjectId) const) {
   return push_vector(L, (self.record.rigid().*get)(self.id));
 }
 
-int joint_force(lua_State* L) { return joint_vector(L, &Rigid::joint_force); }
-int joint_torque(lua_State* L) { return joint_vector(L, &Rigid::joint_torque); }
+int joint_force(lua_State* L) {
+  return joint_vector(L, &Rigid::joint_force);
+}
+int joint_torque(lua_State* L) {
+  return joint_vector(L, &Rigid::joint_torque);
+}
 
 // Makes sure that the kind has what is asked for.
 void need_use(lua_State* L, const Self& self, unsigned uses, const char* what) {
@@ -166,7 +175,8 @@ const Method kJointMethods[] = {
     {"torque", guard<joint_torque>, "joint:torque() -> x, y, z", "on b in the last step, N m"},
     {"angle", guard<joint_angle>, "joint:angle() -> number", "of a hinge since it was made, rad"},
     {"length", guard<joint_length>, "joint:length() -> number", "between the anchors now, m"},
-    {"set_motor", guard<joint_set_motor>, "joint:set_motor(speed, max_force) -> self", "or { speed =, max_force = }; rad/s, N m"},
+    {"set_motor", guard<joint_set_motor>, "joint:set_motor(speed, max_force) -> self",
+     "or { speed =, max_force = }; rad/s, N m"},
     {"set_limits", guard<joint_set_limits>, "joint:set_limits(lo, hi) -> self", "rad or m"},
     {"type", guard<joint_type>, "joint:type() -> string", "\"ball\", \"hinge\" ..."},
     {"bodies", guard<joint_bodies>, "joint:bodies() -> a, b", "b is nil for the world"},
@@ -174,7 +184,9 @@ const Method kJointMethods[] = {
 
 }  // namespace
 
-std::span<const Method> joint_methods() { return kJointMethods; }
+std::span<const Method> joint_methods() {
+  return kJointMethods;
+}
 
 int world_joint(lua_State* L) {
   WorldRecord& r = check_world(L);

@@ -63,7 +63,9 @@ void run_module(lua_State* L, const std::string& name, const fs::path& file) {
 // "materials.yaml", "sub/materials.yml": relative, no "..".
 bool is_data_name(const std::string& name) {
   if (name.empty() || name.size() > 200 || name[0] == '/' || name.find("..") != std::string::npos) return false;
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/'; });
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/';
+  });
   const fs::path extension = fs::path(name).extension();
   return plain && (extension == ".yaml" || extension == ".yml");
 }
@@ -119,8 +121,8 @@ int lua_require(lua_State* L) {
   if (file.empty() && !s.folder.empty()) file = inside(s.folder, relative);
   if (file.empty()) {
     const std::string where = s.folder.empty() ? "" : " and beside the scene";
-    fail(L, "require: no module '" + name + "': no file " + relative + " in the " + std::to_string(s.options.library_roots.size()) +
-                " library folders" + where);
+    fail(L, "require: no module '" + name + "': no file " + relative + " in the " +
+                std::to_string(s.options.library_roots.size()) + " library folders" + where);
   }
   run_module(L, name, file);
   if (lua_isnil(L, -1)) lua_pop(L, 1), lua_pushboolean(L, 1);
@@ -134,12 +136,14 @@ int lua_require(lua_State* L) {
 int feder_load(lua_State* L) {
   State& s = state(L);
   const std::string name = check_text(L, 1, function_name(L));
-  if (!is_data_name(name)) fail_here(L, "expected the name of a .yaml file beside the scene or in a library, got " + describe(L, 1));
+  if (!is_data_name(name))
+    fail_here(L, "expected the name of a .yaml file beside the scene or in a library, got " + describe(L, 1));
   if (!s.options.load_yaml) fail_here(L, "this host reads no YAML");
   fs::path file;
   if (!s.folder.empty()) file = inside(s.folder, name);
   for (const fs::path& root : s.options.library_roots)
-    for (const fs::path& folder : {root, root / "materials", root / "scenes" / "materials", root / ".." / "scenes" / "materials"})
+    for (const fs::path& folder :
+         {root, root / "materials", root / "scenes" / "materials", root / ".." / "scenes" / "materials"})
       if (file.empty()) file = inside(folder, name);
   if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
   const std::string text = read_text(file);

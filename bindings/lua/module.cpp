@@ -43,26 +43,36 @@ int feder_version(lua_State* L) {
 }
 
 const Method kFederFunctions[] = {
-    {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world", "a world of a plain script; see section 3"},
-    {"scene", guard<feder_scene>, "feder.scene{ title =, seconds =, world =, build =, update =, check = } -> scene", "what a scene file returns"},
-    {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value", "a value that --set, a viewer or a study may change"},
-    {"load", guard<feder_load>, "feder.load(\"materials.yaml\") -> table", "a YAML file beside the scene or in the libraries"},
+    {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world",
+     "a world of a plain script; see section 3"},
+    {"scene", guard<feder_scene>, "feder.scene{ title =, seconds =, world =, build =, update =, check = } -> scene",
+     "what a scene file returns"},
+    {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value",
+     "a value that --set, a viewer or a study may change"},
+    {"load", guard<feder_load>, "feder.load(\"materials.yaml\") -> table",
+     "a YAML file beside the scene or in the libraries"},
     {"deg", guard<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
     {"buffer", guard<feder_buffer>, "feder.buffer(n) -> buffer", "n numbers for bulk data; buf[i] counts from 1"},
     {"wait", guard<feder_wait>, "feder.wait(seconds)", "in a task: simulated seconds, at least one step"},
-    {"wait_until", guard<feder_wait_until>, "feder.wait_until(fn)", "in a task: until fn() is true, asked after each step"},
-    {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table", "in a task: until such an event, which it returns as a copy"},
+    {"wait_until", guard<feder_wait_until>, "feder.wait_until(fn)",
+     "in a task: until fn() is true, asked after each step"},
+    {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table",
+     "in a task: until such an event, which it returns as a copy"},
     {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
 };
 
 }  // namespace
 
-std::span<const Method> feder_functions() { return kFederFunctions; }
+std::span<const Method> feder_functions() {
+  return kFederFunctions;
+}
 
 void open_module(lua_State* L) {
-  const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()}, connection[] = {connection_methods()},
-                                task[] = {task_methods()}, event[] = {event_methods()};
-  make_class(L, Class::shape, shape), make_class(L, Class::buffer, buffer), make_class(L, Class::connection, connection);
+  const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()},
+                                connection[] = {connection_methods()}, task[] = {task_methods()},
+                                event[] = {event_methods()};
+  make_class(L, Class::shape, shape), make_class(L, Class::buffer, buffer),
+      make_class(L, Class::connection, connection);
   make_class(L, Class::task, task), make_class(L, Class::event, event);
   open_shapes(L);
   open_buffer(L);
@@ -79,9 +89,12 @@ void open_module(lua_State* L) {
 
 Catalog catalog() {
   // couplings come after what they join
-  static const SystemDescriptor* const systems[] = {&Collide::descriptor(), &Rigid::descriptor(), &Springs::descriptor(),
+  static const SystemDescriptor* const systems[] = {
+      &Collide::descriptor(),
+      &Rigid::descriptor(),
+      &Springs::descriptor(),
 #ifdef FEDER_HAS_COUPLE
-                                                   &SpringsRigid::descriptor(),
+      &SpringsRigid::descriptor(),
 #endif
   };
   return systems;

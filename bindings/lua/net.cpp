@@ -22,13 +22,16 @@ std::size_t number_in(lua_State* L, int index, std::size_t count, const char* wh
   int whole = 0;
   const lua_Integer i = lua_type(L, index) == LUA_TNUMBER ? lua_tointegerx(L, index, &whole) : 0;
   if (whole && i >= 1 && static_cast<std::uint64_t>(i) <= count) return static_cast<std::size_t>(i - 1);
-  fail_here(L, std::string("expected a ") + what + " from 1 to " + std::to_string(count) + ", got " + describe(L, index));
+  fail_here(L,
+            std::string("expected a ") + what + " from 1 to " + std::to_string(count) + ", got " + describe(L, index));
 }
 
 std::size_t point_argument(lua_State* L, const Net& n, int index = 2) {
   return number_in(L, index, n.springs.point_count(n.self.id), "point");
 }
-std::size_t spring_argument(lua_State* L, const Net& n) { return number_in(L, 2, n.springs.spring_count(n.self.id), "spring"); }
+std::size_t spring_argument(lua_State* L, const Net& n) {
+  return number_in(L, 2, n.springs.spring_count(n.self.id), "spring");
+}
 
 int net_count(lua_State* L) {
   const Net n = net(L);
@@ -149,7 +152,8 @@ int net_strain(lua_State* L) {
     return 1;
   }
   Real largest = 0;
-  for (std::size_t k = 0; k < n.springs.spring_count(n.self.id); ++k) largest = std::max(largest, n.springs.strain(n.self.id, k));
+  for (std::size_t k = 0; k < n.springs.spring_count(n.self.id); ++k)
+    largest = std::max(largest, n.springs.strain(n.self.id, k));
   lua_pushnumber(L, largest);
   return 1;
 }
@@ -183,7 +187,8 @@ int net_positions(lua_State* L) {
 }
 
 const Method kNetMethods[] = {
-    {"count", guard<net_count>, "net:count() -> points, springs", "how many it has; removed springs keep their numbers"},
+    {"count", guard<net_count>, "net:count() -> points, springs",
+     "how many it has; removed springs keep their numbers"},
     {"point", guard<net_point>, "net:point(i) -> x, y, z", "m"},
     {"set_point", guard<net_set_point>, "net:set_point(i, x, y, z) -> self", "puts a point there at once"},
     {"velocity", guard<net_velocity>, "net:velocity(i) -> x, y, z", "m/s"},
@@ -193,17 +198,23 @@ const Method kNetMethods[] = {
     {"pin", guard<net_pin>, "net:pin(i) -> self", "holds a point where it is"},
     {"unpin", guard<net_unpin>, "net:unpin(i) -> self", "lets it go"},
     {"pinned", guard<net_pinned>, "net:pinned(i) -> boolean", "is it held?"},
-    {"attach", guard<net_attach>, "net:attach(i, body, [x, y, z]) -> self", "to a point of the body frame; to where it is when left out"},
+    {"attach", guard<net_attach>, "net:attach(i, body, [x, y, z]) -> self",
+     "to a point of the body frame; to where it is when left out"},
     {"detach", guard<net_detach>, "net:detach(i) -> self", "ends an attachment"},
-    {"add_spring", guard<net_add_spring>, "net:add_spring(i, j, { stiffness =, damping =, rest_length = }) -> k", "the new spring's number"},
+    {"add_spring", guard<net_add_spring>, "net:add_spring(i, j, { stiffness =, damping =, rest_length = }) -> k",
+     "the new spring's number"},
     {"remove_spring", guard<net_remove_spring>, "net:remove_spring(k) -> self", "the others keep their numbers"},
     {"spring", guard<net_spring>, "net:spring(k) -> i, j, stiffness, damping, rest_length", "N/m, N s/m, m"},
-    {"strain", guard<net_strain>, "net:strain([k]) -> number", "elongation / rest length; the largest when k is left out"},
-    {"positions", guard<net_positions>, "net:positions([buffer]) -> buffer", "x, y, z of all points; a new buffer when left out"},
+    {"strain", guard<net_strain>, "net:strain([k]) -> number",
+     "elongation / rest length; the largest when k is left out"},
+    {"positions", guard<net_positions>, "net:positions([buffer]) -> buffer",
+     "x, y, z of all points; a new buffer when left out"},
 };
 
 }  // namespace
 
-std::span<const Method> net_methods() { return kNetMethods; }
+std::span<const Method> net_methods() {
+  return kNetMethods;
+}
 
 }  // namespace feder::lua

@@ -24,13 +24,15 @@ void read_masses(Options& o, NetDesc& desc) {
     const auto numbers = test_buffer(L, -1);
     if (!numbers.data() && lua_type(L, -1) != LUA_TTABLE) o.wrong("masses", "a number above 0, or one per point");
     const std::size_t given = numbers.data() ? numbers.size() : lua_rawlen(L, -1);
-    if (given != count) o.raise("masses", "expected " + std::to_string(count) + " numbers, one per point, got " + std::to_string(given));
+    if (given != count)
+      o.raise("masses", "expected " + std::to_string(count) + " numbers, one per point, got " + std::to_string(given));
     for (std::size_t i = 0; i < count; ++i) {
       if (numbers.data())
         lua_pushnumber(L, numbers[i]);
       else
         lua_rawgeti(L, -1, static_cast<lua_Integer>(i) + 1);
-      desc.masses[i] = static_cast<Real>(check_number(L, -1, o.path("masses") + "[" + std::to_string(i + 1) + "]", kPositive));
+      desc.masses[i] =
+          static_cast<Real>(check_number(L, -1, o.path("masses") + "[" + std::to_string(i + 1) + "]", kPositive));
       lua_pop(L, 1);
     }
   }
@@ -38,9 +40,11 @@ void read_masses(Options& o, NetDesc& desc) {
 }
 
 // {i, j, stiffness =, ...}: the two numbers may also be called i and j.
-SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std::size_t count, const SpringDesc& defaults) {
+SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std::size_t count,
+                           const SpringDesc& defaults) {
   index = lua_absindex(L, index);
-  if (lua_type(L, index) != LUA_TTABLE) fail(L, what + ": expected {i, j, stiffness =, ...}, got " + describe(L, index));
+  if (lua_type(L, index) != LUA_TTABLE)
+    fail(L, what + ": expected {i, j, stiffness =, ...}, got " + describe(L, index));
   SpringDesc s = defaults;
   const auto last = static_cast<std::int64_t>(count);
   const auto field = [&](int k, const char* name) {
@@ -59,10 +63,14 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
     if (lua_isinteger(L, -2) && (lua_tointeger(L, -2) == 1 || lua_tointeger(L, -2) == 2)) continue;
     const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
     if (key == "i" || key == "j") continue;
-    if (key == "stiffness") s.stiffness = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
-    else if (key == "damping") s.damping = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
-    else if (key == "rest_length") s.rest_length = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
-    else if (key == "break_strain") s.break_strain = static_cast<Real>(check_number(L, -1, what + "." + key, kPositive));
+    if (key == "stiffness")
+      s.stiffness = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
+    else if (key == "damping")
+      s.damping = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
+    else if (key == "rest_length")
+      s.rest_length = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
+    else if (key == "break_strain")
+      s.break_strain = static_cast<Real>(check_number(L, -1, what + "." + key, kPositive));
     else {
       const std::string near = nearest_name(key, {"i", "j", "stiffness", "damping", "rest_length", "break_strain"});
       fail(L, what + ": unknown option " + describe(L, -2) + (near.empty() ? "" : "; did you mean '" + near + "'?"));
@@ -79,7 +87,8 @@ void read_springs(Options& o, NetDesc& desc) {
   if (!o.push("springs", LUA_TTABLE, "a list of {i, j, stiffness =, ...}")) return;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
-  if (count > kMaxSprings) o.raise("springs", "expected at most " + std::to_string(kMaxSprings) + " springs, got " + std::to_string(count));
+  if (count > kMaxSprings)
+    o.raise("springs", "expected at most " + std::to_string(kMaxSprings) + " springs, got " + std::to_string(count));
   desc.springs.reserve(count);
   charge(L, count);
   for (std::size_t k = 1; k <= count; ++k) {
@@ -104,7 +113,8 @@ std::vector<std::size_t> read_pins(Options& o, std::size_t points) {
   for (std::size_t k = 1; k <= count; ++k) {
     lua_rawgeti(L, -1, static_cast<lua_Integer>(k));
     pins.push_back(static_cast<std::size_t>(
-        check_integer(L, -1, o.path("pins") + "[" + std::to_string(k) + "]", 1, static_cast<std::int64_t>(points)) - 1));
+        check_integer(L, -1, o.path("pins") + "[" + std::to_string(k) + "]", 1, static_cast<std::int64_t>(points)) -
+        1));
     lua_pop(L, 1);
   }
   lua_pop(L, 1);
@@ -142,7 +152,8 @@ void read_net(Options& o, NetDesc& desc) {
     desc.velocities = check_points(L, -1, o.path("velocities"), o.planar());
     lua_pop(L, 1);
     if (desc.velocities.size() != desc.points.size())
-      o.raise("velocities", "expected " + std::to_string(desc.points.size()) + ", one per point, got " + std::to_string(desc.velocities.size()));
+      o.raise("velocities", "expected " + std::to_string(desc.points.size()) + ", one per point, got " +
+                                std::to_string(desc.velocities.size()));
   }
   read_masses(o, desc);
   read_springs(o, desc);

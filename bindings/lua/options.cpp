@@ -48,7 +48,7 @@ Quat euler_rotation(Options& o) {
 }  // namespace
 
 std::string Range::text() const {
-  const bool below = hi < kHuge, above = lo > -kHuge;
+  const bool below = hi<kHuge, above = lo> - kHuge;
   if (above && below && open) return "a number above " + print_number(lo) + " and at most " + print_number(hi);
   if (above && below) return "a number from " + print_number(lo) + " to " + print_number(hi);
   if (above) return open ? "a number above " + print_number(lo) : "a number of at least " + print_number(lo);
@@ -89,7 +89,8 @@ Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar)
   if (lua_type(L, index) != LUA_TTABLE) wrong_value(L, index, what, expected);
   const auto size = lua_rawlen(L, index);
   if (size != 3 && !(planar && size == 2))
-    fail(L, what + ": expected " + expected + ", got a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+    fail(L, what + ": expected " + expected + ", got a table of " + std::to_string(size) +
+                (size == 1 ? " value" : " values"));
   Vec3 v = Vec3::Zero();
   for (int i = 1; i <= static_cast<int>(size); ++i) v[i - 1] = component(L, index, i, what);
   return v;
@@ -105,7 +106,8 @@ Quat check_rotation(lua_State* L, int index, const std::string& what) {
     q.z = component(L, index, 3, what), q.w = component(L, index, 4, what);
     const double n = static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z +
                      static_cast<double>(q.w) * q.w;
-    if (!(n > 1e-12 && n < 1e12)) fail(L, what + ": expected a quaternion of length 1, got one of length " + print_number(std::sqrt(n)));
+    if (!(n > 1e-12 && n < 1e12))
+      fail(L, what + ": expected a quaternion of length 1, got one of length " + print_number(std::sqrt(n)));
     return normalized(q);
   }
   Options o(L, index, what);
@@ -115,8 +117,10 @@ Quat check_rotation(lua_State* L, int index, const std::string& what) {
   const bool has_axis = o.unit("axis", axis), has_angle = o.number("angle", angle);
   o.has("order"), o.has("fixed");
   o.finish();
-  if (!has_axis || !has_angle) fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
-                                           (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values" : "a table without them"));
+  if (!has_axis || !has_angle)
+    fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
+                (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values"
+                                      : "a table without them"));
   return from_axis_angle(axis, static_cast<Real>(angle));
 }
 
@@ -141,9 +145,15 @@ Vec3 vector_argument(lua_State* L, int index, bool planar, int* next) {
 void set_param(lua_State* L, int index, const std::string& key, const std::string& what, Params& out) {
   index = lua_absindex(L, index);
   switch (lua_type(L, index)) {
-    case LUA_TBOOLEAN: out.set(key, lua_toboolean(L, index) != 0); return;
-    case LUA_TNUMBER: out.set(key, check_number(L, index, what, Range{})); return;
-    case LUA_TSTRING: out.set(key, std::string(lua_tostring(L, index))); return;
+    case LUA_TBOOLEAN:
+      out.set(key, lua_toboolean(L, index) != 0);
+      return;
+    case LUA_TNUMBER:
+      out.set(key, check_number(L, index, what, Range{}));
+      return;
+    case LUA_TSTRING:
+      out.set(key, std::string(lua_tostring(L, index)));
+      return;
     case LUA_TTABLE: {
       const auto size = lua_rawlen(L, index);
       if (size > 1024) fail(L, what + ": expected a list of at most 1024 numbers, got " + std::to_string(size));
@@ -156,7 +166,8 @@ void set_param(lua_State* L, int index, const std::string& key, const std::strin
       out.set(key, std::move(list));
       return;
     }
-    default: wrong_value(L, index, what, "a number, a string, true or false, or a list of numbers");
+    default:
+      wrong_value(L, index, what, "a number, a string, true or false, or a list of numbers");
   }
 }
 
@@ -224,7 +235,9 @@ bool Options::number(const char* key, double& out, const Range& range) {
                     !(range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo)));
   if (!good) {
     const bool finite = lua_type(L_, -1) != LUA_TNUMBER || std::isfinite(x);
-    wrong(key, !finite ? "a finite number" : std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30" : range.text());
+    wrong(key, !finite                                    ? "a finite number"
+               : std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30"
+                                                          : range.text());
   }
   lua_pop(L_, 1);
   out = x;
@@ -273,7 +286,8 @@ bool Options::vector(const char* key, Vec3& out) {
   const int at = lua_gettop(L_);
   const auto size = lua_rawlen(L_, at);
   if (size != 3 && !(planar_ && size == 2))
-    raise(key, std::string("expected ") + expected + ", got a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+    raise(key, std::string("expected ") + expected + ", got a table of " + std::to_string(size) +
+                   (size == 1 ? " value" : " values"));
   Vec3 v = Vec3::Zero();
   for (int i = 1; i <= static_cast<int>(size); ++i) {
     lua_rawgeti(L_, at, i);
@@ -293,7 +307,8 @@ bool Options::vector(const char* key, Vec3& out) {
 bool Options::unit(const char* key, Vec3& out) {
   Vec3 v = Vec3::Zero();
   if (!vector(key, v)) return false;
-  const Vec3 n = normalized_or(v / std::max(Real(1e-20), std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])})), Vec3::Zero());
+  const Vec3 n = normalized_or(v / std::max(Real(1e-20), std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])})),
+                               Vec3::Zero());
   if (!(length(n) > Real(0.5))) raise(key, "expected a direction, got {0, 0, 0}");
   out = n;
   return true;
@@ -345,7 +360,8 @@ void Options::rest(Params& out) {
       const std::string key = lua_tostring(L_, -2);
       if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
         set_param(L_, -1, key, path(key.c_str()), out);
-        if (const auto* list = std::get_if<std::vector<double>>(&out.values().at(key)); planar_ && list && list->size() == 2)
+        if (const auto* list = std::get_if<std::vector<double>>(&out.values().at(key));
+            planar_ && list && list->size() == 2)
           out.set(key, std::vector<double>{(*list)[0], (*list)[1], 0});
         known_.push_back(key);
       }
@@ -362,8 +378,7 @@ void Options::finish() {
   lua_pushnil(L_);
   while (lua_next(L_, index_)) {
     lua_pop(L_, 1);
-    if (lua_type(L_, -1) != LUA_TSTRING)
-      raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
+    if (lua_type(L_, -1) != LUA_TSTRING) raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
     const std::string key = lua_tostring(L_, -1);
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     if (!found || key < unknown) unknown = key;

@@ -18,7 +18,8 @@ struct Range {
   bool open = false;  // lo itself is not allowed
   std::string text() const;
 };
-inline constexpr double kHuge = 1e30;  // largest size, speed, mass ... that a script may give: squares stay finite in float
+inline constexpr double kHuge =
+    1e30;  // largest size, speed, mass ... that a script may give: squares stay finite in float
 inline const Range kAny{-kHuge, kHuge, false};
 inline const Range kPositive{0, kHuge, true};
 inline const Range kNotNegative{0, kHuge, false};
@@ -36,20 +37,21 @@ class Options {
   bool flag(const char* key, bool& out);
   bool text(const char* key, std::string& out);
   bool vector(const char* key, Vec3& out);
-  bool unit(const char* key, Vec3& out);            // a direction: not zero; normalised
-  bool rotation(const char* key, Quat& out);        // {x,y,z,w} | {axis=, angle=} | {euler=, order=, fixed=}
+  bool unit(const char* key, Vec3& out);      // a direction: not zero; normalised
+  bool rotation(const char* key, Quat& out);  // {x,y,z,w} | {axis=, angle=} | {euler=, order=, fixed=}
   bool choice(const char* key, const std::vector<std::string>& names, int& out);
   bool words(const char* key, std::vector<std::string>& out);  // "a" or {"a", "b"}
   // Pushes the value when present and of the Lua type; the caller pops it.
   bool push(const char* key, int type, const char* expected);
-  bool push_any(const char* key);                   // pushes a present value
+  bool push_any(const char* key);  // pushes a present value
   // The remaining keys, which nobody asked for, as Params: numbers, strings, booleans, lists of numbers.
   void rest(Params& out);
 
   void finish();  // an error when a key was given that nobody asked for
   // Raises "owner.key: expected <expected>, got <value of key>".
   [[noreturn]] void wrong(const char* key, const std::string& expected);
-  [[noreturn]] void raise(const char* key, const std::string& message);  // "owner.key: message" (key null: "owner: message")
+  [[noreturn]] void raise(const char* key,
+                          const std::string& message);  // "owner.key: message" (key null: "owner: message")
 
   lua_State* L() const { return L_; }
   int index() const { return index_; }

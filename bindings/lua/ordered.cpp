@@ -11,13 +11,13 @@ namespace feder::lua {
 namespace {
 
 struct Key {
-  int rank = 0;                 // number, string, boolean, object, else
+  int rank = 0;  // number, string, boolean, object, else
   bool is_integer = false;
-  lua_Integer integer = 0;      // also: boolean, age, id
+  lua_Integer integer = 0;  // also: boolean, age, id
   lua_Integer second = 0;
   double number = 0;
-  std::string_view text;        // anchored by the table
-  int at = 0;                   // place in the list of keys
+  std::string_view text;  // anchored by the table
+  int at = 0;             // place in the list of keys
 };
 
 // a < b for a mix of integers and floats, exactly.
@@ -50,8 +50,11 @@ Key read_key(lua_State* L, int index) {
       k.rank = 1, k.text = {text, size};
       return k;
     }
-    case LUA_TBOOLEAN: k.rank = 2, k.integer = lua_toboolean(L, index); return k;
-    default: break;
+    case LUA_TBOOLEAN:
+      k.rank = 2, k.integer = lua_toboolean(L, index);
+      return k;
+    default:
+      break;
   }
   if (const Handle* h = test_handle(L, index)) {
     k.rank = 3, k.integer = h->world;
@@ -103,7 +106,9 @@ int pairs_step(lua_State* L) {  // upvalues: keys, position, table
   }
 }
 
-int finish_pairs(lua_State*, int, lua_KContext) { return 3; }
+int finish_pairs(lua_State*, int, lua_KContext) {
+  return 3;
+}
 
 int ordered_pairs(lua_State* L) {
   luaL_checkany(L, 1);
@@ -198,12 +203,14 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
   constexpr lua_Integer kMost = 50000000;
   if (lua_type(L, 1) == LUA_TTABLE && luaL_getmetafield(L, 1, "__len") != LUA_TNIL) {
     lua_pop(L, 1);
-    if (luaL_len(L, 1) > kMost) fail(L, std::string("table.") + lua_tostring(L, lua_upvalueindex(2)) + ": the list is too long");
+    if (luaL_len(L, 1) > kMost)
+      fail(L, std::string("table.") + lua_tostring(L, lua_upvalueindex(2)) + ": the list is too long");
   }
   const std::string_view name = lua_tostring(L, lua_upvalueindex(2));
   if (name == "move") {
     const lua_Integer from = luaL_checkinteger(L, 2), to = luaL_checkinteger(L, 3);
-    if (to >= from && static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from) > static_cast<std::uint64_t>(kMost))
+    if (to >= from &&
+        static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from) > static_cast<std::uint64_t>(kMost))
       fail(L, "table.move: expected at most 50 million values");
     if (to >= from) charge(L, static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from));
   } else if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= (name == "insert" ? 3 : name == "remove" ? 2 : 1)) {

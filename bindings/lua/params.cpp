@@ -20,7 +20,9 @@ bool parse(const std::string& text, double& out) {
   if (error == std::errc() && end == text.data() + text.size()) return std::isfinite(out);
   const std::size_t slash = text.find('/');  // 1/240
   double over = 0, under = 0;
-  if (slash == std::string::npos || !parse(text.substr(0, slash), over) || !parse(text.substr(slash + 1), under) || under == 0) return false;
+  if (slash == std::string::npos || !parse(text.substr(0, slash), over) || !parse(text.substr(slash + 1), under) ||
+      under == 0)
+    return false;
   out = over / under;
   return std::isfinite(out);
 }
@@ -52,7 +54,8 @@ ParamInfo read_options(lua_State* L, const std::string& name) {
     if (count == 0 || count > 1000) o.raise("choices", "expected 1 to 1000 values, got " + std::to_string(count));
     for (std::size_t i = 1; i <= count; ++i) {
       lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
-      if (lua_type(L, -1) != lua_type(L, 2)) o.raise("choices", "expected values of the default's type, got " + describe(L, -1));
+      if (lua_type(L, -1) != lua_type(L, 2))
+        o.raise("choices", "expected values of the default's type, got " + describe(L, -1));
       p.choices.push_back(value_text(L, -1));
       lua_pop(L, 1);
     }
@@ -60,7 +63,8 @@ ParamInfo read_options(lua_State* L, const std::string& name) {
   }
   o.finish();
   if (p.has_min && p.has_max && p.min > p.max) o.raise("min", "expected at most max, got " + print_number(p.min));
-  if (lua_type(L, 2) != LUA_TNUMBER && (p.has_min || p.has_max || p.has_step)) o.raise(nullptr, "expected min, max and step with a number only");
+  if (lua_type(L, 2) != LUA_TNUMBER && (p.has_min || p.has_max || p.has_step))
+    o.raise(nullptr, "expected min, max and step with a number only");
   return p;
 }
 
@@ -76,7 +80,8 @@ void push_override(lua_State* L, const ParamInfo& p, const std::string& text) {
       check_choice(L, p, text, what);
       lua_pushstring(L, text.c_str());
       return;
-    default: break;
+    default:
+      break;
   }
   double x = 0;
   if (!parse(text, x)) fail(L, what + ": expected a number, got '" + text + "'");
@@ -109,11 +114,13 @@ int feder_param(lua_State* L) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.params_ref);
   for (const ParamInfo& known : s.params) {
     if (known.name != name) continue;
-    if (known.fallback != p.fallback) fail_here(L, "'" + name + "' has been declared before, with the default " + known.fallback);
+    if (known.fallback != p.fallback)
+      fail_here(L, "'" + name + "' has been declared before, with the default " + known.fallback);
     lua_getfield(L, -1, name.c_str());
     return 1;
   }
-  if (s.phase != Phase::loading) fail_here(L, "parameters are declared while the file loads, not in build() or later; got '" + name + "'");
+  if (s.phase != Phase::loading)
+    fail_here(L, "parameters are declared while the file loads, not in build() or later; got '" + name + "'");
   const auto set = s.options.set.find(name);
   if (set == s.options.set.end())
     lua_pushvalue(L, 2);

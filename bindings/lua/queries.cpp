@@ -11,7 +11,9 @@ namespace {
 constexpr double kFar = 1e5;  // m: how far a ray goes when nothing is said
 
 // Queries see the world as it is now; a world without colliders has nothing to hit.
-Collide* collide_of(WorldRecord& r) { return r.world->find<Collide>(); }
+Collide* collide_of(WorldRecord& r) {
+  return r.world->find<Collide>();
+}
 
 void filter_options(Options& o, WorldRecord& r, QueryFilter& f) {
   std::int64_t bits = 0;
@@ -84,8 +86,10 @@ int world_raycast_all(lua_State* L) {
   RayArguments a = ray_arguments(L, r);
   if (!a.limited) a.reach = 1000;
   std::vector<RaycastHit> hits;
-  if (Collide* collide = collide_of(r)) collide->raycast_all(a.origin, a.direction * static_cast<Real>(a.reach), a.filter, hits);
-  std::stable_sort(hits.begin(), hits.end(), [](const RaycastHit& x, const RaycastHit& y) { return x.fraction < y.fraction; });
+  if (Collide* collide = collide_of(r))
+    collide->raycast_all(a.origin, a.direction * static_cast<Real>(a.reach), a.filter, hits);
+  std::stable_sort(hits.begin(), hits.end(),
+                   [](const RaycastHit& x, const RaycastHit& y) { return x.fraction < y.fraction; });
   lua_newtable(L);
   lua_Integer n = 0;
   for (const RaycastHit& hit : hits) {
@@ -141,7 +145,8 @@ int world_overlap(lua_State* L) {
   Pose pose;
   QueryFilter filter;
   const bool has_box = box_option(o, shape, pose.position);
-  if (!has_box && !shape_option(o, "shape", shape)) o.raise(nullptr, "expected box = {min, max} or shape =, got neither");
+  if (!has_box && !shape_option(o, "shape", shape))
+    o.raise(nullptr, "expected box = {min, max} or shape =, got neither");
   if (!has_box) o.vector("position", pose.position);
   o.rotation("rotation", pose.rotation);
   filter_options(o, r, filter);
@@ -161,17 +166,24 @@ int world_overlap(lua_State* L) {
 }
 
 const Method kQueryMethods[] = {
-    {"raycast", guard<world_raycast>, "world:raycast(x, y, z, dx, dy, dz, [max], [filter]) -> object, x, y, z, nx, ny, nz, distance",
-     "the nearest hit along the direction within max metres (100 km), or nil; filter = { group, mask, sensors, ignore }"},
-    {"raycast_all", guard<world_raycast_all>, "world:raycast_all(x, y, z, dx, dy, dz, [max], [filter]) -> {{object, x, y, z, nx, ny, nz, distance}, ...}",
+    {"raycast", guard<world_raycast>,
+     "world:raycast(x, y, z, dx, dy, dz, [max], [filter]) -> object, x, y, z, nx, ny, nz, distance",
+     "the nearest hit along the direction within max metres (100 km), or nil; filter = { group, mask, sensors, ignore "
+     "}"},
+    {"raycast_all", guard<world_raycast_all>,
+     "world:raycast_all(x, y, z, dx, dy, dz, [max], [filter]) -> {{object, x, y, z, nx, ny, nz, distance}, ...}",
      "all hits within max metres (1 km), nearest first"},
-    {"shape_cast", guard<world_shape_cast>, "world:shape_cast{ shape=, position=, rotation=, motion=, ... } -> object, x, y, z, nx, ny, nz, distance",
+    {"shape_cast", guard<world_shape_cast>,
+     "world:shape_cast{ shape=, position=, rotation=, motion=, ... } -> object, x, y, z, nx, ny, nz, distance",
      "the first thing a convex shape meets along its motion, or nil"},
-    {"overlap", guard<world_overlap>, "world:overlap{ shape= | box=, position=, rotation=, ... } -> {object, ...}", "what a convex shape overlaps"},
+    {"overlap", guard<world_overlap>, "world:overlap{ shape= | box=, position=, rotation=, ... } -> {object, ...}",
+     "what a convex shape overlaps"},
 };
 
 }  // namespace
 
-std::span<const Method> query_methods() { return kQueryMethods; }
+std::span<const Method> query_methods() {
+  return kQueryMethods;
+}
 
 }  // namespace feder::lua

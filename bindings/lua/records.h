@@ -60,7 +60,7 @@ struct WorldRecord {
   std::map<ObjectId, JointRecord> joints;  // those made by scripts
 
   bool planar() const { return settings.desc.dimension == 2; }
-  Rigid& rigid();                // made on first use, with the material pairs
+  Rigid& rigid();  // made on first use, with the material pairs
   Springs& springs();
 };
 

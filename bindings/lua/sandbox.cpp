@@ -63,7 +63,9 @@ lua_Integer random_between(Rng& rng, lua_Integer lo, lua_Integer hi) {
 int math_random(lua_State* L) {
   Rng& rng = state(L).random();
   switch (lua_gettop(L)) {
-    case 0: lua_pushnumber(L, rng.unit()); return 1;
+    case 0:
+      lua_pushnumber(L, rng.unit());
+      return 1;
     case 1: {
       const lua_Integer hi = luaL_checkinteger(L, 1);
       if (hi < 1) fail(L, "math.random: expected a whole number of at least 1, got " + describe(L, 1));
@@ -76,7 +78,8 @@ int math_random(lua_State* L) {
       lua_pushinteger(L, random_between(rng, lo, hi));
       return 1;
     }
-    default: fail(L, "math.random: expected at most two numbers");
+    default:
+      fail(L, "math.random: expected at most two numbers");
   }
 }
 
@@ -86,7 +89,8 @@ int math_randomseed(lua_State* L) {
   if (!std::isfinite(x)) fail(L, "math.randomseed: expected a finite number, got " + describe(L, 1));
   int whole = 0;
   const lua_Integer i = lua_tointegerx(L, 1, &whole);
-  state(L).random() = Rng(whole ? static_cast<std::uint64_t>(i) : static_cast<std::uint64_t>(static_cast<std::int64_t>(std::fmod(x, 9e15) * 1024)));
+  state(L).random() = Rng(whole ? static_cast<std::uint64_t>(i)
+                                : static_cast<std::uint64_t>(static_cast<std::int64_t>(std::fmod(x, 9e15) * 1024)));
   return 0;
 }
 
@@ -103,7 +107,8 @@ void make_classes(lua_State* L) {
   using List = std::span<const Method>;
   const List object = object_methods();
   const List body[] = {object, body_methods()}, joint[] = {object, joint_methods()}, net[] = {object, net_methods()},
-             force[] = {object, force_methods()}, region[] = {object, region_methods()}, world[] = {world_methods(), query_methods()};
+             force[] = {object, force_methods()}, region[] = {object, region_methods()},
+             world[] = {world_methods(), query_methods()};
   make_class(L, Class::body, body), make_class(L, Class::joint, joint), make_class(L, Class::net, net);
   make_class(L, Class::force, force), make_class(L, Class::region, region), make_class(L, Class::world, world);
   open_classes(L);
@@ -165,8 +170,11 @@ void push_text(lua_State* L, int index) {
     case LUA_TNIL:
     case LUA_TBOOLEAN:
     case LUA_TNUMBER:
-    case LUA_TSTRING: luaL_tolstring(L, index, nullptr); return;
-    default: break;
+    case LUA_TSTRING:
+      luaL_tolstring(L, index, nullptr);
+      return;
+    default:
+      break;
   }
   std::string name = luaL_typename(L, index);
   const int type = luaL_getmetafield(L, index, "__name");

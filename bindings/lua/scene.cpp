@@ -8,7 +8,9 @@
 namespace feder::lua {
 namespace {
 
-SceneState& scene(lua_State* L) { return state(L).scene; }
+SceneState& scene(lua_State* L) {
+  return state(L).scene;
+}
 
 // Checks the keys of a scene table at `index` and reads what the host asks about.
 void read_scene(lua_State* L, int index, SceneState& out, const std::string& owner) {
@@ -94,11 +96,13 @@ bool take_scene(lua_State* L, const std::string& file) {
   SceneState& s = scene(L);
   if (lua_isnil(L, -1)) {
     if (s.last == LUA_NOREF) return false;
-    lua_pushstring(L, (s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'").c_str());
+    lua_pushstring(
+        L, (s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'").c_str());
     lua_error(L);
   }
   if (lua_type(L, -1) != LUA_TTABLE) {
-    lua_pushstring(L, (file + ": expected a scene (return feder.scene { ... }) or nothing, got " + describe(L, -1)).c_str());
+    lua_pushstring(
+        L, (file + ": expected a scene (return feder.scene { ... }) or nothing, got " + describe(L, -1)).c_str());
     lua_error(L);
   }
   const std::string where = s.where;

@@ -13,7 +13,9 @@ double size_argument(lua_State* L, int index, const char* name) {
   return check_number(L, index, std::string(function_name(L)) + "." + name, Range{0, 1e9, true});
 }
 
-Real real_argument(lua_State* L, int index, const char* name) { return static_cast<Real>(size_argument(L, index, name)); }
+Real real_argument(lua_State* L, int index, const char* name) {
+  return static_cast<Real>(size_argument(L, index, name));
+}
 
 void no_more(lua_State* L, int count) {
   if (lua_gettop(L) > count)
@@ -84,9 +86,11 @@ int feder_plane(lua_State* L) {
   }
   int next = 4;
   const Vec3 n = vector_argument(L, 1, false, &next);
-  const double d = lua_isnoneornil(L, next) ? 0 : check_number(L, next, std::string(function_name(L)) + ".d", Range{-1e9, 1e9});
+  const double d =
+      lua_isnoneornil(L, next) ? 0 : check_number(L, next, std::string(function_name(L)) + ".d", Range{-1e9, 1e9});
   const Real size = length(n);
-  if (!(size > Real(1e-12) && size < Real(1e12))) fail_here(L, "expected a normal of a direction, got one of length " + print_number(size));
+  if (!(size > Real(1e-12) && size < Real(1e12)))
+    fail_here(L, "expected a normal of a direction, got one of length " + print_number(size));
   push_shape(L, make_plane(n / size, static_cast<Real>(d / static_cast<double>(size))));
   return 1;
 }
@@ -96,15 +100,18 @@ std::vector<std::uint32_t> check_triangles(lua_State* L, int index, std::size_t 
   const std::string name = std::string(function_name(L)) + ".triangles";
   if (lua_type(L, index) != LUA_TTABLE) fail(L, name + ": expected a list of {i, j, k}, got " + describe(L, index));
   const auto count = lua_rawlen(L, index);
-  if (count > kMaxPoints) fail(L, name + ": expected at most " + std::to_string(kMaxPoints) + " triangles, got " + std::to_string(count));
+  if (count > kMaxPoints)
+    fail(L, name + ": expected at most " + std::to_string(kMaxPoints) + " triangles, got " + std::to_string(count));
   std::vector<std::uint32_t> out;
   for (std::size_t t = 1; t <= count; ++t) {
     lua_rawgeti(L, index, static_cast<lua_Integer>(t));
     const std::string at = name + "[" + std::to_string(t) + "]";
-    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3) fail(L, at + ": expected {i, j, k}, got " + describe(L, -1));
+    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3)
+      fail(L, at + ": expected {i, j, k}, got " + describe(L, -1));
     for (int k = 1; k <= 3; ++k) {
       lua_rawgeti(L, -1, k);
-      out.push_back(static_cast<std::uint32_t>(check_integer(L, -1, at, 1, static_cast<std::int64_t>(vertex_count)) - 1));
+      out.push_back(
+          static_cast<std::uint32_t>(check_integer(L, -1, at, 1, static_cast<std::int64_t>(vertex_count)) - 1));
       lua_pop(L, 1);
     }
     lua_pop(L, 1);
@@ -122,7 +129,8 @@ int feder_mesh(lua_State* L) {
 int feder_compound(lua_State* L) {
   no_more(L, 1);
   const std::string name = function_name(L);
-  if (lua_type(L, 1) != LUA_TTABLE) fail_here(L, "expected a list of { shape =, position =, rotation = }, got " + describe(L, 1));
+  if (lua_type(L, 1) != LUA_TTABLE)
+    fail_here(L, "expected a list of { shape =, position =, rotation = }, got " + describe(L, 1));
   const auto count = lua_rawlen(L, 1);
   if (count == 0 || count > 4096) fail_here(L, "expected 1 to 4096 parts, got " + std::to_string(count));
   std::vector<CompoundPart> parts;
@@ -141,7 +149,9 @@ int feder_compound(lua_State* L) {
   return 1;
 }
 
-int feder_left_out_shape(lua_State* L) { fail_here(L, "this build has no such shape yet"); }
+int feder_left_out_shape(lua_State* L) {
+  fail_here(L, "this build has no such shape yet");
+}
 
 int shape_kind(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(self_block(L));
@@ -152,16 +162,23 @@ int shape_kind(lua_State* L) {
 
 const Method kShapeFunctions[] = {
     {"sphere", guard<feder_sphere>, "feder.sphere(radius) -> shape", "a ball"},
-    {"box", guard<feder_box>, "feder.box(width, height, depth) -> shape", "a box of full sizes; depth may be left out in 2D"},
-    {"capsule", guard<feder_round<make_capsule>>, "feder.capsule(radius, height) -> shape", "along y, whole height with its caps"},
+    {"box", guard<feder_box>, "feder.box(width, height, depth) -> shape",
+     "a box of full sizes; depth may be left out in 2D"},
+    {"capsule", guard<feder_round<make_capsule>>, "feder.capsule(radius, height) -> shape",
+     "along y, whole height with its caps"},
     {"cylinder", guard<feder_round<make_cylinder>>, "feder.cylinder(radius, height) -> shape", "along y"},
-    {"cone", guard<feder_round<make_cone>>, "feder.cone(radius, height) -> shape", "along y, tip up, origin at half its height"},
+    {"cone", guard<feder_round<make_cone>>, "feder.cone(radius, height) -> shape",
+     "along y, tip up, origin at half its height"},
     {"hull", guard<feder_hull>, "feder.hull(points) -> shape", "the convex hull of a list of {x, y, z} or a buffer"},
-    {"mesh", guard<feder_mesh>, "feder.mesh(vertices, triangles) -> shape", "static triangles {i, j, k}, counting from 1"},
-    {"plane", guard<feder_plane>, "feder.plane([nx, ny, nz, [d]]) -> shape", "the half-space n.x >= d is free; y >= 0 when left out"},
-    {"compound", guard<feder_compound>, "feder.compound{ {shape=, position=, rotation=}, ... } -> shape", "several shapes in one"},
+    {"mesh", guard<feder_mesh>, "feder.mesh(vertices, triangles) -> shape",
+     "static triangles {i, j, k}, counting from 1"},
+    {"plane", guard<feder_plane>, "feder.plane([nx, ny, nz, [d]]) -> shape",
+     "the half-space n.x >= d is free; y >= 0 when left out"},
+    {"compound", guard<feder_compound>, "feder.compound{ {shape=, position=, rotation=}, ... } -> shape",
+     "several shapes in one"},
     {"circle", guard<feder_circle>, "feder.circle(radius) -> shape", "for worlds with dimension = 2"},
-    {"polygon", guard<feder_polygon>, "feder.polygon(points, [radius]) -> shape", "2D: the convex hull of a list of {x, y}"},
+    {"polygon", guard<feder_polygon>, "feder.polygon(points, [radius]) -> shape",
+     "2D: the convex hull of a list of {x, y}"},
     {"heightfield", guard<feder_left_out_shape>, "feder.heightfield{}", "not in this build"},
     {"sdf", guard<feder_left_out_shape>, "feder.sdf{}", "not in this build"},
 };
@@ -171,8 +188,12 @@ const Method kShapeMethods[] = {
 
 }  // namespace
 
-std::span<const Method> shape_functions() { return kShapeFunctions; }
-std::span<const Method> shape_methods() { return kShapeMethods; }
+std::span<const Method> shape_functions() {
+  return kShapeFunctions;
+}
+std::span<const Method> shape_methods() {
+  return kShapeMethods;
+}
 
 void push_shape(lua_State* L, ShapePtr shape) {
   void* block = lua_newuserdatauv(L, sizeof(ShapePtr), 0);
@@ -203,14 +224,17 @@ std::vector<Vec3> check_points(lua_State* L, int index, const std::string& what,
     for (std::size_t i = 0; i < numbers.size(); i += 3) {
       for (std::size_t k = 0; k < 3; ++k)
         if (!(numbers[i + k] >= -kHuge && numbers[i + k] <= kHuge))
-          fail(L, what + "[" + std::to_string(i + k + 1) + "]: expected a finite number, got " + print_number(numbers[i + k]));
-      out.emplace_back(static_cast<Real>(numbers[i]), static_cast<Real>(numbers[i + 1]), static_cast<Real>(numbers[i + 2]));
+          fail(L, what + "[" + std::to_string(i + k + 1) + "]: expected a finite number, got " +
+                      print_number(numbers[i + k]));
+      out.emplace_back(static_cast<Real>(numbers[i]), static_cast<Real>(numbers[i + 1]),
+                       static_cast<Real>(numbers[i + 2]));
     }
     return out;
   }
   if (lua_type(L, index) != LUA_TTABLE) fail(L, what + ": expected a list of points, got " + describe(L, index));
   const auto count = lua_rawlen(L, index);
-  if (count > kMaxPoints) fail(L, what + ": expected at most " + std::to_string(kMaxPoints) + " points, got " + std::to_string(count));
+  if (count > kMaxPoints)
+    fail(L, what + ": expected at most " + std::to_string(kMaxPoints) + " points, got " + std::to_string(count));
   out.reserve(count);
   charge(L, count);
   for (std::size_t i = 1; i <= count; ++i) {

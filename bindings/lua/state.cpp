@@ -91,7 +91,8 @@ int unknown_member(lua_State* L) {  // upvalues: class name, methods
 }
 
 int no_fields(lua_State* L) {
-  fail(L, std::string("a ") + lua_tostring(L, lua_upvalueindex(1)) + " keeps no fields of a script; use a table keyed by it");
+  fail(L, std::string("a ") + lua_tostring(L, lua_upvalueindex(1)) +
+              " keeps no fields of a script; use a table keyed by it");
 }
 
 }  // namespace
@@ -108,7 +109,8 @@ State::State(HostOptions o) : options(std::move(o)), rng(options.has_seed ? opti
   *static_cast<State**>(lua_getextraspace(L)) = this;
   lua_atpanic(L, &panic);
   if (options.instruction_limit > 0)
-    lua_sethook(L, &budget_hook, LUA_MASKCOUNT, static_cast<int>(std::min<std::uint64_t>(kHookSlice, options.instruction_limit)));
+    lua_sethook(L, &budget_hook, LUA_MASKCOUNT,
+                static_cast<int>(std::min<std::uint64_t>(kHookSlice, options.instruction_limit)));
   lua_pushcfunction(L, &open_sandbox);
   Failure failure;
   if (!call(L, 0, 0, failure)) {
@@ -237,9 +239,12 @@ void relay(lua_State* L, const std::string& what) {
   const std::size_t dot = name.find_last_of(":.");
   const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
   if (what.rfind(last + ":", 0) == 0 || what.rfind(last + ".", 0) == 0) fail(L, name + what.substr(last.size()));
-  const bool noun = last == "body" || last == "joint" || last == "net" || last == "force" || last == "region" || last == "world";
+  const bool noun =
+      last == "body" || last == "joint" || last == "net" || last == "force" || last == "region" || last == "world";
   std::size_t word = 0;
-  while (word < what.size() && (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.')) ++word;
+  while (word < what.size() &&
+         (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.'))
+    ++word;
   const bool option = noun && word > 0 && what.compare(word, 2, ": ") == 0;
   fail(L, name + (option ? "." : ": ") + what);
 }
@@ -262,18 +267,25 @@ std::string print_number(double x) {
 std::string describe(lua_State* L, int index) {
   switch (lua_type(L, index)) {
     case LUA_TNONE:
-    case LUA_TNIL: return "nil";
-    case LUA_TBOOLEAN: return lua_toboolean(L, index) ? "true" : "false";
-    case LUA_TNUMBER: return print_number(lua_tonumber(L, index));
+    case LUA_TNIL:
+      return "nil";
+    case LUA_TBOOLEAN:
+      return lua_toboolean(L, index) ? "true" : "false";
+    case LUA_TNUMBER:
+      return print_number(lua_tonumber(L, index));
     case LUA_TSTRING: {
       std::size_t size = 0;
       const char* text = lua_tolstring(L, index, &size);
       return "'" + std::string(text, std::min<std::size_t>(size, 40)) + (size > 40 ? "...'" : "'");
     }
-    case LUA_TTABLE: return "a table";
-    case LUA_TFUNCTION: return "a function";
-    case LUA_TTHREAD: return "a coroutine";
-    default: break;
+    case LUA_TTABLE:
+      return "a table";
+    case LUA_TFUNCTION:
+      return "a function";
+    case LUA_TTHREAD:
+      return "a coroutine";
+    default:
+      break;
   }
   for (int c = 0; c < kClassCount; ++c)
     if (test_class(L, index, static_cast<Class>(c))) return describe_object(L, index, static_cast<Class>(c));
@@ -353,7 +365,9 @@ void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> 
   lua_setfield(L, metatable, "__index");
 }
 
-void push_class(lua_State* L, Class c) { lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<int>(c)]); }
+void push_class(lua_State* L, Class c) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<int>(c)]);
+}
 
 void* self_block(lua_State* L) {
   void* block = lua_touserdata(L, 1);

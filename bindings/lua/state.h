@@ -2,9 +2,8 @@
 // it through state(L). Lua is linked as C++, so an error unwinds destructors; SceneError and bad_alloc become Lua
 // errors in guard<>, never anywhere else.
 #pragma once
-#include <lua.h>
-
 #include <lauxlib.h>
+#include <lua.h>
 #include <lualib.h>
 
 #include <memory>
@@ -47,13 +46,13 @@ struct Failure {
 
 // The scene of the state, when it has one.
 struct SceneState {
-  int table = LUA_NOREF;      // what feder.scene returned
-  int passed = LUA_NOREF;     // the copy of it that build, update and check see
+  int table = LUA_NOREF;   // what feder.scene returned
+  int passed = LUA_NOREF;  // the copy of it that build, update and check see
   std::string title;
   double seconds = 0;
-  std::string where;          // file:line of feder.scene
+  std::string where;  // file:line of feder.scene
   bool has_update = false, has_check = false;
-  int last = LUA_NOREF;       // of feder.scene, while the file loads
+  int last = LUA_NOREF;  // of feder.scene, while the file loads
 };
 
 struct State {
@@ -77,35 +76,37 @@ struct State {
 
   HostOptions options;
   lua_State* L = nullptr;
-  std::size_t memory_used = 0;       // bytes
-  std::uint64_t budget = 0;          // instructions left of the outermost call
-  bool tripped = false;              // the budget is spent: every hook raises until the outermost call has ended
-  int depth = 0;                     // calls from the host into Lua, nested
-  int class_ref[kClassCount] = {};   // metatables
-  int worlds_ref = 0;                // weak table: world id -> world userdata
-  int modules_ref = 0;               // name -> value, of require
-  int ids_ref = 0;                   // weak table: value -> number shown by tostring
+  std::size_t memory_used = 0;      // bytes
+  std::uint64_t budget = 0;         // instructions left of the outermost call
+  bool tripped = false;             // the budget is spent: every hook raises until the outermost call has ended
+  int depth = 0;                    // calls from the host into Lua, nested
+  int class_ref[kClassCount] = {};  // metatables
+  int worlds_ref = 0;               // weak table: world id -> world userdata
+  int modules_ref = 0;              // name -> value, of require
+  int ids_ref = 0;                  // weak table: value -> number shown by tostring
   lua_Integer next_id = 0;
-  int last_world_ref = LUA_NOREF;    // keeps the last world (or the scene's) alive
+  int last_world_ref = LUA_NOREF;  // keeps the last world (or the scene's) alive
   std::uint32_t last_world = 0xffffffffu;
   std::vector<std::unique_ptr<WorldRecord>> worlds;
   Rng rng;
   SceneState scene;
   Phase phase = Phase::loading;
   bool is_scene = false;
-  std::filesystem::path folder;      // of the scene file; empty for strings
-  std::vector<std::string> loading;  // modules being required, for the cycle message
-  WorldRecord* task_world = nullptr; // of the task that runs now
+  std::filesystem::path folder;       // of the scene file; empty for strings
+  std::vector<std::string> loading;   // modules being required, for the cycle message
+  WorldRecord* task_world = nullptr;  // of the task that runs now
   Task* task = nullptr;
   lua_State* task_thread = nullptr;
   std::vector<ParamInfo> params;
-  int params_ref = 0;                // name -> value
+  int params_ref = 0;  // name -> value
   std::vector<HandlerError> errors;
   std::vector<HandlerProfile> profile;
   std::function<void(World&)> on_step;
 };
 
-inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextraspace(L)); }
+inline State& state(lua_State* L) {
+  return **static_cast<State**>(lua_getextraspace(L));
+}
 
 // "file:line" of the innermost Lua function at or above `level`; "" when there is none.
 std::string place(lua_State* L, int level = 0);

@@ -9,7 +9,9 @@ namespace {
 
 // SipHash-2-4 (Aumasson and Bernstein 2012), keyed per world: a script that edits a snapshot cannot seal it again.
 
-std::uint64_t turn(std::uint64_t x, int bits) { return x << bits | x >> (64 - bits); }
+std::uint64_t turn(std::uint64_t x, int bits) {
+  return x << bits | x >> (64 - bits);
+}
 
 std::uint64_t sip_hash(const SipKey& key, std::string_view text) {
   std::uint64_t v[4] = {key.a ^ 0x736f6d6570736575ull, key.b ^ 0x646f72616e646f6dull, key.a ^ 0x6c7967656e657261ull,
@@ -32,7 +34,8 @@ std::uint64_t sip_hash(const SipKey& key, std::string_view text) {
     absorb(m);
   }
   std::uint64_t last = static_cast<std::uint64_t>(text.size()) << 56;
-  for (int shift = 0; i < text.size(); ++i, shift += 8) last |= static_cast<std::uint64_t>(static_cast<unsigned char>(text[i])) << shift;
+  for (int shift = 0; i < text.size(); ++i, shift += 8)
+    last |= static_cast<std::uint64_t>(static_cast<unsigned char>(text[i])) << shift;
   absorb(last);
   v[2] ^= 0xff;
   for (int k = 0; k < 4; ++k) round();
@@ -60,7 +63,6 @@ void run_step(lua_State* L, WorldRecord& record) {
   run_tasks(L, record);
   run_update(L, record);
   lua_settop(L, top);
-  if (const auto& callback = state(L).on_step) callback(*record.world);
 }
 
 std::string seal_snapshot(const WorldRecord& record) {

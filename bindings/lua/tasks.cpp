@@ -16,7 +16,9 @@ std::uint64_t whole_steps(const WorldRecord& record, double seconds) {
   return static_cast<std::uint64_t>(std::min(std::max(x, 0.0), 1e15));
 }
 
-std::uint64_t now(const WorldRecord& record) { return record.world->step_count(); }
+std::uint64_t now(const WorldRecord& record) {
+  return record.world->step_count();
+}
 
 int add_timer(lua_State* L, bool repeat) {
   WorldRecord& r = check_world(L);
@@ -156,7 +158,9 @@ const Method kTaskMethods[] = {
 
 }  // namespace
 
-std::span<const Method> task_methods() { return kTaskMethods; }
+std::span<const Method> task_methods() {
+  return kTaskMethods;
+}
 
 std::uint64_t steps_until(const WorldRecord& record, double seconds) {
   return std::max<std::uint64_t>(1, whole_steps(record, seconds));
@@ -194,7 +198,8 @@ void run_tasks(lua_State* L, WorldRecord& record) {
   const std::size_t count = list.size();
   for (std::size_t i = 0; i < count; ++i) {
     Task& t = *list[i];
-    if (t.state == TaskState::ready || (t.state == TaskState::sleeping && t.due <= now(record))) resume_task(L, record, t);
+    if (t.state == TaskState::ready || (t.state == TaskState::sleeping && t.due <= now(record)))
+      resume_task(L, record, t);
   }
   std::erase_if(list, [](const auto& t) { return t->state == TaskState::done; });
 }
@@ -216,8 +221,12 @@ bool cancel_timer(lua_State* L, WorldRecord& record, std::uint64_t id) {
   return false;
 }
 
-int world_after(lua_State* L) { return add_timer(L, false); }
-int world_every(lua_State* L) { return add_timer(L, true); }
+int world_after(lua_State* L) {
+  return add_timer(L, false);
+}
+int world_every(lua_State* L) {
+  return add_timer(L, true);
+}
 
 int world_task(lua_State* L) {
   WorldRecord& r = check_world(L);

@@ -10,9 +10,9 @@
 namespace feder::lua {
 
 struct Timer {
-  int function = 0;             // key in the world's callbacks
-  std::uint64_t made = 0;       // step count when it was made
-  double interval = 0;          // s; 0: once
+  int function = 0;        // key in the world's callbacks
+  std::uint64_t made = 0;  // step count when it was made
+  double interval = 0;     // s; 0: once
   std::uint64_t fired = 0;
   std::size_t profile = 0;
 };
@@ -26,19 +26,19 @@ enum class TaskState { ready, sleeping, waiting, running, done };
 
 struct Task {
   std::uint64_t id = 0;
-  int thread = 0;               // key in the world's callbacks
+  int thread = 0;  // key in the world's callbacks
   TaskState state = TaskState::ready;
-  std::uint64_t due = 0;        // step, when sleeping
+  std::uint64_t due = 0;  // step, when sleeping
   std::uint64_t subscription = 0;
-  int event = 0;                // key of the copied event to hand over, 0: none
-  std::string made_at;          // file:line
+  int event = 0;        // key of the copied event to hand over, 0: none
+  std::string made_at;  // file:line
   std::size_t profile = 0;
 };
 
 struct Tasks {
   std::vector<std::unique_ptr<Task>> list;  // ascending ids: the order in which they run
   std::uint64_t next_id = 1;
-  int running = 0;              // tasks on the C stack: the world cannot close meanwhile
+  int running = 0;  // tasks on the C stack: the world cannot close meanwhile
 };
 
 // Steps from now until `seconds` have passed: at least one.

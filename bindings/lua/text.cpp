@@ -41,7 +41,8 @@ int charged_rep(lua_State* L) {
   std::size_t size = 0;
   luaL_checklstring(L, 1, &size);
   const lua_Integer times = luaL_checkinteger(L, 2);
-  if (times > 0 && static_cast<double>(size + 1) * static_cast<double>(times) > 1e9) fail(L, "string.rep: the result would be larger than 1 GB");
+  if (times > 0 && static_cast<double>(size + 1) * static_cast<double>(times) > 1e9)
+    fail(L, "string.rep: the result would be larger than 1 GB");
   if (times > 0) charge(L, (size / 8 + 1) * static_cast<std::uint64_t>(times));
   return call_original(L);
 }
@@ -66,7 +67,9 @@ int bounded_pattern(lua_State* L) {
       }
       repeats += i > 0 && (pattern[i] == '*' || pattern[i] == '+' || pattern[i] == '-');
     }
-    if (repeats > 1 && repeats * std::log10(length) > 9) fail(L, "string: the pattern could take too long on " + std::to_string(static_cast<long long>(length) - 1) + " characters");
+    if (repeats > 1 && repeats * std::log10(length) > 9)
+      fail(L, "string: the pattern could take too long on " + std::to_string(static_cast<long long>(length) - 1) +
+                  " characters");
     charge(L, static_cast<std::uint64_t>(length) / 4);
   }
   return call_original(L);

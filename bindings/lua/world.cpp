@@ -17,7 +17,10 @@ int world_step(lua_State* L) {
   if (s.task_world == &r) fail_here(L, "a task cannot step its world; use feder.wait");
   if (s.phase == Phase::building || s.phase == Phase::checking || (s.is_scene && s.phase != Phase::loading))
     fail_here(L, "a scene does not step worlds; the host steps it (only plain scripts step)");
-  for (std::int64_t i = 0; i < n; ++i) run_step(L, r);
+  for (std::int64_t i = 0; i < n; ++i) {
+    run_step(L, r);
+    if (s.on_step) s.on_step(*r.world);
+  }
   return return_self(L);
 }
 
@@ -41,7 +44,9 @@ int world_dimension(lua_State* L) {
   return 1;
 }
 
-int world_gravity(lua_State* L) { return push_vector(L, check_world(L).world->desc().gravity); }
+int world_gravity(lua_State* L) {
+  return push_vector(L, check_world(L).world->desc().gravity);
+}
 
 int world_set_gravity(lua_State* L) {
   WorldRecord& r = check_world(L);
@@ -104,7 +109,8 @@ int world_snapshot(lua_State* L) {
 
 int world_restore(lua_State* L) {
   WorldRecord& r = check_world(L);
-  if (lua_type(L, 2) != LUA_TSTRING) fail_here(L, "expected a string that world:snapshot() gave, got " + describe(L, 2));
+  if (lua_type(L, 2) != LUA_TSTRING)
+    fail_here(L, "expected a string that world:snapshot() gave, got " + describe(L, 2));
   std::size_t size = 0;
   const char* text = lua_tolstring(L, 2, &size);
   restore_snapshot(L, r, {text, size});
@@ -212,7 +218,9 @@ int world_close(lua_State* L) {
   return 0;
 }
 
-int left_out(lua_State* L) { fail_here(L, "this build leaves out the module '" + std::string(function_name(L)).substr(6) + "'"); }
+int left_out(lua_State* L) {
+  fail_here(L, "this build leaves out the module '" + std::string(function_name(L)).substr(6) + "'");
+}
 
 const Method kWorldMethods[] = {
     {"step", guard<world_step>, "world:step([n]) -> self", "n steps (1); in plain scripts only"},
@@ -223,27 +231,35 @@ const Method kWorldMethods[] = {
     {"gravity", guard<world_gravity>, "world:gravity() -> x, y, z", "m/s^2"},
     {"set_gravity", guard<world_set_gravity>, "world:set_gravity(x, y, z) -> self", "m/s^2; wakes all bodies"},
     {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API"},
-    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint", "joins two bodies, or one and the world"},
+    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
+     "joins two bodies, or one and the world"},
     {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs"},
-    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region", "sensor_enter and sensor_leave events"},
-    {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force", "or each = function(x,y,z, vx,vy,vz, mass, t) return fx, fy, fz end"},
+    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
+     "sensor_enter and sensor_leave events"},
+    {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force",
+     "or each = function(x,y,z, vx,vy,vz, mass, t) return fx, fy, fz end"},
     {"cloth", guard<left_out>, "world:cloth{ ... }", "not in this build"},
     {"fluid", guard<left_out>, "world:fluid{ ... }", "not in this build"},
-    {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection", "fn(event) runs after the step; see section 7"},
-    {"events", guard<world_events>, "for e in world:events(kind) do", "the last step's events; contact_stay and hit are made from the first call on"},
+    {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection",
+     "fn(event) runs after the step; see section 7"},
+    {"events", guard<world_events>, "for e in world:events(kind) do",
+     "the last step's events; contact_stay and hit are made from the first call on"},
     {"after", guard<world_after>, "world:after(seconds, fn) -> connection", "once, in simulated time"},
     {"every", guard<world_every>, "world:every(seconds, fn) -> connection", "again and again, at most once per step"},
     {"task", guard<world_task>, "world:task(fn) -> task", "a coroutine that may wait; it starts at once"},
     {"energy", guard<world_energy>, "world:energy() -> kinetic, potential, elastic", "J"},
     {"momentum", guard<world_momentum>, "world:momentum() -> x, y, z", "kg m/s"},
-    {"angular_momentum", guard<world_angular_momentum>, "world:angular_momentum() -> x, y, z", "about the origin, kg m^2/s"},
+    {"angular_momentum", guard<world_angular_momentum>, "world:angular_momentum() -> x, y, z",
+     "about the origin, kg m^2/s"},
     {"is_finite", guard<world_is_finite>, "world:is_finite() -> boolean", "no NaN and no infinity anywhere"},
-    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number", "of touching contacts now, m"},
+    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number",
+     "of touching contacts now, m"},
     {"residuals", guard<world_residuals>, "world:residuals() -> {[name] = number}", "how well the solvers do"},
     {"hash", guard<world_hash>, "world:hash() -> string", "of the state, 16 hex digits"},
     {"snapshot", guard<world_snapshot>, "world:snapshot() -> string", "the state; without timers, tasks and handlers"},
     {"restore", guard<world_restore>, "world:restore(snapshot) -> self", "back to a snapshot of this world"},
-    {"report", guard<world_report>, "world:report() -> table", "systems, absent, plan (ms per step), blocks (bytes), counts"},
+    {"report", guard<world_report>, "world:report() -> table",
+     "systems, absent, plan (ms per step), blocks (bytes), counts"},
     {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag"},
     {"find", guard<world_find>, "world:find(name) -> object", "the first with that name, or nil"},
     {"close", guard<world_close>, "world:close()", "frees the world; its handles are errors from then on"},
@@ -251,6 +267,8 @@ const Method kWorldMethods[] = {
 
 }  // namespace
 
-std::span<const Method> world_methods() { return kWorldMethods; }
+std::span<const Method> world_methods() {
+  return kWorldMethods;
+}
 
 }  // namespace feder::lua

@@ -68,7 +68,8 @@ void read_materials(Options& o, WorldSettings& w) {
   for (std::size_t i = 1; i <= count; ++i) {
     lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
     const std::string what = o.path("material_pairs") + "[" + std::to_string(i) + "]";
-    if (lua_type(L, -1) != LUA_TTABLE) fail(L, what + ": expected { \"a\", \"b\", friction =, restitution = }, got " + describe(L, -1));
+    if (lua_type(L, -1) != LUA_TTABLE)
+      fail(L, what + ": expected { \"a\", \"b\", friction =, restitution = }, got " + describe(L, -1));
     // a copy by name, without the two names at 1 and 2
     NamedMaterialPair pair;
     for (int k = 1; k <= 2; ++k) {
@@ -112,7 +113,9 @@ bool parse_number(const std::string& text, double& out) {
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos) return one(text, out);
   double over = 0, under = 0;
-  if (!one(std::string_view(text).substr(0, slash), over) || !one(std::string_view(text).substr(slash + 1), under) || under == 0) return false;
+  if (!one(std::string_view(text).substr(0, slash), over) || !one(std::string_view(text).substr(slash + 1), under) ||
+      under == 0)
+    return false;
   out = over / under;
   return std::isfinite(out);
 }

@@ -14,7 +14,8 @@
 namespace feder::lua {
 namespace {
 
-const char* const kSceneKeys[] = {"title", "seconds", "world", "params", "bodies", "joints", "nets", "forces", "regions", "cloths", "fluids", "check"};
+const char* const kSceneKeys[] = {"title", "seconds", "world",   "params", "bodies", "joints",
+                                  "nets",  "forces",  "regions", "cloths", "fluids", "check"};
 
 // Raises an error at a place in the file, when the table remembers one.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
@@ -52,8 +53,10 @@ void fill_in(lua_State* L, int params) {
     const std::string text = lua_tostring(L, -1);
     if (text.size() < 2 || text[0] != '$') return;
     lua_getfield(L, params, text.c_str() + 1);
-    if (lua_isnil(L, -1)) lua_pop(L, 1);
-    else lua_remove(L, -2);
+    if (lua_isnil(L, -1))
+      lua_pop(L, 1);
+    else
+      lua_remove(L, -2);
     return;
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;
@@ -86,7 +89,8 @@ void make_shape(lua_State* L) {
   int arguments = 0;
   if (kind.empty()) {
     lua_pushnil(L);
-    if (!lua_next(L, table) || lua_type(L, -2) != LUA_TSTRING) fail_in(L, table, "shape: expected one of " + join(known));
+    if (!lua_next(L, table) || lua_type(L, -2) != LUA_TSTRING)
+      fail_in(L, table, "shape: expected one of " + join(known));
     kind = lua_tostring(L, -2);
     lua_remove(L, -2);
     if (lua_type(L, -1) == LUA_TTABLE && kind != "hull" && kind != "polygon" && kind != "compound") {
@@ -99,7 +103,8 @@ void make_shape(lua_State* L) {
       arguments = 1;
     }
   } else {
-    for (const char* key : {"size", "points", "normal", "vertices", "radius", "height", "distance", "triangles", "parts"}) {
+    for (const char* key :
+         {"size", "points", "normal", "vertices", "radius", "height", "distance", "triangles", "parts"}) {
       lua_getfield(L, table, key);
       const bool spread = std::string_view(key) == "size" && lua_type(L, -1) == LUA_TTABLE;
       if (lua_isnil(L, -1)) {
@@ -112,8 +117,10 @@ void make_shape(lua_State* L) {
       --arguments;
       for (int i = 1; i <= 3; ++i) {
         lua_rawgeti(L, list, i);
-        if (lua_isnil(L, -1)) lua_pop(L, 1);
-        else ++arguments;
+        if (lua_isnil(L, -1))
+          lua_pop(L, 1);
+        else
+          ++arguments;
       }
       lua_remove(L, list);
     }
@@ -138,7 +145,9 @@ void make_shape(lua_State* L) {
   for (const std::string& name : known) is_shape = is_shape || name == kind;
   if (!is_shape) {
     const std::string near = nearest_name(kind, known);
-    fail_in(L, table, "shape: unknown shape '" + kind + "'" + (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+    fail_in(L, table,
+            "shape: unknown shape '" + kind + "'" +
+                (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
   }
   lua_remove(L, -2);
   lua_insert(L, table + 1);
@@ -235,11 +244,13 @@ void resolve(lua_State* L, int world, int options, const char* key) {
 template <class F>
 void each_of(lua_State* L, int scene, const char* key, F&& make) {
   if (lua_getfield(L, scene, key) != LUA_TNIL) {
-    if (lua_type(L, -1) != LUA_TTABLE) fail_in(L, scene, std::string(key) + ": expected a list, got " + describe(L, -1));
+    if (lua_type(L, -1) != LUA_TTABLE)
+      fail_in(L, scene, std::string(key) + ": expected a list, got " + describe(L, -1));
     const int list = lua_gettop(L);
     for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, list)); ++i) {
       lua_rawgeti(L, list, i);
-      if (lua_type(L, -1) != LUA_TTABLE) fail_in(L, list, std::string(key) + ": expected a list of tables, got " + describe(L, -1));
+      if (lua_type(L, -1) != LUA_TTABLE)
+        fail_in(L, list, std::string(key) + ": expected a list of tables, got " + describe(L, -1));
       make();
       lua_settop(L, list);
     }
@@ -253,7 +264,9 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
   constexpr int world = 1, scene = 2;
   for (const char* later : {"cloths", "fluids"}) {
     if (lua_getfield(L, scene, later) != LUA_TNIL)
-      fail_in(L, scene, std::string(later) + ": this build leaves out the module '" + std::string(later, std::string_view(later).size() - 1) + "'");
+      fail_in(L, scene,
+              std::string(later) + ": this build leaves out the module '" +
+                  std::string(later, std::string_view(later).size() - 1) + "'");
     lua_pop(L, 1);
   }
   each_of(L, scene, "bodies", [&] { make_bodies(L, world, "body"); });
@@ -329,7 +342,8 @@ void push_check(lua_State* L, int scene, const std::string& file) {
 }  // namespace
 
 void yaml_to_scene(lua_State* L, const std::string& file) {
-  if (lua_type(L, -1) != LUA_TTABLE) fail(L, file + ": expected a scene with the keys title, world, bodies ..., got " + describe(L, -1));
+  if (lua_type(L, -1) != LUA_TTABLE)
+    fail(L, file + ": expected a scene with the keys title, world, bodies ..., got " + describe(L, -1));
   const int given = lua_gettop(L);
   Options o(L, given, "scene");
   for (const char* key : kSceneKeys) o.has(key);

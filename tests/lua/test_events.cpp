@@ -5,7 +5,8 @@ using namespace feder::test;
 
 namespace {
 const char* const kFloor = "world:body{ name = 'floor', type = 'static', shape = feder.plane() } ";
-const char* const kBall = "local ball = world:body{ name = 'ball', shape = feder.sphere(0.5), position = {0, 0.6, 0}, tags = {'ball'} } ";
+const char* const kBall =
+    "local ball = world:body{ name = 'ball', shape = feder.sphere(0.5), position = {0, 0.6, 0}, tags = {'ball'} } ";
 }  // namespace
 
 TEST_CASE("contacts begin once, with both partners and a place", "[lua][events]") {
@@ -43,7 +44,8 @@ TEST_CASE("filters are kept: tags, speed, objects", "[lua][events]") {
 }
 
 TEST_CASE("an event is valid inside its handler; a copy stays", "[lua][events]") {
-  CHECK(error_of(std::string(kFloor) + kBall + "local kept world:on('contact_begin', function(e) kept = e end) world:step(30) print(kept.x)") ==
+  CHECK(error_of(std::string(kFloor) + kBall +
+                 "local kept world:on('contact_begin', function(e) kept = e end) world:step(30) print(kept.x)") ==
         "test.lua:1: event.x: an event is valid inside its handler only; keep it with e:copy()");
   CHECK(output_of(std::string(kFloor) + kBall + R"(
     local kept
@@ -51,7 +53,8 @@ TEST_CASE("an event is valid inside its handler; a copy stays", "[lua][events]")
     world:step(30)
     print(type(kept), kept.kind, kept.b:name(), kept.speed, kept.step > 0)
   )") == "table\tcontact_begin\tball\tnil\ttrue\n");
-  const Ran ran = run(std::string(kFloor) + kBall + "world:on('contact_begin', function(e) print(e.spead) end) world:step(30)");
+  const Ran ran =
+      run(std::string(kFloor) + kBall + "world:on('contact_begin', function(e) print(e.spead) end) world:step(30)");
   REQUIRE(ran.errors.size() == 1);
   CHECK(ran.errors[0].message == "event: no field 'spead'; did you mean 'speed'?");
 }
@@ -91,11 +94,12 @@ TEST_CASE("handlers run in the order of subscription; one may disconnect another
 }
 
 TEST_CASE("an error in a handler is counted by place and the run goes on", "[lua][events]") {
-  const Ran ran = run("world:on('step', function() error('bad') end)\n"
-                      "world:on('step', function() local x = nil; x.y = 1 end)\n"
-                      "world:on('step', function() error({}) end)\n"
-                      "world:after(0, function() world:body{ shape = 1 } end)\n"
-                      "world:step(10)\nprint(world:step_count())");
+  const Ran ran =
+      run("world:on('step', function() error('bad') end)\n"
+          "world:on('step', function() local x = nil; x.y = 1 end)\n"
+          "world:on('step', function() error({}) end)\n"
+          "world:after(0, function() world:body{ shape = 1 } end)\n"
+          "world:step(10)\nprint(world:step_count())");
   CHECK(ran.error == "");
   CHECK(ran.output == "10\n");
   REQUIRE(ran.errors.size() == 4);
@@ -111,7 +115,8 @@ TEST_CASE("an error in a handler is counted by place and the run goes on", "[lua
 }
 
 TEST_CASE("a handler cannot step or close its world", "[lua][events]") {
-  const Ran ran = run("world:on('step', function() world:step() end)\nworld:on('step', function() world:close() end)\nworld:step()");
+  const Ran ran = run(
+      "world:on('step', function() world:step() end)\nworld:on('step', function() world:close() end)\nworld:step()");
   CHECK(ran.error == "");
   REQUIRE(ran.errors.size() == 2);
   CHECK_THAT(ran.errors[0].message, Catch::Contains("world:step: the world is in a step"));

@@ -16,9 +16,11 @@ TEST_CASE("a handle is one value per object", "[lua][handles]") {
 
 TEST_CASE("a destroyed object is named, with the line that destroyed it", "[lua][handles]") {
   const std::string gone = "local b = world:body{ name = 'crate3', shape = feder.sphere(1) }\nb:destroy()\n";
-  CHECK(error_of(gone + "print(b:position())") == "test.lua:3: body:position: body \"crate3\" was destroyed at test.lua:2");
+  CHECK(error_of(gone + "print(b:position())") ==
+        "test.lua:3: body:position: body \"crate3\" was destroyed at test.lua:2");
   CHECK(error_of(gone + "b:destroy()") == "test.lua:3: body:destroy: body \"crate3\" was destroyed at test.lua:2");
-  CHECK(error_of(gone + "world:joint{ type = 'ball', a = b }") == "test.lua:3: world:joint.a: body \"crate3\" was destroyed at test.lua:2");
+  CHECK(error_of(gone + "world:joint{ type = 'ball', a = b }") ==
+        "test.lua:3: world:joint.a: body \"crate3\" was destroyed at test.lua:2");
   CHECK(output_of(gone + "print(b, b:alive(), b:name(), b:kind())") == "body \"crate3\"\tfalse\tcrate3\tbody\n");
   // the slot is used again many times: the message stays
   CHECK(error_of(gone + "for i = 1, 300 do world:body{ shape = feder.sphere(1) }:destroy() end print(b:mass())") ==
@@ -36,9 +38,11 @@ TEST_CASE("joints go with their bodies and say so", "[lua][handles]") {
 }
 
 TEST_CASE("objects of other and of closed worlds are refused", "[lua][handles]") {
-  const std::string two = "local other = feder.world{} local a = world:body{ name = 'a', shape = feder.sphere(1) } "
-                          "local b = other:body{ name = 'b', shape = feder.sphere(1) } ";
-  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = b }") == "test.lua:1: world:joint.b: body \"b\" belongs to another world");
+  const std::string two =
+      "local other = feder.world{} local a = world:body{ name = 'a', shape = feder.sphere(1) } "
+      "local b = other:body{ name = 'b', shape = feder.sphere(1) } ";
+  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = b }") ==
+        "test.lua:1: world:joint.b: body \"b\" belongs to another world");
   CHECK(error_of(two + "other:close() b:position()") == "test.lua:1: body:position: body #0 belongs to a closed world");
   CHECK(error_of(two + "other:close() other:step()") == "test.lua:1: world:step: the world is closed");
   CHECK(output_of(two + "other:close() other:close() print(b:alive(), a:alive())") == "false\ttrue\n");
@@ -61,9 +65,10 @@ TEST_CASE("collecting handles destroys nothing, collecting worlds is safe", "[lu
 }
 
 TEST_CASE("methods check what they are called on", "[lua][handles]") {
-  const std::string make = "local b = world:body{ shape = feder.sphere(1) } local j = world:joint{ type = 'ball', a = b } ";
-  for (const char* bad : {"b.position(j)", "b.position(world)", "b.position()", "b.position('x')", "j.force(b)", "world.step(b)",
-                          "world.body(b, {})", "b.destroy({})", "feder.buffer(1).fill(b, 1)"}) {
+  const std::string make =
+      "local b = world:body{ shape = feder.sphere(1) } local j = world:joint{ type = 'ball', a = b } ";
+  for (const char* bad : {"b.position(j)", "b.position(world)", "b.position()", "b.position('x')", "j.force(b)",
+                          "world.step(b)", "world.body(b, {})", "b.destroy({})", "feder.buffer(1).fill(b, 1)"}) {
     CAPTURE(bad);
     CHECK_THAT(error_of(make + bad), Catch::Contains("before the ':', got"));
   }

@@ -25,7 +25,9 @@ TEST_CASE("wrong values never crash and never reach the state", "[lua][hostile]"
   std::string names;
   for (const lua::DocRow& row : lua::docs()) {
     // those that end the experiment
-    if (row.name == "close" || row.name == "step" || row.name == "wait" || row.name == "wait_for" || row.name == "wait_until") continue;
+    if (row.name == "close" || row.name == "step" || row.name == "wait" || row.name == "wait_for" ||
+        row.name == "wait_until")
+      continue;
     names += "{'" + row.owner + "','" + row.name + "'},";
   }
   lua::HostOptions options;
@@ -78,7 +80,8 @@ TEST_CASE("wrong values never crash and never reach the state", "[lua][hostile]"
       if round % 100 == 0 then for _, b in ipairs(world:bodies()) do if b:type() ~= "static" then b:destroy() end end end
     end
     print(calls, bad > 500, world:is_finite())
-  )", options);
+  )",
+                      options);
   CAPTURE(ran.error);
   CHECK(ran.error == "");
   CHECK(ran.output.find("2500\ttrue\ttrue\n") != std::string::npos);

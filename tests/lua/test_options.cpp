@@ -12,48 +12,76 @@ struct Mistake {
 
 TEST_CASE("a mistake in an options table says file, line, expected and given", "[lua][options]") {
   const Mistake mistakes[] = {
-      {"world:body{ shape = feder.box(1,1,1), frction = 1 }", "test.lua:1: world:body: unknown option 'frction'; did you mean 'friction'?"},
-      {"\nworld:body{ shape = feder.box(1,1,1), density = -5 }", "test.lua:2: world:body.density: expected a number above 0, got -5"},
-      {"world:body{ shape = feder.box(1,1,1), density = '5' }", "test.lua:1: world:body.density: expected a number above 0, got '5'"},
-      {"world:body{ shape = feder.box(1,1,1), density = 1e-60 }", "test.lua:1: world:body.density: expected a number above 0, got 1e-60"},
-      {"world:body{ shape = feder.box(1,1,1), mass = 0/0 }", "test.lua:1: world:body.mass: expected a finite number, got nan"},
-      {"world:body{ shape = feder.box(1,1,1), mass = -1 }", "test.lua:1: world:body.mass: expected a number above 0, got -1"},
-      {"world:body{ shape = feder.box(1,1,1), mass = 0 }", "test.lua:1: world:body.mass: expected a number above 0, got 0"},
-      {"world:body{ shape = feder.box(1,1,1), position = {0, 0/0, 0} }", "test.lua:1: world:body.position.y: expected a finite number, got nan"},
-      {"world:body{ shape = feder.box(1,1,1), position = {0, 1/0, 0} }", "test.lua:1: world:body.position.y: expected a finite number, got inf"},
-      {"world:body{ shape = feder.box(1,1,1), position = {0, 1e300, 0} }", "test.lua:1: world:body.position.y: expected a finite number, got 1e+300"},
-      {"world:body{ shape = feder.box(1,1,1), position = {0, '1', 0} }", "test.lua:1: world:body.position.y: expected a finite number, got '1'"},
-      {"world:body{ shape = feder.box(1,1,1), position = {0, 1} }", "test.lua:1: world:body.position: expected {x, y, z}, got a table of 2 values"},
-      {"world:body{ shape = feder.box(1,1,1), position = 3 }", "test.lua:1: world:body.position: expected {x, y, z}, got 3"},
+      {"world:body{ shape = feder.box(1,1,1), frction = 1 }",
+       "test.lua:1: world:body: unknown option 'frction'; did you mean 'friction'?"},
+      {"\nworld:body{ shape = feder.box(1,1,1), density = -5 }",
+       "test.lua:2: world:body.density: expected a number above 0, got -5"},
+      {"world:body{ shape = feder.box(1,1,1), density = '5' }",
+       "test.lua:1: world:body.density: expected a number above 0, got '5'"},
+      {"world:body{ shape = feder.box(1,1,1), density = 1e-60 }",
+       "test.lua:1: world:body.density: expected a number above 0, got 1e-60"},
+      {"world:body{ shape = feder.box(1,1,1), mass = 0/0 }",
+       "test.lua:1: world:body.mass: expected a finite number, got nan"},
+      {"world:body{ shape = feder.box(1,1,1), mass = -1 }",
+       "test.lua:1: world:body.mass: expected a number above 0, got -1"},
+      {"world:body{ shape = feder.box(1,1,1), mass = 0 }",
+       "test.lua:1: world:body.mass: expected a number above 0, got 0"},
+      {"world:body{ shape = feder.box(1,1,1), position = {0, 0/0, 0} }",
+       "test.lua:1: world:body.position.y: expected a finite number, got nan"},
+      {"world:body{ shape = feder.box(1,1,1), position = {0, 1/0, 0} }",
+       "test.lua:1: world:body.position.y: expected a finite number, got inf"},
+      {"world:body{ shape = feder.box(1,1,1), position = {0, 1e300, 0} }",
+       "test.lua:1: world:body.position.y: expected a finite number, got 1e+300"},
+      {"world:body{ shape = feder.box(1,1,1), position = {0, '1', 0} }",
+       "test.lua:1: world:body.position.y: expected a finite number, got '1'"},
+      {"world:body{ shape = feder.box(1,1,1), position = {0, 1} }",
+       "test.lua:1: world:body.position: expected {x, y, z}, got a table of 2 values"},
+      {"world:body{ shape = feder.box(1,1,1), position = 3 }",
+       "test.lua:1: world:body.position: expected {x, y, z}, got 3"},
       {"world:body{ shape = 1 }", "test.lua:1: world:body.shape: expected a shape (feder.box(1, 1, 1) ...), got 1"},
       {"world:body{}", "test.lua:1: world:body.shape: expected a shape (feder.box(1, 1, 1) ...), got nil"},
       {"world:body()", "test.lua:1: world:body: expected a table of options { ... }, got nil"},
       {"world:body{ feder.box(1,1,1) }", "world:body.shape: expected a shape"},
       {"world:body{ shape = feder.box(1,1,1), 5 }", "test.lua:1: world:body: expected options by name, got the key 1"},
-      {"world:body{ shape = feder.box(1,1,1), type = 'dynamik' }", "test.lua:1: world:body.type: expected one of dynamic, static, kinematic, got 'dynamik'"},
-      {"world:body{ shape = feder.box(1,1,1), lock = {'x', 'q'} }", "test.lua:1: world:body.lock: expected some of x, y, z, rx, ry, rz, got 'q'"},
-      {"world:body{ shape = feder.box(1,1,1), restitution = 2 }", "test.lua:1: world:body.restitution: expected a number from 0 to 1, got 2"},
-      {"world:body{ shape = feder.box(1,1,1), friction = -1 }", "test.lua:1: world:body.friction: expected a number of at least 0, got -1"},
-      {"world:body{ shape = feder.box(1,1,1), friction = {static=1, dynamc=1} }", "test.lua:1: world:body.friction: unknown option 'dynamc'; did you mean 'dynamic'?"},
-      {"world:body{ shape = feder.box(1,1,1), rotation = {axis={0,1,0}} }", "test.lua:1: world:body.rotation: expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}"},
-      {"world:body{ shape = feder.box(1,1,1), rotation = {axis={0,0,0}, angle=1} }", "test.lua:1: world:body.rotation.axis: expected a direction, got {0, 0, 0}"},
-      {"world:body{ shape = feder.box(1,1,1), rotation = {0,0,0,0} }", "test.lua:1: world:body.rotation: expected a quaternion of length 1, got one of length 0"},
-      {"world:body{ shape = feder.box(1,1,1), rotation = {euler={0,0,0}, order='xxw'} }", "test.lua:1: world:body.rotation.order: expected three of the letters x, y, z, got 'xxw'"},
-      {"world:body{ shape = feder.box(1,1,1), group = 1.5 }", "test.lua:1: world:body.group: expected a whole number from 0 to 4294967295, got 1.5"},
-      {"world:body{ shape = feder.box(1,1,1), bullet = 1 }", "test.lua:1: world:body.bullet: expected true or false, got 1"},
-      {"world:body{ shape = feder.box(1,1,1), material = 'ice' }", "test.lua:1: world:body.material: unknown material 'ice'; the world has no materials"},
-      {"world:body{ shape = feder.box(1,1,1), density = 1, mass = 1 }", "test.lua:1: world:body.mass: expected density or mass, got both"},
+      {"world:body{ shape = feder.box(1,1,1), type = 'dynamik' }",
+       "test.lua:1: world:body.type: expected one of dynamic, static, kinematic, got 'dynamik'"},
+      {"world:body{ shape = feder.box(1,1,1), lock = {'x', 'q'} }",
+       "test.lua:1: world:body.lock: expected some of x, y, z, rx, ry, rz, got 'q'"},
+      {"world:body{ shape = feder.box(1,1,1), restitution = 2 }",
+       "test.lua:1: world:body.restitution: expected a number from 0 to 1, got 2"},
+      {"world:body{ shape = feder.box(1,1,1), friction = -1 }",
+       "test.lua:1: world:body.friction: expected a number of at least 0, got -1"},
+      {"world:body{ shape = feder.box(1,1,1), friction = {static=1, dynamc=1} }",
+       "test.lua:1: world:body.friction: unknown option 'dynamc'; did you mean 'dynamic'?"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {axis={0,1,0}} }",
+       "test.lua:1: world:body.rotation: expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {axis={0,0,0}, angle=1} }",
+       "test.lua:1: world:body.rotation.axis: expected a direction, got {0, 0, 0}"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {0,0,0,0} }",
+       "test.lua:1: world:body.rotation: expected a quaternion of length 1, got one of length 0"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {euler={0,0,0}, order='xxw'} }",
+       "test.lua:1: world:body.rotation.order: expected three of the letters x, y, z, got 'xxw'"},
+      {"world:body{ shape = feder.box(1,1,1), group = 1.5 }",
+       "test.lua:1: world:body.group: expected a whole number from 0 to 4294967295, got 1.5"},
+      {"world:body{ shape = feder.box(1,1,1), bullet = 1 }",
+       "test.lua:1: world:body.bullet: expected true or false, got 1"},
+      {"world:body{ shape = feder.box(1,1,1), material = 'ice' }",
+       "test.lua:1: world:body.material: unknown material 'ice'; the world has no materials"},
+      {"world:body{ shape = feder.box(1,1,1), density = 1, mass = 1 }",
+       "test.lua:1: world:body.mass: expected density or mass, got both"},
       {"feder.box(1, -1, 1)", "test.lua:1: feder.box.height: expected a number"},
       {"feder.box(1, 1, 1, 1)", "test.lua:1: feder.box: expected at most 3 arguments, got 4"},
       {"feder.sphere(0/0)", "test.lua:1: feder.sphere.radius: expected a finite number, got nan"},
       {"feder.sphere('1')", "test.lua:1: feder.sphere.radius: expected a number"},
       {"feder.heightfield{}", "test.lua:1: feder.heightfield: this build has no such shape yet"},
       {"feder.hull{ {0,0,0}, {1,0,0} }", "test.lua:1: feder.hull:"},
-      {"feder.mesh({{0,0,0},{1,0,0},{0,1,0}}, {{1,2,4}})", "test.lua:1: feder.mesh.triangles[1]: expected a whole number from 1 to 3, got 4"},
+      {"feder.mesh({{0,0,0},{1,0,0},{0,1,0}}, {{1,2,4}})",
+       "test.lua:1: feder.mesh.triangles[1]: expected a whole number from 1 to 3, got 4"},
       {"feder.plane(0, 0, 0)", "test.lua:1: feder.plane: expected a normal of a direction, got one of length 0"},
       {"feder.world{ dt = 0 }", "test.lua:1: feder.world.dt: expected a number above 0"},
       {"feder.world{ dt = 2 }", "test.lua:1: feder.world.dt: expected a number above 0 and at most 1, got 2"},
-      {"feder.world{ substeps = 0 }", "test.lua:1: feder.world.substeps: expected a whole number from 1 to 1000, got 0"},
+      {"feder.world{ substeps = 0 }",
+       "test.lua:1: feder.world.substeps: expected a whole number from 1 to 1000, got 0"},
       {"feder.world{ gravty = {0,0,0} }", "test.lua:1: feder.world: unknown option 'gravty'; did you mean 'gravity'?"},
       {"feder.world{ rigid = { solver = 'soft_stap' } }", "test.lua:1: feder.world"},
       {"feder.world{ rigid = { solvr = 'soft_step' } }", "did you mean 'solver'?"},
@@ -67,10 +95,13 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
       {"world:raycast(0, 1, 0, 0, 0, 0)", "test.lua:1: world:raycast: expected a direction, got 0, 0, 0"},
       {"world:force{ kind = 'windd' }", "test.lua:1: world:force: unknown force kind 'windd'; known: "},
       {"world:force{ kind = 'wind', each = print }", "test.lua:1: world:force: expected either kind"},
-      {"world:force{ kind = 'drag', liner = 1 }", "test.lua:1: world:force: unknown option 'liner'; did you mean 'linear'?"},
+      {"world:force{ kind = 'drag', liner = 1 }",
+       "test.lua:1: world:force: unknown option 'liner'; did you mean 'linear'?"},
       {"world:force{ kind = 'drag', linear = -1 }", "test.lua:1: world:force.linear: expected a number from 0"},
-      {"world:on('contact_begn', print)", "test.lua:1: world:on: unknown event 'contact_begn'; did you mean 'contact_begin'?"},
-      {"world:on('hit', { min_spead = 1 }, print)", "test.lua:1: world:on(\"hit\"): unknown option 'min_spead'; did you mean 'min_speed'?"},
+      {"world:on('contact_begn', print)",
+       "test.lua:1: world:on: unknown event 'contact_begn'; did you mean 'contact_begin'?"},
+      {"world:on('hit', { min_spead = 1 }, print)",
+       "test.lua:1: world:on(\"hit\"): unknown option 'min_spead'; did you mean 'min_speed'?"},
       {"world:on('hit')", "test.lua:1: world:on: expected a function as handler, got nil"},
       {"world:after(-1, print)", "test.lua:1: world:after: expected a number of at least 0, got -1"},
       {"world:every(0, print)", "test.lua:1: world:every: expected a number above 0, got 0"},
@@ -79,7 +110,8 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
       {"feder.buffer(3)[4] = 1", "test.lua:1: buffer: expected an index from 1 to 3, got 4"},
       {"print(feder.buffer(3)[0/0])", "test.lua:1: buffer: expected an index from 1 to 3, got nan"},
       {"world:region{}", "test.lua:1: world:region: expected box = {min, max} or shape =, got neither"},
-      {"world:region{ box = {{0,0,0},{1,0,1}} }", "test.lua:1: world:region.box: expected the second corner above the first, got 0 and 0 along y"},
+      {"world:region{ box = {{0,0,0},{1,0,1}} }",
+       "test.lua:1: world:region.box: expected the second corner above the first, got 0 and 0 along y"},
   };
   for (const Mistake& m : mistakes) {
     const Ran ran = run(m.text);
@@ -112,12 +144,18 @@ TEST_CASE("hot verbs take numbers or a table, and check both", "[lua][options]")
     print(b:set_position(1, 0, 0) == b)
   )") == "1.0\t2.0\t3.0\n3.0\t2.0\t1.0\ntrue\n");
   const std::string make = "local b = world:body{ shape = feder.sphere(1) } ";
-  CHECK(error_of(make + "b:set_velocity(1, 0/0, 0)") == "test.lua:1: body:set_velocity.y: expected a finite number, got nan");
-  CHECK(error_of(make + "b:set_velocity(1, 2)") == "test.lua:1: body:set_velocity.z: expected a finite number, got nil");
-  CHECK(error_of(make + "b:set_velocity({1, 2})") == "test.lua:1: body:set_velocity: expected {x, y, z}, got a table of 2 values");
-  CHECK(error_of(make + "b:set_velocity('1', '2', '3')") == "test.lua:1: body:set_velocity.x: expected a finite number, got '1'");
-  CHECK(error_of(make + "b.set_velocity({}, 1, 2, 3)") == "test.lua:1: body:set_velocity: expected a body before the ':', got a table");
-  CHECK(error_of(make + "b:move_to(0, 0, 0)") == "test.lua:1: body:move_to: expected a kinematic body, got a dynamic one");
+  CHECK(error_of(make + "b:set_velocity(1, 0/0, 0)") ==
+        "test.lua:1: body:set_velocity.y: expected a finite number, got nan");
+  CHECK(error_of(make + "b:set_velocity(1, 2)") ==
+        "test.lua:1: body:set_velocity.z: expected a finite number, got nil");
+  CHECK(error_of(make + "b:set_velocity({1, 2})") ==
+        "test.lua:1: body:set_velocity: expected {x, y, z}, got a table of 2 values");
+  CHECK(error_of(make + "b:set_velocity('1', '2', '3')") ==
+        "test.lua:1: body:set_velocity.x: expected a finite number, got '1'");
+  CHECK(error_of(make + "b.set_velocity({}, 1, 2, 3)") ==
+        "test.lua:1: body:set_velocity: expected a body before the ':', got a table");
+  CHECK(error_of(make + "b:move_to(0, 0, 0)") ==
+        "test.lua:1: body:move_to: expected a kinematic body, got a dynamic one");
   CHECK(error_of(make + "b.foo = 1") == "test.lua:1: a body keeps no fields of a script; use a table keyed by it");
   CHECK(error_of(make + "b:positon()") == "test.lua:1: a body has no method 'positon'; did you mean 'position'?");
 }
@@ -138,12 +176,19 @@ TEST_CASE("rotations in every form", "[lua][options]") {
 }
 
 TEST_CASE("materials give defaults, and pairs are known by name", "[lua][options]") {
-  const std::string made = "local w = feder.world{ materials = { ice = { friction = 0.1, restitution = 0.2, density = 917 }, rubber = { friction = 1 } },"
-                           " material_pairs = { { 'ice', 'rubber', friction = 0.3 } } } ";
-  CHECK(output_of(made + "local b = w:body{ shape = feder.box(1, 1, 1), material = 'ice' } print(('%.1f'):format(b:mass()))"
-                         " b = w:body{ shape = feder.box(1, 1, 1), material = 'ice', density = 100 } print(('%.1f'):format(b:mass()))") == "917.0\n100.0\n");
-  CHECK_THAT(error_of(made + "w:body{ shape = feder.box(1,1,1), material = 'icee' }"), Catch::Contains("unknown material 'icee'; known: ice, rubber"));
-  CHECK_THAT(error_of("feder.world{ materials = { ice = { fricton = 1 } } }"),
-             Catch::Contains("test.lua:1: feder.world.materials.ice: unknown option 'fricton'; did you mean 'friction'?"));
-  CHECK_THAT(error_of("feder.world{ material_pairs = { { 'ice', 'mud' } } }"), Catch::Contains("feder.world.material_pairs[1]: unknown material 'ice'"));
+  const std::string made =
+      "local w = feder.world{ materials = { ice = { friction = 0.1, restitution = 0.2, density = 917 }, rubber = { "
+      "friction = 1 } },"
+      " material_pairs = { { 'ice', 'rubber', friction = 0.3 } } } ";
+  CHECK(output_of(made +
+                  "local b = w:body{ shape = feder.box(1, 1, 1), material = 'ice' } print(('%.1f'):format(b:mass()))"
+                  " b = w:body{ shape = feder.box(1, 1, 1), material = 'ice', density = 100 } "
+                  "print(('%.1f'):format(b:mass()))") == "917.0\n100.0\n");
+  CHECK_THAT(error_of(made + "w:body{ shape = feder.box(1,1,1), material = 'icee' }"),
+             Catch::Contains("unknown material 'icee'; known: ice, rubber"));
+  CHECK_THAT(
+      error_of("feder.world{ materials = { ice = { fricton = 1 } } }"),
+      Catch::Contains("test.lua:1: feder.world.materials.ice: unknown option 'fricton'; did you mean 'friction'?"));
+  CHECK_THAT(error_of("feder.world{ material_pairs = { { 'ice', 'mud' } } }"),
+             Catch::Contains("feder.world.material_pairs[1]: unknown material 'ice'"));
 }

@@ -10,7 +10,8 @@ TEST_CASE("only what is allowed is there", "[lua][sandbox]") {
     for name in pairs(_G) do names[#names + 1] = name end
     print(table.concat(names, " "))
     print(string.dump, io, os, debug, package, dofile, loadfile, getmetatable(""))
-  )") == "_G _VERSION assert collectgarbage coroutine error getmetatable ipairs load math next pairs pcall print rawequal rawget rawlen rawset "
+  )") == "_G _VERSION assert collectgarbage coroutine error getmetatable ipairs load math next pairs pcall print "
+         "rawequal rawget rawlen rawset "
          "require select setmetatable string table tonumber tostring type utf8 xpcall\n"
          "nil\tnil\tnil\tnil\tnil\tnil\tnil\tfalse\n");
 }
@@ -27,7 +28,8 @@ TEST_CASE("code comes from text only", "[lua][sandbox]") {
 }
 
 TEST_CASE("finalizers, strings and protected tables", "[lua][sandbox]") {
-  CHECK_THAT(error_of("setmetatable({}, { __gc = function() end })"), Catch::Contains("test.lua:1: setmetatable: __gc is not available"));
+  CHECK_THAT(error_of("setmetatable({}, { __gc = function() end })"),
+             Catch::Contains("test.lua:1: setmetatable: __gc is not available"));
   CHECK_THAT(error_of("collectgarbage('step')"), Catch::Contains("collectgarbage: expected \"count\""));
   CHECK_THAT(error_of("setmetatable(setmetatable({}, { __metatable = 1 }), {})"), Catch::Contains("protected"));
   CHECK(output_of("print(math.type(collectgarbage('count')), collectgarbage('count') > 0)") == "integer\ttrue\n");
@@ -38,7 +40,8 @@ TEST_CASE("no address is shown", "[lua][sandbox]") {
     local t, f = {}, function() end
     print(tostring(t), tostring(f), tostring(t), ("%s %s"):format(t, f), tostring(print) ~= tostring(pcall))
     print(tostring(coroutine.create(f)), feder.sphere(1), feder.buffer(2), setmetatable({}, { __tostring = function() return "mine" end }))
-  )") == "table: #1\tfunction: #2\ttable: #1\ttable: #1 function: #2\ttrue\nthread: #5\tshape sphere\tbuffer of 2 numbers\tmine\n");
+  )") == "table: #1\tfunction: #2\ttable: #1\ttable: #1 function: #2\ttrue\nthread: #5\tshape sphere\tbuffer of 2 "
+         "numbers\tmine\n");
   CHECK_THAT(error_of("print(('%p'):format({}))"), Catch::Contains("'%p' is not available"));
 }
 
@@ -70,13 +73,15 @@ TEST_CASE("sort is stable and random numbers repeat", "[lua][sandbox]") {
     print(pcall(table.sort, { 1, "a", 2 }))
     table.sort({ 5, 4, 3, 2, 1, 6, 7 }, function() return true end)
   )") == "true\n1 2 3\nfalse\tattempt to compare string with number\n");
-  const std::string roll = "print(math.random(), math.random(6), math.random(-5, 5), math.random(math.mininteger, math.maxinteger))";
+  const std::string roll =
+      "print(math.random(), math.random(6), math.random(-5, 5), math.random(math.mininteger, math.maxinteger))";
   const std::string first = output_of(roll);
   CHECK(first == output_of(roll));
   lua::HostOptions other;
   other.has_seed = true, other.seed = 7;
   CHECK(first != output_of(roll, other));
-  CHECK(output_of("math.randomseed(3) local a = math.random() math.randomseed(3) print(a == math.random())") == "true\n");
+  CHECK(output_of("math.randomseed(3) local a = math.random() math.randomseed(3) print(a == math.random())") ==
+        "true\n");
   CHECK_THAT(error_of("math.random(2, 1)"), Catch::Contains("expected lo at most hi"));
 }
 
@@ -87,10 +92,12 @@ TEST_CASE("nothing outlives its instruction budget", "[lua][sandbox]") {
       "while true do xpcall(function() while true do end end, function() while true do end end) end",
       "local co = coroutine.wrap(function() while true do pcall(function() while true do end end) end end) co()",
       "local co = coroutine.create(function() while true do end end) while true do coroutine.resume(co) end",
-      "local co = coroutine.create(function() local x <close> = setmetatable({}, {__close = function() while true do end end}) coroutine.yield() end) "
+      "local co = coroutine.create(function() local x <close> = setmetatable({}, {__close = function() while true do "
+      "end end}) coroutine.yield() end) "
       "coroutine.resume(co) while true do coroutine.close(co) end",
       "local t <close> = setmetatable({}, {__close = function() while true do end end}) while true do end",
-      "local t = setmetatable({}, {}) getmetatable(t).__index = function(_, k) return t[k + 1] end while true do pcall(function() return t[1] end) end",
+      "local t = setmetatable({}, {}) getmetatable(t).__index = function(_, k) return t[k + 1] end while true do "
+      "pcall(function() return t[1] end) end",
       "table.sort({3, 2, 1}, function() while true do end end)",
       "('x'):rep(100):gsub('.', function() while true do end end)",
       "for i = 1, 1e9 do table.move({}, 1, 4e7, 2) end",
@@ -106,7 +113,8 @@ TEST_CASE("nothing outlives its instruction budget", "[lua][sandbox]") {
       "world:task(function() while true do pcall(function() while true do end end) end end) world:step()",
       "world:on('step', function() while true do end end) while true do world:step() end",
       "world:every(0.01, function() while true do pcall(error) end end) while true do world:step() end",
-      "world:body{ shape = feder.sphere(1) } world:force{ each = function() while true do end end } while true do world:step() end",
+      "world:body{ shape = feder.sphere(1) } world:force{ each = function() while true do end end } while true do "
+      "world:step() end",
   };
   for (const char* attack : attacks) {
     lua::HostOptions limited;
@@ -114,7 +122,8 @@ TEST_CASE("nothing outlives its instruction budget", "[lua][sandbox]") {
     const Ran ran = run(attack, limited);
     CAPTURE(attack, ran.error, ran.errors.size());
     const bool stopped = ran.error.find("instruction limit of 1000000 reached") != std::string::npos ||
-                         ran.error.find("could take too long") != std::string::npos || ran.error.find("too long") != std::string::npos ||
+                         ran.error.find("could take too long") != std::string::npos ||
+                         ran.error.find("too long") != std::string::npos ||
                          (!ran.errors.empty() && ran.errors[0].message.find("instruction limit") != std::string::npos);
     CHECK(stopped);
     CHECK(ran.error.find('\n') == std::string::npos);
@@ -125,8 +134,12 @@ TEST_CASE("each handler of a scene has its own budget, and the run goes on", "[l
   lua::HostOptions limited;
   limited.instruction_limit = 100000;
   lua::Script script(limited);
-  script.load_string("local feder = require 'feder' return feder.scene{ build = function(w, s) s.n = 0 w:on('step', function() while true do end end)"
-                     " w:on('step', function() s.n = s.n + 1 end) end, check = function(w, s, expect) expect(s.n == 5, 'n is ' .. s.n) end }", "scene.lua");
+  script.load_string(
+      "local feder = require 'feder' return feder.scene{ build = function(w, s) s.n = 0 w:on('step', function() while "
+      "true do end end)"
+      " w:on('step', function() s.n = s.n + 1 end) end, check = function(w, s, expect) expect(s.n == 5, 'n is ' .. "
+      "s.n) end }",
+      "scene.lua");
   script.build();
   for (int i = 0; i < 5; ++i) script.step();
   REQUIRE(script.handler_errors().size() == 1);
@@ -137,8 +150,9 @@ TEST_CASE("each handler of a scene has its own budget, and the run goes on", "[l
 TEST_CASE("memory is capped", "[lua][sandbox]") {
   lua::HostOptions small;
   small.memory_limit = 8 << 20;
-  for (const char* attack : {"local t = {} while true do t[#t + 1] = ('x'):rep(1000) .. #t end", "local s = 'x' while true do s = s .. s end",
-                             "feder.buffer(1e8)", "('x'):rep(1e8)", "local t = {} for i = 1, 1e9 do t[i] = function() return i end end"}) {
+  for (const char* attack : {"local t = {} while true do t[#t + 1] = ('x'):rep(1000) .. #t end",
+                             "local s = 'x' while true do s = s .. s end", "feder.buffer(1e8)", "('x'):rep(1e8)",
+                             "local t = {} for i = 1, 1e9 do t[i] = function() return i end end"}) {
     const Ran ran = run(attack, small);
     CAPTURE(attack);
     CHECK_THAT(ran.error, Catch::Contains("not enough memory"));
@@ -146,10 +160,13 @@ TEST_CASE("memory is capped", "[lua][sandbox]") {
 }
 
 TEST_CASE("deep recursion ends in an error", "[lua][sandbox]") {
-  for (const char* attack : {"local function f() return 1 + f() end f()", "local t = setmetatable({}, {}) getmetatable(t).__index = t print(t.x)",
-                             "local s = ('('):rep(1e5) assert(load(s))", "local function f(x) return (x:gsub('.', f)) end f('x')",
-                             "local co = coroutine.wrap(function(f) return coroutine.wrap(f)(f) end) local function g() return coroutine.wrap(g)() end g()",
-                             "local e = setmetatable({}, { __tostring = function(s) return tostring(s) end }) print(e)"}) {
+  for (const char* attack :
+       {"local function f() return 1 + f() end f()",
+        "local t = setmetatable({}, {}) getmetatable(t).__index = t print(t.x)",
+        "local s = ('('):rep(1e5) assert(load(s))", "local function f(x) return (x:gsub('.', f)) end f('x')",
+        "local co = coroutine.wrap(function(f) return coroutine.wrap(f)(f) end) local function g() return "
+        "coroutine.wrap(g)() end g()",
+        "local e = setmetatable({}, { __tostring = function(s) return tostring(s) end }) print(e)"}) {
     const Ran ran = run(attack);
     CAPTURE(attack);
     CHECK(!ran.error.empty());

@@ -1,8 +1,8 @@
 // Scenes, parameters, overrides, checks, libraries and YAML tables.
+#include <lua.h>
+
 #include <filesystem>
 #include <fstream>
-
-#include <lua.h>
 
 #include "support/script.h"
 
@@ -92,33 +92,46 @@ TEST_CASE("a scene is built, stepped and checked by the host", "[lua][scene]") {
 }
 
 TEST_CASE("scene tables and parameters are checked", "[lua][scene]") {
-  CHECK(load_error("return feder.scene{ buld = print }") == "s.lua:1: feder.scene.build: expected a function(world, scene), got nil");
-  CHECK(load_error("return feder.scene{ build = print, updat = print }") == "s.lua:1: feder.scene: unknown option 'updat'; did you mean 'update'?");
-  CHECK(load_error("return feder.scene{ build = print, world = { dt = -1 } }") == "s.lua:1: world.dt: expected a number above 0 and at most 1, got -1");
-  CHECK_THAT(load_error("return feder.scene{ build = print, world = { rigid = { solver = 'x' } } }"), Catch::Contains("s.lua:1: world."));
+  CHECK(load_error("return feder.scene{ buld = print }") ==
+        "s.lua:1: feder.scene.build: expected a function(world, scene), got nil");
+  CHECK(load_error("return feder.scene{ build = print, updat = print }") ==
+        "s.lua:1: feder.scene: unknown option 'updat'; did you mean 'update'?");
+  CHECK(load_error("return feder.scene{ build = print, world = { dt = -1 } }") ==
+        "s.lua:1: world.dt: expected a number above 0 and at most 1, got -1");
+  CHECK_THAT(load_error("return feder.scene{ build = print, world = { rigid = { solver = 'x' } } }"),
+             Catch::Contains("s.lua:1: world."));
   CHECK(load_error("return 5") == "s.lua: expected a scene (return feder.scene { ... }) or nothing, got 5");
-  CHECK_THAT(load_error("feder.scene{ build = print }"), Catch::Contains("s.lua:1: the file makes a scene and does not return it"));
+  CHECK_THAT(load_error("feder.scene{ build = print }"),
+             Catch::Contains("s.lua:1: the file makes a scene and does not return it"));
   CHECK(load_error("return feder.scene{ build = function(w) w:step() end }") ==
         "s.lua:1: world:step: a scene does not step worlds; the host steps it (only plain scripts step)");
   CHECK(load_error("return feder.scene{ build = function(w) w:body{ shape = feder.sphere(1), positon = {} } end }") ==
         "s.lua:1: world:body: unknown option 'positon'; did you mean 'position'?");
   CHECK(load_error("return feder.scene{ build = function(w) feder.param('x', 1) end }") ==
         "s.lua:1: feder.param: parameters are declared while the file loads, not in build() or later; got 'x'");
-  CHECK(load_error("feder.param('a b', 1)") == "s.lua:1: feder.param: expected a name of letters, digits and _, got 'a b'");
-  CHECK(load_error("feder.param('a', 5, { max = 4 })") == "s.lua:1: feder.param(\"a\"): default: expected a number of at most 4, got 5");
-  CHECK(load_error("feder.param('a', {})") == "s.lua:1: feder.param: expected a number, a string or a boolean as default of 'a', got a table");
-  CHECK(load_error("feder.param('a', 1) feder.param('a', 2)") == "s.lua:1: feder.param: 'a' has been declared before, with the default 1");
+  CHECK(load_error("feder.param('a b', 1)") ==
+        "s.lua:1: feder.param: expected a name of letters, digits and _, got 'a b'");
+  CHECK(load_error("feder.param('a', 5, { max = 4 })") ==
+        "s.lua:1: feder.param(\"a\"): default: expected a number of at most 4, got 5");
+  CHECK(load_error("feder.param('a', {})") ==
+        "s.lua:1: feder.param: expected a number, a string or a boolean as default of 'a', got a table");
+  CHECK(load_error("feder.param('a', 1) feder.param('a', 2)") ==
+        "s.lua:1: feder.param: 'a' has been declared before, with the default 1");
   const auto with = [](const char* name, const char* value) {
     lua::HostOptions o;
     o.set = {{name, value}};
-    return load_error("feder.param('height', 10, { min = 1, max = 40 }) feder.param('fast', false) feder.param('style', 'a', { choices = { 'a', 'b' } })", o);
+    return load_error(
+        "feder.param('height', 10, { min = 1, max = 40 }) feder.param('fast', false) feder.param('style', 'a', { "
+        "choices = { 'a', 'b' } })",
+        o);
   };
   CHECK(with("height", "50") == "s.lua:1: --set height=50: expected a number from 1 to 40, got 50");
   CHECK(with("height", "ten") == "s.lua:1: --set height=ten: expected a number, got 'ten'");
   CHECK(with("height", "nan") == "s.lua:1: --set height=nan: expected a number, got 'nan'");
   CHECK(with("fast", "1") == "s.lua:1: --set fast=1: expected true or false, got '1'");
   CHECK(with("style", "c") == "s.lua:1: --set style=c: expected one of a, b, got 'c'");
-  CHECK(with("heigth", "3") == "--set heigth=3: unknown parameter 'heigth'; did you mean 'height'?; known: height, fast, style");
+  CHECK(with("heigth", "3") ==
+        "--set heigth=3: unknown parameter 'heigth'; did you mean 'height'?; known: height, fast, style");
   CHECK(with("height", "20") == "");
 }
 
@@ -182,7 +195,7 @@ TEST_CASE("require finds libraries and neighbours and cannot leave", "[lua][scen
   script.load_file(f.path / "scene/main.lua");
   CAPTURE(output);
   CHECK_THAT(output, Catch::Contains("feder.build\tlibrary\t3\t3\t1\ttrue\ntrue\ttrue\n"));
-  CHECK(output.find("'secret'") != std::string::npos);      // named in a message only
+  CHECK(output.find("'secret'") != std::string::npos);  // named in a message only
   CHECK(output.find("require: no module 'secret'") != std::string::npos);
   CHECK(output.find("require: no module 'link'") != std::string::npos);
   CHECK(output.find("circle: one -> two -> one") != std::string::npos);
@@ -202,11 +215,25 @@ TEST_CASE("feder.load reads through the host, under the same rule", "[lua][scene
   lua::HostOptions options;
   std::string output;
   options.print = [&](std::string_view text) { output += text; };
-  options.load_yaml = [](void* L, const std::string&, const std::string& text) { lua_pushstring(static_cast<lua_State*>(L), text.c_str()); };
+  options.load_yaml = [](void* L, const std::string&, const std::string& text) {
+    lua_pushstring(static_cast<lua_State*>(L), text.c_str());
+  };
   lua::Script script(options);
   script.load_file(f.path / "scene/main.lua");
   CHECK(output.rfind("ice\nfalse\t", 0) == 0);
   CHECK_THAT(output, Catch::Contains("expected the name of a .yaml file"));
   CHECK_THAT(output, Catch::Contains("no file 'none.yaml'"));
   CHECK(output.find("no\n") == std::string::npos);
+}
+
+TEST_CASE("an exception of the host's own callback reaches the host", "[lua][scene]") {
+  struct Stop {};
+  lua::Script script(lua::HostOptions{});
+  script.load_string("return require('feder').scene{ build = function() end }", "s.lua");
+  script.build();
+  script.on_step([](World&) { throw Stop{}; });
+  CHECK_THROWS_AS(script.step(), Stop);
+  script.on_step(nullptr);
+  script.step();
+  CHECK(script.world()->step_count() == 2);
 }

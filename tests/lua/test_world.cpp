@@ -19,8 +19,10 @@ TEST_CASE("ray casts answer with object, place, normal and distance", "[lua][wor
     print(#world:raycast_all(3, 5, 0, 0, -1, 0), world:raycast_all(3, 5, 0, 0, -1, 0)[1].object)
     show(world:shape_cast{ shape = feder.sphere(0.5), position = {3, 5, 0}, motion = {0, -10, 0} })
     print(#world:overlap{ shape = feder.sphere(0.5), position = {3, 1, 0} }, #world:overlap{ box = {{2, 0.5, -1}, {4, 2, 1}} }, #world:overlap{ box = {{8, 8, 8}, {9, 9, 9}} })
-  )") == "nil\t0\nbody \"floor\"\t0.000 0.000 0.000  0.00 1.00 0.00  5.000\nbody \"ball\"\t3.000 2.000 0.000  0.00 1.00 0.00  3.000\nnil\tnil\n"
-         "body \"floor\"\t3.000 0.000 0.000  0.00 1.00 0.00  5.000\nbody \"floor\"\t3.000 0.000 0.000  0.00 1.00 0.00  5.000\nnil\tnil\n"
+  )") == "nil\t0\nbody \"floor\"\t0.000 0.000 0.000  0.00 1.00 0.00  5.000\nbody \"ball\"\t3.000 2.000 0.000  0.00 "
+         "1.00 0.00  3.000\nnil\tnil\n"
+         "body \"floor\"\t3.000 0.000 0.000  0.00 1.00 0.00  5.000\nbody \"floor\"\t3.000 0.000 0.000  0.00 1.00 0.00  "
+         "5.000\nnil\tnil\n"
          "2\tbody \"ball\"\nbody \"ball\"\t3.000 2.000 0.000  0.00 1.00 0.00  2.500\n1\t1\t0\n");
 }
 
@@ -50,16 +52,21 @@ TEST_CASE("restore then run equals run, bit for bit", "[lua][world]") {
 
 TEST_CASE("a changed or foreign snapshot is refused", "[lua][world]") {
   const std::string make = "world:body{ shape = feder.sphere(1) } local s = world:snapshot() ";
-  CHECK_THAT(error_of(make + "world:restore('x')"), Catch::Contains("test.lua:1: world:restore: expected a string that world:snapshot() gave"));
-  CHECK_THAT(error_of(make + "world:restore(s:sub(1, -2))"), Catch::Contains("test.lua:1: world:restore: the snapshot is another world's, or has been changed"));
-  CHECK_THAT(error_of(make + "world:restore(s:sub(1, 200) .. '\\1' .. s:sub(202))"), Catch::Contains("or has been changed"));
+  CHECK_THAT(error_of(make + "world:restore('x')"),
+             Catch::Contains("test.lua:1: world:restore: expected a string that world:snapshot() gave"));
+  CHECK_THAT(error_of(make + "world:restore(s:sub(1, -2))"),
+             Catch::Contains("test.lua:1: world:restore: the snapshot is another world's, or has been changed"));
+  CHECK_THAT(error_of(make + "world:restore(s:sub(1, 200) .. '\\1' .. s:sub(202))"),
+             Catch::Contains("or has been changed"));
   CHECK_THAT(error_of(make + "feder.world{}:restore(s)"), Catch::Contains("the snapshot is another world's"));
-  CHECK_THAT(error_of(make + "world:net{ points = {{0,0,0}} } world:restore(s)"), Catch::Contains("world:restore: snapshot"));
+  CHECK_THAT(error_of(make + "world:net{ points = {{0,0,0}} } world:restore(s)"),
+             Catch::Contains("world:restore: snapshot"));
 }
 
 TEST_CASE("the same script gives the same hash", "[lua][world]") {
-  const std::string text = "world:body{ type = 'static', shape = feder.plane() } for i = 1, 8 do world:body{ shape = feder.box(1, 1, 1), "
-                           "position = { math.random(), i * 1.1, math.random() } } end world:step(100) print(world:hash())";
+  const std::string text =
+      "world:body{ type = 'static', shape = feder.plane() } for i = 1, 8 do world:body{ shape = feder.box(1, 1, 1), "
+      "position = { math.random(), i * 1.1, math.random() } } end world:step(100) print(world:hash())";
   const std::string hash = output_of(text);
   CHECK(hash.size() == 17);
   CHECK(output_of(text) == hash);
@@ -81,11 +88,14 @@ TEST_CASE("a world tells about itself", "[lua][world]") {
     print(("%.3f %.3f"):format(b:position()), world:time(), b:mass(), b:type())
     local r = world:report()
     print(r.bodies, r.steps, #r.plan > 0, r.plan[1].name, r.systems[1].name ~= nil, r.bytes > 0)
-  )") == "9.00 196.20 0.00\t6.0\t-60.0\ntrue\t0.0\ttable\t3\t0.0\t-9.8100004196167\t0.0\n3.000 10.000\t1.0\t2.0\tdynamic\n1\t60\ttrue\tbegin\ttrue\ttrue\n");
+  )") == "9.00 196.20 0.00\t6.0\t-60.0\ntrue\t0.0\ttable\t3\t0.0\t-9.8100004196167\t0.0\n3.000 "
+         "10.000\t1.0\t2.0\tdynamic\n1\t60\ttrue\tbegin\ttrue\ttrue\n");
 }
 
 TEST_CASE("joints by name, with the options that they have", "[lua][world]") {
-  const std::string two = "local a = world:body{ shape = feder.sphere(1) } local b = world:body{ shape = feder.sphere(1), position = {3, 0, 0} } ";
+  const std::string two =
+      "local a = world:body{ shape = feder.sphere(1) } local b = world:body{ shape = feder.sphere(1), position = {3, "
+      "0, 0} } ";
   CHECK(output_of(two + R"(
     local j = world:joint{ name = "link", type = "hinge", a = a, b = b, axis = {0, 0, 2}, limits = {-1, 1}, motor = { speed = 1, max_force = 10 } }
     print(j, j:type(), j:kind(), j:angle(), j:bodies() == a)
@@ -97,20 +107,29 @@ TEST_CASE("joints by name, with the options that they have", "[lua][world]") {
     j:destroy()
     print(j:alive(), a:alive())
   )") == "joint \"link\"\thinge\tjoint\t0.0\ttrue\n3\t3\n5.1\nfalse\ttrue\n");
-  CHECK(error_of(two + "world:joint{ type = 'slider', a = a }").find("test.lua:1: world:joint.type: this build has no joint type 'slider'; known: ") == 0);
-  CHECK(error_of(two + "world:joint{ type = 'hing', a = a }").find("test.lua:1: world:joint.type: unknown joint type 'hing'; did you mean 'hinge'?") == 0);
+  CHECK(error_of(two + "world:joint{ type = 'slider', a = a }")
+            .find("test.lua:1: world:joint.type: this build has no joint type 'slider'; known: ") == 0);
+  CHECK(error_of(two + "world:joint{ type = 'hing', a = a }")
+            .find("test.lua:1: world:joint.type: unknown joint type 'hing'; did you mean 'hinge'?") == 0);
   CHECK(error_of(two + "world:joint{ type = 'ball' }") == "test.lua:1: world:joint.a: expected a body, got nil");
-  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = a }") == "test.lua:1: world:joint.b: expected another body than a");
-  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = 'b' }") == "test.lua:1: world:joint.b: expected a body, got 'b'");
+  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = a }") ==
+        "test.lua:1: world:joint.b: expected another body than a");
+  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = 'b' }") ==
+        "test.lua:1: world:joint.b: expected a body, got 'b'");
   CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = b, motor = { speed = 1, max_force = 1 } }") ==
         "test.lua:1: world:joint.motor: a ball joint has no such thing");
-  CHECK(error_of(two + "world:joint{ type = 'hinge', a = a, b = b, limits = {1, -1} }") == "test.lua:1: world:joint.limits: expected lo at most hi, got {1, -1}");
-  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = b }:angle()") == "test.lua:1: joint:angle: a ball joint has no angle");
-  CHECK(error_of(two + "world:joint{ type = 'hinge', a = a, b = b, break_force = 0 }") == "test.lua:1: world:joint.break_force: expected a number above 0, got 0");
+  CHECK(error_of(two + "world:joint{ type = 'hinge', a = a, b = b, limits = {1, -1} }") ==
+        "test.lua:1: world:joint.limits: expected lo at most hi, got {1, -1}");
+  CHECK(error_of(two + "world:joint{ type = 'ball', a = a, b = b }:angle()") ==
+        "test.lua:1: joint:angle: a ball joint has no angle");
+  CHECK(error_of(two + "world:joint{ type = 'hinge', a = a, b = b, break_force = 0 }") ==
+        "test.lua:1: world:joint.break_force: expected a number above 0, got 0");
 }
 
 TEST_CASE("nets count from one and check their numbers", "[lua][world]") {
-  const std::string make = "local net = world:net{ points = { {0,0,0}, {1,0,0}, {2,0,0} }, masses = 0.5, springs = { {1, 2, stiffness = 10}, {2, 3, rest_length = 0.5} } } ";
+  const std::string make =
+      "local net = world:net{ points = { {0,0,0}, {1,0,0}, {2,0,0} }, masses = 0.5, springs = { {1, 2, stiffness = "
+      "10}, {2, 3, rest_length = 0.5} } } ";
   CHECK(output_of(make + R"(
     print(net, net:count())
     print(net:point(2))
@@ -126,19 +145,28 @@ TEST_CASE("nets count from one and check their numbers", "[lua][world]") {
     net:attach(3, b, 0, 0, 0):detach(3)
     world:step(5)
     print(world:is_finite(), net:kind(), (net:destroy()), net:alive())
-  )") == "net #0\t3\t2\n1.0\t0.0\t0.0\n1.0\t1.0\t0.0\n0.0\t0.0\t7.0\ntrue\tfalse\t1.5\t0.5\n0.414 1.828 1.828\n3\t4\t3\t4\n2\t3\t1000.0\t0.0\t0.5\n"
+  )") == "net #0\t3\t2\n1.0\t0.0\t0.0\n1.0\t1.0\t0.0\n0.0\t0.0\t7.0\ntrue\tfalse\t1.5\t0.5\n0.414 1.828 "
+         "1.828\n3\t4\t3\t4\n2\t3\t1000.0\t0.0\t0.5\n"
          "9\t1.0\ttrue\ntrue\tnet\tnil\tfalse\n");
   CHECK(error_of(make + "net:point(4)") == "test.lua:1: net:point: expected a point from 1 to 3, got 4");
   CHECK(error_of(make + "net:point(0)") == "test.lua:1: net:point: expected a point from 1 to 3, got 0");
   CHECK(error_of(make + "net:point(1.5)") == "test.lua:1: net:point: expected a point from 1 to 3, got 1.5");
   CHECK(error_of(make + "net:strain(9)") == "test.lua:1: net:strain: expected a spring from 1 to 2, got 9");
-  CHECK(error_of(make + "net:positions(feder.buffer(8))") == "test.lua:1: net:positions: expected a buffer of at least 9 numbers, got one of 8");
-  CHECK(error_of(make + "net:add_spring(1, 1)") == "test.lua:1: net:add_spring: expected two different points, got 1 twice");
-  const auto net = [](const std::string& rest) { return error_of("world:net{ points = { {0,0,0}, {1,0,0}, {1,0,0} }, " + rest + " }"); };
-  CHECK(net("springs = { {1, 4} }") == "test.lua:1: world:net.springs[1].j: expected a whole number from 1 to 3, got 4");
-  CHECK(net("springs = { {2, 3} }") == "test.lua:1: world:net.springs[1]: points 2 and 3 are at the same place; expected a rest_length, got nil");
-  CHECK(net("springs = { {1, 2, stifness = 1} }") == "test.lua:1: world:net.springs[1]: unknown option 'stifness'; did you mean 'stiffness'?");
-  CHECK(net("springs = { {1, 2, stiffness = -1} }") == "test.lua:1: world:net.springs[1].stiffness: expected a number of at least 0, got -1");
+  CHECK(error_of(make + "net:positions(feder.buffer(8))") ==
+        "test.lua:1: net:positions: expected a buffer of at least 9 numbers, got one of 8");
+  CHECK(error_of(make + "net:add_spring(1, 1)") ==
+        "test.lua:1: net:add_spring: expected two different points, got 1 twice");
+  const auto net = [](const std::string& rest) {
+    return error_of("world:net{ points = { {0,0,0}, {1,0,0}, {1,0,0} }, " + rest + " }");
+  };
+  CHECK(net("springs = { {1, 4} }") ==
+        "test.lua:1: world:net.springs[1].j: expected a whole number from 1 to 3, got 4");
+  CHECK(net("springs = { {2, 3} }") ==
+        "test.lua:1: world:net.springs[1]: points 2 and 3 are at the same place; expected a rest_length, got nil");
+  CHECK(net("springs = { {1, 2, stifness = 1} }") ==
+        "test.lua:1: world:net.springs[1]: unknown option 'stifness'; did you mean 'stiffness'?");
+  CHECK(net("springs = { {1, 2, stiffness = -1} }") ==
+        "test.lua:1: world:net.springs[1].stiffness: expected a number of at least 0, got -1");
   CHECK(net("masses = {1, 2}") == "test.lua:1: world:net.masses: expected 3 numbers, one per point, got 2");
   CHECK(net("masses = {1, 0, 1}") == "test.lua:1: world:net.masses[2]: expected a number above 0, got 0");
   CHECK(net("integrator = 'eulr'").find("test.lua:1: world:net: unknown integrator 'eulr'; known: ") == 0);
@@ -161,7 +189,9 @@ TEST_CASE("a scripted force acts before each step", "[lua][world]") {
     w:step(100)
     print(("%.3f"):format(b:velocity()), f:alive(), g:enabled(), f)
   )") == "3.000\t0.0\t1.000\n3.000\tfalse\tfalse\tforce \"push\"\n");
-  const Ran ran = run("world:body{ shape = feder.sphere(1) }\nworld:force{ each = function() return 0/0 end }\nworld:step(3) print('on')");
+  const Ran ran =
+      run("world:body{ shape = feder.sphere(1) }\nworld:force{ each = function() return 0/0 end }\nworld:step(3) "
+          "print('on')");
   CHECK(ran.output == "on\n");
   REQUIRE(ran.errors.size() == 1);
   CHECK(ran.errors[0].where == "test.lua:2");

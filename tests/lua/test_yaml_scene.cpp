@@ -1,10 +1,10 @@
-// Scenes as plain tables, as a YAML file gives them. The text is a Lua table here: reading YAML is tested in tests/yaml.
-#include <filesystem>
-#include <fstream>
-
+// Scenes as plain tables, as a YAML file gives them. The text is a Lua table here: reading YAML is tested in
+// tests/yaml.
+#include <lauxlib.h>
 #include <lua.h>
 
-#include <lauxlib.h>
+#include <filesystem>
+#include <fstream>
 
 #include "support/script.h"
 
@@ -17,7 +17,8 @@ lua::HostOptions reader() {
   lua::HostOptions options;
   options.load_yaml = [](void* state, const std::string& file, const std::string& text) {
     auto* L = static_cast<lua_State*>(state);
-    if (luaL_loadbufferx(L, text.data(), text.size(), file.c_str(), "t") != LUA_OK) throw lua::ScriptError(file + ":1: bad test");
+    if (luaL_loadbufferx(L, text.data(), text.size(), file.c_str(), "t") != LUA_OK)
+      throw lua::ScriptError(file + ":1: bad test");
     lua_call(L, 0, 1);
   };
   return options;
@@ -79,14 +80,19 @@ TEST_CASE("a table of bodies, joints and nets becomes a scene", "[lua][yaml]") {
 
 TEST_CASE("mistakes in a table are named", "[lua][yaml]") {
   CHECK_THAT(error_of_table("bodis = {}"), Catch::Contains("unknown option 'bodis'; did you mean 'bodies'?"));
-  CHECK_THAT(error_of_table("bodies = { { shape = { bx = {1, 1, 1} } } }"), Catch::Contains("shape: unknown shape 'bx'; did you mean 'box'?"));
-  CHECK_THAT(error_of_table("bodies = { { shape = { box = {1, -1, 1} } } }"), Catch::Contains("feder.box.height: expected a number"));
-  CHECK_THAT(error_of_table("bodies = { { shape = { sphere = 1 }, densty = 1 } }"), Catch::Contains("world:body: unknown option 'densty'; did you mean 'density'?"));
-  CHECK_THAT(error_of_table("joints = { { type = 'ball', a = 'nobody' } }"), Catch::Contains("a: no object is called 'nobody'"));
+  CHECK_THAT(error_of_table("bodies = { { shape = { bx = {1, 1, 1} } } }"),
+             Catch::Contains("shape: unknown shape 'bx'; did you mean 'box'?"));
+  CHECK_THAT(error_of_table("bodies = { { shape = { box = {1, -1, 1} } } }"),
+             Catch::Contains("feder.box.height: expected a number"));
+  CHECK_THAT(error_of_table("bodies = { { shape = { sphere = 1 }, densty = 1 } }"),
+             Catch::Contains("world:body: unknown option 'densty'; did you mean 'density'?"));
+  CHECK_THAT(error_of_table("joints = { { type = 'ball', a = 'nobody' } }"),
+             Catch::Contains("a: no object is called 'nobody'"));
   CHECK_THAT(error_of_table("bodies = 5"), Catch::Contains("bodies: expected a list, got 5"));
   CHECK_THAT(error_of_table("bodies = { 5 }"), Catch::Contains("bodies: expected a list of tables, got 5"));
   CHECK_THAT(error_of_table("cloths = { {} }"), Catch::Contains("cloths: this build leaves out the module 'cloth'"));
   CHECK_THAT(error_of_table("world = { dt = -1 }"), Catch::Contains("world.dt: expected a number above 0"));
   CHECK_THAT(error_of_table("params = { h = { min = 1 } }"), Catch::Contains("params.h: expected value:"));
-  CHECK_THAT(error_of_table("bodies = { { shape = 'plane', ['repeat'] = { count = -1 } } }"), Catch::Contains("repeat.count: expected a whole number from 0"));
+  CHECK_THAT(error_of_table("bodies = { { shape = 'plane', ['repeat'] = { count = -1 } } }"),
+             Catch::Contains("repeat.count: expected a whole number from 0"));
 }

@@ -8,9 +8,9 @@
 namespace feder::test {
 
 struct Ran {
-  std::string output;                         // of print()
-  std::string error;                          // what() of the ScriptError, "" when none
-  std::vector<lua::HandlerError> errors;      // of handlers
+  std::string output;                     // of print()
+  std::string error;                      // what() of the ScriptError, "" when none
+  std::vector<lua::HandlerError> errors;  // of handlers
 };
 
 inline const char* const kPrelude = "local feder = require 'feder'; local world = feder.world{}; ";
