@@ -3,7 +3,7 @@
 //
 // Rows are linear in the step: the normal and arm x normal stay as they were at its start, so the speed and the
 // separation of a point use the same numbers (v, w) and (moved, turned). Within a manifold the points are solved one
-// after another in impulse space: their coupling is known, so the bodies are read and written once per pass.
+// after another, there and back, in impulse space: their coupling is known, so the bodies are read and written once per pass.
 // Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's centre
 // with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
 #pragma once
@@ -273,7 +273,9 @@ template <bool kBiased>
   }
   Lanes sum = zero, held = zero;
   Lanes3 turn_a{}, turn_b{};
-  for (unsigned j = 0; j < count; ++j) {
+  // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it
+  for (unsigned sweep = 0; sweep < 2 * count; ++sweep) {
+    const unsigned j = sweep < count ? sweep : 2 * count - 1 - sweep;
     BatchPoint& q = c.point[j];
     const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
     const Lanes old = load(q.impulse);
@@ -288,11 +290,12 @@ template <bool kBiased>
     const Lanes now = max(wanted, zero);
     const Lanes change = now - old;
     store(q.impulse, now);
-    held += now;
+    if (sweep >= count) held += now;
     sum += change;
     turn_a = turn_a + load(q.turn_a) * change;
     turn_b = turn_b + load(q.turn_b) * change;
-    for (unsigned k = j + 1; k < count; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
+    for (unsigned k = 0; k < count; ++k)
+      speed[k] += (k == j ? reciprocal_or_zero(load(q.mass)) : load(c.coupling[kPair[j][k]])) * change;
   }
   push(c, s, n * sum, turn_a, turn_b);
   return held;
