@@ -76,7 +76,12 @@ void Collide::include(ObjectId a, ObjectId b) {
   Array<Exclusion>& list = impl_->exclusions;
   const auto it = place_of(list, a, b);
   if (it == list.end() || std::pair{it->a, it->b} != ordered(a, b)) return;
-  if (--it->count == 0) list.erase(it);
+  if (--it->count > 0) return;
+  list.erase(it);
+  // two sleeping ones would not be looked at otherwise
+  Colliders& c = *impl_->colliders;
+  for (std::uint32_t i = 0; i < c.size(); ++i)
+    if (c.motion[i] != ColliderMotion::none && c.object[i] == a) c.changed.push_back(i);
 }
 
 std::uint16_t Collide::material(std::string_view name) {

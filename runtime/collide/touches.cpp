@@ -55,7 +55,8 @@ void Collide::Impl::judge_watched() {
       nearest = std::min(nearest, contact.points[k].separation);
       impulse += contact.points[k].total_impulse;
     }
-    const bool touches_now = nearest <= (reported ? kTouchEnd : kTouchBegin) * margin || impulse > 0;
+    // a reported one is watched only when it is farther than kTouchEnd
+    const bool touches_now = (!reported && nearest <= kTouchBegin * margin) || impulse > 0;
     if (touches_now == reported) continue;
     add_transition(e, touches_now ? 1 : -1);
     e.bits ^= kReported;

@@ -69,6 +69,10 @@ TEST_CASE("restore then run equals run", "[collide][snapshot]") {
   const Frame frame = take(w);
   CHECK(take(w).image == frame.image);
   const std::uint64_t first = run(w, 40);
+  // what happens after the image leaves nothing behind
+  w.c().group[6] = 3;
+  w.c().awake[8] = 1;
+  run(w, 5);
   restore(w, frame);
   CHECK(take(w).image == frame.image);
   CHECK(run(w, 40) == first);
