@@ -17,6 +17,7 @@ struct BatchPoint {
 struct ContactBatch {
   unsigned mover_a[kLanes], mover_b[kLanes];  // solver indices; 0 = world
   unsigned points;                            // the largest point count of the lanes
+  unsigned rounds;                            // there and back over the points per pass: more when a lane has no warm start
   unsigned writes_a, writes_b;                // bit per lane: the mover can be pushed
   Lane8x3 normal;                             // a to b
   BatchPoint point[kBatchPoints];
@@ -40,6 +41,7 @@ struct BatchSide {
   Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s
   Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s
   Lane8 restitution;
+  Lane8 lands;                   // 1: new, or along gravity; else 0
   unsigned bounces;              // some lane has restitution
   unsigned rolls;                // some lane has rolling friction
   Lane8 rolling_arm;             // m

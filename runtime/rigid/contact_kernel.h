@@ -15,6 +15,8 @@ namespace {
 using namespace lanes;
 
 constexpr int kStride = 16;  // numbers per mover
+constexpr unsigned kColdRounds = 4;        // what lands flat settles within 1e-3 of its rotation-free answer
+constexpr WideReal kColdSpeed = 0.001f;    // m/s; a contact without warm start that closes faster is landing
 
 struct Bodies8 {
   Lanes3 v, w;
@@ -195,10 +197,19 @@ void prepare_batches(const ContactPass& p) {
     Sides s;
     gather_velocity(p, c, s);
     const Lanes along = dot(load(c.normal), linear(s.b) - linear(s.a));
+    Lanes warm = zero_lanes(), closing = load(side.lands);
     for (int j = 0; j < kBatchPoints; ++j) {
-      store(side.approach[j], point_speed(c.point[j], along, angular(s.a), angular(s.b)));
+      const Lanes approach = point_speed(c.point[j], along, angular(s.a), angular(s.b));
+      store(side.approach[j], approach);
       store(side.total[j], zero_lanes());
+      warm += load(c.point[j].impulse);
+      closing = max(closing, -approach);
     }
+    Lane8 landing;
+    store(landing, select(warm > zero_lanes(), zero_lanes(), closing));
+    c.rounds = 1;
+    for (int k = 0; k < kLanes; ++k)
+      if (landing.v[k] > kColdSpeed) c.rounds = kColdRounds;
   }
 }
 
@@ -274,8 +285,9 @@ template <bool kBiased>
   Lanes sum = zero, held = zero;
   Lanes3 turn_a{}, turn_b{};
   // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it
-  for (unsigned sweep = 0; sweep < 2 * count; ++sweep) {
-    const unsigned j = sweep < count ? sweep : 2 * count - 1 - sweep;
+  const unsigned visits = 2 * count * c.rounds;
+  for (unsigned visit = 0; visit < visits; ++visit) {
+    const unsigned r = visit % (2 * count), j = r < count ? r : 2 * count - 1 - r;
     BatchPoint& q = c.point[j];
     const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
     const Lanes old = load(q.impulse);
@@ -290,7 +302,7 @@ template <bool kBiased>
     const Lanes now = max(wanted, zero);
     const Lanes change = now - old;
     store(q.impulse, now);
-    if (sweep >= count) held += now;
+    if (visit + count >= visits) held += now;
     sum += change;
     turn_a = turn_a + load(q.turn_a) * change;
     turn_b = turn_b + load(q.turn_b) * change;

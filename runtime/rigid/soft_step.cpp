@@ -78,6 +78,7 @@ class SoftStep final : public RigidSolver {
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
   std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0
   bool bounces_ = false;
+  Vec3 gravity_ = Vec3::Zero();
 };
 
 bool movable(const MoverMass& m) {
@@ -146,6 +147,8 @@ void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) 
     q.mass.v[lane] = 1;
   }
   c.points = std::max(c.points, unsigned(contact.point_count));
+  // without warm start and yet about to carry weight: worth more rounds
+  side.lands.v[lane] = contact.fresh || std::fabs(dot(contact.normal, gravity_)) > length(gravity_) / 2 ? 1 : 0;
   c.friction_static.v[lane] = contact.friction_static;
   c.friction_dynamic.v[lane] = contact.friction_dynamic;
   c.tangent_impulse[0].v[lane] = contact.tangent_impulse[0];
@@ -225,6 +228,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   joints_.clear();
   batch_count_ = overflow_count_ = 0;
   bounces_ = false;
+  gravity_ = c.gravity;
   if (in.contacts->active.empty()) return;
   masses_ = c.scratch->take<WideMass>(mover_count);
   for (std::uint32_t i = 0; i < mover_count; ++i) {
