@@ -34,7 +34,7 @@ std::uint64_t run(FakeWorld& w, int steps) {
   for (int i = 0; i < steps; ++i) {
     for (std::uint32_t b = 1; b < w.bodies.size(); ++b) {
       if (!w.awake(b)) continue;
-      w.bodies[b].pose.position += random_point(rng, i % 4 ? Real(0.0004) : Real(0.01));
+      w.bodies[b].pose.position += random_point(rng, i % 4 == 3 ? Real(0.01) : Real(0.0004));
       w.bodies[b].pose.rotation = integrate_rotation(w.bodies[b].pose.rotation, random_point(rng, Real(0.001)));
     }
     w.step();
