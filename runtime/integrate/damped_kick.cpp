@@ -11,14 +11,26 @@ void DampedKick::apply(ForceField& field, double t, Real h, std::span<const Vec3
   force_.resize(x.size());
   field.eval(x, v, t, force_);
   ++stats.force_evals;
-  if (implicit_ && field.damped()) return solve(field, t, h, x, v, stats);
   const std::span<const Real> inv_mass = field.inv_mass();
   for (std::size_t i = 0; i < x.size(); ++i) v[i] += (h * inv_mass[i]) * force_[i];
 }
 
-void DampedKick::solve(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
-                       IntegratorStats& stats) {
+void DampedKick::apply_corrected(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+                                 IntegratorStats& stats) {
+  start_.assign(v.begin(), v.end());
+  apply(field, t, h, x, v, stats);
+  field.eval(x, v, t, force_);
+  ++stats.force_evals;
+  const std::span<const Real> inv_mass = field.inv_mass();
+  for (std::size_t i = 0; i < x.size(); ++i) v[i] = start_[i] + (h * inv_mass[i]) * force_[i];
+}
+
+void DampedKick::apply_implicit(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+                                IntegratorStats& stats) {
   const std::size_t n = x.size();
+  force_.resize(n);
+  field.eval(x, v, t, force_);
+  ++stats.force_evals;
   if (pattern_version_ != field.pattern_version() || d_.diagonal.size() != n) {
     pattern_.clear();
     field.pattern(pattern_);

@@ -1,6 +1,6 @@
-// A velocity kick v += h f/m whose velocity-dependent part is taken at the new velocity:
+// A velocity kick v += h f/m whose velocity-dependent part may be taken at the new velocity:
 //   (M - h D) dv = h f(x, v),  D = df/dv at (x, v).
-// Shared by the methods that treat damping implicitly; without damping it is the plain kick and solves nothing.
+// The solve costs tens of plain kicks, so it is done only where damping is stiff.
 #pragma once
 #include "integrate/integrator.h"
 #include "linear/cg.h"
@@ -9,16 +9,19 @@ namespace feder {
 
 class DampedKick {
  public:
-  DampedKick(Arena& a, bool implicit) : implicit_(implicit), force_(&a), d_(a), dv_(&a), cg_(a) {}
+  explicit DampedKick(Arena& a) : force_(&a), start_(&a), d_(a), dv_(&a), cg_(a) {}
 
   // One force evaluation, at (x, v, t).
   void apply(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v, IntegratorStats& stats);
+  // The same with the damping at the new velocity.
+  void apply_implicit(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+                      IntegratorStats& stats);
+  // The same to second order: a plain kick gives the velocity at which the damping is evaluated again.
+  void apply_corrected(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+                       IntegratorStats& stats);
 
  private:
-  void solve(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v, IntegratorStats& stats);
-
-  bool implicit_;
-  Array<Vec3> force_;
+  Array<Vec3> force_, start_;
   BlockSparse d_;
   Array<Vec3> dv_;
   ConjugateGradient cg_;

@@ -22,8 +22,11 @@ class ForceField {
   virtual std::span<const Real> mass() const = 0;
   // f(x, v, t), N. Replaces `force`.
   virtual void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) = 0;
-  // Does f depend on v? Then methods that treat damping implicitly have something to solve.
+  // Does f depend on v?
   virtual bool damped() const = 0;
+  // May a step of h with explicit damping be unstable? False where (h w)^2 + 2 h g <= 4 holds for upper bounds of the
+  // frequencies w and decay rates g; then methods need not solve for the damping.
+  virtual bool stiff_damping(Real h) const = 0;
   // D = df/dv as symmetric negative semidefinite 3x3 blocks. Fills it (its pattern is set).
   virtual void damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) = 0;
   // K = df/dx and D = df/dv likewise, for implicit methods: negative semidefinite, the other part is dropped.

@@ -64,12 +64,14 @@ void Net::prepare(const Vec3& gravity, const Forces* forces, TagMask tags) {
   gravity_ = gravity * settings.gravity_scale;
   acting_.clear();
   damped_ = settings.damping > 0;
+  generators_damp_ = false;
   if (forces)
     for (const ForceEntry& f : forces->list)
       if (acts_on(f, object, tags)) {
         acting_.push_back(f.force.get());
-        damped_ = damped_ || f.force->depends_on_velocity();
+        generators_damp_ = generators_damp_ || f.force->depends_on_velocity();
       }
+  damped_ = damped_ || generators_damp_;
   for (std::uint32_t k = 0; k < springs.size() && !damped_; ++k) damped_ = springs.damping[k] > 0;
 }
 

@@ -53,6 +53,7 @@ class Net final : public ForceField {
   bool frozen = false;                  // quarantined
   bool warned_stiff = false, warned_unconverged = false;
   Real checked_step = 0;                // s, substep the stiffness was checked for; 0: has to be
+  Real frequency = 0, decay = 0;        // bounds() when the step was checked
   std::uint32_t bad_point = kNone;      // found non-finite in this step
 
   // What acts this step. Called once per step; the generators are not kept beyond it.
@@ -71,6 +72,10 @@ class Net final : public ForceField {
   std::span<const Real> mass() const override { return {particles_.inertia.data() + first, points}; }
   void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) override;
   bool damped() const override { return damped_; }
+  bool stiff_damping(Real h) const override {
+    const Real hw = h * frequency;
+    return generators_damp_ || hw * hw + 2 * h * decay > 4;
+  }
   void damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) override;
   void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override;
   void pattern(std::vector<BlockIndex>& blocks) const override;
@@ -85,6 +90,7 @@ class Net final : public ForceField {
   Particles& particles_;
   Vec3 gravity_ = Vec3::Zero();  // m/s^2, scaled
   bool damped_ = false;
+  bool generators_damp_ = false;  // some generator depends on velocity, by an unknown rate
   Array<const Force*> acting_;
   Array<MassPoint> points_;      // for the generators
   Array<Vec3> below_, above_;    // their forces, for differences

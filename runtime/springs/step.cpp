@@ -18,10 +18,11 @@ void Springs::Impl::check_stiffness(StepContext& c) {
   for (auto& n : nets) {
     if (n->checked_step == c.h) continue;
     n->checked_step = c.h;
-    const IntegratorInfo info = n->integrator->info();
-    if (n->warned_stiff || std::isinf(info.stability_limit)) continue;
     double frequency = 0, decay = 0;
     n->bounds(frequency, decay);
+    n->frequency = static_cast<Real>(frequency), n->decay = static_cast<Real>(decay);
+    const IntegratorInfo info = n->integrator->info();
+    if (n->warned_stiff || std::isinf(info.stability_limit)) continue;
     const double w = info.symplectic ? frequency : std::max(frequency, decay);
     if (!(static_cast<double>(c.h) * w > info.stability_limit)) continue;
     n->warned_stiff = true;
@@ -65,6 +66,7 @@ void Springs::Impl::break_springs(Net& n, Events& events) {
     e.point = Real(0.5) * (particles.position[n.first + s.i[k]] + particles.position[n.first + s.j[k]]);
     events.add(e);
     s.remove(k);
+    n.checked_step = 0;  // a restored net starts from fresh bounds too
   }
 }
 

@@ -46,6 +46,19 @@ class SpringField final : public ForceField {
       if (s.damping != 0) return true;
     return false;
   }
+  bool stiff_damping(Real h) const override {
+    Real worst = 0;
+    for (std::size_t i = 0; i < masses.size(); ++i) {
+      Real stiff = 0, damp = 0;
+      for (const TestSpring& s : springs)
+        if (s.i == i || s.j == i) {
+          const Real rows = s.j == kNone ? Real(1) : Real(2);
+          stiff += rows * s.stiffness, damp += rows * s.damping;
+        }
+      worst = std::max(worst, (h * h * stiff + 2 * h * damp) * inv_masses[i]);
+    }
+    return worst > 4;
+  }
   void damping(std::span<const Vec3> x, std::span<const Vec3>, double, BlockSparse& d) override {
     d.set_zero();
     for (std::size_t k = 0; k < springs.size(); ++k) {
