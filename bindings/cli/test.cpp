@@ -135,7 +135,10 @@ class Test final : public Command {
     std::string note = r.notice;
     if (r.status == TestStatus::passed && r.checks) note = fmt::format("{} checks", r.checks);
     fmt::print("{:<4} {:8.3f} s  {}{}\n", word, r.seconds, r.name, note.empty() ? "" : " (" + note + ")");
-    for (const auto& f : r.failures) fmt::print("{}: {}\n", f.where.empty() ? r.name : f.where, f.message);
+    constexpr std::size_t kShown = 10;  // a check in a loop fails for every body
+    for (std::size_t i = 0; i < std::min(kShown, r.failures.size()); ++i)
+      fmt::print("{}: {}\n", r.failures[i].where.empty() ? r.name : r.failures[i].where, r.failures[i].message);
+    if (r.failures.size() > kShown) fmt::print("{}: and {} more failures\n", r.name, r.failures.size() - kShown);
     if (failed && !r.output.empty()) fmt::print("--- printed by {}\n{}{}", r.name, r.output, r.output.ends_with('\n') ? "" : "\n");
     std::fflush(stdout);
   }

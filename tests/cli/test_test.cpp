@@ -49,6 +49,19 @@ TEST_CASE("test counts failures, load errors and scenes without a check", "[cli]
   CHECK(last_line(p.run("test suite").out) == "3 passed, 4 failed, 1 skipped");
 }
 
+TEST_CASE("scenes in YAML have checks too", "[cli][test]") {
+  const Program p;
+  p.write("scene.yaml", "bodies:\n  - { name: a, shape: { sphere: 1 } }\nseconds: 0.1\ncheck: |\n  expect(world:find('a'))\n  expect(world:find('b'), 'no b')\n");
+  const Outcome o = p.run("test scene.yaml");
+  CAPTURE(o.out);
+  CHECK(o.status == 1);
+  CHECK(o.out.find("scene.yaml:6: no b\n") != std::string::npos);
+  p.write("line.yaml", "seconds: 0.1\nbodies: [{ shape: { sphere: 1 } }]\ncheck: expect(false, 'one line')\n");
+  CHECK(p.run("test line.yaml").out.find("line.yaml:3: one line\n") != std::string::npos);
+  p.write("data.yaml", "seconds: 0.1\nbodies: [{ shape: { sphere: 1 } }]\n");
+  CHECK(last_line(p.run("test data.yaml").out) == "0 passed, 0 failed, 1 skipped");
+}
+
 TEST_CASE("test says when nothing ran", "[cli][test]") {
   const Program p;
   p.write("empty/readme.txt", "nothing\n");
