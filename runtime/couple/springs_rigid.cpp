@@ -22,7 +22,7 @@ SpringsRigid::SpringsRigid(SystemSetup& s)
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
       movers_(s.store.need<Movers>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
       objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
-      holds_(&s.store.arena(kName)), touching_(&s.store.arena(kName)) {
+      holds_(&s.store.arena(kName)), held_(&s.store.arena(kName)) {
   springs_.on_remove = [](void* self, std::uint32_t first, std::uint32_t count) {
     static_cast<SpringsRigid*>(self)->release(first, count);
   };

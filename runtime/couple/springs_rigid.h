@@ -63,6 +63,8 @@ class SpringsRigid final : public System {
 
   void find_holds();
   void add_carried_mass();
+  void center_contacts(StepContext& c);
+  void warn_soft_contact(std::uint32_t collider, StepContext& c);
   // Velocity projection of all attachments; `rate` times the position error is taken out as velocity (1/s).
   void hold(int rounds, Real rate);
   Vec3 hold_error(const Hold& k) const;  // point minus anchor, m
@@ -78,7 +80,8 @@ class SpringsRigid final : public System {
   bool* structure_changed_;
   Array<Coupled> coupled_;      // ascending by particle
   Array<Hold> holds_;
-  Array<std::uint32_t> touching_;  // contacts with points of implicit nets by body, while masses are shared out
+  Array<std::uint32_t> held_;   // attachments by body
+  bool warned_ = false;         // "implicit_contact"
 };
 
 }  // namespace feder
