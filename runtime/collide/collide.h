@@ -1,12 +1,12 @@
 // Collision detection as one system: boxes -> broad phase -> narrow phase -> contacts, with begin/end events,
 // sensors, filters, and the queries. Knows colliders, not bodies.
 #pragma once
-
 #include "broad/broad_phase.h"
 #include "narrow/narrow_phase.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
 #include "step/system.h"
+#include "step/contact_service.h"
 
 namespace feder {
 
@@ -28,9 +28,9 @@ struct MaterialPair {
   Real friction_static = -1, friction_dynamic = -1, restitution = -1;  // < 0: the usual mixing
 };
 
-class Collide final : public System {
+class Collide final : public System, public ContactService {
  public:
-  static constexpr const char* kName = "collide";
+  static constexpr const char* kName = ContactService::kSystem;
   static const SystemDescriptor& descriptor();
   explicit Collide(SystemSetup& setup);
   ~Collide() override;
@@ -46,22 +46,11 @@ class Collide final : public System {
   Contacts& contacts();
   const NarrowPhase& narrow() const;
 
-  // Pairs of objects that never touch, whatever their filters (joined bodies). Counted: exclude twice, include twice.
-  void exclude(ObjectId a, ObjectId b);
-  void include(ObjectId a, ObjectId b);
-
-  // A collider is about to go, to be switched to another filter or type, or to be teleported: its contacts are
-  // removed now, and their end events queued.
-  void forget(std::uint32_t collider);
-
-  // Named materials and their pair overrides. Number 0 is "no material".
-  std::uint16_t material(std::string_view name);   // made on first use
+  void exclude(ObjectId a, ObjectId b) override;
+  void include(ObjectId a, ObjectId b) override;
+  void forget(std::uint32_t collider) override;
+  std::uint16_t material(std::string_view name) override;
   void set_material_pair(const MaterialPair& pair);
-
-  // Called in the narrow row, in deterministic order, when a touching begins between an awake and a sleeping
-  // collider: the owner wakes it. Set by the owner of bodies.
-  void (*on_touch_sleeping)(void* self, std::uint32_t sleeping_collider, std::uint32_t other_collider) = nullptr;
-  void* on_touch_self = nullptr;
 
   // Queries on the state now (boxes are refreshed from the poses when the world was edited).
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);      // nearest
@@ -77,10 +66,6 @@ class Collide final : public System {
     Real separation, impulse;
   };
   void contacts_of(ObjectId object, std::vector<ContactInfo>& out) const;
-
-  // Owners refresh world poses and boxes for queries between steps.
-  void (*refresh)(void* self) = nullptr;
-  void* refresh_self = nullptr;
 
  private:
   struct Impl;

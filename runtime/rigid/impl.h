@@ -1,10 +1,10 @@
 // The inside of the rigid system, shared by its source files.
 #pragma once
-#include "collide/collide.h"
 #include "forces/force.h"
 #include "rigid/rigid.h"
 #include "rigid/solver.h"
 #include "state/movers.h"
+#include "step/contact_service.h"
 
 namespace feder {
 
@@ -85,9 +85,10 @@ struct Rigid::Impl {
   Store& store;
   Objects& objects;
   Events& events;
-  Collide& collide;
+  ContactService& collide;
   Bodies& bodies;
   Colliders& colliders;
+  Contacts& contacts;
   Movers& movers;
   int dimension;
   bool* structure_changed;

@@ -8,8 +8,8 @@ namespace feder {
 
 Rigid::Impl::Impl(SystemSetup& s)
     : store(s.store), objects(s.objects), events(s.events),
-      collide(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), bodies(s.store.need<Bodies>(kName)),
-      colliders(collide.colliders()), movers(s.store.need<Movers>(kName)), dimension(s.dimension),
+      collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))), bodies(s.store.need<Bodies>(kName)),
+      colliders(s.store.need<Colliders>(ContactService::kSystem)), contacts(s.store.need<Contacts>(ContactService::kSystem)), movers(s.store.need<Movers>(kName)), dimension(s.dimension),
       structure_changed(s.structure_changed),
       solver(find_variant(rigid_solvers(), s.options.text("solver", "soft_step"), "rigid solver")
                  .make(s.store.arena(kName), s.options)),
@@ -33,7 +33,7 @@ Rigid::Impl::Impl(SystemSetup& s)
 }
 
 const SystemDescriptor& Rigid::descriptor() {
-  static const char* const needs[] = {Collide::kName};
+  static const char* const needs[] = {ContactService::kSystem};
   static const SystemDescriptor d = {kName, needs, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
                                        return std::make_unique<Rigid>(setup);
                                      }};

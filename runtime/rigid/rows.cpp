@@ -170,7 +170,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   s.velocity = s.angular_velocity = given_spin[p] = angular_momentum[p] = Vec3::Zero();
 }
 
-SolverInput Rigid::Impl::input() { return {&collide.contacts(), &colliders, &movers, {joints.data(), joints.size()}}; }
+SolverInput Rigid::Impl::input() { return {&contacts, &colliders, &movers, {joints.data(), joints.size()}}; }
 
 void Rigid::Impl::prepare(StepContext& c) {
   SolverInput in = input();

@@ -55,7 +55,6 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
 // Wakes the sleepers that touch body i, and those joined to it.
 void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   if (sleeping_count == 0) return;
-  const Contacts& contacts = collide.contacts();
   const auto owner = [&](std::uint32_t collider) {
     return colliders.owner[collider] == ObjectKind::body ? colliders.owner_index[collider] : kNone;
   };
@@ -132,7 +131,6 @@ void Rigid::Impl::join_islands() {
     if (moves_a && carries(b)) calm[a] = 0;
     if (moves_b && carries(a)) calm[b] = 0;
   };
-  const Contacts& contacts = collide.contacts();
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;

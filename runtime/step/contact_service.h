@@ -1,0 +1,36 @@
+// What owners of colliders (rigid bodies, net points) may ask of collision detection, and what it asks of them.
+// The system named "collide" implements it; owners find it by name and know no more of it.
+#pragma once
+#include <string_view>
+
+#include "state/objects.h"
+
+namespace feder {
+
+class ContactService {
+ public:
+  static constexpr const char* kSystem = "collide";  // also the arena of Colliders and Contacts
+  virtual ~ContactService() = default;
+
+  // Pairs of objects that never touch, whatever their filters (joined bodies). Counted: exclude twice, include twice.
+  virtual void exclude(ObjectId a, ObjectId b) = 0;
+  virtual void include(ObjectId a, ObjectId b) = 0;
+
+  // A collider is about to go, to be switched to another filter or type, or to be teleported: its contacts are
+  // removed now, and their end events queued.
+  virtual void forget(std::uint32_t collider) = 0;
+
+  // The number of a named material, made on first use. Number 0 is "no material".
+  virtual std::uint16_t material(std::string_view name) = 0;
+
+  // Called in the narrow row, in deterministic order, when a touching begins between an awake and a sleeping
+  // collider: the owner wakes it. Set by the owner of bodies.
+  void (*on_touch_sleeping)(void* self, std::uint32_t sleeping_collider, std::uint32_t other_collider) = nullptr;
+  void* on_touch_self = nullptr;
+
+  // Refreshes world poses and boxes for queries between steps. Set by the owner of bodies.
+  void (*refresh)(void* self) = nullptr;
+  void* refresh_self = nullptr;
+};
+
+}  // namespace feder
