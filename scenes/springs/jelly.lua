@@ -2,9 +2,9 @@
 local feder = require "feder"
 local build = require "feder.build"
 
-local cells = feder.param("cells", 4, { min = 2, max = 10 })
-local box_mass = feder.param("box_mass", 4, { min = 0.1, max = 40 })
-local stiffness = feder.param("stiffness", 900, { min = 100, max = 5000 })
+local cells = feder.param("cells", 4, { min = 3, max = 6 })
+local box_mass = feder.param("box_mass", 4, { min = 0.1, max = 5, help = "kg; one of 8 ends on the floor" })
+local stiffness = feder.param("stiffness", 900, { min = 100, max = 2000 })
 
 local size, radius = 1, 0.06
 
