@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 
+#include "base/rng.h"
 #include "collide/collide.h"
 #include "rigid/rigid.h"
 #include "rigid/solver.h"
@@ -63,6 +64,13 @@ inline BodyDesc ground_of(Real friction, const Vec3& normal = Vec3(0, 1, 0), Rea
   d.shape = make_plane(normal, distance);
   d.friction_static = d.friction_dynamic = friction;
   return d;
+}
+
+// Three draws one after another: the order of function arguments is the compiler's choice.
+inline Vec3 draw(Rng& rng, Real size) {
+  Vec3 v;
+  for (int k = 0; k < 3; ++k) v[k] = rng.uniform(-size, size);
+  return v;
 }
 
 // Complete elliptic integral K(m) by the arithmetic-geometric mean.

@@ -121,8 +121,8 @@ TEST_CASE("momentum and angular momentum last 10000 steps with joints and contac
   std::vector<ObjectId> link;
   for (int i = 0; i < 6; ++i) {
     BodyDesc d = body_of(make_box(Real(0.4), Real(0.2), Real(0.3)), Vec3(Real(0.5) * Real(i), 0, 0), Real(1 + i % 3), Real(0.4));
-    d.velocity = Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
-    d.angular_velocity = Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    d.velocity = draw(rng, 1);
+    d.angular_velocity = draw(rng, 1);
     link.push_back(rigid.add_body(d));
   }
   const char* const kinds[] = {"ball", "hinge", "distance", "weld", "ball"};

@@ -20,10 +20,13 @@ void fill(ClosedScene& s) {
   const ShapePtr shapes[] = {make_box(Real(0.6), Real(0.4), Real(0.5)), make_sphere(Real(0.3)),
                              make_capsule(Real(0.2), Real(0.8)), make_cylinder(Real(0.3), Real(0.5))};
   for (int i = 0; i < 40; ++i) {
-    BodyDesc d = body_of(shapes[i % 4], Vec3(rng.uniform(-1, 1), Real(2.5 + 0.5 * i), rng.uniform(-1, 1)),
-                         rng.uniform(1, 3), Real(0.5));
-    d.rotation = from_axis_angle(Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)), rng.uniform(0, 3));
-    d.angular_velocity = Vec3(rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-2, 2));
+    Vec3 at = draw(rng, 1);
+    at[1] = Real(2.5) + Real(0.5) * Real(i);
+    const Real mass = rng.uniform(1, 3);
+    BodyDesc d = body_of(shapes[i % 4], at, mass, Real(0.5));
+    const Vec3 axis = draw(rng, 1);
+    d.rotation = from_axis_angle(axis, rng.uniform(0, 3));
+    d.angular_velocity = draw(rng, 2);
     d.restitution = i % 5 == 0 ? Real(0.5) : Real(0);
     s.rigid().add_body(d);
   }
