@@ -56,7 +56,7 @@ TEST_CASE("a changed or foreign snapshot is refused", "[lua][world]") {
              Catch::Contains("test.lua:1: world:restore: expected a string that world:snapshot() gave"));
   CHECK_THAT(error_of(make + "world:restore(s:sub(1, -2))"),
              Catch::Contains("test.lua:1: world:restore: the snapshot is another world's, or has been changed"));
-  CHECK_THAT(error_of(make + "world:restore(s:sub(1, 200) .. '\\1' .. s:sub(202))"),
+  CHECK_THAT(error_of(make + "world:restore(s:sub(1, 200) .. string.char((s:byte(201) + 1) % 256) .. s:sub(202))"),
              Catch::Contains("or has been changed"));
   CHECK_THAT(error_of(make + "feder.world{}:restore(s)"), Catch::Contains("the snapshot is another world's"));
   CHECK_THAT(error_of(make + "world:net{ points = {{0,0,0}} } world:restore(s)"),
@@ -83,12 +83,12 @@ TEST_CASE("a world tells about itself", "[lua][world]") {
     local b = world:body{ shape = feder.sphere(1), mass = 2, position = {0, 10, 0}, velocity = {3, 0, 0} }
     local k, p, e = world:energy()
     print(("%.2f %.2f %.2f"):format(k, p, e), (world:momentum()), select(3, world:angular_momentum()))
-    print(world:is_finite(), world:max_penetration(), type(world:residuals()), world:dimension(), world:gravity())
+    print(world:is_finite(), world:max_penetration(), type(world:residuals()), world:dimension(), ("%.4f"):format(select(2, world:gravity())))
     world:set_gravity(0, 0, 0):step(60)
     print(("%.3f %.3f"):format(b:position()), world:time(), b:mass(), b:type())
     local r = world:report()
     print(r.bodies, r.steps, #r.plan > 0, r.plan[1].name, r.systems[1].name ~= nil, r.bytes > 0)
-  )") == "9.00 196.20 0.00\t6.0\t-60.0\ntrue\t0.0\ttable\t3\t0.0\t-9.8100004196167\t0.0\n3.000 "
+  )") == "9.00 196.20 0.00\t6.0\t-60.0\ntrue\t0.0\ttable\t3\t-9.8100\n3.000 "
          "10.000\t1.0\t2.0\tdynamic\n1\t60\ttrue\tbegin\ttrue\ttrue\n");
 }
 
