@@ -125,6 +125,7 @@ struct Rigid::Impl {
   Array<std::uint32_t> point_place;
   std::uint32_t body_count = 0, sleeping_count = 0;
   std::size_t force_count = 0;        // forces known when the rows were made
+  bool cap_warned = false;            // the warning about the iteration limit was raised
   bool poses_stale = false;           // collider poses are those of the start of the last step
   bool any_calm = false;
 };

@@ -188,6 +188,11 @@ void Rigid::Impl::finish_solve(StepContext& c) {
   SolverInput in = input();
   if (joint_count == 0) in.joints = {};
   solver->finish(in, c);
+  const std::uint64_t capped = solver->capped();
+  if (capped == 0 || cap_warned) return;
+  cap_warned = true;  // once: rigid.capped of the residuals goes on counting
+  events.warn("iteration_limit", "the rigid solver reached its iteration limit " + std::to_string(capped) +
+                                     " times in a step: contacts or joints are left unresolved");
 }
 
 bool Rigid::Impl::commit_finite(std::uint32_t p) const {

@@ -225,3 +225,13 @@ TEST_CASE("two dimensions", "[lua][world]") {
     print(w:raycast(0, 5, 0, 0, -1, 0) == b)
   )") == "0.00 0.50 0.00\t1000\ttrue\n1.0\t2.0\t0.0\ntrue\n");
 }
+
+TEST_CASE("an iteration limit that is reached is said once", "[lua][world]") {
+  CHECK(output_of(R"(
+    local w = feder.world{ rigid = { solver = "impulse", iterations = 1 } }
+    w:body{ type = "static", shape = feder.plane() }
+    for i = 1, 12 do w:body{ shape = feder.box(1,1,1), position = {0.1 * (i % 3), i * 0.98, 0} } end
+    w:on("warning", function(e) print(e.code, e.message:match("iteration limit")) end)
+    w:step(60)
+  )") == "iteration_limit\titeration limit\n");
+}
