@@ -129,7 +129,7 @@ struct Collide::Impl {
   void test_pair(std::uint32_t head, Real dt);
   void test_sensor(ContactEntry& e);
   bool recycle(std::span<const ContactEntry> group);
-  void test_fresh(std::span<const ContactEntry> group);
+  void test_fresh(std::span<const ContactEntry> group, Real margin);
   void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
   void mix(Contact& contact) const;
   void judge(ContactEntry& e, Real margin, Real dt);

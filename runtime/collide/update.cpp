@@ -77,7 +77,10 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
     m.reach = std::min(seen[a].reach, seen[b].reach);
     m.margin = std::min(kSpeculative, kSpeculativePart * m.reach);
   }
-  if (!recycle(group)) test_fresh(group);
+  // a bullet looks ahead as far as it may come in this step, afresh each time
+  const bool bullet = c.bullet[a] || c.bullet[b];
+  const Real ahead = bullet ? length(c.velocity[b] - c.velocity[a]) * dt : Real(0);
+  if (ahead > 0 || !recycle(group)) test_fresh(group, m.margin + ahead);
   for (ContactEntry& e : group) {
     Contact& contact = contacts->slots[e.slot];
     if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);
@@ -133,13 +136,12 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   return true;
 }
 
-void Collide::Impl::test_fresh(std::span<const ContactEntry> group) {
+void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin) {
   const Colliders& c = *colliders;
   ContactMemory& m = memory[group[0].slot];
   const std::uint32_t a = group[0].a, b = group[0].b;
   Manifold found[kMaxManifolds];
-  const int count =
-      narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], m.margin, m.cache, found);
+  const int count = narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
   m.valid = 1;
   m.between = c.center[b] - c.center[a];
   m.rotation_a = c.pose[a].rotation, m.rotation_b = c.pose[b].rotation;
