@@ -23,7 +23,10 @@ World::World(const WorldDesc& desc, Catalog catalog)
   check(desc);
 }
 
-World::~World() = default;
+World::~World() {
+  // a coupling lets go of its partners: last made, first gone
+  while (!systems_.empty()) systems_.pop_back();
+}
 
 void World::set_gravity(const Vec3& g) {
   if (!feder::is_finite(g)) throw SceneError("gravity: expected three finite numbers");
