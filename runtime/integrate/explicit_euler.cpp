@@ -8,9 +8,13 @@ namespace {
 
 class ExplicitEuler final : public Integrator {
  public:
-  explicit ExplicitEuler(Arena& a) : force_(&a) {}
+  explicit ExplicitEuler(Arena& a) : Integrator(a), force_(&a) {}
 
-  IntegratorInfo info() const override { return {1, 0, 1, false, false}; }
+  IntegratorInfo info() const override {
+    static constexpr double kPolynomial[] = {1, 1};
+    return {.order = 1, .stability_limit = 0, .evals_per_step = 1, .damped_limit = damped_limit,
+            .stability_polynomial = kPolynomial};
+  }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     force_.resize(x.size());
@@ -25,6 +29,8 @@ class ExplicitEuler final : public Integrator {
   }
 
  private:
+  static double damped_limit(double z) { return z <= 1 ? 2 * z : 2 * (z - std::sqrt(z * z - 1)); }
+
   Array<Vec3> force_;
 };
 

@@ -23,7 +23,7 @@ constexpr int kMaxHalvings = 4;
 class ImplicitEuler final : public Integrator {
  public:
   ImplicitEuler(Arena& a, const Params& p)
-      : newton_cap_(p.integer("iterations", 8, 1, 100)), cg_cap_(p.integer("cg_iterations", 0, 0, 100000)),
+      : Integrator(a), newton_cap_(p.integer("iterations", 8, 1, 100)), cg_cap_(p.integer("cg_iterations", 0, 0, 100000)),
         force_(&a), x_new_(&a), v_start_(&a), v_base_(&a), residual_(&a), dv_(&a), a_(a), d_(a), cg_(a) {}
 
   IntegratorInfo info() const override { return {1, static_cast<double>(kInfinity), 2, true, false}; }

@@ -1,11 +1,13 @@
 // Time integrators for x'' = f(x, v, t)/m. The integrator drives: it asks for forces as often as it wants.
-// One file per method, one feder_variant(integrate <method>) line. Contract, checked for every row by
-// tests/integrate/test_integrator_contract.cpp: convergence order, stability limit h*w on the oscillator, momentum of
-// free systems, pinned points stay, no allocation after the first step of a size, nothing remembered between steps
-// (a state written from outside, by a contact or a snapshot, continues like a fresh start).
+// One file per method, one feder_variant(integrate <method>) line. Contract, checked for every row by the tests in
+// tests/integrate: convergence order, stability limits h*w on the oscillator, momentum of free systems, pinned points
+// stay, no allocation after the first step of a size. What a method remembers from step to step is in `memory` and
+// nowhere else: with it saved and loaded the run goes on bit for bit, and a state written from outside (by a contact, a
+// script) is noticed and continues like a fresh start. Most remember nothing.
 #pragma once
 #include <span>
 
+#include "base/arena.h"
 #include "base/registry.h"
 #include "base/params.h"
 #include "base/math.h"
@@ -38,25 +40,42 @@ class ForceField {
 struct IntegratorInfo {
   int order = 1;                // of the global error
   double stability_limit = 0;   // largest h*omega on the undamped oscillator; 0 = never stable, infinity = always
-  int evals_per_step = 1;
-  bool implicit = false;
-  bool symplectic = false;
+  int evals_per_step = 1;       // force evaluations; at least that many where `implicit` or `adaptive`
+  bool implicit = false;        // solves systems with K
+  bool symplectic = false;      // without damping; the energy swings and does not drift
+  bool adaptive = false;        // cuts h into steps of its own (limits and order are those of one, see rk45.cpp)
+  bool l_stable = false;        // what is far too stiff for h is damped out in a step
+  bool exact_linear = false;    // linear forces are integrated exactly
+  // Largest h*omega with the damping ratio zeta, where a formula gives it.
+  double (*damped_limit)(double zeta) = nullptr;
+  // Of explicit Runge-Kutta methods: one step multiplies a solution e^(lambda t) by sum c_k (h lambda)^k.
+  std::span<const double> stability_polynomial = {};
 };
 
 struct IntegratorStats {
   std::uint64_t force_evals = 0, jacobian_evals = 0, linear_solves = 0, cg_iterations = 0;
   std::uint64_t unconverged = 0;  // solves that ended at the cap: reported as a warning
+  std::uint64_t substeps = 0, rejected = 0;  // of adaptive methods: accepted and thrown away
   double residual = 0;            // of the last solve, relative
+};
+
+// State of a multi-step method as plain data: part of snapshots and of the state hash. Empty for one-step methods.
+struct IntegratorMemory {
+  explicit IntegratorMemory(Arena& a) : points(&a), numbers(&a) {}
+  Array<Vec3> points;
+  Array<double> numbers;
 };
 
 // No allocation after the first step of a size.
 class Integrator {
  public:
+  explicit Integrator(Arena& a) : memory(a) {}
   virtual ~Integrator() = default;
   virtual IntegratorInfo info() const = 0;
   // Advances x and v by h from time t, in place.
   virtual void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) = 0;
   IntegratorStats stats;
+  IntegratorMemory memory;
 };
 
 std::span<const Variant<Integrator>> integrators();

@@ -20,9 +20,12 @@ Damping damping_option(const Params& p) {
 
 class SymplecticEuler final : public Integrator {
  public:
-  SymplecticEuler(Arena& a, const Params& p) : damping_(damping_option(p)), kick_(a) {}
+  SymplecticEuler(Arena& a, const Params& p) : Integrator(a), damping_(damping_option(p)), kick_(a) {}
 
-  IntegratorInfo info() const override { return {1, 2, 1, false, true}; }
+  IntegratorInfo info() const override { 
+    return {.order = 1, .stability_limit = 2, .evals_per_step = 1, .symplectic = true,
+            .damped_limit = damping_ == Damping::plain ? explicit_limit : implicit_limit};
+  }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     const bool solve = damping_ == Damping::implicit || (damping_ == Damping::automatic && field.stiff_damping(h));
@@ -36,6 +39,9 @@ class SymplecticEuler final : public Integrator {
   }
 
  private:
+  static double explicit_limit(double z) { return 2 * (std::sqrt(z * z + 1) - z); }
+  static double implicit_limit(double z) { return 2 * (std::sqrt(z * z + 1) + z); }
+
   Damping damping_;
   DampedKick kick_;
 };

@@ -10,9 +10,12 @@ namespace {
 
 class VelocityVerlet final : public Integrator {
  public:
-  explicit VelocityVerlet(Arena& a) : kick_(a) {}
+  explicit VelocityVerlet(Arena& a) : Integrator(a), kick_(a) {}
 
-  IntegratorInfo info() const override { return {2, 2, 2, false, true}; }
+  IntegratorInfo info() const override { 
+    return {.order = 2, .stability_limit = 2, .evals_per_step = 2, .symplectic = true,
+            .damped_limit = [](double) { return 2.0; }};
+  }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     const Real half = h / 2;

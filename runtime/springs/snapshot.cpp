@@ -1,5 +1,5 @@
 // State hash and snapshots of the springs system. A net that was destroyed or made since is undone: integrators are
-// made again by name, they remember nothing between steps.
+// made again by name and get back what they remembered.
 #include "springs/impl.h"
 
 namespace feder {
@@ -53,6 +53,8 @@ void Springs::hash(Hash& h) const {
   for (const auto& n : impl_->nets) {
     h.add(n->points), h.add(n->frozen);
     h.bytes(n->integrator_name.data(), n->integrator_name.size());
+    for (const Vec3& p : n->integrator->memory.points) h.add(p);
+    for (const double d : n->integrator->memory.numbers) h.add(d);
     for (std::uint32_t k = 0; k < n->springs.size(); ++k) {
       h.add(n->springs.i[k]), h.add(n->springs.j[k]), h.add(n->springs.alive[k]);
       h.add(n->springs.stiffness[k]), h.add(n->springs.damping[k]), h.add(n->springs.rest_length[k]);
@@ -71,6 +73,7 @@ void Springs::save(Writer& w) const {
     w.text(n->integrator_name);
     save_params(w, n->integrator_options);
     w.add(n->integrator->stats);
+    w.list(n->integrator->memory.points), w.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](const auto& array) { w.list(array); });
   }
 }
@@ -89,6 +92,7 @@ void Springs::load(Reader& r) {
     r.text(name);
     m.attach_integrator(*n, name, load_params(r));
     r.get(n->integrator->stats);
+    r.list(n->integrator->memory.points), r.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](auto& array) { r.list(array); });
     m.nets.push_back(std::move(n));
   }
