@@ -1,6 +1,7 @@
 // Script: the C++ face. Every way into Lua goes through State::call, so that nothing unwinds into the host.
 #include "lua/host.h"
 
+#include "lua/console.h"
 #include "lua/library.h"
 #include "lua/params.h"
 #include "lua/records.h"
@@ -92,6 +93,7 @@ void Script::load_file(const std::filesystem::path& file) {
   State& s = impl_->state;
   std::string text;
   try {
+    note_file(s, file);
     text = read_text(file);
   } catch (const SceneError& e) {
     throw ScriptError(e.what());
@@ -160,6 +162,24 @@ std::vector<HandlerProfile> Script::handler_profile() const {
   for (const HandlerProfile& p : impl_->state.profile)
     if (p.calls > 0) used.push_back(p);
   return used;
+}
+
+const std::vector<PlotSeries>& Script::plots() const {
+  return impl_->state.plots;
+}
+const std::vector<std::filesystem::path>& Script::files() const {
+  return impl_->state.files;
+}
+
+std::string Script::run_string(std::string_view text, const std::string& chunk) {
+  const Impl::InPhase phase(impl_->state, Phase::running);
+  std::string result;
+  impl_->protect([&](lua_State* L) { result = run_console(L, text, chunk); });
+  return result;
+}
+
+void Script::set_instruction_limit(std::uint64_t per_call) {
+  impl_->state.options.instruction_limit = per_call;
 }
 
 void Script::on_step(std::function<void(World&)> callback) {

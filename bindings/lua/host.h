@@ -2,6 +2,7 @@
 // Hides Lua completely. Errors are ScriptError with "file:line: message"; nothing a script does ends the process.
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -67,6 +68,16 @@ struct HandlerProfile {
   std::uint64_t calls = 0, nanoseconds = 0;
 };
 
+// What a script passed to feder.plot under one name: the last values, oldest first.
+struct PlotSeries {
+  struct Point {
+    double time = 0;  // s, simulated
+    double value = 0;
+  };
+  std::string name;
+  std::deque<Point> points;
+};
+
 class Script {
  public:
   explicit Script(HostOptions options);
@@ -94,6 +105,17 @@ class Script {
   CheckResult check();
   const std::vector<HandlerError>& handler_errors() const;
   std::vector<HandlerProfile> handler_profile() const;
+
+  const std::vector<PlotSeries>& plots() const;
+  // Files read so far, in the order they were first read: the scene, what it requires and loads. Complete after an
+  // error too, the file with the mistake included.
+  const std::vector<std::filesystem::path>& files() const;
+
+  // Runs Lua text in the scene, between two steps. It sees the script's globals, `world`, `scene` and `feder`; what it
+  // assigns is kept for the next text. An expression gives its value as text. ScriptError as ever.
+  std::string run_string(std::string_view text, const std::string& chunk_name = "console");
+  // From the next call on; takes effect only when the script was made with a limit.
+  void set_instruction_limit(std::uint64_t per_call);
 
   // Called after every step of any world (plain scripts included): progress, recording.
   void on_step(std::function<void(World&)> callback);

@@ -5,6 +5,7 @@
 #include "lua/library.h"
 #include "lua/objects.h"
 #include "lua/params.h"
+#include "lua/plot.h"
 #include "lua/sandbox.h"
 #include "lua/scene.h"
 #include "lua/shapes.h"
@@ -58,6 +59,7 @@ const Method kFederFunctions[] = {
      "in a task: until fn() is true, asked after each step"},
     {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table",
      "in a task: until such an event, which it returns as a copy"},
+    {"plot", guard<feder_plot>, "feder.plot(name, value)", "a value over simulated time; the viewer draws it"},
     {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
 };
 

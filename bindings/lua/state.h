@@ -102,6 +102,9 @@ struct State {
   std::vector<HandlerError> errors;
   std::vector<HandlerProfile> profile;
   std::function<void(World&)> on_step;
+  std::vector<PlotSeries> plots;
+  std::vector<std::filesystem::path> files;  // read so far
+  int console_ref = LUA_NOREF;               // environment of Script::run_string
 };
 
 inline State& state(lua_State* L) {

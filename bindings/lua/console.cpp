@@ -1,0 +1,65 @@
+#include "lua/console.h"
+
+#include "lua/records.h"
+#include "lua/sandbox.h"
+
+namespace feder::lua {
+namespace {
+
+// Leaves the console's environment: names of its own, then world, scene and feder, then the script's globals.
+void push_environment(lua_State* L) {
+  State& s = state(L);
+  if (s.console_ref == LUA_NOREF) {
+    lua_newtable(L);
+    lua_newtable(L);
+    lua_pushglobaltable(L);
+    lua_setfield(L, -2, "__index");
+    lua_setmetatable(L, -2);
+    s.console_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  }
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.console_ref);
+  if (s.last_world < s.worlds.size() && s.worlds[s.last_world]->world)
+    push_world(L, *s.worlds[s.last_world]);
+  else
+    lua_pushnil(L);
+  lua_setfield(L, -2, "world");
+  if (s.scene.passed != LUA_NOREF) {
+    lua_rawgeti(L, LUA_REGISTRYINDEX, s.scene.passed);
+    lua_setfield(L, -2, "scene");
+  }
+  lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
+  lua_getfield(L, -1, "feder");
+  lua_setfield(L, -3, "feder");
+  lua_pop(L, 1);
+}
+
+// Pushes the text as a function: as an expression when it is one.
+void compile(lua_State* L, std::string_view text, const std::string& chunk) {
+  const std::string expression = "return " + std::string(text);
+  if (luaL_loadbufferx(L, expression.data(), expression.size(), chunk.c_str(), "t") == LUA_OK) return;
+  lua_pop(L, 1);
+  if (luaL_loadbufferx(L, text.data(), text.size(), chunk.c_str(), "t") != LUA_OK) lua_error(L);
+}
+
+}  // namespace
+
+std::string run_console(lua_State* L, std::string_view text, const std::string& chunk_name) {
+  const int base = lua_gettop(L);
+  compile(L, text, "=" + chunk_name);
+  push_environment(L);
+  if (!lua_setupvalue(L, -2, 1)) lua_pop(L, 1);
+  lua_call(L, 0, LUA_MULTRET);
+  std::string result;
+  for (int i = base + 1, top = lua_gettop(L); i <= top; ++i) {
+    push_text(L, i);
+    std::size_t size = 0;
+    const char* shown = lua_tolstring(L, -1, &size);
+    if (i > base + 1) result += '\t';
+    result.append(shown, size);
+    lua_pop(L, 1);
+  }
+  lua_settop(L, base);
+  return result;
+}
+
+}  // namespace feder::lua
