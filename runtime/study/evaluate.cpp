@@ -1,0 +1,204 @@
+// Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
+// Orders: least squares over the finest points whose errors are small, yet above the floor of the reference. They are
+// read off positions and velocities together: one of them alone may cross zero at t_end by luck of the phase.
+#include "study/evaluate.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/error.h"
+#include "study/norms.h"
+
+namespace feder {
+namespace {
+
+constexpr double kTimeMargin = 0.9;
+constexpr double kSmall = 0.05;           // errors above it are not in the regime an order speaks of
+constexpr std::size_t kFitPoints = 4;
+constexpr double kFinestTarget = 1e-11;
+
+bool counts(const StudyPoint& p) {
+  return p.completed && (p.status == PointStatus::ok || p.status == PointStatus::slow);
+}
+
+// Non-dominated places by (cost, error), cheapest first.
+template <class Cost>
+std::vector<std::size_t> front(const StudyResult& r, Cost cost, double margin) {
+  std::vector<std::size_t> all, out;
+  for (std::size_t i = 0; i < r.points.size(); ++i)
+    if (counts(r.points[i]) && std::isfinite(cost(r.points[i])) &&
+        std::isfinite(ranking_error(r.problem, r.points[i])))
+      all.push_back(i);
+  // below the floor of the reference nobody is better
+  const auto error = [&](std::size_t i) {
+    return std::max(ranking_error(r.problem, r.points[i]), r.problem.reference.floor());
+  };
+  for (const std::size_t i : all) {
+    const double c = cost(r.points[i]), e = error(i);
+    const bool beaten = std::any_of(all.begin(), all.end(), [&](std::size_t j) {
+      const double cj = cost(r.points[j]), ej = error(j);
+      return j != i && cj <= margin * c && ej <= e && (cj < margin * c || ej < e);
+    });
+    if (!beaten) out.push_back(i);
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [&](std::size_t a, std::size_t b) { return cost(r.points[a]) < cost(r.points[b]); });
+  return out;
+}
+
+struct Axis {
+  const char* name;
+  double (*value)(const StudyPoint&);
+};
+constexpr Axis kAxes[] = {
+    {"tol", [](const StudyPoint& p) { return p.tol; }},
+    {"h", [](const StudyPoint& p) { return p.h_s; }},
+    {"substeps", [](const StudyPoint& p) { return p.substeps > 0 ? double(p.substeps) : NAN; }},
+    {"iters", [](const StudyPoint& p) { return p.iters > 0 ? double(p.iters) : NAN; }},
+};
+
+// Points of one method, in the order of the plan.
+std::vector<const StudyPoint*> points_of(const StudyResult& r, const std::string& method) {
+  std::vector<const StudyPoint*> out;
+  for (const StudyPoint& p : r.points)
+    if (p.method == method) out.push_back(&p);
+  return out;
+}
+
+// The one axis that varies, or null: with several there is no order to fit.
+const Axis* varying_axis(const std::vector<const StudyPoint*>& points) {
+  const Axis* found = nullptr;
+  for (const Axis& a : kAxes) {
+    bool varies = false;
+    for (const StudyPoint* p : points) {
+      const double x = a.value(*p), first = a.value(*points.front());
+      varies = varies || (std::isfinite(x) && std::isfinite(first) && x != first);
+    }
+    if (!varies) continue;
+    if (found) return nullptr;
+    found = &a;
+  }
+  return found;
+}
+
+double state_error(const ProblemInfo& problem, const StudyPoint& p) {
+  if (problem.chaotic || !std::isfinite(p.err_end_v)) return ranking_error(problem, p);
+  return std::hypot(p.err_end, p.err_end_v);
+}
+
+void fit_orders(StudyResult& r) {
+  for (const MethodInfo& m : r.methods) {
+    const auto all = points_of(r, m.name);
+    const Axis* axis = all.empty() ? nullptr : varying_axis(all);
+    if (!axis) continue;
+    std::vector<std::pair<double, double>> used;  // axis, error
+    for (const StudyPoint* p : all) {
+      const double e = state_error(r.problem, *p);
+      if (counts(*p) && !p->below_floor && e > 0 && e < kSmall) used.push_back({axis->value(*p), e});
+    }
+    if (used.size() < 3) continue;
+    // the plan goes from coarse to fine: the last are the finest
+    if (used.size() > kFitPoints) used.erase(used.begin(), used.end() - kFitPoints);
+    std::vector<double> x, y;
+    OrderFit fit{m.name, axis->name, NAN, NAN, NAN, used.back().first, used.front().first, int(used.size())};
+    for (const auto& [a, e] : used) x.push_back(std::log10(a)), y.push_back(std::log10(e));
+    const Line line = fit_line(x, y);
+    fit.slope = line.slope, fit.rms = line.rms;
+    if (fit.axis == "h" && m.order > 0) fit.expected = m.order;
+    if (fit.axis == "tol") fit.expected = 1;
+    if (fit.lo > fit.hi) std::swap(fit.lo, fit.hi);
+    r.fits.push_back(std::move(fit));
+  }
+}
+
+// log-log between two points that enclose the target
+double between(double e0, double e1, double a, double b, double target) {
+  if (!(a > 0 && b > 0)) return NAN;
+  const double s = e0 == e1 ? 0 : (std::log(target) - std::log(e0)) / (std::log(e1) - std::log(e0));
+  return std::exp(std::log(a) + s * (std::log(b) - std::log(a)));
+}
+
+// Cheapest crossing of the target on the method's own polyline, by work. False: it never gets there.
+bool reach(const StudyResult& r, const std::string& method, double target, CostToAccuracy& out) {
+  std::vector<const StudyPoint*> own;
+  for (const StudyPoint* p : points_of(r, method))
+    if (counts(*p) && ranking_error(r.problem, *p) > 0 && p->work > 0) own.push_back(p);
+  std::stable_sort(own.begin(), own.end(), [](auto* a, auto* b) { return a->work < b->work; });
+  const auto error = [&](const StudyPoint* p) { return std::max(ranking_error(r.problem, *p), r.problem.reference.floor()); };
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (error(own[i]) > target) continue;
+    const StudyPoint *b = own[i], *a = i > 0 ? own[i - 1] : b;
+    const double ea = error(a), eb = error(b);
+    const auto at = [&](double x, double y) { return i > 0 ? between(ea, eb, x, y, target) : y; };
+    out = {target, method, at(a->h_s, b->h_s), at(a->tol, b->tol),
+           at(double(a->count.force_evals), double(b->count.force_evals)), at(a->work, b->work),
+           at(a->t_min_s, b->t_min_s), false, false};
+    return true;
+  }
+  return false;
+}
+
+void fill_costs(StudyResult& r) {
+  for (double target = 0.1; target > kFinestTarget && target > r.problem.reference.floor(); target /= 10) {
+    const std::size_t first = r.cost_to_accuracy.size();
+    for (const MethodInfo& m : r.methods) {
+      CostToAccuracy c;
+      // 0.1, not 0.1 less rounding of the division
+      if (reach(r, m.name, std::pow(10, std::round(std::log10(target))), c)) r.cost_to_accuracy.push_back(std::move(c));
+    }
+    CostToAccuracy *work = nullptr, *time = nullptr;
+    for (std::size_t i = first; i < r.cost_to_accuracy.size(); ++i) {
+      CostToAccuracy& c = r.cost_to_accuracy[i];
+      if (!work || c.work < work->work) work = &c;
+      if (std::isfinite(c.time_s) && (!time || c.time_s < time->time_s)) time = &c;
+    }
+    if (work) work->cheapest_work = true;
+    if (time) time->cheapest_time = true;
+  }
+}
+
+}  // namespace
+
+double ranking_error(const ProblemInfo& problem, const StudyPoint& p) {
+  // chaos: how much of the run was beyond the horizon
+  if (problem.chaotic) return std::isnan(p.err_horizon_s) ? NAN : 1 - p.err_horizon_s / problem.t_end;
+  return p.err_end;
+}
+
+void evaluate(StudyResult& r) {
+  r.fits.clear(), r.cost_to_accuracy.clear();
+  for (StudyPoint& p : r.points) p.on_front_time = p.on_front_work = false;
+  r.front_time = front(r, [](const StudyPoint& p) { return p.t_min_s; }, kTimeMargin);
+  r.front_work = front(r, [](const StudyPoint& p) { return p.work; }, 1.0);
+  for (const std::size_t i : r.front_time) r.points[i].on_front_time = true;
+  for (const std::size_t i : r.front_work) r.points[i].on_front_work = true;
+  fit_orders(r);
+  fill_costs(r);
+}
+
+StudyResult merge_shards(std::vector<StudyResult> shards) {
+  if (shards.empty()) throw SceneError("merge: expected at least one result, got none");
+  StudyResult all = std::move(shards.front());
+  const auto params = [](const StudyResult& r) {
+    std::string s = r.problem.name;
+    for (const ProblemParam& p : r.problem.params) s += " " + p.name + "=" + p.value;
+    return s;
+  };
+  for (std::size_t k = 1; k < shards.size(); ++k) {
+    StudyResult& s = shards[k];
+    if (params(s) != params(all) || s.planned != all.planned)
+      throw SceneError("merge: expected shards of one study, got '" + params(all) + "' and '" + params(s) + "'");
+    std::move(s.points.begin(), s.points.end(), std::back_inserter(all.points));
+    std::move(s.series.begin(), s.series.end(), std::back_inserter(all.series));
+  }
+  std::stable_sort(all.points.begin(), all.points.end(), [](auto& a, auto& b) { return a.index < b.index; });
+  std::stable_sort(all.series.begin(), all.series.end(), [](auto& a, auto& b) { return a.point < b.point; });
+  for (std::size_t i = 0; i + 1 < all.points.size(); ++i)
+    if (all.points[i].index == all.points[i + 1].index)
+      throw SceneError("merge: point " + std::to_string(all.points[i].index) + " came twice");
+  all.shard = 0, all.shards = 1;
+  evaluate(all);
+  return all;
+}
+
+}  // namespace feder
