@@ -100,7 +100,7 @@ std::unique_ptr<Integrator> make_integrator(Arena& arena, const RunSpec& spec) {
 StudyCounters counters_of(const IntegratorStats& s, bool adaptive, std::int64_t steps) {
   const auto n = [](std::uint64_t x) { return static_cast<std::int64_t>(x); };
   StudyCounters c;
-  c.steps = adaptive ? n(s.steps) : steps;
+  c.steps = adaptive ? n(s.substeps) : steps;
   c.rejected = n(s.rejected);
   c.force_evals = n(s.force_evals), c.jac_evals = n(s.jacobian_evals);
   c.linear_solves = n(s.linear_solves), c.cg_iters = n(s.cg_iterations);
