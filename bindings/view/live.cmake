@@ -1,0 +1,4 @@
+# What the viewer does that needs no window: the running scene, its past, reloading, the hand in the world.
+feder_module(live ROOT ${PROJECT_SOURCE_DIR}/bindings
+  SOURCES live_scene.cpp scene_run.cpp kept_state.cpp history.cpp file_watch.cpp hand.cpp
+  NEEDS lua)

@@ -1,0 +1,60 @@
+#include "view/scene_run.h"
+
+#include "base/error.h"
+
+namespace feder::view {
+
+std::unique_ptr<SceneRun> SceneRun::make(const Recipe& recipe, LoadFailure& failure) {
+  std::unique_ptr<SceneRun> run(new SceneRun);
+  lua::HostOptions host = recipe.host;
+  host.instruction_limit = recipe.build_instructions;
+  failure = {};
+  try {
+    run->script_ = std::make_unique<lua::Script>(std::move(host));
+    run->script_->load_file(recipe.file);
+    if (!run->script_->is_scene())
+      throw lua::ScriptError(recipe.file.string() + ": a plain script steps its world itself; the viewer shows scenes "
+                             "(return feder.scene { ... })");
+    run->script_->build();
+    run->start_ = named_states(run->world());
+    if (recipe.kept) run->kept_ = apply_kept(run->world(), *recipe.kept);
+    run->script_->set_instruction_limit(recipe.step_instructions);
+    return run;
+  } catch (const std::exception& e) {
+    failure.message = e.what();
+  }
+  failure.files.push_back(std::filesystem::absolute(recipe.file).lexically_normal());
+  if (run->script_)
+    for (const auto& file : run->script_->files())
+      if (file != failure.files[0]) failure.files.push_back(file);
+  return nullptr;
+}
+
+void SceneRun::act(Command command) {
+  deeds_.push_back({world().step_count(), command});
+  command(*script_);
+}
+
+std::vector<Deed> SceneRun::deeds_before(std::uint64_t step) const {
+  std::vector<Deed> some;
+  for (const Deed& d : deeds_)
+    if (d.step < step) some.push_back(d);
+  return some;
+}
+
+void SceneRun::do_due() {
+  for (; next_due_ < due_.size() && due_[next_due_].step <= world().step_count(); ++next_due_) {
+    try {
+      act(due_[next_due_].command);
+    } catch (const std::exception&) {
+      // it failed the first time too
+    }
+  }
+}
+
+void SceneRun::step() {
+  do_due();
+  script_->step();
+}
+
+}  // namespace feder::view
