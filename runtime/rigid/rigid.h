@@ -107,6 +107,13 @@ class Rigid final : public System {
   void set_limits(ObjectId joint, Real lower, Real upper);
   Real max_joint_error() const;                         // largest violated equality now, m
   std::size_t joint_count() const;
+  // Where a joint is now, world: both anchors (equal while it holds, unless its kind keeps them apart) and its axis.
+  struct JointInfo {
+    const JointKind* kind = nullptr;
+    ObjectId a, b;  // b none: the world
+    Vec3 anchor_a = Vec3::Zero(), anchor_b = Vec3::Zero(), axis = Vec3::Zero();
+  };
+  JointInfo joint_info(ObjectId joint) const;
 
  private:
   struct Impl;

@@ -230,6 +230,11 @@ SpringDesc Springs::spring(ObjectId id, std::size_t k) const {
   return {s.i[at], s.j[at], s.stiffness[at], s.damping[at], s.rest_length[at], s.break_strain[at]};
 }
 
+SpringView Springs::springs(ObjectId id) const {
+  const SpringArrays& s = impl_->net(id).springs;
+  return {s.i, s.j, s.rest_length, s.alive};
+}
+
 void Springs::positions(ObjectId id, std::vector<Vec3>& out) const {
   const Net& n = impl_->net(id);
   const auto begin = impl_->particles.position.begin() + n.first;

@@ -1,6 +1,7 @@
 // Mass-spring nets: points, springs and faces, advanced by an integrator of choice.
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,13 @@ struct NetDesc {
   Real friction = Real(0.5), restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   Real gravity_scale = 1;
+};
+
+// The springs of a net as they are kept; i and j count from 0 within the net. Valid until the net is edited.
+struct SpringView {
+  std::span<const std::uint32_t> i, j;
+  std::span<const Real> rest_length;     // m
+  std::span<const std::uint8_t> alive;   // 0: removed or broken
 };
 
 class Springs final : public System {
@@ -69,6 +77,7 @@ class Springs final : public System {
   void remove_spring(ObjectId net, std::size_t k);                 // later indices stay as they are
   Real strain(ObjectId net, std::size_t k) const;                  // elongation / rest length; 0 when removed
   SpringDesc spring(ObjectId net, std::size_t k) const;
+  SpringView springs(ObjectId net) const;
   void positions(ObjectId net, std::vector<Vec3>& out) const;
   IntegratorStats stats(ObjectId net) const;
   // Upper bound of the fastest angular frequency of the net (Gershgorin), 1/s: h times it against the limit in

@@ -1,0 +1,36 @@
+// An orbit camera: looks at `target` from `distance`. Angles in radians. Matrices are column-major, as OpenGL takes
+// them.
+#pragma once
+#include "view/frame.h"
+
+namespace feder::view {
+
+struct Matrix4 {
+  float m[16];
+};
+Matrix4 operator*(const Matrix4& a, const Matrix4& b);
+
+struct Camera {
+  float target[3] = {0, 0, 0};  // m
+  float distance = 10;          // m
+  float yaw = 0.6f;             // 0 looks along -z, positive turns the eye towards +x
+  float pitch = 0.35f;          // above the horizon
+  float fov = 0.7f;             // vertical
+
+  // Turns towards what the frame shows and stands back just far enough for an image of that aspect (width / height);
+  // moving things decide, with the fixed things about them; infinite planes do not count. Keeps yaw and pitch; a 2D
+  // frame is seen from the front.
+  void fit(const Frame& frame, float aspect);
+  void look(const float eye[3], const float at[3]);
+
+  void eye(float out[3]) const;
+  void axes(float right[3], float up[3], float back[3]) const;
+  Matrix4 view() const;
+  Matrix4 projection(float aspect) const;  // near and far follow the distance
+  // The ray through a pixel (0, 0 is the top left corner): origin and unit direction, for picking.
+  void ray(float x, float y, int width, int height, float origin[3], float direction[3]) const;
+  // Pixel of a world point; false when behind the camera.
+  bool project(const float point[3], int width, int height, float& x, float& y) const;
+};
+
+}  // namespace feder::view

@@ -1,0 +1,109 @@
+#include "view/collector.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+namespace feder::view {
+
+#include "view_declare.inc"
+
+std::span<const Row> frame_sources() {
+  static const Row rows[] = {
+#include "view_rows.inc"
+  };
+  return rows;
+}
+
+void Frame::clear() {
+  instances.clear(), batches.clear(), grounds.clear();
+  vertices.clear(), indices.clear(), meshes.clear();
+  points.clear(), point_groups.clear();
+  lines.clear(), overlay_lines.clear(), labels.clear(), plots.clear(), marks.clear();
+  moving = bounds = Bounds{};
+}
+
+namespace {
+
+void collect_plots(World& world, Frame& frame) {
+  const auto add = [&frame](std::string_view name, double value) {
+    PlotValue p{};
+    name.copy(p.name, sizeof p.name - 1);
+    p.value = value;
+    frame.plots.push_back(p);
+  };
+  const Energy e = world.energy();
+  add("energy.kinetic_J", e.kinetic), add("energy.potential_J", e.potential), add("energy.elastic_J", e.elastic);
+  for (const Residual& r : world.residuals()) add(r.name, r.value);
+}
+
+void collect_marks(World& world, Frame& frame) {
+  for (const Event& e : world.events().list()) {
+    if (e.kind == EventKind::step || e.kind == EventKind::contact_stay || e.kind == EventKind::warning) continue;
+    EventMark m{e.kind, e.a, e.b, {}, static_cast<float>(std::max(e.impulse, e.force))};
+    put(m.position, e.point);
+    frame.marks.push_back(m);
+  }
+}
+
+}  // namespace
+
+Collector::Collector() {
+  for (const Row& row : frame_sources()) sources_.push_back(row.make());
+}
+
+void Collector::collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame) {
+  frame.clear();
+  frame.time = world.time();
+  frame.step = world.step_count();
+  frame.dimension = world.desc().dimension;
+  Collecting c{world, look ? *look : no_look_, toggles, geometry_, frame};
+  for (const auto& source : sources_) source->collect(c);
+  if (toggles.plots) collect_plots(world, frame);
+  if (toggles.marks) collect_marks(world, frame);
+  if (frame.geometries.size() != geometry_.geometries().size() || frame.geometries != geometry_.geometries())
+    frame.geometries = geometry_.geometries();
+}
+
+void add_line(std::vector<Line>& lines, const Vec3& a, const Vec3& b, Color color, float width) {
+  Line line;
+  put(line.a, a), put(line.b, b);
+  line.color_a = line.color_b = color;
+  line.width = width;
+  lines.push_back(line);
+}
+
+void add_arrow(std::vector<Line>& lines, const Vec3& from, const Vec3& along, Color color, float width) {
+  const Real size = length(along);
+  if (!(size > 0) || !is_finite(size)) return;
+  const Vec3 to = from + along, n = along / size;
+  Vec3 u, v;
+  tangent_frame(n, u, v);
+  add_line(lines, from, to, color, width);
+  const Real head = Real(0.2) * size;
+  for (const Real side : {Real(-1), Real(1)}) add_line(lines, to, Vec3(to - head * n + Real(0.4) * side * head * u), color, width);
+}
+
+void add_box(std::vector<Line>& lines, const Aabb& box, Color color) {
+  if (box.empty() || !is_finite(box.lo) || !is_finite(box.hi)) return;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int corner = 0; corner < 4; ++corner) {
+      Vec3 a = box.lo;
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      if (corner & 1) a[u] = box.hi[u];
+      if (corner & 2) a[v] = box.hi[v];
+      Vec3 b = a;
+      b[axis] = box.hi[axis];
+      add_line(lines, a, b, color, 1);
+    }
+}
+
+void add_label(Frame& frame, const Vec3& at, std::string_view text, Color color) {
+  Label label{};
+  put(label.position, at);
+  label.color = color;
+  text.copy(label.text, sizeof label.text - 1);
+  frame.labels.push_back(label);
+}
+
+}  // namespace feder::view

@@ -1,0 +1,71 @@
+// Labels: glyphs as textured squares in pixels, placed where the camera sees their points.
+#include <cmath>
+#include <cstddef>
+
+#include "view/font.h"
+#include "view/layers.h"
+#include "view/shaders.h"
+
+namespace feder::view {
+namespace {
+
+constexpr float kSize = 15;  // pixels
+
+// Baked once for all renderers of the process: it never changes.
+const Font& font() {
+  static const Font baked(kSize);
+  return baked;
+}
+
+}  // namespace
+
+TextLayer::TextLayer(const Gl& gl)
+    : gl_(gl), program_(make_program(gl, "text", kTextVertex, kTextFragment, false)), glyphs_(gl), array_(gl) {
+  gl_.GenTextures(1, &atlas_);
+  gl_.BindTexture(GL_TEXTURE_2D, atlas_);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, font().atlas_width(), font().atlas_height(), 0, GL_RED, GL_UNSIGNED_BYTE,
+                 font().atlas().data());
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  gl_.BindTexture(GL_TEXTURE_2D, 0);
+}
+
+TextLayer::~TextLayer() { gl_.DeleteTextures(1, &atlas_); }
+
+void TextLayer::upload(const Frame& f, const Camera& camera, const Target& target, float scale, DrawStats& stats) {
+  list_.clear();
+  for (const Label& label : f.labels) {
+    float x = 0, y = 0;
+    if (!camera.project(label.position, target.width, target.height, x, y)) continue;
+    const std::string_view text = label.text;
+    x = std::floor(x - 0.5f * scale * font().width(text)), y = std::floor(y - 0.5f * scale * font().line_height());
+    for (const char c : text) {
+      const Font::Glyph& g = font().glyph(c);
+      list_.push_back({{x + scale * g.left, y + scale * g.top, x + scale * g.right, y + scale * g.bottom},
+                       {g.u0, g.v0, g.u1, g.v1}, label.color});
+      x += scale * g.advance;
+    }
+  }
+  if (list_.empty()) return;
+  glyphs_.fill(list_.data(), list_.size() * sizeof(Glyph), GL_STREAM_DRAW);
+  stats.bytes_uploaded += list_.size() * sizeof(Glyph);
+}
+
+void TextLayer::draw(const Pass& pass) {
+  if (list_.empty()) return;
+  program_->use();
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_2D, atlas_);
+  array_.bind();
+  glyphs_.bind();
+  array_.floats(0, 4, sizeof(Glyph), offsetof(Glyph, box), 1);
+  array_.floats(1, 4, sizeof(Glyph), offsetof(Glyph, uv), 1);
+  array_.bytes(2, sizeof(Glyph), offsetof(Glyph, color), 1);
+  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(list_.size()));
+  ++pass.stats.draw_calls;
+  gl_.BindTexture(GL_TEXTURE_2D, 0);
+}
+
+}  // namespace feder::view

@@ -1,0 +1,178 @@
+// Rigid bodies as instances, grouped by geometry in two passes (count, place); planes as grounds. What a collider
+// looks like is worked out when it is first seen and kept by collider index.
+#include "rigid/rigid.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "collide/collide.h"
+#include "geom/plane.h"
+#include "view/collector.h"
+
+namespace feder::view {
+namespace {
+
+constexpr std::uint8_t kSensorAlpha = 70;
+
+class RigidSource final : public FrameSource {
+ public:
+  void collect(Collecting& c) override {
+    Rigid* rigid = c.world.find<Rigid>();
+    Collide* collide = c.world.find<Collide>();
+    if (!rigid || !collide) return;
+    const Bodies& bodies = rigid->bodies();
+    const Colliders& colliders = collide->colliders();
+    if (c.toggles.shapes) collect_shapes(c, bodies, colliders);
+    if (c.toggles.velocities || c.toggles.axes || c.toggles.labels) collect_notes(c, bodies);
+    if (c.toggles.bounds)
+      for (std::uint32_t k = 0; k < colliders.size(); ++k)
+        if (colliders.motion[k] != ColliderMotion::none)
+          add_box(c.frame.lines, colliders.box[k], rgb(colliders.awake[k] ? 0xd8a13c : 0x8a8f98));
+  }
+
+ private:
+  struct Seen {
+    const Shape* shape = nullptr;
+    ObjectId object;
+    ColliderMotion motion = ColliderMotion::none;
+    std::uint8_t sensor = 0;
+    Fitted fitted;
+    Color awake, asleep;
+  };
+
+  static bool drawn(const Collecting& c, const Colliders& k, std::uint32_t i) {
+    return k.motion[i] != ColliderMotion::none && k.owner[i] == ObjectKind::body && (!k.sensor[i] || c.toggles.sensors);
+  }
+
+  void collect_shapes(Collecting& c, const Bodies& bodies, const Colliders& colliders) {
+    if (look_version_ != c.look.version) seen_.clear(), look_version_ = c.look.version;
+    seen_.resize(colliders.size());
+    std::fill(count_.begin(), count_.end(), 0);
+    for (std::uint32_t k = 0; k < colliders.size(); ++k) {
+      if (!drawn(c, colliders, k)) continue;
+      const Seen& s = see(c, colliders, k);
+      if (s.fitted.geometry == kNone) {
+        add_ground(c, bodies, colliders, k);
+        continue;
+      }
+      const std::size_t key = 2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0);
+      if (key >= count_.size()) count_.resize(key + 1, 0), place_.resize(key + 1, 0);
+      ++count_[key];
+    }
+    make_batches(c.frame);
+    for (std::uint32_t k = 0; k < colliders.size(); ++k)
+      if (drawn(c, colliders, k) && seen_[k].fitted.geometry != kNone) place(c.frame, bodies, colliders, k);
+  }
+
+  // Opaque batches first.
+  void make_batches(Frame& f) {
+    auto at = static_cast<std::uint32_t>(f.instances.size());
+    for (const std::size_t translucent : {0u, 1u})
+      for (std::size_t key = translucent; key < count_.size(); key += 2) {
+        if (count_[key] == 0) continue;
+        f.batches.push_back({static_cast<std::uint32_t>(key / 2), at, count_[key], translucent == 1});
+        place_[key] = at;
+        at += count_[key];
+      }
+    f.instances.resize(at);
+  }
+
+  const Seen& see(Collecting& c, const Colliders& colliders, std::uint32_t k) {
+    Seen& s = seen_[k];
+    if (s.shape == colliders.shape[k] && s.object == colliders.object[k] && s.motion == colliders.motion[k] &&
+        s.sensor == colliders.sensor[k])
+      return s;
+    s.shape = colliders.shape[k], s.object = colliders.object[k], s.motion = colliders.motion[k];
+    s.sensor = colliders.sensor[k];
+    s.fitted = c.geometry.fit(colliders.shapes[k]);
+    s.awake = color_of(c, s);
+    s.asleep = feder::view::asleep(s.awake);
+    return s;
+  }
+
+  static Color color_of(Collecting& c, const Seen& s) {
+    Color color;
+    const Objects& objects = c.world.objects();
+    if (const auto own = c.look.colors.find(s.object); own != c.look.colors.end()) {
+      color = rgb(own->second);
+    } else if (s.motion == ColliderMotion::fixed && !s.sensor) {
+      color = fixed_color(s.object.slot);
+    } else {
+      const std::string_view stem = name_stem(objects.name(s.object));
+      const TagMask tags = objects.tags(s.object);
+      std::string_view group = stem;
+      if (stem.empty() && tags)
+        group = objects.tag_names()[static_cast<std::size_t>(std::countr_zero(tags))];
+      else if (stem.empty())
+        group = s.shape->kind();
+      color = group_color(group, s.object.slot);
+    }
+    if (s.sensor) color.a = kSensorAlpha;
+    return color;
+  }
+
+  static void add_ground(Collecting& c, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
+    const auto* plane = dynamic_cast<const Plane*>(colliders.shape[k]);
+    if (!plane) return;
+    const Pose pose = bodies.com_pose(colliders.owner_index[k]) * colliders.local[k];
+    const Vec3 n = rotate(pose.rotation, plane->normal());
+    Ground g;
+    put(g.normal, n);
+    g.distance = static_cast<float>(plane->distance() + dot(n, pose.position));
+    const auto own = c.look.colors.find(colliders.object[k]);
+    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0xb9b7b1);
+    g.object = colliders.object[k];
+    c.frame.grounds.push_back(g);
+  }
+
+  void place(Frame& f, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
+    const Seen& s = seen_[k];
+    const std::uint32_t body = colliders.owner_index[k];
+    const Pose pose = bodies.com_pose(body) * colliders.local[k];
+    const bool rests = s.motion == ColliderMotion::dynamic && !bodies.awake[body];
+    Instance& out = f.instances[place_[2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0)]++];
+    put(out.position, pose.position);
+    out.rotation[0] = static_cast<float>(pose.rotation.x), out.rotation[1] = static_cast<float>(pose.rotation.y);
+    out.rotation[2] = static_cast<float>(pose.rotation.z), out.rotation[3] = static_cast<float>(pose.rotation.w);
+    for (int i = 0; i < 3; ++i) out.scale[i] = s.fitted.scale[i];
+    out.stretch = s.fitted.stretch;
+    out.color = rests ? s.asleep : s.awake;
+    out.object = s.object.slot;
+    out.flags = (rests ? kAsleep : 0u) | (s.sensor ? kSensor : 0u) | (s.motion == ColliderMotion::fixed ? kFixed : 0u);
+    const Aabb box = s.shape->bounds(pose);
+    Bounds b;
+    put(b.low, box.lo), put(b.high, box.hi);
+    f.bounds.include(b);
+    if (s.motion != ColliderMotion::fixed && !s.sensor) f.moving.include(b);
+  }
+
+  static void collect_notes(Collecting& c, const Bodies& bodies) {
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+      if (bodies.type[i] == BodyType::free) continue;
+      const Vec3& x = bodies.position[i];
+      const Real size = std::min(bodies.extent[i], Real(4));
+      if (c.toggles.velocities && bodies.type[i] != BodyType::fixed)
+        add_arrow(c.frame.overlay_lines, x, Vec3(Real(0.2) * bodies.velocity[i]), rgb(0x2b8a3e), 2);
+      if (c.toggles.axes && bodies.type[i] != BodyType::fixed)
+        for (int axis = 0; axis < 3; ++axis) {
+          const Vec3 e = vec3(axis == 0, axis == 1, axis == 2);
+          add_line(c.frame.overlay_lines, x, Vec3(x + size * rotate(bodies.rotation[i], e)),
+                   rgb(axis == 0 ? 0xd03a2f : axis == 1 ? 0x3a9d3a : 0x2f62d0), 2);
+        }
+      const std::string& name = c.world.objects().name(bodies.object[i]);
+      if (c.toggles.labels && !name.empty() && std::isfinite(bodies.extent[i])) add_label(c.frame, x, name, rgb(0x1d2126));
+    }
+  }
+
+  std::vector<Seen> seen_;                  // by collider
+  std::vector<std::uint32_t> count_, place_;  // by 2 * geometry + translucent
+  std::uint64_t look_version_ = 0;
+};
+
+}  // namespace
+
+Row view_rigid() {
+  return {"rigid", [] { return std::unique_ptr<FrameSource>(new RigidSource); }};
+}
+
+}  // namespace feder::view

@@ -1,0 +1,69 @@
+// Triangles of a shape for drawing and export, and the cache that makes them once per shape. Boxes share one unit
+// cube, spheres and capsules one ball, and so on, scaled by the instance: ten thousand boxes of any size are one batch.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "geom/shape.h"
+
+namespace feder::view {
+
+struct Vertex {
+  float position[3];
+  float normal[3];  // unit, outward
+  float side;       // -1, 0, 1: which way the instance's stretch moves it along y
+  float edge;       // 1 on a drawn edge of the face, falling linearly to 0 in its middle; 0 all over: no edges
+};
+
+struct Geometry {
+  const char* kind = "";  // of the shape
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;  // counter-clockwise seen from outside
+  bool two_sided = false;              // open surfaces
+  float radius = 0;                    // farthest vertex from the origin, unscaled, m
+};
+
+// A shape as an instance sees it: its geometry and how to scale it.
+struct Fitted {
+  std::uint32_t geometry = kNone;  // kNone: nothing to draw (planes are Frame::grounds)
+  float scale[3] = {1, 1, 1};
+  float stretch = 0;
+};
+
+class GeometryCache {
+ public:
+  // Makes the geometry on first use and keeps the shape alive, so that its address stays its own.
+  const Fitted& fit(const ShapePtr& shape);
+  const std::vector<std::shared_ptr<const Geometry>>& geometries() const { return geometries_; }
+
+ private:
+  struct Entry {
+    ShapePtr shape;
+    Fitted fitted;
+  };
+  std::uint32_t shared(const char* kind, Geometry (*make)());
+  Fitted make(const Shape& shape);
+
+  std::vector<std::shared_ptr<const Geometry>> geometries_;
+  std::unordered_map<const Shape*, Entry> entries_;
+  std::vector<std::pair<const char*, std::uint32_t>> shared_;
+};
+
+// Depth that circles and polygons of 2D worlds are drawn with, m.
+inline constexpr float kPrismDepth = 0.4f;
+
+// Tessellations: unit geometry for scaled kinds, real sizes for the others.
+Geometry unit_box();       // corners at +-1/2
+Geometry unit_ball();      // radius 1; the equator doubled, so that a stretch makes it a capsule
+Geometry unit_cylinder();  // radius 1, y from -1/2 to 1/2
+Geometry unit_cone();      // base radius 1 at y = -1/2, tip at 1/2
+Geometry unit_disc();      // 2D circle of radius 1 as a prism of depth 1
+Geometry tessellate_hull(const Shape& shape);
+Geometry tessellate_mesh(const Shape& shape);
+Geometry tessellate_polygon(const Shape& shape);
+Geometry tessellate_convex(const Shape& shape);  // any convex shape, by its support function
+
+}  // namespace feder::view

@@ -1,0 +1,104 @@
+// The OpenGL functions the renderer uses, found by the host's loader, and thin owners of what lives in the driver. No
+// global state: two renderers in two contexts do not meet, and a test can hand in functions of its own.
+#pragma once
+#include <GL/glcorearb.h>
+
+#include <string>
+#include <string_view>
+
+#include "view/renderer.h"
+
+namespace feder::view {
+
+// f(type suffix in capitals, name without gl)
+#define FEDER_GL_FUNCTIONS(f)                                                                                          \
+  f(GETSTRING, GetString) f(GETINTEGERV, GetIntegerv) f(GETERROR, GetError) f(VIEWPORT, Viewport)                      \
+  f(CLEARCOLOR, ClearColor) f(CLEAR, Clear) f(ENABLE, Enable) f(DISABLE, Disable) f(DEPTHFUNC, DepthFunc)              \
+  f(DEPTHMASK, DepthMask) f(CULLFACE, CullFace) f(BLENDFUNCSEPARATE, BlendFuncSeparate)                                \
+  f(POLYGONOFFSET, PolygonOffset) f(GENBUFFERS, GenBuffers) f(DELETEBUFFERS, DeleteBuffers)                            \
+  f(BINDBUFFER, BindBuffer) f(BUFFERDATA, BufferData) f(GENVERTEXARRAYS, GenVertexArrays)                              \
+  f(DELETEVERTEXARRAYS, DeleteVertexArrays) f(BINDVERTEXARRAY, BindVertexArray)                                        \
+  f(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) f(VERTEXATTRIBPOINTER, VertexAttribPointer)                      \
+  f(VERTEXATTRIBDIVISOR, VertexAttribDivisor) f(VERTEXATTRIB4F, VertexAttrib4f) f(CREATESHADER, CreateShader)          \
+  f(SHADERSOURCE, ShaderSource) f(COMPILESHADER, CompileShader) f(GETSHADERIV, GetShaderiv)                            \
+  f(GETSHADERINFOLOG, GetShaderInfoLog) f(DELETESHADER, DeleteShader) f(CREATEPROGRAM, CreateProgram)                  \
+  f(ATTACHSHADER, AttachShader) f(LINKPROGRAM, LinkProgram) f(GETPROGRAMIV, GetProgramiv)                              \
+  f(GETPROGRAMINFOLOG, GetProgramInfoLog) f(DELETEPROGRAM, DeleteProgram) f(USEPROGRAM, UseProgram)                    \
+  f(GETUNIFORMLOCATION, GetUniformLocation) f(UNIFORM1I, Uniform1i) f(UNIFORM1F, Uniform1f)                            \
+  f(UNIFORM2F, Uniform2f) f(UNIFORM3F, Uniform3f) f(UNIFORM4F, Uniform4f) f(UNIFORMMATRIX4FV, UniformMatrix4fv)        \
+  f(GENTEXTURES, GenTextures) f(DELETETEXTURES, DeleteTextures) f(BINDTEXTURE, BindTexture)                            \
+  f(ACTIVETEXTURE, ActiveTexture) f(TEXIMAGE2D, TexImage2D) f(TEXPARAMETERI, TexParameteri)                            \
+  f(TEXPARAMETERFV, TexParameterfv) f(PIXELSTOREI, PixelStorei) f(GENFRAMEBUFFERS, GenFramebuffers)                    \
+  f(DELETEFRAMEBUFFERS, DeleteFramebuffers) f(BINDFRAMEBUFFER, BindFramebuffer)                                        \
+  f(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D) f(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)                    \
+  f(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus) f(BLITFRAMEBUFFER, BlitFramebuffer)                                \
+  f(DRAWBUFFERS, DrawBuffers) f(READBUFFER, ReadBuffer) f(GENRENDERBUFFERS, GenRenderbuffers)                          \
+  f(DELETERENDERBUFFERS, DeleteRenderbuffers) f(BINDRENDERBUFFER, BindRenderbuffer)                                    \
+  f(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample)                                                    \
+  f(DRAWELEMENTSINSTANCED, DrawElementsInstanced) f(DRAWARRAYSINSTANCED, DrawArraysInstanced)                          \
+  f(READPIXELS, ReadPixels) f(FINISH, Finish) f(BINDBUFFERBASE, BindBufferBase)                                        \
+  f(GETUNIFORMBLOCKINDEX, GetUniformBlockIndex) f(UNIFORMBLOCKBINDING, UniformBlockBinding)
+
+struct Gl {
+  explicit Gl(const GlLoader& load);  // GlError naming what the driver lacks
+#define FEDER_GL_FIELD(type, name) PFNGL##type##PROC name = nullptr;
+  FEDER_GL_FUNCTIONS(FEDER_GL_FIELD)
+#undef FEDER_GL_FIELD
+  void check(const char* where) const;  // GlError when glGetError says so
+};
+
+// A linked program; uniforms by name.
+class Program {
+ public:
+  Program(const Gl& gl, const char* name, std::string_view vertex, std::string_view fragment);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  void use() const { gl_.UseProgram(id_); }
+  GLint uniform(const char* name) const { return gl_.GetUniformLocation(id_, name); }
+  void bind_block(const char* name, GLuint at) const {
+    const GLuint index = gl_.GetUniformBlockIndex(id_, name);
+    if (index != GL_INVALID_INDEX) gl_.UniformBlockBinding(id_, index, at);
+  }
+
+ private:
+  const Gl& gl_;
+  GLuint id_ = 0;
+};
+
+// A buffer whose content is replaced whole.
+class Buffer {
+ public:
+  explicit Buffer(const Gl& gl) : gl_(gl) { gl_.GenBuffers(1, &id_); }
+  ~Buffer() { gl_.DeleteBuffers(1, &id_); }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  void bind(GLenum what = GL_ARRAY_BUFFER) const { gl_.BindBuffer(what, id_); }
+  void bind_block(GLuint at) const { gl_.BindBufferBase(GL_UNIFORM_BUFFER, at, id_); }
+  void fill(const void* data, std::size_t bytes, GLenum usage, GLenum what = GL_ARRAY_BUFFER) const {
+    bind(what);
+    gl_.BufferData(what, static_cast<GLsizeiptr>(bytes), data, usage);
+  }
+
+ private:
+  const Gl& gl_;
+  GLuint id_ = 0;
+};
+
+class VertexArray {
+ public:
+  explicit VertexArray(const Gl& gl) : gl_(gl) { gl_.GenVertexArrays(1, &id_); }
+  ~VertexArray() { gl_.DeleteVertexArrays(1, &id_); }
+  VertexArray(const VertexArray&) = delete;
+  VertexArray& operator=(const VertexArray&) = delete;
+  void bind() const { gl_.BindVertexArray(id_); }
+  // Floats (or bytes as 0..1) of the bound buffer; divisor 1: one per instance.
+  void floats(GLuint at, int count, std::size_t stride, std::size_t offset, GLuint divisor = 0) const;
+  void bytes(GLuint at, std::size_t stride, std::size_t offset, GLuint divisor = 0) const;
+
+ private:
+  const Gl& gl_;
+  GLuint id_ = 0;
+};
+
+}  // namespace feder::view

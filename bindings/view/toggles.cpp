@@ -1,0 +1,55 @@
+#include "view/toggles.h"
+
+#include <vector>
+
+#include "base/error.h"
+#include "base/params.h"
+
+namespace feder::view {
+
+std::span<const ToggleInfo> toggle_list() {
+  static const ToggleInfo list[] = {
+      {"shapes", "rigid bodies", &Toggles::shapes},
+      {"meshes", "faces of nets, cloth and fluid surfaces", &Toggles::meshes},
+      {"points", "net points and fluid particles", &Toggles::points},
+      {"springs", "springs, coloured by strain", &Toggles::springs},
+      {"sensors", "sensors, translucent", &Toggles::sensors},
+      {"joints", "joints: anchors and axes", &Toggles::joints},
+      {"contacts", "contact points and normals", &Toggles::contacts},
+      {"impulses", "normal impulses of contacts", &Toggles::impulses},
+      {"velocities", "velocities", &Toggles::velocities},
+      {"axes", "centres of mass and body axes", &Toggles::axes},
+      {"islands", "islands of bodies that touch or are joined", &Toggles::islands},
+      {"bounds", "bounding boxes", &Toggles::bounds},
+      {"labels", "names", &Toggles::labels},
+      {"marks", "events of the step", &Toggles::marks},
+      {"plots", "energy and penetration", &Toggles::plots},
+  };
+  return list;
+}
+
+void set_toggles(Toggles& toggles, std::string_view list) {
+  while (!list.empty()) {
+    const std::size_t comma = list.find(',');
+    std::string_view word = list.substr(0, comma);
+    list = comma == std::string_view::npos ? std::string_view() : list.substr(comma + 1);
+    const bool on = !word.starts_with('-');
+    if (!on) word.remove_prefix(1);
+    const ToggleInfo* found = nullptr;
+    std::string known;
+    std::vector<std::string> names;
+    for (const ToggleInfo& t : toggle_list()) {
+      if (word == t.name) found = &t;
+      known += (known.empty() ? "" : ", ") + std::string(t.name);
+      names.emplace_back(t.name);
+    }
+    if (!found) {
+      const std::string near = nearest_name(std::string(word), names);
+      throw SceneError("unknown layer '" + std::string(word) + "'; known: " + known +
+                       (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    }
+    toggles.*found->field = on;
+  }
+}
+
+}  // namespace feder::view

@@ -1,0 +1,37 @@
+// What is drawn: one bool per layer, found by name (command line, viewer). A layer that is off is not collected.
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace feder::view {
+
+struct Toggles {
+  bool shapes = true;      // rigid bodies
+  bool meshes = true;      // faces of nets, cloth, fluid surfaces
+  bool points = true;      // net points with a radius, fluid particles
+  bool springs = true;     // coloured by strain
+  bool sensors = true;     // translucent
+  bool joints = false;
+  bool contacts = false;   // points and normals
+  bool impulses = false;   // length by normal impulse
+  bool velocities = false;
+  bool axes = false;       // centre of mass and body axes
+  bool islands = false;    // bodies of a sleeping island are joined by lines
+  bool bounds = false;     // boxes of the broad phase
+  bool labels = false;     // names
+  bool marks = false;      // this step's events
+  bool plots = false;      // energy, penetration
+  const char* point_scalar = "speed";  // what colours points: "speed", "density", "pressure", "none"
+};
+
+struct ToggleInfo {
+  const char* name;
+  const char* help;
+  bool Toggles::*field;
+};
+std::span<const ToggleInfo> toggle_list();
+// "contacts,joints" on, "-springs" off; SceneError that lists the known names.
+void set_toggles(Toggles& toggles, std::string_view list);
+
+}  // namespace feder::view
