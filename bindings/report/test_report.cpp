@@ -2,26 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "report/xml.h"
+
 namespace feder::report {
 namespace {
-
-// XML 1.0 knows few control characters; the others, and bytes that are no UTF-8, become '?'.
-std::string xml_escape(const std::string& text) {
-  const std::string valid = Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-  std::string out;
-  for (const char c : valid) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\n': out += "&#10;"; break;
-      case '\t': out += "&#9;"; break;
-      default: out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    }
-  }
-  return out;
-}
 
 std::string one_line(std::string text) {
   for (char& c : text)

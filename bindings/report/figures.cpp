@@ -1,0 +1,118 @@
+#include "report/figures.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feder::report {
+namespace {
+
+// Method names of all rows, once each.
+std::vector<const PlotSeries*> distinct(const RowChart& chart) {
+  std::vector<const PlotSeries*> out;
+  for (const auto& row : chart.rows)
+    for (const PlotSeries& s : row.series)
+      if (std::none_of(out.begin(), out.end(), [&](const PlotSeries* o) { return o->name == s.name; })) out.push_back(&s);
+  return out;
+}
+
+void draw_row(Svg& svg, const Box& f, const RowChart::Row& row, const Axis& x, bool last) {
+  std::vector<double> ys;
+  for (const PlotSeries& s : row.series)
+    for (const PlotPoint& p : s.points) ys.push_back(p.y);
+  const Axis y = fit_axis(row.label, row.log, ys, row.log ? TickStyle::power : TickStyle::plain);
+  draw_axes(svg, f, x, y, 11, last, true);
+  svg.text({f.left, f.top - 7}, row.label, {12.5, "start", kInk});
+  svg.begin_clip({f.left, f.top - 1, f.width, f.height + 2});
+  for (const PlotSeries& s : row.series) {
+    const CurveStyle style = curve_style(s.number);
+    std::vector<XY> run;
+    for (const PlotPoint& p : s.points) {
+      if (std::isfinite(p.y) && !(row.log && p.y <= 0)) {
+        run.push_back({f.left + f.width * x.at(p.x), f.bottom() - f.height * y.at(p.y)});
+        continue;
+      }
+      svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
+      run.clear();
+    }
+    svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
+  }
+  svg.end();
+}
+
+}  // namespace
+
+std::string row_chart_svg(const RowChart& chart, bool inline_page) {
+  const double width = 1100, left = 90, legend = 210, row_height = 190, top = chart.subtitle.empty() ? 60 : 80;
+  const std::vector<const PlotSeries*> names = distinct(chart);
+  const double height = std::max(top + static_cast<double>(chart.rows.size()) * row_height + 40, top + 20 + 16.0 * static_cast<double>(names.size()));
+  Svg svg(chart.name, width, height, chart.title);
+  svg.text({left, 26}, words_cut(chart.title, 16, width - left - 10), {16, "start", kInk, true});
+  if (!chart.subtitle.empty()) svg.text({left, 46}, words_cut(chart.subtitle, 12, width - left - 10), {12, "start", kQuiet});
+  std::vector<double> xs;
+  for (const auto& row : chart.rows)
+    for (const PlotSeries& s : row.series)
+      for (const PlotPoint& p : s.points) xs.push_back(p.x);
+  Axis x = fit_axis(chart.x_label, false, xs);
+  for (std::size_t k = 0; k < chart.rows.size(); ++k) {
+    const Box f{left, top + static_cast<double>(k) * row_height, width - left - legend - 20, row_height - 34};
+    draw_row(svg, f, chart.rows[k], x, k + 1 == chart.rows.size());
+    if (k + 1 == chart.rows.size()) svg.text({f.left + f.width / 2, f.bottom() + 36}, chart.x_label, {13, "middle"});
+  }
+  double y = top + 8;
+  for (const PlotSeries* s : names) {
+    const CurveStyle style = curve_style(s->number);
+    svg.line({width - legend, y - 4}, {width - legend + 34, y - 4}, {style.color, 1.8, style.dash});
+    svg.text({width - legend + 42, y}, words_cut(s->name, 12, legend - 50), {12});
+    y += 16;
+  }
+  return svg.text(inline_page);
+}
+
+std::string plot_sheet_svg(const std::string& name, const std::string& title, const std::string& subtitle,
+                           const std::vector<Plot>& plots, int columns, bool inline_page) {
+  const double width = 1100, left = 70, top = subtitle.empty() ? 50 : 66;
+  const int count = static_cast<int>(plots.size()), rows = (count + columns - 1) / columns;
+  const double cell_w = (width - left - 10) / columns, cell_h = 215;
+  const double height = top + rows * cell_h + 46;
+  Svg svg(name, width, height, title);
+  svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
+  if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
+  for (int k = 0; k < count; ++k) {
+    const Plot& p = plots[static_cast<std::size_t>(k)];
+    const int row = k / columns, column = k % columns;
+    const Box f{left + column * cell_w, top + row * cell_h + 20, cell_w - 16, cell_h - 46};
+    svg.text({f.left, f.top - 6}, words_cut(p.title, 12, f.width), {12, "start", curve_style(p.series.empty() ? 6 : p.series[0].number).color, true});
+    draw_axes(svg, f, p.x, p.y, 10, k + columns >= count, column == 0);
+    draw_curves(svg, f, p, 6.5);
+    if (!p.subtitle.empty()) svg.text({f.left + 7, f.top + 15}, p.subtitle, {11, "start", kInk, false, 0, true});
+  }
+  if (count) {
+    svg.text({left + columns * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});
+    svg.text({18, top + rows * cell_h / 2}, plots[0].y.label, {13, "middle", kInk, false, -90});
+  }
+  return svg.text(inline_page);
+}
+
+std::string bar_chart_svg(const BarChart& chart, bool inline_page) {
+  double names = 60, words = 30, most = 0;
+  for (const auto& b : chart.bars) {
+    names = std::max(names, words_width(b.label, 12) + 12);
+    words = std::max(words, words_width(b.words, 12) + 16);
+    if (std::isfinite(b.value)) most = std::max(most, b.value);
+  }
+  const double width = 900, row = 24, top = 60, full = width - names - words - 20;
+  Svg svg(chart.name, width, top + row * static_cast<double>(chart.bars.size()) + 16, chart.title);
+  svg.text({10, 26}, words_cut(chart.title, 16, width - 20), {16, "start", kInk, true});
+  svg.text({10, 46}, chart.unit, {12, "start", kQuiet});
+  double y = top;
+  for (const auto& b : chart.bars) {
+    const double length = std::isfinite(b.value) && most > 0 ? std::max(0.0, full * b.value / most) : 0;
+    svg.text({names, y + 15}, b.label, {12, "end"});
+    svg.rect({names + 8, y + 3, length, row - 7}, curve_style(b.number).color, "none", b.label + " " + b.words, "bar");
+    svg.text({names + 14 + length, y + 15}, b.words, {12});
+    y += row;
+  }
+  return svg.text(inline_page);
+}
+
+}  // namespace feder::report

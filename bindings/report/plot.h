@@ -1,0 +1,59 @@
+// A drawing of curves over two axes: one polyline per method, a gutter above for the points that have no place on the
+// y axis, a band below what the reference can tell, and the Pareto front as a pale stair. Every point that is put in
+// comes out as one mark with its own title.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/axis.h"
+#include "report/marks.h"
+#include "report/svg.h"
+
+namespace feder::report {
+
+struct PlotPoint {
+  double x = 0, y = 0;
+  double x_far = 0;  // end of the whisker; 0: none
+  MarkKind kind = MarkKind::hollow;
+  std::string title;  // what the pointer shows
+};
+
+struct PlotSeries {
+  std::string name;
+  int number = 0;  // of its curve style
+  std::vector<PlotPoint> points;
+};
+
+// A straight piece in the units of the axes.
+struct PlotLine {
+  XY from, to;
+  Stroke stroke;
+};
+
+// A triangle that shows a slope on logarithmic axes, from `at` one half decade to the right.
+struct SlopeMark {
+  XY at;
+  double slope = 1;
+  std::string label;
+};
+
+struct Plot {
+  std::string name;  // of the file, for ids
+  std::string title, subtitle;
+  Axis x, y;
+  std::vector<PlotSeries> series;
+  std::vector<XY> front;         // Pareto points by growing x
+  double uncertain_below = 0;    // y; 0: no band
+  std::string uncertain_label;
+  std::vector<PlotLine> lines;
+  std::vector<SlopeMark> slopes;
+  double width = 1100, height = 620;  // px of the whole drawing; it grows when the legend or the gutter needs it
+};
+
+std::string plot_svg(const Plot& plot, bool inline_page = false);
+
+// Only axes, curves and marks, into `area` (the frame; tick labels stand outside). For sheets of small drawings.
+void draw_curves(Svg& svg, const Box& area, const Plot& plot, double mark_size);
+void draw_axes(Svg& svg, const Box& area, const Axis& x, const Axis& y, double label_size, bool x_words = true, bool y_words = true);
+
+}  // namespace feder::report
