@@ -45,7 +45,7 @@ std::vector<Tick> log_ticks(const Axis& a, int most) {
       const double value = m * decade(k);
       if (value < a.lo * (1 - 1e-9) || value > a.hi * (1 + 1e-9)) continue;
       const bool labelled = (m == 1 && k % every == 0) || (with_2_5 && (m == 2 || m == 5));
-      if (m > 1 && !labelled && every > 1) continue;  // too dense for a grid
+      if (m > 1 && !labelled && 2 * decades > most) continue;  // too dense for a grid
       out.push_back({value, labelled ? label_of(a.style, m, k) : ""});
     }
   }

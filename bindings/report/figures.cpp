@@ -35,14 +35,26 @@ void draw_row(Svg& svg, const Box& f, const RowChart::Row& row, const Axis& x, b
       run.clear();
     }
     svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
+    // a few markers, at other places for each curve
+    const std::size_t n = s.points.size();
+    for (std::size_t k = static_cast<std::size_t>(7 * s.number) % 40; k < n; k += 48) {
+      const PlotPoint& p = s.points[k];
+      if (!std::isfinite(p.y) || (row.log && p.y <= 0)) continue;
+      draw_mark(svg, {f.left + f.width * x.at(p.x), f.bottom() - f.height * y.at(p.y)}, MarkKind::filled, style, 6, "");
+    }
   }
   svg.end();
+}
+
+void draw_x_words(Svg& svg, const Box& f, const Axis& x) {
+  for (const Tick& t : x.ticks(std::max(2, static_cast<int>(f.width / 62))))
+    if (!t.label.empty()) svg.text({f.left + f.width * x.at(t.value), f.bottom() + 14}, t.label, {10, "middle"});
 }
 
 }  // namespace
 
 std::string row_chart_svg(const RowChart& chart, bool inline_page) {
-  const double width = 1100, left = 90, legend = 210, row_height = 190, top = chart.subtitle.empty() ? 60 : 80;
+  const double width = 1100, left = 90, legend = 250, row_height = 190, top = chart.subtitle.empty() ? 60 : 80;
   const std::vector<const PlotSeries*> names = distinct(chart);
   const double height = std::max(top + static_cast<double>(chart.rows.size()) * row_height + 40, top + 20 + 16.0 * static_cast<double>(names.size()));
   Svg svg(chart.name, width, height, chart.title);
@@ -61,8 +73,8 @@ std::string row_chart_svg(const RowChart& chart, bool inline_page) {
   double y = top + 8;
   for (const PlotSeries* s : names) {
     const CurveStyle style = curve_style(s->number);
-    svg.line({width - legend, y - 4}, {width - legend + 34, y - 4}, {style.color, 1.8, style.dash});
-    svg.text({width - legend + 42, y}, words_cut(s->name, 12, legend - 50), {12});
+    draw_sample(svg, {width - legend, y - 4}, 30, style);
+    svg.text({width - legend + 36, y}, words_cut(s->name, 11.5, legend - 40), {11.5});
     y += 16;
   }
   return svg.text(inline_page);
@@ -84,7 +96,10 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
     svg.text({f.left, f.top - 6}, words_cut(p.title, 12, f.width), {12, "start", curve_style(p.series.empty() ? 6 : p.series[0].number).color, true});
     draw_axes(svg, f, p.x, p.y, 10, k + columns >= count, column == 0);
     draw_curves(svg, f, p, 6.5);
-    if (!p.subtitle.empty()) svg.text({f.left + 7, f.top + 15}, p.subtitle, {11, "start", kInk, false, 0, true});
+    if (!p.subtitle.empty()) svg.text({f.right(), f.top - 6}, p.subtitle, {10.5, "end", kQuiet});
+    // a panel with an axis of its own says so
+    if (k + columns < count && p.x.label != plots[0].x.label) draw_x_words(svg, f, p.x);
+    if (p.x.label != plots[0].x.label) svg.text({f.right() - 5, f.bottom() - 6}, p.x.label, {10.5, "end", kQuiet, false, 0, true});
   }
   if (count) {
     svg.text({left + columns * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});

@@ -7,7 +7,7 @@ namespace feder::report {
 
 using Json = nlohmann::ordered_json;
 
-// Indented by two spaces, closed by a newline; bytes that are no UTF-8 are replaced.
+// Indented by two spaces, lists of plain values on one line, closed by a newline; bytes that are no UTF-8 are replaced.
 std::string to_text(const Json& value);
 // The file as JSON. std::runtime_error "file: what is wrong".
 Json read_json(const std::string& file);

@@ -126,7 +126,7 @@ void draw_slopes(Svg& svg, const Box& f, const Plot& p) {
     const XY c = place(f, p, s.at.x * wide, s.at.y * std::pow(wide, s.slope));
     const XY corners[] = {a, b, c};
     svg.polygon(corners, "none", {kQuiet, 1});
-    svg.text({b.x + 4, (b.y + c.y) / 2 + 4}, s.label, {11, "start", kQuiet, false, 0, true});
+    svg.text({b.x + 4, (b.y + c.y) / 2 + 4}, s.label, {10.5, "start", kQuiet});
   }
 }
 

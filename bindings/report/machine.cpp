@@ -1,0 +1,134 @@
+#include "report/machine.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+namespace feder::report {
+namespace {
+
+std::string first_value(const char* file, const std::string& key) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with(key)) continue;
+    std::size_t at = line.find_first_of(":=");
+    if (at == std::string::npos) continue;
+    at = line.find_first_not_of(" \t\"", at + 1);
+    if (at == std::string::npos) return "";
+    std::string value = line.substr(at);
+    while (!value.empty() && (value.back() == '"' || value.back() == ' ')) value.pop_back();
+    return value;
+  }
+  return "";
+}
+
+std::string compiler_name() {
+#if defined(__clang__)
+  return "clang " + std::to_string(__clang_major__) + "." + std::to_string(__clang_minor__);
+#elif defined(__GNUC__)
+  return "gcc " + std::to_string(__GNUC__) + "." + std::to_string(__GNUC_MINOR__);
+#else
+  return "unknown";
+#endif
+}
+
+// Smallest difference the clock shows.
+double timer_resolution() {
+  using Clock = std::chrono::steady_clock;
+  double best = 1e9;
+  for (int k = 0; k < 200; ++k) {
+    const auto a = Clock::now();
+    auto b = Clock::now();
+    while (b == a) b = Clock::now();
+    best = std::min(best, std::chrono::duration<double, std::nano>(b - a).count());
+  }
+  return best;
+}
+
+std::string now_text() {
+  // reproducible builds of reports: a fixed date when the environment gives one
+  const char* const epoch = std::getenv("SOURCE_DATE_EPOCH");
+  const std::time_t t = epoch ? static_cast<std::time_t>(std::atoll(epoch)) : std::time(nullptr);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(t));
+}
+
+#ifndef FEDER_GIT
+#define FEDER_GIT ""
+#endif
+#ifndef FEDER_FLAGS
+#define FEDER_FLAGS ""
+#endif
+
+}  // namespace
+
+double load_now() {
+  std::ifstream in("/proc/loadavg");
+  double load = 0;
+  in >> load;
+  return in ? load : 0;
+}
+
+MachineInfo machine_info(const std::string& tool_version, const std::string& real) {
+  MachineInfo m;
+  m.git = FEDER_GIT;
+  m.tool = "feder " + tool_version;
+  m.date = now_text();
+  m.compiler = compiler_name();
+  m.flags = FEDER_FLAGS;
+  m.real = real;
+  m.cpu = first_value("/proc/cpuinfo", "model name");
+  m.cores = static_cast<int>(std::thread::hardware_concurrency());
+  m.os = first_value("/etc/os-release", "PRETTY_NAME");
+  std::ifstream flags("/proc/cpuinfo");
+  for (std::string line; std::getline(flags, line);)
+    if (line.starts_with("flags")) {
+      m.virtualization = line.find(" hypervisor") != std::string::npos ? "yes" : "no";
+      break;
+    }
+  m.load_before = m.load_after = load_now();
+  m.timer_resolution_ns = timer_resolution();
+  return m;
+}
+
+Json machine_json(const MachineInfo& m) {
+  return {{"git", m.git},
+          {"tool", m.tool},
+          {"date", m.date},
+          {"build", {{"compiler", m.compiler}, {"flags", m.flags}, {"real", m.real}, {"fma", m.fma}, {"ftz", m.ftz}}},
+          {"machine",
+           {{"cpu", m.cpu},
+            {"cores", m.cores},
+            {"os", m.os},
+            {"virtual", m.virtualization},
+            {"load_before", m.load_before},
+            {"load_after", m.load_after},
+            {"timer_resolution_ns", m.timer_resolution_ns}}}};
+}
+
+MachineInfo machine_from_json(const Json& run) {
+  MachineInfo m;
+  m.git = run.value("git", "");
+  m.tool = run.value("tool", "");
+  m.date = run.value("date", "");
+  const Json build = run.value("build", Json::object()), machine = run.value("machine", Json::object());
+  m.compiler = build.value("compiler", "");
+  m.flags = build.value("flags", "");
+  m.real = build.value("real", "");
+  m.fma = build.value("fma", false);
+  m.ftz = build.value("ftz", false);
+  m.cpu = machine.value("cpu", "");
+  m.cores = machine.value("cores", 0);
+  m.os = machine.value("os", "");
+  m.virtualization = machine.value("virtual", "");
+  m.load_before = machine.value("load_before", 0.0);
+  m.load_after = machine.value("load_after", 0.0);
+  m.timer_resolution_ns = machine.value("timer_resolution_ns", 0.0);
+  return m;
+}
+
+}  // namespace feder::report

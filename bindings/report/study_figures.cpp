@@ -1,0 +1,286 @@
+#include "report/study_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/figures.h"
+#include "report/xml.h"
+
+namespace feder::report {
+namespace {
+
+bool measured(const StudyPoint& p, const ErrorNorm& norm) {
+  return (p.status == PointStatus::ok || p.status == PointStatus::slow) && std::isfinite(p.*norm.value);
+}
+
+MarkKind kind_of(const StudyResult& r, const StudyPoint& p, const ErrorNorm& norm, bool on_front) {
+  switch (p.status) {
+    case PointStatus::diverged: return MarkKind::diverged;
+    case PointStatus::nan: return MarkKind::nan;
+    case PointStatus::refused: return MarkKind::refused;
+    default: break;
+  }
+  if (!measured(p, norm)) return MarkKind::other;
+  if (p.below_floor && norm.ranks(r.problem) && !norm.more_is_better) return MarkKind::uncertain;
+  return on_front ? MarkKind::filled : MarkKind::hollow;
+}
+
+int number_of(const StudyResult& r, const std::string& method) {
+  for (std::size_t k = 0; k < r.methods.size(); ++k)
+    if (r.methods[k].name == method) return static_cast<int>(k);
+  return static_cast<int>(r.methods.size());
+}
+
+// A line for people, then the row of points.csv.
+std::string point_title(const StudyResult& r, const StudyPoint& p, const ErrorNorm& norm) {
+  std::string text = fmt::format("{}, {}: {}", p.method, rung_text(p), name_of(p.status));
+  if (std::isfinite(p.*norm.value)) text += fmt::format(", {} {}", norm.column, number_text(p.*norm.value, 4));
+  text += fmt::format(", {} force evaluations", p.count.force_evals);
+  if (std::isfinite(p.t_min_s)) text += fmt::format(", {} s", number_text(p.t_min_s, 4));
+  if (!p.reason.empty()) text += "\n" + p.reason;
+  return text + "\n" + csv_row(r.problem.name, p);
+}
+
+// The problem with the parameters that differ from their defaults.
+std::string problem_words(const StudyResult& r) {
+  std::string out = r.problem.name;
+  std::string list;
+  for (const ProblemParam& p : r.problem.params)
+    if (p.value != p.fallback) list += (list.empty() ? "" : ", ") + p.name + " = " + p.value;
+  return list.empty() ? out : out + " (" + list + ")";
+}
+
+std::string reference_words(const StudyResult& r) {
+  const ReferenceInfo& ref = r.problem.reference;
+  static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
+  return fmt::format("reference: {}, {} digits; t = {} s", kinds[static_cast<int>(ref.kind)], ref.digits, number_text(r.problem.t_end, 6));
+}
+
+double cut_high(double error) { return std::isfinite(error) ? std::min(error, 100.0) : error; }
+
+// Axis ends from the points that can be shown; an error of 0 gets no say.
+void fit_axes(Plot& plot, const std::string& x_label, bool seconds, const std::string& y_label, bool more_is_better) {
+  std::vector<double> xs, ys;
+  for (const PlotSeries& s : plot.series)
+    for (const PlotPoint& p : s.points) {
+      xs.push_back(p.x);
+      if (p.x_far > p.x) xs.push_back(p.x_far);
+      if (!is_failure(p.kind)) ys.push_back(cut_high(std::max(p.y, p.y > 0 ? 1e-17 : 0.0)));
+    }
+  if (plot.uncertain_below > 0) ys.push_back(plot.uncertain_below);
+  plot.x = fit_axis(x_label, true, xs, seconds ? TickStyle::seconds : TickStyle::power);
+  if (more_is_better) ys.push_back(0);
+  plot.y = fit_axis(y_label, !more_is_better, ys, more_is_better ? TickStyle::plain : TickStyle::power);
+}
+
+Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis, const std::string& file) {
+  const bool by_time = axis.seconds, ranked = norm.ranks(r.problem);
+  Plot plot;
+  plot.name = file.substr(0, file.find('.'));
+  plot.title = fmt::format("{}: error against {}", problem_words(r), by_time ? "run time" : std::string(axis.name) == "force" ? "work" : "instructions");
+  plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
+  for (const MethodInfo& m : r.methods) {
+    PlotSeries series{m.name, number_of(r, m.name), {}};
+    for (const StudyPoint& p : r.points) {
+      if (p.method != m.name) continue;
+      const bool front = ranked && (by_time ? p.on_front_time : p.on_front_work);
+      const MarkKind kind = kind_of(r, p, norm, front);
+      series.points.push_back({axis.value(p), p.*norm.value, by_time && std::isfinite(p.t_p90_s) ? p.t_p90_s : 0, kind, point_title(r, p, norm)});
+    }
+    if (!series.points.empty()) plot.series.push_back(series);
+  }
+  if (ranked) {
+    for (const std::size_t k : by_time ? r.front_time : r.front_work)
+      plot.front.push_back({axis.value(r.points[k]), r.points[k].*norm.value});
+    const double floor = r.problem.reference.floor();
+    const bool near = !norm.more_is_better && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, norm) && p.*norm.value < 30 * floor; });
+    if (near) plot.uncertain_below = floor, plot.uncertain_label = "reference or rounding";
+  }
+  fit_axes(plot, axis.label, axis.seconds, norm.label, norm.more_is_better);
+  return plot;
+}
+
+const StudyPoint* point_of(const StudyResult& r, const StudySeries& s) {
+  for (const StudyPoint& p : r.points)
+    if (p.index == s.point) return &p;
+  return nullptr;
+}
+
+const OrderFit* fit_of(const StudyResult& r, const std::string& method) {
+  for (const OrderFit& f : r.fits)
+    if (f.method == method) return &f;
+  return nullptr;
+}
+
+double rung_value(const StudyPoint& p, const std::string& axis) {
+  if (axis == "tol") return p.tol;
+  if (axis == "iters") return p.iters;
+  if (axis == "substeps") return p.substeps;
+  return p.h_s;
+}
+
+std::string axis_words(const std::string& axis) {
+  if (axis == "tol") return "tolerance";
+  if (axis == "iters") return "iterations";
+  return axis == "substeps" ? "substeps" : "step h, s";
+}
+
+// One small plot per method: its points over the rung, the fitted line, and a triangle with the expected slope.
+Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& norm) {
+  const OrderFit* fit = fit_of(r, m.name);
+  const std::string axis = fit ? fit->axis : m.adaptive ? "tol" : "h";
+  Plot plot;
+  plot.title = m.name;
+  PlotSeries series{m.name, number_of(r, m.name), {}};
+  double log_sum_x = 0, log_sum_y = 0;
+  int used = 0;
+  for (const StudyPoint& p : r.points) {
+    if (p.method != m.name || !measured(p, norm)) continue;
+    const double x = rung_value(p, axis), y = p.*norm.value;
+    series.points.push_back({x, y, 0, p.below_floor ? MarkKind::uncertain : MarkKind::hollow, point_title(r, p, norm)});
+    if (!fit || !(x >= fit->lo * 0.999 && x <= fit->hi * 1.001) || !(y > 0) || p.below_floor) continue;
+    log_sum_x += std::log10(x), log_sum_y += std::log10(y), ++used;
+  }
+  plot.series.push_back(series);
+  if (fit && used > 1 && std::isfinite(fit->slope)) {
+    const double cx = log_sum_x / used, cy = log_sum_y / used;
+    const auto line_y = [&](double x) { return std::pow(10.0, cy + fit->slope * (std::log10(x) - cx)); };
+    plot.lines.push_back({{fit->lo, line_y(fit->lo)}, {fit->hi, line_y(fit->hi)}, {kInk, 1.2, "3 2"}});
+    plot.subtitle = fmt::format("fitted {:.2f}", fit->slope);
+    if (std::isfinite(fit->expected) && fit->expected > 0) {
+      plot.subtitle += fmt::format(", expected {}", number_text(fit->expected, 2));
+      const double x0 = std::pow(10.0, cx), y0 = line_y(x0) * std::pow(10.0, -1.2);
+      plot.slopes.push_back({{x0, y0}, fit->expected, number_text(fit->expected, 2)});
+    }
+  } else {
+    plot.subtitle = used ? "too few points for an order" : "no run reached the end";
+    if (!series.points.empty()) plot.subtitle = "no range that shows an order";
+  }
+  plot.x.label = axis_words(axis);
+  return plot;
+}
+
+std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_page) {
+  std::vector<Plot> panels;
+  for (const MethodInfo& m : r.methods) panels.push_back(order_panel(r, m, norm));
+  std::stable_partition(panels.begin(), panels.end(), [&](const Plot& p) { return p.x.label == panels.front().x.label; });
+  std::vector<double> ys;
+  for (const Plot& p : panels)
+    for (const PlotPoint& q : p.series[0].points) ys.push_back(cut_high(std::max(q.y, q.y > 0 ? 1e-17 : 0.0)));
+  const Axis y = fit_axis(norm.label, true, ys, TickStyle::power);
+  for (Plot& p : panels) {
+    std::vector<double> xs;
+    for (const Plot& o : panels)
+      if (o.x.label == p.x.label)
+        for (const PlotPoint& q : o.series[0].points) xs.push_back(q.x);
+    p.x = fit_axis(p.x.label, true, xs, TickStyle::power);
+    p.y = y;
+  }
+  return plot_sheet_svg("order", problem_words(r) + ": order of each method",
+                        "dashed: fit through the points that shrink regularly; the triangle shows the expected slope", panels, 4,
+                        inline_page);
+}
+
+RowChart invariants(const StudyResult& r) {
+  RowChart chart;
+  chart.name = "invariants";
+  chart.title = problem_words(r) + ": what should be conserved";
+  chart.x_label = "time, s";
+  struct Kind {
+    const char* label;
+    std::vector<double> StudySeries::*values;
+  };
+  static const Kind kinds[] = {{"largest energy error so far / energy scale", &StudySeries::energy},
+                               {"largest momentum error so far / its scale", &StudySeries::momentum},
+                               {"largest angular momentum error so far / its scale", &StudySeries::angmom}};
+  const std::vector<const StudySeries*> chosen = drawn_series(r);
+  for (const Kind& kind : kinds) {
+    RowChart::Row row{kind.label, true, {}};
+    bool any = false;
+    for (const StudySeries* s : chosen) {
+      const StudyPoint& point = *point_of(r, *s);
+      PlotSeries curve{fmt::format("{}, {}", point.method, rung_text(point)), number_of(r, point.method), {}};
+      const std::vector<double>& values = s->*kind.values;
+      double most = 0;
+      for (std::size_t k = 0; k < values.size() && k < s->t.size(); ++k) {
+        // an envelope: curves that swing through zero would hide each other; a blow-up leaves through the top
+        const double v = std::fabs(values[k]);
+        if (std::isfinite(v)) most = std::max(most, v);
+        any = any || most > 0;
+        curve.points.push_back({s->t[k], std::isfinite(v) && most > 0 ? std::clamp(most, 1e-17, 1e3) : NAN, 0, MarkKind::hollow, ""});
+      }
+      row.series.push_back(curve);
+    }
+    if (any) chart.rows.push_back(row);
+  }
+  if (!chosen.empty()) chart.subtitle = "one run of each method, those of about the same work";
+  return chart;
+}
+
+}  // namespace
+
+const ErrorNorm& plotted_norm(const StudyResult& r, const StudyContext& context) {
+  std::vector<std::string> names = context.errors;
+  if (names.empty() && r.problem.chaotic) names.emplace_back("horizon");
+  for (const char* more : {"end", "traj", "orient", "event", "energy", "constraint"}) names.emplace_back(more);
+  for (const std::string& name : names) {
+    const ErrorNorm* norm = find_norm(name);
+    if (norm && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *norm); })) return *norm;
+  }
+  return *find_norm("end");
+}
+
+std::vector<const StudySeries*> drawn_series(const StudyResult& r) {
+  std::vector<double> works;
+  for (const StudyPoint& p : r.points)
+    if (p.completed && p.work > 0) works.push_back(p.work);
+  if (works.empty()) return {};
+  std::sort(works.begin(), works.end());
+  const double middle = works[works.size() / 2];
+  std::vector<const StudySeries*> out;
+  for (const MethodInfo& m : r.methods) {
+    const StudySeries* best = nullptr;
+    double distance = INFINITY;
+    for (const StudySeries& s : r.series) {
+      const StudyPoint* p = point_of(r, s);
+      if (!p || p->method != m.name || !(p->work > 0)) continue;
+      const double d = std::fabs(std::log(p->work / middle));
+      if (d < distance) distance = d, best = &s;
+    }
+    if (best) out.push_back(best);
+  }
+  return out;
+}
+
+std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& context) {
+  std::vector<Figure> out;
+  const ErrorNorm& norm = plotted_norm(r, context);
+  const auto wants = [&](const char* axis) { return std::find(context.axes.begin(), context.axes.end(), axis) != context.axes.end(); };
+  const auto add_plot = [&](const ErrorNorm& n, const char* axis, const std::string& file, const std::string& caption) {
+    const Plot plot = cost_plot(r, n, *find_axis(axis), file);
+    out.push_back({file, caption, plot_svg(plot), plot_svg(plot, true)});
+  };
+  if (wants("time") && has_times(r))
+    add_plot(norm, "time", "error_vs_time.svg", "Error against run time. The whisker ends at the 90th percentile of the repeats.");
+  if (wants("force"))
+    add_plot(norm, "force", "error_vs_work.svg",
+             fmt::format("Error against work, which does not depend on the machine: force evaluations, plus {} per Jacobian, {} per "
+                         "step of conjugate gradients, {} per direct solve.", number_text(r.weights.jacobian),
+                         number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve)));
+  if (wants("instr")) add_plot(norm, "instr", "error_vs_instructions.svg", "Error against instructions.");
+  for (std::size_t k = 1; k < context.errors.size(); ++k) {
+    const ErrorNorm* more = find_norm(context.errors[k]);
+    if (!more || more == &norm || std::none_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *more); })) continue;
+    add_plot(*more, "force", fmt::format("error_vs_work_{}.svg", more->name), fmt::format("{} against work.", more->label));
+  }
+  out.push_back({"order.svg", "Error against the step, one frame per method.", order_svg(r, norm, false), order_svg(r, norm, true)});
+  const RowChart rows = invariants(r);
+  if (!rows.rows.empty())
+    out.push_back({"invariants.svg", "Energy, momentum and angular momentum along one run of each method.", row_chart_svg(rows),
+                   row_chart_svg(rows, true)});
+  return out;
+}
+
+}  // namespace feder::report

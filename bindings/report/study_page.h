@@ -1,0 +1,17 @@
+// index.html of a study, and the folder with all its files.
+#pragma once
+#include <string>
+
+#include "report/study_figures.h"
+
+namespace feder::report {
+
+std::string study_page(const StudyResult& r, const StudyContext& context, const std::vector<Figure>& figures);
+
+// Writes report.json, points.csv, the figures and index.html. std::runtime_error "file: cannot be written".
+void write_study(const std::string& folder, const StudyResult& r, const StudyContext& context);
+
+// The whole text, or std::runtime_error.
+void write_text(const std::string& file, const std::string& text);
+
+}  // namespace feder::report

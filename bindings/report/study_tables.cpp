@@ -1,0 +1,141 @@
+// The decision table of a study: for each error the cheapest method, as text and as Markdown.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "report/study_text.h"
+#include "report/table.h"
+#include "report/xml.h"
+
+namespace feder::report {
+namespace {
+
+std::string count_text(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (value < 1e6) return fmt::format("{:.0f}", value);
+  return number_text(value, 3);
+}
+
+std::string step_text(const CostToAccuracy& c) {
+  if (c.method.empty()) return "-";
+  return std::isfinite(c.tol) && c.tol > 0 ? "tol " + number_text(c.tol, 2) : "h " + number_text(c.h_s, 2);
+}
+
+std::string time_text(double seconds) {
+  if (!std::isfinite(seconds)) return "-";
+  if (seconds >= 1) return number_text(seconds, 3) + " s";
+  return seconds >= 1e-3 ? number_text(seconds * 1e3, 3) + " ms" : number_text(seconds * 1e6, 3) + " us";
+}
+
+// Did the solver of this method miss its tolerance anywhere near?
+bool has_slow_points(const StudyResult& r, const std::string& method) {
+  return std::any_of(r.points.begin(), r.points.end(),
+                     [&](const StudyPoint& p) { return p.method == method && p.status == PointStatus::slow; });
+}
+
+std::string best_text(const StudyResult& r) {
+  const StudyPoint* best = nullptr;
+  for (const StudyPoint& p : r.points)
+    if (p.completed && std::isfinite(p.err_end) && (!best || p.err_end < best->err_end)) best = &p;
+  if (!best) return "no run reached the end";
+  return fmt::format("not reached; best {} by {}", number_text(best->err_end, 2), best->method);
+}
+
+}  // namespace
+
+std::vector<Decision> decisions(const StudyResult& r) {
+  std::map<double, Decision, std::greater<>> by_target;
+  std::map<double, int> reached;
+  for (const CostToAccuracy& c : r.cost_to_accuracy) {
+    Decision& d = by_target[c.target];
+    d.target = c.target;
+    d.reached = true;
+    ++reached[c.target];
+    if (c.cheapest_time) d.by_time = c;
+    if (c.cheapest_work) d.by_work = c;
+  }
+  std::vector<Decision> out;
+  for (double target = 0.1; target > 0.9e-10; target /= 10) {
+    const double exact = std::stod(fmt::format("{:.0e}", target));
+    const auto found = std::find_if(by_target.begin(), by_target.end(), [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
+    if (found == by_target.end()) {
+      out.push_back({exact, false, {}, {}, exact < r.problem.reference.floor() ? "below the certainty of the reference" : best_text(r)});
+      if (out.size() > 1 || exact < 1e-2) break;
+      continue;
+    }
+    Decision d = found->second;
+    const std::string& method = d.by_work.method.empty() ? d.by_time.method : d.by_work.method;
+    d.verdict = fmt::format("reached by {} of {}", reached[found->first], r.methods.size());
+    if (has_slow_points(r, method)) d.verdict += "; its solver missed its tolerance on some rungs";
+    out.push_back(d);
+  }
+  return out;
+}
+
+std::string study_table(const StudyResult& r) {
+  const bool times = has_times(r);
+  std::vector<std::string> columns = {">error below", "least work", "step", ">force evals", ">work"};
+  if (times) columns.insert(columns.end(), {"least time", "step", ">time"});
+  columns.push_back("verdict");
+  Table table(columns);
+  for (const Decision& d : decisions(r)) {
+    std::vector<std::string> row = {number_text(d.target, 2), d.by_work.method.empty() ? "-" : d.by_work.method, step_text(d.by_work),
+                                    count_text(d.reached ? d.by_work.force_evals : NAN), count_text(d.reached ? d.by_work.work : NAN)};
+    if (times) {
+      row.push_back(d.by_time.method.empty() ? "-" : d.by_time.method);
+      row.push_back(step_text(d.by_time));
+      row.push_back(time_text(d.reached ? d.by_time.time_s : NAN));
+    }
+    row.push_back(d.verdict);
+    table.add(row);
+  }
+  return table.text("  ");
+}
+
+std::vector<std::string> failed_methods(const StudyResult& r) {
+  std::vector<std::string> out;
+  for (const MethodInfo& m : r.methods) {
+    int all = 0;
+    std::map<std::string, int> by_status;
+    const StudyPoint* first = nullptr;
+    for (const StudyPoint& p : r.points) {
+      if (p.method != m.name) continue;
+      ++all;
+      if (p.status == PointStatus::ok || p.status == PointStatus::slow) continue;
+      ++by_status[name_of(p.status)];
+      if (!first) first = &p;
+    }
+    if (!first) continue;
+    std::string line;
+    for (const auto& [status, count] : by_status) line += fmt::format("{}{} {}", line.empty() ? "" : ", ", status, count);
+    line = fmt::format("{}: {} of {} rungs; first at {}", m.name, line, all, rung_text(*first));
+    if (!first->reason.empty()) line += ": " + first->reason;
+    out.push_back(line);
+  }
+  return out;
+}
+
+std::string study_markdown(const StudyResult& r, const std::string& picture) {
+  std::string out;
+  if (!picture.empty()) out += fmt::format("![error against work: {}]({})\n\n", r.problem.name, picture);
+  const bool times = has_times(r);
+  out += "| you want an error below | use | at | force evaluations | work |";
+  out += times ? " by the clock | at | time |\n" : "\n";
+  out += "|---|---|---|---|---|";
+  out += times ? "---|---|---|\n" : "\n";
+  for (const Decision& d : decisions(r)) {
+    if (!d.reached) {
+      out += fmt::format("| {} | {} | | | |{}\n", number_text(d.target, 2), d.verdict, times ? " | | |" : "");
+      continue;
+    }
+    out += fmt::format("| {} | `{}` | {} | {} | {} |", number_text(d.target, 2), d.by_work.method, step_text(d.by_work),
+                       count_text(d.by_work.force_evals), count_text(d.by_work.work));
+    if (times) out += fmt::format(" `{}` | {} | {} |", d.by_time.method, step_text(d.by_time), time_text(d.by_time.time_s));
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace feder::report

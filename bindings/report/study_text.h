@@ -1,0 +1,75 @@
+// A study as text: points.csv, report.json and the tables of the terminal; and back from JSON, for merging shards.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/json.h"
+#include "report/machine.h"
+#include "study/result.h"
+
+namespace feder::report {
+
+// How a study was asked for: what the page names besides the numbers.
+struct StudyContext {
+  MachineInfo machine;
+  std::string command;                     // the command line
+  std::vector<std::string> settings;       // options that differ from their default, "substeps = 8"
+  std::vector<std::string> errors;         // norms, the plotted one first; empty: what points are ranked by
+  std::vector<std::string> axes = {"time", "force"};
+  Json gate = Json::object();              // filled by the gate
+};
+
+// An error norm by its short name: "end", "traj", "max", "energy", "drift", "momentum", "angular", "constraint", "event",
+// "orient", "horizon". Null when unknown.
+struct ErrorNorm {
+  const char* name;
+  const char* column;  // of points.csv, or of report.json alone
+  const char* label;   // of an axis
+  double StudyPoint::*value;
+  bool more_is_better = false;  // then the axis is linear
+  // Does the library rank points by it (fronts, fits, floors)?
+  bool ranks(const ProblemInfo& problem) const;
+};
+const ErrorNorm* find_norm(const std::string& name);
+std::vector<std::string> norm_names();
+
+// What a point cost.
+struct CostAxis {
+  const char* name;   // "time", "force", "instr"
+  const char* label;
+  double (*value)(const StudyPoint&);
+  bool seconds;
+};
+const CostAxis* find_axis(const std::string& name);
+
+std::string csv_header();
+std::string csv_row(const std::string& problem, const StudyPoint& p);
+std::string points_csv(const StudyResult& r);
+
+Json study_json(const StudyResult& r, const StudyContext& context);
+// The result that study_json wrote. std::runtime_error "what is missing".
+StudyResult study_from_json(const Json& json);
+
+// "h = 0.01 s", "tol = 1e-6", with iterations and substeps where the rung sets them.
+std::string rung_text(const StudyPoint& p);
+
+// One row of the decision table: the cheapest way to an error.
+struct Decision {
+  double target = 0;
+  bool reached = false;
+  CostToAccuracy by_time, by_work;  // methods empty when nobody is known
+  std::string verdict;
+};
+// Targets from 1e-1 down, ending with the first one that no method reaches.
+std::vector<Decision> decisions(const StudyResult& r);
+
+// "By time" columns make sense only when there was a timing pass.
+bool has_times(const StudyResult& r);
+
+std::string study_table(const StudyResult& r);
+// Methods with no point that is ok, with the reason: "explicit_euler: diverged at 0.12 s (12 of 12 rungs)".
+std::vector<std::string> failed_methods(const StudyResult& r);
+// A fragment for a README: the picture and the table.
+std::string study_markdown(const StudyResult& r, const std::string& picture);
+
+}  // namespace feder::report
