@@ -22,8 +22,14 @@ std::uint8_t lock_option(Options& o) {
   return bits;
 }
 
+// A colour that was given, by the body or its material.
+struct Paint {
+  bool given = false;
+  std::uint32_t rgb = 0;
+};
+
 // The material's numbers are defaults of the body's own.
-void material_option(Options& o, const WorldRecord& record, BodyDesc& desc) {
+void material_option(Options& o, const WorldRecord& record, BodyDesc& desc, Paint& paint) {
   if (!o.text("material", desc.material)) return;
   const auto& materials = record.settings.materials;
   const auto found = materials.find(desc.material);
@@ -38,6 +44,7 @@ void material_option(Options& o, const WorldRecord& record, BodyDesc& desc) {
   if (m.has_restitution) desc.restitution = m.restitution;
   if (m.has_density) desc.density = m.density;
   if (m.has_rolling) desc.rolling_friction = m.rolling_friction;
+  if (m.has_color) paint = {true, m.color};
 }
 
 void filter_options(Options& o, BodyDesc& desc) {
@@ -46,7 +53,7 @@ void filter_options(Options& o, BodyDesc& desc) {
   if (o.integer("mask", bits, 0, 0xffffffffll)) desc.mask = static_cast<std::uint32_t>(bits);
 }
 
-void read_body(Options& o, WorldRecord& record, BodyDesc& desc) {
+void read_body(Options& o, WorldRecord& record, BodyDesc& desc, Paint& paint) {
   int type = 0;
   o.text("name", desc.name);
   o.choice("type", kTypes, type);
@@ -56,7 +63,8 @@ void read_body(Options& o, WorldRecord& record, BodyDesc& desc) {
   o.rotation("rotation", desc.rotation);
   o.vector("velocity", desc.velocity);
   o.vector("angular_velocity", desc.angular_velocity);
-  material_option(o, record, desc);
+  material_option(o, record, desc, paint);
+  if (o.color("color", paint.rgb)) paint.given = true;
   const bool has_density = o.real("density", desc.density, kPositive);
   if (o.real("mass", desc.mass, kPositive) && has_density) o.raise("mass", "expected density or mass, got both");
   desc.has_center = o.vector("center_of_mass", desc.center_of_mass);
@@ -115,8 +123,11 @@ int world_body(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
   BodyDesc desc;
-  read_body(o, r, desc);
-  push_handle(L, r, r.rigid().add_body(desc));
+  Paint paint;
+  read_body(o, r, desc, paint);
+  const ObjectId id = r.rigid().add_body(desc);
+  if (paint.given) r.look.colors[id] = paint.rgb;
+  push_handle(L, r, id);
   return 1;
 }
 

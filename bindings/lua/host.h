@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lua/look.h"
 #include "world/world.h"
 
 namespace feder::lua {
@@ -93,12 +94,16 @@ class Script {
   bool is_scene() const;
   std::string title() const;
   double seconds() const;                             // of the scene; 0 when it says nothing
+  double picture() const;                             // when a picture tells most, s; < 0 when the scene says nothing
+  const SceneCamera& camera() const;
   std::vector<ParamInfo> params() const;
 
   // Scenes: makes the world from the scene's defaults, the overrides and the host's options, then calls build().
   void build();
   // The scene's world, or the last world a plain script made; null when there is none.
   World* world();
+  // Colours and faces in that world; null without one.
+  const Look* look() const;
   // One step: world.step(), then timers, events, tasks, update(). Handler errors are collected, not thrown.
   void step();
   // Runs the scene's check.

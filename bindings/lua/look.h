@@ -17,11 +17,11 @@ struct SceneCamera {
   double yaw = 0, pitch = 0;     // rad
 };
 
+// Of one world.
 struct Look {
-  std::map<ObjectId, std::uint32_t> colors;                   // 0xrrggbb
-  std::map<std::string, std::uint32_t> material_colors;       // of materials with a `color`
-  std::map<ObjectId, std::vector<std::uint32_t>> faces;       // of nets: three point numbers (from 0) per triangle
-  std::uint64_t version = 0;                                  // goes up with every change
+  std::map<ObjectId, std::uint32_t> colors;              // 0xrrggbb; objects without one are not here
+  std::map<ObjectId, std::vector<std::uint32_t>> faces;  // of nets: three point numbers (from 0) per triangle
+  std::uint64_t version = 0;                             // goes up when a colour of an older object changes
 };
 
 }  // namespace feder::lua

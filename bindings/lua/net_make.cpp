@@ -121,9 +121,10 @@ std::vector<std::size_t> read_pins(Options& o, std::size_t points) {
   return pins;
 }
 
-// Triangles of point numbers: checked, for drawing and export.
-void read_faces(Options& o, std::size_t points) {
-  if (!o.push("faces", LUA_TTABLE, "a list of {i, j, k}")) return;
+// Triangles of point numbers, for drawing and export; a face of four is cut in two.
+std::vector<std::uint32_t> read_faces(Options& o, std::size_t points) {
+  std::vector<std::uint32_t> faces;
+  if (!o.push("faces", LUA_TTABLE, "a list of {i, j, k}")) return faces;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
   for (std::size_t f = 1; f <= count; ++f) {
@@ -131,17 +132,22 @@ void read_faces(Options& o, std::size_t points) {
     const std::string what = o.path("faces") + "[" + std::to_string(f) + "]";
     if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) < 3 || lua_rawlen(L, -1) > 4)
       fail(L, what + ": expected three or four point numbers, got " + describe(L, -1));
-    for (int k = 1; k <= static_cast<int>(lua_rawlen(L, -1)); ++k) {
-      lua_rawgeti(L, -1, k);
-      check_integer(L, -1, what, 1, static_cast<std::int64_t>(points));
+    const int corners = static_cast<int>(lua_rawlen(L, -1));
+    std::uint32_t corner[4] = {};
+    for (int k = 0; k < corners; ++k) {
+      lua_rawgeti(L, -1, k + 1);
+      corner[k] = static_cast<std::uint32_t>(check_integer(L, -1, what, 1, static_cast<std::int64_t>(points)) - 1);
       lua_pop(L, 1);
     }
+    faces.insert(faces.end(), {corner[0], corner[1], corner[2]});
+    if (corners == 4) faces.insert(faces.end(), {corner[0], corner[2], corner[3]});
     lua_pop(L, 1);
   }
   lua_pop(L, 1);
+  return faces;
 }
 
-void read_net(Options& o, NetDesc& desc) {
+void read_net(Options& o, NetDesc& desc, std::vector<std::uint32_t>& faces) {
   lua_State* L = o.L();
   o.text("name", desc.name);
   if (!o.push_any("points")) o.wrong("points", "a list of {x, y, z} or a buffer");
@@ -157,7 +163,7 @@ void read_net(Options& o, NetDesc& desc) {
   }
   read_masses(o, desc);
   read_springs(o, desc);
-  read_faces(o, desc.points.size());
+  faces = read_faces(o, desc.points.size());
   if (o.text("integrator", desc.integrator)) find_variant(integrators(), desc.integrator, "integrator");
   if (o.push("integrator_options", LUA_TTABLE, "a table of options")) {
     Options inner(L, -1, o.path("integrator_options"));
@@ -184,13 +190,18 @@ int world_net(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
   NetDesc desc;
-  read_net(o, desc);
+  std::vector<std::uint32_t> faces;
+  read_net(o, desc, faces);
+  std::uint32_t color = 0;
+  const bool colored = o.color("color", color);
   const std::vector<std::size_t> pins = read_pins(o, desc.points.size());
   o.has("tags");
   o.finish();
   desc.tags = tag_option(o, r);
   const ObjectId id = r.springs().add_net(desc);
   for (std::size_t i : pins) r.springs().pin(id, i);
+  if (!faces.empty()) r.look.faces[id] = std::move(faces);
+  if (colored) r.look.colors[id] = color;
   push_handle(L, r, id);
   return 1;
 }

@@ -39,6 +39,8 @@ class Options {
   bool vector(const char* key, Vec3& out);
   bool unit(const char* key, Vec3& out);      // a direction: not zero; normalised
   bool rotation(const char* key, Quat& out);  // {x,y,z,w} | {axis=, angle=} | {euler=, order=, fixed=}
+  // A colour as 0xrrggbb: { r, g, b } with parts of 0..1, "#rrggbb", or a name.
+  bool color(const char* key, std::uint32_t& out);
   bool choice(const char* key, const std::vector<std::string>& names, int& out);
   bool words(const char* key, std::vector<std::string>& out);  // "a" or {"a", "b"}
   // Pushes the value when present and of the Lua type; the caller pops it.

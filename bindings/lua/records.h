@@ -8,6 +8,7 @@
 #include "collide/collide.h"
 #include "lua/events.h"
 #include "lua/force.h"
+#include "lua/look.h"
 #include "lua/options.h"
 #include "lua/state.h"
 #include "lua/tasks.h"
@@ -20,6 +21,8 @@ namespace feder::lua {
 struct Material {
   bool has_friction = false, has_restitution = false, has_density = false, has_rolling = false;
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, density = 0, rolling_friction = 0;
+  bool has_color = false;
+  std::uint32_t color = 0;  // 0xrrggbb
 };
 
 struct NamedMaterialPair {
@@ -58,6 +61,7 @@ struct WorldRecord {
   ScriptForces forces;
   std::set<ObjectId> regions;              // sensor bodies made by world:region
   std::map<ObjectId, JointRecord> joints;  // those made by scripts
+  Look look;
 
   bool planar() const { return settings.desc.dimension == 2; }
   Rigid& rigid();  // made on first use, with the material pairs

@@ -12,11 +12,29 @@ SceneState& scene(lua_State* L) {
   return state(L).scene;
 }
 
+// camera = { target = {x, y, z}, distance =, yaw =, pitch = }; angles in radians.
+SceneCamera read_camera(Options& o) {
+  SceneCamera c;
+  if (!o.push("camera", LUA_TTABLE, "{ target =, distance =, yaw =, pitch = }")) return c;
+  Options inner(o.L(), -1, o.path("camera"), true);
+  Vec3 target = Vec3::Zero();
+  c.has_target = inner.vector("target", target);
+  for (int i = 0; i < 3; ++i) c.target[i] = static_cast<double>(target[i]);
+  c.has_distance = inner.number("distance", c.distance, kPositive);
+  c.has_yaw = inner.number("yaw", c.yaw);
+  c.has_pitch = inner.number("pitch", c.pitch, Range{-1.57, 1.57});
+  inner.finish();
+  lua_pop(o.L(), 1);
+  return c;
+}
+
 // Checks the keys of a scene table at `index` and reads what the host asks about.
 void read_scene(lua_State* L, int index, SceneState& out, const std::string& owner) {
   Options o(L, index, owner);
   o.text("title", out.title);
   o.number("seconds", out.seconds, Range{0, 1e9, true});
+  o.number("picture", out.picture, Range{0, 1e9});
+  out.camera = read_camera(o);
   if (o.push("world", LUA_TTABLE, "a table of options")) lua_pop(L, 1);
   if (o.push("build", LUA_TFUNCTION, "a function(world, scene)"))
     lua_pop(L, 1);
@@ -106,7 +124,7 @@ bool take_scene(lua_State* L, const std::string& file) {
     lua_error(L);
   }
   const std::string where = s.where;
-  s.title.clear(), s.seconds = 0;
+  s.title.clear(), s.seconds = 0, s.picture = -1;
   read_scene(L, lua_gettop(L), s, "feder.scene");
   s.where = where.empty() ? file : where;
   lua_pushvalue(L, -1);

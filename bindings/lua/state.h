@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/rng.h"
 #include "lua/host.h"
+#include "lua/look.h"
 
 namespace feder::lua {
 
@@ -50,6 +51,8 @@ struct SceneState {
   int passed = LUA_NOREF;  // the copy of it that build, update and check see
   std::string title;
   double seconds = 0;
+  double picture = -1;  // s; < 0: not said
+  SceneCamera camera;
   std::string where;  // file:line of feder.scene
   bool has_update = false, has_check = false;
   int last = LUA_NOREF;  // of feder.scene, while the file loads

@@ -58,7 +58,8 @@ void read_materials(Options& o, WorldSettings& w) {
     made.has_density = m.real("density", made.density, kPositive);
     made.has_rolling = m.real("rolling_friction", made.rolling_friction, kNotNegative);
     // what a materials file may say besides
-    for (const char* other : {"color", "title", "description"}) m.has(other);
+    made.has_color = m.color("color", made.color);
+    for (const char* other : {"title", "description"}) m.has(other);
     w.materials[name] = made;
   });
   if (!o.push("material_pairs", LUA_TTABLE, "a list of { \"a\", \"b\", friction =, restitution = }")) return;

@@ -14,7 +14,7 @@
 namespace feder::lua {
 namespace {
 
-const char* const kSceneKeys[] = {"title", "seconds", "world",   "params", "bodies", "joints",
+const char* const kSceneKeys[] = {"title", "seconds", "picture", "camera", "world", "params", "bodies", "joints",
                                   "nets",  "forces",  "regions", "cloths", "fluids", "check"};
 
 // Raises an error at a place in the file, when the table remembers one.
@@ -354,7 +354,7 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   const int scene = lua_gettop(L);
   lua_newtable(L);
   copy_places(L, scene, -1);
-  for (const char* key : {"title", "seconds", "world"}) {
+  for (const char* key : {"title", "seconds", "picture", "camera", "world"}) {
     lua_getfield(L, scene, key);
     lua_setfield(L, -2, key);
   }

@@ -1,6 +1,8 @@
 #include "view/camera.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace feder::view {
 namespace {
@@ -12,21 +14,83 @@ void corner(const Bounds& b, int i, float out[3]) {
   for (int k = 0; k < 3; ++k) out[k] = i >> k & 1 ? b.high[k] : b.low[k];
 }
 
-// What the picture is about: the moving things, with as much of the fixed ones as is near them.
-Bounds subject(const Frame& f) {
-  if (f.moving.empty()) return f.bounds;
-  Bounds b = f.moving;
-  float size = 0;
-  for (int i = 0; i < 3; ++i) size = std::max(size, b.high[i] - b.low[i]);
-  const float margin = 0.25f * size;
-  for (int i = 0; i < 3 && !f.bounds.empty(); ++i) {
-    b.low[i] = std::max(f.bounds.low[i], b.low[i] - margin);
-    b.high[i] = std::min(f.bounds.high[i], b.high[i] + margin);
+// Half the box of an instance, turned: |R| (scale * half size of the unit geometry).
+Bounds box_of(const Instance& i, const Geometry& g) {
+  const float x = i.rotation[0], y = i.rotation[1], z = i.rotation[2], w = i.rotation[3];
+  const float r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                         {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                         {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+  Bounds b;
+  for (int row = 0; row < 3; ++row) {
+    float low = 0, high = 0;
+    for (int k = 0; k < 3; ++k) {
+      const float stretch = k == 1 ? i.stretch : 0;
+      const float l = r[row][k] * (i.scale[k] * g.low[k] - stretch), h = r[row][k] * (i.scale[k] * g.high[k] + stretch);
+      low += std::min(l, h), high += std::max(l, h);
+    }
+    b.low[row] = i.position[row] + low, b.high[row] = i.position[row] + high;
   }
   return b;
 }
 
+float median(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The boxes that are not far from most of them: within six times the median distance from the median place.
+Bounds without_strays(const std::vector<Bounds>& boxes) {
+  float center[3];
+  std::vector<float> values(boxes.size());
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) values[i] = (boxes[i].low[k] + boxes[i].high[k]) / 2;
+    center[k] = median(values);
+  }
+  float largest = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    float d2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      const float d = (boxes[i].low[k] + boxes[i].high[k]) / 2 - center[k];
+      d2 += d * d;
+    }
+    values[i] = std::sqrt(d2);
+  }
+  const float usual = median(values);
+  Bounds all;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, values[i] <= usual ? boxes[i].high[k] - boxes[i].low[k] : 0);
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (values[i] <= 6 * usual + largest || boxes.size() < 4) all.include(boxes[i]);
+  return all;
+}
+
 }  // namespace
+
+Bounds subject_of(const Frame& f) {
+  std::vector<Bounds> boxes, fixed;
+  for (const Batch& batch : f.batches)
+    for (std::uint32_t i = batch.first; i < batch.first + batch.count; ++i)
+      if (!(f.instances[i].flags & kSensor))
+        (f.instances[i].flags & kFixed ? fixed : boxes).push_back(box_of(f.instances[i], *f.geometries[batch.geometry]));
+  Bounds b = boxes.empty() ? Bounds{} : without_strays(boxes);
+  for (const MeshVertex& v : f.vertices) b.include(v.position);
+  for (const Point& p : f.points) b.include(p.position, p.radius);
+  for (const Line& l : f.lines) b.include(l.a), b.include(l.b);
+  if (b.empty())
+    for (const Bounds& x : fixed) b.include(x);
+  float size = 0;
+  for (int k = 0; k < 3; ++k) size = std::max(size, b.high[k] - b.low[k]);
+  // fixed things near the moving ones belong to the picture, as far as they are near
+  const Bounds core = b;
+  for (const Bounds& x : fixed) {
+    Bounds cut;
+    for (int k = 0; k < 3; ++k)
+      cut.low[k] = std::max(x.low[k], core.low[k] - 0.2f * size), cut.high[k] = std::min(x.high[k], core.high[k] + 0.2f * size);
+    if (cut.low[0] <= cut.high[0] && cut.low[1] <= cut.high[1] && cut.low[2] <= cut.high[2]) b.include(cut);
+  }
+  return b;
+}
 
 Matrix4 operator*(const Matrix4& a, const Matrix4& b) {
   Matrix4 r;
@@ -64,9 +128,7 @@ void Camera::look(const float from[3], const float at[3]) {
 
 // The distance is the least at which every corner of the subject is inside the image with a margin: corner p (relative
 // to the target) at depth distance - p.back needs |p.up| <= m t (distance - p.back), t = tan(fov / 2).
-void Camera::fit(const Frame& frame, float aspect) {
-  const Bounds b = subject(frame);
-  if (frame.dimension == 2) yaw = 0, pitch = 0;
+void Camera::fit(const Bounds& b, float aspect) {
   if (b.empty()) return;
   for (int i = 0; i < 3; ++i) target[i] = (b.low[i] + b.high[i]) / 2;
   float right[3], up[3], back[3];
@@ -81,6 +143,11 @@ void Camera::fit(const Frame& frame, float aspect) {
     needed = std::max({needed, depth + std::abs(dot(p, up)) / tall, depth + std::abs(dot(p, right)) / wide});
   }
   distance = needed;
+}
+
+void Camera::fit(const Frame& frame, float aspect) {
+  if (frame.dimension == 2) yaw = pitch = 0, fov = kPlanarFov;
+  fit(subject_of(frame), aspect);
 }
 
 Matrix4 Camera::view() const {

@@ -17,9 +17,10 @@ struct Camera {
   float pitch = 0.35f;          // above the horizon
   float fov = 0.7f;             // vertical
 
-  // Turns towards what the frame shows and stands back just far enough for an image of that aspect (width / height);
-  // moving things decide, with the fixed things about them; infinite planes do not count. Keeps yaw and pitch; a 2D
-  // frame is seen from the front.
+  // Turns towards the subject and stands back just far enough for an image of that aspect (width / height). Keeps
+  // yaw and pitch.
+  void fit(const Bounds& subject, float aspect);
+  // The same for subject_of(frame); a 2D frame is seen from the front.
   void fit(const Frame& frame, float aspect);
   void look(const float eye[3], const float at[3]);
 
@@ -32,5 +33,11 @@ struct Camera {
   // Pixel of a world point; false when behind the camera.
   bool project(const float point[3], int width, int height, float& x, float& y) const;
 };
+
+inline constexpr float kPlanarFov = 0.35f;  // nearly without perspective
+
+// What a picture of the frame is about: the moving things, without those that have flown off, and what is fixed near
+// them. Infinite planes do not count.
+Bounds subject_of(const Frame& frame);
 
 }  // namespace feder::view

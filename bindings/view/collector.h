@@ -44,7 +44,7 @@ class Collector {
  private:
   GeometryCache geometry_;
   std::vector<std::unique_ptr<FrameSource>> sources_;
-  lua::Look no_look_;
+  const lua::Look no_look_;
 };
 
 // For sources.

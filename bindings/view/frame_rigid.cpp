@@ -27,7 +27,7 @@ class RigidSource final : public FrameSource {
     if (c.toggles.bounds)
       for (std::uint32_t k = 0; k < colliders.size(); ++k)
         if (colliders.motion[k] != ColliderMotion::none)
-          add_box(c.frame.lines, colliders.box[k], rgb(colliders.awake[k] ? 0xd8a13c : 0x8a8f98));
+          add_box(c.frame.overlay_lines, colliders.box[k], rgb(colliders.awake[k] ? 0xd8a13c : 0x8a8f98));
   }
 
  private:

@@ -1,6 +1,6 @@
 #include "view/geometry.h"
 
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 
 namespace feder::view {
@@ -8,11 +8,10 @@ namespace {
 
 void set(float out[3], float x, float y, float z) { out[0] = x, out[1] = y, out[2] = z; }
 
-float reach(const Geometry& g) {
-  float r2 = 0;
+void measure(Geometry& g) {
+  for (int k = 0; k < 3; ++k) g.low[k] = 1e30f, g.high[k] = -1e30f;
   for (const Vertex& v : g.vertices)
-    r2 = std::max(r2, v.position[0] * v.position[0] + v.position[1] * v.position[1] + v.position[2] * v.position[2]);
-  return std::sqrt(r2);
+    for (int k = 0; k < 3; ++k) g.low[k] = std::min(g.low[k], v.position[k]), g.high[k] = std::max(g.high[k], v.position[k]);
 }
 
 }  // namespace
@@ -21,7 +20,7 @@ std::uint32_t GeometryCache::shared(const char* kind, Geometry (*make)()) {
   for (const auto& [name, id] : shared_)
     if (std::strcmp(name, kind) == 0) return id;
   auto made = std::make_shared<Geometry>(make());
-  made->radius = reach(*made);
+  measure(*made);
   geometries_.push_back(std::move(made));
   shared_.emplace_back(kind, static_cast<std::uint32_t>(geometries_.size() - 1));
   return shared_.back().second;
@@ -57,7 +56,7 @@ Fitted GeometryCache::make(const Shape& shape) {
                                            : kind == "polygon" ? tessellate_polygon(shape)
                                            : shape.convex()    ? tessellate_convex(shape)
                                                                : tessellate_mesh(shape));
-    made->radius = reach(*made);
+    measure(*made);
     geometries_.push_back(std::move(made));
     f.geometry = static_cast<std::uint32_t>(geometries_.size() - 1);
   }

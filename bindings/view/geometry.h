@@ -23,7 +23,7 @@ struct Geometry {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;  // counter-clockwise seen from outside
   bool two_sided = false;              // open surfaces
-  float radius = 0;                    // farthest vertex from the origin, unscaled, m
+  float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  // box of the vertices, unscaled, m
 };
 
 // A shape as an instance sees it: its geometry and how to scale it.

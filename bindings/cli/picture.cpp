@@ -1,0 +1,51 @@
+#include "cli/picture.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+
+namespace feder::cli {
+
+void declare(Arguments& a, PictureOptions& o) {
+  a.text("--at", o.at, "moment in simulated seconds (default: what the scene says, else the middle of its time)");
+  a.text("--size", o.size, "WxH in pixels (default 1280x720)");
+  a.text("--camera", o.camera, "yaw,pitch[,distance] in degrees and m, or eye and target x,y,z,tx,ty,tz (default: fitted)");
+  a.text("--show", o.show, "layers, \"-\" turns one off: shapes meshes points springs sensors joints contacts impulses "
+                           "velocities axes islands bounds labels marks");
+}
+
+PictureWish read_wish(const PictureOptions& o) {
+  PictureWish wish;
+  const auto reading = [](const char* option, auto&& read) {
+    try {
+      read();
+    } catch (const SceneError& e) {
+      throw Failure(kUsage, fmt::format("{}: {}", option, e.what()));
+    }
+  };
+  if (!o.at.empty()) wish.at = read_number(o.at, "--at");
+  if (!o.size.empty()) reading("--size", [&] { view::read_size(o.size, wish.width, wish.height); });
+  if (!o.camera.empty()) reading("--camera", [&] { wish.camera = view::read_camera(o.camera); });
+  if (!o.show.empty()) reading("--show", [&] { view::set_toggles(wish.toggles, o.show); });
+  return wish;
+}
+
+double telling_moment(const lua::Script& script) {
+  if (script.picture() >= 0) return script.picture();
+  return script.seconds() > 0 ? script.seconds() / 2 : 1;
+}
+
+void run_to(Session& session, double seconds) {
+  if (!session.world()) throw Failure(kFailed, session.file() + ": this script makes no world");
+  if (!session.is_scene()) return;
+  const std::uint64_t steps = session.steps_for(seconds);
+  while (session.world()->step_count() < steps) session.step();
+}
+
+view::Image take_picture(view::Studio& studio, Session& session, const PictureWish& wish) {
+  const view::Frame& frame = studio.look_at(session.script(), wish.toggles);
+  const view::Camera camera = studio.aim(session.script(), wish.camera, view::subject_of(frame), frame.dimension == 2);
+  return studio.shoot(camera, {});
+}
+
+}  // namespace feder::cli

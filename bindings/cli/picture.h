@@ -1,0 +1,39 @@
+// What the commands that draw share: a scene run up to a moment, and pictures of it.
+#pragma once
+#include <functional>
+
+#include "cli/session.h"
+#include "view/studio.h"
+
+namespace feder::cli {
+
+// Options of a picture as given; empty when not given.
+struct PictureOptions {
+  std::string at, size, camera, show;
+};
+void declare(Arguments& arguments, PictureOptions& options);
+
+struct PictureWish {
+  double at = -1;  // s; < 0: the scene's own moment
+  int width = 1280, height = 720;
+  view::CameraWish camera;
+  view::Toggles toggles;
+};
+// Failure (usage) for what cannot be read.
+PictureWish read_wish(const PictureOptions& options);
+
+// When a picture of the scene tells most: what it says, else the middle of its time.
+double telling_moment(const lua::Script& script);
+
+// A plain script has run when it is loaded; a scene is stepped to `seconds`. Failure when there is no world.
+void run_to(Session& session, double seconds);
+
+// The picture now, with the camera that fits it.
+view::Image take_picture(view::Studio& studio, Session& session, const PictureWish& wish);
+
+// All of `scenes` in one picture, with title and command below each; a scene that fails shows its error. Calls
+// `done(file, error)` after each.
+view::Image contact_sheet(const std::vector<std::string>& scenes, const Options& options, const PictureWish& wish,
+                          const std::function<void(const std::string&, const std::string&)>& done);
+
+}  // namespace feder::cli

@@ -1,0 +1,43 @@
+#include "cli/scene_files.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "cli/command.h"
+#include "cli/session.h"
+
+namespace feder::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A Lua file that makes a scene, or a YAML file with objects; tests, libraries and material tables are none.
+bool looks_like_scene(const std::string& file) {
+  if (file.ends_with(".lua")) return read_text(file).find("feder.scene") != std::string::npos;
+  if (!is_yaml(file)) return false;
+  const std::string text = "\n" + read_text(file);
+  for (const char* key : {"\nbodies:", "\nnets:", "\ncloths:", "\nfluids:"})
+    if (text.find(key) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string> scene_files(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) throw Failure(kUsage, path + ": no such file or folder");
+    if (!fs::is_directory(path, ignored)) {
+      files.push_back(path);
+      continue;
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(path))
+      if (entry.is_regular_file() && looks_like_scene(entry.path().string())) files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
+}  // namespace feder::cli

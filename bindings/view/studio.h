@@ -1,0 +1,45 @@
+// Pictures of running scenes without a window: a headless context, a renderer and a collector that are kept from
+// picture to picture.
+#pragma once
+#include <string>
+
+#include "lua/host.h"
+#include "view/collector.h"
+#include "view/headless.h"
+
+namespace feder::view {
+
+// Where to look from. What is not given is what the scene says, and else fitted to what is seen.
+struct CameraWish {
+  bool has_angles = false;        // yaw and pitch, rad
+  float yaw = 0, pitch = 0;
+  float distance = 0;             // m; 0: fitted
+  bool has_places = false;        // eye and target instead
+  float eye[3] = {0, 0, 0}, target[3] = {0, 0, 0};
+};
+// "yaw,pitch" or "yaw,pitch,distance" (degrees, m) or "x,y,z,tx,ty,tz" (m). SceneError.
+CameraWish read_camera(const std::string& text);
+// "640x360". SceneError.
+void read_size(const std::string& text, int& width, int& height);
+
+class Studio {
+ public:
+  Studio(int width, int height);
+
+  // Collects what the script's world looks like now; valid until the next call.
+  const Frame& look_at(lua::Script& script, const Toggles& toggles);
+  // A camera for a subject: the scene's own wishes, then the caller's.
+  Camera aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const;
+  Image shoot(const Camera& camera, const DrawOptions& options);  // of the frame that was collected last
+
+  const std::string& how() const { return headless_.how(); }
+  const DrawStats& stats() const { return renderer_.stats(); }
+
+ private:
+  Headless headless_;
+  Renderer renderer_;
+  Collector collector_;
+  Frame frame_;
+};
+
+}  // namespace feder::view
