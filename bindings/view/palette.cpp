@@ -63,7 +63,7 @@ Color group_color(std::string_view group, std::uint32_t number) {
   for (const char c : group) h = (h ^ static_cast<unsigned char>(c)) * 16777619u;
   const std::uint32_t bits = mixed_bits(number + 1);
   const float hue = kHues[mixed_bits(h) % std::size(kHues)] + 18 * (unit(bits) - 0.5f);
-  return from_lch(0.70f + 0.10f * (unit(bits >> 16) - 0.5f), 0.115f, hue);
+  return from_lch(0.70f + 0.10f * (unit(bits >> 16) - 0.5f), 0.105f, hue);
 }
 
 std::string_view name_stem(std::string_view name) {

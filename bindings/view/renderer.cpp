@@ -12,7 +12,7 @@
 namespace feder::view {
 namespace {
 
-constexpr float kSun[3] = {0.44f, 0.78f, 0.445f};  // towards the sun; made unit below
+constexpr float kSun[3] = {-0.42f, 0.80f, 0.48f};  // towards the sun; made unit below
 
 // The uniform block of shaders.cpp, std140.
 struct Shared {
