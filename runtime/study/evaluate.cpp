@@ -1,6 +1,7 @@
 // Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
-// Orders: least squares over the finest points whose errors are small, yet above the floor of the reference. They are
-// read off positions and velocities together: one of them alone may cross zero at t_end by luck of the phase.
+// Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
+// reference. They are read off the error along the run: that at t_end alone may vanish by luck of the phase, and does for
+// symplectic methods after whole periods.
 #include "study/evaluate.h"
 
 #include <algorithm>
@@ -13,6 +14,7 @@ namespace feder {
 namespace {
 
 constexpr double kTimeMargin = 0.9;
+constexpr double kStraight = 0.02;        // rms of log10(error) about the line
 constexpr double kSmall = 0.05;           // errors above it are not in the regime an order speaks of
 constexpr std::size_t kFitPoints = 4;
 constexpr double kFinestTarget = 1e-11;
@@ -81,9 +83,18 @@ const Axis* varying_axis(const std::vector<const StudyPoint*>& points) {
   return found;
 }
 
-double state_error(const ProblemInfo& problem, const StudyPoint& p) {
-  if (problem.chaotic || !std::isfinite(p.err_end_v)) return ranking_error(problem, p);
-  return std::hypot(p.err_end, p.err_end_v);
+// The finest window of points on a line, or the straightest when none is straight. Finer points may sit on rounding.
+Line straight_stretch(const std::vector<double>& x, const std::vector<double>& y, std::size_t& first, std::size_t& count) {
+  count = std::min(kFitPoints, x.size());
+  Line best;
+  for (std::size_t k = x.size() - count + 1; k-- > 0;) {
+    const Line line = fit_line({&x[k], count}, {&y[k], count});
+    if (!std::isnan(best.rms) && !(line.rms < best.rms)) continue;
+    best = line;
+    first = k;
+    if (best.rms < kStraight) break;
+  }
+  return best;
 }
 
 void fit_orders(StudyResult& r) {
@@ -91,19 +102,17 @@ void fit_orders(StudyResult& r) {
     const auto all = points_of(r, m.name);
     const Axis* axis = all.empty() ? nullptr : varying_axis(all);
     if (!axis) continue;
-    std::vector<std::pair<double, double>> used;  // axis, error
-    for (const StudyPoint* p : all) {
-      const double e = state_error(r.problem, *p);
-      if (counts(*p) && !p->below_floor && e > 0 && e < kSmall) used.push_back({axis->value(*p), e});
-    }
-    if (used.size() < 3) continue;
-    // the plan goes from coarse to fine: the last are the finest
-    if (used.size() > kFitPoints) used.erase(used.begin(), used.end() - kFitPoints);
     std::vector<double> x, y;
-    OrderFit fit{m.name, axis->name, NAN, NAN, NAN, used.back().first, used.front().first, int(used.size())};
-    for (const auto& [a, e] : used) x.push_back(std::log10(a)), y.push_back(std::log10(e));
-    const Line line = fit_line(x, y);
-    fit.slope = line.slope, fit.rms = line.rms;
+    for (const StudyPoint* p : all) {
+      const double e = r.problem.chaotic ? ranking_error(r.problem, *p) : p->err_traj_rms;
+      if (!counts(*p) || p->below_floor || !(e > r.problem.reference.floor()) || !(e < kSmall)) continue;
+      x.push_back(std::log10(axis->value(*p))), y.push_back(std::log10(e));
+    }
+    if (x.size() < 3) continue;
+    std::size_t first = 0, count = 0;
+    const Line line = straight_stretch(x, y, first, count);
+    OrderFit fit{m.name, axis->name, line.slope, NAN, line.rms, std::pow(10, x[first + count - 1]),
+                 std::pow(10, x[first]), static_cast<int>(count)};
     if (fit.axis == "h" && m.order > 0) fit.expected = m.order;
     if (fit.axis == "tol") fit.expected = 1;
     if (fit.lo > fit.hi) std::swap(fit.lo, fit.hi);

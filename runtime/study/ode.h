@@ -45,6 +45,7 @@ class PointField final : public ForceField {
 
 class OdeProblem : public StudyProblem {
  public:
+  OdeProblem() { info_.family = "ode"; }
   std::vector<MethodInfo> methods() const override;
   std::vector<RunSpec> ladder(const MethodInfo& method) const override;
   std::unique_ptr<StudyRun> start(const RunSpec& spec) const override;

@@ -39,8 +39,9 @@ void raise(double& worst, double x) {
 
 class Watch {
  public:
-  Watch(const StudyProblem& problem, const RunSpec& spec, StudyPoint& point, StudySeries* series)
-      : problem_(problem), info_(problem.info()), h_(info_.t_end / spec.steps), point_(point), series_(series) {}
+  Watch(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, StudyPoint& point, StudySeries* series)
+      : problem_(problem), info_(problem.info()), h_(info_.t_end / spec.steps), dense_(info_.dense && !method.adaptive),
+        point_(point), series_(series) {}
 
   void start(StudyRun& run) {
     run.observe(now_);
@@ -110,13 +111,13 @@ class Watch {
   void take_sample(double t) {
     const double wanted = next_time();
     // not dense: the nearer of the two steps, against the reference at its own time
-    if (info_.dense && t - wanted > 1e-9 * h_) {
+    if (dense_ && t - wanted > 1e-9 * h_) {
       interpolate(t_before_, before_, t, now_, wanted, between_);
       sample(wanted, between_);
     } else if (t - wanted > h_ / 2) {
       sample(t_before_, before_);
     } else {
-      sample(info_.dense ? wanted : t, now_);
+      sample(dense_ ? wanted : t, now_);
     }
   }
 
@@ -151,6 +152,7 @@ class Watch {
   const StudyProblem& problem_;
   const ProblemInfo& info_;
   double h_;
+  bool dense_;  // cubic Hermite between steps; adaptive methods take steps too long for that
   StudyPoint& point_;
   StudySeries* series_;
   Observation before_, now_, between_, reference_;
@@ -187,7 +189,7 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
     point.reason = e.what();
     return;
   }
-  Watch watch(problem, spec, point, limits.series ? series : nullptr);
+  Watch watch(problem, method, spec, point, limits.series ? series : nullptr);
   watch.start(*run);
   const double size = std::max(1, problem.info().dof);
   for (std::int64_t k = 1; k <= spec.steps; ++k) {

@@ -101,7 +101,7 @@ TEST_CASE("orders of synthetic points are found, floor and coarse rungs left out
     p.h_s = std::pow(0.5, k);
     p.work = std::pow(2.0, k);
     p.completed = true;
-    p.err_end = p.err_end_v = std::max(7 * std::pow(p.h_s, 3), 1e-10);
+    p.err_end = p.err_traj_rms = std::max(7 * std::pow(p.h_s, 3), 1e-10);
     p.below_floor = p.err_end < r.problem.reference.floor();
     r.points.push_back(p);
   }
