@@ -1,12 +1,11 @@
 // feder run: a scene or a plain script without a window.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
 
-#include "base/profile.h"
 #include "cli/command.h"
+#include "cli/progress.h"
 #include "cli/session.h"
 #include "cli/summary.h"
 
@@ -29,33 +28,6 @@ class Interrupt {
 
  private:
   struct sigaction before_ = {};
-};
-
-// A bar on stderr, redrawn ten times a second, only on a terminal.
-class Progress {
- public:
-  Progress(bool wanted, double seconds) : on_(wanted && isatty(STDERR_FILENO) != 0), seconds_(seconds) {}
-  ~Progress() {
-    if (drawn_) std::fputs("\r\033[K", stderr);
-  }
-  void show(double time) {
-    if (!on_) return;
-    const std::uint64_t now = clock_nanoseconds();
-    if (now - last_ < 100000000) return;
-    last_ = now;
-    drawn_ = true;
-    const int width = 40;
-    const int full = seconds_ > 0 ? static_cast<int>(width * time / seconds_) : 0;
-    fmt::print(stderr, "\r[{:<{}}] {:.2f} / {:g} s\033[K", std::string(static_cast<std::size_t>(std::min(full, width)), '#'),
-               width, time, seconds_);
-    std::fflush(stderr);
-  }
-
- private:
-  bool on_;
-  bool drawn_ = false;
-  double seconds_;
-  std::uint64_t last_ = clock_nanoseconds();
 };
 
 class Run final : public Command {
@@ -91,10 +63,11 @@ class Run final : public Command {
     const double seconds = wanted >= 0 ? wanted : own > 0 ? own : 10;
     const std::uint64_t steps = session.steps_for(seconds);
     const Interrupt guard;
-    Progress progress(!options.quiet, seconds);
+    Progress progress(!options.quiet);
     for (std::uint64_t i = 0; i < steps && !interrupted; ++i) {
       session.step();
-      progress.show(session.world()->time());
+      const double time = session.world()->time();
+      if (progress.due()) progress.show(seconds > 0 ? time / seconds : 1, fmt::format("{:.2f} / {:g} s", time, seconds));
     }
   }
 

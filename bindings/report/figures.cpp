@@ -85,7 +85,7 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
   const double width = 1100, left = 70, top = subtitle.empty() ? 50 : 66;
   const int count = static_cast<int>(plots.size()), rows = (count + columns - 1) / columns;
   const double cell_w = (width - left - 10) / columns, cell_h = 215;
-  const double height = top + rows * cell_h + 46;
+  const double height = top + rows * cell_h + 22;
   Svg svg(name, width, height, title);
   svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
   if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
@@ -102,7 +102,7 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
     if (p.x.label != plots[0].x.label) svg.text({f.right() - 5, f.bottom() - 6}, p.x.label, {10.5, "end", kQuiet, false, 0, true});
   }
   if (count) {
-    svg.text({left + columns * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});
+    svg.text({left + std::min(columns, count) * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});
     svg.text({18, top + rows * cell_h / 2}, plots[0].y.label, {13, "middle", kInk, false, -90});
   }
   return svg.text(inline_page);

@@ -57,12 +57,9 @@ std::string now_text() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(t));
 }
 
-#ifndef FEDER_GIT
-#define FEDER_GIT ""
-#endif
-#ifndef FEDER_FLAGS
-#define FEDER_FLAGS ""
-#endif
+constexpr const char* kCommit =
+#include "commit.inc"
+    ;
 
 }  // namespace
 
@@ -75,7 +72,7 @@ double load_now() {
 
 MachineInfo machine_info(const std::string& tool_version, const std::string& real) {
   MachineInfo m;
-  m.git = FEDER_GIT;
+  m.git = kCommit;
   m.tool = "feder " + tool_version;
   m.date = now_text();
   m.compiler = compiler_name();

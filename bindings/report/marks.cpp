@@ -10,7 +10,7 @@ namespace {
 // Okabe and Ito 2008, "Color universal design", with the yellow darkened so that it shows on white and on paper.
 constexpr const char* kHues[kColors] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9", "#1f2328", "#e69f00"};
 constexpr const char* kDashes[] = {"", "7 3", "2 3", "9 3 2 3"};
-constexpr int kMarkers = 7;
+constexpr int kMarkers = 8;
 
 std::string at_text(double x, double y) { return px(x) + " " + px(y); }
 
@@ -31,6 +31,14 @@ std::string circle(XY c, double r) {
   return "M" + at_text(c.x - r, c.y) + arc + at_text(c.x + r, c.y) + arc + at_text(c.x - r, c.y) + "Z";
 }
 
+std::string plus(XY c, double r, double half) {
+  std::string d = "M" + at_text(c.x - half, c.y - r);
+  const double xs[] = {half, half, r, r, half, half, -half, -half, -r, -r, -half};
+  const double ys[] = {-r, -half, -half, half, half, r, r, half, half, -half, -half};
+  for (int k = 0; k < 11; ++k) d += "L" + at_text(c.x + xs[k], c.y + ys[k]);
+  return d + "Z";
+}
+
 std::string shape(int marker, XY c, double r) {
   switch (marker) {
     case 0: return circle(c, r * 0.95);
@@ -39,7 +47,8 @@ std::string shape(int marker, XY c, double r) {
     case 3: return ngon(c, r * 1.25, 4, 0);          // diamond
     case 4: return ngon(c, r * 1.3, 3, 0.5);         // triangle down
     case 5: return ngon(c, r * 1.4, 5, 0, r * 0.6);  // star
-    default: return ngon(c, r * 1.15, 6, 0);         // hexagon
+    case 6: return ngon(c, r * 1.15, 6, 0);          // hexagon
+    default: return plus(c, r * 1.2, r * 0.42);
   }
 }
 
@@ -53,7 +62,7 @@ std::string slash(XY c, double r) { return "M" + at_text(c.x - r, c.y + r) + "L"
 }  // namespace
 
 CurveStyle curve_style(int number) {
-  return {kHues[number % kColors], kDashes[(number / kColors) % 4], number % kMarkers};
+  return {kHues[number % kColors], kDashes[(number / kColors) % 4], (number + 3 * (number / kColors)) % kMarkers};
 }
 
 bool is_failure(MarkKind kind) { return kind >= MarkKind::diverged; }

@@ -6,8 +6,7 @@
 
 namespace feder::report {
 
-// Curves are numbered; 8 colours, 7 markers and 4 dashes repeat with different periods: number n and n + 8 share a
-// colour, but neither marker nor dash.
+// Curves are numbered. Of the first 32 any two differ in at least two of colour, marker and dash.
 struct CurveStyle {
   std::string color, dash;
   int marker = 0;

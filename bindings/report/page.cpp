@@ -73,6 +73,12 @@ void Page::definitions(const std::vector<std::pair<std::string, std::string>>& t
   body_ += "</dl>\n";
 }
 
+void Page::links(const std::vector<std::pair<std::string, std::string>>& items) {
+  body_ += "<ul>\n";
+  for (const auto& [words, place] : items) body_ += "<li><a href=\"" + xml_escape(place) + "\">" + escaped(words) + "</a></li>\n";
+  body_ += "</ul>\n";
+}
+
 void Page::code(const std::string& text) { body_ += "<pre>" + escaped(text) + "</pre>\n"; }
 
 std::string Page::text() const {

@@ -177,7 +177,7 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
         continue;
       }
       run.push_back(place(f, p, q.x, q.y));
-      if (q.x_far > q.x) svg.line(run.back(), place(f, p, q.x_far, q.y), {style.color, 1, "", 0.6});
+      if (q.x_far > q.x) svg.line(run.back(), place(f, p, q.x_far, q.y), {style.color, 1, "", 0.3});
     }
     flush();
   }

@@ -43,15 +43,6 @@ std::string point_title(const StudyResult& r, const StudyPoint& p, const ErrorNo
   return text + "\n" + csv_row(r.problem.name, p);
 }
 
-// The problem with the parameters that differ from their defaults.
-std::string problem_words(const StudyResult& r) {
-  std::string out = r.problem.name;
-  std::string list;
-  for (const ProblemParam& p : r.problem.params)
-    if (p.value != p.fallback) list += (list.empty() ? "" : ", ") + p.name + " = " + p.value;
-  return list.empty() ? out : out + " (" + list + ")";
-}
-
 std::string reference_words(const StudyResult& r) {
   const ReferenceInfo& ref = r.problem.reference;
   static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
@@ -79,7 +70,7 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
   const bool by_time = axis.seconds, ranked = norm.ranks(r.problem);
   Plot plot;
   plot.name = file.substr(0, file.find('.'));
-  plot.title = fmt::format("{}: error against {}", problem_words(r), by_time ? "run time" : std::string(axis.name) == "force" ? "work" : "instructions");
+  plot.title = fmt::format("{}: error against {}", problem_label(r.problem), by_time ? "run time" : std::string(axis.name) == "force" ? "work" : "instructions");
   plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
   for (const MethodInfo& m : r.methods) {
     PlotSeries series{m.name, number_of(r, m.name), {}};
@@ -151,7 +142,8 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
     plot.subtitle = fmt::format("fitted {:.2f}", fit->slope);
     if (std::isfinite(fit->expected) && fit->expected > 0) {
       plot.subtitle += fmt::format(", expected {}", number_text(fit->expected, 2));
-      const double x0 = std::pow(10.0, cx), y0 = line_y(x0) * std::pow(10.0, -1.2);
+      // below the line, in its middle, half a decade wide
+      const double x0 = std::pow(10.0, cx - 0.25), y0 = line_y(x0) * std::pow(10.0, -1.2);
       plot.slopes.push_back({{x0, y0}, fit->expected, number_text(fit->expected, 2)});
     }
   } else {
@@ -178,7 +170,7 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
     p.x = fit_axis(p.x.label, true, xs, TickStyle::power);
     p.y = y;
   }
-  return plot_sheet_svg("order", problem_words(r) + ": order of each method",
+  return plot_sheet_svg("order", problem_label(r.problem) + ": order of each method",
                         "dashed: fit through the points that shrink regularly; the triangle shows the expected slope", panels, 4,
                         inline_page);
 }
@@ -186,7 +178,7 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
 RowChart invariants(const StudyResult& r) {
   RowChart chart;
   chart.name = "invariants";
-  chart.title = problem_words(r) + ": what should be conserved";
+  chart.title = problem_label(r.problem) + ": what should be conserved";
   chart.x_label = "time, s";
   struct Kind {
     const char* label;

@@ -2,6 +2,7 @@
 // NaN is null; infinity, which JSON lacks, is the text "inf".
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -19,12 +20,23 @@ template <class T>
 Json value_of(const T& v) {
   return v;
 }
+Json value_of(const std::vector<double>& values) {
+  Json out = Json::array();
+  // a curve that does not apply is left out
+  if (std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) return out;
+  for (const double v : values) out.push_back(value_of(v));
+  return out;
+}
 Json value_of(PointStatus s) { return name_of(s); }
 
 void read_value(const Json& j, double& v) {
   if (j.is_null()) v = NAN;
   else if (j.is_string()) v = j.get<std::string>() == "-inf" ? -INFINITY : INFINITY;
   else v = j.get<double>();
+}
+void read_value(const Json& j, std::vector<double>& values) {
+  values.assign(j.size(), 0);
+  for (std::size_t k = 0; k < j.size(); ++k) read_value(j[k], values[k]);
 }
 template <class T>
 void read_value(const Json& j, T& v) {

@@ -37,7 +37,7 @@ void decision_table(Page& page, const StudyResult& r) {
   std::vector<std::string> marks;
   for (const Decision& d : decisions(r)) {
     const auto name = [](const CostToAccuracy& c) { return c.method.empty() ? std::string("–") : c.method; };
-    std::vector<std::string> row = {number_text(d.target, 2), name(d.by_work), step(d.by_work), count(d.reached ? d.by_work.force_evals : NAN),
+    std::vector<std::string> row = {target_text(d.target), name(d.by_work), step(d.by_work), count(d.reached ? d.by_work.force_evals : NAN),
                                     count(d.reached ? d.by_work.work : NAN)};
     if (times) row.insert(row.end(), {name(d.by_time), step(d.by_time), seconds(d.reached ? d.by_time.time_s : NAN)});
     row.push_back(d.verdict);
@@ -169,6 +169,27 @@ std::string study_page(const StudyResult& r, const StudyContext& context, const 
   problem_part(page, r, context);
   gate_part(page, context);
   definitions_part(page, r);
+  machine_part(page, context);
+  return page.text();
+}
+
+std::string suite_page(const std::string& suite, const std::vector<StudyResult>& results, const StudyContext& context) {
+  Page page("Studies of the suite " + suite);
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::pair<std::string, std::string>> links;
+  for (const StudyResult& r : results) {
+    const std::string label = problem_label(r.problem);
+    links.push_back({label, file_name(label) + "/index.html"});
+    int failed = 0;
+    for (const StudyPoint& p : r.points) failed += p.status != PointStatus::ok && p.status != PointStatus::slow;
+    std::string best = "–";
+    for (const Decision& d : decisions(r))
+      if (d.reached) best = d.by_work.method + " to " + target_text(d.target);
+    rows.push_back({label, name_of(r.problem.reference.kind), std::to_string(r.points.size()), std::to_string(failed), best});
+  }
+  page.links(links);
+  page.table({"problem", "reference", ">runs", ">failed", "cheapest at the smallest error reached"}, rows);
+  gate_part(page, context);
   machine_part(page, context);
   return page.text();
 }

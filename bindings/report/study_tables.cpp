@@ -45,6 +45,8 @@ std::string best_text(const StudyResult& r) {
 
 }  // namespace
 
+std::string target_text(double target) { return target > 5e-4 ? number_text(target, 2) : fmt::format("1e{}", std::lround(std::log10(target))); }
+
 std::vector<Decision> decisions(const StudyResult& r) {
   std::map<double, Decision, std::greater<>> by_target;
   std::map<double, int> reached;
@@ -81,7 +83,7 @@ std::string study_table(const StudyResult& r) {
   columns.push_back("verdict");
   Table table(columns);
   for (const Decision& d : decisions(r)) {
-    std::vector<std::string> row = {number_text(d.target, 2), d.by_work.method.empty() ? "-" : d.by_work.method, step_text(d.by_work),
+    std::vector<std::string> row = {target_text(d.target), d.by_work.method.empty() ? "-" : d.by_work.method, step_text(d.by_work),
                                     count_text(d.reached ? d.by_work.force_evals : NAN), count_text(d.reached ? d.by_work.work : NAN)};
     if (times) {
       row.push_back(d.by_time.method.empty() ? "-" : d.by_time.method);
@@ -92,6 +94,19 @@ std::string study_table(const StudyResult& r) {
     table.add(row);
   }
   return table.text("  ");
+}
+
+std::string study_summary(const StudyResult& r, bool table_only) {
+  if (table_only) return study_table(r);
+  const ReferenceInfo& ref = r.problem.reference;
+  std::string out = fmt::format("{}: {}\n", problem_label(r.problem), r.problem.summary);
+  out += fmt::format("  reference {}, {} digits; t = {} s; {} methods, {} runs\n\n", name_of(ref.kind), ref.digits,
+                     number_text(r.problem.t_end, 6), r.methods.size(), r.points.size());
+  out += study_table(r);
+  const std::vector<std::string> lines = failed_methods(r);
+  if (!lines.empty()) out += "\n";
+  for (const std::string& line : lines) out += "  failed  " + line + "\n";
+  return out;
 }
 
 std::vector<std::string> failed_methods(const StudyResult& r) {
@@ -127,10 +142,10 @@ std::string study_markdown(const StudyResult& r, const std::string& picture) {
   out += times ? "---|---|---|\n" : "\n";
   for (const Decision& d : decisions(r)) {
     if (!d.reached) {
-      out += fmt::format("| {} | {} | | | |{}\n", number_text(d.target, 2), d.verdict, times ? " | | |" : "");
+      out += fmt::format("| {} | {} | | | |{}\n", target_text(d.target), d.verdict, times ? " | | |" : "");
       continue;
     }
-    out += fmt::format("| {} | `{}` | {} | {} | {} |", number_text(d.target, 2), d.by_work.method, step_text(d.by_work),
+    out += fmt::format("| {} | `{}` | {} | {} | {} |", target_text(d.target), d.by_work.method, step_text(d.by_work),
                        count_text(d.by_work.force_evals), count_text(d.by_work.work));
     if (times) out += fmt::format(" `{}` | {} | {} |", d.by_time.method, step_text(d.by_time), time_text(d.by_time.time_s));
     out += "\n";

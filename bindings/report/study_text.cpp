@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "report/table.h"
@@ -100,6 +101,24 @@ std::string rung_text(const StudyPoint& p) {
   if (p.iters >= 0) out += fmt::format(", {} iterations", p.iters);
   for (const auto& [name, value] : p.settings) out += fmt::format(", {} = {}", name, value);
   return out;
+}
+
+std::string problem_label(const ProblemInfo& problem) {
+  std::string list;
+  for (const ProblemParam& p : problem.params)
+    if (p.value != p.fallback) list += (list.empty() ? "" : ", ") + p.name + " = " + p.value;
+  return list.empty() ? problem.name : problem.name + " (" + list + ")";
+}
+
+std::string file_name(const std::string& label) {
+  std::string out;
+  for (const char c : label) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_';
+    if (plain) out += c;
+    else if (!out.empty() && out.back() != '_') out += '_';
+  }
+  while (!out.empty() && out.back() == '_') out.pop_back();
+  return out.empty() || out[0] == '.' ? "_" + out : out;
 }
 
 bool has_times(const StudyResult& r) {

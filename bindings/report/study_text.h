@@ -50,6 +50,11 @@ Json study_json(const StudyResult& r, const StudyContext& context);
 // The result that study_json wrote. std::runtime_error "what is missing".
 StudyResult study_from_json(const Json& json);
 
+// "oscillator (stiffness = 100)": the parameters that differ from their defaults.
+std::string problem_label(const ProblemInfo& problem);
+// A label as the name of a file: letters, digits, '.', '-' and '_' stay.
+std::string file_name(const std::string& label);
+
 // "h = 0.01 s", "tol = 1e-6", with iterations and substeps where the rung sets them.
 std::string rung_text(const StudyPoint& p);
 
@@ -60,6 +65,7 @@ struct Decision {
   CostToAccuracy by_time, by_work;  // methods empty when nobody is known
   std::string verdict;
 };
+std::string target_text(double target);  // "0.01", "1e-4"
 // Targets from 1e-1 down, ending with the first one that no method reaches.
 std::vector<Decision> decisions(const StudyResult& r);
 
@@ -67,6 +73,8 @@ std::vector<Decision> decisions(const StudyResult& r);
 bool has_times(const StudyResult& r);
 
 std::string study_table(const StudyResult& r);
+// What the terminal shows: the problem, the table, and the methods that failed.
+std::string study_summary(const StudyResult& r, bool table_only);
 // Methods with no point that is ok, with the reason: "explicit_euler: diverged at 0.12 s (12 of 12 rungs)".
 std::vector<std::string> failed_methods(const StudyResult& r);
 // A fragment for a README: the picture and the table.

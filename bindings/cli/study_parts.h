@@ -1,0 +1,38 @@
+// Parts of `feder study`: opening problems, the list of problems, and the suites.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/options.h"
+#include "report/json.h"
+#include "study/sweep.h"
+
+namespace feder::cli {
+
+// Exit statuses of study and stability besides those of command.h (numerics.md 1.1).
+inline constexpr int kGateFailed = 3, kRunDiverged = 4;
+
+bool is_scene_file(const std::string& name);
+
+// A problem of the table with --set options. Failure (usage) names the nearest one.
+std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Options& options);
+std::unique_ptr<StudyProblem> open_problem(const std::string& name, const std::vector<std::string>& set);
+
+std::string problem_list_text();
+report::Json problem_list_json();
+
+// One study of a suite.
+struct SuiteRow {
+  const char* suite;
+  const char* problem;
+  std::vector<std::string> set;
+  std::vector<std::string> methods;      // empty: all
+  std::vector<std::string> ladders;
+  std::vector<std::string> may_diverge;  // methods; "*": any
+};
+// Rows of the suite, without problems this build lacks. Failure (usage) lists the suites.
+std::vector<SuiteRow> suite_rows(const std::string& suite);
+std::string suite_names();
+
+}  // namespace feder::cli
