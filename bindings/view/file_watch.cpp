@@ -3,6 +3,7 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 
 #include "base/hash.h"
@@ -84,7 +85,18 @@ void FileWatch::watch_folders() {
 bool FileWatch::drain() {
   alignas(inotify_event) char buffer[16384];
   bool any = false;
-  while (read(descriptor_, buffer, sizeof buffer) > 0) any = true;
+  for (ssize_t size; (size = read(descriptor_, buffer, sizeof buffer)) > 0; any = true) {
+    for (const char* at = buffer; at < buffer + size;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(at);
+      at += sizeof(inotify_event) + event->len;
+      if (event->len == 0) continue;
+      const std::pair<int, std::string> file(event->wd, event->name);
+      if (event->mask & (IN_MODIFY | IN_CREATE))
+        open_.insert(file);
+      else
+        open_.erase(file);
+    }
+  }
   return any;
 }
 
@@ -109,17 +121,19 @@ bool FileWatch::changed(double now) {
     looked_ = now;
     touched = look_again();
   }
-  if (touched) {
-    if (touched_ < 0) noticed_ = now;
-    touched_ = now;
-  }
-  if (touched_ < 0 || now - touched_ < kQuiet) return false;
+  if (touched) touched_ = now;
+  const bool complete = descriptor_ >= 0 && open_.empty();
+  if (touched_ < 0 || (!complete && now - touched_ < kQuiet)) return false;
   touched_ = -1;
+  open_.clear();
   bool any = false;
   for (auto& [file, known] : files_) {
     std::uint64_t content = 0;
     if (!read_content(file, content) || content == known.content) continue;
     known.content = content;
+    std::error_code ignored;
+    const auto age = fs::file_time_type::clock::now() - fs::last_write_time(file, ignored);
+    age_ = std::chrono::duration<double>(age).count();
     any = true;
   }
   return any;

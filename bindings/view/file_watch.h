@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <string>
 #include <vector>
 
 namespace feder::view {
@@ -18,14 +20,14 @@ class FileWatch {
   // Watches these files from now on. What new ones hold now counts as known; those watched before keep what is known of
   // them, so that a save between reading and this call is not lost.
   void set(const std::vector<std::filesystem::path>& files);
-  // True once after the content of a file has changed and then been left alone for kQuiet. A file that is missing is
-  // waited for.
+  // True once after the content of a file has changed and it has been closed, or left alone for kQuiet. A file that is
+  // missing is waited for.
   bool changed(double now);  // s, of any steady clock
-  double noticed() const { return noticed_; }  // when the writing of the last change began
+  double age() const { return age_; }  // s from the writing of the last change to changed() seeing it
   bool polling() const { return descriptor_ < 0; }
 
  private:
-  static constexpr double kQuiet = 0.04;  // s without another write: the file is complete
+  static constexpr double kQuiet = 0.04;  // s without another write: a file that stays open is complete
   static constexpr double kPoll = 0.1;    // s between two looks at times and sizes
 
   struct Known {
@@ -40,7 +42,8 @@ class FileWatch {
   int descriptor_ = -1;
   std::map<std::filesystem::path, Known> files_;
   std::map<std::filesystem::path, int> folders_;
-  double noticed_ = -1;
+  std::set<std::pair<int, std::string>> open_;  // (watch, name) of files that are being written
+  double age_ = 0;
   double touched_ = -1;  // last write that has not been looked at
   double looked_ = -1;
 };

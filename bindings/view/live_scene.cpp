@@ -102,7 +102,7 @@ void LiveScene::tick(double wall, double now) {
   if (watch_.changed(now)) {
     const double began = wall_seconds();
     reload();
-    reload_seconds_ = now - watch_.noticed() + (wall_seconds() - began);
+    reload_seconds_ = watch_.age() + (wall_seconds() - began);
   }
   if (!run_) return;
   if (catching_up())

@@ -93,7 +93,7 @@ class LiveScene {
   void clear_notice() { notice_.clear(); }
   std::uint64_t generation() const { return generation_; }  // grows with each world
   int reloads() const { return reloads_; }
-  double reload_seconds() const { return reload_seconds_; } // from seeing the change to the new world
+  double reload_seconds() const { return reload_seconds_; } // from the file's last write to the new world
   double step_seconds() const { return step_seconds_; }     // wall time per step, smoothed
   double slowness() const { return slowness_; }             // 1: real time at this speed; below: slower
 

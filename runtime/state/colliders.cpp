@@ -59,11 +59,16 @@ void Colliders::save(Writer& w) const {
   each_array(*this, [&](const auto& array) { w.list(array); });
   w.list(free_list);
   w.list(changed);
+  // shapes come in the same order each time: the next one is mostly the next pin
+  std::uint32_t guess = 0;
   for (const ShapePtr& s : shapes) {
     std::uint32_t pin = kNone;
-    if (s) {
+    if (s && guess < pinned.size() && pinned[guess] == s) {
+      pin = guess++;
+    } else if (s) {
       for (pin = 0; pin < pinned.size() && pinned[pin] != s; ++pin) {}
       if (pin == pinned.size()) pinned.push_back(s);
+      guess = pin + 1;
     }
     w.add(pin);
   }

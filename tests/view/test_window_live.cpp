@@ -112,7 +112,9 @@ TEST_CASE("who acts in the past lives the scene again, Lua's memory too", "[view
 TEST_CASE("a file that differs when the past is lived again is noticed", "[view][live]") {
   const test::SceneFolder folder;
   const auto file = folder.write("busy.lua", test::kBusyScene);
-  LiveScene live(test::live_options());
+  view::LiveOptions options = test::live_options();
+  options.poll_files = true;
+  LiveScene live(options);
   REQUIRE(live.open(file));
   test::run_to(live, 40);
   live.scrub(30);

@@ -1,0 +1,87 @@
+// feder view: the interactive viewer.
+#include "view/viewer.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "cli/command.h"
+#include "cli/session.h"
+#include "cli/summary.h"
+#include "view/window.h"
+
+namespace feder::cli {
+namespace {
+
+class View final : public Command {
+ public:
+  void declare(Arguments& a) override {
+    a.text("SCENE", scene_, "a .lua or .yaml file");
+    a.require("SCENE");
+    a.text("--size", size_, "of the window, for example 1920x1080 (default 1280x800)");
+    a.flag("--paused", o_.paused, "stand still at the start");
+    a.text("--on-save", on_save_, "catch_up: run the new scene to the same time (default); start_over; keep: objects with "
+                                  "the same name stay where they are");
+    a.text("--draw", o_.toggles, "what is drawn: contacts,joints,-springs ...");
+    a.text("--select", o_.select, "name of the object to look at");
+    a.flag("--no-panels", o_.hide_panels, "the scene alone (tab brings the panels)");
+    a.flag("--console", o_.console, "with the console open");
+    a.text("--seconds", seconds_, "run so many simulated seconds without waiting for the clock, and end");
+    a.whole("--frames", o_.frames, 1, 1000000000, "end after so many pictures");
+    a.flag("--hash", hash_, "print the state's hash at the end");
+    a.text("--screenshot", o_.picture, "write a PNG of the window at the end");
+    a.whole("--at-frame", o_.picture_at, 0, 1000000000, "or of that picture, counted from 0");
+    a.text("--status", o_.status, "keep a JSON file up to date: error, time, hash, objects on the screen");
+  }
+
+  int run(const Options& options) override {
+    o_.file = scene_;
+    o_.live.host = host_options(options);
+    o_.live.reload = reload_mode();
+    if (!seconds_.empty()) o_.seconds = read_number(seconds_, "--seconds");
+    read_size();
+    read_text(scene_);  // a file that is not there is no scene to wait for
+    view::ViewerEnd end;
+    try {
+      end = view::run_viewer(o_);
+    } catch (const view::WindowError& e) {
+      throw Failure(kFailed, e.what());
+    } catch (const view::GlError& e) {
+      throw Failure(kFailed, fmt::format("feder view: {}", e.what()));
+    }
+    if (!end.has_scene) throw Failure(kLoadError, end.error);
+    if (options.json)
+      fmt::print("{}", report::to_text({{"seconds", end.seconds}, {"steps", end.steps}, {"hash", hash_text(end.hash)}}));
+    else if (hash_)
+      fmt::print("{}\n", hash_text(end.hash));
+    return kPass;
+  }
+
+ private:
+  view::ReloadMode reload_mode() const {
+    if (on_save_ == "catch_up") return view::ReloadMode::catch_up;
+    if (on_save_ == "start_over") return view::ReloadMode::from_start;
+    if (on_save_ == "keep") return view::ReloadMode::keep;
+    throw Failure(kUsage, fmt::format("--on-save: expected catch_up, start_over or keep, got '{}'", on_save_));
+  }
+
+  void read_size() {
+    if (size_.empty()) return;
+    char rest = 0;
+    if (std::sscanf(size_.c_str(), "%dx%d%c", &o_.width, &o_.height, &rest) != 2 || o_.width < 320 || o_.height < 240 ||
+        o_.width > 16384 || o_.height > 16384)
+      throw Failure(kUsage, fmt::format("--size: expected WIDTHxHEIGHT of at least 320x240, got '{}'", size_));
+  }
+
+  std::string scene_, size_, seconds_, on_save_ = "catch_up";
+  bool hash_ = false;
+  view::ViewerOptions o_;
+};
+
+}  // namespace
+
+Row cli_view() {
+  return {"view", "shows a scene in a window, and reloads it when it is saved", [] { return std::unique_ptr<Command>(new View); }};
+}
+
+}  // namespace feder::cli

@@ -1,0 +1,62 @@
+#include "view/desk.h"
+
+#include <algorithm>
+
+#include "springs/springs.h"
+
+namespace feder::view {
+
+void Console::add(ConsoleLine::Kind kind, const std::string& text) {
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    if (end < text.size() || end > start) lines.push_back({kind, text.substr(start, end - start)});
+    start = end + 1;
+  }
+  if (lines.size() > 500) lines.erase(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(lines.size() - 500));
+  scroll = true;
+}
+
+void Desk::select(const std::optional<Pick>& pick) {
+  selected = pick;
+  selected_in = live.generation();
+  selected_name = pick ? live.world().objects().name(pick->object) : "";
+  if (!pick) follow = false;
+}
+
+bool Desk::has_selection() {
+  if (!selected || !live.has_scene()) return false;
+  World& w = live.world();
+  if (selected_in != live.generation()) {
+    const ObjectId same = selected_name.empty() ? ObjectId{} : w.objects().find(selected_name);
+    if (!same) {
+      // it may come again while the scene catches up
+      if (live.catching_up() && !selected_name.empty()) return false;
+      select({});
+      return false;
+    }
+    selected->object = same;
+    selected_in = live.generation();
+  }
+  if (!w.objects().alive(selected->object)) {
+    // gone in the past that is shown, or for good
+    if (!live.in_past()) select({});
+    return false;
+  }
+  if (selected->point != kNone && w.objects().kind(selected->object) == ObjectKind::net &&
+      selected->point >= w.find<Springs>()->point_count(selected->object))
+    selected->point = kNone;
+  return true;
+}
+
+Layout make_layout(const Desk& desk, float width, float height) {
+  Layout l;
+  l.width = width, l.height = height;
+  if (!desk.show_ui) l.top = l.bottom = 0;
+  if (desk.show_ui && desk.show_left) l.left = std::min(270.0f, width * 0.3f);
+  if (desk.show_ui && desk.show_right) l.right = std::min(300.0f, width * 0.3f);
+  if (desk.show_ui && desk.show_console) l.console = std::min(190.0f, height * 0.3f);
+  return l;
+}
+
+}  // namespace feder::view

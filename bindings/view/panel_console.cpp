@@ -1,0 +1,89 @@
+// Lua in the running scene, and what the scene prints.
+#include <algorithm>
+#include <cstdio>
+
+#include "view/desk.h"
+#include "view/theme.h"
+#include "view/window.h"
+
+namespace feder::view {
+namespace {
+
+ImU32 line_color(ConsoleLine::Kind kind) {
+  switch (kind) {
+    case ConsoleLine::input: return ink::kAccent;
+    case ConsoleLine::error: return ink::kBad;
+    case ConsoleLine::print: return ink::kDim;
+    default: return ink::kText;
+  }
+}
+
+int on_history(ImGuiInputTextCallbackData* data) {
+  Console& c = *static_cast<Console*>(data->UserData);
+  const int count = static_cast<int>(c.past.size());
+  if (count == 0) return 0;
+  if (data->EventKey == ImGuiKey_UpArrow) c.past_at = c.past_at < 0 ? count - 1 : std::max(0, c.past_at - 1);
+  if (data->EventKey == ImGuiKey_DownArrow) c.past_at = c.past_at < 0 ? -1 : c.past_at + 1;
+  if (c.past_at >= count) c.past_at = -1;
+  data->DeleteChars(0, data->BufTextLen);
+  if (c.past_at >= 0) data->InsertChars(0, c.past[static_cast<std::size_t>(c.past_at)].c_str());
+  return 0;
+}
+
+void run_line(Desk& desk, const std::string& text) {
+  Console& c = desk.console;
+  c.add(ConsoleLine::input, "> " + text);
+  if (c.past.empty() || c.past.back() != text) c.past.push_back(text);
+  c.past_at = -1;
+  desk.live.run_text(text, [&c](const std::string& said, bool good) {
+    c.add(good ? ConsoleLine::output : ConsoleLine::error, said);
+  });
+}
+
+void draw_lines(Console& c, float height) {
+  ImGui::BeginChild("lines", {0, height});
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(c.lines.size()));
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const ConsoleLine& line = c.lines[static_cast<std::size_t>(i)];
+      ImGui::PushStyleColor(ImGuiCol_Text, line_color(line.kind));
+      ImGui::TextUnformatted(line.text.c_str());
+      ImGui::PopStyleColor();
+    }
+  if (c.scroll) ImGui::SetScrollHereY(1);
+  c.scroll = false;
+  ImGui::EndChild();
+}
+
+}  // namespace
+
+void draw_console(Desk& desk, const Layout& l) {
+  if (l.console == 0) return;
+  Console& c = desk.console;
+  ImGui::SetNextWindowPos({l.left, l.height - l.bottom - l.console});
+  ImGui::SetNextWindowSize({l.width - l.left - l.right, l.console});
+  ImGui::Begin("console", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  if (code_font()) ImGui::PushFont(code_font());
+  if (c.lines.empty())
+    c.add(ConsoleLine::print, "Lua in the scene: world, scene and feder are there. Try  world:find(\"crate1\"):position()");
+  draw_lines(c, l.console - ImGui::GetFrameHeight() - 28);
+  char text[1000];
+  std::snprintf(text, sizeof text, "%s", c.input.c_str());
+  ImGui::SetNextItemWidth(-1);
+  if (c.focus) ImGui::SetKeyboardFocusHere();
+  c.focus = false;
+  const bool entered = ImGui::InputTextWithHint("##input", "Lua", text, sizeof text,
+                                                ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackHistory,
+                                                &on_history, &c);
+  c.input = text;
+  if (entered) {
+    if (!c.input.empty()) run_line(desk, c.input);
+    c.input.clear();
+    c.focus = true;
+  }
+  if (code_font()) ImGui::PopFont();
+  ImGui::End();
+}
+
+}  // namespace feder::view

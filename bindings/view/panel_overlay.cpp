@@ -1,0 +1,146 @@
+// What lies over the view: errors, the hand's spring, the scene picker and the help.
+#include <algorithm>
+#include <cstdio>
+
+#include "view/desk.h"
+#include "view/theme.h"
+
+namespace feder::view {
+namespace {
+
+constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+
+// One message with a stripe of its colour. True when its cross was clicked.
+bool message(const char* id, const char* title, const std::string& text, ImU32 color, float width, bool closable) {
+  ImGui::PushID(id);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::Indent(10);
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s", title);
+  bool closed = false;
+  if (closable) {
+    ImGui::SameLine(width - 30);
+    closed = ImGui::SmallButton("x");
+  }
+  ImGui::PushTextWrapPos(width - 8);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::Unindent(10);
+  ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + 3, ImGui::GetCursorScreenPos().y - 4}, color, 1);
+  ImGui::PopID();
+  return closed;
+}
+
+}  // namespace
+
+void draw_messages(Desk& desk, const Layout& l) {
+  LiveScene& live = desk.live;
+  static const std::vector<lua::HandlerError> none;
+  const auto& errors = live.has_scene() ? live.script().handler_errors() : none;
+  if (live.error().empty() && live.notice().empty() && errors.empty()) return;
+  const float width = std::min(720.0f, l.width - l.left - l.right - 40);
+  ImGui::SetNextWindowPos({l.left + (l.width - l.left - l.right) / 2, l.top + 14}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSize({width, 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(38, 28, 30, 236));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
+  ImGui::Begin("messages", nullptr, kOverlay);
+  if (!live.error().empty())
+    message("load", live.has_scene() ? "not loaded; the last good scene goes on" : "not loaded", live.error(), ink::kBad, width, false);
+  int shown = 0;
+  for (auto e = errors.rbegin(); e != errors.rend() && shown < 3; ++e, ++shown) {
+    const std::string times = e->count > 1 ? "  (" + std::to_string(e->count) + " times)" : "";
+    message(e->where.c_str(), live.paused() && e->message.find("instruction limit") != std::string::npos ? "stopped" : "error in the scene",
+            (e->where.empty() ? "" : e->where + ": ") + e->message + times, ink::kBad, width, false);
+  }
+  if (errors.size() > 3) ImGui::TextDisabled("and %zu more", errors.size() - 3);
+  if (!live.notice().empty() && message("notice", "note", live.notice(), ink::kWarn, width, true)) live.clear_notice();
+  ImGui::End();
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor();
+}
+
+void draw_hand(Desk& desk, float scale, const Target& t) {
+  if (!desk.live.has_scene()) return;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const auto screen = [&](const Vec3& x, ImVec2& out) {
+    const float p[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
+    if (!desk.camera.project(p, t.width, t.height, out.x, out.y)) return false;
+    out.x /= scale, out.y /= scale;
+    return true;
+  };
+  if (desk.live.held() && alive(desk.live.world(), *desk.live.held())) {
+    ImVec2 a, b;
+    if (screen(grip_position(desk.live.world(), *desk.live.held()), a) && screen(desk.live.held()->target, b)) {
+      list->AddLine(a, b, ink::kAccent, 2);
+      list->AddCircleFilled(a, 4, ink::kText);
+      list->AddCircle(b, 6, ink::kAccent, 0, 2);
+    }
+  }
+}
+
+void draw_picker(Desk& desk, const Layout& l) {
+  if (!desk.show_picker) return;
+  const float width = std::min(520.0f, l.width - 40), height = std::min(520.0f, l.height - 120);
+  ImGui::SetNextWindowPos({l.width / 2, l.top + 30}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::SetNextWindowFocus();
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
+  ImGui::Begin("scenes", &desk.show_picker, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                                ImGuiWindowFlags_NoSavedSettings);
+  char text[120];
+  std::snprintf(text, sizeof text, "%s", desk.search.c_str());
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(-1);
+  const bool enter = ImGui::InputTextWithHint("##search", "search", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue);
+  desk.search = text;
+  ImGui::BeginChild("list");
+  bool first = true;
+  for (const SceneEntry& e : desk.scenes) {
+    if (!matches(e, desk.search)) continue;
+    const bool here = std::filesystem::absolute(desk.live.file()).lexically_normal() == e.file;
+    ImGui::PushID(e.name.c_str());
+    const bool clicked = ImGui::Selectable("##scene", here, 0, {0, 22});
+    ImGui::PopID();
+    ImGui::SameLine(8);
+    ImGui::TextUnformatted(e.name.c_str());
+    ImGui::SameLine(220);
+    ImGui::TextDisabled("%s", e.title.c_str());
+    if (clicked || (enter && first)) desk.open_file = e.file.string(), desk.show_picker = false;
+    first = false;
+  }
+  if (first) ImGui::TextDisabled("no scene has these words");
+  ImGui::EndChild();
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+void draw_help(Desk& desk, const Layout& l) {
+  if (!desk.show_help) return;
+  static const char* const rows[][2] = {
+      {"space", "run, pause"}, {"right, left", "one step, one step back"}, {"R", "start over"}, {"end", "to the present"},
+      {"+  -", "faster, slower"}, {"", ""},
+      {"left drag", "pull a thing; elsewhere: turn the camera"}, {"shift + left drag", "turn the camera"},
+      {"right drag", "move the camera"}, {"wheel", "nearer, farther"}, {"F", "show everything"},
+      {"T", "follow the selected thing"}, {"", ""}, {"P", "pin what is held or selected, or free it"},
+      {"B", "shoot a ball at the mouse"}, {"click", "select"}, {"", ""}, {"/", "other scenes"}, {"`", "console"},
+      {"F2  F3", "left and right panel"}, {"tab", "hide all panels"}, {"F5", "reload"}, {"F12", "save a picture"},
+      {"F1", "this help"}};
+  ImGui::SetNextWindowPos({l.width / 2, l.height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowFocus();
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
+  ImGui::Begin("keys and mouse", &desk.show_help, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
+  for (const auto& row : rows) {
+    if (!row[0][0]) {
+      ImGui::Spacing();
+      continue;
+    }
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kAccent), "%s", row[0]);
+    ImGui::SameLine(160);
+    ImGui::TextUnformatted(row[1]);
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+}  // namespace feder::view

@@ -1,0 +1,184 @@
+// The panel at the left: the scene's parameters, the world's options, and what is drawn.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "rigid/rigid.h"
+#include "rigid/solver.h"
+#include "view/desk.h"
+#include "view/theme.h"
+
+namespace feder::view {
+namespace {
+
+std::string number_text(double x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", x);
+  return text;
+}
+
+bool is_whole(double x) { return std::abs(x) < 1e9 && x == std::floor(x); }
+
+// A number that only makes sense whole: its step says so, or a wide range of whole numbers.
+bool counts(const lua::ParamInfo& p) {
+  const double fallback = std::atof(p.fallback.c_str());
+  if (p.has_step) return is_whole(p.step) && is_whole(fallback);
+  return p.has_min && p.has_max && is_whole(p.min) && is_whole(p.max) && is_whole(fallback) && p.max - p.min > 10;
+}
+
+void change(Desk& desk, const lua::ParamInfo& p, std::string value) {
+  if (!desk.pending) desk.pending = PendingParam{p.name, value, desk.now};
+  if (desk.pending->name != p.name) {
+    desk.live.set_param(desk.pending->name, desk.pending->value);
+    desk.pending = PendingParam{p.name, value, desk.now};
+  }
+  desk.pending->value = std::move(value);
+}
+
+bool number_widget(const lua::ParamInfo& p, double& value) {
+  if (counts(p)) {
+    int whole = static_cast<int>(std::lround(value));
+    const bool moved = p.has_min && p.has_max
+                           ? ImGui::SliderInt("##value", &whole, static_cast<int>(p.min), static_cast<int>(p.max))
+                           : ImGui::DragInt("##value", &whole, 0.2f);
+    value = whole;
+    if (p.has_step) value = (p.has_min ? p.min : 0) + std::round((value - (p.has_min ? p.min : 0)) / p.step) * p.step;
+    return moved;
+  }
+  float real = static_cast<float>(value);
+  const float size = std::max(1e-3f, std::abs(real));
+  const bool moved = p.has_min && p.has_max
+                         ? ImGui::SliderFloat("##value", &real, static_cast<float>(p.min), static_cast<float>(p.max), "%.4g")
+                         : ImGui::DragFloat("##value", &real, size * 0.01f, 0, 0, "%.4g");
+  value = std::strtod(number_text(static_cast<double>(real)).c_str(), nullptr);
+  char nice[40];
+  std::snprintf(nice, sizeof nice, "%.6g", value);
+  value = std::atof(nice);
+  if (p.has_step) value = (p.has_min ? p.min : 0) + std::round((value - (p.has_min ? p.min : 0)) / p.step) * p.step;
+  if (p.has_min) value = std::max(value, p.min);
+  if (p.has_max) value = std::min(value, p.max);
+  return moved;
+}
+
+void param_row(Desk& desk, const lua::ParamInfo& p) {
+  std::string now = p.value;
+  const auto user = desk.live.user_params().find(p.name);
+  if (user != desk.live.user_params().end()) now = user->second;
+  if (desk.pending && desk.pending->name == p.name) now = desk.pending->value;
+  ImGui::PushID(p.name.c_str());
+  const bool changed = now != p.fallback;
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(changed ? ink::kAccent : ink::kDim), "%s", p.name.c_str());
+  const bool name_hovered = ImGui::IsItemHovered();
+  if (changed) {
+    ImGui::SameLine(ImGui::GetContentRegionAvail().x - 28);
+    if (ImGui::SmallButton("reset")) change(desk, p, p.fallback);
+  }
+  ImGui::SetNextItemWidth(-1);
+  char* end = nullptr;
+  double value = std::strtod(now.c_str(), &end);
+  const bool numeric = end != now.c_str() && *end == 0;
+  if (!p.choices.empty()) {
+    if (ImGui::BeginCombo("##value", now.c_str())) {
+      for (const std::string& choice : p.choices)
+        if (ImGui::Selectable(choice.c_str(), choice == now)) change(desk, p, choice);
+      ImGui::EndCombo();
+    }
+  } else if (p.fallback == "true" || p.fallback == "false") {
+    bool on = now == "true";
+    if (ImGui::Checkbox("##value", &on)) change(desk, p, on ? "true" : "false");
+  } else if (numeric) {
+    if (number_widget(p, value)) change(desk, p, number_text(value));
+  } else {
+    char text[200];
+    std::snprintf(text, sizeof text, "%s", now.c_str());
+    if (ImGui::InputText("##value", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue)) change(desk, p, text);
+  }
+  if (name_hovered || ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s%sfeder.param(\"%s\", %s)", p.help.c_str(), p.help.empty() ? "" : "\n", p.name.c_str(), p.fallback.c_str());
+  ImGui::PopID();
+}
+
+void draw_world_options(Desk& desk) {
+  LiveScene& live = desk.live;
+  const WorldDesc& d = live.world().desc();
+  const float label = 86;
+  const auto row = [&](const char* name) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(label);
+    ImGui::SetNextItemWidth(-1);
+  };
+  if (live.world().find<Rigid>()) {
+    std::string solver = rigid_solvers().empty() ? "" : rigid_solvers()[0].name;
+    const auto options = d.systems.find("rigid");
+    if (options != d.systems.end()) solver = options->second.text("solver", solver);
+    row("solver");
+    if (ImGui::BeginCombo("##solver", solver.c_str())) {
+      for (const auto& v : rigid_solvers()) {
+        if (ImGui::Selectable(v.name, solver == v.name)) live.set_world_option("rigid.solver", v.name);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", v.summary);
+      }
+      ImGui::EndCombo();
+    }
+  }
+  row("substeps");
+  int substeps = d.substeps;
+  if (ImGui::SliderInt("##substeps", &substeps, 1, 32)) live.set_world_option("substeps", std::to_string(substeps));
+  row("dt");
+  char now[32];
+  std::snprintf(now, sizeof now, "1/%.4g s", 1 / d.dt);
+  if (ImGui::BeginCombo("##dt", now)) {
+    for (const int rate : {30, 60, 120, 240, 480, 1000}) {
+      std::snprintf(now, sizeof now, "1/%d s", rate);
+      if (!ImGui::Selectable(now, std::abs(d.dt * rate - 1) < 1e-6)) continue;
+      std::snprintf(now, sizeof now, "%.17g", 1.0 / rate);
+      live.set_world_option("dt", now);
+    }
+    ImGui::EndCombo();
+  }
+}
+
+void draw_toggles(Desk& desk) {
+  int column = 0;
+  const float half = ImGui::GetContentRegionAvail().x / 2;
+  for (const ToggleInfo& t : toggle_list()) {
+    if (column++ % 2 == 1) ImGui::SameLine(half + 12);
+    ImGui::Checkbox(t.name, &(desk.toggles.*t.field));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", t.help);
+  }
+}
+
+void apply_pending(Desk& desk) {
+  if (!desk.pending) return;
+  const bool resting = !ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  if (!resting && desk.now - desk.pending->since < 0.1) return;
+  const PendingParam p = *desk.pending;
+  desk.pending.reset();
+  const auto user = desk.live.user_params().find(p.name);
+  if (user == desk.live.user_params().end() || user->second != p.value) desk.live.set_param(p.name, p.value);
+}
+
+}  // namespace
+
+void draw_scene_panel(Desk& desk, const Layout& l) {
+  if (l.left == 0) return;
+  ImGui::SetNextWindowPos({0, l.top});
+  ImGui::SetNextWindowSize({l.left, l.height - l.top - l.bottom});
+  ImGui::Begin("scene panel", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                           ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  if (desk.live.has_scene()) {
+    if (ImGui::CollapsingHeader("Parameters", ImGuiTreeNodeFlags_DefaultOpen)) {
+      const auto params = desk.live.script().params();
+      for (const lua::ParamInfo& p : params) param_row(desk, p);
+      if (params.empty()) ImGui::TextWrapped("none: feder.param(\"name\", value) in the scene makes a slider");
+    }
+    if (ImGui::CollapsingHeader("World", ImGuiTreeNodeFlags_DefaultOpen)) draw_world_options(desk);
+    if (ImGui::CollapsingHeader("Draw", ImGuiTreeNodeFlags_DefaultOpen)) draw_toggles(desk);
+  }
+  ImGui::End();
+  apply_pending(desk);
+}
+
+}  // namespace feder::view

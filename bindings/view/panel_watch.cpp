@@ -1,0 +1,75 @@
+// The panel at the right: the selected object, where the time goes, and curves.
+#include <algorithm>
+#include <cstdio>
+
+#include "view/desk.h"
+#include "view/theme.h"
+
+namespace feder::view {
+namespace {
+
+void draw_times(Desk& desk) {
+  std::vector<TimeRow> rows = desk.sampler.rows();
+  std::stable_sort(rows.begin(), rows.end(), [](const TimeRow& a, const TimeRow& b) { return a.ms > b.ms; });
+  double longest = 1e-6, sum = 0;
+  for (const TimeRow& r : rows) longest = std::max(longest, r.ms), sum += r.ms;
+  if (rows.empty()) ImGui::TextDisabled("nothing has run yet");
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float width = ImGui::GetContentRegionAvail().x;
+  for (const TimeRow& r : rows) {
+    const bool lua = r.detail == "Lua";
+    if (r.ms < 0.0005 && !lua) continue;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float height = ImGui::GetTextLineHeight();
+    list->AddRectFilled({at.x, at.y}, {at.x + width * static_cast<float>(r.ms / longest), at.y + height},
+                        lua ? IM_COL32(120, 96, 52, 140) : IM_COL32(60, 92, 128, 130), 2);
+    char value[32];
+    std::snprintf(value, sizeof value, "%.3f", r.ms);
+    const float value_width = ImGui::CalcTextSize(value).x;
+    const std::string text = lua ? r.label : r.detail + ": " + r.label;
+    ImGui::PushClipRect(at, {at.x + width - value_width - 10, at.y + height + 2}, true);
+    list->AddText({at.x + 4, at.y}, ink::kText, text.c_str());
+    ImGui::PopClipRect();
+    list->AddText({at.x + width - value_width - 2, at.y}, ink::kText, value);
+    ImGui::Dummy({width, height - 2});
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s\n%.4f ms per step, %.1f calls", text.c_str(), r.ms, r.calls);
+  }
+  ImGui::TextDisabled("%.3f ms per step in all", sum);
+}
+
+const unsigned kCurveColors[] = {IM_COL32(236, 190, 96, 255), IM_COL32(226, 140, 90, 255), IM_COL32(240, 112, 104, 255),
+                                 IM_COL32(104, 168, 232, 255)};
+const unsigned kScriptColors[] = {IM_COL32(126, 200, 140, 255), IM_COL32(186, 148, 232, 255), IM_COL32(120, 208, 208, 255),
+                                  IM_COL32(232, 148, 190, 255)};
+
+void draw_curves(Desk& desk) {
+  const double cursor = desk.live.shown_time();
+  std::size_t n = 0;
+  for (const Curve& c : desk.sampler.curves()) draw_curve(c.name(), c.unit(), c.points(), cursor, kCurveColors[n++ % 4]);
+  n = 0;
+  std::vector<CurvePoint> points;
+  for (const lua::PlotSeries& p : desk.live.script().plots()) {
+    points.clear();
+    for (const auto& q : p.points) points.push_back({desk.live.clock_of(q.time), q.value});
+    draw_curve(p.name, "", points, cursor, kScriptColors[n++ % 4]);
+  }
+}
+
+}  // namespace
+
+void draw_watch_panel(Desk& desk, const Layout& l) {
+  if (l.right == 0) return;
+  ImGui::SetNextWindowPos({l.width - l.right, l.top});
+  ImGui::SetNextWindowSize({l.right, l.height - l.top - l.bottom});
+  ImGui::Begin("watch panel", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                           ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  if (desk.live.has_scene()) {
+    if (ImGui::CollapsingHeader("Inspector", ImGuiTreeNodeFlags_DefaultOpen)) draw_inspector(desk);
+    if (ImGui::CollapsingHeader("Curves", ImGuiTreeNodeFlags_DefaultOpen)) draw_curves(desk);
+    if (ImGui::CollapsingHeader("Time per step (ms)", ImGuiTreeNodeFlags_DefaultOpen)) draw_times(desk);
+  }
+  ImGui::End();
+}
+
+}  // namespace feder::view

@@ -1,0 +1,68 @@
+#include "view/sampler.h"
+
+#include <cmath>
+
+#include "collide/collide.h"
+
+namespace feder::view {
+
+void Curve::add(double time, double value) {
+  if (!std::isfinite(value)) return;
+  // a scene that was taken back draws over what it had drawn
+  while (!points_.empty() && points_.back().time >= time) points_.pop_back();
+  if (points_.size() == kPoints) points_.erase(points_.begin());
+  points_.push_back({time, value});
+}
+
+void Sampler::sample(LiveScene& live, bool curves) {
+  if (!live.has_scene() || live.in_past() || live.rewriting()) return;
+  const bool fresh = generation_ != live.generation();
+  if (fresh) {
+    generation_ = live.generation();
+    for (Curve& c : curves_) c.clear();
+    rows_.clear(), counted_.clear();
+    step_ = times_step_ = 0;
+  }
+  if (!fresh && step_ == live.world_step()) return;
+  step_ = live.world_step();
+  const double time = live.shown_time();
+  if (curves) {
+    const Energy e = live.world().energy();
+    const Collide* collide = live.world().find<Collide>();
+    curves_[0].add(time, e.kinetic + e.potential + e.elastic);
+    curves_[1].add(time, e.kinetic);
+    curves_[2].add(time, collide ? static_cast<double>(collide->max_penetration()) * 1000 : 0);
+  }
+  curves_[3].add(time, live.step_seconds() * 1000);
+  sample_times(live);
+}
+
+TimeRow& Sampler::row(const std::string& label, const std::string& detail) {
+  for (TimeRow& r : rows_)
+    if (r.label == label && r.detail == detail) return r;
+  rows_.push_back({label, detail, 0, 0});
+  counted_.push_back({0, 0});
+  return rows_.back();
+}
+
+void Sampler::sample_times(LiveScene& live) {
+  // ten looks a second of simulated time are enough, and steadier
+  const std::uint64_t steps = step_ - times_step_;
+  if (steps < 6 && times_step_ > 0) return;
+  if (steps == 0) return;
+  times_step_ = step_;
+  const auto count = [&](const std::string& label, const std::string& detail, std::uint64_t ns, std::uint64_t calls) {
+    TimeRow& r = row(label, detail);
+    auto& last = counted_[static_cast<std::size_t>(&r - rows_.data())];
+    if (ns < last.first || calls < last.second) last = {0, 0};  // counters were reset
+    const double per_step = 1.0 / static_cast<double>(steps);
+    const double ms = static_cast<double>(ns - last.first) * 1e-6 * per_step;
+    r.ms = last.second == 0 ? ms : r.ms + 0.3 * (ms - r.ms);
+    r.calls = static_cast<double>(calls - last.second) * per_step;
+    last = {ns, calls};
+  };
+  for (const StepRow& r : live.world().plan().rows()) count(r.name, r.system, r.counter.nanoseconds, r.counter.calls);
+  for (const lua::HandlerProfile& p : live.script().handler_profile()) count(p.where, "Lua", p.nanoseconds, p.calls);
+}
+
+}  // namespace feder::view

@@ -1,0 +1,83 @@
+#include "view/status.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "report/json.h"
+#include "rigid/rigid.h"
+#include "springs/springs.h"
+
+namespace feder::view {
+namespace {
+
+using report::Json;
+
+Json vector_json(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
+
+// Where the named bodies and the ends of the nets are on the screen, in mouse units.
+Json screen_json(Desk& desk, const Target& t, float scale) {
+  constexpr std::size_t kNames = 64;
+  World& w = desk.live.world();
+  Json all = Json::object();
+  const auto add = [&](const std::string& name, const Vec3& x) {
+    const float p[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
+    float sx = 0, sy = 0;
+    if (name.empty() || all.size() >= kNames || !desk.camera.project(p, t.width, t.height, sx, sy)) return;
+    all[name] = {{"screen", {sx / scale, sy / scale}}, {"position", vector_json(x)}};
+  };
+  if (Rigid* rigid = w.find<Rigid>())
+    w.objects().for_each(ObjectKind::body, [&](ObjectId id) { add(w.objects().name(id), rigid->pose(id).position); });
+  if (Springs* springs = w.find<Springs>())
+    w.objects().for_each(ObjectKind::net, [&](ObjectId id) {
+      const std::size_t n = springs->point_count(id);
+      if (n > 0 && !w.objects().name(id).empty()) add(w.objects().name(id) + " end", springs->point(id, n - 1));
+    });
+  return all;
+}
+
+void scene_json(Desk& desk, const Target& t, float scale, Json& json) {
+  LiveScene& live = desk.live;
+  char hash[20];
+  std::snprintf(hash, sizeof hash, "%016" PRIx64, live.world().hash());
+  json["time"] = live.shown_time();
+  json["step"] = live.shown_step();
+  json["hash"] = hash;
+  json["paused"] = live.paused();
+  json["past"] = live.in_past();
+  json["catching_up"] = live.catching_up();
+  json["step_ms"] = live.step_seconds() * 1000;
+  Json errors = Json::array();
+  for (const lua::HandlerError& e : live.script().handler_errors())
+    errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
+  json["handler_errors"] = errors;
+  json["params"] = live.user_params();
+  json["held"] = live.held().has_value();
+  json["selected"] = desk.has_selection() ? Json(live.world().objects().describe(desk.selected->object)) : Json();
+  json["objects"] = screen_json(desk, t, scale);
+}
+
+}  // namespace
+
+void write_status(Desk& desk, const Target& t, float scale, const std::string& file) {
+  LiveScene& live = desk.live;
+  Json json;
+  json["file"] = live.file().string();
+  json["title"] = live.title();
+  json["error"] = live.error();
+  json["notice"] = live.notice();
+  json["generation"] = live.generation();
+  json["reloads"] = live.reloads();
+  json["reload_seconds"] = live.reload_seconds();
+  json["pictures"] = desk.pictures;
+  json["frame_ms"] = desk.frame_ms;
+  json["camera"] = {{"yaw", desk.camera.yaw}, {"pitch", desk.camera.pitch}, {"distance", desk.camera.distance}};
+  if (live.has_scene()) scene_json(desk, t, scale, json);
+  const std::string part = file + ".part";
+  std::ofstream(part, std::ios::binary) << report::to_text(json);
+  std::error_code ignored;
+  std::filesystem::rename(part, file, ignored);
+}
+
+}  // namespace feder::view
