@@ -16,14 +16,14 @@ constexpr const char* kFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.t
 Font::Font(float pixels) {
   ImFontAtlas atlas;
   ImFont* font = nullptr;
+  ImFontConfig config;
+  config.SizePixels = pixels;
+  config.OversampleH = config.OversampleV = 1;  // a texel is a pixel
+  config.PixelSnapH = true;
   std::error_code ignored;
   for (const char* file : kFiles)
-    if (!font && std::filesystem::exists(file, ignored)) font = atlas.AddFontFromFileTTF(file, pixels);
-  if (!font) {
-    ImFontConfig config;
-    config.SizePixels = pixels;
-    font = atlas.AddFontDefault(&config);
-  }
+    if (!font && std::filesystem::exists(file, ignored)) font = atlas.AddFontFromFileTTF(file, pixels, &config);
+  if (!font) font = atlas.AddFontDefault(&config);
   unsigned char* grey = nullptr;
   atlas.GetTexDataAsAlpha8(&grey, &width_, &atlas_height_);
   atlas_.assign(grey, grey + static_cast<std::size_t>(width_) * static_cast<std::size_t>(atlas_height_));

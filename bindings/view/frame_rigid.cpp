@@ -120,7 +120,7 @@ class RigidSource final : public FrameSource {
     put(g.normal, n);
     g.distance = static_cast<float>(plane->distance() + dot(n, pose.position));
     const auto own = c.look.colors.find(colliders.object[k]);
-    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0xb9b7b1);
+    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0xc2c1bd);
     g.object = colliders.object[k];
     c.frame.grounds.push_back(g);
   }

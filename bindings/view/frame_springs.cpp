@@ -24,8 +24,8 @@ class SpringsSource final : public FrameSource {
       const auto faces = c.look.faces.find(net.object);
       const bool has_faces = faces != c.look.faces.end() && !faces->second.empty();
       if (c.toggles.meshes && has_faces) add_faces(c, *particles, net, faces->second);
-      if (c.toggles.springs) add_springs(c, *springs, *particles, net);
-      if (c.toggles.points) add_points(c, *particles, net, has_faces);
+      if (c.toggles.springs) add_springs(c, *springs, *particles, net, has_faces ? 1.0f : 2.5f);
+      if (c.toggles.points) add_points(c, *springs, *particles, net, has_faces);
       const std::string& name = c.world.objects().name(net.object);
       if (c.toggles.labels && !name.empty() && net.count > 0) add_label(c.frame, particles->position[net.first], name, rgb(0x1d2126));
     }
@@ -48,13 +48,14 @@ class SpringsSource final : public FrameSource {
     f.bounds.include(b), f.moving.include(b);
   }
 
-  static void add_springs(Collecting& c, const Springs& springs, const Particles& p, const Springs::NetInfo& net) {
+  static void add_springs(Collecting& c, const Springs& springs, const Particles& p, const Springs::NetInfo& net,
+                          float width) {
     const SpringView s = springs.springs(net.object);
     for (std::size_t k = 0; k < s.i.size(); ++k) {
       if (!s.alive[k]) continue;
       const Vec3 &a = p.position[net.first + s.i[k]], &b = p.position[net.first + s.j[k]];
       const Real strain = s.rest_length[k] > 0 ? length(b - a) / s.rest_length[k] - 1 : 0;
-      add_line(c.frame.lines, a, b, strain_color(static_cast<float>(strain / kFullStrain)), 1.5f);
+      add_line(c.frame.lines, a, b, strain_color(static_cast<float>(strain / kFullStrain)), width);
     }
   }
 
@@ -77,18 +78,19 @@ class SpringsSource final : public FrameSource {
     f.meshes.push_back(mesh);
   }
 
-  static void add_points(Collecting& c, const Particles& p, const Springs::NetInfo& net, bool has_faces) {
+  static void add_points(Collecting& c, const Springs& springs, const Particles& p, const Springs::NetInfo& net,
+                         bool has_faces) {
     Frame& f = c.frame;
     PointGroup group;
     group.first = static_cast<std::uint32_t>(f.points.size());
     group.object = net.object, group.color = color_of(c, net.object);
+    const Real dot = dot_radius(springs, net);
     for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
       const bool pinned = p.inv_mass[i] == 0;
-      const Real radius = p.radius[i] > 0 ? p.radius[i] : pinned || !has_faces ? dot_radius(f) : 0;
-      if (!(radius > 0) || (has_faces && !pinned)) continue;
+      if (has_faces && !pinned) continue;  // the faces show where it is
       Point point{};
       put(point.position, p.position[i]);
-      point.radius = static_cast<float>(radius);
+      point.radius = static_cast<float>(p.radius[i] > 0 ? p.radius[i] : dot);
       point.value = static_cast<float>(length(p.velocity[i]));
       f.points.push_back(point);
     }
@@ -96,11 +98,12 @@ class SpringsSource final : public FrameSource {
     if (group.count > 0) f.point_groups.push_back(group);
   }
 
-  // Points without a size of their own are drawn as dots of 0.8 % of the scene.
-  static Real dot_radius(const Frame& f) {
-    float size = 0;
-    for (int i = 0; i < 3; ++i) size = std::max(size, f.moving.high[i] - f.moving.low[i]);
-    return Real(0.008f * size);
+  // Points without a size of their own are drawn as dots of 7 % of the mean rest length.
+  static Real dot_radius(const Springs& springs, const Springs::NetInfo& net) {
+    const SpringView s = springs.springs(net.object);
+    Real sum = 0;
+    for (const Real r : s.rest_length) sum += r;
+    return s.rest_length.empty() ? Real(0.05) : Real(0.07) * sum / static_cast<Real>(s.rest_length.size());
   }
 };
 

@@ -79,7 +79,7 @@ Color fixed_color(std::uint32_t number) {
 
 Color asleep(Color c) {
   const Lab lab = to_lab(c);
-  return from_lab({0.55f * lab.l + 0.45f * 0.60f, 0.35f * lab.a, 0.35f * lab.b}, c.a);
+  return from_lab({0.7f * lab.l + 0.3f * 0.60f, 0.42f * lab.a, 0.42f * lab.b}, c.a);
 }
 
 Color mixed(Color a, Color b, float t) {
@@ -93,7 +93,7 @@ Color strain_color(float strain) {
     std::array<Color, 65> t;
     for (int i = 0; i < 65; ++i) {
       const float s = static_cast<float>(i - 32) / 32;
-      t[static_cast<std::size_t>(i)] = s < 0 ? mixed(rgb(0xd8d8d0), rgb(0x2f6fd0), -s) : mixed(rgb(0xd8d8d0), rgb(0xd8402c), s);
+      t[static_cast<std::size_t>(i)] = s < 0 ? mixed(rgb(0x7d8188), rgb(0x2f6fd0), -s) : mixed(rgb(0x7d8188), rgb(0xd8402c), s);
     }
     return t;
   }();

@@ -16,7 +16,7 @@ std::string_view name_stem(std::string_view name);
 Color fixed_color(std::uint32_t number);  // static bodies: warm greys
 Color asleep(Color c);                    // greyer
 Color mixed(Color a, Color b, float t);   // t = 0: a
-// Blue (compressed) over pale grey (at rest) to red (stretched); `strain` -1..1 of full scale.
+// Blue (compressed) over grey (at rest) to red (stretched); `strain` -1..1 of full scale.
 Color strain_color(float strain);
 // Perceptual ramp for scalars, t in 0..1: deep blue, teal, green, yellow.
 Color ramp_color(float t);

@@ -46,6 +46,10 @@ class Objects {
   TagMask known_tag(std::string_view tag) const;  // 0 when never used
   const std::vector<std::string>& tag_names() const { return tag_names_; }
 
+  // The living object of a slot; none when the slot is free.
+  ObjectId at(std::uint32_t slot) const {
+    return slot < slots_.size() && slots_[slot].alive ? ObjectId{slot, slots_[slot].generation} : ObjectId{};
+  }
   // First living object with that name in slot order; none when absent.
   ObjectId find(std::string_view name) const;
 

@@ -4,6 +4,8 @@ local feder = require "feder"
 return feder.scene {
   title = "Wake and sleep",
   seconds = 8,
+  picture = 3.6,
+  camera = { yaw = feder.deg(-30), pitch = feder.deg(18) },
   world = { dt = 1 / 60, substeps = 4 },
 
   build = function(world, scene)

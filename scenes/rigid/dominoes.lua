@@ -6,6 +6,7 @@ local gap = feder.param("gap", 0.5, { min = 0.2, max = 0.9, help = "distance bet
 
 return feder.scene {
   title = "Dominoes",
+  camera = { yaw = feder.deg(58), pitch = feder.deg(24) },
   seconds = 8,
   world = { dt = 1 / 60, substeps = 4 },
 

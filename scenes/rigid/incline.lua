@@ -6,6 +6,8 @@ local angle = feder.param("angle", 30, { min = 5, max = 60, help = "degrees" })
 return feder.scene {
   title = "Incline",
   seconds = 2,
+  picture = 1,
+  camera = { yaw = feder.deg(38), pitch = feder.deg(14) },
   world = { gravity = { 0, -9.81, 0 }, dt = 1 / 60, substeps = 4 },
 
   build = function(world, scene)

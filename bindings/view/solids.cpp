@@ -1,0 +1,84 @@
+#include "view/solids.h"
+
+#include <cmath>
+
+#include "base/math.h"
+#include "view/palette.h"
+
+namespace feder::view {
+namespace {
+
+Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
+void put(float out[3], const Vec3& v) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
+}
+
+}  // namespace
+
+Solid solid(const Instance& in, const Geometry& g) {
+  Solid s;
+  s.object = in.object, s.color = in.color, s.indices = g.indices;
+  const Quat q{Real(in.rotation[0]), Real(in.rotation[1]), Real(in.rotation[2]), Real(in.rotation[3])};
+  for (const Vertex& v : g.vertices) {
+    Vec3 x = vec(v.position), n = vec(v.normal);
+    for (int k = 0; k < 3; ++k) x[k] *= Real(in.scale[k]), n[k] /= Real(in.scale[k]);
+    x[1] += Real(v.side * in.stretch);
+    MeshVertex out{};
+    put(out.position, vec(in.position) + rotate(q, x));
+    put(out.normal, normalized_or(rotate(q, n), vec3(0, 1, 0)));
+    s.vertices.push_back(out);
+  }
+  return s;
+}
+
+Solid solid(const Ground& ground, const Frame& frame) {
+  Vec3 center = Vec3::Zero();
+  Real half = 5;
+  if (!frame.bounds.empty()) {
+    center = (vec(frame.bounds.low) + vec(frame.bounds.high)) / 2;
+    half = std::max(half, 2 * (vec(frame.bounds.high) - vec(frame.bounds.low)).cwiseAbs().maxCoeff());
+  }
+  const Vec3 n = vec(ground.normal);
+  center -= (dot(n, center) - Real(ground.distance)) * n;
+  Vec3 u = vec3(1, 0, 0), v = vec3(0, 0, -1);
+  if (n[1] < Real(0.9999)) tangent_frame(n, u, v);
+  Solid s;
+  s.object = ground.object.slot, s.color = ground.color;
+  s.indices = {0, 1, 2, 0, 2, 3};
+  for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    MeshVertex vertex{};
+    put(vertex.position, center + half * (Real(a) * u + Real(b) * v));
+    put(vertex.normal, n);
+    s.vertices.push_back(vertex);
+  }
+  return s;
+}
+
+Instance ball_instance(const Point& p, Color color, std::uint32_t object) {
+  Instance i;
+  for (int k = 0; k < 3; ++k) i.position[k] = p.position[k], i.scale[k] = p.radius;
+  i.color = color, i.object = object;
+  return i;
+}
+
+Color point_color(const PointGroup& group, const Point& point) {
+  if (!group.scalar) return group.color;
+  return ramp_color((point.value - group.low) / std::max(group.high - group.low, 1e-20f));
+}
+
+std::vector<Solid> solids(const Frame& f) {
+  std::vector<Solid> all;
+  for (const Ground& g : f.grounds) all.push_back(solid(g, f));
+  for (const Batch& b : f.batches)
+    for (std::uint32_t i = b.first; i < b.first + b.count; ++i) all.push_back(solid(f.instances[i], *f.geometries[b.geometry]));
+  for (const DynamicMesh& m : f.meshes) {
+    Solid s;
+    s.object = m.object.slot, s.color = m.color;
+    s.vertices.assign(f.vertices.begin() + m.first_vertex, f.vertices.begin() + m.first_vertex + m.vertex_count);
+    s.indices.assign(f.indices.begin() + m.first_index, f.indices.begin() + m.first_index + m.index_count);
+    all.push_back(std::move(s));
+  }
+  return all;
+}
+
+}  // namespace feder::view

@@ -1,0 +1,183 @@
+// Frames of worlds: what is in them, that collecting changes nothing, and that it allocates nothing once warm.
+#include "view/drawing.h"
+#include "view/palette.h"
+
+using namespace feder;
+using namespace feder::view;
+using feder::test::add_box;
+using feder::test::add_ground;
+using feder::test::collected;
+
+namespace {
+
+
+ObjectId add_chain(World& world, int count) {
+  NetDesc d;
+  for (int i = 0; i < count; ++i) {
+    d.points.push_back(vec3(Real(i), 5, 0));
+    d.masses.push_back(1);
+    if (i > 0) {
+      SpringDesc s;
+      s.i = static_cast<std::uint32_t>(i - 1), s.j = static_cast<std::uint32_t>(i);
+      d.springs.push_back(s);
+    }
+  }
+  return world.need<Springs>().add_net(d);
+}
+
+}  // namespace
+
+TEST_CASE("a frame shows bodies where they are", "[view]") {
+  World world({}, lua::catalog());
+  add_ground(world);
+  const ObjectId box = add_box(world, vec3(1, 2, 3), vec3(4, 5, 6), BodyType::dynamic, "crate1");
+  add_box(world, vec3(1, 1, 1), vec3(0, 3, 0), BodyType::fixed);
+  const Frame f = collected(world);
+  REQUIRE(f.instances.size() == 2);
+  REQUIRE(f.batches.size() == 1);
+  REQUIRE(f.grounds.size() == 1);
+  const Instance& i = f.instances[0];
+  CHECK(i.object == box.slot);
+  CHECK(i.position[0] == 4.0f);
+  CHECK(i.position[2] == 6.0f);
+  CHECK(i.scale[1] == 2.0f);
+  CHECK(f.moving.low[1] == 4.0f);
+  CHECK(f.moving.high[1] == 6.0f);
+  CHECK(f.bounds.low[0] == -0.5f);
+  CHECK((f.instances[1].flags & kFixed) != 0);
+}
+
+TEST_CASE("sleeping bodies are marked and greyer", "[view]") {
+  World world({}, lua::catalog());
+  add_ground(world);
+  const ObjectId box = add_box(world, vec3(1, 1, 1), vec3(0, Real(0.5), 0));
+  const Color awake = collected(world).instances[0].color;
+  world.need<Rigid>().sleep(box);
+  const Frame f = collected(world);
+  CHECK((f.instances[0].flags & kAsleep) != 0);
+  CHECK(f.instances[0].color == asleep(awake));
+  CHECK(!(f.instances[0].color == awake));
+}
+
+TEST_CASE("a layer that is off is not collected, and none is collected twice", "[view]") {
+  World world({}, lua::catalog());
+  add_ground(world);
+  add_box(world, vec3(1, 1, 1), vec3(0, Real(0.5), 0), BodyType::dynamic, "box");
+  add_chain(world, 4);
+  for (int i = 0; i < 10; ++i) world.step();
+  const Frame usual = collected(world);
+  CHECK(usual.lines.size() == 3);
+  CHECK(usual.points.size() == 4);
+  CHECK(usual.overlay_lines.empty());
+  CHECK(usual.labels.empty());
+  Toggles none;
+  for (const ToggleInfo& t : toggle_list()) none.*t.field = false;
+  const Frame empty = collected(world, none);
+  CHECK(empty.instances.empty());
+  CHECK(empty.grounds.empty());
+  CHECK(empty.lines.empty());
+  CHECK(empty.points.empty());
+  Toggles all;
+  for (const ToggleInfo& t : toggle_list()) all.*t.field = true;
+  const Frame full = collected(world, all);
+  CHECK(full.labels.size() == 1);
+  CHECK(full.plots.size() > 3);
+  CHECK(full.overlay_lines.size() > 4 * 3);  // four corners rest on the plane: normal and cross each
+}
+
+TEST_CASE("toggles are found by name", "[view]") {
+  Toggles t;
+  set_toggles(t, "contacts,joints,-springs");
+  CHECK(t.contacts);
+  CHECK(t.joints);
+  CHECK(!t.springs);
+  CHECK_THROWS_WITH(set_toggles(t, "contakts"), Catch::Contains("did you mean 'contacts'"));
+}
+
+TEST_CASE("collecting changes nothing: the hash of a run is the same with and without", "[view]") {
+  const auto run = [](bool drawn) {
+    World world({}, lua::catalog());
+    add_ground(world);
+    for (int i = 0; i < 8; ++i) add_box(world, vec3(1, 1, 1), vec3(Real(0.1) * Real(i % 3), Real(0.6) + Real(1.1) * Real(i), 0));
+    add_chain(world, 6);
+    Toggles all;
+    for (const ToggleInfo& t : toggle_list()) all.*t.field = true;
+    Collector collector;
+    Frame frame;
+    std::vector<std::uint64_t> hashes;
+    for (int step = 0; step < 120; ++step) {
+      world.step();
+      if (drawn) collector.collect(world, nullptr, all, frame);
+      hashes.push_back(world.hash());
+    }
+    return hashes;
+  };
+  CHECK(run(true) == run(false));
+}
+
+TEST_CASE("frames are reused: nothing moves once warm", "[view]") {
+  World world({}, lua::catalog());
+  add_ground(world);
+  for (int i = 0; i < 50; ++i) add_box(world, vec3(1, 1, 1), vec3(Real(2 * i), 2, 0));
+  add_chain(world, 20);
+  Collector collector;
+  Frame frame;
+  collector.collect(world, nullptr, {}, frame);
+  const auto* first = frame.instances.data();
+  const auto* lines = frame.lines.data();
+  for (int i = 0; i < 5; ++i) {
+    world.step();
+    collector.collect(world, nullptr, {}, frame);
+    CHECK(frame.instances.data() == first);
+    CHECK(frame.lines.data() == lines);
+  }
+}
+
+TEST_CASE("colours come from groups of names and stay", "[view]") {
+  CHECK(name_stem("crate12") == "crate");
+  CHECK(name_stem("plank 3") == "plank");
+  CHECK(name_stem("42") == "");
+  CHECK(group_color("crate", 3) == group_color("crate", 3));
+  CHECK(!(group_color("crate", 3) == group_color("crate", 4)));
+  CHECK(!(group_color("crate", 3) == group_color("plank", 3)));
+}
+
+TEST_CASE("a script's colours and faces reach the frame", "[view]") {
+  lua::HostOptions options;
+  lua::Script script(options);
+  script.load_string(R"(
+    local feder = require "feder"
+    return feder.scene { title = "t", build = function(world)
+      world:body { shape = feder.box(1, 1, 1), color = { 1, 0, 0 } }
+      world:body { shape = feder.box(1, 1, 1), position = { 3, 0, 0 }, color = "#00ff80" }
+      world:net { points = { { 0, 5, 0 }, { 1, 5, 0 }, { 1, 6, 0 }, { 0, 6, 0 } }, masses = 1,
+        springs = { { 1, 2 } }, faces = { { 1, 2, 3, 4 } } }
+    end })", "scene.lua");
+  script.build();
+  Collector collector;
+  Frame f;
+  collector.collect(*script.world(), script.look(), {}, f);
+  REQUIRE(f.instances.size() == 2);
+  CHECK(f.instances[0].color == Color{255, 0, 0, 255});
+  CHECK(f.instances[1].color == Color{0, 255, 128, 255});
+  REQUIRE(f.meshes.size() == 1);
+  CHECK(f.meshes[0].index_count == 6);
+  CHECK(std::abs(std::abs(f.vertices[0].normal[2]) - 1) < 1e-6f);
+}
+
+TEST_CASE("mistakes in colours name the choices", "[view]") {
+  const auto error = [](const std::string& color) {
+    lua::Script script({});
+    std::string what;
+    try {
+      script.load_string("local feder = require 'feder'; feder.world{}:body{ shape = feder.sphere(1), color = " + color + " }", "c.lua");
+    } catch (const lua::ScriptError& e) {
+      what = e.what();
+    }
+    return what;
+  };
+  CHECK_THAT(error("'organge'"), Catch::Contains("c.lua:1") && Catch::Contains("did you mean 'orange'?"));
+  CHECK_THAT(error("{1, 2, 3}"), Catch::Contains("color[2]"));
+  CHECK_THAT(error("17"), Catch::Contains("{r, g, b}"));
+  CHECK(error("'orange'").empty());
+}
