@@ -1,4 +1,6 @@
 // feder export: a scene for other programs: a run as animated glTF 2.0, a moment as OBJ or PLY.
+#include "view/export.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "base/error.h"
 #include "cli/picture.h"
 #include "report/json.h"
-#include "view/export.h"
 
 namespace feder::cli {
 namespace {
@@ -38,7 +39,8 @@ class Export final : public Command {
     session.load(scene_);
     if (!session.world()) throw Failure(kFailed, scene_ + ": this script makes no world");
     try {
-      const std::size_t samples = kind == ".gltf" || kind == ".glb" ? write_run(session, wish) : write_moment(session, wish, kind);
+      const std::size_t samples =
+          kind == ".gltf" || kind == ".glb" ? write_run(session, wish) : write_moment(session, wish, kind);
       if (options.json)
         std::fputs(report::to_text({{"out", out_}, {"samples", samples}, {"title", session.title()}}).c_str(), stdout);
       else if (!options.quiet)
@@ -55,8 +57,10 @@ class Export final : public Command {
     view::Collector collector;
     view::Frame frame;
     collector.collect(*session.world(), session.script().look(), wish.toggles, frame);
-    if (kind == ".obj") view::write_obj(frame, session.world()->objects(), out_);
-    else view::write_ply(frame, out_);
+    if (kind == ".obj")
+      view::write_obj(frame, session.world()->objects(), out_);
+    else
+      view::write_ply(frame, out_);
     return 1;
   }
 
@@ -64,7 +68,10 @@ class Export final : public Command {
     const double fps = fps_.empty() ? 30 : read_number(fps_, "--fps");
     if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
     const double own = session.script().seconds(), from = std::max(wish.at, 0.0);
-    const double length = !session.is_scene() ? 0 : !seconds_.empty() ? read_number(seconds_, "--seconds") : own > 0 ? own : 4;
+    const double length = !session.is_scene() ? 0
+                          : !seconds_.empty() ? read_number(seconds_, "--seconds")
+                          : own > 0           ? own
+                                              : 4;
     const auto count = static_cast<std::size_t>(std::min(100000.0, std::floor(length * fps + 0.5) + 1));
     view::Collector collector;
     view::Frame frame;

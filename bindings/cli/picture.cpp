@@ -9,9 +9,11 @@ namespace feder::cli {
 void declare(Arguments& a, PictureOptions& o) {
   a.text("--at", o.at, "moment in simulated seconds (default: what the scene says, else the middle of its time)");
   a.text("--size", o.size, "WxH in pixels (default 1280x720)");
-  a.text("--camera", o.camera, "yaw,pitch[,distance] in degrees and m, or eye and target x,y,z,tx,ty,tz (default: fitted)");
-  a.text("--show", o.show, "layers, \"-\" turns one off: shapes meshes points springs sensors joints contacts impulses "
-                           "velocities axes islands bounds labels marks");
+  a.text("--camera", o.camera,
+         "yaw,pitch[,distance] in degrees and m, or eye and target x,y,z,tx,ty,tz (default: fitted)");
+  a.text("--show", o.show,
+         "layers, \"-\" turns one off: shapes meshes points springs sensors joints contacts impulses "
+         "velocities axes islands bounds labels marks");
 }
 
 PictureWish read_wish(const PictureOptions& o) {

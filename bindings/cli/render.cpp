@@ -1,4 +1,5 @@
-// feder render: pictures of a scene without a window: one PNG, a GIF, a folder of PNG frames, or one sheet of many scenes.
+// feder render: pictures of a scene without a window: one PNG, a GIF, a folder of PNG frames, or one sheet of many
+// scenes.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -48,7 +49,8 @@ class Render final : public Command {
   static std::unique_ptr<Session> load(const std::string& file, const Options& options) {
     lua::HostOptions host = host_options(options);
     host.print = [](std::string_view) {};
-    auto session = std::make_unique<Session>(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
+    auto session =
+        std::make_unique<Session>(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
     session->load(file);
     return session;
   }
@@ -74,14 +76,16 @@ class Render final : public Command {
   }
 
   int sheet(const std::vector<std::string>& files, PictureWish wish, const Options& options) const {
-    if (!out_.ends_with(".png")) throw Failure(kUsage, "feder render: a sheet of several scenes is a .png, got " + out_);
+    if (!out_.ends_with(".png"))
+      throw Failure(kUsage, "feder render: a sheet of several scenes is a .png, got " + out_);
     if (picture_.size.empty()) wish.width = 480, wish.height = 320;
     int failed = 0;
-    const view::Image image = contact_sheet(files, options, wish, [&](const std::string& file, const std::string& error) {
-      failed += !error.empty();
-      if (!error.empty()) fmt::print(stderr, "{}: {}\n", file, error);
-      if (!options.quiet && !options.json && isatty(STDOUT_FILENO)) fmt::print("{}\n", file);
-    });
+    const view::Image image =
+        contact_sheet(files, options, wish, [&](const std::string& file, const std::string& error) {
+          failed += !error.empty();
+          if (!error.empty()) fmt::print(stderr, "{}: {}\n", file, error);
+          if (!options.quiet && !options.json && isatty(STDOUT_FILENO)) fmt::print("{}\n", file);
+        });
     // a sheet is never seen half written, and two runs do not disturb each other
     const std::string part = fmt::format("{}.{}.png", out_, getpid());
     view::write_png(image, part);
@@ -114,7 +118,8 @@ class Render final : public Command {
     view::Studio studio(wish.width, wish.height);
     const auto loaded = load(file, options);
     Session& session = *loaded;
-    if (!session.is_scene()) throw Failure(kUsage, file + ": this plain script has run already; an animation needs a scene");
+    if (!session.is_scene())
+      throw Failure(kUsage, file + ": this plain script has run already; an animation needs a scene");
     const double from = std::max(wish.at, 0.0), own = session.script().seconds();
     const double length = !seconds_.empty() ? read_number(seconds_, "--seconds") : own > 0 ? own : 4;
     const auto count = static_cast<int>(std::min(100000.0, std::max(1.0, std::floor(length * fps + 0.5))));
@@ -127,8 +132,10 @@ class Render final : public Command {
       run_to(session, from + i / fps);
       studio.look_at(session.script(), wish.toggles);
       const view::Image image = studio.shoot(camera, {});
-      if (gif) writer->add(image);
-      else view::write_png(image, fs::path(out_) / fmt::format("frame{:05d}.png", i));
+      if (gif)
+        writer->add(image);
+      else
+        view::write_png(image, fs::path(out_) / fmt::format("frame{:05d}.png", i));
     }
     if (gif) writer->close();
     say(options, studio.how(), &session, count);

@@ -14,16 +14,17 @@ struct NamedColor {
 
 // Muted versions of the plain words, so that a scene of several looks of one piece.
 constexpr NamedColor kNames[] = {
-    {"white", 0xf2f2ee}, {"grey", 0x9a9a98},   {"gray", 0x9a9a98},  {"black", 0x33363b}, {"red", 0xd1495b},
+    {"white", 0xf2f2ee},  {"grey", 0x9a9a98},   {"gray", 0x9a9a98},  {"black", 0x33363b}, {"red", 0xd1495b},
     {"orange", 0xe8893c}, {"yellow", 0xe9c46a}, {"green", 0x5aa469}, {"teal", 0x2a9d8f},  {"cyan", 0x4fb3c8},
-    {"blue", 0x4779c4},  {"purple", 0x8a6fb0}, {"pink", 0xe08aa8},  {"brown", 0x9c6b4a}, {"gold", 0xc9a227},
-    {"wood", 0xb98a5a},  {"stone", 0xa3a097},  {"steel", 0x8796a5}, {"ice", 0xb5dbe8},   {"rubber", 0x4a4a4f},
-    {"glass", 0xa9cfd6}, {"sand", 0xd9c29a},   {"water", 0x3f8fd0},
+    {"blue", 0x4779c4},   {"purple", 0x8a6fb0}, {"pink", 0xe08aa8},  {"brown", 0x9c6b4a}, {"gold", 0xc9a227},
+    {"wood", 0xb98a5a},   {"stone", 0xa3a097},  {"steel", 0x8796a5}, {"ice", 0xb5dbe8},   {"rubber", 0x4a4a4f},
+    {"glass", 0xa9cfd6},  {"sand", 0xd9c29a},   {"water", 0x3f8fd0},
 };
 
 bool parse_hex(const std::string& text, std::uint32_t& out) {
   if (text.size() != 7 || text[0] != '#') return false;
-  if (!std::all_of(text.begin() + 1, text.end(), [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }))
+  if (!std::all_of(text.begin() + 1, text.end(),
+                   [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }))
     return false;
   out = static_cast<std::uint32_t>(std::stoul(text.substr(1), nullptr, 16));
   return true;

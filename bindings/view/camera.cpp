@@ -7,7 +7,9 @@
 namespace feder::view {
 namespace {
 
-float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float dot(const float a[3], const float b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 // The eight corners of a box.
 void corner(const Bounds& b, int i, float out[3]) {
@@ -59,7 +61,8 @@ Bounds without_strays(const std::vector<Bounds>& boxes) {
   const float usual = median(values);
   Bounds all;
   for (std::size_t i = 0; i < boxes.size(); ++i)
-    for (int k = 0; k < 3; ++k) largest = std::max(largest, values[i] <= usual ? boxes[i].high[k] - boxes[i].low[k] : 0);
+    for (int k = 0; k < 3; ++k)
+      largest = std::max(largest, values[i] <= usual ? boxes[i].high[k] - boxes[i].low[k] : 0);
   for (std::size_t i = 0; i < boxes.size(); ++i)
     if (values[i] <= 6 * usual + largest || boxes.size() < 4) all.include(boxes[i]);
   return all;
@@ -72,7 +75,8 @@ Bounds subject_of(const Frame& f) {
   for (const Batch& batch : f.batches)
     for (std::uint32_t i = batch.first; i < batch.first + batch.count; ++i)
       if (!(f.instances[i].flags & kSensor))
-        (f.instances[i].flags & kFixed ? fixed : boxes).push_back(box_of(f.instances[i], *f.geometries[batch.geometry]));
+        (f.instances[i].flags & kFixed ? fixed : boxes)
+            .push_back(box_of(f.instances[i], *f.geometries[batch.geometry]));
   Bounds b = boxes.empty() ? Bounds{} : without_strays(boxes);
   for (const MeshVertex& v : f.vertices) b.include(v.position);
   for (const Point& p : f.points) b.include(p.position, p.radius);
@@ -86,7 +90,8 @@ Bounds subject_of(const Frame& f) {
   for (const Bounds& x : fixed) {
     Bounds cut;
     for (int k = 0; k < 3; ++k)
-      cut.low[k] = std::max(x.low[k], core.low[k] - 0.2f * size), cut.high[k] = std::min(x.high[k], core.high[k] + 0.2f * size);
+      cut.low[k] = std::max(x.low[k], core.low[k] - 0.2f * size),
+      cut.high[k] = std::min(x.high[k], core.high[k] + 0.2f * size);
     if (cut.low[0] <= cut.high[0] && cut.low[1] <= cut.high[1] && cut.low[2] <= cut.high[2]) b.include(cut);
   }
   return b;
@@ -159,7 +164,8 @@ Matrix4 Camera::view() const {
 
 Matrix4 Camera::projection(float aspect) const {
   const float near = 0.01f * distance, far = 200 * distance, t = 1 / std::tan(fov / 2);
-  return {{t / aspect, 0, 0, 0, 0, t, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0}};
+  return {
+      {t / aspect, 0, 0, 0, 0, t, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0}};
 }
 
 void Camera::ray(float x, float y, int width, int height, float origin[3], float direction[3]) const {
@@ -167,7 +173,8 @@ void Camera::ray(float x, float y, int width, int height, float origin[3], float
   axes(right, up, back);
   eye(origin);
   const float t = std::tan(fov / 2), aspect = static_cast<float>(width) / static_cast<float>(height);
-  const float u = (2 * x / static_cast<float>(width) - 1) * t * aspect, v = (1 - 2 * y / static_cast<float>(height)) * t;
+  const float u = (2 * x / static_cast<float>(width) - 1) * t * aspect,
+              v = (1 - 2 * y / static_cast<float>(height)) * t;
   float n = 0;
   for (int i = 0; i < 3; ++i) direction[i] = u * right[i] + v * up[i] - back[i], n += direction[i] * direction[i];
   for (int i = 0; i < 3; ++i) direction[i] /= std::sqrt(n);

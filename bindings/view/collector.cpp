@@ -66,7 +66,7 @@ void Collector::collect(World& world, const lua::Look* look, const Toggles& togg
 }
 
 void add_line(std::vector<Line>& lines, const Vec3& a, const Vec3& b, Color color, float width) {
-  Line line;
+  Line line{};
   put(line.a, a), put(line.b, b);
   line.color_a = line.color_b = color;
   line.width = width;
@@ -81,7 +81,8 @@ void add_arrow(std::vector<Line>& lines, const Vec3& from, const Vec3& along, Co
   tangent_frame(n, u, v);
   add_line(lines, from, to, color, width);
   const Real head = Real(0.2) * size;
-  for (const Real side : {Real(-1), Real(1)}) add_line(lines, to, Vec3(to - head * n + Real(0.4) * side * head * u), color, width);
+  for (const Real side : {Real(-1), Real(1)})
+    add_line(lines, to, Vec3(to - head * n + Real(0.4) * side * head * u), color, width);
 }
 
 void add_box(std::vector<Line>& lines, const Aabb& box, Color color) {

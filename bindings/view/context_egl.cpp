@@ -37,21 +37,25 @@ class EglContext final : public Context {
   }
 
   void open(EGLenum platform) {
-    display_ = platform ? find<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT")(platform, EGL_DEFAULT_DISPLAY, nullptr)
+    display_ = platform ? find<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT")(
+                              platform, EGL_DEFAULT_DISPLAY, nullptr)
                         : find<decltype(&eglGetDisplay)>("eglGetDisplay")(EGL_DEFAULT_DISPLAY);
     if (display_ == EGL_NO_DISPLAY) throw GlError("no such display");
-    if (!find<decltype(&eglInitialize)>("eglInitialize")(display_, nullptr, nullptr)) throw GlError("the display does not open");
+    if (!find<decltype(&eglInitialize)>("eglInitialize")(display_, nullptr, nullptr))
+      throw GlError("the display does not open");
     if (!find<decltype(&eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API)) throw GlError("no desktop OpenGL");
   }
 
   void make_context(bool pbuffer) {
-    const EGLint wanted[] = {EGL_SURFACE_TYPE, pbuffer ? EGL_PBUFFER_BIT : 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+    const EGLint wanted[] = {EGL_SURFACE_TYPE, pbuffer ? EGL_PBUFFER_BIT : 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                             EGL_NONE};
     EGLConfig config = nullptr;
     EGLint count = 0;
     if (!find<decltype(&eglChooseConfig)>("eglChooseConfig")(display_, wanted, &config, 1, &count) || count == 0)
       throw GlError("no configuration with desktop OpenGL");
-    const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
-                              EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLint version[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     context_ = find<decltype(&eglCreateContext)>("eglCreateContext")(display_, config, EGL_NO_CONTEXT, version);
     if (context_ == EGL_NO_CONTEXT) throw GlError("no context of OpenGL 3.3 core");
     const EGLint tiny[] = {EGL_WIDTH, 8, EGL_HEIGHT, 8, EGL_NONE};
@@ -68,7 +72,11 @@ class EglContext final : public Context {
 
 }  // namespace
 
-std::unique_ptr<Context> make_egl_surfaceless() { return std::make_unique<EglContext>(EGL_PLATFORM_SURFACELESS_MESA); }
-std::unique_ptr<Context> make_egl_pbuffer() { return std::make_unique<EglContext>(EGLenum(0)); }
+std::unique_ptr<Context> make_egl_surfaceless() {
+  return std::make_unique<EglContext>(EGL_PLATFORM_SURFACELESS_MESA);
+}
+std::unique_ptr<Context> make_egl_pbuffer() {
+  return std::make_unique<EglContext>(EGLenum(0));
+}
 
 }  // namespace feder::view

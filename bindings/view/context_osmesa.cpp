@@ -15,8 +15,15 @@ class OsMesa final : public Context {
     const auto get = mesa.function<decltype(&OSMesaGetProcAddress)>("OSMesaGetProcAddress");
     destroy_ = mesa.function<decltype(&OSMesaDestroyContext)>("OSMesaDestroyContext");
     if (!create || !current || !get || !destroy_) throw GlError("this OSMesa is too old");
-    const int wanted[] = {OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 3,
-                          OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
+    const int wanted[] = {OSMESA_FORMAT,
+                          OSMESA_RGBA,
+                          OSMESA_PROFILE,
+                          OSMESA_CORE_PROFILE,
+                          OSMESA_CONTEXT_MAJOR_VERSION,
+                          3,
+                          OSMESA_CONTEXT_MINOR_VERSION,
+                          3,
+                          0};
     context_ = create(wanted, nullptr);
     if (!context_) throw GlError("no context of OpenGL 3.3 core");
     if (!current(context_, pixels_, GL_UNSIGNED_BYTE, 8, 8)) throw GlError("the context cannot be made current");
@@ -35,6 +42,8 @@ class OsMesa final : public Context {
 
 }  // namespace
 
-std::unique_ptr<Context> make_osmesa() { return std::make_unique<OsMesa>(); }
+std::unique_ptr<Context> make_osmesa() {
+  return std::make_unique<OsMesa>();
+}
 
 }  // namespace feder::view

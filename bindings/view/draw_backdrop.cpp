@@ -9,7 +9,9 @@
 namespace feder::view {
 namespace {
 
-Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
+Vec3 vec(const float v[3]) {
+  return vec3(Real(v[0]), Real(v[1]), Real(v[2]));
+}
 
 void set(const Gl& gl, GLint at, const Vec3& v) {
   gl.Uniform3f(at, static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
@@ -18,8 +20,10 @@ void set(const Gl& gl, GLint at, const Vec3& v) {
 }  // namespace
 
 BackdropLayer::BackdropLayer(const Gl& gl)
-    : gl_(gl), sky_(make_program(gl, "sky", kBackgroundVertex, kBackgroundFragment, false)),
-      ground_(make_program(gl, "ground", kGroundVertex, kGroundFragment, true)), array_(gl) {}
+    : gl_(gl),
+      sky_(make_program(gl, "sky", kBackgroundVertex, kBackgroundFragment, false)),
+      ground_(make_program(gl, "ground", kGroundVertex, kGroundFragment, true)),
+      array_(gl) {}
 
 void BackdropLayer::draw_sky(const Pass& pass) {
   sky_->use();
@@ -37,7 +41,8 @@ void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pas
   const Vec3 target = vec(camera.target);
   float eye[3];
   camera.eye(eye);
-  const auto spacing = static_cast<float>(std::pow(10.0, std::floor(std::log10(0.25 * static_cast<double>(camera.distance)))));
+  const auto spacing =
+      static_cast<float>(std::pow(10.0, std::floor(std::log10(0.25 * static_cast<double>(camera.distance)))));
   for (const Ground& g : f.grounds) {
     const Vec3 n = vec(g.normal);
     const Real height = dot(n, target) - Real(g.distance);

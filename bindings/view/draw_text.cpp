@@ -32,7 +32,9 @@ TextLayer::TextLayer(const Gl& gl)
   gl_.BindTexture(GL_TEXTURE_2D, 0);
 }
 
-TextLayer::~TextLayer() { gl_.DeleteTextures(1, &atlas_); }
+TextLayer::~TextLayer() {
+  gl_.DeleteTextures(1, &atlas_);
+}
 
 void TextLayer::upload(const Frame& f, const Camera& camera, const Target& target, float scale, DrawStats& stats) {
   list_.clear();
@@ -44,7 +46,8 @@ void TextLayer::upload(const Frame& f, const Camera& camera, const Target& targe
     for (const char c : text) {
       const Font::Glyph& g = font().glyph(c);
       list_.push_back({{x + scale * g.left, y + scale * g.top, x + scale * g.right, y + scale * g.bottom},
-                       {g.u0, g.v0, g.u1, g.v1}, label.color});
+                       {g.u0, g.v0, g.u1, g.v1},
+                       label.color});
       x += scale * g.advance;
     }
   }

@@ -22,9 +22,9 @@ class GltfWriter {
  public:
   GltfWriter();
   ~GltfWriter();
-  void add(const Frame& frame, const Objects& objects);     // the next sample, at frame.time
-  std::size_t left_out() const;                             // points
-  void write(const std::filesystem::path& file);            // .gltf (one file, buffers inside) or .glb. SceneError.
+  void add(const Frame& frame, const Objects& objects);  // the next sample, at frame.time
+  std::size_t left_out() const;                          // points
+  void write(const std::filesystem::path& file);         // .gltf (one file, buffers inside) or .glb. SceneError.
 
  private:
   struct Impl;

@@ -29,8 +29,8 @@ struct Track {
   Instance first;
   std::shared_ptr<const Geometry> geometry;
   std::string name;
-  std::size_t start = 0;           // sample it first appears in
-  std::vector<Float3> place;       // one per sample from `start` on; repeated while it is away
+  std::size_t start = 0;      // sample it first appears in
+  std::vector<Float3> place;  // one per sample from `start` on; repeated while it is away
   std::vector<Float4> turn;
   std::vector<std::uint8_t> seen;
 };
@@ -123,11 +123,16 @@ struct GltfWriter::Impl {
   std::map<std::tuple<const Geometry*, float, int>, int> meshes;
 };
 
-GltfWriter::GltfWriter() : impl_(std::make_unique<Impl>()) { impl_->ball = std::make_shared<Geometry>(unit_ball()); }
+GltfWriter::GltfWriter() : impl_(std::make_unique<Impl>()) {
+  impl_->ball = std::make_shared<Geometry>(unit_ball());
+}
 GltfWriter::~GltfWriter() = default;
-std::size_t GltfWriter::left_out() const { return impl_->left_out; }
+std::size_t GltfWriter::left_out() const {
+  return impl_->left_out;
+}
 
-void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<const Geometry>& geometry, std::string name) {
+void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<const Geometry>& geometry,
+                                    std::string name) {
   const TrackKey key{in.object, numbers[in.object]++, geometry.get()};
   auto [found, fresh] = tracks.try_emplace(key);
   Track& t = found->second;
@@ -141,7 +146,8 @@ void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<co
   for (float& x : q) x = n > 0 ? x / n : 0;
   if (!(n > 0)) q[3] = 1;
   // the nearer of the two quaternions of a rotation, so that what is between samples is the short way
-  if (!t.turn.empty() && q[0] * t.turn.back()[0] + q[1] * t.turn.back()[1] + q[2] * t.turn.back()[2] + q[3] * t.turn.back()[3] < 0)
+  if (!t.turn.empty() &&
+      q[0] * t.turn.back()[0] + q[1] * t.turn.back()[1] + q[2] * t.turn.back()[2] + q[3] * t.turn.back()[3] < 0)
     for (float& x : q) x = -x;
   t.turn.push_back(q);
   t.seen.push_back(1);
@@ -161,7 +167,8 @@ void GltfWriter::Impl::add_soft(std::size_t number, bool lines, Color color, std
   if (number >= softs.size()) softs.resize(number + 1);
   Soft& s = softs[number];
   if (s.samples.empty()) {
-    s.lines = lines, s.color = color, s.name = std::move(name), s.indices = std::move(indices), s.start = times.size() - 1;
+    s.lines = lines, s.color = color, s.name = std::move(name), s.indices = std::move(indices),
+    s.start = times.size() - 1;
   } else if (s.samples.back().size() != vertices.size()) {
     vertices = s.samples.back();  // springs broke: topology cannot change within a mesh
   }
@@ -175,7 +182,8 @@ void GltfWriter::Impl::add_points(const Frame& f, const Objects& objects) {
   }
   for (const PointGroup& g : f.point_groups)
     for (std::uint32_t i = g.first; i < g.first + g.count; ++i)
-      add_instance(ball_instance(f.points[i], point_color(g, f.points[i]), g.object.slot), ball, objects.name(g.object) + " point");
+      add_instance(ball_instance(f.points[i], point_color(g, f.points[i]), g.object.slot), ball,
+                   objects.name(g.object) + " point");
 }
 
 void GltfWriter::add(const Frame& f, const Objects& objects) {
@@ -302,7 +310,8 @@ void GltfWriter::Impl::write_soft(const Soft& s) {
   const auto& base = s.samples[0];
   tinygltf::Primitive p;
   p.attributes["POSITION"] = package->vectors(split(base, nullptr, false), TINYGLTF_TARGET_ARRAY_BUFFER, true);
-  if (!s.lines) p.attributes["NORMAL"] = package->vectors(split(base, nullptr, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
+  if (!s.lines)
+    p.attributes["NORMAL"] = package->vectors(split(base, nullptr, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
   p.indices = package->add(s.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                            TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false);
   p.material = material(s.color), p.mode = s.lines ? TINYGLTF_MODE_LINE : TINYGLTF_MODE_TRIANGLES;
@@ -312,7 +321,8 @@ void GltfWriter::Impl::write_soft(const Soft& s) {
   for (std::size_t k = 1; k <= targets; ++k) {
     std::map<std::string, int> target;
     target["POSITION"] = package->vectors(split(s.samples[k], &base, false), TINYGLTF_TARGET_ARRAY_BUFFER, true);
-    if (!s.lines) target["NORMAL"] = package->vectors(split(s.samples[k], &base, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
+    if (!s.lines)
+      target["NORMAL"] = package->vectors(split(s.samples[k], &base, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
     p.targets.push_back(std::move(target));
   }
   m.weights.assign(targets, 0.0);
@@ -327,7 +337,8 @@ void GltfWriter::Impl::write_soft(const Soft& s) {
   // before its first sample it is there as it begins; sample k is target k alone
   std::vector<float> weights;
   for (std::size_t i = 0; i < times.size(); ++i)
-    for (std::size_t k = 1; k <= targets; ++k) weights.push_back(std::min(i < s.start ? 0 : i - s.start, targets) == k ? 1.0f : 0.0f);
+    for (std::size_t k = 1; k <= targets; ++k)
+      weights.push_back(std::min(i < s.start ? 0 : i - s.start, targets) == k ? 1.0f : 0.0f);
   sampler(id, "weights", time_input, package->floats(weights, false), "LINEAR");
 }
 

@@ -30,7 +30,9 @@ std::string obj_name(const Objects& objects, std::uint32_t slot, std::size_t num
   return name.empty() ? fmt::format("object{}", number) : name;
 }
 
-std::string material_name(Color c) { return fmt::format("color_{:02x}{:02x}{:02x}", c.r, c.g, c.b); }
+std::string material_name(Color c) {
+  return fmt::format("color_{:02x}{:02x}{:02x}", c.r, c.g, c.b);
+}
 
 template <class T>
 void put(std::string& out, T value) {
@@ -56,7 +58,8 @@ void write_obj(const Frame& frame, const Objects& objects, const std::filesystem
     const std::string material = material_name(s.color);
     materials.emplace(material, s.color);
     out << "o " << obj_name(objects, s.object, ++number) << "\nusemtl " << material << "\n";
-    for (const MeshVertex& v : s.vertices) out << fmt::format("v {} {} {}\n", v.position[0], v.position[1], v.position[2]);
+    for (const MeshVertex& v : s.vertices)
+      out << fmt::format("v {} {} {}\n", v.position[0], v.position[1], v.position[2]);
     for (const MeshVertex& v : s.vertices) out << fmt::format("vn {} {} {}\n", v.normal[0], v.normal[1], v.normal[2]);
     for (std::size_t t = 0; t + 2 < s.indices.size(); t += 3) {
       const std::size_t a = first + s.indices[t], b = first + s.indices[t + 1], c = first + s.indices[t + 2];
@@ -67,7 +70,8 @@ void write_obj(const Frame& frame, const Objects& objects, const std::filesystem
   close(out, file);
   std::ofstream colors = open(library);
   for (const auto& [name, c] : materials)
-    colors << fmt::format("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\nd {:.3f}\n", name, c.r / 255.0, c.g / 255.0, c.b / 255.0, c.a / 255.0);
+    colors << fmt::format("newmtl {}\nKd {:.4f} {:.4f} {:.4f}\nd {:.3f}\n", name, c.r / 255.0, c.g / 255.0, c.b / 255.0,
+                          c.a / 255.0);
   close(colors, library);
 }
 
@@ -91,7 +95,8 @@ void write_ply(const Frame& frame, const std::filesystem::path& file) {
   out << fmt::format("element vertex {}\n", count);
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) out << "property float " << name << "\n";
   for (const char* name : {"red", "green", "blue", "alpha"}) out << "property uchar " << name << "\n";
-  out << fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles) << vertices << faces;
+  out << fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles) << vertices
+      << faces;
   close(out, file);
 }
 

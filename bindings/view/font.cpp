@@ -8,7 +8,8 @@
 namespace feder::view {
 namespace {
 
-constexpr const char* kFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
+constexpr const char* kFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                  "/usr/share/fonts/TTF/DejaVuSans.ttf",
                                   "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"};
 
 }  // namespace
@@ -56,7 +57,8 @@ void Font::draw(Image& image, float x, float y, std::string_view text, std::uint
       for (int i = 0; i < w; ++i) {
         const int px = left + i, py = top + j;
         if (px < 0 || py < 0 || px >= image.width || py >= image.height) continue;
-        const int a = atlas_[static_cast<std::size_t>(v + j) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u + i)];
+        const int a = atlas_[static_cast<std::size_t>(v + j) * static_cast<std::size_t>(width_) +
+                             static_cast<std::size_t>(u + i)];
         std::uint8_t* p = image.pixel(px, py);
         for (int k = 0; k < 3; ++k)
           p[k] = static_cast<std::uint8_t>((p[k] * (255 - a) + static_cast<int>(rgb >> (16 - 8 * k) & 255) * a) / 255);

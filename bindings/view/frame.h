@@ -23,16 +23,16 @@ struct Instance {
   float position[3] = {0, 0, 0};     // m
   float rotation[4] = {0, 0, 0, 1};  // x y z w
   float scale[3] = {1, 1, 1};
-  float stretch = 0;                 // m; capsules: half the length of the straight part
+  float stretch = 0;  // m; capsules: half the length of the straight part
   Color color;
-  std::uint32_t object = kNone;      // slot of the object
-  std::uint32_t flags = 0;           // InstanceFlags
+  std::uint32_t object = kNone;  // slot of the object
+  std::uint32_t flags = 0;       // InstanceFlags
 };
 enum InstanceFlags : std::uint32_t { kAsleep = 1, kSensor = 2, kFixed = 4 };
 
 // A run of Frame::instances with one geometry.
 struct Batch {
-  std::uint32_t geometry = 0;        // in Frame::geometries
+  std::uint32_t geometry = 0;  // in Frame::geometries
   std::uint32_t first = 0, count = 0;
   bool translucent = false;
 };
@@ -40,7 +40,7 @@ struct Batch {
 // A half-space: n.x <= distance is solid. Renderers draw a large patch of it with a fading grid.
 struct Ground {
   float normal[3] = {0, 1, 0};
-  float distance = 0;                // m
+  float distance = 0;  // m
   Color color;
   ObjectId object;
 };

@@ -33,7 +33,8 @@ class ContactSource final : public FrameSource {
         add_line(c.frame.overlay_lines, at, Vec3(at + Real(0.15) * contact.normal), rgb(0xd83a8c), 2);
         add_cross(c.frame.overlay_lines, at, contact.normal);
       }
-      // the arrow of a resting weight of 1 kg is as long as that of 10 N: 0.1 m; square root, so that stacks stay readable
+      // the arrow of a resting weight of 1 kg is as long as that of 10 N: 0.1 m; square root, so that stacks stay
+      // readable
       const Real force = p.total_impulse / dt;
       if (c.toggles.impulses && force > 0)
         add_arrow(c.frame.overlay_lines, at, Vec3(Real(0.0316) * std::sqrt(force) * contact.normal), rgb(0xe8792c), 2);
@@ -80,8 +81,8 @@ class ContactSource final : public FrameSource {
     for (const auto& [a, b] : links_) {
       const std::uint32_t island = root(a);
       const Color color = group_color("island", 0x9e3779b9u * (island + 1));
-      add_line(c.frame.overlay_lines, bodies.position[a], bodies.position[b],
-               bodies.awake[a] ? color : asleep(color), 2.5f);
+      add_line(c.frame.overlay_lines, bodies.position[a], bodies.position[b], bodies.awake[a] ? color : asleep(color),
+               2.5f);
     }
   }
 

@@ -1,12 +1,11 @@
 // Rigid bodies as instances, grouped by geometry in two passes (count, place); planes as grounds. What a collider
 // looks like is worked out when it is first seen and kept by collider index.
-#include "rigid/rigid.h"
-
 #include <algorithm>
 #include <bit>
 
 #include "collide/collide.h"
 #include "geom/plane.h"
+#include "rigid/rigid.h"
 #include "view/collector.h"
 
 namespace feder::view {
@@ -157,14 +156,18 @@ class RigidSource final : public FrameSource {
         for (int axis = 0; axis < 3; ++axis) {
           const Vec3 e = vec3(axis == 0, axis == 1, axis == 2);
           add_line(c.frame.overlay_lines, x, Vec3(x + size * rotate(bodies.rotation[i], e)),
-                   rgb(axis == 0 ? 0xd03a2f : axis == 1 ? 0x3a9d3a : 0x2f62d0), 2);
+                   rgb(axis == 0   ? 0xd03a2f
+                       : axis == 1 ? 0x3a9d3a
+                                   : 0x2f62d0),
+                   2);
         }
       const std::string& name = c.world.objects().name(bodies.object[i]);
-      if (c.toggles.labels && !name.empty() && std::isfinite(bodies.extent[i])) add_label(c.frame, x, name, rgb(0x1d2126));
+      if (c.toggles.labels && !name.empty() && std::isfinite(bodies.extent[i]))
+        add_label(c.frame, x, name, rgb(0x1d2126));
     }
   }
 
-  std::vector<Seen> seen_;                  // by collider
+  std::vector<Seen> seen_;                    // by collider
   std::vector<std::uint32_t> count_, place_;  // by 2 * geometry + translucent
   std::uint64_t look_version_ = 0;
 };

@@ -1,10 +1,9 @@
 // Mass-spring nets: springs as lines coloured by strain, faces as meshes with smooth normals, points as small balls
 // (those that collide with their radius, pinned ones with a mark).
-#include "springs/springs.h"
-
 #include <algorithm>
 #include <cmath>
 
+#include "springs/springs.h"
 #include "view/collector.h"
 
 namespace feder::view {
@@ -27,7 +26,8 @@ class SpringsSource final : public FrameSource {
       if (c.toggles.springs) add_springs(c, *springs, *particles, net, has_faces ? 1.0f : 2.5f);
       if (c.toggles.points) add_points(c, *springs, *particles, net, has_faces);
       const std::string& name = c.world.objects().name(net.object);
-      if (c.toggles.labels && !name.empty() && net.count > 0) add_label(c.frame, particles->position[net.first], name, rgb(0x1d2126));
+      if (c.toggles.labels && !name.empty() && net.count > 0)
+        add_label(c.frame, particles->position[net.first], name, rgb(0x1d2126));
     }
   }
 
@@ -122,8 +122,10 @@ void smooth_normals(Frame& f, const DynamicMesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.vertex_count; ++i) {
     float* n = v[i].normal;
     const float size = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (size > 0) n[0] /= size, n[1] /= size, n[2] /= size;
-    else n[1] = 1;
+    if (size > 0)
+      n[0] /= size, n[1] /= size, n[2] /= size;
+    else
+      n[1] = 1;
   }
 }
 

@@ -21,8 +21,8 @@ struct Vertex {
 struct Geometry {
   const char* kind = "";  // of the shape
   std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> indices;  // counter-clockwise seen from outside
-  bool two_sided = false;              // open surfaces
+  std::vector<std::uint32_t> indices;             // counter-clockwise seen from outside
+  bool two_sided = false;                         // open surfaces
   float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  // box of the vertices, unscaled, m
 };
 

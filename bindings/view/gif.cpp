@@ -57,11 +57,13 @@ GifWriter::~GifWriter() {
 
 void GifWriter::add(const Image& image) {
   Impl& g = *impl_;
-  if (image.width != g.width || image.height != g.height) throw SceneError(g.file.string() + ": frames of different sizes");
+  if (image.width != g.width || image.height != g.height)
+    throw SceneError(g.file.string() + ": frames of different sizes");
   for (int y = 0; y < g.height; ++y)
     for (int x = 0; x < g.width; ++x) {
       const std::uint8_t* p = image.pixel(x, y);
-      const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(g.width) + static_cast<std::size_t>(x);
+      const std::size_t at =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(g.width) + static_cast<std::size_t>(x);
       const int push = (2 * kBayer[y % 4][x % 4] - 15) / 4;
       const auto pushed = [push](int c) { return static_cast<GifByteType>(std::clamp(c + push, 0, 255)); };
       g.red[at] = pushed(p[0]), g.green[at] = pushed(p[1]), g.blue[at] = pushed(p[2]);
@@ -84,7 +86,8 @@ void GifWriter::add(const Image& image) {
   GifFreeMapObject(map);
   g.require(result);
   for (int y = 0; y < g.height; ++y)
-    g.require(EGifPutLine(g.gif, g.index.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(g.width), g.width));
+    g.require(
+        EGifPutLine(g.gif, g.index.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(g.width), g.width));
 }
 
 void GifWriter::close() {

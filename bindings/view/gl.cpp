@@ -18,14 +18,16 @@ GLuint compile(const Gl& gl, const char* name, GLenum kind, std::string_view tex
   throw GlError(std::string("shader '") + name + "' does not compile: " + log);
 }
 
-const void* place(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
+const void* place(std::size_t offset) {
+  return reinterpret_cast<const void*>(offset);
+}
 
 }  // namespace
 
 Gl::Gl(const GlLoader& load) {
   std::string missing;
-#define FEDER_GL_LOAD(type, name)                                    \
-  name = reinterpret_cast<PFNGL##type##PROC>(load("gl" #name));      \
+#define FEDER_GL_LOAD(type, name)                               \
+  name = reinterpret_cast<PFNGL##type##PROC>(load("gl" #name)); \
   if (!name) missing += missing.empty() ? "gl" #name : ", gl" #name;
   FEDER_GL_FUNCTIONS(FEDER_GL_LOAD)
 #undef FEDER_GL_LOAD
@@ -69,7 +71,9 @@ Program::Program(const Gl& gl, const char* name, std::string_view vertex, std::s
   throw GlError(std::string("shader '") + name + "' does not link: " + log);
 }
 
-Program::~Program() { gl_.DeleteProgram(id_); }
+Program::~Program() {
+  gl_.DeleteProgram(id_);
+}
 
 void VertexArray::floats(GLuint at, int count, std::size_t stride, std::size_t offset, GLuint divisor) const {
   gl_.EnableVertexAttribArray(at);

@@ -42,8 +42,8 @@ struct Headless::Impl {
     GLint largest = 0;
     gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     if (w < 1 || h < 1 || w > largest || h > largest)
-      throw GlError("expected a picture of 1 to " + std::to_string(largest) + " pixels each way, got " + std::to_string(w) +
-                    " x " + std::to_string(h));
+      throw GlError("expected a picture of 1 to " + std::to_string(largest) + " pixels each way, got " +
+                    std::to_string(w) + " x " + std::to_string(h));
     gl.GenFramebuffers(1, &frame);
     gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
     gl.GenRenderbuffers(1, &color);
@@ -64,9 +64,15 @@ struct Headless::Impl {
 
 Headless::Headless(int width, int height) : impl_(std::make_unique<Impl>(width, height)) {}
 Headless::~Headless() = default;
-const GlLoader& Headless::loader() const { return impl_->context->load; }
-const std::string& Headless::how() const { return impl_->how; }
-Target Headless::target() const { return {impl_->frame, impl_->width, impl_->height}; }
+const GlLoader& Headless::loader() const {
+  return impl_->context->load;
+}
+const std::string& Headless::how() const {
+  return impl_->how;
+}
+Target Headless::target() const {
+  return {impl_->frame, impl_->width, impl_->height};
+}
 
 Image Headless::read() const {
   const Gl& gl = impl_->gl;

@@ -20,7 +20,7 @@ class Headless {
   const GlLoader& loader() const;
   const std::string& how() const;  // "EGL surfaceless, llvmpipe (LLVM 15.0.6, 256 bits)"
   Target target() const;
-  Image read() const;              // what was drawn, top row first
+  Image read() const;  // what was drawn, top row first
 
  private:
   struct Impl;

@@ -1,5 +1,5 @@
-// The layers of a picture, one file each (draw_shapes.cpp ...): what they keep in the driver, how they upload their part
-// of a frame, and how they draw it. The renderer sets the passes up and calls them in order.
+// The layers of a picture, one file each (draw_shapes.cpp ...): what they keep in the driver, how they upload their
+// part of a frame, and how they draw it. The renderer sets the passes up and calls them in order.
 #pragma once
 #include <memory>
 #include <vector>
@@ -17,8 +17,8 @@ struct Pass {
 };
 
 // A program whose uniform block `Shared` is at binding 0 and whose shadow map, if it has one, is texture unit 0.
-std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::string_view vertex, std::string_view fragment,
-                                      bool lit);
+std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::string_view vertex,
+                                      std::string_view fragment, bool lit);
 
 // Instances and dynamic meshes.
 class ShapeLayer {

@@ -13,9 +13,15 @@ struct Lab {
   float l, a, b;
 };
 
-float to_linear(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f); }
-float to_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f; }
-std::uint8_t byte(float x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255)); }
+float to_linear(float s) {
+  return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+}
+float to_srgb(float x) {
+  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+}
+std::uint8_t byte(float x) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255));
+}
 
 Color from_lab(const Lab& c, std::uint8_t alpha = 255) {
   const float l = c.l + 0.3963377774f * c.a + 0.2158037573f * c.b;
@@ -46,7 +52,9 @@ std::uint32_t mixed_bits(std::uint32_t x) {  // finaliser of MurmurHash3
   x ^= x >> 16, x *= 0x85ebca6bu, x ^= x >> 13, x *= 0xc2b2ae35u;
   return x ^ x >> 16;
 }
-float unit(std::uint32_t bits) { return static_cast<float>(bits & 0xffff) / 65535.0f; }
+float unit(std::uint32_t bits) {
+  return static_cast<float>(bits & 0xffff) / 65535.0f;
+}
 
 // Hues that stay apart beside each other: amber, teal, coral, blue, green, violet, ochre, cyan, rose, indigo.
 constexpr float kHues[] = {72, 195, 32, 252, 145, 305, 95, 225, 5, 275};
@@ -93,7 +101,8 @@ Color strain_color(float strain) {
     std::array<Color, 65> t;
     for (int i = 0; i < 65; ++i) {
       const float s = static_cast<float>(i - 32) / 32;
-      t[static_cast<std::size_t>(i)] = s < 0 ? mixed(rgb(0x7d8188), rgb(0x2f6fd0), -s) : mixed(rgb(0x7d8188), rgb(0xd8402c), s);
+      t[static_cast<std::size_t>(i)] =
+          s < 0 ? mixed(rgb(0x7d8188), rgb(0x2f6fd0), -s) : mixed(rgb(0x7d8188), rgb(0xd8402c), s);
     }
     return t;
   }();

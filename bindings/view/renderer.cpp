@@ -42,7 +42,8 @@ Matrix4 sun_matrix(const Frame& f, const Camera& camera) {
   for (int i = 0; i < 3; ++i) from[i] = center[i] + 4 * radius * towards[i];
   sun.look(from, center);
   const float n = 0, far = 8 * radius;
-  const Matrix4 orthographic = {{1 / radius, 0, 0, 0, 0, 1 / radius, 0, 0, 0, 0, -2 / (far - n), 0, 0, 0, -(far + n) / (far - n), 1}};
+  const Matrix4 orthographic = {
+      {1 / radius, 0, 0, 0, 0, 1 / radius, 0, 0, 0, 0, -2 / (far - n), 0, 0, 0, -(far + n) / (far - n), 1}};
   return orthographic * sun.view();
 }
 
@@ -50,8 +51,8 @@ const Matrix4 kHalf = {{0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f,
 
 }  // namespace
 
-std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::string_view vertex, std::string_view fragment,
-                                      bool lit) {
+std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::string_view vertex,
+                                      std::string_view fragment, bool lit) {
   const std::string shared(kSharedSource);
   auto program = std::make_unique<Program>(gl, name, shared + std::string(vertex),
                                            shared + std::string(lit ? kLightSource : "") + std::string(fragment));
@@ -147,7 +148,8 @@ void Renderer::Impl::make_shadow(int size) {
   shadow_size = size;
 }
 
-void Renderer::Impl::fill_shared(const Frame& f, const Camera& camera, const DrawOptions& options, const Target& target) {
+void Renderer::Impl::fill_shared(const Frame& f, const Camera& camera, const DrawOptions& options,
+                                 const Target& target) {
   const float aspect = static_cast<float>(target.width) / static_cast<float>(target.height);
   const Matrix4 sun = sun_matrix(f, camera);
   block.view_projection = camera.projection(aspect) * camera.view();
@@ -178,7 +180,8 @@ void Renderer::Impl::draw_shadow(const Frame& f) {
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
-void Renderer::Impl::draw_color(const Frame& f, const Camera& camera, const DrawOptions& options, const Target& target) {
+void Renderer::Impl::draw_color(const Frame& f, const Camera& camera, const DrawOptions& options,
+                                const Target& target) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, color_frame);
   gl.Viewport(0, 0, target.width, target.height);
   shared.fill(&block, sizeof block, GL_STREAM_DRAW, GL_UNIFORM_BUFFER);
@@ -201,7 +204,9 @@ void Renderer::Impl::draw_color(const Frame& f, const Camera& camera, const Draw
   gl.Disable(GL_BLEND), gl.DepthMask(GL_TRUE);
 }
 
-Renderer::Renderer(const GlLoader& load) : impl_(std::make_unique<Impl>(load)) { impl_->gl.check("nothing yet"); }
+Renderer::Renderer(const GlLoader& load) : impl_(std::make_unique<Impl>(load)) {
+  impl_->gl.check("nothing yet");
+}
 Renderer::~Renderer() = default;
 
 void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions& options, const Target& target) {
@@ -219,7 +224,8 @@ void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions&
 
   r.gl.BindFramebuffer(GL_READ_FRAMEBUFFER, r.color_frame);
   r.gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
-  r.gl.BlitFramebuffer(0, 0, target.width, target.height, 0, 0, target.width, target.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  r.gl.BlitFramebuffer(0, 0, target.width, target.height, 0, 0, target.width, target.height, GL_COLOR_BUFFER_BIT,
+                       GL_NEAREST);
   r.gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   r.gl.UseProgram(0), r.gl.BindVertexArray(0), r.gl.BindTexture(GL_TEXTURE_2D, 0);
   r.gl.BindBuffer(GL_ARRAY_BUFFER, 0), r.gl.BindBuffer(GL_UNIFORM_BUFFER, 0);
@@ -227,6 +233,8 @@ void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions&
   r.gl.check("a frame");
 }
 
-const DrawStats& Renderer::stats() const { return impl_->stats; }
+const DrawStats& Renderer::stats() const {
+  return impl_->stats;
+}
 
 }  // namespace feder::view

@@ -20,14 +20,14 @@ class GlError : public std::runtime_error {
 using GlLoader = std::function<void*(const char* name)>;
 
 struct Target {
-  unsigned framebuffer = 0;  // 0: the window
-  int width = 0, height = 0; // pixels
+  unsigned framebuffer = 0;   // 0: the window
+  int width = 0, height = 0;  // pixels
 };
 
 struct DrawOptions {
-  int samples = 4;           // per pixel; 0 or 1: none. Lowered to what the driver has.
-  int shadow_size = 2048;    // texels; 0: no shadows
-  float line_scale = 1;      // for screens with small pixels
+  int samples = 4;         // per pixel; 0 or 1: none. Lowered to what the driver has.
+  int shadow_size = 2048;  // texels; 0: no shadows
+  float line_scale = 1;    // for screens with small pixels
   bool labels = true;
 };
 

@@ -8,7 +8,9 @@
 namespace feder::view {
 namespace {
 
-Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
+Vec3 vec(const float v[3]) {
+  return vec3(Real(v[0]), Real(v[1]), Real(v[2]));
+}
 void put(float out[3], const Vec3& v) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
 }
@@ -70,7 +72,8 @@ std::vector<Solid> solids(const Frame& f) {
   std::vector<Solid> all;
   for (const Ground& g : f.grounds) all.push_back(solid(g, f));
   for (const Batch& b : f.batches)
-    for (std::uint32_t i = b.first; i < b.first + b.count; ++i) all.push_back(solid(f.instances[i], *f.geometries[b.geometry]));
+    for (std::uint32_t i = b.first; i < b.first + b.count; ++i)
+      all.push_back(solid(f.instances[i], *f.geometries[b.geometry]));
   for (const DynamicMesh& m : f.meshes) {
     Solid s;
     s.object = m.object.slot, s.color = m.color;

@@ -8,7 +8,7 @@
 namespace feder::view {
 
 struct Solid {
-  std::uint32_t object = kNone;   // slot
+  std::uint32_t object = kNone;  // slot
   Color color;
   std::vector<MeshVertex> vertices;
   std::vector<std::uint32_t> indices;

@@ -38,8 +38,10 @@ CameraWish read_camera(const std::string& text) {
     wish.has_places = true;
     for (std::size_t i = 0; i < 3; ++i) wish.eye[i] = n[i], wish.target[i] = n[i + 3];
   } else {
-    throw SceneError("expected yaw,pitch[,distance] in degrees and metres (30,20,12; pitch below 90) or the places of eye and "
-                     "target (x,y,z,tx,ty,tz), got '" + text + "'");
+    throw SceneError(
+        "expected yaw,pitch[,distance] in degrees and metres (30,20,12; pitch below 90) or the places of eye and "
+        "target (x,y,z,tx,ty,tz), got '" +
+        text + "'");
   }
   return wish;
 }

@@ -11,10 +11,10 @@ namespace feder::view {
 
 // Where to look from. What is not given is what the scene says, and else fitted to what is seen.
 struct CameraWish {
-  bool has_angles = false;        // yaw and pitch, rad
+  bool has_angles = false;  // yaw and pitch, rad
   float yaw = 0, pitch = 0;
-  float distance = 0;             // m; 0: fitted
-  bool has_places = false;        // eye and target instead
+  float distance = 0;       // m; 0: fitted
+  bool has_places = false;  // eye and target instead
   float eye[3] = {0, 0, 0}, target[3] = {0, 0, 0};
 };
 // "yaw,pitch" or "yaw,pitch,distance" (degrees, m) or "x,y,z,tx,ty,tz" (m). SceneError.

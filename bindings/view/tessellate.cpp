@@ -17,15 +17,25 @@ constexpr float kTurn = 6.28318530718f;
 struct P {
   float x, y, z;
 };
-P operator-(P a, P b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-P operator+(P a, P b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-P operator*(float s, P a) { return {s * a.x, s * a.y, s * a.z}; }
-P cross(P a, P b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+P operator-(P a, P b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+P operator+(P a, P b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+P operator*(float s, P a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+P cross(P a, P b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 P unit(P a) {
   const float n = std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
   return n > 0 ? (1 / n) * a : P{0, 1, 0};
 }
-P point(const Vec3& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
+P point(const Vec3& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
 
 std::uint32_t add(Geometry& g, P p, P n, float edge = 0, float side = 0) {
   g.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, side, edge});
@@ -59,7 +69,8 @@ void prism(Geometry& g, const std::vector<Outline>& outline, float depth) {
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Outline &a = outline[i], &b = outline[(i + 1) % outline.size()];
     const std::uint32_t v = add(g, {a.at.x, a.at.y, -h}, a.normal);
-    add(g, {b.at.x, b.at.y, -h}, b.normal), add(g, {b.at.x, b.at.y, h}, b.normal), add(g, {a.at.x, a.at.y, h}, a.normal);
+    add(g, {b.at.x, b.at.y, -h}, b.normal), add(g, {b.at.x, b.at.y, h}, b.normal),
+        add(g, {a.at.x, a.at.y, h}, a.normal);
     triangle(g, v, v + 1, v + 2), triangle(g, v, v + 2, v + 3);
   }
 }

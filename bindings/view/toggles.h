@@ -7,21 +7,21 @@
 namespace feder::view {
 
 struct Toggles {
-  bool shapes = true;      // rigid bodies
-  bool meshes = true;      // faces of nets, cloth, fluid surfaces
-  bool points = true;      // net points with a radius, fluid particles
-  bool springs = true;     // coloured by strain
-  bool sensors = true;     // translucent
+  bool shapes = true;   // rigid bodies
+  bool meshes = true;   // faces of nets, cloth, fluid surfaces
+  bool points = true;   // net points with a radius, fluid particles
+  bool springs = true;  // coloured by strain
+  bool sensors = true;  // translucent
   bool joints = false;
-  bool contacts = false;   // points and normals
-  bool impulses = false;   // length by normal impulse
+  bool contacts = false;  // points and normals
+  bool impulses = false;  // length by normal impulse
   bool velocities = false;
-  bool axes = false;       // centre of mass and body axes
-  bool islands = false;    // bodies of a sleeping island are joined by lines
-  bool bounds = false;     // boxes of the broad phase
-  bool labels = false;     // names
-  bool marks = false;      // this step's events
-  bool plots = false;      // energy, penetration
+  bool axes = false;                   // centre of mass and body axes
+  bool islands = false;                // bodies of a sleeping island are joined by lines
+  bool bounds = false;                 // boxes of the broad phase
+  bool labels = false;                 // names
+  bool marks = false;                  // this step's events
+  bool plots = false;                  // energy, penetration
   const char* point_scalar = "speed";  // what colours points: "speed", "density", "pressure", "none"
 };
 

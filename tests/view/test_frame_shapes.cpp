@@ -23,10 +23,18 @@ Instance placed(const Fitted& f, const Pose& pose) {
 struct D3 {
   double x, y, z;
 };
-D3 d3(const float p[3]) { return {p[0], p[1], p[2]}; }
-D3 minus(D3 a, D3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-D3 crossed(D3 a, D3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-double dotted(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+D3 d3(const float p[3]) {
+  return {p[0], p[1], p[2]};
+}
+D3 minus(D3 a, D3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+D3 crossed(D3 a, D3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+double dotted(D3 a, D3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 // Calls f(a, b, c, vertex of a) for each triangle.
 template <class F>
@@ -61,7 +69,8 @@ TEST_CASE("triangles fill the bounds of their shape", "[view][contract]") {
   for (const MeshVertex& v : s.vertices) drawn.include(v.position);
   const Aabb box = shape->bounds(pose);
   for (int k = 0; k < (shape->planar() ? 2 : 3); ++k) {
-    const float size = static_cast<float>(box.hi[k] - box.lo[k]), lo = static_cast<float>(box.lo[k]), hi = static_cast<float>(box.hi[k]);
+    const float size = static_cast<float>(box.hi[k] - box.lo[k]), lo = static_cast<float>(box.lo[k]),
+                hi = static_cast<float>(box.hi[k]);
     CAPTURE(k, lo, drawn.low[k], hi, drawn.high[k]);
     // circles of 32 segments reach at least cos(pi / 32) = 0.995 of the radius
     CHECK(drawn.low[k] >= lo - 1e-4f * size - 1e-5f);

@@ -10,7 +10,6 @@ using feder::test::collected;
 
 namespace {
 
-
 ObjectId add_chain(World& world, int count) {
   NetDesc d;
   for (int i = 0; i < count; ++i) {
@@ -98,7 +97,8 @@ TEST_CASE("collecting changes nothing: the hash of a run is the same with and wi
   const auto run = [](bool drawn) {
     World world({}, lua::catalog());
     add_ground(world);
-    for (int i = 0; i < 8; ++i) add_box(world, vec3(1, 1, 1), vec3(Real(0.1) * Real(i % 3), Real(0.6) + Real(1.1) * Real(i), 0));
+    for (int i = 0; i < 8; ++i)
+      add_box(world, vec3(1, 1, 1), vec3(Real(0.1) * Real(i % 3), Real(0.6) + Real(1.1) * Real(i), 0));
     add_chain(world, 6);
     Toggles all;
     for (const ToggleInfo& t : toggle_list()) all.*t.field = true;
@@ -152,7 +152,8 @@ TEST_CASE("a script's colours and faces reach the frame", "[view]") {
       world:body { shape = feder.box(1, 1, 1), position = { 3, 0, 0 }, color = "#00ff80" }
       world:net { points = { { 0, 5, 0 }, { 1, 5, 0 }, { 1, 6, 0 }, { 0, 6, 0 } }, masses = 1,
         springs = { { 1, 2 } }, faces = { { 1, 2, 3, 4 } } }
-    end })", "scene.lua");
+    end })",
+                     "scene.lua");
   script.build();
   Collector collector;
   Frame f;
@@ -170,7 +171,9 @@ TEST_CASE("mistakes in colours name the choices", "[view]") {
     lua::Script script({});
     std::string what;
     try {
-      script.load_string("local feder = require 'feder'; feder.world{}:body{ shape = feder.sphere(1), color = " + color + " }", "c.lua");
+      script.load_string(
+          "local feder = require 'feder'; feder.world{}:body{ shape = feder.sphere(1), color = " + color + " }",
+          "c.lua");
     } catch (const lua::ScriptError& e) {
       what = e.what();
     }

@@ -22,10 +22,18 @@ struct Shot {
   }
 };
 
-int red(const Image& i, int x, int y) { return i.pixel(x, y)[0]; }
-int green(const Image& i, int x, int y) { return i.pixel(x, y)[1]; }
-int blue(const Image& i, int x, int y) { return i.pixel(x, y)[2]; }
-int brightness(const Image& i, int x, int y) { return red(i, x, y) + green(i, x, y) + blue(i, x, y); }
+int red(const Image& i, int x, int y) {
+  return i.pixel(x, y)[0];
+}
+int green(const Image& i, int x, int y) {
+  return i.pixel(x, y)[1];
+}
+int blue(const Image& i, int x, int y) {
+  return i.pixel(x, y)[2];
+}
+int brightness(const Image& i, int x, int y) {
+  return red(i, x, y) + green(i, x, y) + blue(i, x, y);
+}
 
 // A frame with one instance of the unit box.
 Frame one_box(Color color) {
@@ -65,7 +73,8 @@ GlLoader without_drawing(const GlLoader& real) {
     if (n == "glDrawArraysInstanced") return reinterpret_cast<void*>(+[](GLenum, GLint, GLsizei, GLsizei) {});
     if (n == "glClear") return reinterpret_cast<void*>(+[](GLbitfield) {});
     if (n == "glBlitFramebuffer")
-      return reinterpret_cast<void*>(+[](GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLbitfield, GLenum) {});
+      return reinterpret_cast<void*>(
+          +[](GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLbitfield, GLenum) {});
     return real(name);
   };
 }
@@ -132,7 +141,7 @@ TEST_CASE("points are balls that hide each other, lines have a width", "[view][g
   // the near one is the low, blue end of the ramp
   CHECK(blue(image, 80, 60) > red(image, 80, 60) + 20);
   f.points.clear(), f.point_groups.clear();
-  Line line;
+  Line line{};
   line.a[0] = -2, line.b[0] = 2, line.a[1] = line.b[1] = 1;
   line.color_a = line.color_b = {255, 0, 0, 255}, line.width = 6;
   f.lines.push_back(line);
@@ -254,7 +263,10 @@ TEST_CASE("10,000 boxes or 100,000 points: few calls, under 4 ms of the calling 
   const double point_ms = best_of([&] {
     cloud.clear();
     for (int i = 0; i < 100000; ++i)
-      cloud.points.push_back({{0.1f * static_cast<float>(i % 100), 0.1f * static_cast<float>(i / 100 % 100), 0.1f * static_cast<float>(i / 10000)}, 0.05f, 1});
+      cloud.points.push_back({{0.1f * static_cast<float>(i % 100), 0.1f * static_cast<float>(i / 100 % 100),
+                               0.1f * static_cast<float>(i / 10000)},
+                              0.05f,
+                              1});
     cloud.point_groups.push_back({0, 100000, {}, "speed", 0, 2, {}});
     renderer.draw(cloud, front(), {}, gl.target());
   });
