@@ -20,6 +20,10 @@ using Vec2 = Eigen::Matrix<Real, 2, 1, Eigen::DontAlign>;
 using Vec3 = Eigen::Matrix<Real, 3, 1, Eigen::DontAlign>;
 using Mat3 = Eigen::Matrix<Real, 3, 3, Eigen::DontAlign>;
 
+// Where float would drown small numbers beside large ones: matrices of stiff systems.
+using Vec3d = Eigen::Matrix<double, 3, 1, Eigen::DontAlign>;
+using Mat3d = Eigen::Matrix<double, 3, 3, Eigen::DontAlign>;
+
 inline constexpr Real kPi = Real(3.14159265358979323846);
 inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();

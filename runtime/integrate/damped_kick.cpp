@@ -2,7 +2,7 @@
 
 namespace feder {
 namespace {
-// M - h D is close to diagonal unless the dashpots are very strong, so a few iterations reach this.
+// M - share h D is close to diagonal unless the dashpots are very strong, so a few iterations reach this.
 constexpr CgOptions kDampingSolve = {sizeof(Real) == 4 ? 1e-6 : 1e-12, 200};
 }  // namespace
 
@@ -15,38 +15,34 @@ void DampedKick::apply(ForceField& field, double t, Real h, std::span<const Vec3
   for (std::size_t i = 0; i < x.size(); ++i) v[i] += (h * inv_mass[i]) * force_[i];
 }
 
-void DampedKick::apply_corrected(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
-                                 IntegratorStats& stats) {
+void DampedKick::apply_corrected(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x,
+                                 std::span<Vec3> v, IntegratorStats& stats) {
   start_.assign(v.begin(), v.end());
-  apply(field, t, h, x, v, stats);
+  apply(field, t, share * h, x, v, stats);
   field.eval(x, v, t, force_);
   ++stats.force_evals;
   const std::span<const Real> inv_mass = field.inv_mass();
   for (std::size_t i = 0; i < x.size(); ++i) v[i] = start_[i] + (h * inv_mass[i]) * force_[i];
 }
 
-void DampedKick::apply_implicit(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
-                                IntegratorStats& stats) {
+void DampedKick::apply_implicit(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x,
+                                std::span<Vec3> v, IntegratorStats& stats) {
   const std::size_t n = x.size();
   force_.resize(n);
   field.eval(x, v, t, force_);
   ++stats.force_evals;
-  if (pattern_version_ != field.pattern_version() || d_.diagonal.size() != n) {
-    pattern_.clear();
-    field.pattern(pattern_);
-    d_.set_pattern(n, pattern_);
-    pattern_version_ = field.pattern_version();
-  }
+  pattern_.update(field, n, {&d_});
   dv_.resize(n);
   field.damping(x, v, t, d_);
   ++stats.jacobian_evals;
 
-  // A = M - h D, b = h f
+  // A = M - share h D, b = h f
   const std::span<const Real> mass = field.mass();
-  for (Mat3& m : d_.off) m *= -h;
+  const double scale = -static_cast<double>(share) * static_cast<double>(h);
+  for (Mat3d& m : d_.off) m *= scale;
   for (std::size_t i = 0; i < n; ++i) {
-    d_.diagonal[i] *= -h;
-    d_.diagonal[i].diagonal().array() += mass[i];
+    d_.diagonal[i] *= scale;
+    d_.diagonal[i].diagonal().array() += static_cast<double>(mass[i]);
     force_[i] *= h;
   }
   const CgResult r = cg_.solve(d_, field.inv_mass(), force_, kDampingSolve, dv_);

@@ -1,8 +1,8 @@
-// A velocity kick v += h f/m whose velocity-dependent part may be taken at the new velocity:
-//   (M - h D) dv = h f(x, v),  D = df/dv at (x, v).
+// A velocity kick v += h f/m whose velocity-dependent part may be taken at v + share dv, share = 1 the new velocity:
+//   (M - share h D) dv = h f(x, v),  D = df/dv at (x, v).
 // The solve costs tens of plain kicks, so it is done only where damping is stiff.
 #pragma once
-#include "integrate/integrator.h"
+#include "integrate/pattern.h"
 #include "linear/cg.h"
 
 namespace feder {
@@ -13,11 +13,11 @@ class DampedKick {
 
   // One force evaluation, at (x, v, t).
   void apply(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v, IntegratorStats& stats);
-  // The same with the damping at the new velocity.
-  void apply_implicit(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+  // The same with the damping at v + share dv.
+  void apply_implicit(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x, std::span<Vec3> v,
                       IntegratorStats& stats);
   // The same to second order: a plain kick gives the velocity at which the damping is evaluated again.
-  void apply_corrected(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<Vec3> v,
+  void apply_corrected(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x, std::span<Vec3> v,
                        IntegratorStats& stats);
 
  private:
@@ -25,8 +25,7 @@ class DampedKick {
   BlockSparse d_;
   Array<Vec3> dv_;
   ConjugateGradient cg_;
-  std::vector<BlockIndex> pattern_;
-  std::uint64_t pattern_version_ = ~std::uint64_t{0};
+  FieldPattern pattern_;
 };
 
 }  // namespace feder

@@ -30,7 +30,7 @@ class SymplecticEuler final : public Integrator {
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     const bool solve = damping_ == Damping::implicit || (damping_ == Damping::automatic && field.stiff_damping(h));
     if (solve && field.damped())
-      kick_.apply_implicit(field, t, h, x, v, stats);
+      kick_.apply_implicit(field, t, h, 1, x, v, stats);
     else
       kick_.apply(field, t, h, x, v, stats);
     const std::span<const Real> inv_mass = field.inv_mass();

@@ -27,9 +27,9 @@ class VelocityVerlet final : public Integrator {
     if (!field.damped())
       kick_.apply(field, end, half, x, v, stats);
     else if (field.stiff_damping(h))
-      kick_.apply_implicit(field, end, half, x, v, stats);
+      kick_.apply_implicit(field, end, half, 1, x, v, stats);
     else
-      kick_.apply_corrected(field, end, half, x, v, stats);
+      kick_.apply_corrected(field, end, half, 1, x, v, stats);
   }
 
  private:

@@ -13,19 +13,8 @@ void BlockSparse::set_pattern(std::size_t count, std::span<const BlockIndex> blo
 }
 
 void BlockSparse::set_zero() {
-  for (Mat3& m : off) m.setZero();
-  for (Mat3& m : diagonal) m.setZero();
-}
-
-void BlockSparse::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
-  FEDER_ASSERT(x.size() == diagonal.size() && y.size() == diagonal.size());
-  for (std::size_t i = 0; i < diagonal.size(); ++i) y[i].noalias() = diagonal[i] * x[i];
-  for (std::size_t k = 0; k < off.size(); ++k) {
-    const BlockIndex b = index[k];
-    const Mat3& m = off[k];
-    y[b.i].noalias() += m * x[b.j];
-    y[b.j].noalias() += m.transpose() * x[b.i];
-  }
+  for (Mat3d& m : off) m.setZero();
+  for (Mat3d& m : diagonal) m.setZero();
 }
 
 }  // namespace feder

@@ -1,7 +1,7 @@
 // Conjugate gradient with a block-Jacobi preconditioner (Hestenes & Stiefel 1952). Fixed points are filtered by
 // giving them a zero preconditioner block and zeroing their product (the projection of Baraff & Witkin 1998), so the
-// search stays in the space of free points. Scalar products are summed in double, in index order: the same bits on
-// any machine and thread count, and the float build reaches its tolerance on stiff systems.
+// search stays in the space of free points. Everything is double, summed in index order: the same bits on any machine
+// and thread count, and the float build reaches its tolerance on stiff systems.
 // Kept between calls: work memory only. Weak spot: iterations grow with the square root of the condition number,
 // for a chain of n links at a large step about n of them.
 #include "linear/cg.h"
@@ -13,21 +13,21 @@
 namespace feder {
 namespace {
 
-double dot_sum(std::span<const Vec3> a, std::span<const Vec3> b) {
+double dot_sum(std::span<const Vec3d> a, std::span<const Vec3d> b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    for (int k = 0; k < 3; ++k) sum += static_cast<double>(a[i][k]) * static_cast<double>(b[i][k]);
+    for (int k = 0; k < 3; ++k) sum += a[i][k] * b[i][k];
   return sum;
 }
 
-// Inverse of a diagonal block by LDL^T in double: the cofactors of a stiff float block would cancel or overflow. A
+// Inverse of a diagonal block by LDL^T. A
 // block that is not positive definite to rounding gives the inverse of its largest diagonal entry.
-Mat3 inverse_block(const Mat3& m) {
+Mat3d inverse_block(const Mat3d& m) {
   const double a = m(0, 0), b = m(1, 0), c = m(2, 0), d = m(1, 1), e = m(2, 1), f = m(2, 2);
   const double largest = a > d ? (a > f ? a : f) : (d > f ? d : f);
-  if (!(largest > 0)) return Mat3::Identity();  // not positive definite: the search meets the curvature
+  if (!(largest > 0)) return Mat3d::Identity();  // not positive definite: the search meets the curvature
   const double floor = largest * 1e-12;
-  const Mat3 fallback = Mat3::Identity() * static_cast<Real>(1 / largest);
+  const Mat3d fallback = Mat3d::Identity() * (1 / largest);
   if (!(a > floor)) return fallback;
   const double l10 = b / a, l20 = c / a, d1 = d - l10 * b;
   if (!(d1 > floor)) return fallback;
@@ -36,10 +36,8 @@ Mat3 inverse_block(const Mat3& m) {
   // inverse = L^-T D^-1 L^-1 with L^-1 = [1 0 0; -l10 1 0; t -l21 1]
   const double t = l10 * l21 - l20, i0 = 1 / a, i1 = 1 / d1, i2 = 1 / d2;
   const double m10 = -l10 * i1 - t * l21 * i2, m20 = t * i2, m21 = -l21 * i2;
-  Mat3 out;
-  out << static_cast<Real>(i0 + l10 * l10 * i1 + t * t * i2), static_cast<Real>(m10), static_cast<Real>(m20),
-      static_cast<Real>(m10), static_cast<Real>(i1 + l21 * l21 * i2), static_cast<Real>(m21), static_cast<Real>(m20),
-      static_cast<Real>(m21), static_cast<Real>(i2);
+  Mat3d out;
+  out << i0 + l10 * l10 * i1 + t * t * i2, m10, m20, m10, i1 + l21 * l21 * i2, m21, m20, m21, i2;
   return out;
 }
 
@@ -54,11 +52,11 @@ CgResult ConjugateGradient::solve(const BlockSparse& a, std::span<const Real> fr
                                   const CgOptions& options, std::span<Vec3> x) {
   const std::size_t n = a.diagonal.size();
   FEDER_ASSERT(free.size() == n && b.size() == n && x.size() == n);
-  inverse_.resize(n), r_.resize(n), z_.resize(n), p_.resize(n), ap_.resize(n);
+  inverse_.resize(n), x_.assign(n, Vec3d(0, 0, 0)), r_.resize(n), z_.resize(n), p_.resize(n), ap_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     x[i] = Vec3::Zero();
-    inverse_[i] = free[i] != 0 ? inverse_block(a.diagonal[i]) : Mat3(Mat3::Zero());
-    r_[i] = free[i] != 0 ? b[i] : Vec3(Vec3::Zero());
+    inverse_[i] = free[i] != 0 ? inverse_block(a.diagonal[i]) : Mat3d(Mat3d::Zero());
+    r_[i] = free[i] != 0 ? Vec3d(b[i].cast<double>()) : Vec3d(0, 0, 0);
   }
 
   CgResult result;
@@ -68,23 +66,27 @@ CgResult ConjugateGradient::solve(const BlockSparse& a, std::span<const Real> fr
   for (std::size_t i = 0; i < n; ++i) p_[i] = z_[i];
 
   while (result.iterations < options.max_iterations) {
-    a.multiply(p_, ap_);
+    a.multiply<Vec3d>(p_, ap_);
     const double curvature = dot_sum(p_, ap_);
     if (!(curvature > 0)) break;
-    const Real alpha = static_cast<Real>(rz / curvature);
+    const double alpha = rz / curvature;
     for (std::size_t i = 0; i < n; ++i) {
-      x[i] += alpha * p_[i];
+      x_[i] += alpha * p_[i];
       r_[i] -= alpha * ap_[i];
     }
     ++result.iterations;
     // fixed points: their residual is never seen, because the preconditioner block is zero
     const double next = precondition();
     result.residual = std::sqrt(std::fabs(next) / start);
-    if (next <= wanted) return result.converged = true, result;
-    const Real beta = static_cast<Real>(next / rz);
+    if (next <= wanted) {
+      result.converged = true;
+      break;
+    }
+    const double beta = next / rz;
     for (std::size_t i = 0; i < n; ++i) p_[i] = z_[i] + beta * p_[i];
     rz = next;
   }
+  for (std::size_t i = 0; i < n; ++i) x[i] = x_[i].cast<Real>();
   return result;
 }
 

@@ -18,7 +18,7 @@ struct CgResult {
 // Keeps its work arrays; no allocation after the first solve of a size.
 class ConjugateGradient {
  public:
-  explicit ConjugateGradient(Arena& a) : inverse_(&a), r_(&a), z_(&a), p_(&a), ap_(&a) {}
+  explicit ConjugateGradient(Arena& a) : inverse_(&a), x_(&a), r_(&a), z_(&a), p_(&a), ap_(&a) {}
 
   // Solves A x = b for the points with free[i] != 0; the others keep x = 0 (their rows and columns are filtered
   // out). `x` is output only: the start is zero.
@@ -28,8 +28,8 @@ class ConjugateGradient {
  private:
   double precondition();  // z = P^-1 r; returns r . z
 
-  Array<Mat3> inverse_;  // of the diagonal blocks; zero for fixed points, which filters them
-  Array<Vec3> r_, z_, p_, ap_;
+  Array<Mat3d> inverse_;  // of the diagonal blocks; zero for fixed points, which filters them
+  Array<Vec3d> x_, r_, z_, p_, ap_;
 };
 
 }  // namespace feder

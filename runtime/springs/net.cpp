@@ -26,22 +26,34 @@ inline Direction direction(const Vec3& a, const Vec3& b) {
 }
 
 // n n^T c
-inline Mat3 along(const Vec3& n, Real c) {
-  const Vec3 cn = c * n;
-  Mat3 m;
+inline Mat3d along(const Vec3d& n, double c) {
+  const Vec3d cn = c * n;
+  Mat3d m;
   for (int col = 0; col < 3; ++col) m.col(col) = cn * n[col];
   return m;
 }
 
+// The same in double, for derivatives: n n^T k stays semidefinite beside small masses.
+struct DirectionD {
+  Vec3d n;
+  double len;
+};
+
+inline DirectionD direction_d(const Vec3& a, const Vec3& b) {
+  const Vec3d d = b.cast<double>() - a.cast<double>();
+  const double len = std::sqrt(d.dot(d));
+  return {len > 0 ? Vec3d(d / len) : Vec3d(1, 0, 0), len};
+}
+
 // The symmetric, negative semidefinite part of m.
-Mat3 negative_part(const Mat3& m) {
+Mat3d negative_part(const Mat3& m) {
   const Mat3 symmetric = Real(0.5) * (m + m.transpose());
   Vec3 values;
   Mat3 vectors;
   eigen_symmetric(symmetric, values, vectors);
-  Mat3 out = Mat3::Zero();
+  Mat3d out = Mat3d::Zero();
   for (int k = 0; k < 3; ++k)
-    if (values[k] < 0) out += along(vectors.col(k), values[k]);
+    if (values[k] < 0) out += along(vectors.col(k).cast<double>(), values[k]);
   return out;
 }
 
@@ -125,11 +137,11 @@ void Net::pattern(std::vector<BlockIndex>& blocks) const {
 void Net::damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) {
   d.set_zero();
   for (std::uint32_t i = 0; i < points; ++i)
-    d.diagonal[i].diagonal().setConstant(-settings.damping * particles_.mass[first + i]);
+    d.diagonal[i].diagonal().setConstant(-static_cast<double>(settings.damping * particles_.mass[first + i]));
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     if (springs.damping[k] == 0) continue;
     const std::uint32_t i = springs.i[k], j = springs.j[k];
-    const Mat3 block = along(direction(x[i], x[j]).n, springs.damping[k]);
+    const Mat3d block = along(direction_d(x[i], x[j]).n, springs.damping[k]);
     d.diagonal[i] -= block;
     d.diagonal[j] -= block;
     d.off[k] = block;
@@ -142,10 +154,10 @@ void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, B
   k.set_zero();
   for (std::uint32_t s = 0; s < springs.size(); ++s) {
     const std::uint32_t i = springs.i[s], j = springs.j[s];
-    const Direction at = direction(x[i], x[j]);
-    const Real rest = springs.rest_length[s], stiff = springs.stiffness[s];
-    const Real across = at.len > rest ? stiff * (1 - rest / at.len) : Real(0);
-    Mat3 block = along(at.n, stiff - across);
+    const DirectionD at = direction_d(x[i], x[j]);
+    const double rest = springs.rest_length[s], stiff = springs.stiffness[s];
+    const double across = at.len > rest ? stiff * (1 - rest / at.len) : 0;
+    Mat3d block = along(at.n, stiff - across);
     block.diagonal().array() += across;
     k.diagonal[i] -= block;
     k.diagonal[j] -= block;

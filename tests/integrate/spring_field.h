@@ -62,20 +62,20 @@ class SpringField final : public ForceField {
   void damping(std::span<const Vec3> x, std::span<const Vec3>, double, BlockSparse& d) override {
     d.set_zero();
     for (std::size_t k = 0; k < springs.size(); ++k) {
-      const Vec3 n = normalized_or(separation(springs[k], x), Vec3(1, 0, 0));
-      add(d, k, springs[k].damping * n * n.transpose());
+      const Vec3d n = normalized_or(separation(springs[k], x), Vec3(1, 0, 0)).cast<double>().normalized();
+      add(d, k, static_cast<double>(springs[k].damping) * n * n.transpose());
     }
   }
   void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override {
     damping(x, v, t, d);
     k.set_zero();
     for (std::size_t s = 0; s < springs.size(); ++s) {
-      const Vec3 arm = separation(springs[s], x);
-      const Real len = length(arm);
-      const Vec3 n = normalized_or(arm, Vec3(1, 0, 0));
-      const Real across = len > springs[s].rest_length ? 1 - springs[s].rest_length / len : Real(0);
-      const Mat3 nn = n * n.transpose();
-      const Mat3 block = springs[s].stiffness * (nn + across * (Mat3::Identity() - nn));
+      const Vec3d arm = separation(springs[s], x).cast<double>();
+      const double len = arm.norm(), rest = springs[s].rest_length;
+      const Vec3d n = len > 0 ? Vec3d(arm / len) : Vec3d(1, 0, 0);
+      const double across = len > rest ? 1 - rest / len : 0;
+      const Mat3d nn = n * n.transpose();
+      const Mat3d block = static_cast<double>(springs[s].stiffness) * (nn + across * (Mat3d::Identity() - nn));
       add(k, s, block);
     }
   }
@@ -90,7 +90,7 @@ class SpringField final : public ForceField {
     return s.j == kNone ? Vec3(-a[s.i]) : Vec3(a[s.j] - a[s.i]);
   }
   // Springs to the origin come without an off-diagonal block.
-  void add(BlockSparse& m, std::size_t spring, const Mat3& block) const {
+  void add(BlockSparse& m, std::size_t spring, const Mat3d& block) const {
     const TestSpring& s = springs[spring];
     m.diagonal[s.i] -= block;
     if (s.j == kNone) return;

@@ -1,0 +1,36 @@
+// Heun's method (1900), the explicit trapezoidal rule: the mean of the slopes at the start and at Euler's end. Order 2.
+// Kept between calls: work arrays. Weak spot: as the midpoint rule, never stable without damping.
+#include "integrate/runge_kutta.h"
+
+namespace feder {
+namespace {
+
+constexpr double kReach[] = {0, 1};
+constexpr double kCoupling[] = {0, 0, 1, 0};
+constexpr double kWeights[] = {0.5, 0.5};
+
+class Heun final : public Integrator {
+ public:
+  explicit Heun(Arena& a) : Integrator(a), stages_(a, {2, kReach, kCoupling, kWeights}) {}
+
+  IntegratorInfo info() const override {
+    static constexpr double kPolynomial[] = {1, 1, 0.5};
+    return {.order = 2, .stability_limit = 0, .evals_per_step = 2, .stability_polynomial = kPolynomial};
+  }
+
+  void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
+    stages_.step(field, t, h, x, v, stats);
+  }
+
+ private:
+  RungeKutta stages_;
+};
+
+}  // namespace
+
+Variant<Integrator> integrate_heun() {
+  return {"heun", "order 2, mean of the slopes at both ends; unstable on undamped springs in the long run",
+          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<Heun>(a); }};
+}
+
+}  // namespace feder

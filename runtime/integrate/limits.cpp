@@ -1,0 +1,149 @@
+#include "integrate/limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+namespace feder {
+namespace {
+
+constexpr double kRounding = 8 * static_cast<double>(kEpsilon);  // of determinant and trace
+constexpr int kSamples = sizeof(Real) == 4 ? 4000 : 4;
+constexpr int kRunSteps = 500;
+constexpr double kFirst = 1e-3, kLast = 1e6;
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+// |P(z lambda)| - 1 of the faster root lambda = -zeta +- sqrt(zeta^2 - 1).
+double polynomial_excess(std::span<const double> p, double z, double zeta) {
+  double worst = -1;
+  for (const double side : {-1.0, 1.0}) {
+    const std::complex<double> root = std::sqrt(std::complex<double>(zeta * zeta - 1, 0));
+    const std::complex<double> at = z * (-zeta + side * root);
+    std::complex<double> sum = 0;
+    for (std::size_t k = p.size(); k-- > 0;) sum = sum * at + p[k];
+    worst = std::max(worst, std::abs(sum) - 1);
+  }
+  return worst;
+}
+
+// Smallest z with excess(z) > 0, by scan and bisection.
+template <class F>
+double first_positive(F&& excess) {
+  double below = 0;
+  for (double z = kFirst; z <= kLast; below = z, z *= 1.02) {
+    if (!(excess(z) > 0)) continue;
+    double above = z;
+    for (int k = 0; k < 80; ++k) {
+      const double middle = (below + above) / 2;
+      (excess(middle) > 0 ? above : below) = middle;
+    }
+    return above;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// Growth of a long run: for methods that remember.
+double run_excess(const Variant<Integrator>& method, const Params& options, double z, double zeta) {
+  Arena arena("limits");
+  const auto m = method.make(arena, options);
+  Oscillator field(1, zeta);
+  Vec3 x(1, 1, 1), v(0, 0, 0);
+  for (int k = 0; k < kRunSteps; ++k) {
+    m->step(field, 0, static_cast<Real>(z), {&x, 1}, {&v, 1});
+    if (!(length(x) < 1e4) || !(length(v) < 1e4)) return 1;
+  }
+  return -1;
+}
+
+}  // namespace
+
+Oscillator::Oscillator(double frequency, double damping_ratio)
+    : stiffness_(static_cast<Real>(frequency * frequency)), damping_(static_cast<Real>(2 * damping_ratio * frequency)) {}
+
+void Oscillator::eval(std::span<const Vec3> x, std::span<const Vec3> v, double, std::span<Vec3> force) {
+  force[0] = -stiffness_ * x[0] - damping_ * v[0];
+}
+
+void Oscillator::damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) {
+  d.diagonal[0] = Mat3d::Identity() * -static_cast<double>(damping_);
+}
+
+void Oscillator::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) {
+  damping(x, v, t, d);
+  k.diagonal[0] = Mat3d::Identity() * -static_cast<double>(stiffness_);
+}
+
+double StepMatrix::spectral_radius() const {
+  const double half = trace() / 2, d = half * half - determinant();
+  return d < 0 ? std::sqrt(determinant()) : std::fabs(half) + std::sqrt(d);
+}
+
+double StepMatrix::condition(int k) const {
+  const double det = determinant();
+  const double e = k == 0 ? std::fabs(det) - 1 : (k == 1 ? trace() : -trace()) - 1 - det;
+  return std::isfinite(e) ? e : std::numeric_limits<double>::infinity();
+}
+
+int StepMatrix::worst_condition() const {
+  const double a = condition(0), b = condition(1), c = condition(2);
+  return a >= b && a >= c ? 0 : b >= c ? 1 : 2;
+}
+
+// Of columns (1, 0) and (0, 1), scaled by `samples` factors from 1 to 2 in each of three directions: the mean is that many
+// times less rounded than one step of a float build.
+StepMatrix step_matrix(Integrator& method, double z, double zeta, int samples) {
+  Oscillator field(1, zeta);
+  double out[2][2] = {};
+  for (int column = 0; column < 2; ++column)
+    for (int k = 0; k < samples; ++k) {
+      Vec3 unit;
+      for (int axis = 0; axis < 3; ++axis)
+        unit[axis] = static_cast<Real>(1 + std::fmod(0.6180339887498949 * (3 * k + axis), 1.0));  // golden ratio: even
+      if (samples == 1) unit = Vec3(1, 1, 1);
+      Vec3 x = column == 0 ? unit : Vec3(0, 0, 0), v = column == 1 ? unit : Vec3(0, 0, 0);
+      method.step(field, 0, static_cast<Real>(z), {&x, 1}, {&v, 1});
+      for (int axis = 0; axis < 3; ++axis) {
+        out[0][column] += static_cast<double>(x[axis]) / static_cast<double>(unit[axis]) / (3.0 * samples);
+        out[1][column] += static_cast<double>(v[axis]) / static_cast<double>(unit[axis]) / (3.0 * samples);
+      }
+    }
+  return {out[0][0], out[0][1], out[1][0], out[1][1]};
+}
+
+double predicted_limit(const IntegratorInfo& info, double zeta) {
+  if (zeta == 0) return info.stability_limit;
+  if (info.damped_limit) return info.damped_limit(zeta);
+  if (info.stability_polynomial.empty()) return kNothing;
+  return first_positive([&](double z) { return polynomial_excess(info.stability_polynomial, z, zeta) - 1e-15; });
+}
+
+double observed_limit(const Variant<Integrator>& method, const Params& options, double zeta) {
+  Arena arena("limits");
+  Params p = options;
+  if (method.make(arena, p)->info().adaptive) p.set("adaptive", false);
+  const auto m = method.make(arena, p);
+  step_matrix(*m, 1, zeta, 1);
+  if (!m->memory.points.empty() || !m->memory.numbers.empty())
+    return first_positive([&](double z) { return run_excess(method, p, z, zeta); });
+
+  const auto matrix = [&](double z, int samples) {
+    return step_matrix(*m, static_cast<double>(static_cast<Real>(z)), zeta, samples);
+  };
+  const double rough = first_positive([&](double z) { return matrix(z, 1).excess() - kRounding; });
+  if (!std::isfinite(rough)) return rough;
+  // which of the three conditions fails there, and where below does it hold for certain?
+  const int which = matrix(rough * 1.001, kSamples).worst_condition();
+  double below = rough, above = rough * 1.01;
+  while (!(matrix(below, 1).condition(which) < -kRounding / 2)) {
+    below *= 0.99;
+    if (below < kFirst) return 0;  // nowhere: the growth falls with a power of z down to rounding
+  }
+  while (above - below > static_cast<double>(kEpsilon) / 2 * above) {
+    const double middle = (below + above) / 2;
+    (matrix(middle, kSamples).condition(which) > 0 ? above : below) = middle;
+    if (middle == below && middle == above) break;
+  }
+  return (below + above) / 2;
+}
+
+}  // namespace feder
