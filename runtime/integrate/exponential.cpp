@@ -20,7 +20,8 @@ class Exponential final : public Integrator {
 
   IntegratorInfo info() const override {
     return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 2, .implicit = true,
-            .exact_linear = true, .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+            .exact_linear = true, .effort_option = "max_parts",
+            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {

@@ -18,6 +18,7 @@ namespace {
 constexpr bool kFloat = sizeof(Real) == 4;
 constexpr double kNewtonTolerance = kFloat ? 1e-4 : 1e-9;  // residual against the step's first one
 constexpr double kLinearTolerance = kFloat ? 1e-6 : 1e-11;
+constexpr Real kNothing = Real(1e-30);  // m; float loses precision below 1e-38 / kEpsilon
 constexpr int kMaxHalvings = 4;
 constexpr std::uint64_t kLdlFloor = 20000;     // block products that are cheap at any size
 constexpr std::uint64_t kLdlPerBlock = 60;     // a hard conjugate-gradient solve multiplies each block that often
@@ -161,14 +162,14 @@ double ImplicitStage::search(ForceField& field, const StageProblem& p, std::span
   return squared_residual(field);
 }
 
-// Is the last update below what the positions can resolve?
+// Is the last update below what the positions can resolve, or so small that float has no digits left?
 bool ImplicitStage::direction_is_rounding(const StageProblem& p) const {
   Real update = 0, size = 0;
   for (std::size_t i = 0; i < dv_.size(); ++i) {
     update = std::max(update, dv_[i].cwiseAbs().maxCoeff());
     size = std::max(size, p.x_linear[i].cwiseAbs().maxCoeff());
   }
-  return p.g * update <= Real(4) * kEpsilon * size;
+  return p.g * update <= std::max(Real(4) * kEpsilon * size, kNothing);
 }
 
 }  // namespace feder

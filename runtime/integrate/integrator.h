@@ -46,6 +46,7 @@ struct IntegratorInfo {
   bool adaptive = false;        // cuts h into steps of its own (limits and order are those of one, see rk45.cpp)
   bool l_stable = false;        // what is far too stiff for h is damped out in a step
   bool exact_linear = false;    // linear forces are integrated exactly
+  const char* effort_option = nullptr;  // integer option that caps the work within a step, if there is one
   // Largest h*omega with the damping ratio zeta, where a formula gives it.
   double (*damped_limit)(double zeta) = nullptr;
   // Of explicit Runge-Kutta methods: one step multiplies a solution e^(lambda t) by sum c_k (h lambda)^k.

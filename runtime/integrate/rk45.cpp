@@ -40,6 +40,7 @@ class Rk45 final : public Integrator {
   IntegratorInfo info() const override {
     static constexpr double kPolynomial[] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 600};
     return {.order = 5, .stability_limit = 0.997189008632, .evals_per_step = 7, .adaptive = adaptive_,
+            .effort_option = "max_steps",
             .stability_polynomial = kPolynomial};
   }
 

@@ -63,13 +63,13 @@ bool PointField::stiff_damping(Real h) const {
 
 void PointField::damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) {
   d.set_zero();
-  d.diagonal[0] = negative_part(equation_.damping(x[0], v[0], t));
+  d.diagonal[0] = negative_part(equation_.damping(x[0], v[0], t)).cast<double>();
 }
 
 void PointField::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) {
   damping(x, v, t, d);
   k.set_zero();
-  k.diagonal[0] = negative_part(equation_.stiffness(x[0], v[0], t));
+  k.diagonal[0] = negative_part(equation_.stiffness(x[0], v[0], t)).cast<double>();
 }
 
 std::vector<int> doubling(int first, int rungs) {

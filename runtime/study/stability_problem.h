@@ -1,0 +1,45 @@
+// Scenes of the stability maps: nets whose exact motion is known, or computed finely. Private to the module.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "springs/springs.h"
+#include "study/stability.h"
+
+namespace feder {
+
+struct StabilityScene {
+  NetDesc net;
+  std::vector<std::size_t> pins;
+  Vec3 gravity = Vec3::Zero();
+  double h = 1.0 / 60;          // s
+  int steps = 200;
+  int judged_step = 200;        // where the error is taken
+  double length = 1, speed = 1; // m, m/s: size of the motion
+  double energy = 1;            // J, scale
+  double energy_zero = 0;       // J, added to the world's energy: the rest state then has none
+  double frequency = NAN;       // rad/s, the fastest
+  double damping_ratio = 0;     // of that
+};
+
+class StabilityProblem {
+ public:
+  virtual ~StabilityProblem() = default;
+  virtual StabilityProblemInfo info() const = 0;
+  // For a cell of the map; for_limit: started so that the fastest mode shows (chains: on that mode).
+  virtual StabilityScene scene(double x, double y, bool for_limit) const = 0;
+  // Exact positions and energy (above rest) at t of the scene for (x, y). False: not known.
+  virtual bool reference(double x, double y, double t, std::vector<Vec3d>& positions, double& energy) const = 0;
+  // The x at which h times the fastest frequency is z. Only where limits are bisected.
+  virtual double x_of(double z, double y) const = 0;
+  // Is it one oscillator, so that the limit can be read off the matrix of a step?
+  virtual bool single_oscillator() const { return false; }
+};
+
+struct StabilityProblemRow {
+  const char* name;
+  std::unique_ptr<StabilityProblem> (*make)();
+};
+std::span<const StabilityProblemRow> stability_problems();
+
+}  // namespace feder
