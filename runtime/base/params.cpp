@@ -80,8 +80,10 @@ void Params::check_all_read(std::string_view owner) const {
   for (const auto& [key, value] : values_) {
     if (asked_.count(key)) continue;
     const std::string near = nearest_name(key, {asked_.begin(), asked_.end()});
+    std::string known;
+    for (const std::string& name : asked_) known += (known.empty() ? "; known: " : ", ") + name;
     throw SceneError(std::string(owner) + ": unknown option '" + key + "'" +
-                     (near.empty() ? "" : "; did you mean '" + near + "'?"));
+                     (near.empty() ? known : "; did you mean '" + near + "'?"));
   }
 }
 

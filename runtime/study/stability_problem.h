@@ -11,6 +11,7 @@ namespace feder {
 struct StabilityScene {
   NetDesc net;
   std::vector<std::size_t> pins;
+  std::vector<Vec3> rest;       // positions without motion; limits are bisected on the distance from them
   Vec3 gravity = Vec3::Zero();
   double h = 1.0 / 60;          // s
   int steps = 200;

@@ -93,8 +93,10 @@ class ChainProblem final : public StabilityProblem {
       const double shift = kAmplitude * std::sin(j * mode * kTurn / (n + 1));
       s.net.points.push_back(Vec3(static_cast<Real>(j - 0.5 * (n + 1) + shift), 0, 0));
       s.net.masses.push_back(1);
+      s.rest.push_back(Vec3(static_cast<Real>(j - 0.5 * (n + 1)), 0, 0));
       if (j > 0)
-        s.net.springs.push_back({static_cast<std::uint32_t>(j - 1), static_cast<std::uint32_t>(j), static_cast<Real>(k), 0, 1, kInfinity});
+        s.net.springs.push_back({static_cast<std::uint32_t>(j - 1), static_cast<std::uint32_t>(j), static_cast<Real>(k), 0, for_limit ? Real(0) : Real(1),
+                                 kInfinity});  // of no length: linear however far it swings
     }
     s.pins = {0, static_cast<std::size_t>(n + 1)};
     s.net.points.front()[0] = static_cast<Real>(-0.5 * (n + 1)), s.net.points.back()[0] = static_cast<Real>(0.5 * (n + 1));

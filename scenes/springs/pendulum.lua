@@ -6,7 +6,7 @@ local build = require "feder.build"
 local angle = feder.param("angle", 90, { min = 5, max = 150, help = "degrees from the vertical" })
 local length = feder.param("length", 1, { min = 0.2, max = 5, help = "metres" })
 local integrator = feder.param("integrator", "symplectic_euler",
-  { choices = { "symplectic_euler", "velocity_verlet", "rk4" } })
+  { choices = { "symplectic_euler", "velocity_verlet", "leapfrog", "yoshida4", "rk4", "rk45", "bdf2", "tr_bdf2" } })
 
 local gravity, stiffness, mass = 9.81, 1e5, 1
 

@@ -1,0 +1,96 @@
+// Stability maps: limits against theory, verdicts that must not be, and the thresholds at work.
+#include <set>
+
+#include "study/stability.h"
+#include "integrate/integrator.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+namespace {
+
+constexpr bool kFloat = sizeof(Real) == 4;
+
+StabilityResult run(const char* problem, std::vector<std::string> methods, bool cells, bool bisect) {
+  StabilityPlan p;
+  p.problem = problem, p.methods = std::move(methods), p.cells = cells, p.bisect = bisect;
+  return run_stability(p);
+}
+
+}  // namespace
+
+TEST_CASE("the oscillator's limits are found to 1e-6", "[study][stability]") {
+  const StabilityResult r = run("oscillator", {}, false, true);
+  CHECK(r.maps.size() == integrators().size());
+  for (const StabilityMap& m : r.maps)
+    for (const StabilityLimit& l : m.limits) {
+      CAPTURE(m.method, l.y, l.z_predicted, l.z_observed);
+      if (std::isinf(l.z_predicted) || l.z_predicted == 0)
+        CHECK(l.z_observed == l.z_predicted);
+      else
+        // the float build rounds the coefficients of order 5, see test_limits.cpp
+        CHECK(std::fabs(l.z_observed / l.z_predicted - 1) < (kFloat && m.order > 4 && l.y == 0 ? 1e-4 : 1e-6));
+    }
+}
+
+TEST_CASE("the chain's limits are within 1 % of limit / w_max", "[study][stability]") {
+  StabilityPlan p;
+  p.problem = "chain", p.cells = false, p.bisect = true, p.y_values = {1, 10};
+  for (const Variant<Integrator>& row : integrators()) {
+    Arena arena("test");
+    const IntegratorInfo info = row.make(arena, Params())->info();
+    if (std::isfinite(info.stability_limit) && info.stability_limit > 0 && !info.adaptive) p.methods.push_back(row.name);
+  }
+  REQUIRE(p.methods.size() >= 4);
+  for (const StabilityMap& m : run_stability(p).maps)
+    for (const StabilityLimit& l : m.limits) {
+      CAPTURE(m.method, l.y, l.z_predicted, l.z_observed);
+      CHECK(std::fabs(l.z_observed / l.z_predicted - 1) < 0.01);
+    }
+}
+
+TEST_CASE("no verdict of an implicit method is nan, and explicit ones fail by name", "[study][stability]") {
+  const char* problem = GENERATE("oscillator", "chain", "swinging_chain");
+  StabilityPlan p;
+  p.problem = problem;
+  p.y_values = std::string(problem) == "oscillator" ? std::vector<double>{0, 0.1, 2} : std::vector<double>{1, 10};
+  if (std::string(problem) == "swinging_chain") p.y_values = {1, 1e3, 1e6};
+  p.x_values = std::string(problem) == "swinging_chain" ? std::vector<double>{1e4, 1e8, 1e12}
+                                                         : std::vector<double>{1e-2, 1, 1e2, 1e6, 1e12};
+  std::set<std::string> exempt = {"implicit_midpoint"};  // numerics 3.4: gains energy on the stiff swinging chain
+  for (const StabilityMap& m : run_stability(p).maps) {
+    std::size_t failures = 0;
+    for (const StabilityCell& c : m.cells) {
+      CAPTURE(m.problem, m.method, c.x, c.y, name_of(c.verdict), c.entity, c.t_fail, c.error, c.energy_ratio);
+      CHECK(c.verdict != Verdict::nan);
+      if (c.verdict == Verdict::diverged) {
+        ++failures;
+        CHECK(c.entity.find("point") != std::string::npos);
+        CHECK(c.t_fail > 0);
+      }
+      const bool linear = std::string(problem) != "swinging_chain";
+      if (m.implicit && linear) CHECK((c.verdict != Verdict::diverged && c.verdict != Verdict::growing));
+    }
+    CAPTURE(m.method, m.problem);
+    if (!m.implicit && std::string(problem) != "swinging_chain") CHECK(failures > 0);
+  }
+}
+
+TEST_CASE("verdicts say what is wrong", "[study][stability]") {
+  StabilityPlan p;
+  p.problem = "oscillator", p.y_values = {0};
+  const auto verdict = [&](const char* method, double x) {
+    p.methods = {method}, p.x_values = {x};
+    return run_stability(p).maps.front().cells.front();
+  };
+  CHECK(verdict("velocity_verlet", 1e-4).verdict == Verdict::stable);
+  CHECK(verdict("velocity_verlet", 1e-4).error < 1e-2);
+  CHECK(verdict("velocity_verlet", 4.5).verdict == Verdict::diverged);
+  CHECK(verdict("explicit_euler", 1e-3).verdict == Verdict::growing);
+  CHECK(verdict("implicit_euler", 1e-3).verdict == Verdict::damped);
+  CHECK(verdict("implicit_midpoint", 10).verdict == Verdict::inaccurate);
+  CHECK(verdict("exponential", 10).verdict == Verdict::stable);
+  CHECK_THROWS_AS(verdict("no_such_method", 1), SceneError);
+  p.problem = "no_such_problem";
+  CHECK_THROWS_AS(verdict("rk4", 1), SceneError);
+}
