@@ -37,6 +37,7 @@ void draw_messages(Desk& desk, const Layout& l) {
   LiveScene& live = desk.live;
   static const std::vector<lua::HandlerError> none;
   const auto& errors = live.has_scene() ? live.script().handler_errors() : none;
+  if (desk.show_picker) return;  // it stands in the same place
   if (live.error().empty() && live.notice().empty() && errors.empty()) return;
   const float width = std::min(720.0f, l.width - l.left - l.right - 40);
   ImGui::SetNextWindowPos({l.left + (l.width - l.left - l.right) / 2, l.top + 14}, ImGuiCond_Always, {0.5f, 0});
@@ -102,8 +103,10 @@ void draw_picker(Desk& desk, const Layout& l) {
     const bool clicked = ImGui::Selectable("##scene", here, 0, {0, 22});
     ImGui::PopID();
     ImGui::SameLine(8);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 2);
     ImGui::TextUnformatted(e.name.c_str());
     ImGui::SameLine(220);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 2);
     ImGui::TextDisabled("%s", e.title.c_str());
     if (clicked || (enter && first)) desk.open_file = e.file.string(), desk.show_picker = false;
     first = false;

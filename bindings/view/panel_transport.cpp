@@ -101,7 +101,7 @@ void draw_timeline(Desk& desk) {
   const double shown = live.world().time();
   d->AddRectFilled(low, {at(shown), high.y}, IM_COL32(60, 92, 128, 150), 4);
   for (const Mark& m : h.marks())
-    d->AddRectFilled({at(m.time) - 1, low.y + (m.kind == "hit" || m.kind == "sleep" ? 16.0f : 8.0f)}, {at(m.time) + 1, high.y - 3},
+    d->AddRectFilled({at(m.time) - 1, low.y + (m.kind == "hit" || m.kind == "sleep" ? 20.0f : 16.0f)}, {at(m.time) + 1, high.y - 3},
                      mark_color(m.kind));
   if (live.catching_up())
     d->AddRectFilled({low.x, high.y - 4}, {low.x + width * static_cast<float>(live.catch_up_share()), high.y}, ink::kAccent, 2);

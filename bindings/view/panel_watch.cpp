@@ -26,14 +26,15 @@ void draw_times(Desk& desk) {
     char value[32];
     std::snprintf(value, sizeof value, "%.3f", r.ms);
     const float value_width = ImGui::CalcTextSize(value).x;
-    const std::string text = lua ? r.label : r.detail + ": " + r.label;
+    // of a script's path the file counts
+    const std::string text = lua ? r.label.substr(r.label.find_last_of('/') + 1) : r.detail + ": " + r.label;
     ImGui::PushClipRect(at, {at.x + width - value_width - 10, at.y + height + 2}, true);
     list->AddText({at.x + 4, at.y}, ink::kText, text.c_str());
     ImGui::PopClipRect();
     list->AddText({at.x + width - value_width - 2, at.y}, ink::kText, value);
     ImGui::Dummy({width, height - 2});
     if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s\n%.4f ms per step, %.1f calls", text.c_str(), r.ms, r.calls);
+      ImGui::SetTooltip("%s\n%.4f ms per step, %.1f calls", r.label.c_str(), r.ms, r.calls);
   }
   ImGui::TextDisabled("%.3f ms per step in all", sum);
 }

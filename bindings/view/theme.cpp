@@ -31,6 +31,7 @@ void apply_theme() {
   c[ImGuiCol_HeaderActive] = ImVec4(0.26f, 0.31f, 0.39f, 1);
   c[ImGuiCol_SliderGrab] = color(ink::kAccent, 0.85f), c[ImGuiCol_SliderGrabActive] = color(ink::kAccent);
   c[ImGuiCol_CheckMark] = color(ink::kAccent);
+  c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = ImVec4(0.16f, 0.18f, 0.215f, 1);
   c[ImGuiCol_Separator] = color(ink::kLine);
   c[ImGuiCol_ScrollbarBg] = ImVec4(0, 0, 0, 0);
   c[ImGuiCol_TextSelectedBg] = color(ink::kAccent, 0.4f);

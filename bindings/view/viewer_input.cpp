@@ -23,8 +23,18 @@ void pan(Camera& camera, float dx, float dy, float height) {
 
 void ViewerInput::take(Desk& desk, const Window& window) {
   target_ = window.target(), scale_ = window.pixels_per_unit();
+  if (window.pressed(GLFW_KEY_ESCAPE)) escape(desk);
   if (!ImGui::GetIO().WantTextInput) keys(desk, window);
   mouse(desk);
+}
+
+void ViewerInput::escape(Desk& desk) {
+  if (desk.show_help || desk.show_picker)
+    desk.show_help = desk.show_picker = false;
+  else if (desk.live.catching_up())
+    desk.live.stop_catching_up();
+  else if (!ImGui::GetIO().WantTextInput && desk.live.has_scene())
+    desk.select({});
 }
 
 void ViewerInput::keys(Desk& desk, const Window& window) {
@@ -37,11 +47,6 @@ void ViewerInput::keys(Desk& desk, const Window& window) {
   if (hit(GLFW_KEY_TAB)) desk.show_ui = !desk.show_ui;
   if (hit(GLFW_KEY_GRAVE_ACCENT)) desk.show_console = !desk.show_console, desk.console.focus = desk.show_console;
   if (hit(GLFW_KEY_SLASH)) desk.show_picker = true;
-  if (hit(GLFW_KEY_ESCAPE)) {
-    if (live.catching_up()) live.stop_catching_up();
-    else if (desk.show_help || desk.show_picker) desk.show_help = desk.show_picker = false;
-    else if (live.has_scene()) desk.select({});
-  }
   if (!live.has_scene()) return;
   if (hit(GLFW_KEY_SPACE)) live.set_paused(!live.paused());
   if (hit(GLFW_KEY_RIGHT, true)) live.step_forward();

@@ -14,6 +14,7 @@ class ViewerInput {
   enum class Drag { none, waiting, turn, shift, pull };
 
   void keys(Desk& desk, const Window& window);
+  void escape(Desk& desk);
   void shoot(Desk& desk);
   void mouse(Desk& desk);
   void press(Desk& desk);

@@ -118,11 +118,24 @@ void Window::begin_frame() {
     if (wait > 0) std::this_thread::sleep_for(std::chrono::duration<double>(std::min(wait, 1.0 / 60)));
   }
   last_ = glfwGetTime();
-  pressed_.clear(), repeated_.clear();
-  glfwPollEvents();
+  poll();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
+}
+
+void Window::poll() {
+  ImGuiIO& io = ImGui::GetIO();
+  pressed_.clear(), repeated_.clear();
+  for (const int key : tapped_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
+  tapped_.clear();
+  glfwPollEvents();
+  // a key that went down and up again within one picture would never have been down for ImGui
+  for (const int key : pressed_) {
+    if (key < 0 || key >= IM_ARRAYSIZE(io.KeysDown) || io.KeysDown[key]) continue;
+    io.KeysDown[key] = true;
+    tapped_.push_back(key);
+  }
 }
 
 void Window::end_frame() {

@@ -46,10 +46,11 @@ class Window {
   void keep_pace(bool on) { pace_ = on; }  // at most 60 pictures a second
 
  private:
+  void poll();
   void read_picture();
 
   GLFWwindow* window_ = nullptr;
-  std::vector<int> pressed_, repeated_;
+  std::vector<int> pressed_, repeated_, tapped_;  // tapped_: shown to ImGui as held for one picture
   bool want_picture_ = false, pace_ = true;
   double last_ = 0;
   Image picture_;
