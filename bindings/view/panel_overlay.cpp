@@ -106,7 +106,6 @@ void draw_picker(Desk& desk, const Layout& l) {
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 2);
     ImGui::TextUnformatted(e.name.c_str());
     ImGui::SameLine(220);
-    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 2);
     ImGui::TextDisabled("%s", e.title.c_str());
     if (clicked || (enter && first)) desk.open_file = e.file.string(), desk.show_picker = false;
     first = false;

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kStatusEvery = 0.05;  // s
 constexpr double kFastTick = 0.1;      // simulated seconds per picture when nobody watches
+constexpr float kFarthest = 12;         // times the first distance: how far the camera steps back by itself
 constexpr double kSlowPicture = 40;    // ms: above, the picture is made with less care
 
 double clock_seconds() { return static_cast<double>(clock_nanoseconds()) * 1e-9; }
@@ -209,8 +210,8 @@ void Viewer::step_back(const Layout& l) {
   subject_.include(subject_of(frame_));
   Camera wanted = desk_.camera;
   fit_between(wanted, subject_, l);
-  if (wanted.distance > 3 * fitted_distance_ || wanted.distance < desk_.camera.distance * 1.01f) return;
-  const float share = options_.seconds >= 0 ? 1.0f : 0.06f;
+  if (wanted.distance > kFarthest * fitted_distance_ || wanted.distance < desk_.camera.distance * 1.01f) return;
+  const float share = options_.seconds >= 0 ? 1.0f : 1 - std::exp(-0.004f * static_cast<float>(desk_.frame_ms));
   desk_.camera.distance += share * (wanted.distance - desk_.camera.distance);
   for (int k = 0; k < 3; ++k) desk_.camera.target[k] += share * (wanted.target[k] - desk_.camera.target[k]);
 }
