@@ -95,12 +95,14 @@ void ViewerInput::mouse(Desk& desk) {
   if (!io.WantCaptureMouse && io.MouseWheel != 0)
     desk.camera.distance *= std::pow(0.88f, io.MouseWheel), desk.auto_frame = false;
   desk.camera.distance = std::clamp(desk.camera.distance, 0.01f, 1e5f);
-  if (drag_ == Drag::none && !io.WantCaptureMouse) {
+  if (drag_ == Drag::none) {
+    // the way of this picture was made before the press
+    if (io.WantCaptureMouse) return;
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) press(desk);
     else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || ImGui::IsMouseClicked(ImGuiMouseButton_Middle))
       drag_ = Drag::shift;
+    return;
   }
-  if (drag_ == Drag::none) return;
   desk.auto_frame = false;
   const bool down = drag_ == Drag::shift ? io.MouseDown[1] || io.MouseDown[2] : io.MouseDown[0];
   if (down)

@@ -136,6 +136,12 @@ TEST_CASE("the mouse drags a body, keys pause and step", "[view][screen]") {
   screen.hand("mouseup 1");
   CHECK(screen.wait([](const json& s) { return s["held"] == false && s["selected"] == "body \"crate\""; }));
 
+  // a click far from where the mouse was selects, and does not turn the camera
+  const json camera = screen.status()["camera"];
+  screen.hand("mousemove 100 100 mousemove 700 500 click 1");
+  CHECK(screen.wait([](const json& s) { return s["selected"] != "body \"crate\""; }));
+  CHECK(screen.status()["camera"] == camera);
+
   screen.hand("key space");
   REQUIRE(screen.wait([](const json& s) { return s["paused"] == true; }));
   const int step = screen.status()["step"];
