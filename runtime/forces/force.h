@@ -26,6 +26,9 @@ class Force {
   virtual double potential(const MassPoint*, std::size_t) const { return 0; }
   // False spares methods with implicit damping the derivative by the velocity.
   virtual bool depends_on_velocity() const { return true; }
+  // True for forces that press on surfaces: owners of triangles ask for one square metre held across the flow and
+  // turn the answer by the triangle's normal.
+  virtual bool on_area() const { return false; }
 };
 
 std::span<const Variant<Force>> force_kinds();

@@ -20,6 +20,8 @@ class Wind final : public Force {
         area_(static_cast<Real>(p.has("area") ? p.number("area", 0, 0, 1e9) : -1)),
         gust_(p.number("gust", 0, 0, 100)), gust_speed_(6.283185307179586 * p.number("gust_hertz", 0.5, 0, 1000)) {}
 
+  bool on_area() const override { return true; }
+
   void add(const MassPoint* points, std::size_t count, double time, Vec3* out) const override {
     double scale = 1;
     if (gust_ > 0) {

@@ -17,7 +17,7 @@ inline constexpr int kEventKinds = 15;
 const char* event_name(EventKind kind);                       // "contact_begin" ...
 bool event_kind_from_name(std::string_view name, EventKind& out);
 
-enum class WakeCause : std::uint8_t { none, contact, script, joint, neighbor, force, destroyed };
+enum class WakeCause : std::uint8_t { none, contact, script, joint, neighbor, force, cloth, destroyed };
 const char* wake_cause_name(WakeCause cause);
 
 // Fields that a kind does not use stay at their defaults.

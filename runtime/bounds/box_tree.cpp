@@ -1,0 +1,69 @@
+// Median split: the items of a node are ordered by their middles along the longest side and halved, so the depth is
+// logarithmic whatever the input (equal middles are told apart by index). Children lie side by side after their
+// parent, so a backward sweep refits. Weak spot: no surface heuristic; triangles of a sheet need none.
+#include "bounds/box_tree.h"
+
+#include <algorithm>
+
+namespace feder {
+
+void BoxTree::build(std::span<const Aabb> boxes) {
+  boxes_ = boxes;
+  const auto count = static_cast<std::uint32_t>(boxes.size());
+  items_.resize(count), sort_.resize(count);
+  nodes_.clear();
+  if (count == 0) return;
+  for (std::uint32_t i = 0; i < count; ++i) items_[i] = i, sort_[i] = Real(0.5) * (boxes[i].lo + boxes[i].hi);
+  nodes_.reserve(2 * count);
+  nodes_.push_back({{}, 0, count});
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n) split(n);
+  fit();
+  built_cost_ = cost();
+}
+
+void BoxTree::split(std::uint32_t node) {
+  const std::uint32_t first = nodes_[node].first, count = nodes_[node].count;
+  if (count <= kLeaf) return;
+  Aabb middles;
+  for (std::uint32_t k = first; k < first + count; ++k) middles.include(sort_[items_[k]]);
+  const Vec3 size = middles.hi - middles.lo;
+  const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
+  const std::uint32_t half = count / 2;
+  const auto begin = items_.begin() + first;
+  std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {
+    return sort_[a][axis] != sort_[b][axis] ? sort_[a][axis] < sort_[b][axis] : a < b;
+  });
+  const auto child = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.push_back({{}, first, half});
+  nodes_.push_back({{}, first + half, count - half});
+  nodes_[node].first = child, nodes_[node].count = 0;
+}
+
+void BoxTree::fit() {
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    node.box = Aabb{};
+    if (node.count > 0)
+      for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.box.include(boxes_[items_[k]]);
+    else
+      node.box.include(nodes_[node.first].box), node.box.include(nodes_[node.first + 1].box);
+  }
+}
+
+Real BoxTree::cost() const {
+  Real sum = 0;
+  for (const Node& n : nodes_) {
+    const Vec3 d = n.box.hi - n.box.lo;
+    sum += d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+  }
+  return sum;
+}
+
+void BoxTree::refit(std::span<const Aabb> boxes) {
+  if (boxes.size() != items_.size()) return build(boxes);
+  boxes_ = boxes;
+  fit();
+  if (!(cost() <= Real(1.5) * built_cost_)) build(boxes);
+}
+
+}  // namespace feder

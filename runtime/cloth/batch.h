@@ -1,0 +1,46 @@
+// Eight links or hinges side by side, and the kernels that work on them. Plain structs only: included by the file
+// that is compiled with -mavx2. No two elements of a batch, nor of a colour, push the same vertex; empty lanes point
+// to a spare vertex that cannot move.
+#pragma once
+#include "base/simd.h"
+
+namespace feder {
+
+struct LinkBatch {
+  unsigned a[kLanes], b[kLanes];
+  Lane8x3 base;        // b minus a at the start of the step, m
+  Lane8 rest;          // m
+  Lane8 compliance;    // m/N
+  Lane8 multiplier;    // of this small step, N s^2
+};
+
+struct HingeBatch {
+  unsigned v[4][kLanes];
+  Lane8x3 base[3];     // v[1], v[2], v[3] minus v[0] at the start of the step, m
+  Lane8 cosine, sine;  // of the rest angle
+  Lane8 compliance;    // rad/(N m)
+  Lane8 multiplier;    // N m s^2
+};
+
+struct ClothPass {
+  LinkBatch* links;
+  HingeBatch* hinges;
+  unsigned first, last;   // range of batches
+  WideReal* moved;        // Row4 as four numbers each
+  WideReal* speed;
+  WideReal inv_h2;        // 1/h^2 of the small step
+  WideReal h;             // s, of the small step
+  WideReal damping_time;  // damping x h of the substep, s^2
+};
+
+struct ClothKernels {
+  void (*links)(const ClothPass&);
+  void (*hinges)(const ClothPass&);
+  void (*bend_hinges)(const ClothPass&);
+  void (*damp_links)(const ClothPass&);
+  void (*damp_hinges)(const ClothPass&);
+};
+
+extern const ClothKernels kClothKernelsPlain, kClothKernelsAvx2;
+
+}  // namespace feder

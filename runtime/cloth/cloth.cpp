@@ -1,0 +1,215 @@
+// The cloth system: owner of sheets. What scripts give is checked here; vertices are added, and taken away.
+#include "cloth/cloth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/assert.h"
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr std::uint32_t kMaxVertices = 1u << 24;
+
+void need(bool ok, const std::string& what, const char* expected, double got) {
+  if (!ok) throw SceneError("cloth: " + what + ": expected " + expected + ", got " + std::to_string(got));
+}
+
+void check_numbers(const ClothDesc& d) {
+  const auto positive = [](Real x) { return x > 0 && is_finite(x); };
+  const auto not_negative = [](Real x) { return x >= 0 && is_finite(x); };
+  if (d.nx == 0) {
+    check_mesh(d.vertices, d.triangles);
+    need(d.vertices.size() <= kMaxVertices, "vertices", "at most 2^24", static_cast<double>(d.vertices.size()));
+  } else {
+    need(positive(d.size[0]), "size[1]", "a number above 0", d.size[0]);
+    need(positive(d.size[1]), "size[2]", "a number above 0", d.size[1]);
+    need(d.nx >= 2, "resolution[1]", "at least 2 vertices", d.nx);
+    need(d.ny >= 2, "resolution[2]", "at least 2 vertices", d.ny);
+    need(double(d.nx) * double(d.ny) <= kMaxVertices, "resolution", "at most 2^24 vertices", double(d.nx) * double(d.ny));
+  }
+  need(is_finite(d.pose.position), "position", "finite numbers", d.pose.position[0]);
+  need(is_finite(d.velocity), "velocity", "finite numbers", d.velocity[0]);
+  need(positive(d.area_density), "area_density", "a number above 0", d.area_density);
+  need(positive(d.stretch), "stretch", "a number above 0", d.stretch);
+  need(d.shear < 0 || is_finite(d.shear), "shear", "a finite number", d.shear);
+  need(not_negative(d.bend), "bend", "a finite number, 0 or more", d.bend);
+  need(not_negative(d.damping), "damping", "a finite number, 0 or more", d.damping);
+  need(positive(d.thickness), "thickness", "a number above 0", d.thickness);
+  need(not_negative(d.friction), "friction", "a finite number, 0 or more", d.friction);
+  need(not_negative(d.drag), "drag", "a finite number, 0 or more", d.drag);
+  need(not_negative(d.lift), "lift", "a finite number, 0 or more", d.lift);
+  need(d.tear_strain > 0, "tear_strain", "a number above 0", d.tear_strain);
+  need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
+  need(positive(d.stretch_error), "stretch_error", "a number above 0", d.stretch_error);
+  need(d.substeps >= 0 && d.substeps <= 10000, "substeps", "a whole number from 0 to 10000", d.substeps);
+  need(d.max_substeps >= 1 && d.max_substeps <= 10000, "max_substeps", "a whole number from 1 to 10000", d.max_substeps);
+}
+
+// The vertices a name stands for; `line`: two of each neighbouring pair are an edge that may be clamped.
+std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, bool& clamped) {
+  static const char kSuffix[] = "_clamped";
+  const std::string full = name;
+  clamped = name.size() > sizeof kSuffix && name.ends_with(kSuffix);
+  if (clamped) name.resize(name.size() - (sizeof kSuffix - 1));
+  const std::uint32_t nx = d.nx, ny = d.ny;
+  std::vector<std::uint32_t> v;
+  if (nx == 0) throw SceneError("cloth: pins: '" + full + "': only sheets have named sides; give vertex numbers");
+  if (name == "top_left") v = {0};
+  else if (name == "top_right") v = {nx - 1};
+  else if (name == "bottom_left") v = {(ny - 1) * nx};
+  else if (name == "bottom_right") v = {ny * nx - 1};
+  else if (name == "top" || name == "bottom")
+    for (std::uint32_t i = 0; i < nx; ++i) v.push_back((name == "top" ? 0 : (ny - 1) * nx) + i);
+  else if (name == "left" || name == "right")
+    for (std::uint32_t j = 0; j < ny; ++j) v.push_back(j * nx + (name == "left" ? 0 : nx - 1));
+  else {
+    const std::string near = nearest_name(name, std::vector<std::string>{"top_left", "top_right", "bottom_left", "bottom_right", "top", "bottom", "left", "right"});
+    throw SceneError("cloth: pins: unknown name '" + full + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+                     "; known: top_left, top_right, bottom_left, bottom_right, top, bottom, left, right, each with _clamped");
+  }
+  return v;
+}
+
+}  // namespace
+
+Cloth::Impl::Impl(SystemSetup& s)
+    : arena(s.store.arena(kName)), vertices(s.store.need<ClothVertices>(kName)), store(s.store), objects(s.objects),
+      events(s.events), structure_changed(s.structure_changed), moved(&arena), before(&arena), speed(&arena),
+      acceleration(&arena), force(&arena), points(&arena), mover_shift(&arena), mover_turn(&arena), rows(&arena), holds(&arena), near_rows(&arena),
+      pairs(&arena), near_vertex(&arena), near_triangle(&arena), near_edge(&arena), vertex_box(&arena),
+      triangle_box(&arena), edge_box(&arena), found(&arena), triangle_tree(arena), edge_tree(arena), guard_start(&arena),
+      held_back(&arena), touching(&arena), touching_now(&arena) {}
+
+const SystemDescriptor& Cloth::descriptor() {
+  static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<Cloth>(setup);
+                                     }};
+  return d;
+}
+
+Cloth::Cloth(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
+Cloth::~Cloth() = default;
+
+void Cloth::add_rows(StepPlan& plan) {
+  Impl* m = impl_.get();
+  if (m->sheets.empty()) return;
+  plan.add<&Impl::prepare>(Stage::advance, When::before_substeps, 12, "prepare", kName, m);
+  plan.add<&Impl::solve>(Stage::solve, When::each_substep, 15, "small steps", kName, m);
+  plan.add<&Impl::commit>(Stage::finish, When::each_substep, 20, "commit", kName, m);
+}
+
+void Cloth::Impl::attach_solver(Sheet& s, const std::string& name, const Params& options) {
+  s.solver = find_variant(cloth_solvers(), name, "cloth solver").make(arena, options);
+  options.check_all_read(name);
+  s.solver_name = name;
+  s.solver_options = options;
+}
+
+void Cloth::Impl::lump_mass(Sheet& s) {
+  const std::span<Real> mass(vertices.mass.data() + s.first, s.points);
+  lump_masses(s.mesh, {vertices.rest.data() + s.first, s.total}, s.settings.area_density, mass);
+  s.mass = 0;
+  for (const Real m : mass) s.mass += m;
+}
+
+ObjectId Cloth::add_cloth(const ClothDesc& desc) {
+  check_numbers(desc);
+  Impl& m = *impl_;
+  auto s = std::make_unique<Sheet>(m.arena);
+  std::vector<Vec3> rest = desc.vertices;
+  std::vector<std::uint32_t> triangles = desc.triangles;
+  if (desc.nx > 0) make_sheet(desc.size, desc.nx, desc.ny, rest, triangles);
+  const auto points = static_cast<std::uint32_t>(rest.size());
+  std::vector<char> pinned(points, 0), clamp(points, 0);
+  for (const std::uint32_t i : desc.pins) {
+    need(i < points, "pins", "vertex numbers from 1 to the number of vertices", double(i) + 1);
+    pinned[i] = 1;
+  }
+  std::vector<ClothGhost> ghosts;
+  s->mesh.triangles.assign(triangles.begin(), triangles.end());
+  s->mesh.grid = desc.nx > 0;
+  s->settings = {{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend}, desc.area_density,
+                 desc.damping, desc.thickness, desc.friction, desc.drag, desc.lift, desc.tear_strain,
+                 desc.gravity_scale, desc.stretch_error, desc.substeps, desc.max_substeps, desc.group, desc.mask,
+                 desc.self_collision, desc.wind};
+  make_elements(s->mesh, rest, s->settings.stiffness);
+  for (const std::string& name : desc.pin_names) {
+    bool clamped = false;
+    const std::vector<std::uint32_t> v = named_vertices(desc, name, clamped);
+    for (const std::uint32_t i : v) pinned[i] = 1;
+    if (!clamped) continue;
+    if (v.size() == 1)  // a corner keeps its slope when its neighbours stay
+      for (const ClothEdge& e : s->mesh.edges)
+        if (e.a == v[0] || e.b == v[0]) pinned[e.a] = pinned[e.b] = 1;
+    std::fill(clamp.begin(), clamp.end(), 0);
+    for (const std::uint32_t i : v) clamp[i] = 1;
+    for (const ClothEdge& e : s->mesh.edges)
+      if (e.triangle[1] == kNone && clamp[e.a] && clamp[e.b]) {
+        std::uint32_t inner[2];
+        inner_neighbors(s->mesh, rest, e, inner);
+        for (int k = 0; k < 2; ++k) {
+          const std::uint32_t middle = k ? e.b : e.a;
+          if (std::any_of(ghosts.begin(), ghosts.end(), [&](const ClothGhost& g) {
+                return g.clamped == middle && g.inner == inner[k];
+              }))
+            continue;
+          ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size())});
+          rest.push_back(2 * rest[middle] - rest[inner[k]]);
+        }
+      }
+  }
+  s->mesh.ghosts.assign(ghosts.begin(), ghosts.end());
+  if (!ghosts.empty()) make_elements(s->mesh, rest, s->settings.stiffness);
+  m.attach_solver(*s, desc.solver, desc.solver_options);
+  rest.push_back(Vec3(0, 0, 0));
+
+  // nothing can fail any more
+  ClothVertices& all = m.vertices;
+  s->first = all.size();
+  s->points = points;
+  s->total = static_cast<std::uint32_t>(rest.size());
+  s->object = m.objects.add(ObjectKind::cloth, static_cast<std::uint32_t>(m.sheets.size()), desc.name, desc.tags);
+  ClothVertices::each_array(all, [&](auto& array) { array.resize(s->first + s->total); });
+  for (std::uint32_t i = 0; i < s->total; ++i) {
+    const std::uint32_t at = s->first + i;
+    all.rest[at] = rest[i];
+    all.position[at] = to_world(desc.pose, rest[i]);
+    all.velocity[at] = i < points && !pinned[i] ? desc.velocity : Vec3(0, 0, 0);
+    all.mass[at] = all.inv_mass[at] = 0;
+    all.cloth[at] = s->object;
+    all.script_force[at] = Vec3::Zero();
+  }
+  m.lump_mass(*s);
+  for (std::uint32_t i = 0; i < points; ++i)
+    all.inv_mass[s->first + i] = pinned[i] ? Real(0) : 1 / all.mass[s->first + i];
+  m.sheets.push_back(std::move(s));
+  m.pairs_stale = true;
+  *m.structure_changed = true;
+  return m.sheets.back()->object;
+}
+
+void Cloth::destroy_cloth(ObjectId id, std::string where) {
+  Impl& m = *impl_;
+  const std::uint32_t place = m.objects.index(id);
+  const std::uint32_t first = m.sheets[place]->first, count = m.sheets[place]->total;
+  // later vertices, sheets and attachments move down
+  ClothVertices::each_array(m.vertices, [&](auto& array) {
+    array.erase(array.begin() + first, array.begin() + first + count);
+  });
+  std::erase_if(m.attachments, [&](const Attachment& a) { return a.cloth == id; });
+  for (Attachment& a : m.attachments)
+    if (a.vertex > first) a.vertex -= count;
+  m.sheets.erase(m.sheets.begin() + place);
+  for (std::uint32_t k = place; k < m.sheets.size(); ++k) {
+    m.sheets[k]->first -= count;
+    m.objects.set_index(m.sheets[k]->object, k);
+  }
+  m.rows.clear(), m.holds.clear(), m.pairs.clear();
+  m.pairs_stale = true;
+  m.objects.remove(id, std::move(where));
+  *m.structure_changed = true;
+}
+
+}  // namespace feder

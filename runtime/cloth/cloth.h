@@ -1,0 +1,166 @@
+// Cloth: sheets of triangles with stretch, shear and bending stiffness, thickness and friction. Each cloth has a
+// solver of its own; contacts with movers and with cloth are solved between their small steps.
+// Units: stretch and shear in N/m (force per width and strain: E h for a sheet of thickness h), bend in N m
+// (E h^3 / (12 (1 - nu^2)), moment per width and curvature).
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "state/cloth_vertices.h"
+#include "step/system.h"
+
+namespace feder {
+
+struct Movers;
+
+struct ClothDesc {
+  std::string name;
+  TagMask tags = 0;
+  // A sheet of nx x ny vertices, size[0] along x and size[1] along z, in the xz plane; row 1 ("top") at the lowest z,
+  // column 1 ("left") at the lowest x. Or, when nx is 0, a mesh.
+  Real size[2] = {1, 1};             // m
+  std::uint32_t nx = 0, ny = 0;
+  std::vector<Vec3> vertices;        // m, local
+  std::vector<std::uint32_t> triangles;  // three vertex numbers each
+  Pose pose;
+  Vec3 velocity = Vec3::Zero();      // m/s
+  Real area_density = Real(0.2);     // kg/m^2
+  Real stretch = 2000;               // N/m
+  Real shear = -1;                   // N/m; < 0: a tenth of stretch (sheets only)
+  Real bend = Real(1e-4);            // N m
+  Real damping = Real(0.002);        // s: stress of strain rate over stiffness; never acts on rigid motion
+  Real thickness = Real(0.01);       // m, between two layers; half of it to bodies
+  Real friction = Real(0.4);
+  bool self_collision = true;
+  bool wind = true;                  // forces that act on areas (wind) reach it
+  Real drag = 1, lift = 1;           // shares of the pressure along the flow and across it
+  Real tear_strain = kInfinity;      // an edge stretched more than this breaks
+  Real gravity_scale = 1;
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  // Small steps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
+  int substeps = 0;
+  Real stretch_error = Real(0.01);   // strain that the solver may leave beside the material's
+  int max_substeps = 64;             // where the choice ends, with a warning
+  std::string solver = "xpbd";
+  Params solver_options;
+  // Names: "top_left" "top_right" "bottom_left" "bottom_right" "top" "bottom" "left" "right", each with "_clamped"
+  // when the slope is held too (sheets only); and vertex numbers from 0.
+  std::vector<std::string> pin_names;
+  std::vector<std::uint32_t> pins;
+};
+
+// What one row of contact, attachment or closeness pushes: up to four vertices by weight, and a mover.
+//   C = offset + normal . (sum weight d - displacement of the mover's point)  >= 0
+// with d the displacement of a vertex since the start of the step.
+struct ClothRow {
+  std::uint32_t vertex[4] = {};
+  Real weight[4] = {};               // 0: unused
+  Vec3 normal = Vec3::Zero();        // unit; from the mover, or from the negative weights, to the positive ones
+  Real offset = 0;                   // m
+  std::uint32_t mover = 0;           // solver index; 0: nothing that moves
+  Vec3 arm = Vec3::Zero();           // from the mover's centre of mass to the point, m
+  Vec3 slide = Vec3::Zero();         // velocity of the surface beside that of the mover (conveyor), m/s
+  Real friction = 0;
+  Real relaxation = 1;               // of the correction
+  std::uint32_t touch = kNone;       // who owns it, for its maker
+  // written by the solver
+  Real impulse = 0;                  // along the normal in this substep, N s
+  Real approach = 0;                 // closing speed before the first push of the substep, m/s
+};
+
+// A vertex held at a point of a mover: all three components.
+struct ClothHold {
+  std::uint32_t vertex = 0;
+  std::uint32_t mover = 0;
+  Vec3 arm = Vec3::Zero();           // m
+  Vec3 error = Vec3::Zero();         // vertex minus point at the start of the substep, less d then, m
+};
+
+class Cloth final : public System {
+ public:
+  static constexpr const char* kName = "cloth";
+  static const SystemDescriptor& descriptor();
+  explicit Cloth(SystemSetup& setup);
+  ~Cloth() override;
+
+  void add_rows(StepPlan& plan) override;
+  std::size_t count() const override;   // vertices
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override;
+  void load(Reader& r) override;
+  Energy energy(const Vec3& gravity) const override;
+  Momentum momentum() const override;
+  void residuals(std::vector<Residual>& out) const override;
+  bool finite() const override;
+
+  ObjectId add_cloth(const ClothDesc& desc);  // SceneError on impossible input, nothing changed
+  void destroy_cloth(ObjectId cloth, std::string where);
+  std::size_t vertex_count(ObjectId cloth) const;
+  std::size_t triangle_count(ObjectId cloth) const;
+  std::size_t edge_count(ObjectId cloth) const;
+  // i counts from 0 within the cloth; SceneError when out of range.
+  Vec3 point(ObjectId cloth, std::size_t i) const;
+  void set_point(ObjectId cloth, std::size_t i, const Vec3& x);  // moves a pinned vertex, or teleports a free one
+  Vec3 velocity(ObjectId cloth, std::size_t i) const;
+  void set_velocity(ObjectId cloth, std::size_t i, const Vec3& v);
+  void apply_impulse(ObjectId cloth, std::size_t i, const Vec3& impulse);
+  Real point_mass(ObjectId cloth, std::size_t i) const;
+  void pin(ObjectId cloth, std::size_t i);
+  void unpin(ObjectId cloth, std::size_t i);
+  bool pinned(ObjectId cloth, std::size_t i) const;
+  Real strain(ObjectId cloth, std::size_t k) const;  // of an edge
+  Real max_strain(ObjectId cloth) const;             // the largest elongation / rest length of all edges
+  void positions(ObjectId cloth, std::vector<Vec3>& out) const;
+  void normals(ObjectId cloth, std::vector<Vec3>& out) const;           // by the angles at the vertex, unit
+  void smooth_positions(ObjectId cloth, std::vector<Vec3>& out) const;  // for drawing only
+  void triangles(ObjectId cloth, std::vector<std::uint32_t>& out) const;
+  void set_script_force(ObjectId cloth, std::size_t i, const Vec3& force);  // N, until changed
+  void clear_script_forces();
+  int substeps(ObjectId cloth) const;                // small steps per world substep, as last chosen
+  bool asleep(ObjectId cloth) const;
+  void wake(ObjectId cloth, WakeCause cause = WakeCause::script, ObjectId other = {});
+  void sleep(ObjectId cloth);
+  bool quarantined(ObjectId cloth) const;
+
+  struct Attachment {
+    ObjectId cloth, body;
+    std::uint32_t vertex = 0;     // index in ClothVertices
+    Vec3 local = Vec3::Zero();    // in the body frame of `body`, m
+  };
+  void attach(ObjectId cloth, std::size_t i, ObjectId body, const Vec3& local);
+  void detach(ObjectId cloth, std::size_t i);
+  void detach_body(ObjectId body);
+  const std::vector<Attachment>& attachments() const;
+
+  // For couplings.
+  struct Info {
+    ObjectId object;
+    std::uint32_t first = 0, count = 0;          // visible run in ClothVertices
+    std::span<const std::uint32_t> triangles;    // three numbers each, from 0 within the cloth
+    Real thickness = 0, friction = 0;
+    Real relaxation = 1;                         // of contacts, as its solver wants it
+    std::uint32_t group = 1, mask = 0xffffffffu;
+    bool asleep = false;
+    bool moving = false;                         // awake, and not calm
+  };
+  std::size_t cloth_count() const;
+  Info info(std::size_t n) const;                // 0 .. cloth_count()-1, in the order the cloths were made
+  const ClothVertices& vertices() const;
+  // In a step: displacements since its start (w: inverse mass), and velocities.
+  std::span<const Row4> moved() const;
+  std::span<const Row4> speed() const;
+  // Rows for this substep, filled before the cloth's own row in `solve` (rank 15); the movers they name.
+  Array<ClothRow>& contact_rows();
+  Array<ClothHold>& holds();
+  void set_movers(Movers* movers);
+  // The mass that rests on a cloth, kg: smaller steps are chosen for it.
+  void set_load(std::size_t n, Real mass);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace feder

@@ -1,0 +1,116 @@
+// The parts of the cloth system that its files share. Private to the module.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "bounds/box_tree.h"
+#include "cloth/sheet.h"
+#include "forces/force.h"
+#include "state/movers.h"
+
+namespace feder {
+
+// Two features that may come close in this step: a vertex and a triangle, or two edges.
+struct NearPair {
+  std::uint32_t v[4] = {};       // vertex and the triangle's three; or two and two
+  std::uint32_t edges = 0;       // 1: edge and edge
+  Real thickness = 0;            // wanted distance, m; less where they are closer at rest
+  Vec3 normal = Vec3::Zero();    // of this substep, from the second feature to the first
+  Real distance = 0;             // at its start, m
+  std::uint32_t row = kNone;     // its contact row, if close enough
+};
+
+struct Cloth::Impl {
+  explicit Impl(SystemSetup& setup);
+
+  Arena& arena;
+  ClothVertices& vertices;
+  Store& store;
+  Objects& objects;
+  Events& events;
+  bool* structure_changed;
+  std::vector<std::unique_ptr<Sheet>> sheets;  // the object's index is the place here
+  std::vector<Attachment> attachments;         // in the order they were made
+  Movers* movers = nullptr;
+
+  // of a step, by vertex
+  Array<Row4> moved, before, speed;
+  Array<Vec3> acceleration;        // gravity, script, wind
+  Array<Vec3> force;               // work of forces.cpp, N
+  Array<MassPoint> points;
+  // of a step, by mover: what contacts moved it beside its own solver's account
+  Array<Vec3> mover_shift, mover_turn;
+  // of a substep
+  Array<ClothRow> rows;            // of couplings
+  Array<ClothHold> holds;
+  Array<ClothRow> near_rows;       // of cloth against cloth
+  int small_steps = 1;             // per substep, of all cloths
+  bool any_active = false;
+
+  // closeness of cloth and cloth; all of it is found anew in each step
+  Array<NearPair> pairs;
+  Array<std::uint32_t> near_vertex;            // of the cloths that take part
+  Array<std::uint32_t> near_triangle, near_edge;  // three and two vertices per item of the trees
+  Array<Aabb> vertex_box, triangle_box, edge_box; // swept over the rest of the step, beside the drift
+  Array<std::uint32_t> found;
+  BoxTree triangle_tree, edge_tree;
+  Vec3 drift = Vec3::Zero();                   // mean velocity of free cloths, m/s
+  Real since_found = 0;                        // s, since the boxes were made
+  Array<Row4> guard_start;                     // displacements at the start of the substep
+  Array<std::uint8_t> held_back;               // by vertex
+  Array<std::uint64_t> touching, touching_now; // pairs of sheets in contact, and their events
+  std::uint64_t guarded = 0, clamped = 0;      // corrections of the last step
+  bool pairs_stale = true;                     // the boxes have been left
+
+  Sheet& sheet(ObjectId id) const { return *sheets[objects.index(id)]; }
+  std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none
+  ClothView view(Sheet& s);
+  void attach_solver(Sheet& s, const std::string& name, const Params& options);
+  void measure_paths(Sheet& s);
+  void wake(Sheet& s, WakeCause cause, ObjectId other);
+  void put_to_sleep(Sheet& s);
+
+  // Rows of the plan.
+  void prepare(StepContext& c);
+  void solve(StepContext& c);
+  void commit(StepContext& c);
+
+  void choose_steps(StepContext& c);
+  void gather(Sheet& s, Real h);
+  void add_forces(StepContext& c);
+  void add_wind(Sheet& s, double time);
+  void quarantine(StepContext& c);
+  void update_sleep(StepContext& c);
+  void tear(StepContext& c);
+  bool tear_at(Sheet& s, std::uint32_t link, StepContext& c);
+  std::uint32_t split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& triangles);
+  void lump_mass(Sheet& s);
+
+  // rows.cpp
+  void advance_movers(Real h);
+  void solve_rows(Array<ClothRow>& list, Real h);
+  void solve_holds(Real h);
+  void velocities(Real h);
+  void stop_rebound(Array<ClothRow>& list, Real h);
+  Vec3 mover_displacement(std::uint32_t mover, const Vec3& arm) const;
+  void push_mover(std::uint32_t mover, const Vec3& arm, const Vec3& correction, Real h);  // correction: kg m
+  Real mover_response(std::uint32_t mover, const Vec3& arm, const Vec3& n) const;         // 1/kg
+
+  // near.cpp: pairs that may come close in this step, and their rows
+  bool near_wanted() const;
+  bool may_touch(const Sheet& a, const Sheet& b) const;
+  Sheet& sheet_of(std::uint32_t vertex) const { return *sheets[objects.index(vertices.cloth[vertex])]; }
+  Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
+  void find_pairs(StepContext& c);
+  void list_features(StepContext& c);
+  void add_pair(const std::uint32_t (&v)[4], bool edges, Real time);
+  void measure(NearPair& p, Real (&weight)[4]) const;
+  void make_near_rows(StepContext& c);
+  // guard.cpp: no pair crosses within a substep
+  void keep_in_boxes(StepContext& c);
+  void guard(StepContext& c);
+  bool separate(NearPair& p, Real h, bool push);
+  void report_near(StepContext& c);
+};
+
+}  // namespace feder

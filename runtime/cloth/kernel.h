@@ -1,0 +1,220 @@
+// The arithmetic of links and hinges, eight at a time. Included by kernel_plain.cpp and kernel_avx2.cpp, which differ
+// in compiler flags only and give the same bits.
+// XPBD (Macklin et al. 2016, eq. 18): with alpha = compliance/h^2 and multiplier L,
+//   dL = (-C - alpha L)/(sum w |grad C|^2 + alpha),  x += w grad C dL.
+// Hinges use the angle itself (Bridson 2003; Tamstorf and Grinspun 2013 for the gradients), not the distance across.
+// Positions are the state at the start of the step plus a displacement: what a small step adds is far below the
+// rounding of a position, but not of a displacement.
+#pragma once
+#include "cloth/batch.h"
+
+namespace feder {
+namespace {
+
+using namespace lanes;
+
+constexpr WideReal kTiny = 1e-30f;
+
+struct Rows8 {
+  Lanes3 v;
+  Lanes w;
+};
+
+typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
+
+// Eight rows of four numbers, to columns.
+[[gnu::always_inline]] inline Rows8 gather(const WideReal* rows, const unsigned* index) {
+  Half r[kLanes];
+  for (int i = 0; i < kLanes; ++i)
+    __builtin_memcpy(&r[i], __builtin_assume_aligned(rows + index[i] * 4, sizeof(Half)), sizeof(Half));
+  Lanes p[4];
+  for (int i = 0; i < 4; ++i) p[i] = __builtin_shufflevector(r[i], r[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+  const Lanes t0 = __builtin_shufflevector(p[0], p[1], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes t1 = __builtin_shufflevector(p[0], p[1], 2, 10, 3, 11, 6, 14, 7, 15);
+  const Lanes t2 = __builtin_shufflevector(p[2], p[3], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes t3 = __builtin_shufflevector(p[2], p[3], 2, 10, 3, 11, 6, 14, 7, 15);
+  return {{__builtin_shufflevector(t0, t2, 0, 1, 8, 9, 4, 5, 12, 13),
+           __builtin_shufflevector(t0, t2, 2, 3, 10, 11, 6, 7, 14, 15),
+           __builtin_shufflevector(t1, t3, 0, 1, 8, 9, 4, 5, 12, 13)},
+          __builtin_shufflevector(t1, t3, 2, 3, 10, 11, 6, 7, 14, 15)};
+}
+
+[[gnu::always_inline]] inline void scatter(WideReal* rows, const unsigned* index, const Rows8& a) {
+  const Lanes t0 = __builtin_shufflevector(a.v.x, a.v.y, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes t1 = __builtin_shufflevector(a.v.x, a.v.y, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Lanes t2 = __builtin_shufflevector(a.v.z, a.w, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes t3 = __builtin_shufflevector(a.v.z, a.w, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Lanes p[4] = {__builtin_shufflevector(t0, t2, 0, 1, 8, 9, 4, 5, 12, 13),
+                      __builtin_shufflevector(t0, t2, 2, 3, 10, 11, 6, 7, 14, 15),
+                      __builtin_shufflevector(t1, t3, 0, 1, 8, 9, 4, 5, 12, 13),
+                      __builtin_shufflevector(t1, t3, 2, 3, 10, 11, 6, 7, 14, 15)};
+  for (int i = 0; i < 4; ++i) {
+    const Half low = __builtin_shufflevector(p[i], p[i], 0, 1, 2, 3), high = __builtin_shufflevector(p[i], p[i], 4, 5, 6, 7);
+    __builtin_memcpy(__builtin_assume_aligned(rows + index[i] * 4, sizeof(Half)), &low, sizeof(Half));
+    __builtin_memcpy(__builtin_assume_aligned(rows + index[i + 4] * 4, sizeof(Half)), &high, sizeof(Half));
+  }
+}
+
+// 1/x where x > 0, else 0.
+[[gnu::always_inline]] inline Lanes reciprocal_or_zero(Lanes x) {
+  const LaneMask good = x > all_lanes(kTiny);
+  return select(good, all_lanes(1) / select(good, x, all_lanes(1)), zero_lanes());
+}
+
+void solve_links(const ClothPass& p) {
+  const Lanes inv_h2 = all_lanes(p.inv_h2);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    LinkBatch& c = p.links[i];
+    Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
+    const Lanes3 e = load(c.base) + (b.v - a.v);
+    const Lanes size = square_root(dot(e, e)), alpha = load(c.compliance) * inv_h2, old = load(c.multiplier);
+    const Lanes change = (load(c.rest) - size - alpha * old) * reciprocal_or_zero(a.w + b.w + alpha);
+    store(c.multiplier, old + change);
+    const Lanes3 push = e * (change * reciprocal_or_zero(size));
+    a.v = a.v - push * a.w;
+    b.v = b.v + push * b.w;
+    scatter(p.moved, c.a, a);
+    scatter(p.moved, c.b, b);
+  }
+}
+
+// atan(q) for q in [0, 1], error below 2e-8 (Abramowitz and Stegun 4.4.49).
+[[gnu::always_inline]] inline Lanes arc_tangent(Lanes q) {
+  const Lanes s = q * q;
+  Lanes r = all_lanes(0.0028662257f);
+  r = r * s + all_lanes(-0.0161657367f);
+  r = r * s + all_lanes(0.0429096138f);
+  r = r * s + all_lanes(-0.0752896400f);
+  r = r * s + all_lanes(0.1065626393f);
+  r = r * s + all_lanes(-0.1420889944f);
+  r = r * s + all_lanes(0.1999355085f);
+  r = r * s + all_lanes(-0.3333314528f);
+  return q + q * s * r;
+}
+
+struct HingeRows {
+  Rows8 v[4];
+  Lanes3 e[3];  // edges now, from v[0]
+};
+
+[[gnu::always_inline]] inline HingeRows gather_hinge(const ClothPass& p, const HingeBatch& c) {
+  HingeRows r;
+  for (int k = 0; k < 4; ++k) r.v[k] = gather(p.moved, c.v[k]);
+  for (int k = 0; k < 3; ++k) r.e[k] = load(c.base[k]) + (r.v[k + 1].v - r.v[0].v);
+  return r;
+}
+
+struct HingeShape {
+  Lanes3 gradient[4];
+  Lanes sine, cosine;  // of the angle, not normalised
+  Lanes weight;        // sum of w |gradient|^2
+};
+
+[[gnu::always_inline]] inline HingeShape hinge_shape(const HingeRows& r) {
+  HingeShape s;
+  const Lanes3 &e = r.e[0], &a = r.e[1], &b = r.e[2];
+  const Lanes3 n1 = cross(e, a), n2 = cross(b, e);
+  const Lanes e2 = dot(e, e), size = square_root(e2), inv_e = reciprocal_or_zero(size);
+  s.sine = dot(cross(n1, n2), e) * inv_e;
+  s.cosine = dot(n1, n2);
+  // moving v[2] or v[3] along its triangle's normal closes the angle at 1/height
+  s.gradient[2] = n1 * (zero_lanes() - size * reciprocal_or_zero(dot(n1, n1)));
+  s.gradient[3] = n2 * (zero_lanes() - size * reciprocal_or_zero(dot(n2, n2)));
+  const Lanes inv_e2 = inv_e * inv_e;
+  s.gradient[1] = (s.gradient[2] * dot(a, e) + s.gradient[3] * dot(b, e)) * (zero_lanes() - inv_e2);
+  const Lanes3 sum = s.gradient[1] + s.gradient[2] + s.gradient[3];
+  s.gradient[0] = sum * all_lanes(-1);
+  s.weight = zero_lanes();
+  for (int k = 0; k < 4; ++k) s.weight += r.v[k].w * dot(s.gradient[k], s.gradient[k]);
+  return s;
+}
+
+// Angle beyond rest, in (-pi, pi): twice the arc tangent of sine/(1 + cosine).
+[[gnu::always_inline]] inline Lanes bent(const HingeBatch& c, const HingeShape& s) {
+  const Lanes zero = zero_lanes(), c0 = load(c.cosine), s0 = load(c.sine);
+  const Lanes sine = s.sine * c0 - s.cosine * s0, cosine = s.cosine * c0 + s.sine * s0;
+  const Lanes up = select(sine < zero, zero - sine, sine);
+  const Lanes along = square_root(sine * sine + cosine * cosine) + cosine;
+  const LaneMask steep = up > along;
+  const Lanes low = select(steep, along, up), high = select(steep, up, along);
+  const Lanes half = arc_tangent(low * reciprocal_or_zero(high));
+  const Lanes angle = all_lanes(2) * select(steep, all_lanes(1.57079632679489662f) - half, half);
+  return select(sine < zero, zero - angle, angle);
+}
+
+void solve_hinges(const ClothPass& p) {
+  const Lanes inv_h2 = all_lanes(p.inv_h2), zero = zero_lanes();
+  for (unsigned i = p.first; i < p.last; ++i) {
+    HingeBatch& c = p.hinges[i];
+    HingeRows r = gather_hinge(p, c);
+    const HingeShape s = hinge_shape(r);
+    const Lanes alpha = load(c.compliance) * inv_h2, old = load(c.multiplier);
+    const Lanes change = (zero - bent(c, s) - alpha * old) * reciprocal_or_zero(s.weight + alpha);
+    store(c.multiplier, old + change);
+    for (int k = 0; k < 4; ++k) {
+      r.v[k].v = r.v[k].v + s.gradient[k] * (change * r.v[k].w);
+      scatter(p.moved, c.v[k], r.v[k]);
+    }
+  }
+}
+
+// The torque k (angle - rest) as an impulse on velocities; where a triangle has become so narrow that the push would
+// overshoot, no more than half of what straightens the hinge.
+void bend_hinges(const ClothPass& p) {
+  const Lanes h = all_lanes(p.h), zero = zero_lanes();
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const HingeBatch& c = p.hinges[i];
+    const HingeRows r = gather_hinge(p, c);
+    const HingeShape s = hinge_shape(r);
+    const Lanes torque = h / load(c.compliance), most = all_lanes(0.5f) * reciprocal_or_zero(s.weight * h);
+    const Lanes impulse = (zero - bent(c, s)) * min(torque, most);
+    for (int k = 0; k < 4; ++k) {
+      Rows8 u = gather(p.speed, c.v[k]);
+      u.v = u.v + s.gradient[k] * (impulse * u.w);
+      scatter(p.speed, c.v[k], u);
+    }
+  }
+}
+
+// Strain rate, at velocities: implicit in its own row, J = -rate T/(compliance + T weight), T = damping x h.
+void damp_links(const ClothPass& p) {
+  const Lanes time = all_lanes(p.damping_time);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const LinkBatch& c = p.links[i];
+    const Rows8 xa = gather(p.moved, c.a), xb = gather(p.moved, c.b);
+    Rows8 a = gather(p.speed, c.a), b = gather(p.speed, c.b);
+    Lanes3 e = load(c.base) + (xb.v - xa.v);
+    e = e * reciprocal_or_zero(square_root(dot(e, e)));
+    const Lanes rate = dot(b.v - a.v, e);
+    const Lanes impulse = (zero_lanes() - rate) * time * reciprocal_or_zero(load(c.compliance) + time * (a.w + b.w));
+    a.v = a.v - e * (impulse * a.w);
+    b.v = b.v + e * (impulse * b.w);
+    scatter(p.speed, c.a, a);
+    scatter(p.speed, c.b, b);
+  }
+}
+
+void damp_hinges(const ClothPass& p) {
+  const Lanes time = all_lanes(p.damping_time);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const HingeBatch& c = p.hinges[i];
+    const HingeRows r = gather_hinge(p, c);
+    const HingeShape s = hinge_shape(r);
+    Rows8 u[4];
+    Lanes rate = zero_lanes();
+    for (int k = 0; k < 4; ++k) {
+      u[k] = gather(p.speed, c.v[k]);
+      rate += dot(s.gradient[k], u[k].v);
+    }
+    const Lanes impulse = (zero_lanes() - rate) * time * reciprocal_or_zero(load(c.compliance) + time * s.weight);
+    for (int k = 0; k < 4; ++k) {
+      u[k].v = u[k].v + s.gradient[k] * (impulse * u[k].w);
+      scatter(p.speed, c.v[k], u[k]);
+    }
+  }
+}
+
+constexpr ClothKernels kKernels = {solve_links, solve_hinges, bend_hinges, damp_links, damp_hinges};
+
+}  // namespace
+}  // namespace feder

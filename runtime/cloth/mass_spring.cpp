@@ -1,0 +1,164 @@
+// The classical mass-spring cloth (Provot 1995): links of the mesh as stretch springs, a spring across each hinge
+// against bending, moved by an integrator of choice; Heun unless another is named. Contact corrections are relaxed by
+// a quarter (Bridson et al. 2002). Strain rate is taken out between substeps, not by the integrator.
+// A spring across a hinge of heights a, b has the stiffness that stores a hinge's energy at a fold of 1 rad,
+// k = 4 bend_hinge (a + b)^2/(a b)^2. Weak spot: its energy grows with the fourth power of the fold, so a flat sheet
+// has no bending stiffness at all (curve measured in tests/cloth/test_mass_spring.cpp); and explicit integrators need
+// small steps below a part of 1/w of the stiffest link. Heun is unstable for any undamped oscillator, by (h w)^4/8
+// per step: it lives on the damping.
+// Kept between steps: springs of the mesh.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/batches.h"
+#include "integrate/integrator.h"
+
+namespace feder {
+namespace {
+
+constexpr double kReach = 0.5;        // of the stability limit
+constexpr double kGrowingReach = 0.5; // h w for methods without one, where damping acts
+constexpr double kUndampedReach = 0.1;
+constexpr double kLeastCap = 256;
+const Vec3 kNoDirection = Vec3(1, 0, 0);
+
+struct Spring {
+  std::uint32_t i, j;  // i < j
+  Real rest, stiffness;
+};
+
+std::string default_integrator() {
+  for (const Variant<Integrator>& v : integrators())
+    if (std::string_view(v.name) == "heun") return "heun";
+  return "velocity_verlet";  // where Heun is left out
+}
+
+class MassSpring final : public ClothSolver, private ForceField {
+ public:
+  MassSpring(Arena& a, const Params& p)
+      : batches_(a), springs_(&a), x_(&a), v_(&a), inv_mass_(&a), view_{} {
+    const std::string name = p.text("integrator", default_integrator());
+    Params none;
+    integrator_ = find_variant(integrators(), name, "integrator").make(a, none);
+  }
+
+  void prepare(const ClothView& v, StepContext&) override {
+    build(v);
+    batches_.build(v);
+    batches_.place(v);
+    inv_mass_.resize(v.points);
+    for (std::uint32_t i = 0; i < v.points; ++i) inv_mass_[i] = v.moved[i].w;
+  }
+
+  void advance(const ClothView& v, double t, Real h, StepContext&) override {
+    view_ = v;
+    x_.resize(v.points), v_.resize(v.points);
+    for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.moved[i].vec(), v_[i] = v.speed[i].vec();
+    integrator_->step(*this, t, h, {x_.data(), v.points}, {v_.data(), v.points});
+    for (std::uint32_t i = 0; i < v.total; ++i) {
+      if (i < v.points && v.moved[i].w != 0) v.moved[i].set(x_[i]), v.speed[i].set(v_[i]);
+      v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 1};
+    }
+  }
+
+  void damp(const ClothView& v, Real h, StepContext& c) override {
+    if (v.damping > 0) batches_.damp(v, h, c);
+  }
+
+  // Gershgorin: w^2 <= the largest sum of what a vertex's springs add to its row.
+  double wanted_substeps(const ClothView& v, Real h) const override {
+    std::vector<double> stiff(v.points, 0);
+    double fastest = 0;
+    each_spring(v, [&](const Spring& s) {
+      stiff[s.i] += double(s.stiffness) * (v.moved[s.j].w != 0 ? 2 : 1);
+      stiff[s.j] += double(s.stiffness) * (v.moved[s.i].w != 0 ? 2 : 1);
+    });
+    for (std::uint32_t i = 0; i < v.points; ++i) fastest = std::max(fastest, stiff[i] * double(v.moved[i].w));
+    const double limit = integrator_->info().stability_limit;
+    const double reach = limit > 0 ? kReach * limit : v.damping > 0 ? kGrowingReach : kUndampedReach;
+    return std::sqrt(fastest) * double(h) / reach;
+  }
+
+  Real relaxation() const override { return Real(0.25); }
+  bool sheds_strain() const override { return false; }
+  double least_cap() const override { return kLeastCap; }
+  const char* beyond_cap() const override { return "may be unstable; soften it, or take implicit_euler or xpbd"; }
+
+ private:
+  template <class F>
+  static void each_spring(const ClothView& v, F&& f) {
+    for (const ClothLink& l : v.mesh->links) f(Spring{l.a, l.b, l.rest, l.stiffness});
+    for (const ClothHinge& k : v.mesh->hinges) {
+      const std::uint32_t i = std::min(k.v[2], k.v[3]), j = std::max(k.v[2], k.v[3]);
+      if (j >= v.points) continue;  // the far side of a clamp: nothing for springs to lean on
+      const Vec3 e = v.rest[k.v[1]] - v.rest[k.v[0]];
+      const Real size = length(e), a = length(cross(e, v.rest[k.v[2]] - v.rest[k.v[0]])) / size,
+                 b = length(cross(e, v.rest[k.v[3]] - v.rest[k.v[0]])) / size;
+      f(Spring{i, j, length(v.rest[j] - v.rest[i]), 4 * k.stiffness * (a + b) * (a + b) / (a * a * b * b)});
+    }
+  }
+
+  void build(const ClothView& v) {
+    if (version_ == v.version) return;
+    version_ = v.version;
+    springs_.clear();
+    each_spring(v, [&](const Spring& s) { springs_.push_back(s); });
+  }
+
+  Vec3 edge(const Spring& s, std::span<const Vec3> x) const {
+    return (view_.position[s.j] - view_.position[s.i]) + (x[s.j] - x[s.i]);
+  }
+
+  // ForceField, at displacements since the start of the step.
+  std::size_t count() const override { return view_.points; }
+  std::span<const Real> inv_mass() const override { return {inv_mass_.data(), inv_mass_.size()}; }
+  std::span<const Real> mass() const override { return {view_.mass, view_.points}; }
+  bool damped() const override { return false; }
+  bool stiff_damping(Real) const override { return false; }
+  void eval(std::span<const Vec3> x, std::span<const Vec3>, double, std::span<Vec3> force) override {
+    for (std::uint32_t i = 0; i < view_.points; ++i) force[i] = view_.mass[i] * view_.acceleration[i];
+    for (const Spring& s : springs_) {
+      const Vec3 e = edge(s, x);
+      const Vec3 f = normalized_or(e, kNoDirection) * (s.stiffness * (length(e) - s.rest));
+      force[s.i] += f;
+      force[s.j] -= f;
+    }
+  }
+  void damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) override { d.set_zero(); }
+  // As for nets: the indefinite part of a compressed spring is dropped (Choi & Ko 2002).
+  void jacobian(std::span<const Vec3> x, std::span<const Vec3>, double, BlockSparse& k, BlockSparse& d) override {
+    d.set_zero(), k.set_zero();
+    for (std::size_t n = 0; n < springs_.size(); ++n) {
+      const Spring& s = springs_[n];
+      const Vec3 e = edge(s, x), u = normalized_or(e, kNoDirection);
+      const Real size = length(e), across = size > s.rest ? s.stiffness * (1 - s.rest / size) : Real(0);
+      Mat3 block;
+      for (int col = 0; col < 3; ++col) block.col(col) = ((s.stiffness - across) * u[col]) * u;
+      block.diagonal().array() += across;
+      k.diagonal[s.i] -= block;
+      k.diagonal[s.j] -= block;
+      k.off[n] = block;
+    }
+  }
+  void pattern(std::vector<BlockIndex>& blocks) const override {
+    for (const Spring& s : springs_) blocks.push_back({s.i, s.j});
+  }
+  std::uint64_t pattern_version() const override { return version_; }
+
+  ClothBatches batches_;  // for damping
+  Array<Spring> springs_;
+  Array<Vec3> x_, v_;
+  Array<Real> inv_mass_;
+  ClothView view_;
+  std::uint64_t version_ = ~std::uint64_t(0);
+  std::unique_ptr<Integrator> integrator_;
+};
+
+}  // namespace
+
+Variant<ClothSolver> cloth_mass_spring() {
+  return {"mass_spring", "stretch and bend springs with an integrator by name; no bending stiffness when flat",
+          [](Arena& a, const Params& p) -> std::unique_ptr<ClothSolver> { return std::make_unique<MassSpring>(a, p); }};
+}
+
+}  // namespace feder

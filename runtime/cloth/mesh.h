@@ -1,0 +1,70 @@
+// Topology of a cloth: checked triangles, edges, and the elements (links and hinges) that they give. Private to the
+// module. All numbers count from 0 within the cloth.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "base/arena.h"
+#include "base/math.h"
+
+namespace feder {
+
+// Resists a change of distance. Links that are edges of the mesh come first, in the order of the edges.
+struct ClothLink {
+  std::uint32_t a = 0, b = 0;
+  Real rest = 0;        // m
+  Real stiffness = 0;   // N/m, of the link itself
+  std::uint32_t shear = 0;  // 1: a diagonal of a sheet's cell
+};
+
+// Resists a change of the angle between two triangles that share the edge v[0]-v[1]; v[2] and v[3] lie across.
+struct ClothHinge {
+  std::uint32_t v[4] = {};
+  Real angle = 0;       // at rest, rad
+  Real stiffness = 0;   // N m per rad
+};
+
+struct ClothEdge {
+  std::uint32_t a = 0, b = 0;            // a < b
+  std::uint32_t triangle[2] = {kNone, kNone};
+  std::uint32_t opposite[2] = {kNone, kNone};
+};
+
+// The far side of a clamp: a hidden vertex, the mirror image of `inner` in `clamped`, that the first hinge leans on.
+struct ClothGhost {
+  std::uint32_t clamped = 0, inner = 0;
+  std::uint32_t vertex = 0;              // hidden vertex
+};
+
+struct ClothMesh {
+  explicit ClothMesh(Arena& a) : triangles(&a), edges(&a), links(&a), hinges(&a), ghosts(&a) {}
+  Array<std::uint32_t> triangles;        // three per triangle
+  std::uint32_t grid = 0;                // 1: triangles 2k and 2k+1 are the halves of cell k
+  Array<ClothEdge> edges;
+  Array<ClothLink> links;
+  Array<ClothHinge> hinges;
+  Array<ClothGhost> ghosts;
+};
+
+// What the elements are made with.
+struct ClothStiffness {
+  Real stretch, shear;  // N/m
+  Real bend;            // N m
+};
+
+// A sheet in its xz plane: vertices row by row, and triangles whose diagonals alternate.
+void make_sheet(const Real size[2], std::uint32_t nx, std::uint32_t ny, std::vector<Vec3>& vertices,
+                std::vector<std::uint32_t>& triangles);
+// SceneError naming the first bad vertex, triangle or edge: not finite, out of range, without area, used by more than
+// two triangles, wound against its neighbour; vertices that belong to no triangle.
+void check_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles);
+// The vertices across the border edge e of a sheet, next to e.a and e.b.
+void inner_neighbors(const ClothMesh& mesh, std::span<const Vec3> rest, const ClothEdge& e, std::uint32_t (&inner)[2]);
+// Edges, links and hinges anew from the triangles and the rest positions.
+void make_elements(ClothMesh& mesh, std::span<const Vec3> rest, const ClothStiffness& k);
+// Mass of each vertex by the rest shape: a quarter of each whole cell of a sheet, else a third of each triangle.
+void lump_masses(const ClothMesh& mesh, std::span<const Vec3> rest, Real area_density, std::span<Real> mass);
+// Angle between the triangles (v0 v1 v2) and (v1 v0 v3); 0 when flat.
+Real hinge_angle(const Vec3& v0, const Vec3& v1, const Vec3& v2, const Vec3& v3);
+
+}  // namespace feder

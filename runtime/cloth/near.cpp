@@ -1,0 +1,213 @@
+// Cloth against cloth, itself included: vertices near triangles and edges near edges. Candidates come once per step
+// from trees of boxes swept over the step (and again when a vertex leaves its box); in each substep their closest
+// points give rows that keep the thickness. Normals and weights stay as they are through a substep; that no pair
+// crosses meanwhile is the guard's work (guard.cpp).
+// A pair that is closer than the thickness at rest keeps to its rest distance.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kRestShare = Real(0.9);  // of the rest distance, where that is below the thickness
+
+// Closest point of the triangle to p by barycentric weights (Ericson, Real-Time Collision Detection, 5.1.5).
+void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const Real d1 = dot(ab, ap), d2 = dot(ac, ap);
+  w[0] = w[1] = w[2] = 0;
+  if (d1 <= 0 && d2 <= 0) return void(w[0] = 1);
+  const Vec3 bp = p - b;
+  const Real d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return void(w[1] = 1);
+  const Real vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return void((w[1] = d1 / (d1 - d3), w[0] = 1 - w[1]));
+  const Vec3 cp = p - c;
+  const Real d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return void(w[2] = 1);
+  const Real vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return void((w[2] = d2 / (d2 - d6), w[0] = 1 - w[2]));
+  const Real va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return void((w[2] = (d4 - d3) / ((d4 - d3) + (d5 - d6)), w[1] = 1 - w[2]));
+  const Real sum = va + vb + vc;
+  if (!(sum > 0)) return void(w[0] = 1);
+  w[1] = vb / sum, w[2] = vc / sum, w[0] = 1 - w[1] - w[2];
+}
+
+// Closest points of two segments, as shares from a to b and from c to d (the same book, 5.1.9).
+void closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, Real& s, Real& t) {
+  const Vec3 u = b - a, v = d - c, r = a - c;
+  const Real uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
+  const Real det = uu * vv - uv * uv;
+  s = det > Real(1e-6) * uu * vv ? clamp((uv * vr - ur * vv) / det, 0, 1) : Real(0);
+  t = (uv * s + vr) / vv;
+  if (t < 0) t = 0, s = clamp(-ur / uu, 0, 1);
+  if (t > 1) t = 1, s = clamp((uv - ur) / uu, 0, 1);
+}
+
+template <class Place>
+Vec3 gap_vector(const std::uint32_t* v, bool edges, Place&& place, Real (&weight)[4]) {
+  const Vec3 x0 = place(v[0]), x1 = place(v[1]), x2 = place(v[2]), x3 = place(v[3]);
+  if (edges) {
+    Real s = 0, t = 0;
+    closest_on_segments(x0, x1, x2, x3, s, t);
+    weight[0] = 1 - s, weight[1] = s, weight[2] = t - 1, weight[3] = -t;
+  } else {
+    Real w[3];
+    closest_on_triangle(x0, x1, x2, x3, w);
+    weight[0] = 1;
+    for (int k = 0; k < 3; ++k) weight[k + 1] = -w[k];
+  }
+  return weight[0] * x0 + weight[1] * x1 + weight[2] * x2 + weight[3] * x3;
+}
+
+}  // namespace
+
+bool Cloth::Impl::may_touch(const Sheet& a, const Sheet& b) const {
+  if (!a.active() && !b.active()) return false;
+  if (&a == &b) return a.settings.self_collision != 0;
+  return (a.settings.group & b.settings.mask) && (b.settings.group & a.settings.mask);
+}
+
+bool Cloth::Impl::near_wanted() const {
+  for (std::size_t i = 0; i < sheets.size(); ++i)
+    for (std::size_t j = i; j < sheets.size(); ++j)
+      if (may_touch(*sheets[i], *sheets[j])) return true;
+  return false;
+}
+
+// Vertices, triangles and edges of the cloths that take part, with the boxes they may move in.
+void Cloth::Impl::list_features(StepContext& c) {
+  near_vertex.clear(), near_triangle.clear(), near_edge.clear();
+  const Real time = c.dt - static_cast<Real>(c.substep) * c.h;
+  drift = Vec3::Zero();
+  Real mass = 0;
+  bool free = true;
+  for (auto& s : sheets) {
+    free = free && !s->any_pin && s->active();
+    for (std::uint32_t i = s->first; i < s->first + s->points; ++i) drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
+  }
+  drift = free ? Vec3(drift / mass) : Vec3(0, 0, 0);
+  vertex_box.resize(vertices.size());
+  for (auto& s : sheets) {
+    bool takes_part = false;
+    for (auto& o : sheets) takes_part = takes_part || may_touch(*s, *o);
+    if (!takes_part) continue;
+    const Real grow = s->settings.thickness;  // half for the thickness, half for what is not foreseen
+    for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
+      near_vertex.push_back(i);
+      const Vec3 x = place(i), far = moved[i].w != 0 ? Vec3(x + time * (speed[i].vec() - drift)) : Vec3(x - time * drift);
+      Aabb& b = vertex_box[i];
+      b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
+      b.grow(grow);
+    }
+    for (const std::uint32_t v : s->mesh.triangles) near_triangle.push_back(s->first + v);
+    for (const ClothEdge& e : s->mesh.edges) near_edge.push_back(s->first + e.a), near_edge.push_back(s->first + e.b);
+  }
+  triangle_box.resize(near_triangle.size() / 3), edge_box.resize(near_edge.size() / 2);
+  for (std::size_t t = 0; t < triangle_box.size(); ++t) {
+    triangle_box[t] = vertex_box[near_triangle[3 * t]];
+    triangle_box[t].include(vertex_box[near_triangle[3 * t + 1]]);
+    triangle_box[t].include(vertex_box[near_triangle[3 * t + 2]]);
+  }
+  for (std::size_t e = 0; e < edge_box.size(); ++e) {
+    edge_box[e] = vertex_box[near_edge[2 * e]];
+    edge_box[e].include(vertex_box[near_edge[2 * e + 1]]);
+  }
+}
+
+// Keeps the pair unless it is farther apart than it can close in `time`.
+void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
+  const Sheet &a = sheet_of(v[0]), &b = sheet_of(v[3]);
+  if (!may_touch(a, b)) return;
+  Real weight[4];
+  const Vec3 gap = gap_vector(v, edges, [&](std::uint32_t i) { return place(i); }, weight);
+  const Real distance = length(gap), wanted = Real(0.5) * (a.settings.thickness + b.settings.thickness);
+  const std::uint32_t split = edges ? 2 : 1;
+  Real travel = 0;
+  for (std::uint32_t i = 0; i < split; ++i)
+    for (std::uint32_t j = split; j < 4; ++j) {
+      const Vec3 u = speed[v[i]].vec() - speed[v[j]].vec();
+      travel = std::max(travel, dot(u, u));
+    }
+  if (distance > 2 * wanted + time * std::sqrt(travel) || !(distance > Real(1e-5) * wanted)) return;
+  NearPair p;
+  std::copy(v, v + 4, p.v);
+  p.edges = edges;
+  p.thickness = wanted;
+  if (&a == &b) {
+    Real rest_weight[4];
+    const Real rest = length(gap_vector(v, edges, [&](std::uint32_t i) { return vertices.rest[i]; }, rest_weight));
+    p.thickness = std::min(wanted, kRestShare * rest);
+  }
+  pairs.push_back(p);
+}
+
+void Cloth::Impl::find_pairs(StepContext& c) {
+  pairs_stale = false;
+  since_found = 0;
+  pairs.clear();
+  list_features(c);
+  const Real time = c.dt - static_cast<Real>(c.substep) * c.h;
+  triangle_tree.build({triangle_box.data(), triangle_box.size()});
+  edge_tree.build({edge_box.data(), edge_box.size()});
+  for (const std::uint32_t i : near_vertex) {
+    found.clear();
+    triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
+    std::sort(found.begin(), found.end());
+    for (const std::uint32_t t : found) {
+      const std::uint32_t* k = &near_triangle[3 * t];
+      if (k[0] == i || k[1] == i || k[2] == i) continue;
+      add_pair({i, k[0], k[1], k[2]}, false, time);
+    }
+  }
+  for (std::uint32_t e = 0; e < edge_box.size(); ++e) {
+    found.clear();
+    edge_tree.query(edge_box[e], [&](std::uint32_t f) {
+      if (f > e) found.push_back(f);
+    });
+    std::sort(found.begin(), found.end());
+    const std::uint32_t a = near_edge[2 * e], b = near_edge[2 * e + 1];
+    for (const std::uint32_t f : found) {
+      const std::uint32_t p = near_edge[2 * f], q = near_edge[2 * f + 1];
+      if (a == p || a == q || b == p || b == q) continue;
+      add_pair({a, b, p, q}, true, time);
+    }
+  }
+}
+
+// Normal, distance and weights now.
+void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
+  const Vec3 gap = gap_vector(p.v, p.edges, [&](std::uint32_t i) { return place(i); }, weight);
+  p.distance = length(gap);
+  p.normal = normalized_or(gap, Vec3(0, 1, 0));
+}
+
+void Cloth::Impl::make_near_rows(StepContext& c) {
+  near_rows.clear();
+  if (!near_wanted()) return;
+  guard_start.assign(moved.begin(), moved.end());
+  if (pairs_stale) find_pairs(c);
+  for (NearPair& p : pairs) {
+    Real weight[4];
+    measure(p, weight);
+    Vec3 u = Vec3::Zero(), d = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) u += weight[k] * speed[p.v[k]].vec(), d += weight[k] * moved[p.v[k]].vec();
+    const Real closing = std::max(-dot(u, p.normal), Real(0));
+    if (p.distance > p.thickness + 2 * c.h * closing + Real(0.1) * p.thickness) continue;
+    ClothRow r;
+    std::copy(p.v, p.v + 4, r.vertex);
+    std::copy(weight, weight + 4, r.weight);
+    r.normal = p.normal;
+    r.offset = p.distance - p.thickness - dot(p.normal, d);
+    const Sheet &a = sheet_of(p.v[0]), &b = sheet_of(p.v[3]);
+    r.friction = std::sqrt(a.settings.friction * b.settings.friction);
+    r.relaxation = std::min(a.solver->relaxation(), b.solver->relaxation());
+    near_rows.push_back(r);
+  }
+}
+
+}  // namespace feder

@@ -1,0 +1,149 @@
+// Contact rows and holds, one after another in each small step, between the solvers' own sweeps. A row pushes its
+// vertices apart, or off a mover, which gets the opposite impulse at the same moment; friction likewise (a cone, by
+// displacement). Collisions are fully plastic: what a push would throw back is taken out again.
+// Overlap that was there before is undone at kPushSpeed at most, so it cannot explode.
+// Rows run in their makers' order, on one thread.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+constexpr Real kPushSpeed = 1;  // m/s
+}
+
+Vec3 Cloth::Impl::mover_displacement(std::uint32_t m, const Vec3& arm) const {
+  return mover_shift[m] + cross(mover_turn[m], arm);
+}
+
+Real Cloth::Impl::mover_response(std::uint32_t m, const Vec3& arm, const Vec3& n) const {
+  if (m == 0) return 0;
+  const MoverMass& mass = movers->mass[m];
+  const Vec3 turn = cross(arm, n);
+  return dot(n, mass.inv_mass_axes.cwiseProduct(n)) + dot(turn, mass.inv_inertia * turn);
+}
+
+void Cloth::Impl::push_mover(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
+  if (m == 0) return;
+  const MoverMass& mass = movers->mass[m];
+  MoverState& state = movers->state[m];
+  const Vec3 shift = mass.inv_mass_axes.cwiseProduct(correction), turn = mass.inv_inertia * cross(arm, correction);
+  mover_shift[m] += shift;
+  mover_turn[m] += turn;
+  state.velocity += shift / h;
+  state.angular_velocity += turn / h;
+}
+
+// Movers go on with the velocity they have.
+void Cloth::Impl::advance_movers(Real h) {
+  if (!movers) return;
+  for (std::size_t m = 1; m < mover_shift.size(); ++m) {
+    mover_shift[m] += h * movers->state[m].velocity;
+    mover_turn[m] += h * movers->state[m].angular_velocity;
+  }
+}
+
+void Cloth::Impl::solve_holds(Real h) {
+  for (const ClothHold& k : holds) {
+    Row4& x = moved[k.vertex];
+    Mat3 response = Mat3::Zero();
+    if (k.mover != 0) {
+      const Mat3 arm = skew(k.arm);
+      response = -(arm * movers->mass[k.mover].inv_inertia * arm);
+      response.diagonal() += movers->mass[k.mover].inv_mass_axes;
+    }
+    response.diagonal().array() += x.w;
+    const Vec3 error = k.error + x.vec() - mover_displacement(k.mover, k.arm);
+    const Vec3 push = -(inverse(response) * error);  // kg m
+    x.add(x.w * push);
+    push_mover(k.mover, k.arm, -push, h);
+  }
+}
+
+void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
+  for (ClothRow& r : list) {
+    Vec3 d = Vec3::Zero(), change = Vec3::Zero();
+    Real weight = 0;
+    for (int k = 0; k < 4; ++k) {
+      if (r.weight[k] == 0) continue;
+      const Row4& x = moved[r.vertex[k]];
+      d += r.weight[k] * x.vec();
+      change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
+      if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * speed[r.vertex[k]].vec();
+      weight += x.w * r.weight[k] * r.weight[k];
+    }
+    const Real gap = r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm));
+    if (!(gap < 0)) continue;
+    if (r.mover != 0) {
+      const MoverState& m = movers->state[r.mover];
+      change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
+    }
+    const Real closing = dot(r.normal, change);
+    const Real along = weight + mover_response(r.mover, r.arm, r.normal);
+    if (!(along > 0)) continue;
+    const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
+    const Real push = r.relaxation * need / along;  // kg m
+    if (r.impulse == 0) r.approach = std::max(-closing / h, Real(0));
+    r.impulse += push / h;
+
+    // friction takes what it can of the sliding of this small step
+    Vec3 total = push * r.normal;
+    const Vec3 sliding = change - closing * r.normal - h * r.slide;
+    const Real slid = length(sliding);
+    if (r.friction > 0 && slid > 0) {
+      const Vec3 t = sliding / slid;
+      const Real across = weight + mover_response(r.mover, r.arm, t);
+      total -= std::min(r.friction * push, slid / across) * t;
+    }
+    for (int k = 0; k < 4; ++k) {
+      if (r.weight[k] == 0) continue;
+      Row4& x = moved[r.vertex[k]];
+      x.add((x.w * r.weight[k]) * total);
+    }
+    push_mover(r.mover, r.arm, -total, h);
+  }
+}
+
+void Cloth::Impl::velocities(Real h) {
+  for (auto& s : sheets) {
+    if (!s->active()) continue;
+    for (std::uint32_t i = s->first; i < s->first + s->total; ++i) {
+      const Vec3 u = (moved[i].vec() - before[i].vec()) / h;
+      before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
+    }
+  }
+}
+
+// Rows that pushed and now part: the relative velocity along the normal goes to zero.
+void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
+  for (ClothRow& r : list) {
+    if (r.impulse == 0) continue;
+    Vec3 d = Vec3::Zero(), u = Vec3::Zero();
+    Real weight = 0;
+    for (int k = 0; k < 4; ++k) {
+      if (r.weight[k] == 0) continue;
+      d += r.weight[k] * moved[r.vertex[k]].vec();
+      u += r.weight[k] * speed[r.vertex[k]].vec();
+      weight += moved[r.vertex[k]].w * r.weight[k] * r.weight[k];
+    }
+    if (r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm)) > Real(1e-3) * h) continue;
+    if (r.mover != 0) {
+      const MoverState& m = movers->state[r.mover];
+      u -= m.velocity + cross(m.angular_velocity, r.arm);
+    }
+    const Real parting = dot(r.normal, u), along = weight + mover_response(r.mover, r.arm, r.normal);
+    if (!(parting > 0) || !(along > 0)) continue;
+    const Real impulse = std::min(parting / along, r.impulse);
+    for (int k = 0; k < 4; ++k)
+      if (r.weight[k] != 0) speed[r.vertex[k]].add((-moved[r.vertex[k]].w * r.weight[k] * impulse) * r.normal);
+    if (r.mover == 0) continue;
+    // velocities only: the displacement stands
+    const MoverMass& mass = movers->mass[r.mover];
+    MoverState& m = movers->state[r.mover];
+    m.velocity += mass.inv_mass_axes.cwiseProduct(impulse * r.normal);
+    m.angular_velocity += mass.inv_inertia * cross(r.arm, impulse * r.normal);
+  }
+}
+
+}  // namespace feder

@@ -1,0 +1,67 @@
+// One cloth: its run of vertices, mesh, solver and settings. Private to the module.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "cloth/cloth.h"
+#include "cloth/solver.h"
+
+namespace feder {
+
+// What decides a cloth's motion beside vertices and mesh; plain data, saved as it is.
+struct ClothSettings {
+  ClothStiffness stiffness{};
+  Real area_density = 0;       // kg/m^2
+  Real damping = 0;            // s
+  Real thickness = 0;          // m
+  Real friction = 0;
+  Real drag = 1, lift = 1;
+  Real tear_strain = kInfinity;
+  Real gravity_scale = 1;
+  Real stretch_error = 0;
+  std::int32_t substeps = 0, max_substeps = 0;
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  std::uint32_t self_collision = 1, wind = 1;
+};
+
+// What changes from step to step; saved too.
+struct ClothState {
+  Real flight[3] = {0, 0, 0};  // m/s^2: gravity, while the last step was free fall; velocities then are read half a step on
+  Real calm_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
+  std::uint32_t calm_steps = 0;
+  std::uint32_t fresh = 1;     // not stepped yet
+  std::uint32_t frozen = 0;    // quarantined
+  std::uint32_t asleep = 0;
+  std::int32_t substeps = 1;   // as last chosen
+  std::uint32_t warned = 0;    // the cap of small steps was reported
+  Real load = 0;               // kg that rests on it
+};
+
+struct Sheet {
+  Sheet(Arena& a) : mesh(a) {}
+
+  ObjectId object;
+  std::uint32_t first = 0, points = 0, total = 0;  // run in ClothVertices: visible, with hidden ones
+  ClothMesh mesh;
+  ClothSettings settings;
+  ClothState state;
+  std::string solver_name;
+  Params solver_options;
+  std::unique_ptr<ClothSolver> solver;
+  std::uint64_t version = 1;       // of mesh and indices
+  bool paths_stale = true;         // pins changed
+  Real rows = 1, path = 1;         // links from the pins (or the middle) to the farthest vertex, and their length, m
+  double bend_substeps = 1;        // for the solver's sake, when last asked
+  Real bend_step = -1;             // s, of that question
+  std::uint32_t bad_vertex = kNone;
+  Real mass = 0;                   // kg
+  bool any_pin = false;
+
+  Vec3 flight() const { return Vec3(state.flight[0], state.flight[1], state.flight[2]); }
+  void set_flight(const Vec3& a) {
+    for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
+  }
+  bool active() const { return !state.frozen && !state.asleep; }
+};
+
+}  // namespace feder

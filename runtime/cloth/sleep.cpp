@@ -1,0 +1,62 @@
+// Sleep. A cloth whose kinetic energy per mass stays below that of kCalmSpeed for kCalmTime, under steady forces,
+// stops; it wakes by script, by a force that changes, or when a coupling says that something moves against it.
+#include <algorithm>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+constexpr Real kCalmSpeed = Real(0.02);  // m/s, root mean square
+constexpr Real kCalmTime = 1;            // s
+constexpr Real kMemory = Real(0.15);     // s, of the average
+}  // namespace
+
+void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {
+  s.state.calm_steps = 0;
+  s.state.calm_energy = kCalmSpeed * kCalmSpeed * 25;
+  if (!s.state.asleep) return;
+  s.state.asleep = 0;
+  Event e;
+  e.kind = EventKind::wake;
+  e.cause = cause;
+  e.a = s.object;
+  e.b = other;
+  events.add_pending(e);
+}
+
+void Cloth::Impl::put_to_sleep(Sheet& s) {
+  if (s.state.asleep || s.state.frozen) return;
+  s.state.asleep = 1;
+  s.set_flight(Vec3(0, 0, 0));
+  for (std::uint32_t i = s.first; i < s.first + s.total; ++i) vertices.velocity[i] = Vec3::Zero();
+  Event e;
+  e.kind = EventKind::sleep;
+  e.a = s.object;
+  events.add_pending(e);
+}
+
+void Cloth::Impl::update_sleep(StepContext& c) {
+  if (!c.sleeping) return;
+  const Forces* forces = store.find<Forces>();
+  for (auto& p : sheets) {
+    Sheet& s = *p;
+    if (!s.active()) continue;
+    Real energy = 0;
+    for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+      energy += vertices.mass[i] * dot(vertices.velocity[i], vertices.velocity[i]);
+    energy = Real(0.5) * energy / s.mass;
+    const Real cap = kCalmSpeed * kCalmSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
+    s.state.calm_energy = std::min(energy + (std::min(s.state.calm_energy, cap) - energy) * keep, cap);
+    bool steady = true;  // wind and its like may gust
+    if (forces)
+      for (const ForceEntry& f : forces->list)
+        if (acts_on(f, s.object, objects.tags(s.object))) steady = steady && !f.force->on_area();
+    if (!steady || s.state.calm_energy > Real(0.5) * kCalmSpeed * kCalmSpeed) {
+      s.state.calm_steps = 0;
+      continue;
+    }
+    if (static_cast<Real>(++s.state.calm_steps) * c.dt > kCalmTime) put_to_sleep(s);
+  }
+}
+
+}  // namespace feder

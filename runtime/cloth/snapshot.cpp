@@ -1,0 +1,103 @@
+// State hash and snapshots. Batches, trees and pairs are made anew; nothing in them is remembered between steps.
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+
+void save_params(Writer& w, const Params& p) {
+  w.add(static_cast<std::uint64_t>(p.values().size()));
+  for (const auto& [key, value] : p.values()) {
+    w.text(key);
+    w.add(static_cast<std::uint8_t>(value.index()));
+    if (const bool* b = std::get_if<bool>(&value)) w.add(*b);
+    if (const double* d = std::get_if<double>(&value)) w.add(*d);
+    if (const auto* s = std::get_if<std::string>(&value)) w.text(*s);
+    if (const auto* l = std::get_if<std::vector<double>>(&value)) w.list(*l);
+  }
+}
+
+template <class T>
+T read(Reader& r) {
+  T x{};
+  r.get(x);
+  return x;
+}
+
+Params load_params(Reader& r) {
+  Params p;
+  const auto count = read<std::uint64_t>(r);
+  for (std::uint64_t k = 0; k < count; ++k) {
+    std::string key, text;
+    std::vector<double> list;
+    r.text(key);
+    switch (read<std::uint8_t>(r)) {
+      case 0: p.set(key, read<bool>(r)); break;
+      case 1: p.set(key, read<double>(r)); break;
+      case 2: r.text(text), p.set(key, text); break;
+      case 3: r.list(list), p.set(key, list); break;
+      default: throw SceneError("snapshot: truncated or of another build");
+    }
+  }
+  return p;
+}
+
+}  // namespace
+
+void Cloth::hash(Hash& h) const {
+  const ClothVertices& p = impl_->vertices;
+  for (std::uint32_t i = 0; i < p.size(); ++i) {
+    h.add(p.position[i]), h.add(p.velocity[i]), h.add(p.script_force[i]);
+    h.add(p.mass[i]), h.add(p.inv_mass[i]);
+  }
+  for (const auto& s : impl_->sheets) {
+    h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.calm_energy);
+    h.add(s->flight()), h.add(s->state.load);
+    h.bytes(s->solver_name.data(), s->solver_name.size());
+    for (const std::uint32_t v : s->mesh.triangles) h.add(v);
+  }
+  for (const Attachment& a : impl_->attachments) h.add(a.vertex), h.add(a.body.slot), h.add(a.local);
+}
+
+void Cloth::save(Writer& w) const {
+  ClothVertices::each_array(impl_->vertices, [&](const auto& array) { w.list(array); });
+  w.list(impl_->attachments);
+  w.list(impl_->touching);
+  w.add(static_cast<std::uint64_t>(impl_->sheets.size()));
+  for (const auto& s : impl_->sheets) {
+    w.add(s->object), w.add(s->first), w.add(s->points), w.add(s->total), w.add(s->version);
+    w.add(s->settings);
+    w.add(s->state);
+    w.add(s->mass), w.add(s->mesh.grid);
+    w.text(s->solver_name);
+    save_params(w, s->solver_options);
+    w.list(s->mesh.triangles), w.list(s->mesh.edges), w.list(s->mesh.links), w.list(s->mesh.hinges);
+    w.list(s->mesh.ghosts);
+  }
+}
+
+void Cloth::load(Reader& r) {
+  Impl& m = *impl_;
+  ClothVertices::each_array(m.vertices, [&](auto& array) { r.list(array); });
+  r.list(m.attachments);
+  r.list(m.touching);
+  const auto count = read<std::uint64_t>(r);
+  m.sheets.clear();
+  for (std::uint64_t k = 0; k < count; ++k) {
+    auto s = std::make_unique<Sheet>(m.arena);
+    r.get(s->object), r.get(s->first), r.get(s->points), r.get(s->total), r.get(s->version);
+    r.get(s->settings);
+    r.get(s->state);
+    r.get(s->mass), r.get(s->mesh.grid);
+    std::string name;
+    r.text(name);
+    m.attach_solver(*s, name, load_params(r));
+    r.list(s->mesh.triangles), r.list(s->mesh.edges), r.list(s->mesh.links), r.list(s->mesh.hinges);
+    r.list(s->mesh.ghosts);
+    m.sheets.push_back(std::move(s));
+  }
+  m.rows.clear(), m.holds.clear(), m.pairs.clear();
+  m.pairs_stale = true;
+  *m.structure_changed = true;
+}
+
+}  // namespace feder

@@ -1,0 +1,52 @@
+// How the inside of a cloth moves: from forces and elements to displacements in one small step. Knows no contacts.
+// One file per solver, one feder_variant(cloth <solver>) line. Contract, checked for every row by
+// tests/cloth/test_solver_contract.cpp: free fall is exact, momentum is kept, pinned vertices stay, a hanging sheet
+// takes the stretch of its material, no allocation after the first step, the same bits for any thread count.
+#pragma once
+#include "base/params.h"
+#include "base/registry.h"
+#include "cloth/mesh.h"
+#include "state/cloth_vertices.h"
+#include "step/context.h"
+
+namespace feder {
+
+// What a solver gets to see of its cloth in a step; indices from 0 within the cloth, hidden vertices included.
+struct ClothView {
+  const ClothMesh* mesh = nullptr;
+  std::uint32_t points = 0;             // visible
+  std::uint32_t total = 0;              // with hidden ones; the last is the spare that empty lanes may point to
+  std::uint64_t version = 0;            // changes with the mesh
+  Real damping = 0;                     // s
+  const Vec3* position = nullptr;       // at the start of the step, m
+  const Vec3* rest = nullptr;           // unstrained, m
+  Row4* moved = nullptr;                // displacement since then, m; w: inverse mass
+  Row4* before = nullptr;               // the same at the start of the small step
+  Row4* speed = nullptr;                // m/s; w: inverse mass
+  const Vec3* acceleration = nullptr;   // of gravity, wind and scripts, m/s^2
+  const Real* mass = nullptr;           // kg
+};
+
+class ClothSolver {
+ public:
+  virtual ~ClothSolver() = default;
+  // Once per step, before the first substep.
+  virtual void prepare(const ClothView& cloth, StepContext& c) = 0;
+  // One small step of h from time t: writes `moved`, and `before`: where the small step began (its w 0; velocities
+  // will be taken from the difference), or, with w 1, where it ended, `speed` being the velocity already. Contacts then
+  // push `moved`.
+  virtual void advance(const ClothView& cloth, double t, Real h, StepContext& c) = 0;
+  // Once per substep, after the last small step: takes strain rate out of `speed`.
+  virtual void damp(const ClothView& cloth, Real h, StepContext& c) = 0;
+  // Small steps that a substep of h needs for what this solver can hold; 1 when it does not matter. From the rest
+  // shape and the pins alone, so that a restored cloth gets the same answer.
+  virtual double wanted_substeps(const ClothView& cloth, Real h) const = 0;
+  virtual Real relaxation() const { return 1; }  // of contact corrections
+  virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
+  virtual double least_cap() const { return 1; }      // small steps that `max_substeps` cannot forbid
+  virtual const char* beyond_cap() const { return "stretches or bends more than its stiffness says"; }
+};
+
+std::span<const Variant<ClothSolver>> cloth_solvers();
+
+}  // namespace feder

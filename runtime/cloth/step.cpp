@@ -1,0 +1,229 @@
+// The rows of the cloth system. A substep of the world is cut into small steps, the same number for all cloths, so
+// that they may touch. What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
+// at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
+// chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
+// mass that rests on the cloth multiplies g.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+constexpr Real kLeastGravity = 1;  // m/s^2: weightless cloth is pulled by something else
+}
+
+ClothView Cloth::Impl::view(Sheet& s) {
+  ClothView v;
+  v.mesh = &s.mesh;
+  v.points = s.points, v.total = s.total;
+  v.version = s.version;
+  v.damping = s.settings.damping;
+  v.position = vertices.position.data() + s.first;
+  v.rest = vertices.rest.data() + s.first;
+  v.moved = moved.data() + s.first;
+  v.before = before.data() + s.first;
+  v.speed = speed.data() + s.first;
+  v.acceleration = acceleration.data() + s.first;
+  v.mass = vertices.mass.data() + s.first;
+  return v;
+}
+
+// Breadth first along the edges.
+void Cloth::Impl::measure_paths(Sheet& s) {
+  s.paths_stale = false;
+  s.bend_step = -1;
+  constexpr std::uint32_t kFar = kNone;
+  std::vector<std::uint32_t> rows_to(s.points, kFar), queue, start(s.points + 1, 0), next;
+  std::vector<Real> path_to(s.points, 0);
+  for (std::uint32_t i = 0; i < s.points; ++i)
+    if (vertices.inv_mass[s.first + i] == 0) queue.push_back(i);
+  s.any_pin = !queue.empty();
+  for (const Attachment& a : attachments)
+    if (a.vertex >= s.first && a.vertex < s.first + s.points) queue.push_back(a.vertex - s.first), s.any_pin = true;
+  const Vec3* rest = vertices.rest.data() + s.first;
+  if (queue.empty()) {
+    Vec3 middle = Vec3::Zero();
+    for (std::uint32_t i = 0; i < s.points; ++i) middle += rest[i] / static_cast<Real>(s.points);
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 1; i < s.points; ++i)
+      if (length(rest[i] - middle) < length(rest[nearest] - middle)) nearest = i;
+    queue.push_back(nearest);
+  }
+  for (const std::uint32_t i : queue) rows_to[i] = 0;
+
+  const auto walked = [&](const ClothLink& l) { return !l.shear; };
+  for (const ClothLink& l : s.mesh.links)
+    if (walked(l)) ++start[l.a + 1], ++start[l.b + 1];
+  for (std::uint32_t i = 0; i < s.points; ++i) start[i + 1] += start[i];
+  next.resize(start[s.points]);
+  std::vector<std::uint32_t> at(start.begin(), start.end() - 1);
+  for (std::uint32_t k = 0; k < s.mesh.links.size(); ++k)
+    if (walked(s.mesh.links[k])) next[at[s.mesh.links[k].a]++] = k, next[at[s.mesh.links[k].b]++] = k;
+  s.rows = 1, s.path = s.mesh.links[0].rest;
+  for (std::size_t q = 0; q < queue.size(); ++q) {
+    const std::uint32_t i = queue[q];
+    if (static_cast<Real>(rows_to[i]) > s.rows) s.rows = static_cast<Real>(rows_to[i]), s.path = path_to[i];
+    for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
+      const ClothLink& l = s.mesh.links[next[k]];
+      const std::uint32_t j = l.a == i ? l.b : l.a;
+      if (rows_to[j] != kFar) continue;
+      rows_to[j] = rows_to[i] + 1, path_to[j] = path_to[i] + l.rest;
+      queue.push_back(j);
+    }
+  }
+}
+
+void Cloth::Impl::choose_steps(StepContext& c) {
+  small_steps = 1;
+  for (auto& p : sheets) {
+    Sheet& s = *p;
+    if (!s.active()) continue;
+    if (s.paths_stale) measure_paths(s);
+    if (s.settings.substeps > 0) {
+      s.state.substeps = s.settings.substeps;
+    } else {
+      if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
+      double wanted = s.bend_substeps;
+      if (s.solver->sheds_strain()) {
+        const double g = std::fmax(double(length(c.gravity) * s.settings.gravity_scale), double(kLeastGravity)) *
+                         (1 + double(s.state.load / s.mass));
+        const double n = s.rows, h = c.h;
+        wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
+      }
+      const double cap = std::fmax(s.settings.max_substeps, s.solver->least_cap());
+      if (wanted > cap && !s.state.warned) {
+        s.state.warned = 1;
+        c.events->warn("substep_cap", objects.describe(s.object) + " would need " +
+                       std::to_string(static_cast<long long>(std::ceil(std::fmin(wanted, 1e15)))) + " small steps per substep, its max_substeps is " +
+                       std::to_string(static_cast<int>(cap)) + ": it " + s.solver->beyond_cap(), s.object);
+      }
+      s.state.substeps = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
+    }
+    small_steps = std::max(small_steps, static_cast<int>(s.state.substeps));
+  }
+}
+
+// Work arrays of the step. A sleeping or frozen cloth cannot be moved.
+void Cloth::Impl::gather(Sheet& s, Real h) {
+  const Vec3 ahead = Real(0.5) * h * s.flight();
+  for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
+    const Real w = s.active() ? vertices.inv_mass[i] : Real(0);
+    const Vec3 u = w != 0 ? Vec3(vertices.velocity[i] - ahead) : Vec3(0, 0, 0);
+    moved[i] = {0, 0, 0, w};
+    speed[i] = {u[0], u[1], u[2], w};
+  }
+}
+
+void Cloth::Impl::prepare(StepContext& c) {
+  const std::uint32_t size = vertices.size();
+  moved.resize(size), before.resize(size), speed.resize(size), acceleration.resize(size);
+  any_active = false;
+  guarded = clamped = 0;
+  for (auto& s : sheets) {
+    any_active = any_active || s->active();
+    s->bad_vertex = kNone;
+    for (const ClothGhost& g : s->mesh.ghosts) {
+      Vec3* x = vertices.position.data() + s->first;
+      // keeps its place beside the clamped vertex when that is moved
+      Vec3& offset = vertices.script_force[s->first + g.vertex];  // a hidden vertex has no force: its offset is kept here
+      if (s->state.fresh) offset = x[g.vertex] - x[g.clamped];
+      x[g.vertex] = x[g.clamped] + offset;
+    }
+    for (std::uint32_t i = s->first; i < s->first + s->total; ++i) moved[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
+  }
+  if (!any_active) return;
+  choose_steps(c);
+  const Real h = c.h / static_cast<Real>(small_steps);
+  for (auto& s : sheets) {
+    if (s->active() && s->state.fresh) {
+      s->state.fresh = 0;
+      if (!s->any_pin) s->set_flight(c.gravity * s->settings.gravity_scale);
+    }
+    gather(*s, h);
+    if (s->active()) s->solver->prepare(view(*s), c);
+  }
+  pairs_stale = true;
+  pairs.clear();
+}
+
+void Cloth::Impl::solve(StepContext& c) {
+  if (!any_active) return;
+  const Real h = c.h / static_cast<Real>(small_steps);
+  const std::size_t mover_count = movers ? movers->state.size() : 1;
+  mover_shift.assign(mover_count, Vec3::Zero());
+  mover_turn.assign(mover_count, Vec3::Zero());
+  add_forces(c);
+  make_near_rows(c);
+  const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
+  const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  for (int k = 0; k < small_steps; ++k) {
+    for (auto& s : sheets)
+      if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);
+    if (touches) {
+      advance_movers(h);
+      solve_holds(h);
+      solve_rows(near_rows, h);
+      solve_rows(rows, h);
+    }
+    velocities(h);
+    if (touches) {
+      stop_rebound(near_rows, h);
+      stop_rebound(rows, h);
+    }
+  }
+  for (auto& s : sheets)
+    if (s->active()) s->solver->damp(view(*s), c.h, c);
+  guard(c);
+}
+
+void Cloth::Impl::commit(StepContext& c) {
+  if (any_active) {
+    const Real h = c.h / static_cast<Real>(small_steps);
+    // whoever was pushed is not in free flight
+    for (auto& s : sheets)
+      s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
+    for (const ClothRow& r : rows)
+      if (r.impulse > 0) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
+    for (auto& s : sheets) {
+      if (!s->active()) continue;
+      const Vec3 ahead = Real(0.5) * h * s->flight();
+      for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
+        if (vertices.inv_mass[i] == 0) continue;
+        const Vec3 x = vertices.position[i] + moved[i].vec(), v = speed[i].vec() + ahead;
+        if (!is_finite(x) || !is_finite(v)) {
+          s->bad_vertex = i - s->first;
+          break;
+        }
+      }
+      if (s->bad_vertex != kNone) continue;
+      for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
+        if (vertices.inv_mass[i] == 0) continue;
+        vertices.position[i] += moved[i].vec();
+        vertices.velocity[i] = speed[i].vec() + ahead;
+      }
+    }
+    quarantine(c);
+    report_near(c);
+    tear(c);
+  }
+  update_sleep(c);
+}
+
+// A cloth with a non-finite vertex stays where the step began and is held there.
+void Cloth::Impl::quarantine(StepContext& c) {
+  std::string message;
+  ObjectId object;
+  for (auto& s : sheets) {
+    if (s->bad_vertex == kNone || s->state.frozen) continue;
+    s->state.frozen = 1;
+    for (std::uint32_t i = s->first; i < s->first + s->points; ++i)
+      vertices.velocity[i] = Vec3::Zero(), vertices.inv_mass[i] = 0;
+    message += (message.empty() ? "" : "; ") + objects.describe(s->object) + " vertex " +
+               std::to_string(s->bad_vertex + 1) + " went non-finite: the cloth is held where it was";
+    if (!object) object = s->object;
+  }
+  if (!message.empty()) c.events->warn("non_finite", message, object);
+}
+
+}  // namespace feder

@@ -1,0 +1,129 @@
+// Tearing: an edge stretched beyond `tear_strain` splits the cloth at one of its ends. The triangles round that vertex
+// are parted by the plane across the edge; each connected fan of them beyond the first gets a vertex of its own with
+// the same place and velocity, so momentum is kept (masses follow the triangles) and no vertex is shared by fans that
+// touch in a point only. Elements are made anew. The worst few edges of a step tear; allocates when it happens.
+#include <algorithm>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+constexpr int kTearsPerStep = 16;
+}
+
+// A vertex like `vertex`, for those of its triangles in the list. Its number within the cloth.
+std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& list) {
+  const std::uint32_t added = s.points, at = s.first + added;
+  ClothVertices::each_array(vertices, [&](auto& array) {
+    auto copy = array[s.first + vertex];
+    array.insert(array.begin() + at, copy);
+  });
+  vertices.script_force[at] = Vec3::Zero();
+  ++s.points, ++s.total;
+  for (auto& o : sheets)
+    if (o->first > s.first) ++o->first, ++o->version;
+  for (Attachment& a : attachments)
+    if (a.vertex >= at) ++a.vertex;
+  for (ClothGhost& g : s.mesh.ghosts) ++g.vertex;
+  for (const std::uint32_t t : list)
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& v = s.mesh.triangles[3 * t + static_cast<std::uint32_t>(k)];
+      if (v == vertex) v = added;
+    }
+  return added;
+}
+
+bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
+  const ClothLink l = s.mesh.links[link];
+  const Vec3* x = vertices.position.data() + s.first;
+  const Vec3 along = x[l.b] - x[l.a];
+  const Real strain = length(along) / l.rest - 1;
+  for (int end = 0; end < 2; ++end) {
+    const std::uint32_t v = end ? l.b : l.a;
+    if (vertices.inv_mass[s.first + v] == 0) continue;
+    const Vec3 middle = x[v];
+    // fans: triangles round v on one side of the plane, joined by edges that hold v
+    std::vector<std::uint32_t> round, fan;
+    std::vector<char> side;
+    for (std::uint32_t t = 0; t < s.mesh.triangles.size() / 3; ++t) {
+      const std::uint32_t* k = &s.mesh.triangles[3 * t];
+      if (k[0] != v && k[1] != v && k[2] != v) continue;
+      round.push_back(t);
+      side.push_back(dot(x[k[0]] + x[k[1]] + x[k[2]] - 3 * middle, along) > 0);
+    }
+    fan.assign(round.size(), kNone);
+    std::uint32_t fans = 0;
+    for (std::size_t i = 0; i < round.size(); ++i) {
+      if (fan[i] != kNone) continue;
+      fan[i] = fans;
+      for (bool grown = true; grown;) {
+        grown = false;
+        for (std::size_t a = 0; a < round.size(); ++a)
+          for (std::size_t b = 0; b < round.size() && fan[a] == fans; ++b) {
+            if (fan[b] != kNone || side[a] != side[b]) continue;
+            int common = 0;
+            for (int p = 0; p < 3; ++p)
+              for (int q = 0; q < 3; ++q)
+                common += s.mesh.triangles[3 * round[a] + std::uint32_t(p)] == s.mesh.triangles[3 * round[b] + std::uint32_t(q)];
+            if (common >= 2) fan[b] = fans, grown = true;
+          }
+      }
+      ++fans;
+    }
+    if (fans < 2) continue;
+    Event e;
+    e.kind = EventKind::tear;
+    e.a = s.object;
+    e.index = v;
+    e.force = l.stiffness * strain * l.rest;
+    e.point = middle;
+    c.events->add(e);
+    for (std::uint32_t f = 1; f < fans; ++f) {
+      std::vector<std::uint32_t> list;
+      for (std::size_t i = 0; i < round.size(); ++i)
+        if (fan[i] == f) list.push_back(round[i]);
+      split_vertex(s, v, list);
+    }
+    return true;
+  }
+  return false;
+}
+
+void Cloth::Impl::tear(StepContext& c) {
+  bool torn = false;
+  for (auto& p : sheets) {
+    Sheet& s = *p;
+    if (!s.active() || !(s.settings.tear_strain < kInfinity)) continue;
+    for (int n = 0; n < kTearsPerStep; ++n) {
+      // the most strained edge whose ends may part
+      std::vector<std::pair<Real, std::uint32_t>> worst;
+      const Vec3* x = vertices.position.data() + s.first;
+      for (std::uint32_t k = 0; k < s.mesh.edges.size(); ++k) {
+        const ClothLink& l = s.mesh.links[k];
+        const Real strain = length(x[l.b] - x[l.a]) / l.rest - 1;
+        if (strain > s.settings.tear_strain) worst.push_back({strain, k});
+      }
+      if (worst.empty()) break;
+      std::sort(worst.begin(), worst.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first : a.second < b.second;
+      });
+      bool split = false;
+      for (std::size_t k = 0; k < worst.size() && !split; ++k) split = tear_at(s, worst[k].second, c);
+      if (!split) break;
+      torn = true;
+      ++s.version;
+      s.paths_stale = true;
+      std::vector<Vec3> rest(vertices.rest.begin() + s.first, vertices.rest.begin() + s.first + s.total);
+      make_elements(s.mesh, rest, s.settings.stiffness);
+      lump_mass(s);
+      for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+        if (vertices.inv_mass[i] != 0) vertices.inv_mass[i] = 1 / vertices.mass[i];
+    }
+  }
+  if (!torn) return;
+  // numbers of vertices have changed: what points to them is made anew in the next step
+  rows.clear(), holds.clear(), near_rows.clear(), pairs.clear(), touching_now.clear();
+  *structure_changed = true;
+}
+
+}  // namespace feder

@@ -1,0 +1,97 @@
+// Position-based dynamics with compliance in small steps: predict, one sweep over all links and hinges in colour
+// order, velocities from what was moved (Macklin, Mueller and Chentanez, "XPBD", MIG 2016; Macklin et al., "Small
+// Steps in Physics Simulation", SCA 2019). A multiplier lives through the iterations of a small step, so stiffness
+// does not depend on their number. Hinges push before the sweep, at the state it started from, which leaves no error
+// at rest; only those too stiff for that (more than the small steps were chosen for) are swept like links.
+// Kept between steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is
+// left over, 2 g n^2 h^2/L for n rows, decides the number of small steps (see step.cpp), and light cloth under heavy
+// bodies stretches more than its material.
+#include <cmath>
+
+#include "cloth/batches.h"
+
+namespace feder {
+namespace {
+
+constexpr double kBendShare = 0.2;       // wanted h^2 k sum w |gradient|^2 of the stiffest hinge
+constexpr double kSoftHinge = 0.25;      // the largest at which hinges may push all at once
+constexpr std::uint32_t kGrain = 1024;   // vertices per job
+
+class Xpbd final : public ClothSolver {
+ public:
+  Xpbd(Arena& a, const Params& p) : batches_(a), iterations_(p.integer("iterations", 1, 1, 1000)) {
+    batches_.pick(p.text("kernels", "auto"));
+  }
+
+  void prepare(const ClothView& v, StepContext&) override {
+    batches_.build(v);
+    batches_.place(v);
+    if (version_ != v.version) version_ = v.version, stiffest_ = stiffest_hinge(v);
+  }
+
+  void advance(const ClothView& v, double, Real h, StepContext& c) override {
+    // soft hinges push at the state that the last small step left, all at once: exact at rest, where a sweep is not
+    const bool soft = stiffest_ * double(h) * double(h) <= kSoftHinge;
+    if (soft) batches_.bend(v, h, c);
+    c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 0};
+        if (v.moved[i].w != 0) v.speed[i].add(h * v.acceleration[i]);
+        v.moved[i].add(h * v.speed[i].vec());
+      }
+    });
+    batches_.start();
+    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft, c);
+  }
+
+  void damp(const ClothView& v, Real h, StepContext& c) override {
+    if (v.damping > 0) batches_.damp(v, h, c);
+  }
+
+  // Bending waves have to be resolved, whatever the load: beyond that hinges are swept, and too soft.
+  double wanted_substeps(const ClothView& v, Real h) const override {
+    return std::sqrt(stiffest_hinge(v) / kBendShare) * static_cast<double>(h);
+  }
+
+ private:
+  // Largest k sum w |gradient|^2, 1/s^2: a quarter of the square of the fastest bending wave of a strip. All vertices
+  // count as free, so that pins do not matter.
+  static double stiffest_hinge(const ClothView& v) {
+    double stiffest = 0;
+    for (const ClothHinge& k : v.mesh->hinges) {
+      Vec3 g[4];
+      gradients(v, k, g);
+      double weight = 0;
+      for (int i = 0; i < 4; ++i)
+        if (v.mass[k.v[i]] > 0) weight += static_cast<double>(dot(g[i], g[i]) / v.mass[k.v[i]]);
+      stiffest = std::fmax(stiffest, weight * static_cast<double>(k.stiffness));
+    }
+    return stiffest;
+  }
+  static void gradients(const ClothView& v, const ClothHinge& k, Vec3 (&g)[4]) {
+    const Vec3 e = v.rest[k.v[1]] - v.rest[k.v[0]], a = v.rest[k.v[2]] - v.rest[k.v[0]],
+               b = v.rest[k.v[3]] - v.rest[k.v[0]], n1 = cross(e, a), n2 = cross(b, e);
+    const Real size = length(e), s1 = dot(n1, n1), s2 = dot(n2, n2);
+    if (!(s1 > 0 && s2 > 0 && size > 0)) {
+      for (Vec3& x : g) x = Vec3::Zero();
+      return;
+    }
+    g[2] = n1 * (-size / s1), g[3] = n2 * (-size / s2);
+    g[1] = (g[2] * dot(a, e) + g[3] * dot(b, e)) * (-1 / (size * size));
+    g[0] = -(g[1] + g[2] + g[3]);
+  }
+
+  ClothBatches batches_;
+  int iterations_;
+  std::uint64_t version_ = ~std::uint64_t(0);
+  double stiffest_ = 0;  // 1/s^2
+};
+
+}  // namespace
+
+Variant<ClothSolver> cloth_xpbd() {
+  return {"xpbd", "small steps with compliance, coloured sweeps: stable at any stiffness",
+          [](Arena& a, const Params& p) -> std::unique_ptr<ClothSolver> { return std::make_unique<Xpbd>(a, p); }};
+}
+
+}  // namespace feder

@@ -1,0 +1,127 @@
+// xpbd and mass_spring against closed forms: free fall, catenary, cantilever, stretch.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "cloth/sheets.h"
+
+using namespace feder;
+using namespace feder::test;
+
+TEST_CASE("a cloth falls as a point does, without strain, whatever its stiffness and damping", "[cloth]") {
+  const int row = GENERATE(range(0, static_cast<int>(cloth_solvers().size())));
+  const char* solver = cloth_solvers()[static_cast<std::size_t>(row)].name;
+  CAPTURE(solver);
+  WorldDesc wd;
+  wd.sleeping = false;
+  World w(wd, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(9, 7, 1, Real(0.8));
+  d.solver = solver;
+  d.damping = Real(0.05);
+  d.velocity = Vec3(1, 2, Real(-0.5));
+  const ObjectId id = cloth.add_cloth(d);
+  const Vec3 start = cloth.point(id, 5);
+  const int steps = 120;
+  for (int k = 0; k < steps; ++k) w.step();
+  const double t = steps * wd.dt, g = 9.81;
+  const Vec3 x = cloth.point(id, 5) - start, v = cloth.velocity(id, 5);
+  // rounding of the velocity in each small step
+  const double small = static_cast<double>(steps * wd.substeps * cloth.substeps(id));
+  const double tolerance = static_cast<double>(kEpsilon) * std::max(160.0, small / 20);
+  CHECK(component(x, 0) == Approx(t).epsilon(tolerance));
+  CHECK(component(x, 1) == Approx(2 * t - g * t * t / 2).epsilon(tolerance));
+  CHECK(component(x, 2) == Approx(-t / 2).epsilon(tolerance));
+  CHECK(component(v, 1) == Approx(2 - g * t).epsilon(tolerance));
+  CHECK(std::fabs(static_cast<double>(cloth.max_strain(id))) < 300 * static_cast<double>(kEpsilon));
+}
+
+// theta'' = -Gamma (1 - s) cos theta, theta(0) = 0, theta'(1) = 0: drop and reach of a clamped strip under its own
+// weight, Gamma = area density g L^3/bend. Solved here by shooting, to compare with published numbers first.
+namespace {
+void elastica(double gamma, double& drop, double& reach) {
+  const auto shoot = [&](double curvature, double& h, double& w) {
+    const int n = 4000;
+    double a = 0, k = curvature;
+    h = w = 0;
+    for (int i = 0; i < n; ++i) {
+      const double ds = 1.0 / n, s = i * ds;
+      const auto slope = [&](double at, double angle) { return -gamma * (1 - at) * std::cos(angle); };
+      const double a1 = k, k1 = slope(s, a), a2 = k + ds / 2 * k1, k2 = slope(s + ds / 2, a + ds / 2 * a1),
+                   a3 = k + ds / 2 * k2, k3 = slope(s + ds / 2, a + ds / 2 * a2), a4 = k + ds * k3,
+                   k4 = slope(s + ds, a + ds * a3);
+      const double next = a + ds / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+      h += ds / 6 * (std::sin(a) + 4 * std::sin((a + next) / 2) + std::sin(next));
+      w += ds / 6 * (std::cos(a) + 4 * std::cos((a + next) / 2) + std::cos(next));
+      a = next, k += ds / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    return k;
+  };
+  double lo = 0, hi = 60;
+  for (int i = 0; i < 80; ++i) {
+    const double mid = (lo + hi) / 2;
+    (shoot(mid, drop, reach) < 0 ? lo : hi) = mid;
+  }
+}
+}  // namespace
+
+TEST_CASE("the elastica of this test is the published one", "[cloth]") {
+  const double table[][3] = {{1, 0.12347, 0.99125}, {10, 0.70020, 0.65635}, {50, 0.90792, 0.24501}};
+  for (const auto& row : table) {
+    double drop = 0, reach = 0;
+    elastica(row[0], drop, reach);
+    CHECK(drop == Approx(row[1]).epsilon(1e-4));
+    CHECK(reach == Approx(row[2]).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("a clamped strip of 40 segments hangs as the elastica", "[cloth]") {
+  const double gamma = GENERATE(1.0, 10.0, 50.0);
+  WorldDesc wd;
+  wd.sleeping = false;
+  World w(wd, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(41, 3, 1, Real(0.05));
+  d.area_density = 1;
+  d.stretch = 1e5;
+  d.bend = static_cast<Real>(9.81 / gamma);
+  d.damping = Real(0.03);
+  d.self_collision = false;
+  d.pin_names = {"left_clamped"};
+  d.max_substeps = 400;
+  const ObjectId id = cloth.add_cloth(d);
+  relax(w, id, 12);
+  double drop = 0, reach = 0;
+  elastica(gamma, drop, reach);
+  const Vec3 tip = cloth.point(id, 40 + 41), root = cloth.point(id, 41);
+  CAPTURE(gamma, cloth.substeps(id), w.energy().kinetic);
+  std::printf("cantilever Gamma %g: drop %.4f (elastica %.4f), reach %.4f (%.4f), %d small steps\n", gamma,
+              component(root - tip, 1), drop, component(tip - root, 0), reach, cloth.substeps(id));
+  CHECK(component(root - tip, 1) == Approx(drop).epsilon(0.05));
+  CHECK(component(tip - root, 0) == Approx(reach).epsilon(0.05));
+}
+
+TEST_CASE("a strip hung at both ends sags as the catenary", "[cloth]") {
+  const double length = GENERATE(1.1, 1.5, 2.0);
+  const double sag = length == 1.1 ? 0.20030 : length == 1.5 ? 0.50263 : 0.79639;
+  WorldDesc wd;
+  wd.sleeping = false;
+  World w(wd, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(61, 3, static_cast<Real>(length), Real(0.06));
+  d.stretch = 1e5;
+  d.bend = 0;
+  d.damping = Real(0.01);
+  d.self_collision = false;
+  d.pin_names = {"left", "right"};
+  d.stretch_error = Real(0.001);
+  const ObjectId id = cloth.add_cloth(d);
+  for (std::size_t j = 0; j < 3; ++j) {
+    cloth.set_point(id, j * 61, Vec3(Real(-0.5), 0, cloth.point(id, j * 61)[2]));
+    cloth.set_point(id, j * 61 + 60, Vec3(Real(0.5), 0, cloth.point(id, j * 61 + 60)[2]));
+  }
+  relax(w, id, 12);
+  std::printf("catenary length %g: sag %.5f (%.5f), %d small steps\n", length, -component(cloth.point(id, 61 + 30), 1), sag,
+              cloth.substeps(id));
+  CHECK(-component(cloth.point(id, 61 + 30), 1) == Approx(sag).epsilon(0.02));
+}
