@@ -28,7 +28,7 @@ TEST_CASE("a cloth falls as a point does, without strain, whatever its stiffness
   const Vec3 x = cloth.point(id, 5) - start, v = cloth.velocity(id, 5);
   // rounding of the velocity in each small step
   const double small = static_cast<double>(steps * wd.substeps * cloth.substeps(id));
-  const double tolerance = static_cast<double>(kEpsilon) * std::max(160.0, small / 20);
+  const double tolerance = static_cast<double>(kEpsilon) * std::max(160.0, small / 40);
   CHECK(component(x, 0) == Approx(t).epsilon(tolerance));
   CHECK(component(x, 1) == Approx(2 * t - g * t * t / 2).epsilon(tolerance));
   CHECK(component(x, 2) == Approx(-t / 2).epsilon(tolerance));

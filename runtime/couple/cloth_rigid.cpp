@@ -1,0 +1,268 @@
+// Structure of the coupling, candidates of a step, attachments, and what is asked and told. The contact rows are made
+// in cloth_rigid_rows.cpp.
+// Kept between steps: which cloth touches which body, for the events.
+#include "couple/cloth_rigid.h"
+
+#include <algorithm>
+
+namespace feder {
+namespace {
+
+constexpr Real kSupport = Real(0.3);   // cosine to gravity, from which on a contact carries
+constexpr Real kMostLoad = 50;         // times the cloth's mass: heavier loads get no smaller steps
+
+}  // namespace
+
+const SystemDescriptor& ClothRigid::descriptor() {
+  static const char* const joins[] = {Cloth::kName, Rigid::kName};
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<ClothRigid>(setup);
+                                     }};
+  return d;
+}
+
+ClothRigid::ClothRigid(SystemSetup& s)
+    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
+      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
+      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), structure_changed_(s.structure_changed),
+      candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)),
+      smallest_(&s.store.arena(kName)) {
+  cloth_.set_movers(&movers_);
+}
+
+void ClothRigid::add_rows(StepPlan& plan) {
+  sync();
+  if (cloth_.cloth_count() == 0 || rigid_.count() == 0) return;
+  using S = ClothRigid;
+  plan.add<&S::find_candidates>(Stage::advance, When::before_substeps, 16, "find candidates", kName, this);
+  plan.add<&S::make_rows>(Stage::solve, When::each_substep, 14, "contacts", kName, this);
+  plan.add<&S::collect>(Stage::solve, When::each_substep, 16, "collect", kName, this);
+  plan.add<&S::finish>(Stage::finish, When::each_substep, 5, "touches", kName, this);
+}
+
+std::size_t ClothRigid::count() const { return touches_.size(); }
+
+// Attachments to bodies that are gone end; a cloth that lay on one wakes.
+void ClothRigid::sync() {
+  std::vector<ObjectId> gone;
+  for (const Cloth::Attachment& a : cloth_.attachments())
+    if (!objects_.alive(a.body)) gone.push_back(a.body);
+  for (const ObjectId body : gone) cloth_.detach_body(body);
+  for (const Touch& t : touches_)
+    if (!objects_.alive(t.body) && objects_.alive(t.cloth)) cloth_.wake(t.cloth, WakeCause::destroyed, t.body);
+  cloth_.contact_rows().clear();
+  cloth_.holds().clear();
+}
+
+ClothRigid::Place ClothRigid::place(std::uint32_t k) const {
+  Place p;
+  const Bodies& b = rigid_.bodies();
+  const std::uint32_t body = colliders_.owner_index[k];
+  p.solver = movers_.solver[b.mover[body]];
+  if (p.solver == 0) {
+    p.center = b.position[body];
+    p.pose = b.com_pose(body) * colliders_.local[k];
+    return p;
+  }
+  const MoverState& s = movers_.state[p.solver];
+  p.center = movers_.mass[p.solver].center + s.moved;
+  p.velocity = s.velocity, p.spin = s.angular_velocity;
+  p.pose = Pose{p.center, s.rotation} * colliders_.local[k];
+  return p;
+}
+
+bool ClothRigid::attached(std::uint32_t vertex, ObjectId body) const {
+  for (const Cloth::Attachment& a : cloth_.attachments())
+    if (a.vertex == vertex && a.body == body) return true;
+  return false;
+}
+
+std::uint32_t ClothRigid::touch_of(ObjectId cloth, ObjectId body) {
+  for (std::uint32_t k = 0; k < touches_.size(); ++k)
+    if (touches_[k].cloth == cloth && touches_[k].body == body) return k;
+  Touch t;
+  t.cloth = cloth, t.body = body;
+  touches_.push_back(t);
+  return static_cast<std::uint32_t>(touches_.size() - 1);
+}
+
+void ClothRigid::find_candidates(StepContext& c) {
+  candidates_.clear();
+  for (Touch& t : touches_) t.seen = 0, t.impulse = t.support = t.speed = t.slip = t.strongest = 0;
+  const ClothVertices& v = cloth_.vertices();
+  if (cloth_.moved().size() != v.size()) return;
+  smallest_.resize(colliders_.size());
+  box_.resize(v.size());
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) candidates_of(n, c);
+}
+
+void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
+  const Cloth::Info info = cloth_.info(n);
+  const ClothVertices& v = cloth_.vertices();
+  const Vec3 fall = c.gravity * (c.dt * c.dt);
+  Aabb all;
+  for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
+    const Vec3 x = v.position[i], u = cloth_.speed()[i].vec();
+    Aabb& b = box_[i];
+    const Vec3 far = info.asleep || v.inv_mass[i] == 0 ? x : Vec3(x + c.dt * u + fall);
+    b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
+    b.grow(info.thickness);
+    all.include(b);
+  }
+  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body) continue;
+    if (!(colliders_.group[k] & info.mask) || !(info.group & colliders_.mask[k])) continue;
+    const Aabb& box = colliders_.box[k];
+    if (!overlaps(all, box)) continue;
+    const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
+    if (info.asleep && !body_moves) continue;
+    const Shape& shape = *colliders_.shape[k];
+    const Aabb own = shape.bounds(Pose{});
+    const Vec3 half = Real(0.5) * (own.hi - own.lo);
+    smallest_[k] = shape.convex() ? half.minCoeff() : Real(0);
+    const ObjectId body = colliders_.object[k];
+    const std::uint32_t place = static_cast<std::uint32_t>(n);
+    for (std::uint32_t i = info.first; i < info.first + info.count; ++i)
+      if (overlaps(box_[i], box) && !attached(i, body)) candidates_.push_back({place, k, i, 0});
+    if (!shape.convex() || info.asleep) continue;
+    for (std::uint32_t t = 0; t < info.triangles.size() / 3; ++t) {
+      const std::uint32_t* q = &info.triangles[3 * t];
+      Aabb b = box_[info.first + q[0]];
+      b.include(box_[info.first + q[1]]), b.include(box_[info.first + q[2]]);
+      if (!overlaps(b, box)) continue;
+      if (attached(info.first + q[0], body) || attached(info.first + q[1], body) || attached(info.first + q[2], body)) continue;
+      candidates_.push_back({place, k, t, 1});
+    }
+  }
+}
+
+void ClothRigid::make_holds() {
+  cloth_.holds().clear();
+  const Bodies& b = rigid_.bodies();
+  for (const Cloth::Attachment& a : cloth_.attachments()) {
+    if (!objects_.alive(a.body)) {
+      *structure_changed_ = true;  // the next sync drops it
+      continue;
+    }
+    const std::uint32_t body = rigid_.index(a.body);
+    ClothHold k;
+    k.vertex = a.vertex;
+    k.mover = movers_.solver[b.mover[body]];
+    const Vec3 local = a.local - b.local_com[body];
+    const Vec3 center = k.mover ? Vec3(movers_.mass[k.mover].center + movers_.state[k.mover].moved) : b.position[body];
+    k.arm = rotate(k.mover ? movers_.state[k.mover].rotation : b.rotation[body], local);
+    k.error = cloth_.vertices().position[a.vertex] - center - k.arm;
+    cloth_.holds().push_back(k);
+  }
+}
+
+// What the rows of this substep did.
+void ClothRigid::collect(StepContext& c) {
+  deepest_ = 0;
+  const Real g = length(c.gravity);
+  for (const ClothRow& r : cloth_.contact_rows()) {
+    if (r.touch == kNone) continue;
+    Touch& t = touches_[r.touch];
+    Vec3 d = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) d += r.weight[k] * cloth_.moved()[r.vertex[k]].vec();
+    if (!(r.impulse > 0)) continue;
+    t.seen = 1;
+    t.impulse += r.impulse;
+    if (g > 0 && dot(r.normal, c.gravity) > kSupport * g) t.support += r.impulse;
+    t.speed = std::max(t.speed, r.approach);
+    if (r.impulse <= t.strongest) continue;
+    t.strongest = r.impulse;
+    int heaviest = 0;
+    for (int k = 1; k < 3; ++k)
+      if (r.weight[k] > r.weight[heaviest]) heaviest = k;
+    t.index = r.vertex[heaviest] - cloth_.info(objects_.index(t.cloth)).first;
+    t.point = vertex_place(r.vertex[heaviest]);
+    t.normal = -r.normal;
+    Vec3 u = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) u += r.weight[k] * cloth_.speed()[r.vertex[k]].vec();
+    if (r.mover) u -= movers_.state[r.mover].velocity + cross(movers_.state[r.mover].angular_velocity, r.arm);
+    t.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
+  }
+}
+
+void ClothRigid::finish(StepContext& c) {
+  const Bodies& b = rigid_.bodies();
+  const auto event = [&](EventKind kind, const Touch& t) {
+    Event e;
+    e.kind = kind;
+    e.a = t.cloth, e.b = t.body;
+    e.index = t.index;
+    e.point = t.point, e.normal = t.normal;
+    e.impulse = t.impulse, e.speed = t.speed, e.slip = t.slip;
+    return e;
+  };
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
+    const Cloth::Info info = cloth_.info(n);
+    if (info.asleep) continue;
+    Real load = 0, own = 0;
+    for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
+    for (const Touch& t : touches_) {
+      if (t.cloth != info.object || !t.seen || !objects_.alive(t.body)) continue;
+      const std::uint32_t body = rigid_.index(t.body);
+      if (t.support > Real(0.1) * t.impulse && b.type[body] == BodyType::dynamic) load += b.mass[body];
+      if (info.moving && b.type[body] == BodyType::dynamic && !b.awake[body]) rigid_.wake(t.body, WakeCause::cloth, t.cloth);
+    }
+    for (const Cloth::Attachment& a : cloth_.attachments()) {
+      if (a.cloth != info.object || !objects_.alive(a.body)) continue;
+      const std::uint32_t body = rigid_.index(a.body);
+      if (b.type[body] != BodyType::dynamic) continue;
+      load += b.mass[body];
+      if (info.moving && !b.awake[body]) rigid_.wake(a.body, WakeCause::cloth, a.cloth);
+    }
+    cloth_.set_load(n, std::min(load, kMostLoad * own));
+  }
+  // begin, stay and end, in the order of the objects
+  std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {
+    return x.cloth != y.cloth ? x.cloth < y.cloth : x.body < y.body;
+  });
+  for (Touch& t : touches_) {
+    const bool gone = !objects_.alive(t.body) || !objects_.alive(t.cloth);
+    const bool asleep = !gone && cloth_.asleep(t.cloth);
+    if (asleep && t.begun) {
+      t.seen = 1;
+      continue;
+    }
+    if (t.seen && !t.begun) {
+      c.events->add(event(EventKind::contact_begin, t));
+      if (c.events->wanted(EventKind::hit)) c.events->add(event(EventKind::hit, t));
+    } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
+      c.events->add(event(EventKind::contact_stay, t));
+    }
+    if (!t.seen && t.begun) c.events->add(event(EventKind::contact_end, t));
+    t.begun = t.seen && !gone;
+  }
+  std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
+  cloth_.contact_rows().clear();
+}
+
+void ClothRigid::hash(Hash& h) const {
+  for (const Touch& t : touches_) h.add(t.cloth.slot), h.add(t.body.slot);
+}
+
+void ClothRigid::save(Writer& w) const { w.list(touches_); }
+
+void ClothRigid::load(Reader& r) {
+  r.list(touches_);
+  cloth_.contact_rows().clear();
+  cloth_.holds().clear();
+}
+
+void ClothRigid::residuals(std::vector<Residual>& out) const {
+  const Bodies& b = rigid_.bodies();
+  double worst = 0;
+  for (const Cloth::Attachment& a : cloth_.attachments()) {
+    if (!objects_.alive(a.body)) continue;
+    const Vec3 anchor = to_world(b.origin_pose(rigid_.index(a.body)), a.local);
+    worst = std::max(worst, static_cast<double>(length(cloth_.vertices().position[a.vertex] - anchor)));
+  }
+  if (!cloth_.attachments().empty()) out.push_back({"cloth_rigid.attachment_error_m", worst});
+  out.push_back({"cloth_rigid.penetration_m", static_cast<double>(deepest_)});
+}
+
+}  // namespace feder

@@ -1,0 +1,137 @@
+// Contact rows of a substep. A vertex is a ball of half the thickness, a triangle three points rounded by it; both are
+// tested against a collider by the narrow phase that bodies use. Triangles give rows only where something pokes
+// between their corners (a ball, an edge, a tip), because corners have rows of their own.
+// What would pass more than part of the body's size in the substep is cast along its relative motion instead: the
+// normal is then that of the moment of impact, so nothing slips through, and nothing beside the path is caught.
+// A row acts at the cloth's point on both sides, so linear and angular momentum pass on exactly.
+#include <algorithm>
+#include <cmath>
+
+#include "couple/cloth_rigid.h"
+#include "couple/cloth_triangle.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kCastShare = Real(0.25);  // of the body's half size: faster passes are cast
+constexpr Real kCorner = Real(0.95);     // barycentric weight from which on a point is the corner's own
+
+void barycentric(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {
+  const Vec3 n = cross(b, c);
+  const Real nn = dot(n, n);
+  if (!(nn > 0)) return void((w[0] = 1, w[1] = w[2] = 0));
+  w[1] = clamp(dot(n, cross(p, c)) / nn, 0, 1);
+  w[2] = clamp(dot(n, cross(b, p)) / nn, 0, 1 - w[1]);
+  w[0] = 1 - w[1] - w[2];
+}
+
+}  // namespace
+
+void ClothRigid::make_rows(StepContext& c) {
+  cloth_.contact_rows().clear();
+  if (cloth_.moved().size() != cloth_.vertices().size()) return;
+  make_holds();
+  std::uint32_t collider = kNone;
+  Place at;
+  for (const Candidate& k : candidates_) {
+    if (k.collider != collider) collider = k.collider, at = place(collider);
+    k.triangle ? triangle_rows(k, at, c) : vertex_rows(k, at, c);
+  }
+}
+
+// `normal` from the body to the cloth; `gap` beyond the thickness now; `point` on the cloth.
+void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
+                         const Vec3& normal, Real gap, const Vec3& point) {
+  const Cloth::Info info = cloth_.info(k.cloth);
+  ClothRow r;
+  Vec3 d = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    r.vertex[i] = v[i], r.weight[i] = weight[i];
+    d += weight[i] * cloth_.moved()[v[i]].vec();
+  }
+  r.vertex[3] = v[0];
+  r.normal = normal;
+  r.offset = gap - dot(normal, d);
+  r.mover = at.solver;
+  r.arm = point - at.center;
+  r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
+  const Vec3 slide = colliders_.surface_velocity[k.collider];
+  if (!slide.isZero(0)) r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
+  r.relaxation = info.relaxation;
+  r.touch = touch_of(info.object, colliders_.object[k.collider]);
+  if (gap < 0) deepest_ = std::max(deepest_, -gap);
+  cloth_.contact_rows().push_back(r);
+}
+
+void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c) {
+  const Cloth::Info info = cloth_.info(k.cloth);
+  const Real radius = Real(0.5) * info.thickness;
+  if (radius != radius_) radius_ = radius, vertex_shape_ = make_sphere(radius);
+  const Vec3 x = vertex_place(k.index);
+  const Vec3 u = cloth_.speed()[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
+  const Vec3 travel = c.h * u + (c.h * c.h) * c.gravity;
+  const Real reach = length(travel);
+  const std::uint32_t v[3] = {k.index, k.index, k.index};
+  const Real weight[3] = {1, 0, 0};
+  const Shape& shape = *colliders_.shape[k.collider];
+  if (reach > radius + kCastShare * smallest_[k.collider]) {
+    CastHit hit;
+    if (shape_cast(*vertex_shape_, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
+      const Real closing = -dot(hit.normal, travel);
+      if (closing > 0) add_row(k, at, v, weight, hit.normal, hit.fraction * closing, x);
+      return;
+    }
+  }
+  Manifold m[kMaxManifolds];
+  PairCache cache;
+  const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + Real(0.1) * info.thickness;
+  const int count = collide_.narrow().collide(*vertex_shape_, {x, Quat{}}, shape, at.pose, margin, cache, m);
+  for (int i = 0; i < count; ++i) {
+    if (m[i].count == 0) continue;
+    if (info.asleep) {
+      // something moves against a sleeper
+      if (m[i].points[0].separation < Real(0.1) * info.thickness && reach > Real(0.05) * c.h)
+        cloth_.wake(info.object, WakeCause::contact, colliders_.object[k.collider]);
+      return;
+    }
+    add_row(k, at, v, weight, -m[i].normal, m[i].points[0].separation, x);
+  }
+}
+
+void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext& c) {
+  const Cloth::Info info = cloth_.info(k.cloth);
+  const std::uint32_t* q = &info.triangles[3 * k.index];
+  const std::uint32_t v[3] = {info.first + q[0], info.first + q[1], info.first + q[2]};
+  const Vec3 a = vertex_place(v[0]), b = vertex_place(v[1]) - a, e = vertex_place(v[2]) - a;
+  const Vec3 middle = a + (b + e) / 3;
+  Vec3 u = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) u += cloth_.speed()[v[i]].vec() / 3;
+  u -= at.velocity + cross(at.spin, middle - at.center);
+  const Vec3 travel = c.h * u + (c.h * c.h) * c.gravity;
+  const Real reach = length(travel), radius = Real(0.5) * info.thickness;
+  const ClothTriangle shape(b, e, radius);
+  const Shape& body = *colliders_.shape[k.collider];
+  Real weight[3];
+  if (reach > radius + kCastShare * smallest_[k.collider]) {
+    CastHit hit;
+    if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
+      const Real closing = -dot(hit.normal, travel);
+      const Vec3 p = hit.point - hit.fraction * travel - a;
+      barycentric(p, b, e, weight);
+      if (closing > 0) add_row(k, at, v, weight, hit.normal, hit.fraction * closing, a + weight[1] * b + weight[2] * e);
+      return;
+    }
+  }
+  Manifold m[kMaxManifolds];
+  PairCache cache;
+  const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + Real(0.1) * info.thickness;
+  const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < m[i].count; ++j) {
+      barycentric(m[i].points[j].position - a, b, e, weight);
+      if (std::max({weight[0], weight[1], weight[2]}) > kCorner) continue;
+      add_row(k, at, v, weight, -m[i].normal, m[i].points[j].separation, a + weight[1] * b + weight[2] * e);
+    }
+}
+
+}  // namespace feder
