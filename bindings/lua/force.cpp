@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/profile.h"
-#include "lua/records.h"
+#include "lua/objects.h"
 
 namespace feder::lua {
 namespace {
@@ -92,6 +92,26 @@ void apply_to_nets(lua_State* L, WorldRecord& record, std::vector<ScriptForce>& 
   }
 }
 
+void apply_to_cloths(lua_State* L, WorldRecord& record, std::vector<ScriptForce>& forces, std::vector<char>& failed) {
+  apply_to_cloth(
+      record,
+      [&](ObjectId id, TagMask tags) {
+        bool any = false;
+        for (const ScriptForce& f : forces) any = any || acts(f, id, tags);
+        return any;
+      },
+      [&](ObjectId id, const Vec3& x, const Vec3& v, Real mass) {
+        const TagMask tags = record.world->objects().tags(id);
+        Vec3 sum = Vec3::Zero(), one = Vec3::Zero();
+        for (std::size_t k = 0; k < forces.size(); ++k) {
+          if (failed[k] || !acts(forces[k], id, tags)) continue;
+          failed[k] = !evaluate(L, record, forces[k], x, v, mass, one);
+          if (!failed[k]) sum += one;
+        }
+        return sum;
+      });
+}
+
 // on = tag, list of tags, or object; everything when absent.
 template <class Target>
 void read_target(Options& o, WorldRecord& record, Target& target) {
@@ -103,9 +123,10 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
   if (type == LUA_TUSERDATA) {
     target.target = check_object(o.L(), -1, record, o.path("on"));
     const ObjectKind kind = record.world->objects().kind(target.target);
-    if (kind != ObjectKind::body && kind != ObjectKind::net) o.wrong("on", "a tag, a body or a net");
+    if (kind != ObjectKind::body && kind != ObjectKind::net && kind != ObjectKind::cloth)
+      o.wrong("on", "a tag, a body, a net or a cloth");
   } else if (type != LUA_TSTRING && type != LUA_TTABLE) {
-    o.wrong("on", "a tag, a body or a net");
+    o.wrong("on", "a tag, a body, a net or a cloth");
   }
   lua_pop(o.L(), 1);
   if (type == LUA_TUSERDATA) return;
@@ -183,6 +204,7 @@ void apply_script_forces(lua_State* L, WorldRecord& record) {
     profile.calls += 1, profile.nanoseconds += clock_nanoseconds() - start;
   }
   apply_to_nets(L, record, forces, failed);
+  apply_to_cloths(L, record, forces, failed);
   for (ScriptForce& f : record.forces.list)
     for (ScriptForce& g : forces)
       if (g.object == f.object) f.held = std::move(g.held);

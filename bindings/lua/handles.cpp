@@ -1,7 +1,7 @@
 // Handles and worlds as userdata.
 #include <random>
 
-#include "lua/records.h"
+#include "lua/objects.h"
 
 namespace feder::lua {
 namespace {
@@ -17,6 +17,8 @@ Class class_of(const WorldRecord& record, ObjectId id) {
       return Class::joint;
     case ObjectKind::net:
       return Class::net;
+    case ObjectKind::cloth:
+      return Class::cloth;
     case ObjectKind::force:
       return Class::force;
     case ObjectKind::region:
@@ -153,7 +155,7 @@ int object_tags(lua_State* L) {
 
 const Method kObjectMethods[] = {
     {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
-    {"kind", guard<object_kind>, "h:kind() -> string", "\"body\", \"joint\", \"net\", \"force\" or \"region\""},
+    {"kind", guard<object_kind>, "h:kind() -> string", "\"body\", \"joint\", \"net\", \"cloth\", \"force\" or \"region\""},
     {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
     {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
     {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
@@ -282,7 +284,7 @@ Self check_self(lua_State* L) {
 }
 
 Handle* test_handle(lua_State* L, int index) {
-  for (Class c : {Class::body, Class::net, Class::joint, Class::force, Class::region})
+  for (Class c : {Class::body, Class::net, Class::cloth, Class::joint, Class::force, Class::region})
     if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
   return nullptr;
 }
@@ -340,6 +342,9 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
     case ObjectKind::net:
       record.springs().destroy_net(id, where);
       break;
+    case ObjectKind::cloth:
+      destroy_cloth(record, id, where);
+      break;
     case ObjectKind::force:
       world.remove_force(id, where);
       std::erase_if(record.forces.list, [&](const ScriptForce& f) {
@@ -347,6 +352,7 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
         return f.object == id;
       });
       if (Springs* springs = world.find<Springs>()) springs->clear_script_forces();
+      clear_cloth_forces(world);
       break;
     default:
       record.rigid().destroy_body(id, where);
@@ -428,7 +434,7 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  for (Class c : {Class::body, Class::joint, Class::net, Class::force, Class::region}) {
+  for (Class c : {Class::body, Class::joint, Class::net, Class::cloth, Class::force, Class::region}) {
     push_class(L, c);
     lua_pushcfunction(L, guard<handle_tostring>);
     lua_setfield(L, -2, "__tostring");

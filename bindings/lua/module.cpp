@@ -1,5 +1,8 @@
 // The module "feder", the classes without a world, and the list of all functions.
 #include "couple/springs_rigid.h"
+#ifdef FEDER_HAS_CLOTH
+#include "couple/cloth_rigid.h"
+#endif
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
@@ -98,6 +101,12 @@ Catalog catalog() {
 #ifdef FEDER_HAS_COUPLE
       &SpringsRigid::descriptor(),
 #endif
+#ifdef FEDER_HAS_CLOTH
+      &Cloth::descriptor(),
+#ifdef FEDER_HAS_COUPLE
+      &ClothRigid::descriptor(),
+#endif
+#endif
   };
   return systems;
 }
@@ -110,7 +119,7 @@ std::vector<DocRow> docs() {
   add("feder", feder_functions()), add("feder", shape_functions());
   add("world", world_methods()), add("world", query_methods());
   add("object", object_methods());
-  add("body", body_methods()), add("joint", joint_methods()), add("net", net_methods()), add("force", force_methods());
+  add("body", body_methods()), add("joint", joint_methods()), add("net", net_methods()), add("cloth", cloth_methods()), add("force", force_methods());
   add("region", region_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;

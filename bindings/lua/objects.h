@@ -1,6 +1,8 @@
 // The makers of objects and their methods: one file each (body_make.cpp, body.cpp, joint.cpp, net_make.cpp, net.cpp,
 // region.cpp), plus the queries and the world's own methods.
 #pragma once
+#include <functional>
+
 #include "lua/records.h"
 
 namespace feder::lua {
@@ -9,11 +11,18 @@ int world_body(lua_State* L);
 int world_joint(lua_State* L);
 int world_net(lua_State* L);
 int world_region(lua_State* L);
+int world_cloth(lua_State* L);
 
 std::span<const Method> body_methods();
 std::span<const Method> joint_methods();
 std::span<const Method> net_methods();
 std::span<const Method> region_methods();
+std::span<const Method> cloth_methods();  // empty where the module is left out
+void destroy_cloth(WorldRecord& record, ObjectId id, const std::string& where);
+void clear_cloth_forces(World& world);
+// Forces of scripts on the vertices of cloth: evaluate(position, velocity, mass, sum) for those that `acts` accepts.
+void apply_to_cloth(WorldRecord& record, const std::function<bool(ObjectId, TagMask)>& acts,
+                    const std::function<Vec3(ObjectId, const Vec3&, const Vec3&, Real)>& evaluate);
 std::span<const Method> query_methods();
 std::span<const Method> world_methods();
 

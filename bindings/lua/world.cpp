@@ -173,6 +173,7 @@ int world_report(lua_State* L) {
   count_field(L, "bodies", w.objects().count(ObjectKind::body));
   count_field(L, "joints", w.objects().count(ObjectKind::joint));
   count_field(L, "nets", w.objects().count(ObjectKind::net));
+  count_field(L, "cloths", w.objects().count(ObjectKind::cloth));
   count_field(L, "forces", w.objects().count(ObjectKind::force));
   count_field(L, "points", w.find<Springs>() ? w.find<Springs>()->count() : 0);
   count_field(L, "steps", w.step_count());
@@ -238,7 +239,8 @@ const Method kWorldMethods[] = {
      "sensor_enter and sensor_leave events"},
     {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force",
      "or each = function(x,y,z, vx,vy,vz, mass, t) return fx, fy, fz end"},
-    {"cloth", guard<left_out>, "world:cloth{ ... }", "not in this build"},
+    {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
+     "a sheet or a triangle mesh; see section 6"},
     {"fluid", guard<left_out>, "world:fluid{ ... }", "not in this build"},
     {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection",
      "fn(event) runs after the step; see section 7"},

@@ -262,7 +262,7 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
   lua_settop(L, 1);
   lua_pushvalue(L, lua_upvalueindex(1));
   constexpr int world = 1, scene = 2;
-  for (const char* later : {"cloths", "fluids"}) {
+  for (const char* later : {"fluids"}) {
     if (lua_getfield(L, scene, later) != LUA_TNIL)
       fail_in(L, scene,
               std::string(later) + ": this build leaves out the module '" +
@@ -277,6 +277,7 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
     make_object(L, world, "joint");
   });
   each_of(L, scene, "nets", [&] { make_object(L, world, "net"); });
+  each_of(L, scene, "cloths", [&] { make_object(L, world, "cloth"); });
   each_of(L, scene, "forces", [&] { make_object(L, world, "force"); });
   return 0;
 }

@@ -79,6 +79,8 @@ class MassSpring final : public ClothSolver, private ForceField {
     return std::sqrt(fastest) * double(h) / reach;
   }
 
+  void save(Writer& w) const override { w.list(integrator_->memory.points), w.list(integrator_->memory.numbers); }
+  void load(Reader& r) override { r.list(integrator_->memory.points), r.list(integrator_->memory.numbers); }
   Real relaxation() const override { return Real(0.25); }
   bool sheds_strain() const override { return false; }
   double least_cap() const override { return kLeastCap; }

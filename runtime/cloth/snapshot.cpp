@@ -70,6 +70,7 @@ void Cloth::save(Writer& w) const {
     w.add(s->mass), w.add(s->mesh.grid);
     w.text(s->solver_name);
     save_params(w, s->solver_options);
+    s->solver->save(w);
     w.list(s->mesh.triangles), w.list(s->mesh.edges), w.list(s->mesh.links), w.list(s->mesh.hinges);
     w.list(s->mesh.ghosts);
   }
@@ -91,6 +92,7 @@ void Cloth::load(Reader& r) {
     std::string name;
     r.text(name);
     m.attach_solver(*s, name, load_params(r));
+    s->solver->load(r);
     r.list(s->mesh.triangles), r.list(s->mesh.edges), r.list(s->mesh.links), r.list(s->mesh.hinges);
     r.list(s->mesh.ghosts);
     m.sheets.push_back(std::move(s));

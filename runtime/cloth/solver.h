@@ -41,6 +41,9 @@ class ClothSolver {
   // Small steps that a substep of h needs for what this solver can hold; 1 when it does not matter. From the rest
   // shape and the pins alone, so that a restored cloth gets the same answer.
   virtual double wanted_substeps(const ClothView& cloth, Real h) const = 0;
+  // What it remembers between steps, for snapshots.
+  virtual void save(Writer&) const {}
+  virtual void load(Reader&) {}
   virtual Real relaxation() const { return 1; }  // of contact corrections
   virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
   virtual double least_cap() const { return 1; }      // small steps that `max_substeps` cannot forbid

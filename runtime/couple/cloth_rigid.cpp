@@ -51,6 +51,9 @@ void ClothRigid::sync() {
   for (const ObjectId body : gone) cloth_.detach_body(body);
   for (const Touch& t : touches_)
     if (!objects_.alive(t.body) && objects_.alive(t.cloth)) cloth_.wake(t.cloth, WakeCause::destroyed, t.body);
+  vertex_shapes_.clear();
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n)
+    vertex_shapes_.push_back(make_sphere(Real(0.5) * cloth_.info(n).thickness));
   cloth_.contact_rows().clear();
   cloth_.holds().clear();
 }

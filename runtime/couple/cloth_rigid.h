@@ -80,8 +80,7 @@ class ClothRigid final : public System {
   Array<Touch> touches_;
   Array<Aabb> box_;              // by vertex: swept over the step
   Array<Real> smallest_;         // by collider: half of its least size, m
-  ShapePtr vertex_shape_;        // sphere of radius_
-  Real radius_ = 0;
+  std::vector<ShapePtr> vertex_shapes_;  // by cloth: a sphere of half the thickness
   Real deepest_ = 0;             // penetration of the last substep, m
 };
 

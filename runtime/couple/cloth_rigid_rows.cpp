@@ -66,7 +66,7 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
 void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c) {
   const Cloth::Info info = cloth_.info(k.cloth);
   const Real radius = Real(0.5) * info.thickness;
-  if (radius != radius_) radius_ = radius, vertex_shape_ = make_sphere(radius);
+  const Shape& ball = *vertex_shapes_[k.cloth];
   const Vec3 x = vertex_place(k.index);
   const Vec3 u = cloth_.speed()[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
   const Vec3 travel = c.h * u + (c.h * c.h) * c.gravity;
@@ -76,7 +76,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const Shape& shape = *colliders_.shape[k.collider];
   if (reach > radius + kCastShare * smallest_[k.collider]) {
     CastHit hit;
-    if (shape_cast(*vertex_shape_, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
+    if (shape_cast(ball, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
       if (closing > 0) add_row(k, at, v, weight, hit.normal, hit.fraction * closing, x);
       return;
@@ -85,7 +85,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   Manifold m[kMaxManifolds];
   PairCache cache;
   const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + Real(0.1) * info.thickness;
-  const int count = collide_.narrow().collide(*vertex_shape_, {x, Quat{}}, shape, at.pose, margin, cache, m);
+  const int count = collide_.narrow().collide(ball, {x, Quat{}}, shape, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i) {
     if (m[i].count == 0) continue;
     if (info.asleep) {
