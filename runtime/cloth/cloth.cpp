@@ -95,6 +95,11 @@ Cloth::~Cloth() = default;
 void Cloth::add_rows(StepPlan& plan) {
   Impl* m = impl_.get();
   if (m->sheets.empty()) return;
+  std::size_t count = 0;
+  if (const Forces* forces = m->store.find<Forces>()) count = forces->list.size();
+  if (count != m->force_count)
+    for (auto& s : m->sheets) m->wake(*s, WakeCause::force, {});
+  m->force_count = count;
   plan.add<&Impl::prepare>(Stage::advance, When::before_substeps, 12, "prepare", kName, m);
   plan.add<&Impl::solve>(Stage::solve, When::each_substep, 15, "small steps", kName, m);
   plan.add<&Impl::commit>(Stage::finish, When::each_substep, 20, "commit", kName, m);
@@ -194,6 +199,18 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
   Impl& m = *impl_;
   const std::uint32_t place = m.objects.index(id);
   const std::uint32_t first = m.sheets[place]->first, count = m.sheets[place]->total;
+  for (const std::uint64_t k : m.touching) {
+    const auto a = static_cast<std::uint32_t>(k >> 32), b = static_cast<std::uint32_t>(k);
+    if (a != id.slot && b != id.slot) continue;
+    Event end;
+    end.kind = EventKind::contact_end;
+    for (const auto& s : m.sheets) {
+      if (s->object.slot == a) end.a = s->object;
+      if (s->object.slot == b) end.b = s->object;
+    }
+    m.events.add_pending(end);
+  }
+  std::erase_if(m.touching, [&](std::uint64_t k) { return k >> 32 == id.slot || (k & 0xffffffffu) == id.slot; });
   // later vertices, sheets and attachments move down
   ClothVertices::each_array(m.vertices, [&](auto& array) {
     array.erase(array.begin() + first, array.begin() + first + count);

@@ -41,7 +41,13 @@ void Cloth::Impl::add_forces(StepContext& c) {
       }
       if (blown && s.settings.wind) add_wind(s, time);
     }
-    for (std::uint32_t i = 0; i < s.points; ++i) acceleration[s.first + i] = g + force[i] * moved[s.first + i].w;
+    Vec3 sum = g * s.mass;
+    for (std::uint32_t i = 0; i < s.points; ++i) {
+      acceleration[s.first + i] = g + force[i] * moved[s.first + i].w;
+      sum += force[i];
+    }
+    // as large as lately, so that gusts do not make the number of small steps jump
+    s.state.pull = std::max(length(sum) / s.mass, Real(0.95) * s.state.pull);
     for (std::uint32_t i = s.points; i < s.total; ++i) acceleration[s.first + i] = Vec3::Zero();
   }
 }

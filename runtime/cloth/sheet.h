@@ -35,6 +35,7 @@ struct ClothState {
   std::int32_t substeps = 1;   // as last chosen
   std::uint32_t warned = 0;    // the cap of small steps was reported
   Real load = 0;               // kg that rests on it
+  Real pull = 0;               // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
 
 struct Sheet {

@@ -62,6 +62,7 @@ void Cloth::save(Writer& w) const {
   ClothVertices::each_array(impl_->vertices, [&](const auto& array) { w.list(array); });
   w.list(impl_->attachments);
   w.list(impl_->touching);
+  w.add(static_cast<std::uint64_t>(impl_->force_count));
   w.add(static_cast<std::uint64_t>(impl_->sheets.size()));
   for (const auto& s : impl_->sheets) {
     w.add(s->object), w.add(s->first), w.add(s->points), w.add(s->total), w.add(s->version);
@@ -81,6 +82,8 @@ void Cloth::load(Reader& r) {
   ClothVertices::each_array(m.vertices, [&](auto& array) { r.list(array); });
   r.list(m.attachments);
   r.list(m.touching);
+  m.force_count = read<std::uint64_t>(r);
+  m.gravity_known = false;
   const auto count = read<std::uint64_t>(r);
   m.sheets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {

@@ -2,7 +2,7 @@
 // that they may touch. What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
 // at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
 // chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
-// mass that rests on the cloth multiplies g.
+// mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts.
 #include <algorithm>
 #include <cmath>
 
@@ -86,8 +86,8 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
       double wanted = s.bend_substeps;
       if (s.solver->sheds_strain()) {
-        const double g = std::fmax(double(length(c.gravity) * s.settings.gravity_scale), double(kLeastGravity)) *
-                         (1 + double(s.state.load / s.mass));
+        const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
+        const double g = double(std::max({weight, s.state.pull, kLeastGravity})) * (1 + double(s.state.load / s.mass));
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
       }
@@ -119,6 +119,9 @@ void Cloth::Impl::prepare(StepContext& c) {
   const std::uint32_t size = vertices.size();
   moved.resize(size), before.resize(size), speed.resize(size), acceleration.resize(size);
   any_active = false;
+  if (gravity_known && gravity != c.gravity)
+    for (auto& s : sheets) wake(*s, WakeCause::force, {});
+  gravity = c.gravity, gravity_known = true;
   guarded = clamped = 0;
   for (auto& s : sheets) {
     any_active = any_active || s->active();

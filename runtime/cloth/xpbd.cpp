@@ -4,8 +4,9 @@
 // does not depend on their number. Hinges push before the sweep, at the state it started from, which leaves no error
 // at rest; only those too stiff for that (more than the small steps were chosen for) are swept like links.
 // Kept between steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is
-// left over, 2 g n^2 h^2/L for n rows, decides the number of small steps (see step.cpp), and light cloth under heavy
-// bodies stretches more than its material.
+// left over, 2 g n^2 h^2/L for n rows, decides the number of small steps (see step.cpp), light cloth under heavy
+// bodies stretches more than its material; and a spinning cloth loses angular momentum in proportion to its strain and
+// to the small step, as with implicit methods (gradients are those of the new positions).
 #include <cmath>
 
 #include "cloth/batches.h"

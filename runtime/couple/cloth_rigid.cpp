@@ -25,7 +25,7 @@ ClothRigid::ClothRigid(SystemSetup& s)
     : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), structure_changed_(s.structure_changed),
+      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events), structure_changed_(s.structure_changed),
       candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)),
       smallest_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
@@ -49,8 +49,15 @@ void ClothRigid::sync() {
   for (const Cloth::Attachment& a : cloth_.attachments())
     if (!objects_.alive(a.body)) gone.push_back(a.body);
   for (const ObjectId body : gone) cloth_.detach_body(body);
-  for (const Touch& t : touches_)
-    if (!objects_.alive(t.body) && objects_.alive(t.cloth)) cloth_.wake(t.cloth, WakeCause::destroyed, t.body);
+  for (const Touch& t : touches_) {
+    if (objects_.alive(t.body) && objects_.alive(t.cloth)) continue;
+    if (objects_.alive(t.cloth)) cloth_.wake(t.cloth, WakeCause::destroyed, t.body);
+    Event e;
+    e.kind = EventKind::contact_end;
+    e.a = t.cloth, e.b = t.body, e.index = t.index, e.point = t.point, e.normal = t.normal;
+    events_.add_pending(e);
+  }
+  std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.cloth); });
   vertex_shapes_.clear();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n)
     vertex_shapes_.push_back(make_sphere(Real(0.5) * cloth_.info(n).thickness));
@@ -225,9 +232,7 @@ void ClothRigid::finish(StepContext& c) {
     return x.cloth != y.cloth ? x.cloth < y.cloth : x.body < y.body;
   });
   for (Touch& t : touches_) {
-    const bool gone = !objects_.alive(t.body) || !objects_.alive(t.cloth);
-    const bool asleep = !gone && cloth_.asleep(t.cloth);
-    if (asleep && t.begun) {
+    if (cloth_.asleep(t.cloth) && t.begun) {
       t.seen = 1;
       continue;
     }
@@ -238,7 +243,7 @@ void ClothRigid::finish(StepContext& c) {
       c.events->add(event(EventKind::contact_stay, t));
     }
     if (!t.seen && t.begun) c.events->add(event(EventKind::contact_end, t));
-    t.begun = t.seen && !gone;
+    t.begun = t.seen;
   }
   std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
   cloth_.contact_rows().clear();

@@ -75,6 +75,7 @@ class ClothRigid final : public System {
   Colliders& colliders_;
   Movers& movers_;
   Objects& objects_;
+  Events& events_;
   bool* structure_changed_;
   Array<Candidate> candidates_;
   Array<Touch> touches_;

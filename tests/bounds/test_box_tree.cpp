@@ -1,0 +1,60 @@
+// The tree of boxes against all pairs.
+#include "bounds/box_tree.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "base/rng.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+namespace {
+
+std::vector<Aabb> boxes(int count, Rng& rng, bool coarse) {
+  std::vector<Aabb> list;
+  for (int i = 0; i < count; ++i) {
+    Vec3 lo, size;
+    // on a coarse grid equal middles and touching faces are common
+    for (int k = 0; k < 3; ++k) {
+      const double x = rng.unit() * 8, d = rng.unit();
+      lo[k] = static_cast<Real>(coarse ? static_cast<int>(x) : x), size[k] = coarse ? Real(1) : static_cast<Real>(d);
+    }
+    Aabb b;
+    b.lo = lo, b.hi = lo + size;
+    list.push_back(b);
+  }
+  return list;
+}
+
+void compare(const BoxTree& tree, const std::vector<Aabb>& list, Rng& rng, bool coarse) {
+  for (const Aabb& b : boxes(40, rng, coarse)) {
+    std::vector<std::uint32_t> found, expected;
+    tree.query(b, [&](std::uint32_t i) { found.push_back(i); });
+    for (std::uint32_t i = 0; i < list.size(); ++i)
+      if (overlaps(list[i], b)) expected.push_back(i);
+    std::sort(found.begin(), found.end());
+    REQUIRE(found == expected);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a box tree finds exactly the overlapping items, each once, also after a refit", "[bounds]") {
+  const int count = GENERATE(0, 1, 4, 5, 257);
+  const bool coarse = GENERATE(false, true);
+  Arena arena("test");
+  Rng rng(11);
+  BoxTree tree(arena);
+  std::vector<Aabb> list = boxes(count, rng, coarse);
+  tree.build(list);
+  CHECK(tree.size() == list.size());
+  compare(tree, list, rng, coarse);
+  for (int round = 0; round < 3; ++round) {
+    list = boxes(count, rng, coarse);
+    const std::uint64_t allocations = arena.allocations();
+    tree.refit(list);
+    CHECK(arena.allocations() == allocations);
+    compare(tree, list, rng, coarse);
+  }
+}

@@ -1,0 +1,241 @@
+// Cloth and bodies: momentum passes both ways, nothing passes through, bodies rest on cloth, attachments hold.
+#include <cmath>
+
+#include "couple/cloth_rigid.h"
+#include "support/catch.h"
+#include "world/world.h"
+
+using namespace feder;
+
+namespace {
+
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+                                            &ClothRigid::descriptor()};
+
+ClothDesc sheet(std::uint32_t n, Real size) {
+  ClothDesc d;
+  d.size[0] = d.size[1] = size;
+  d.nx = d.ny = n;
+  d.self_collision = false;
+  return d;
+}
+
+BodyDesc solid(ShapePtr shape, Real mass, const Vec3& position) {
+  BodyDesc d;
+  d.shape = std::move(shape);
+  d.mass = mass;
+  d.position = position;
+  return d;
+}
+
+const char* const kEdges[] = {"top", "bottom", "left", "right"};
+
+Vec3 vec(const double (&m)[3]) { return Vec3(static_cast<Real>(m[0]), static_cast<Real>(m[1]), static_cast<Real>(m[2])); }
+
+}  // namespace
+
+TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", "[couple][cloth]") {
+  const int row = GENERATE(0, 1, 2);
+  WorldDesc wd;
+  wd.gravity = Vec3(0, 0, 0);
+  wd.dt = 1.0 / 240;
+  wd.sleeping = false;
+  World w(wd, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  BodyDesc hammer = solid(row == 0 ? make_sphere(Real(0.15)) : row == 1 ? make_box(Real(0.2), Real(0.3), Real(0.25)) : make_capsule(Real(0.08), Real(0.4)),
+                          Real(0.3), Vec3(Real(0.07), Real(0.4), Real(0.05)));
+  hammer.velocity = Vec3(0, -3, 0);
+  hammer.angular_velocity = Vec3(2, 0, 5);
+  const ObjectId body = rigid.add_body(hammer);
+  const ObjectId id = cloth.add_cloth(sheet(13, 1));
+  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  int begins = 0;
+  for (int k = 0; k < 240; ++k) {
+    w.step();
+    for (const Event& e : w.events().list()) begins += e.kind == EventKind::contact_begin && e.a == id && e.b == body;
+  }
+  CAPTURE(row, begins);
+  CHECK(begins > 0);
+  CHECK(rigid.bodies().velocity[rigid.index(body)][1] > Real(-2.7));
+  CHECK(length(vec(w.momentum().linear) - p) < Real(1e-4) * length(p));
+  CHECK(length(vec(w.momentum().angular) - l) < Real(1e-2) * length(l));
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("a small ball at 50 m/s does not pass a sheet, nor does a corner", "[couple][cloth]") {
+  const int kind = GENERATE(0, 1);
+  const double speed = GENERATE(5.0, 50.0);
+  WorldDesc wd;
+  wd.gravity = Vec3(0, 0, 0);
+  World w(wd, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(21, 1);
+  d.stretch = 20000;
+  d.area_density = Real(0.5);
+  for (const char* name : kEdges) d.pin_names.emplace_back(name);
+  const ObjectId id = cloth.add_cloth(d);
+  BodyDesc b = solid(kind ? make_box(Real(0.06), Real(0.06), Real(0.06)) : make_sphere(Real(0.05)), Real(0.1), Vec3(Real(0.013), Real(0.8), Real(0.027)));
+  b.rotation = rotation_from_to(normalized_or(Vec3(1, 1, 1), Vec3(1, 0, 0)), Vec3(0, 1, 0));
+  b.velocity = Vec3(0, static_cast<Real>(-speed), 0);
+  const ObjectId body = rigid.add_body(b);
+  CAPTURE(kind, speed);
+  Real lowest = 1;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    lowest = std::min(lowest, rigid.pose(body).position[1]);
+  }
+  CAPTURE(lowest, rigid.pose(body).position[1], cloth.max_strain(id));
+  CHECK(rigid.pose(body).position[1] > Real(-0.05));
+  CHECK(lowest > Real(-0.7));
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("a body rests on a cloth held at its border, and the cloth carries its weight", "[couple][cloth]") {
+  WorldDesc wd;
+  World w(wd, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(21, 1);
+  d.stretch = 5000;
+  d.damping = Real(0.02);
+  for (const char* name : kEdges) d.pin_names.emplace_back(name);
+  const ObjectId id = cloth.add_cloth(d);
+  const ObjectId body = rigid.add_body(solid(make_sphere(Real(0.15)), 1, Vec3(0, Real(0.3), 0)));
+  Real low = 1, high = -1;
+  for (int k = 0; k < 600; ++k) {
+    w.step();
+    if (k < 540) continue;
+    low = std::min(low, rigid.pose(body).position[1]), high = std::max(high, rigid.pose(body).position[1]);
+  }
+  CAPTURE(low, high, cloth.max_strain(id), cloth.substeps(id));
+  CHECK(high - low < Real(0.01));
+  CHECK(low > Real(-0.1));
+  CHECK(low > cloth.point(id, 220)[1] + Real(0.14));
+  CHECK(cloth.point(id, 220)[1] < Real(-0.01));
+  CHECK(cloth.max_strain(id) < Real(0.1));
+}
+
+TEST_CASE("a cloth lies on every kind of body, none of its vertices inside", "[couple][cloth]") {
+  const int kind = GENERATE(0, 1, 2, 3, 4, 5);
+  World w(WorldDesc{}, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  const std::vector<Vec3> tetra = {Vec3(Real(-0.4), Real(-0.3), Real(-0.4)), Vec3(Real(0.4), Real(-0.3), Real(-0.4)), Vec3(0, Real(-0.3), Real(0.5)), Vec3(0, Real(0.3), 0)};
+  const ShapePtr shapes[] = {make_sphere(Real(0.3)), make_box(Real(0.5), Real(0.6), Real(0.5)), make_capsule(Real(0.25), Real(0.6)),
+                             make_cylinder(Real(0.3), Real(0.6)), make_cone(Real(0.4), Real(0.6)), make_hull(tetra)};
+  BodyDesc b = solid(shapes[kind], 1, Vec3(0, 0, 0));
+  b.type = BodyType::fixed;
+  b.friction_static = b.friction_dynamic = 1;
+  const ObjectId body = rigid.add_body(b);
+  ClothDesc d = sheet(25, 1);
+  d.pose.position = Vec3(0, Real(0.35), 0);
+  d.self_collision = true;
+  d.friction = 1;
+  const ObjectId id = cloth.add_cloth(d);
+  const NarrowPhase& narrow = w.need<Collide>().narrow();
+  const ShapePtr point = make_sphere(Real(0.001));
+  Real deepest = 0;
+  for (int k = 0; k < 180; ++k) {
+    w.step();
+    if (k % 6) continue;
+    for (std::size_t i = 0; i < 625; ++i) {
+      Manifold m[kMaxManifolds];
+      PairCache cache;
+      if (narrow.collide(*point, {cloth.point(id, i), Quat{}}, *shapes[kind], rigid.pose(body), 0, cache, m) == 0) continue;
+      if (m[0].count) deepest = std::max(deepest, -m[0].points[0].separation);
+    }
+  }
+  CAPTURE(kind, deepest);
+  CHECK(deepest < Real(0.003));
+  CHECK(cloth.point(id, 312)[1] > Real(0.2));
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("a body hung from a cloth by attachments swings with it; the joints hold", "[couple][cloth]") {
+  World w(WorldDesc{}, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(11, Real(0.5));
+  d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
+  d.pin_names = {"top"};
+  d.stretch = 20000;
+  d.damping = Real(0.02);
+  const ObjectId id = cloth.add_cloth(d);
+  const ObjectId body = rigid.add_body(solid(make_box(Real(0.5), Real(0.1), Real(0.1)), 1, Vec3(0, Real(-0.31), 0)));
+  for (std::size_t i = 110; i < 121; ++i) cloth.attach(id, i, body, to_local(rigid.pose(body), cloth.point(id, i)));
+  double worst = 0;
+  for (int k = 0; k < 300; ++k) {
+    w.step();
+    for (const Residual& r : w.residuals())
+      if (r.name == "cloth_rigid.attachment_error_m") worst = std::max(worst, r.value);
+  }
+  CAPTURE(worst, rigid.pose(body).position[1], cloth.max_strain(id), cloth.substeps(id));
+  CHECK(worst < 0.01);
+  CHECK(rigid.pose(body).position[1] == Approx(-0.31).margin(0.03));
+  rigid.destroy_body(body, "");
+  for (int k = 0; k < 30; ++k) w.step();
+  CHECK(cloth.attachments().empty());
+}
+
+TEST_CASE("a kinematic body carries cloth; a cloth falling on a sleeper wakes it", "[couple][cloth]") {
+  World w(WorldDesc{}, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  BodyDesc tray = solid(make_box(1, Real(0.1), 1), 1, Vec3(0, 0, 0));
+  tray.type = BodyType::kinematic;
+  tray.velocity = Vec3(Real(0.5), Real(0.2), 0);
+  tray.friction_static = tray.friction_dynamic = 1;
+  rigid.add_body(tray);
+  ClothDesc d = sheet(9, Real(0.5));
+  d.friction = 1;
+  d.pose.position = Vec3(0, Real(0.06), 0);
+  const ObjectId id = cloth.add_cloth(d);
+  BodyDesc box = solid(make_box(Real(0.3), Real(0.1), Real(0.3)), Real(0.2), Vec3(5, 0, 0));
+  box.gravity_scale = 0;
+  box.sleeping = true;
+  const ObjectId sleeper = rigid.add_body(box);
+  ClothDesc falling = sheet(9, Real(0.5));
+  falling.pose.position = Vec3(5, Real(0.5), 0);
+  const ObjectId other = cloth.add_cloth(falling);
+  int woke = 0;
+  for (int k = 0; k < 120; ++k) {
+    w.step();
+    for (const Event& e : w.events().list())
+      woke += e.kind == EventKind::wake && e.a == sleeper && e.cause == WakeCause::cloth && e.b == other;
+  }
+  CHECK(woke == 1);
+  CHECK(cloth.point(id, 40)[0] == Approx(1).margin(0.05));
+  CHECK(cloth.point(id, 40)[1] == Approx(0.4 + 0.055).margin(0.01));
+}
+
+TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing, steps allocate nothing", "[couple][cloth]") {
+  std::uint64_t hash = 0;
+  for (const int threads : {1, 2, 4}) {
+    WorldDesc wd;
+    wd.threads = threads;
+    wd.sleeping = false;
+    World w(wd, kCatalog);
+    Rigid& rigid = w.need<Rigid>();
+    Cloth& cloth = w.need<Cloth>();
+    ClothDesc d = sheet(15, 1);
+    d.self_collision = true;
+    d.pin_names = {"top_left", "top_right", "bottom_left", "bottom_right"};
+    cloth.add_cloth(d);
+    for (int i = 0; i < 4; ++i) rigid.add_body(solid(make_box(Real(0.15), Real(0.1), Real(0.15)), Real(0.1), Vec3(Real(0.2) * Real(i % 2), Real(0.2) + Real(0.15) * Real(i), Real(0.1))));
+    for (int k = 0; k < 80; ++k) w.step();
+    const std::string image = w.snapshot();
+    for (int k = 0; k < 20; ++k) w.step();
+    const std::uint64_t end = w.hash();
+    // the second time all pools are grown
+    w.restore(image);
+    w.step();
+    const std::uint64_t allocations = w.allocations();
+    for (int k = 1; k < 20; ++k) w.step();
+    CHECK(w.allocations() == allocations);
+    CHECK(w.hash() == end);
+    if (threads == 1) hash = end;
+    CHECK(end == hash);
+  }
+}
