@@ -159,14 +159,14 @@ void solve_hinges(const ClothPass& p) {
 }
 
 // The torque k (angle - rest) as an impulse on velocities; where a triangle has become so narrow that the push would
-// overshoot, no more than half of what straightens the hinge.
+// overshoot together with its neighbours', no more than a share of what straightens the hinge.
 void bend_hinges(const ClothPass& p) {
   const Lanes h = all_lanes(p.h), zero = zero_lanes();
   for (unsigned i = p.first; i < p.last; ++i) {
     const HingeBatch& c = p.hinges[i];
     const HingeRows r = gather_hinge(p, c);
     const HingeShape s = hinge_shape(r);
-    const Lanes torque = h / load(c.compliance), most = all_lanes(0.5f) * reciprocal_or_zero(s.weight * h);
+    const Lanes torque = h / load(c.compliance), most = all_lanes(0.15f) * reciprocal_or_zero(s.weight * h);
     const Lanes impulse = (zero - bent(c, s)) * min(torque, most);
     for (int k = 0; k < 4; ++k) {
       Rows8 u = gather(p.speed, c.v[k]);

@@ -14,8 +14,8 @@
 namespace feder {
 namespace {
 
-constexpr double kBendShare = 0.2;       // wanted h^2 k sum w |gradient|^2 of the stiffest hinge
-constexpr double kSoftHinge = 0.25;      // the largest at which hinges may push all at once
+constexpr double kBendShare = 0.1;       // wanted h^2 k sum w |gradient|^2 of the stiffest hinge
+constexpr double kSoftHinge = 0.12;      // the largest at which hinges may push all at once
 constexpr std::uint32_t kGrain = 1024;   // vertices per job
 
 class Xpbd final : public ClothSolver {

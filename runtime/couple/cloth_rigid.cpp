@@ -123,7 +123,14 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
     if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body) continue;
     if (!(colliders_.group[k] & info.mask) || !(info.group & colliders_.mask[k])) continue;
-    const Aabb& box = colliders_.box[k];
+    // boxes of collide may look less far ahead than the body comes
+    Aabb box = colliders_.box[k];
+    if (colliders_.motion[k] != ColliderMotion::fixed) {
+      const Vec3 ahead = c.dt * colliders_.velocity[k];
+      Aabb end = box;
+      end.lo += ahead, end.hi += ahead;
+      box.include(end);
+    }
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
     if (info.asleep && !body_moves) continue;

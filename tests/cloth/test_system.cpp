@@ -247,7 +247,8 @@ TEST_CASE("extremes: never a number that is not finite, never silence", "[cloth]
   const double stretch = GENERATE(1.0, 1e3, 1e6);
   const double bend = GENERATE(0.0, 1e-3, 1.0);
   const int kind = GENERATE(0, 1, 2);
-  CAPTURE(stretch, bend, kind);
+  const bool self = GENERATE(false, true);  // what is tangled cannot come back through itself
+  CAPTURE(stretch, bend, kind, self);
   WorldDesc wd;
   wd.sleeping = false;
   World w(wd, kClothOnly);
@@ -256,6 +257,7 @@ TEST_CASE("extremes: never a number that is not finite, never silence", "[cloth]
   d.stretch = static_cast<Real>(stretch);
   d.bend = static_cast<Real>(bend);
   d.damping = Real(0.01);
+  d.self_collision = self;
   const ObjectId id = cloth.add_cloth(d);
   Rng rng(7);
   if (kind == 1) cloth.set_point(id, 40, Vec3(100, 30, -20));
@@ -274,6 +276,7 @@ TEST_CASE("extremes: never a number that is not finite, never silence", "[cloth]
     const Vec3 v = cloth.velocity(id, i);
     for (int k = 0; k < 3; ++k) fastest = std::max(fastest, std::fabs(static_cast<double>(v[k]) - p.linear[k] / 0.2));
   }
+  if (self && kind > 0) return;
   // it came back: no longer than a few times its size
   CHECK(static_cast<double>(cloth.max_strain(id)) < (stretch < 10 ? 60.0 : 2.0));
   CHECK(fastest < 60);

@@ -48,7 +48,9 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   hammer.velocity = Vec3(0, -3, 0);
   hammer.angular_velocity = Vec3(2, 0, 5);
   const ObjectId body = rigid.add_body(hammer);
-  const ObjectId id = cloth.add_cloth(sheet(13, 1));
+  ClothDesc d = sheet(13, 1);
+  d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the small step
+  const ObjectId id = cloth.add_cloth(d);
   const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
   int begins = 0;
   for (int k = 0; k < 240; ++k) {
@@ -102,17 +104,23 @@ TEST_CASE("a body rests on a cloth held at its border, and the cloth carries its
   d.damping = Real(0.02);
   for (const char* name : kEdges) d.pin_names.emplace_back(name);
   const ObjectId id = cloth.add_cloth(d);
-  const ObjectId body = rigid.add_body(solid(make_sphere(Real(0.15)), 1, Vec3(0, Real(0.3), 0)));
+  BodyDesc b = solid(make_sphere(Real(0.15)), 1, Vec3(0, Real(0.3), 0));
+  b.angular_damping = b.linear_damping = 1;  // or it rolls to and fro in its dent
+  const ObjectId body = rigid.add_body(b);
   Real low = 1, high = -1;
   for (int k = 0; k < 600; ++k) {
     w.step();
     if (k < 540) continue;
     low = std::min(low, rigid.pose(body).position[1]), high = std::max(high, rigid.pose(body).position[1]);
   }
-  CAPTURE(low, high, cloth.max_strain(id), cloth.substeps(id));
+  const Vec3 x = rigid.pose(body).position;
+  CAPTURE(low, high, x[0], x[2], cloth.max_strain(id), cloth.substeps(id));
+  Real nearest = 1;
+  for (std::size_t i = 0; i < 441; ++i) nearest = std::min(nearest, length(cloth.point(id, i) - x));
+  CHECK(nearest > Real(0.15));
+  CHECK(nearest < Real(0.16));
   CHECK(high - low < Real(0.01));
   CHECK(low > Real(-0.1));
-  CHECK(low > cloth.point(id, 220)[1] + Real(0.14));
   CHECK(cloth.point(id, 220)[1] < Real(-0.01));
   CHECK(cloth.max_strain(id) < Real(0.1));
 }
