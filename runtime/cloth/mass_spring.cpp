@@ -132,10 +132,12 @@ class MassSpring final : public ClothSolver, private ForceField {
     d.set_zero(), k.set_zero();
     for (std::size_t n = 0; n < springs_.size(); ++n) {
       const Spring& s = springs_[n];
-      const Vec3 e = edge(s, x), u = normalized_or(e, kNoDirection);
-      const Real size = length(e), across = size > s.rest ? s.stiffness * (1 - s.rest / size) : Real(0);
-      Mat3 block;
-      for (int col = 0; col < 3; ++col) block.col(col) = ((s.stiffness - across) * u[col]) * u;
+      const Vec3d e = edge(s, x).cast<double>();
+      const double size = std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]), stiffness = s.stiffness, rest = s.rest;
+      const Vec3d u = size > 0 ? Vec3d(e / size) : Vec3d(1, 0, 0);
+      const double across = size > rest ? stiffness * (1 - rest / size) : 0;
+      Mat3d block;
+      for (int col = 0; col < 3; ++col) block.col(col) = ((stiffness - across) * u[col]) * u;
       block.diagonal().array() += across;
       k.diagonal[s.i] -= block;
       k.diagonal[s.j] -= block;
