@@ -23,6 +23,7 @@ double drop_per_load(const char* solver, double load) {
   d.damping = Real(0.03);
   d.self_collision = false;
   d.solver = solver;
+  if (d.solver == "mass_spring") d.solver_options.set("integrator", std::string("velocity_verlet"));
   d.pin_names = {"left"};
   d.pins = {1, 12};  // the second column too: springs have nothing to lean on behind the first
   const ObjectId id = cloth.add_cloth(d);
