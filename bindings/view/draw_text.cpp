@@ -36,6 +36,16 @@ TextLayer::~TextLayer() {
   gl_.DeleteTextures(1, &atlas_);
 }
 
+void TextLayer::add(std::string_view text, float x, float y, float scale, Color color) {
+  for (const char c : text) {
+    const Font::Glyph& g = font().glyph(c);
+    list_.push_back({{x + scale * g.left, y + scale * g.top, x + scale * g.right, y + scale * g.bottom},
+                     {g.u0, g.v0, g.u1, g.v1},
+                     color});
+    x += scale * g.advance;
+  }
+}
+
 void TextLayer::upload(const Frame& f, const Camera& camera, const Target& target, float scale, DrawStats& stats) {
   list_.clear();
   for (const Label& label : f.labels) {
@@ -43,13 +53,11 @@ void TextLayer::upload(const Frame& f, const Camera& camera, const Target& targe
     if (!camera.project(label.position, target.width, target.height, x, y)) continue;
     const std::string_view text = label.text;
     x = std::floor(x - 0.5f * scale * font().width(text)), y = std::floor(y - 0.5f * scale * font().line_height());
-    for (const char c : text) {
-      const Font::Glyph& g = font().glyph(c);
-      list_.push_back({{x + scale * g.left, y + scale * g.top, x + scale * g.right, y + scale * g.bottom},
-                       {g.u0, g.v0, g.u1, g.v1},
-                       label.color});
-      x += scale * g.advance;
-    }
+    // a pale rim first, so that text is read on any colour
+    const Color rim{255, 255, 255, 150};
+    for (const auto& [dx, dy] : {std::pair{-1.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, -1.0f}, {0.0f, 1.0f}})
+      add(text, x + scale * dx, y + scale * dy, scale, rim);
+    add(text, x, y, scale, label.color);
   }
   if (list_.empty()) return;
   glyphs_.fill(list_.data(), list_.size() * sizeof(Glyph), GL_STREAM_DRAW);

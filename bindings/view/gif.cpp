@@ -1,8 +1,10 @@
-// GIF through giflib: a palette of 256 colours per frame by its median cut, ordered dithering against bands.
+// GIF through giflib: a palette of 255 colours per frame by its median cut, ordered dithering against bands. What has
+// not changed since the frame before is transparent, which makes still backgrounds cheap.
 #include <gif_lib.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "base/error.h"
 #include "view/image.h"
@@ -13,9 +15,19 @@ namespace {
 // 4 x 4 Bayer matrix, -7.5 .. 7.5: pushes neighbouring pixels apart by less than a palette step.
 constexpr int kBayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
 
+constexpr int kUnchanged = 255;  // the palette's last place
+
+int append(GifFileType* gif, const GifByteType* bytes, int size) {
+  auto& out = *static_cast<std::ofstream*>(gif->UserData);
+  out.write(reinterpret_cast<const char*>(bytes), size);
+  return out ? size : 0;
+}
+
 }  // namespace
 
 struct GifWriter::Impl {
+  std::ofstream out;
+  std::vector<std::uint8_t> before;  // the last frame's pixels
   std::filesystem::path file;
   GifFileType* gif = nullptr;
   int width = 0, height = 0;
@@ -38,7 +50,9 @@ GifWriter::GifWriter(const std::filesystem::path& file, int width, int height, d
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   g.red.resize(pixels), g.green.resize(pixels), g.blue.resize(pixels), g.index.resize(pixels);
   int error = 0;
-  g.gif = EGifOpenFileName(file.string().c_str(), false, &error);
+  g.out.open(file, std::ios::binary);
+  if (!g.out) g.fail(E_GIF_ERR_OPEN_FAILED);
+  g.gif = EGifOpen(&g.out, append, &error);
   if (!g.gif) g.fail(error);
   EGifSetGifVersion(g.gif, true);
   g.require(EGifPutScreenDesc(g.gif, width, height, 8, 0, nullptr));
@@ -68,16 +82,20 @@ void GifWriter::add(const Image& image) {
       const auto pushed = [push](int c) { return static_cast<GifByteType>(std::clamp(c + push, 0, 255)); };
       g.red[at] = pushed(p[0]), g.green[at] = pushed(p[1]), g.blue[at] = pushed(p[2]);
     }
-  int colors = 256;
+  int colors = kUnchanged;
   ColorMapObject* map = GifMakeMapObject(256, nullptr);
   if (!map) g.fail(E_GIF_ERR_NOT_ENOUGH_MEM);
   int result = GifQuantizeBuffer(static_cast<unsigned>(g.width), static_cast<unsigned>(g.height), &colors, g.red.data(),
                                  g.green.data(), g.blue.data(), g.index.data(), map->Colors);
+  const bool follows = !g.before.empty();
+  for (std::size_t i = 0; follows && i < g.index.size(); ++i)
+    if (std::equal(&image.rgba[4 * i], &image.rgba[4 * i + 3], &g.before[4 * i])) g.index[i] = kUnchanged;
+  g.before = image.rgba;
   g.owed += g.delay;
   GraphicsControlBlock control{};
   control.DisposalMode = DISPOSE_DO_NOT;
   control.DelayTime = static_cast<int>(std::lround(g.owed));
-  control.TransparentColor = NO_TRANSPARENT_COLOR;
+  control.TransparentColor = follows ? kUnchanged : NO_TRANSPARENT_COLOR;
   g.owed -= control.DelayTime;
   GifByteType bytes[4];
   const std::size_t size = EGifGCBToExtension(&control, bytes);
@@ -97,6 +115,8 @@ void GifWriter::close() {
   const int result = EGifCloseFile(g.gif, &error);
   g.gif = nullptr;
   if (result == GIF_ERROR) g.fail(error);
+  g.out.close();
+  if (!g.out) g.fail(E_GIF_ERR_WRITE_FAILED);
 }
 
 }  // namespace feder::view

@@ -97,6 +97,8 @@ class TextLayer {
     float box[4], uv[4];
     Color color;
   };
+  void add(std::string_view text, float x, float y, float scale, Color color);
+
   const Gl& gl_;
   std::unique_ptr<Program> program_;
   GLuint atlas_ = 0;
