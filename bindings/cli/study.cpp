@@ -17,17 +17,6 @@ namespace {
 
 using report::StudyContext;
 
-std::vector<std::string> split_list(const std::string& text) {
-  std::vector<std::string> out;
-  std::size_t at = 0;
-  while (at <= text.size() && !text.empty()) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    out.push_back(text.substr(at, comma - at));
-    at = comma + 1;
-  }
-  return out;
-}
-
 bool failed(const StudyPoint& p) { return p.status != PointStatus::ok && p.status != PointStatus::slow; }
 
 class Study final : public Command {

@@ -34,6 +34,17 @@ std::string range_text(const ProblemParam& p) {
 
 }  // namespace
 
+std::vector<std::string> split_list(const std::string& text) {
+  std::vector<std::string> out;
+  std::size_t at = 0;
+  while (at <= text.size() && !text.empty()) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    out.push_back(text.substr(at, comma - at));
+    at = comma + 1;
+  }
+  return out;
+}
+
 bool is_scene_file(const std::string& name) {
   return name.ends_with(".lua") || name.ends_with(".yaml") || name.ends_with(".yml");
 }

@@ -13,6 +13,9 @@ namespace feder::cli {
 // Exit statuses of study and stability besides those of command.h (numerics.md 1.1).
 inline constexpr int kGateFailed = 3, kRunDiverged = 4;
 
+// "a,b" as words; "" as none.
+std::vector<std::string> split_list(const std::string& text);
+
 bool is_scene_file(const std::string& name);
 
 // A problem of the table with --set options. Failure (usage) names the nearest one.

@@ -68,15 +68,20 @@ XY place(const Box& f, const Plot& p, double x, double y) {
 void draw_gutter(Svg& svg, const Layout& l, const Plot& p) {
   if (l.gutter.height <= 0) return;
   const Box box{l.gutter.left, l.gutter.top + 16, l.gutter.width, l.gutter.height - 22};
-  svg.text({box.left, box.top - 5}, "no error to plot: each mark is a run that failed, at what it cost until then", {11, "start", kQuiet});
+  svg.text({box.left, box.top - 5}, "no error to plot: each mark is a run that failed, at what it cost until then (at the left end also less)", {11, "start", kQuiet});
   svg.rect(box, "#f6f8fa", kGrid);
   double y = box.top + kRow / 2;
   for (const PlotSeries& s : p.series) {
     if (!has_failure(s)) continue;
     const CurveStyle style = curve_style(s.number);
     svg.text({box.left - 8, y + 4}, words_cut(s.name, 11, box.left - 12), {11, "end", style.color});
-    for (const PlotPoint& q : s.points)
-      if (is_failure(q.kind)) draw_mark(svg, {place(l.frame, p, q.x, 1).x, y}, q.kind, style, 9, q.title);
+    double edge = box.left + 8;  // those cheaper than the axis stand side by side at its left end
+    for (const PlotPoint& q : s.points) {
+      if (!is_failure(q.kind)) continue;
+      double x = place(l.frame, p, q.x, 1).x;
+      if (x <= l.frame.left) x = edge, edge += 12;
+      draw_mark(svg, {x, y}, q.kind, style, 9, q.title);
+    }
     y += kRow;
   }
 }

@@ -54,9 +54,14 @@ double cut_high(double error) { return std::isfinite(error) ? std::min(error, 10
 // Axis ends from the points that can be shown; an error of 0 gets no say.
 void fit_axes(Plot& plot, const std::string& x_label, bool seconds, const std::string& y_label, bool more_is_better) {
   std::vector<double> xs, ys;
+  double cheapest = INFINITY;
+  for (const PlotSeries& s : plot.series)
+    for (const PlotPoint& p : s.points)
+      if (!is_failure(p.kind) && p.x > 0) cheapest = std::min(cheapest, p.x);
   for (const PlotSeries& s : plot.series)
     for (const PlotPoint& p : s.points) {
-      xs.push_back(p.x);
+      // runs that failed at once cost next to nothing: they must not push the others aside
+      xs.push_back(is_failure(p.kind) && std::isfinite(cheapest) ? std::max(p.x, cheapest / 10) : p.x);
       if (p.x_far > p.x) xs.push_back(p.x_far);
       if (!is_failure(p.kind)) ys.push_back(cut_high(std::max(p.y, p.y > 0 ? 1e-17 : 0.0)));
     }

@@ -95,7 +95,7 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
     std::vector<std::vector<std::string>> rows;
     std::vector<std::string> marks;
     for (const ProblemParam& q : p.params) {
-      rows.push_back({q.name, q.value, q.fallback, q.help});
+      rows.push_back({q.name, value_text(q.value), value_text(q.fallback), q.help});
       marks.push_back(q.value == q.fallback ? "" : "good");
     }
     page.table({"parameter", ">value", ">default", "meaning"}, rows, marks);
@@ -159,7 +159,7 @@ std::string study_page(const StudyResult& r, const StudyContext& context, const 
   Page page(title);
   std::string lead = r.problem.summary;
   for (const ProblemParam& p : r.problem.params)
-    if (p.value != p.fallback) lead += fmt::format("; {} = {}", p.name, p.value);
+    if (p.value != p.fallback) lead += fmt::format("; {} = {}", p.name, value_text(p.value));
   page.lead(lead);
   if (r.shards > 1 && r.points.size() < r.planned)
     page.paragraph(fmt::format("Part {} of {}: {} of {} points.", r.shard, r.shards, r.points.size(), r.planned));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 
 #include "report/table.h"
@@ -103,10 +104,16 @@ std::string rung_text(const StudyPoint& p) {
   return out;
 }
 
+std::string value_text(const std::string& value) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  return error == std::errc() && end == value.data() + value.size() ? number_text(number, 6) : value;
+}
+
 std::string problem_label(const ProblemInfo& problem) {
   std::string list;
   for (const ProblemParam& p : problem.params)
-    if (p.value != p.fallback) list += (list.empty() ? "" : ", ") + p.name + " = " + p.value;
+    if (p.value != p.fallback) list += (list.empty() ? "" : ", ") + p.name + " = " + value_text(p.value);
   return list.empty() ? problem.name : problem.name + " (" + list + ")";
 }
 

@@ -50,6 +50,8 @@ Json study_json(const StudyResult& r, const StudyContext& context);
 // The result that study_json wrote. std::runtime_error "what is missing".
 StudyResult study_from_json(const Json& json);
 
+// The value of a parameter for a reader: "1e8" for 1e+08.
+std::string value_text(const std::string& value);
 // "oscillator (stiffness = 100)": the parameters that differ from their defaults.
 std::string problem_label(const ProblemInfo& problem);
 // A label as the name of a file: letters, digits, '.', '-' and '_' stay.

@@ -1,0 +1,179 @@
+// feder stability: verdicts over two axes for every method, with the limit found by bisection beside theory's.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "cli/command.h"
+#include "cli/progress.h"
+#include "cli/study_parts.h"
+#include "report/stability_report.h"
+#include "study/extreme.h"
+
+namespace feder::cli {
+namespace {
+
+class Stability final : public Command {
+ public:
+  void declare(Arguments& a) override {
+    a.text("PROBLEM", problem_, "a problem of --list (default oscillator)");
+    a.text("--methods", methods_, "methods, comma separated, or all (default)");
+    a.text("--suite", suite_, "core: a coarse map of every problem; full: the fine ones with bisection; extreme: malformed and extreme inputs");
+    a.text("--axes", axes_, "the axes to map; must be those of the problem (see --list)");
+    a.text("--x", x_, "values of the x axis, comma separated (default: the problem's ladder)");
+    a.text("--y", y_, "values of the y axis, comma separated");
+    a.flag("--bisect", bisect_, "find the limit of each row by bisection");
+    a.flag("--list", list_, "list problems and axes");
+    a.text("--out", out_, "folder for stability.json, cells.csv, limits.csv, the heat maps and index.html");
+  }
+
+  int run(const Options& options) override {
+    if (list_) return print_list(options);
+    report::StabilityContext context;
+    context.machine = report::machine_info(FEDER_VERSION, kRealName);
+    context.command = command_line();
+    if (suite_ == "extreme") return run_extreme_suite(context, options);
+    if (!suite_.empty() && suite_ != "core" && suite_ != "full")
+      throw Failure(kUsage, fmt::format("feder stability: unknown suite '{}'; known: core, full, extreme", suite_));
+    std::vector<StabilityPlan> plans;
+    if (suite_.empty() || !problem_.empty()) plans.push_back(plan_for(problem_.empty() ? "oscillator" : problem_));
+    else
+      for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
+    for (const StabilityPlan& plan : plans) {
+      const StabilityResult result = run_plan(plan);
+      const std::string folder = out_.empty() || plans.size() == 1 ? out_ : out_ + "/" + plan.problem;
+      finish(result, context, folder, options, plan.problem);
+    }
+    return kPass;
+  }
+
+ private:
+  int print_list(const Options& options) const {
+    report::Json json = report::Json::array();
+    for (const StabilityProblemInfo& p : stability_problem_infos()) {
+      json.push_back({{"name", p.name}, {"summary", p.summary}, {"axes", {p.x.name, p.y.name}}, {"bisects", p.bisects}});
+      if (!options.json)
+        fmt::print("{:<12} {}\n             x: {} ({}), {} values; y: {} ({}), {} values{}\n", p.name, p.summary, p.x.name, p.x.label, p.x.values.size(),
+                   p.y.name, p.y.label, p.y.values.size(), p.bisects ? "; limits by bisection" : "");
+    }
+    if (options.json) std::fputs(report::to_text(json).c_str(), stdout);
+    return kPass;
+  }
+
+  std::string command_line() const {
+    std::string out = "feder stability";
+    const auto option = [&](const char* name, const std::string& value) {
+      if (!value.empty()) out += fmt::format("{}{} {}", " ", name, value);
+    };
+    if (!problem_.empty()) out += " " + problem_;
+    option("--suite", suite_), option("--methods", methods_), option("--axes", axes_), option("--x", x_), option("--y", y_);
+    if (bisect_) out += " --bisect";
+    option("--out", out_);
+    return out;
+  }
+
+  static std::vector<double> values(const std::string& text, const char* option) {
+    std::vector<double> out;
+    for (const std::string& word : split_list(text)) out.push_back(read_number(word, option));
+    return out;
+  }
+
+  StabilityPlan plan_for(const std::string& problem) const {
+    const std::vector<StabilityProblemInfo> infos = stability_problem_infos();
+    std::vector<std::string> names;
+    for (const StabilityProblemInfo& i : infos) names.push_back(i.name);
+    const auto info = std::find_if(infos.begin(), infos.end(), [&](const auto& i) { return i.name == problem; });
+    if (info == infos.end()) {
+      const std::string near = nearest_name(problem, names);
+      throw Failure(kUsage, fmt::format("feder stability: unknown problem '{}'{}; known: {}", problem, near.empty() ? "" : ", did you mean '" + near + "'?",
+                                        fmt::join(names, ", ")));
+    }
+    StabilityPlan plan;
+    plan.problem = problem;
+    if (!methods_.empty() && methods_ != "all") plan.methods = split_list(methods_);
+    plan.bisect = (bisect_ || suite_ == "full" || suite_.empty()) && info->bisects;
+    if (!axes_.empty()) {
+      const std::vector<std::string> axes = split_list(axes_);
+      const auto known = [&](const std::string& a) { return a == info->x.name || a == info->y.name; };
+      if (axes.size() != 2 || !known(axes[0]) || !known(axes[1]) || axes[0] == axes[1])
+        throw Failure(kUsage, fmt::format("feder stability: --axes: {} is mapped over {},{}", problem, info->x.name, info->y.name));
+    }
+    plan.x_values = values(x_, "--x"), plan.y_values = values(y_, "--y");
+    if (suite_ == "core") {
+      if (plan.x_values.empty()) plan.x_values = every_other(info->x.values);
+      if (plan.y_values.empty()) plan.y_values = every_other(info->y.values);
+    }
+    return plan;
+  }
+
+  // Both ends and every second value between.
+  static std::vector<double> every_other(const std::vector<double>& all) {
+    std::vector<double> out;
+    for (std::size_t k = 0; k < all.size(); k += 2) out.push_back(all[k]);
+    if (!all.empty() && out.back() != all.back()) out.push_back(all.back());
+    return out;
+  }
+
+  static StabilityResult run_plan(const StabilityPlan& plan) {
+    try {
+      return run_stability(plan);
+    } catch (const SceneError& e) {
+      throw Failure(kUsage, fmt::format("feder stability {}: {}", plan.problem, e.what()));
+    }
+  }
+
+  static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context, const std::vector<report::ExtremeRow>& extreme) {
+    try {
+      if (!folder.empty()) report::write_stability(folder, r, context, extreme);
+    } catch (const std::runtime_error& e) {
+      throw Failure(kFailed, std::string("feder stability: ") + e.what());
+    }
+  }
+
+  static void finish(const StabilityResult& r, const report::StabilityContext& context, const std::string& folder, const Options& options,
+                     const std::string& problem) {
+    write(folder, r, context, {});
+    if (options.json) {
+      std::fputs(report::to_text(report::stability_json(r, context)).c_str(), stdout);
+      return;
+    }
+    if (!options.quiet) fmt::print("{} ({}): {} methods\n\n", problem, r.real, r.maps.size());
+    std::fputs(report::stability_table(r).c_str(), stdout);
+    if (!folder.empty() && !options.quiet) fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
+  }
+
+  int run_extreme_suite(const report::StabilityContext& context, const Options& options) const {
+    std::vector<report::ExtremeRow> rows;
+    Progress bar(!options.quiet && !options.json);
+    const std::vector<ExtremeCase> cases = extreme_cases();
+    for (const ExtremeCase& c : cases) {
+      if (bar.due()) bar.show(static_cast<double>(rows.size()) / static_cast<double>(cases.size()), c.name);
+      const ExtremeOutcome o = c.run();
+      rows.push_back({fmt::format("{}: {}", c.system, c.name), c.expected, name_of(o.verdict), o.detail, o.as_expected});
+    }
+    StabilityResult none;
+    none.real = kRealName;
+    write(out_, none, context, rows);
+    int failed = 0;
+    report::Json json = report::Json::array();
+    for (const report::ExtremeRow& e : rows) {
+      failed += !e.pass;
+      json.push_back({{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
+    }
+    std::fputs((options.json ? report::to_text(json) : report::extreme_table(rows)).c_str(), stdout);
+    if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", rows.size() - static_cast<std::size_t>(failed), rows.size());
+    return failed ? kGateFailed : kPass;
+  }
+
+  std::string problem_, methods_, suite_, axes_, x_, y_, out_;
+  bool bisect_ = false, list_ = false;
+};
+
+}  // namespace
+
+Row cli_stability() {
+  return {"stability", "stability maps of every method, with the limits found beside theory's",
+          [] { return std::unique_ptr<Command>(new Stability); }};
+}
+
+}  // namespace feder::cli
