@@ -112,10 +112,13 @@ double Axis::at(double value) const {
   return value > 0 && hi > lo && lo > 0 ? std::log10(value / lo) / std::log10(hi / lo) : 0;
 }
 
-std::vector<Tick> Axis::ticks(int most) const { return log ? log_ticks(*this, most) : linear_ticks(*this, most); }
+std::vector<Tick> Axis::ticks(int most) const { 
+  if (!fixed.empty()) return fixed;
+  return log ? log_ticks(*this, most) : linear_ticks(*this, most);
+}
 
 Axis fit_axis(const std::string& label, bool log, const std::vector<double>& values, TickStyle style) {
-  Axis a{label, log, log ? 1.0 : 0.0, log ? 10.0 : 1.0, style};
+  Axis a{label, log, log ? 1.0 : 0.0, log ? 10.0 : 1.0, style, {}};
   double lo = 0, hi = 0;
   bool any = false;
   for (const double v : values) {

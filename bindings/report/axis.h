@@ -21,6 +21,7 @@ struct Axis {
   bool log = false;
   double lo = 0, hi = 1;
   TickStyle style = TickStyle::plain;
+  std::vector<Tick> fixed = {};  // these instead of computed ones
 
   // 0 at `lo`, 1 at `hi`; not cut. NaN and what has no logarithm lie at 0.
   double at(double value) const;

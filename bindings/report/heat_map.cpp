@@ -58,7 +58,27 @@ std::vector<double> edges(const std::vector<double>& values, bool log) {
   return out;
 }
 
+// On a linear axis few values stand for many (0, 0.1, 0.5, 5): their cells get equal sizes, and each its label. Lines
+// over them run from value to value.
+void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::* member, std::vector<XY>* lines[2], double XY::* on) {
+  const std::vector<double> values = sorted_values(cells, member);
+  const auto place = [&](double v) {
+    const auto above = std::lower_bound(values.begin(), values.end(), v);
+    const auto k = static_cast<double>(above - values.begin());
+    if (above == values.end()) return k - 1;
+    if (*above == v || above == values.begin()) return k;
+    return k - 1 + (v - above[-1]) / (*above - above[-1]);
+  };
+  for (std::size_t k = 0; k < values.size(); ++k) axis.fixed.push_back({static_cast<double>(k), number_text(values[k], 4)});
+  for (HeatCell& c : cells) c.*member = place(c.*member);
+  for (int k = 0; k < 2; ++k)
+    for (XY& p : *lines[k]) p.*on = place(p.*on);
+}
+
 HeatMap with_ends(HeatMap m) {
+  std::vector<XY>* lines[2] = {&m.theory, &m.boundary};
+  if (!m.x.log) make_ordinal(m.x, m.cells, &HeatCell::x, lines, &XY::x);
+  if (!m.y.log) make_ordinal(m.y, m.cells, &HeatCell::y, lines, &XY::y);
   const std::vector<double> x = edges(sorted_values(m.cells, &HeatCell::x), m.x.log);
   const std::vector<double> y = edges(sorted_values(m.cells, &HeatCell::y), m.y.log);
   if (x.size() > 1) m.x.lo = x.front(), m.x.hi = x.back();
@@ -89,19 +109,20 @@ void draw_curve(Svg& svg, const Box& f, const HeatMap& m, const std::vector<XY>&
   std::vector<XY> points;
   for (const XY& p : curve)
     points.push_back({f.left + f.width * m.x.at(p.x), f.bottom() - f.height * m.y.at(p.y)});
-  svg.polyline(points, {"#ffffff", stroke.width + 2.5, "", 0.8});
+  if (stroke.dash.empty()) svg.polyline(points, {"#ffffff", stroke.width + 2.5, "", 0.8});
   svg.polyline(points, stroke);
 }
 
-const Stroke kTheory{"#1f2328", 1.8, "7 4"};
-const Stroke kBoundary{"#c800a1", 2.2};
+const Stroke kTheory{"#1f2328", 1.6, "5 5"};
+const Stroke kBoundary{"#ff5ad6", 4};
 
 void draw_map(Svg& svg, const Box& f, const HeatMap& m, double label_size, bool x_words, bool y_words) {
   draw_axes(svg, f, m.x, m.y, label_size, x_words, y_words);
   draw_cells(svg, f, m);
   svg.begin_clip(f);
-  draw_curve(svg, f, m, m.theory, kTheory);
+  // theory over what was found: where they agree, both show
   draw_curve(svg, f, m, m.boundary, kBoundary);
+  draw_curve(svg, f, m, m.theory, kTheory);
   svg.end();
   svg.rect(f, "none", kFrame);
 }

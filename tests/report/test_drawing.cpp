@@ -62,13 +62,13 @@ TEST_CASE("logarithmic axes have ticks on the decades", "[report]") {
   CHECK(narrow.hi >= 10 * narrow.lo);
   const Axis none = fit_axis("x", true, {});
   CHECK(none.hi > none.lo);
-  Axis clock{"t", true, 1e-6, 1e-2, TickStyle::seconds};
+  Axis clock{"t", true, 1e-6, 1e-2, TickStyle::seconds, {}};
   CHECK(labels(clock, 10) == Strings{"1 µs", "10 µs", "100 µs", "1 ms", "10 ms"});
 }
 
 TEST_CASE("linear axes have ticks on round numbers", "[report]") {
-  CHECK(labels(Axis{"x", false, 0, 10, TickStyle::plain}, 6) == Strings{"0", "2", "4", "6", "8", "10"});
-  CHECK(labels(Axis{"x", false, -0.3, 0.3, TickStyle::plain}, 4) == Strings{"-0.2", "0", "0.2"});
+  CHECK(labels(Axis{"x", false, 0, 10, TickStyle::plain, {}}, 6) == Strings{"0", "2", "4", "6", "8", "10"});
+  CHECK(labels(Axis{"x", false, -0.3, 0.3, TickStyle::plain, {}}, 4) == Strings{"-0.2", "0", "0.2"});
   const Axis a = fit_axis("x", false, {0.13, 0.88});
   CHECK(a.lo <= 0.13);
   CHECK(a.hi >= 0.88);
@@ -76,7 +76,7 @@ TEST_CASE("linear axes have ticks on round numbers", "[report]") {
   CHECK(equal.lo < 2);
   CHECK(equal.hi > 2);
   for (const double top : {1.0, 3.7, 12.0, 99.0, 1234.5}) {
-    const auto n = labels(Axis{"x", false, 0, top, TickStyle::plain}, 8).size();
+    const auto n = labels(Axis{"x", false, 0, top, TickStyle::plain, {}}, 8).size();
     CHECK(n >= 2);
     CHECK(n <= 8);
   }
