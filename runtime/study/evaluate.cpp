@@ -131,7 +131,7 @@ double between(double e0, double e1, double a, double b, double target) {
 bool reach(const StudyResult& r, const std::string& method, double target, CostToAccuracy& out) {
   std::vector<const StudyPoint*> own;
   for (const StudyPoint* p : points_of(r, method))
-    if (counts(*p) && ranking_error(r.problem, *p) > 0 && p->work > 0) own.push_back(p);
+    if (counts(*p) && ranking_error(r.problem, *p) >= 0 && p->work > 0) own.push_back(p);
   std::stable_sort(own.begin(), own.end(), [](auto* a, auto* b) { return a->work < b->work; });
   const auto error = [&](const StudyPoint* p) { return std::max(ranking_error(r.problem, *p), r.problem.reference.floor()); };
   for (std::size_t i = 0; i < own.size(); ++i) {

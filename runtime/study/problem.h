@@ -55,6 +55,7 @@ class StudyRun {
   virtual std::size_t bytes() const { return 0; }         // of the systems that take part
   virtual bool gave_up() const { return false; }          // the library holds a non-finite object back
   virtual double event_error() const { return NAN; }      // s, of the event the problem is about; NaN: none so far
+  virtual double own_error() const { return NAN; }        // a scene's own measure at t_end: stands for err_end
 };
 
 class StudyProblem {
@@ -76,7 +77,7 @@ class StudyProblem {
   // Once the scales and t_end are known.
   void set_reference(ReferenceKind kind, int digits, double uncertainty, std::string source);
 
-  ProblemInfo info_;
+  mutable ProblemInfo info_;  // scenes learn their scales with their first reference
 };
 
 std::span<const Variant<StudyProblem>> study_problems();

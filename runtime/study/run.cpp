@@ -87,6 +87,7 @@ class Watch {
       point_.err_orient_rad = largest_angle(now_.q, reference_.q);
       point_.mescd = correct_digits(now_, reference_, info_.x_scale, info_.v_scale);
       point_.err_event_s = run.event_error();
+      if (std::isfinite(run.own_error())) point_.err_end = run.own_error();
       if (std::isnan(point_.err_horizon_s)) point_.err_horizon_s = info_.t_end;
       if (energy_t_.size() > 2) point_.err_energy_drift_per_s = fit_line(energy_t_, energy_).slope;
       point_.below_floor = point_.err_end < info_.reference.floor();

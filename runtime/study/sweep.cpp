@@ -211,6 +211,7 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
       options.progress((options.timing.enabled ? 0.5 : 1.0) * static_cast<double>(i + 1) / static_cast<double>(plan.size()),
                        plan[i].method.name);
   }
+  r.problem = problem.info();  // a self-refined reference knows its uncertainty by now
   if (options.timing.enabled) time_points(problem, plan, options, r.points);
   evaluate(r);
   return r;
