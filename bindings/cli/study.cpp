@@ -276,7 +276,7 @@ class Study final : public Command {
 }  // namespace
 
 std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Options& options) {
-  if (is_scene_file(name)) throw Failure(kUsage, "feder study: scenes come later");
+  if (is_scene_file(name)) return open_scene(name, options);
   return open_problem(name, options.set);
 }
 

@@ -22,6 +22,9 @@ bool is_scene_file(const std::string& name);
 std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Options& options);
 std::unique_ptr<StudyProblem> open_problem(const std::string& name, const std::vector<std::string>& set);
 
+// A .lua or .yaml scene as a problem. Failure says what is wrong with it.
+std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options);
+
 std::string problem_list_text();
 report::Json problem_list_json();
 

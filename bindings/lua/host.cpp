@@ -7,6 +7,7 @@
 #include "lua/records.h"
 #include "lua/scene.h"
 #include "lua/step.h"
+#include "lua/study.h"
 
 namespace feder::lua {
 namespace {
@@ -157,6 +158,24 @@ void Script::step() {
   if (!s.call(s.L, 0, 0, failure, true)) s.report(failure);
   // outside Lua, which would take the host's own exceptions for errors of the script
   if (s.on_step && world()) s.on_step(*world());
+}
+
+const StudyDeclaration& Script::study() const {
+  return impl_->state.scene.study;
+}
+
+double Script::study_error() {
+  const Impl::InPhase phase(impl_->state, Phase::checking);
+  double error = 0;
+  impl_->protect([&](lua_State* L) { error = scene_error(L); });
+  return error;
+}
+
+std::vector<double> Script::study_reference() {
+  const Impl::InPhase phase(impl_->state, Phase::checking);
+  std::vector<double> values;
+  impl_->protect([&](lua_State* L) { push_scene_reference(L, values); });
+  return values;
 }
 
 CheckResult Script::check() {

@@ -63,6 +63,14 @@ struct CheckResult {
   std::vector<CheckFailure> failures;
 };
 
+// What a scene says about being studied: study = { reference =, error =, axes =, method = }.
+struct StudyDeclaration {
+  bool declared = false;
+  bool has_error = false, has_reference = false;
+  std::string method;                                             // the parameter that names the methods; may be empty
+  std::vector<std::pair<std::string, std::vector<std::string>>> axes;  // name -> values, in the order of the names
+};
+
 // Time spent in a Lua handler, by place.
 struct HandlerProfile {
   std::string where;
@@ -106,6 +114,11 @@ class Script {
   const Look* look() const;
   // One step: world.step(), then timers, events, tasks, update(). Handler errors are collected, not thrown.
   void step();
+  // Studies: what the scene declares; its error now, in whatever unit it has (several numbers: their rms); its reference
+  // (numbers, lists of numbers are laid end to end). ScriptError where the scene has none or fails.
+  const StudyDeclaration& study() const;
+  double study_error();
+  std::vector<double> study_reference();
   // Runs the scene's check.
   CheckResult check();
   const std::vector<HandlerError>& handler_errors() const;

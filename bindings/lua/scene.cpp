@@ -3,6 +3,7 @@
 
 #include "base/profile.h"
 #include "lua/options.h"
+#include "lua/study.h"
 #include "lua/world_options.h"
 
 namespace feder::lua {
@@ -44,6 +45,7 @@ void read_scene(lua_State* L, int index, SceneState& out, const std::string& own
   if (out.has_update) lua_pop(L, 1);
   out.has_check = o.push("check", LUA_TFUNCTION, "a function(world, scene, expect)");
   if (out.has_check) lua_pop(L, 1);
+  out.study = read_study(o);
   o.finish();
 }
 
@@ -57,13 +59,6 @@ void push_scene_copy(lua_State* L) {
     lua_rawset(L, -5);
   }
   lua_pop(L, 1);
-}
-
-void push_callback(lua_State* L, const char* name) {
-  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
-  lua_pushstring(L, name);
-  lua_rawget(L, -2);
-  lua_remove(L, -2);
 }
 
 int expect(lua_State* L) {  // upvalue 1: the result, light
@@ -87,6 +82,19 @@ int expect(lua_State* L) {  // upvalue 1: the result, light
 }
 
 }  // namespace
+
+void push_callback(lua_State* L, const char* name) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
+  lua_pushstring(L, name);
+  lua_rawget(L, -2);
+  lua_remove(L, -2);
+}
+
+// World and scene copy, as build, update and check get them.
+void push_scene_world(lua_State* L) {
+  push_world(L, *state(L).worlds[state(L).last_world]);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
+}
 
 int feder_scene(lua_State* L) {
   SceneState read;

@@ -12,6 +12,9 @@ int build_scene(lua_State* L);
 // After a step of the scene's world.
 void run_update(lua_State* L, WorldRecord& record);
 CheckResult run_check(lua_State* L);
+// Pushes the scene's member `name`; the copy of the scene that callbacks see.
+void push_callback(lua_State* L, const char* name);
+void push_scene_world(lua_State* L);
 // A scene from the table that a YAML file holds (on top of the stack); replaces it by a scene table.
 void yaml_to_scene(lua_State* L, const std::string& file);
 

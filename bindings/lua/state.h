@@ -55,6 +55,7 @@ struct SceneState {
   SceneCamera camera;
   std::string where;  // file:line of feder.scene
   bool has_update = false, has_check = false;
+  StudyDeclaration study;
   int last = LUA_NOREF;  // of feder.scene, while the file loads
 };
 

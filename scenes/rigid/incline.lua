@@ -10,6 +10,26 @@ return feder.scene {
   camera = { yaw = feder.deg(38), pitch = feder.deg(14) },
   world = { gravity = { 0, -9.81, 0 }, dt = 1 / 60, substeps = 4 },
 
+  -- feder study: largest error of the way a block slid, in metres
+  study = {
+    axes = { dt = { 1 / 30, 1 / 60, 1 / 120, 1 / 240 }, angle = { 20, 30 } },
+    reference = function(world, scene)
+      local a, t, ways = feder.deg(angle), world:time(), {}
+      for i, block in ipairs(scene.blocks) do
+        ways[i] = math.max(0, 9.81 * (math.sin(a) - block.mu * math.cos(a))) * t * t / 2
+      end
+      return ways
+    end,
+    error = function(world, scene, ways)
+      local a, worst = feder.deg(angle), 0
+      for i, block in ipairs(scene.blocks) do
+        local x, y = block.body:position()
+        worst = math.max(worst, math.abs(x * math.cos(a) - y * math.sin(a) - ways[i]))
+      end
+      return worst
+    end,
+  },
+
   build = function(world, scene)
     local a = feder.deg(angle)
     local c, s = math.cos(a), math.sin(a)

@@ -21,6 +21,9 @@ return feder.scene {
   seconds = 12,
   world = { gravity = { 0, -gravity, 0 }, dt = 1 / 240, substeps = 8 },
 
+  -- feder study: where the same pendulum is with steps 64 times finer
+  study = { axes = { dt = { from = 1 / 60, to = 1 / 960, factor = 2 } } },
+
   build = function(world, scene)
     local a = feder.deg(angle)
     local points, springs = build.chain {
