@@ -2,7 +2,7 @@
 """Adds up a test run for scripts/test: tally.py FOLDER. Prints what failed and then one closing line.
 
 FOLDER holds the JUnit files of ctest (a Catch2 program counts with its test cases, any other test as one), the output
-of `feder test` in scenes.txt, and lines "name passed|failed" of other steps in the file `steps`.
+of `feder test` in scenes.txt, and lines "name passed|failed|skipped" of other steps in the file `steps`.
 """
 import pathlib
 import re
@@ -57,7 +57,7 @@ def main(folder):
         # a red ctest is already counted test by test
         counted = name.startswith("ctest.") and (folder / f"{name[6:]}.xml").exists() and tally.failed
         if not counted:
-            tally.add(result == "passed", result != "passed", 0, name)
+            tally.add(result == "passed", result not in ("passed", "skipped"), result == "skipped", name)
     scenes = folder / "scenes.txt"
     closing = CLOSING.findall(scenes.read_text(errors="replace")) if scenes.exists() else []
     if closing:
