@@ -1,11 +1,13 @@
 // feder explain: what a scene uses and what it leaves out: systems, step rows, bytes, share of time.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 
 #include "cli/command.h"
 #include "cli/session.h"
 #include "cli/summary.h"
+#include "lua/advice.h"
 #include "report/table.h"
 
 namespace feder::cli {
@@ -59,6 +61,20 @@ class Explain final : public Command {
     return sum;
   }
 
+  static report::Json advice_json(World& world) {
+    report::Json rows = report::Json::array();
+    for (const lua::AdviceRow& r : lua::advise(world)) {
+      const NetAdvice& a = r.numbers;
+      // JSON has no infinity: null is no limit
+      const report::Json limit = std::isinf(a.method.stability_limit) ? report::Json() : report::Json(a.method.stability_limit);
+      rows.push_back({{"object", r.object}, {"verdict", r.verdict}, {"text", r.text}, {"method", a.integrator},
+                      {"limit", limit}, {"h", a.h}, {"hw", a.reach}, {"frequency", a.frequency}, {"decay", a.decay},
+                      {"substeps", r.substeps}, {"integrator", r.integrator}, {"error", a.error},
+                      {"error_class", r.error_class}, {"resolved_hertz", a.resolved / (2 * 3.14159265358979)}});
+    }
+    return rows;
+  }
+
   static report::Json json(Session& session, std::uint64_t steps) {
     World& world = *session.world();
     report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
@@ -77,7 +93,7 @@ class Explain final : public Command {
     for (const auto& [name, bytes] : shared_arenas(world)) memory[name] = bytes;
     return {{"title", session.title()}, {"scene", session.file()}, {"steps", steps}, {"systems", systems},
             {"absent", world.absent()}, {"plan", plan}, {"memory", memory}, {"bytes", world.bytes()},
-            {"handlers", handlers}};
+            {"handlers", handlers}, {"advice", advice_json(world)}};
   }
 
   static std::string text(Session& session, std::uint64_t steps) {
@@ -91,6 +107,8 @@ class Explain final : public Command {
     std::string out = session.title() + "\n\n" + systems.text("  ") + "\n";
     if (!absent.empty()) out += absent.text("  ") + "\n";
     out += memory.text("  ") + "\n";
+    for (const lua::AdviceRow& r : lua::advise(world)) out += "  " + r.text + "\n";
+    if (world.find<Springs>()) out += "\n";
     const int substeps = world.desc().substeps;
     out += fmt::format("one step, {} substep{}, mean of {}:\n\n", substeps, substeps == 1 ? "" : "s", steps);
     return out + profile_text(session, steps);

@@ -1,6 +1,7 @@
 // world:force: kinds of the runtime, or a Lua function that is asked before each step.
 #include "lua/force.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/profile.h"
@@ -80,7 +81,9 @@ void apply_to_nets(lua_State* L, WorldRecord& record, std::vector<ScriptForce>& 
     for (std::size_t i = 0; i < positions.size(); ++i) {
       Vec3 sum = Vec3::Zero(), one = Vec3::Zero();
       for (std::size_t k = 0; k < forces.size(); ++k) {
+        const std::vector<std::uint32_t>& some = forces[k].points;
         if (failed[k] || !acts(forces[k], net, tags)) continue;
+        if (!some.empty() && !std::binary_search(some.begin(), some.end(), static_cast<std::uint32_t>(i))) continue;
         failed[k] =
             !evaluate(L, record, forces[k], positions[i], springs->velocity(net, i), springs->point_mass(net, i), one);
         if (!failed[k]) sum += one;
@@ -112,11 +115,34 @@ void apply_to_cloths(lua_State* L, WorldRecord& record, std::vector<ScriptForce>
       });
 }
 
+// points = {i, ...}: some of the net that `on` names, ascending and each once.
+std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId target) {
+  std::vector<std::uint32_t> points;
+  if (!o.push("points", LUA_TTABLE, "a list of point numbers")) return points;
+  lua_State* L = o.L();
+  if (!record.world->objects().alive(target) || record.world->objects().kind(target) != ObjectKind::net)
+    o.raise("points", "expected on = a net, whose points these are");
+  const auto last = static_cast<std::int64_t>(record.springs().point_count(target));
+  const auto count = static_cast<lua_Integer>(lua_rawlen(L, -1));
+  if (count == 0) o.raise("points", "expected at least one point number, got none");
+  for (lua_Integer k = 1; k <= count; ++k) {
+    lua_rawgeti(L, -1, k);
+    const std::string what = o.path("points") + "[" + std::to_string(k) + "]";
+    points.push_back(static_cast<std::uint32_t>(check_integer(L, -1, what, 1, last) - 1));
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
 // on = tag, list of tags, or object; everything when absent.
 template <class Target>
 void read_target(Options& o, WorldRecord& record, Target& target) {
   if (!o.push_any("on")) {
     target.all = true;
+    target.points = read_points(o, record, {});
     return;
   }
   const int type = lua_type(o.L(), -1);
@@ -129,6 +155,7 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
     o.wrong("on", "a tag, a body, a net or a cloth");
   }
   lua_pop(o.L(), 1);
+  target.points = read_points(o, record, target.target);
   if (type == LUA_TUSERDATA) return;
   std::vector<std::string> words;
   o.words("on", words);
@@ -145,7 +172,7 @@ int add_script_force(Options& o, WorldRecord& record, std::string name, TagMask 
   f.function = keep(L, record, -1);
   lua_pop(L, 1);
   ForceEntry entry;
-  entry.all = f.all, entry.tags = f.tags, entry.target = f.target;
+  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
   f.object = record.world->add_force(std::move(entry), std::move(name), tags);
   record.forces.list.push_back(f);
   push_handle(L, record, f.object);

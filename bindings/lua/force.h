@@ -15,6 +15,7 @@ struct ScriptForce {
   bool all = false;
   TagMask tags = 0;
   ObjectId target;
+  std::vector<std::uint32_t> points;  // of `target`, ascending; empty: all
   std::size_t profile = 0;
   std::map<std::uint32_t, Vec3> held;  // by body index: the force when it was last awake
 };

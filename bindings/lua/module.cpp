@@ -3,6 +3,7 @@
 #ifdef FEDER_HAS_CLOTH
 #include "couple/cloth_rigid.h"
 #endif
+#include "lua/advice.h"
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
@@ -63,6 +64,10 @@ const Method kFederFunctions[] = {
     {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table",
      "in a task: until such an event, which it returns as a copy"},
     {"plot", guard<feder_plot>, "feder.plot(name, value)", "a value over simulated time; the viewer draws it"},
+    {"advise", guard<feder_advise>,
+     "feder.advise(world) -> {{ object =, text =, verdict =, method =, limit =, h =, hw =, substeps =, integrator =, "
+     "error_class =, resolved_hertz =, ... }, ...}",
+     "per net: is the step stable, how large are its errors, what would do"},
     {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
 };
 

@@ -1,5 +1,5 @@
 // Workers spin for a short while between rounds (a step has hundreds of short rounds), then sleep on a condition
-// variable. Blocks are claimed from one atomic counter.
+// variable. Blocks are claimed from one counter per worker, the own one first.
 #include "base/jobs.h"
 
 #if defined(__x86_64__) || defined(__i386__)
@@ -21,7 +21,7 @@ void relax() {
 
 }  // namespace
 
-JobPool::JobPool(int threads) {
+JobPool::JobPool(int threads) : shares_(new Share[static_cast<std::size_t>(threads > 1 ? threads : 1)]) {
   for (int i = 1; i < threads; ++i) workers_.emplace_back([this, i] { work(i); });
 }
 
@@ -36,18 +36,26 @@ JobPool::~JobPool() {
 }
 
 void JobPool::claim_blocks(int worker) {
-  for (;;) {
-    const std::uint32_t block = next_.fetch_add(1, std::memory_order_relaxed);
-    const std::uint64_t first = std::uint64_t(block) * grain_;
-    if (first >= count_) return;
-    const std::uint64_t last = first + grain_;
-    function_(body_, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last < count_ ? last : count_), worker);
+  const int all = threads();
+  for (int k = 0; k < all; ++k) {
+    Share& share = shares_[static_cast<std::size_t>((worker + k) % all)];
+    for (;;) {
+      const std::uint32_t block = share.next.fetch_add(1, std::memory_order_relaxed);
+      if (block >= share.end) break;
+      const std::uint64_t first = std::uint64_t(block) * grain_, last = first + grain_;
+      function_(body_, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last < count_ ? last : count_),
+                worker);
+    }
   }
 }
 
 void JobPool::run(std::uint32_t count, std::uint32_t grain, Function function, void* body) {
   count_ = count, grain_ = grain, function_ = function, body_ = body;
-  next_.store(0, std::memory_order_relaxed);
+  const std::uint64_t blocks = (std::uint64_t(count) + grain - 1) / grain, all = static_cast<std::uint64_t>(threads());
+  for (std::uint64_t w = 0; w < all; ++w) {
+    shares_[w].next.store(static_cast<std::uint32_t>(blocks * w / all), std::memory_order_relaxed);
+    shares_[w].end = static_cast<std::uint32_t>(blocks * (w + 1) / all);
+  }
   busy_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
   {
     std::lock_guard lock(mutex_);

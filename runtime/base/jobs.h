@@ -3,6 +3,7 @@
 #pragma once
 #include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -40,13 +41,20 @@ class JobPool {
   void work(int worker);
   void claim_blocks(int worker);
 
+  // The blocks that a worker takes first: neighbours, and the same ones in every round of a size, so that what it wrote
+  // in one round is still in its cache in the next. Those who are done take from the others.
+  struct alignas(64) Share {
+    std::atomic<std::uint32_t> next{0};
+    std::uint32_t end = 0;
+  };
+
+  std::unique_ptr<Share[]> shares_;  // by worker
   std::vector<std::thread> workers_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::atomic<std::uint64_t> round_{0};  // raised by run(); workers spin on it, then sleep
   std::atomic<int> busy_{0};
   std::atomic<bool> stop_{false};
-  std::atomic<std::uint32_t> next_{0};
   std::uint32_t count_ = 0, grain_ = 1;
   Function function_ = nullptr;
   void* body_ = nullptr;

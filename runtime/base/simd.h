@@ -69,6 +69,17 @@ typedef WideIndex LaneMask __attribute__((vector_size(kLanes * sizeof(WideIndex)
 #endif
 }
 
+// Is the mask set in some lane?
+[[gnu::always_inline]] inline bool any(LaneMask m) {
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+  return _mm256_movemask_ps(reinterpret_cast<__m256>(m)) != 0;
+#else
+  WideIndex sum = 0;
+  for (int i = 0; i < kLanes; ++i) sum |= m[i];
+  return sum != 0;
+#endif
+}
+
 struct Lanes3 {
   Lanes x, y, z;
 };
@@ -100,6 +111,27 @@ struct Lanes3 {
     r[i] = __builtin_shufflevector(u[i], u[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
     r[i + 4] = __builtin_shufflevector(u[i], u[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
   }
+}
+
+// Eight rows x y z _ of four numbers, lane i from row index[i]: loads and shuffles, which beat gather instructions.
+[[gnu::always_inline]] inline Lanes3 load_points(const WideReal* rows, const unsigned* index) {
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+  __m256 r[4];
+  for (int i = 0; i < 4; ++i)
+    r[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(rows + static_cast<unsigned long>(index[i]) * 4)),
+                                _mm_load_ps(rows + static_cast<unsigned long>(index[i + 4]) * 4), 1);
+  const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpacklo_ps(r[2], r[3]);
+  const __m256 c = _mm256_unpackhi_ps(r[0], r[1]), d = _mm256_unpackhi_ps(r[2], r[3]);
+  return {reinterpret_cast<Lanes>(_mm256_shuffle_ps(a, b, 0x44)), reinterpret_cast<Lanes>(_mm256_shuffle_ps(a, b, 0xee)),
+          reinterpret_cast<Lanes>(_mm256_shuffle_ps(c, d, 0x44))};
+#else
+  Lane8x3 p;
+  for (int i = 0; i < kLanes; ++i) {
+    const WideReal* row = rows + static_cast<unsigned long>(index[i]) * 4;
+    p.x.v[i] = row[0], p.y.v[i] = row[1], p.z.v[i] = row[2];
+  }
+  return load(p);
+#endif
 }
 
 }  // namespace

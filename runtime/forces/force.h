@@ -1,6 +1,8 @@
 // Force generators: from the state of one mass point to a force. Owners of mass points (rigid, springs) pull them.
 // One file per kind, one feder_variant(forces <kind>) line. Gravity of the world is not among them.
 #pragma once
+#include <vector>
+
 #include "base/registry.h"
 #include "base/params.h"
 #include "base/math.h"
@@ -40,6 +42,7 @@ struct ForceEntry {
   bool all = false;          // acts on everything
   TagMask tags = 0;          // or on objects with one of these tags
   ObjectId target;           // or on one object
+  std::vector<std::uint32_t> points = {};  // of `target`, a net: on these only, ascending; empty: on all
   bool enabled = true;
 };
 

@@ -12,7 +12,9 @@ void DampedKick::apply(ForceField& field, double t, Real h, std::span<const Vec3
   field.eval(x, v, t, force_);
   ++stats.force_evals;
   const std::span<const Real> inv_mass = field.inv_mass();
-  for (std::size_t i = 0; i < x.size(); ++i) v[i] += (h * inv_mass[i]) * force_[i];
+  for_points(field, x.size(), [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t i = first; i < last; ++i) v[i] += (h * inv_mass[i]) * force_[i];
+  });
 }
 
 void DampedKick::apply_corrected(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x,

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/arena.h"
+#include "base/jobs.h"
 #include "base/registry.h"
 #include "base/params.h"
 #include "base/math.h"
@@ -35,7 +36,20 @@ class ForceField {
   virtual void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) = 0;
   virtual void pattern(std::vector<BlockIndex>& blocks) const = 0;  // off-diagonal blocks (i < j)
   virtual std::uint64_t pattern_version() const = 0;                // changes when the pattern does
+  // Threads for loops over points (for_points below); null: there are none to share.
+  virtual JobPool* jobs() const { return nullptr; }
 };
+
+// body(first, last) for runs of points that cover [0, count), on the field's threads. Points must not see each other.
+template <class Body>
+void for_points(const ForceField& field, std::size_t count, Body&& body) {
+  constexpr std::uint32_t kGrain = 1024;  // a microsecond or more
+  const auto n = static_cast<std::uint32_t>(count);
+  if (JobPool* jobs = field.jobs())
+    jobs->for_blocks(n, kGrain, [&](std::uint32_t first, std::uint32_t last, int) { body(first, last); });
+  else
+    body(std::uint32_t{0}, n);
+}
 
 struct IntegratorInfo {
   int order = 1;                // of the global error

@@ -21,8 +21,10 @@ class VelocityVerlet final : public Integrator {
     const Real half = h / 2;
     kick_.apply(field, t, half, x, v, stats);
     const std::span<const Real> inv_mass = field.inv_mass();
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (inv_mass[i] != 0) x[i] += h * v[i];
+    for_points(field, x.size(), [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t i = first; i < last; ++i)
+        if (inv_mass[i] != 0) x[i] += h * v[i];
+    });
     const double end = t + static_cast<double>(h);
     if (!field.damped())
       kick_.apply(field, end, half, x, v, stats);

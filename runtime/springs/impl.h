@@ -7,11 +7,26 @@
 
 namespace feder {
 
+// Bad descriptions end as SceneError with the field's name; messages count from 1, as scripts do.
+// `owner` is the net in words.
+void check_net(const NetDesc& desc, const std::string& owner);
+void check_spring(const SpringDesc& spring, std::size_t points, std::size_t k, const std::string& owner);
+// The distance of the ends where the description leaves it open.
+Real rest_length_of(const SpringDesc& spring, const Vec3& a, const Vec3& b, std::size_t k, const std::string& owner);
+
+// "auto": the widest this processor has; "plain": the same bits, slower.
+const SpringKernels& pick_kernels(const std::string& width);
+
+// h times the frequency or decay that the stability limit of a method is held against.
+double reach_of(const IntegratorInfo& method, double h, double frequency, double decay);
+bool beyond_limit(const IntegratorInfo& method, double reach);
+
 struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
-      : arena(setup.store.arena(kName)), particles(setup.store.need<Particles>(kName)), store(setup.store),
+      : kernels(pick_kernels(setup.options.text("kernels", "auto"))), arena(setup.store.arena(kName)), particles(setup.store.need<Particles>(kName)), store(setup.store),
         objects(setup.objects), structure_changed(setup.structure_changed) {}
 
+  const SpringKernels& kernels;
   Arena& arena;
   Particles& particles;
   Store& store;
@@ -24,6 +39,7 @@ struct Springs::Impl {
   // Index in Particles; SceneError when there is no such point.
   std::uint32_t point(ObjectId id, std::size_t i) const;
   std::uint32_t spring(ObjectId id, std::size_t k) const;  // index within the net, likewise
+  std::unique_ptr<Net> make_net();
   void attach_integrator(Net& n, const std::string& name, const Params& options);
 
   // Rows.
@@ -33,6 +49,7 @@ struct Springs::Impl {
 
   void check_stiffness(StepContext& c);
   void break_springs(Net& n, Events& events);
+  void warn_coincident(Net& n, Events& events);
   void quarantine(StepContext& c);
 };
 

@@ -1,29 +1,17 @@
 // Forces of a net. A spring between a and b, with n = (x_b - x_a)/len, pulls with
 //   tension = stiffness (len - rest_length) + damping (v_b - v_a).n
-// equal and opposite, so momentum is exact to rounding. Springs run in index order: the sums, and so the bits, never
-// depend on threads (nets run in parallel, the springs of a net do not).
+// equal and opposite (springs/spring_kernel.h); one that only pulls has none below its rest length and never pushes.
 // Derivatives for implicit methods: K = -k [n n^T + max(0, 1 - rest/len)(1 - n n^T)], the indefinite part of a
 // compressed spring dropped (Choi & Ko 2002), D = -c n n^T; generators by differences.
-// Kept between calls: work arrays. Weak spot: one thread per net.
+// Kept between calls: work arrays.
 #include "springs/net.h"
 
+#include <atomic>
+#include <bit>
 #include <cmath>
 
 namespace feder {
 namespace {
-
-// Direction of a spring of no length.
-const Vec3 kNoDirection = Vec3(1, 0, 0);
-
-struct Direction {
-  Vec3 n;
-  Real len;
-};
-
-inline Direction direction(const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  return {normalized_or(d, kNoDirection), length(d)};
-}
 
 // n n^T c
 inline Mat3d along(const Vec3d& n, double c) {
@@ -33,16 +21,33 @@ inline Mat3d along(const Vec3d& n, double c) {
   return m;
 }
 
-// The same in double, for derivatives: n n^T k stays semidefinite beside small masses.
-struct DirectionD {
+// In double, for derivatives: n n^T k stays semidefinite beside small masses.
+struct Direction {
   Vec3d n;
   double len;
 };
 
-inline DirectionD direction_d(const Vec3& a, const Vec3& b) {
-  const Vec3d d = b.cast<double>() - a.cast<double>();
-  const double len = std::sqrt(d.dot(d));
-  return {len > 0 ? Vec3d(d / len) : Vec3d(1, 0, 0), len};
+// The kernels' rule: a spring without length points along x, from the lower point number to the higher.
+inline Direction direction(std::span<const Vec3> x, std::uint32_t i, std::uint32_t j) {
+  const Vec3d d = x[j].cast<double>() - x[i].cast<double>();
+  const double square = d.dot(d);
+  if (square <= static_cast<double>(kNoLength2)) return {Vec3d(i < j ? 1 : -1, 0, 0), 0};
+  const double len = std::sqrt(square);
+  return {d / len, len};
+}
+
+inline double rate(std::span<const Vec3> v, std::uint32_t i, std::uint32_t j, const Vec3d& n) {
+  return (v[j] - v[i]).cast<double>().dot(n);
+}
+
+// All exponents below the largest? In integers, so that compilers vectorise it.
+bool all_finite(std::span<const Vec3> a) {
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+  const Bits mask = std::bit_cast<Bits>(kInfinity);
+  const Real* p = a.data()->data();
+  Bits bad = 0;
+  for (std::size_t k = 0; k < a.size() * 3; ++k) bad |= (std::bit_cast<Bits>(p[k]) & mask) == mask;
+  return bad == 0;
 }
 
 // The symmetric, negative semidefinite part of m.
@@ -63,16 +68,28 @@ void SpringArrays::add(const SpringDesc& s, Real rest) {
   i.push_back(s.i), j.push_back(s.j);
   stiffness.push_back(s.stiffness), damping.push_back(s.damping);
   rest_length.push_back(rest), break_strain.push_back(s.break_strain);
-  alive.push_back(1);
+  const Real longest = rest * (1 + s.break_strain);
+  limit.push_back(s.break_strain < kInfinity ? longest * longest : kInfinity);
+  alive.push_back(1), tension_only.push_back(s.tension_only);
 }
 
 void SpringArrays::remove(std::uint32_t k) {
   alive[k] = 0;
   stiffness[k] = damping[k] = 0;
-  break_strain[k] = kInfinity;
+  break_strain[k] = limit[k] = kInfinity;
+}
+
+void Net::remove_spring(std::uint32_t k) {
+  if (!springs.alive[k]) return;
+  springs.remove(k);
+  if (laid_out_ == version) layout.remove(k);
 }
 
 void Net::prepare(const Vec3& gravity, const Forces* forces, TagMask tags) {
+  if (laid_out_ != version) {
+    layout.build(springs, points);
+    laid_out_ = version;
+  }
   gravity_ = gravity * settings.gravity_scale;
   acting_.clear();
   damped_ = settings.damping > 0;
@@ -80,20 +97,34 @@ void Net::prepare(const Vec3& gravity, const Forces* forces, TagMask tags) {
   if (forces)
     for (const ForceEntry& f : forces->list)
       if (acts_on(f, object, tags)) {
-        acting_.push_back(f.force.get());
+        acting_.push_back(&f);
         generators_damp_ = generators_damp_ || f.force->depends_on_velocity();
       }
-  damped_ = damped_ || generators_damp_;
-  for (std::uint32_t k = 0; k < springs.size() && !damped_; ++k) damped_ = springs.damping[k] > 0;
+  damped_ = damped_ || generators_damp_ || layout.damped();
 }
 
-void Net::integrate(double t, Real h) {
+void Net::integrate(double t, Real h, JobPool* jobs) {
   if (frozen) return;
+  jobs_ = jobs;
   const std::span<Vec3> x(particles_.position.data() + first, points), v(particles_.velocity.data() + first, points);
   integrator->step(*this, t, h, x, v);
+  jobs_ = nullptr;
 }
 
-std::uint32_t Net::find_non_finite() const {
+std::uint32_t Net::find_non_finite(JobPool* jobs) const {
+  const std::span<const Vec3> x = positions(), v = velocities();
+  const auto good = [&](std::uint32_t first, std::uint32_t last) {
+    return all_finite(x.subspan(first, last - first)) && all_finite(v.subspan(first, last - first));
+  };
+  if (jobs) {
+    std::atomic<bool> bad{false};
+    jobs->for_blocks(points, 1024, [&](std::uint32_t first, std::uint32_t last, int) {
+      if (!good(first, last)) bad.store(true, std::memory_order_relaxed);
+    });
+    if (!bad.load(std::memory_order_relaxed)) return kNone;
+  } else if (good(0, points)) {
+    return kNone;
+  }
   for (std::uint32_t i = 0; i < points; ++i)
     if (!is_finite(particles_.position[first + i]) || !is_finite(particles_.velocity[first + i])) return i;
   return kNone;
@@ -102,21 +133,30 @@ std::uint32_t Net::find_non_finite() const {
 void Net::eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) {
   const Real* mass = particles_.mass.data() + first;
   const Vec3* script = particles_.script_force.data() + first;
-  for (std::uint32_t i = 0; i < points; ++i) force[i] = mass[i] * (gravity_ - settings.damping * v[i]) + script[i];
-
-  const SpringArrays& s = springs;
-  for (std::uint32_t k = 0; k < s.size(); ++k) {
-    const std::uint32_t i = s.i[k], j = s.j[k];
-    const Direction d = direction(x[i], x[j]);
-    const Vec3 u = v[j] - v[i];
-    const Vec3 f = d.n * (s.stiffness[k] * (d.len - s.rest_length[k]) + s.damping[k] * dot(u, d.n));
-    force[i] += f;
-    force[j] -= f;
-  }
-
+  const auto outside = [&](std::uint32_t i) { return Vec3(mass[i] * (gravity_ - settings.damping * v[i]) + script[i]); };
+  coincident += layout.eval(x, v, jobs_, outside, force) / 2;
   if (acting_.empty()) return;
   fill_points(x, v);
-  for (const Force* f : acting_) f->add(points_.data(), points, t, force.data());
+  add_generators(t, force.data());
+}
+
+std::size_t Net::pick_points(const ForceEntry& f) {
+  some_.clear();
+  for (const std::uint32_t i : f.points) some_.push_back(points_[i]);
+  return some_.size();
+}
+
+void Net::add_generators(double t, Vec3* out) {
+  for (const ForceEntry* f : acting_) {
+    if (f->points.empty()) {
+      f->force->add(points_.data(), points, t, out);
+      continue;
+    }
+    const std::size_t count = pick_points(*f);
+    some_force_.assign(count, Vec3(0, 0, 0));
+    f->force->add(some_.data(), count, t, some_force_.data());
+    for (std::size_t k = 0; k < count; ++k) out[f->points[k]] += some_force_[k];
+  }
 }
 
 void Net::fill_points(std::span<const Vec3> x, std::span<const Vec3> v) {
@@ -125,6 +165,12 @@ void Net::fill_points(std::span<const Vec3> x, std::span<const Vec3> v) {
     const Real r = particles_.radius[first + i];
     points_[i] = {x[i], v[i], particles_.mass[first + i], kPi * r * r, kPi * r * r * r * Real(4) / 3};
   }
+}
+
+bool Net::limp(std::uint32_t k, double len, double rate) const {
+  const double stretch = len - static_cast<double>(springs.rest_length[k]);
+  return springs.tension_only[k] && (stretch <= 0 || static_cast<double>(springs.stiffness[k]) * stretch +
+                                                             static_cast<double>(springs.damping[k]) * rate < 0);
 }
 
 void Net::pattern(std::vector<BlockIndex>& blocks) const {
@@ -141,7 +187,9 @@ void Net::damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, Bl
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     if (springs.damping[k] == 0) continue;
     const std::uint32_t i = springs.i[k], j = springs.j[k];
-    const Mat3d block = along(direction_d(x[i], x[j]).n, springs.damping[k]);
+    const Direction at = direction(x, i, j);
+    if (limp(k, at.len, rate(v, i, j, at.n))) continue;
+    const Mat3d block = along(at.n, springs.damping[k]);
     d.diagonal[i] -= block;
     d.diagonal[j] -= block;
     d.off[k] = block;
@@ -154,9 +202,10 @@ void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, B
   k.set_zero();
   for (std::uint32_t s = 0; s < springs.size(); ++s) {
     const std::uint32_t i = springs.i[s], j = springs.j[s];
-    const DirectionD at = direction_d(x[i], x[j]);
+    const Direction at = direction(x, i, j);
+    if (limp(s, at.len, rate(v, i, j, at.n))) continue;
     const double rest = springs.rest_length[s], stiff = springs.stiffness[s];
-    const double across = at.len > rest ? stiff * (1 - rest / at.len) : 0;
+    const double across = rest == 0 ? stiff : at.len > rest ? stiff * (1 - rest / at.len) : 0;
     Mat3d block = along(at.n, stiff - across);
     block.diagonal().array() += across;
     k.diagonal[i] -= block;
@@ -169,7 +218,7 @@ void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, B
 void Net::add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity,
                                BlockSparse& out) {
   bool any = false;
-  for (const Force* f : acting_) any = any || !by_velocity || f->depends_on_velocity();
+  for (const ForceEntry* f : acting_) any = any || !by_velocity || f->force->depends_on_velocity();
   if (!any) return;
   fill_points(x, v);
   const auto shift = [&](std::uint32_t i) { return (1 + (by_velocity ? v[i] : x[i]).cwiseAbs().maxCoeff()) / 1024; };
@@ -180,7 +229,7 @@ void Net::add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v,
       (by_velocity ? points_[i].velocity : points_[i].position)[axis] += side * shift(i);
     }
     f.assign(points, Vec3(0, 0, 0));
-    for (const Force* g : acting_) g->add(points_.data(), points, t, f.data());
+    add_generators(t, f.data());
   };
   derivative_.resize(points);
   for (int axis = 0; axis < 3; ++axis) {
@@ -192,9 +241,11 @@ void Net::add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v,
   for (std::uint32_t i = 0; i < points; ++i) out.diagonal[i] += negative_part(derivative_[i]);
 }
 
-void Net::bounds(double& frequency, double& decay) const {
+void Net::bounds(double& frequency, double& decay) {
   // row sums of M^-1 K: what a point's springs add to its own row, and to the columns of free neighbours
-  std::vector<double> stiff(points, 0), damp(points, 0);
+  row_stiffness_.assign(points, 0);
+  row_damping_.assign(points, 0);
+  Array<double>&stiff = row_stiffness_, &damp = row_damping_;
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     const std::uint32_t ends[2] = {springs.i[k], springs.j[k]};
     for (int e = 0; e < 2; ++e) {
@@ -225,8 +276,7 @@ Real Net::strain(std::uint32_t k) const {
 
 Energy Net::energy() {
   Energy e;
-  const std::span<const Vec3> x(particles_.position.data() + first, points);
-  const std::span<const Vec3> v(particles_.velocity.data() + first, points);
+  const std::span<const Vec3> x = positions(), v = velocities();
   for (std::uint32_t i = 0; i < points; ++i) {
     const double m = particles_.mass[first + i];
     e.kinetic += 0.5 * m * static_cast<double>(dot(v[i], v[i]));
@@ -234,11 +284,14 @@ Energy Net::energy() {
   }
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     const double stretch = static_cast<double>(length_of(k)) - static_cast<double>(springs.rest_length[k]);
+    if (springs.tension_only[k] && stretch < 0) continue;
     e.elastic += 0.5 * static_cast<double>(springs.stiffness[k]) * stretch * stretch;
   }
   if (acting_.empty()) return e;
   fill_points(x, v);
-  for (const Force* f : acting_) e.potential += f->potential(points_.data(), points);
+  for (const ForceEntry* f : acting_)
+    e.potential += f->points.empty() ? f->force->potential(points_.data(), points)
+                                     : f->force->potential(some_.data(), pick_points(*f));
   return e;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "forces/force.h"
 #include "integrate/integrator.h"
+#include "springs/layout.h"
 #include "springs/springs.h"
 #include "state/particles.h"
 
@@ -10,13 +11,16 @@ namespace feder {
 // Springs of a net; point indices count from 0 within the net. A removed spring keeps its index, without stiffness.
 struct SpringArrays {
   explicit SpringArrays(Arena& a)
-      : i(&a), j(&a), stiffness(&a), damping(&a), rest_length(&a), break_strain(&a), alive(&a) {}
+      : i(&a), j(&a), stiffness(&a), damping(&a), rest_length(&a), break_strain(&a), limit(&a), alive(&a),
+        tension_only(&a) {}
   Array<std::uint32_t> i, j;
   Array<Real> stiffness;     // N/m
   Array<Real> damping;       // N s/m
   Array<Real> rest_length;   // m
   Array<Real> break_strain;
+  Array<Real> limit;         // squared length at which it snaps, m^2
   Array<std::uint8_t> alive;
+  Array<std::uint8_t> tension_only;
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(i.size()); }
   void add(const SpringDesc& s, Real rest);
@@ -24,7 +28,8 @@ struct SpringArrays {
 
   template <class S, class F>
   static void each_array(S& s, F&& f) {
-    f(s.i), f(s.j), f(s.stiffness), f(s.damping), f(s.rest_length), f(s.break_strain), f(s.alive);
+    f(s.i), f(s.j), f(s.stiffness), f(s.damping), f(s.rest_length), f(s.break_strain), f(s.limit);
+    f(s.alive), f(s.tension_only);
   }
 };
 
@@ -39,33 +44,44 @@ struct NetSettings {
 // Forces of a net: weight, drag, springs, the world's force generators and scripted forces.
 class Net final : public ForceField {
  public:
-  Net(Arena& a, Particles& p) : springs(a), particles_(p), acting_(&a), points_(&a), below_(&a), above_(&a), derivative_(&a) {}
+  Net(Arena& a, Particles& p)
+      : springs(a), layout(a), particles_(p), acting_(&a), points_(&a), some_(&a), some_force_(&a), below_(&a), above_(&a),
+        derivative_(&a), row_stiffness_(&a), row_damping_(&a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0;  // run in Particles
   NetSettings settings;
   SpringArrays springs;
+  SpringLayout layout;                  // of the springs, for the kernels
   std::string integrator_name;
   Params integrator_options;
   std::unique_ptr<Integrator> integrator;
   std::uint64_t version = 0;            // of the spring pattern
   bool can_break = false;               // some spring has a finite break strain
   bool frozen = false;                  // quarantined
-  bool warned_stiff = false, warned_unconverged = false;
+  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false;
+  std::uint64_t coincident = 0;         // times a spring's ends were at one spot, so that a rule gave its direction
   Real checked_step = 0;                // s, substep the stiffness was checked for; 0: has to be
   Real frequency = 0, decay = 0;        // bounds() when the step was checked
   std::uint32_t bad_point = kNone;      // found non-finite in this step
+  bool snapped = false;                 // some spring is longer than it bears, found in this substep
 
+  // Worth spreading over threads?
+  bool wide() const { return springs.size() + points >= kWide; }
   // What acts this step. Called once per step; the generators are not kept beyond it.
   void prepare(const Vec3& gravity, const Forces* forces, TagMask tags);
-  void integrate(double t, Real h);
-  // First non-finite point of the net, or kNone.
-  std::uint32_t find_non_finite() const;
+  // `jobs`: for the springs of this net; null when nets run side by side.
+  void integrate(double t, Real h, JobPool* jobs);
+  void remove_spring(std::uint32_t k);
+  // First non-finite point of the net, or kNone. `jobs` as above.
+  std::uint32_t find_non_finite(JobPool* jobs = nullptr) const;
   // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s.
-  void bounds(double& frequency, double& decay) const;
+  void bounds(double& frequency, double& decay);
   Energy energy();
   Real length_of(std::uint32_t k) const;
   Real strain(std::uint32_t k) const;
+  std::span<const Vec3> positions() const { return {particles_.position.data() + first, points}; }
+  std::span<const Vec3> velocities() const { return {particles_.velocity.data() + first, points}; }
 
   std::size_t count() const override { return points; }
   std::span<const Real> inv_mass() const override { return {particles_.inv_mass.data() + first, points}; }
@@ -80,21 +96,34 @@ class Net final : public ForceField {
   void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override;
   void pattern(std::vector<BlockIndex>& blocks) const override;
   std::uint64_t pattern_version() const override { return version; }
+  JobPool* jobs() const override { return jobs_; }
 
  private:
+  static constexpr std::uint32_t kWide = 4096;  // below, waking threads costs more than they bring
+
+  // Is the spring slack, of those that only pull? `rate`: of its length, m/s.
+  bool limp(std::uint32_t k, double len, double rate) const;
+  // What the generators do to points_, added to `out`.
+  void add_generators(double t, Vec3* out);
+  std::size_t pick_points(const ForceEntry& f);
   void fill_points(std::span<const Vec3> x, std::span<const Vec3> v);
   // Adds the generators' derivative by position or velocity to the diagonal, by differences, negative part only.
   void add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity,
                             BlockSparse& out);
 
   Particles& particles_;
+  JobPool* jobs_ = nullptr;      // while integrating
+  std::uint64_t laid_out_ = ~std::uint64_t{0};  // version of the layout
   Vec3 gravity_ = Vec3::Zero();  // m/s^2, scaled
   bool damped_ = false;
   bool generators_damp_ = false;  // some generator depends on velocity, by an unknown rate
-  Array<const Force*> acting_;
+  Array<const ForceEntry*> acting_;
   Array<MassPoint> points_;      // for the generators
+  Array<MassPoint> some_;        // for those that act on some points only
+  Array<Vec3> some_force_;
   Array<Vec3> below_, above_;    // their forces, for differences
   Array<Mat3> derivative_;
+  Array<double> row_stiffness_, row_damping_;  // sums of bounds()
 };
 
 }  // namespace feder

@@ -4,68 +4,9 @@
 
 #include <cmath>
 
-#include "base/assert.h"
 #include "springs/impl.h"
 
 namespace feder {
-namespace {
-
-constexpr std::size_t kMaxPoints = 1u << 28;
-
-std::string number(double x) {
-  std::string s = std::to_string(x);
-  return s;
-}
-
-void need(bool ok, const std::string& what, const char* expected, double got) {
-  if (!ok) throw SceneError("net: " + what + ": expected " + expected + ", got " + number(got));
-}
-
-// Messages count from 1, as scripts do.
-void check_spring(const SpringDesc& s, std::size_t points, std::size_t k) {
-  const std::string what = "springs[" + std::to_string(k + 1) + "]";
-  need(s.i < points, what, "point numbers from 1 to the number of points", static_cast<double>(s.i) + 1);
-  need(s.j < points, what, "point numbers from 1 to the number of points", static_cast<double>(s.j) + 1);
-  need(s.i != s.j, what, "two different points", static_cast<double>(s.i) + 1);
-  need(s.stiffness >= 0 && is_finite(s.stiffness), what + ".stiffness", "a finite number, 0 or more", s.stiffness);
-  need(s.damping >= 0 && is_finite(s.damping), what + ".damping", "a finite number, 0 or more", s.damping);
-  need(is_finite(s.rest_length), what + ".rest_length", "a finite number", s.rest_length);
-  need(s.break_strain > 0, what + ".break_strain", "a number above 0", s.break_strain);
-}
-
-Real rest_length_of(const SpringDesc& s, const Vec3& a, const Vec3& b, std::size_t k) {
-  const Real rest = s.rest_length < 0 ? length(b - a) : s.rest_length;
-  need(rest > 0 || std::isinf(s.break_strain), "springs[" + std::to_string(k + 1) + "].rest_length",
-       "a length above 0 where break_strain is given", rest);
-  return rest;
-}
-
-void check_net(const NetDesc& d) {
-  const std::size_t n = d.points.size();
-  need(n > 0 && n <= kMaxPoints, "points", "at least one point", static_cast<double>(n));
-  need(d.masses.size() == n, "masses", "one mass per point", static_cast<double>(d.masses.size()));
-  need(d.velocities.empty() || d.velocities.size() == n, "velocities", "one per point",
-       static_cast<double>(d.velocities.size()));
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::string at = "[" + std::to_string(i + 1) + "]";
-    for (int k = 0; k < 3; ++k) {
-      need(is_finite(d.points[i][k]), "points" + at, "finite numbers", d.points[i][k]);
-      if (!d.velocities.empty())
-        need(is_finite(d.velocities[i][k]), "velocities" + at, "finite numbers", d.velocities[i][k]);
-    }
-    need(d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]), "masses" + at,
-         "a finite number above 0", d.masses[i]);
-  }
-  for (std::size_t k = 0; k < d.springs.size(); ++k) check_spring(d.springs[k], n, k);
-  need(d.damping >= 0 && is_finite(d.damping), "damping", "a finite number, 0 or more", d.damping);
-  need(d.radius >= 0 && is_finite(d.radius), "radius", "a finite number, 0 or more", d.radius);
-  need(d.friction >= 0 && is_finite(d.friction), "friction", "a finite number, 0 or more", d.friction);
-  need(d.restitution >= 0 && d.restitution <= 1, "restitution", "a number from 0 to 1", d.restitution);
-  need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
-}
-
-}  // namespace
-
 const SystemDescriptor& Springs::descriptor() {
   static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
                                        return std::make_unique<Springs>(setup);
@@ -101,6 +42,21 @@ std::uint32_t Springs::Impl::spring(ObjectId id, std::size_t k) const {
   return static_cast<std::uint32_t>(k);
 }
 
+const SpringKernels& pick_kernels(const std::string& width) {
+  if (width != "auto" && width != "plain")
+    throw SceneError("world.springs.kernels: expected 'auto' or 'plain', got '" + width + "'");
+#if defined(__x86_64__) || defined(__i386__)
+  if (width == "auto" && __builtin_cpu_supports("avx2")) return kSpringKernelsAvx2;
+#endif
+  return kSpringKernelsPlain;
+}
+
+std::unique_ptr<Net> Springs::Impl::make_net() {
+  auto n = std::make_unique<Net>(arena, particles);
+  n->layout.choose(kernels);
+  return n;
+}
+
 void Springs::Impl::attach_integrator(Net& n, const std::string& name, const Params& options) {
   n.integrator = find_variant(integrators(), name, "integrator").make(arena, options);
   options.check_all_read(name);
@@ -109,14 +65,15 @@ void Springs::Impl::attach_integrator(Net& n, const std::string& name, const Par
 }
 
 ObjectId Springs::add_net(const NetDesc& desc) {
-  check_net(desc);
+  const std::string owner = desc.name.empty() ? "net" : "net '" + desc.name + "'";
+  check_net(desc, owner);
   Impl& m = *impl_;
-  auto n = std::make_unique<Net>(m.arena, m.particles);
+  auto n = m.make_net();
   m.attach_integrator(*n, desc.integrator, desc.integrator_options);
   n->settings = {desc.damping, desc.gravity_scale, desc.friction, desc.restitution, desc.group, desc.mask};
   for (std::size_t k = 0; k < desc.springs.size(); ++k) {
     const SpringDesc& s = desc.springs[k];
-    n->springs.add(s, rest_length_of(s, desc.points[s.i], desc.points[s.j], k));
+    n->springs.add(s, rest_length_of(s, desc.points[s.i], desc.points[s.j], k, owner));
     n->can_break = n->can_break || s.break_strain < kInfinity;
   }
 
@@ -208,9 +165,10 @@ void Springs::unpin(ObjectId id, std::size_t i) {
 
 std::size_t Springs::add_spring(ObjectId id, const SpringDesc& spring) {
   Net& n = impl_->net(id);
-  check_spring(spring, n.points, n.springs.size());
+  const std::string owner = impl_->objects.describe(id);
+  check_spring(spring, n.points, n.springs.size(), owner);
   const Array<Vec3>& x = impl_->particles.position;
-  n.springs.add(spring, rest_length_of(spring, x[n.first + spring.i], x[n.first + spring.j], n.springs.size()));
+  n.springs.add(spring, rest_length_of(spring, x[n.first + spring.i], x[n.first + spring.j], n.springs.size(), owner));
   n.can_break = n.can_break || spring.break_strain < kInfinity;
   ++n.version;
   n.checked_step = 0;
@@ -218,8 +176,7 @@ std::size_t Springs::add_spring(ObjectId id, const SpringDesc& spring) {
 }
 
 void Springs::remove_spring(ObjectId id, std::size_t k) {
-  impl_->net(id).springs.remove(impl_->spring(id, k));
-  impl_->net(id).checked_step = 0;
+  impl_->net(id).remove_spring(impl_->spring(id, k));
 }
 
 Real Springs::strain(ObjectId id, std::size_t k) const { return impl_->net(id).strain(impl_->spring(id, k)); }
@@ -227,7 +184,8 @@ Real Springs::strain(ObjectId id, std::size_t k) const { return impl_->net(id).s
 SpringDesc Springs::spring(ObjectId id, std::size_t k) const {
   const SpringArrays& s = impl_->net(id).springs;
   const std::uint32_t at = impl_->spring(id, k);
-  return {s.i[at], s.j[at], s.stiffness[at], s.damping[at], s.rest_length[at], s.break_strain[at]};
+  return {s.i[at], s.j[at], s.stiffness[at], s.damping[at], s.rest_length[at], s.break_strain[at],
+          s.tension_only[at] != 0};
 }
 
 SpringView Springs::springs(ObjectId id) const {

@@ -17,6 +17,7 @@ struct SpringDesc {
   Real damping = 0;              // N s/m along the spring
   Real rest_length = -1;         // m; < 0: distance as built
   Real break_strain = kInfinity; // elongation / rest length; snaps with an event
+  bool tension_only = false;     // a string: slack below its rest length, and never pushes
 };
 
 struct NetDesc {
@@ -40,6 +41,25 @@ struct SpringView {
   std::span<const std::uint32_t> i, j;
   std::span<const Real> rest_length;     // m
   std::span<const std::uint8_t> alive;   // 0: removed or broken
+};
+
+// What the numbers of a net say about a step of its integrator, before it runs. Formulas: springs/advice.cpp.
+struct NetAdvice {
+  ObjectId net;
+  std::string integrator;
+  IntegratorInfo method;
+  double h = 0;              // s, a substep
+  double frequency = 0;      // 1/s, no mode is faster (Gershgorin)
+  double decay = 0;          // 1/s, no mode decays faster
+  double reach = 0;          // h times the larger of the two that matter to the method
+  bool stable = true;        // reach <= limit of the method
+  bool never_stable = false; // no step would be, short of damping
+  int parts = 1;             // into which an adaptive method cuts h at least, for stability
+  int substeps = 0;          // of the step dt that keep the reach below kSafeReach of the limit; 0: any, or none does
+  double error = 0;          // predicted, of the fastest mode after one period, relative
+  double resolved = 0;       // 1/s, motions up to here come out within kResolvedError per period
+  static constexpr double kSafeReach = 0.9;
+  static constexpr double kResolvedError = 0.01;
 };
 
 class Springs final : public System {
@@ -83,6 +103,7 @@ class Springs final : public System {
   // Upper bound of the fastest angular frequency of the net (Gershgorin), 1/s: h times it against the limit in
   // IntegratorInfo decides whether the warning "stiff" is raised.
   Real max_frequency(ObjectId net) const;
+  NetAdvice advice(ObjectId net, double dt, int substeps) const;
   // Did the net go non-finite? It is then held at the last good step's positions, and finite() stays false.
   bool quarantined(ObjectId net) const;
 

@@ -1,13 +1,22 @@
 // The rows of the springs system, and what it tells about its state.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "springs/impl.h"
 
 namespace feder {
+namespace {
+constexpr std::uint32_t kPointGrain = 2048;  // points per job where little is done to each
+
+JobPool* threads_of(const StepContext& c) { return c.jobs->threads() > 1 ? c.jobs : nullptr; }
+}  // namespace
 
 void Springs::Impl::remember(StepContext& c) {
-  particles.start = particles.position;
+  particles.start.resize(particles.position.size());
+  c.jobs->for_blocks(particles.size(), kPointGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::copy(particles.position.begin() + first, particles.position.begin() + last, particles.start.begin() + first);
+  });
   const Forces* forces = store.find<Forces>();
   for (auto& n : nets) n->prepare(c.gravity, forces, objects.tags(n->object));
   check_stiffness(c);
@@ -22,17 +31,17 @@ void Springs::Impl::check_stiffness(StepContext& c) {
     n->bounds(frequency, decay);
     n->frequency = static_cast<Real>(frequency), n->decay = static_cast<Real>(decay);
     const IntegratorInfo info = n->integrator->info();
-    if (n->warned_stiff || std::isinf(info.stability_limit)) continue;
-    const double w = info.symplectic ? frequency : std::max(frequency, decay);
-    if (!(static_cast<double>(c.h) * w > info.stability_limit)) continue;
+    if (n->warned_stiff) continue;
+    const double reach = reach_of(info, static_cast<double>(c.h), frequency, decay);
+    if (!beyond_limit(info, reach)) continue;
     n->warned_stiff = true;
     message += (message.empty() ? "" : "; ") + objects.describe(n->object) + " with " + n->integrator_name;
     if (info.stability_limit == 0) {
       message += " is never stable without damping: take another integrator";
       continue;
     }
-    const double needed = std::ceil(c.dt * w / info.stability_limit);
-    message += " may be unstable: h w reaches " + std::to_string(static_cast<double>(c.h) * w) + ", its limit is " +
+    const double needed = std::ceil(reach * c.substeps / info.stability_limit);
+    message += " may be unstable: h w reaches " + std::to_string(reach) + ", its limit is " +
                std::to_string(info.stability_limit) + "; " + std::to_string(static_cast<long long>(needed)) +
                " substeps or implicit_euler are safe";
   }
@@ -41,33 +50,56 @@ void Springs::Impl::check_stiffness(StepContext& c) {
 
 void Springs::Impl::integrate(StepContext& c) {
   const double t = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  const auto run = [&](Net& n, JobPool* inner) {
+    n.integrate(t, c.h, inner);
+    n.bad_point = n.find_non_finite(inner);
+    n.snapped = n.can_break && n.bad_point == kNone && !n.frozen &&
+                n.layout.find_snapped(n.positions(), n.springs, inner);
+  };
+  // large nets one after another with all threads each, small ones side by side
+  for (auto& n : nets)
+    if (n->wide()) run(*n, threads_of(c));
   c.jobs->for_blocks(static_cast<std::uint32_t>(nets.size()), 1, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t k = first; k < last; ++k) {
-      nets[k]->integrate(t, c.h);
-      nets[k]->bad_point = nets[k]->find_non_finite();
-    }
+    for (std::uint32_t k = first; k < last; ++k)
+      if (!nets[k]->wide()) run(*nets[k], nullptr);
   });
   quarantine(c);
-  for (auto& n : nets)
-    if (n->can_break) break_springs(*n, *c.events);
+  for (auto& n : nets) {
+    if (n->snapped) break_springs(*n, *c.events);
+    if (n->coincident > 0 && !n->warned_coincident) warn_coincident(*n, *c.events);
+  }
 }
 
 void Springs::Impl::break_springs(Net& n, Events& events) {
-  SpringArrays& s = n.springs;
+  const SpringArrays& s = n.springs;
+  const std::span<const std::uint8_t> snapped = n.layout.snapped();
+  for (std::uint32_t group = 0; group < snapped.size(); ++group)
+    for (std::uint32_t bits = snapped[group]; bits != 0; bits &= bits - 1) {
+      const std::uint32_t k = group * kLanes + static_cast<std::uint32_t>(std::countr_zero(bits));
+      Event e;
+      e.kind = EventKind::spring_break;
+      e.a = n.object;
+      e.index = k;
+      e.force = s.stiffness[k] * n.strain(k) * s.rest_length[k];
+      e.point = Real(0.5) * (particles.position[n.first + s.i[k]] + particles.position[n.first + s.j[k]]);
+      events.add(e);
+      n.remove_spring(k);  // the bounds of frequency and decay stay true: they only become smaller
+    }
+}
+
+void Springs::Impl::warn_coincident(Net& n, Events& events) {
+  n.warned_coincident = true;
+  std::string which = "a spring";
+  const SpringArrays& s = n.springs;
   for (std::uint32_t k = 0; k < s.size(); ++k) {
-    if (!(s.break_strain[k] < kInfinity)) continue;
-    const Real strain = n.strain(k);
-    if (!(strain > s.break_strain[k])) continue;
-    Event e;
-    e.kind = EventKind::spring_break;
-    e.a = n.object;
-    e.index = k;
-    e.force = s.stiffness[k] * strain * s.rest_length[k];
-    e.point = Real(0.5) * (particles.position[n.first + s.i[k]] + particles.position[n.first + s.j[k]]);
-    events.add(e);
-    s.remove(k);
-    n.checked_step = 0;  // a restored net starts from fresh bounds too
+    const Vec3 d = particles.start[n.first + s.j[k]] - particles.start[n.first + s.i[k]];
+    if (!s.alive[k] || s.rest_length[k] == 0 || !(dot(d, d) <= kNoLength2)) continue;
+    which = "spring " + std::to_string(k + 1) + " (points " + std::to_string(s.i[k] + 1) + " and " +
+            std::to_string(s.j[k] + 1) + ")";
+    break;
   }
+  events.warn("coincident", objects.describe(n.object) + ": " + which +
+              " has its ends at one spot and pushes them apart along x", n.object);
 }
 
 // A net with a non-finite point goes back to the start of the step and is held there: other systems never see the
@@ -93,7 +125,7 @@ void Springs::Impl::quarantine(StepContext& c) {
 void Springs::Impl::finish(StepContext& c) {
   std::string message;
   for (auto& n : nets) {
-    n->bad_point = n->find_non_finite();  // what couplings and impulses did
+    n->bad_point = n->find_non_finite(n->wide() ? threads_of(c) : nullptr);  // what couplings and impulses did
     const std::uint64_t unconverged = n->integrator->stats.unconverged;
     if (unconverged == 0 || n->warned_unconverged) continue;
     n->warned_unconverged = true;
@@ -131,16 +163,18 @@ Momentum Springs::momentum() const {
 }
 
 void Springs::residuals(std::vector<Residual>& out) const {
-  double strain = 0, unconverged = 0, frozen = 0;
+  double strain = 0, unconverged = 0, frozen = 0, coincident = 0;
   for (const auto& n : impl_->nets) {
     for (std::uint32_t k = 0; k < n->springs.size(); ++k)
       strain = std::max(strain, std::fabs(static_cast<double>(n->strain(k))));
     unconverged += static_cast<double>(n->integrator->stats.unconverged);
     frozen += n->frozen;
+    coincident += static_cast<double>(n->coincident);
   }
   out.push_back({"springs.max_strain", strain});
   out.push_back({"springs.unconverged_solves", unconverged});
   out.push_back({"springs.quarantined_nets", frozen});
+  out.push_back({"springs.coincident_ends", coincident});
 }
 
 bool Springs::finite() const {

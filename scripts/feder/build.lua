@@ -2,13 +2,14 @@
 --
 -- Every builder takes one options table and returns three lists for world:net{ ... }, all counting from 1:
 --   points   { {x, y, z}, ... }
---   springs  { {i, j, stiffness =, damping =, break_strain =}, ... }   rest lengths are the distances as built
+--   springs  { {i, j, stiffness =, damping =, break_strain =, tension_only =}, ... }   rest lengths are the distances as built
 --   faces    { {i, j, k}, ... }   triangles, counter-clockwise from outside (grid: from above; chain: none)
 --
 --   local points, springs, faces = build.lattice { count = { 4, 4, 4 }, size = { 1, 1, 1 }, stiffness = 2000 }
 --   local jelly = world:net { points = points, springs = springs, masses = 0.05, radius = 0.1 }
 --
--- Options of all builders: stiffness (N/m), damping (N s/m along the spring), break_strain (elongation / rest length).
+-- Options of all builders: stiffness (N/m), damping (N s/m along the spring), break_strain (elongation / rest length),
+-- tension_only (true: strings, slack below their rest length).
 -- What is left out stays out of the spring rows, so the net's own defaults apply.
 local build = {}
 
@@ -22,7 +23,7 @@ local function describe(value)
   return type(value)
 end
 
-local COMMON = { stiffness = true, damping = true, break_strain = true }
+local COMMON = { stiffness = true, damping = true, break_strain = true, tension_only = true }
 
 local function check_options(name, options, known)
   if type(options) ~= "table" then fail(name .. ": expected a table of options, got " .. describe(options)) end
@@ -87,9 +88,14 @@ local function joiner(name, options, springs)
   local stiffness = options.stiffness ~= nil and number(name, options, "stiffness", nil, 0) or nil
   local damping = options.damping ~= nil and number(name, options, "damping", nil, 0) or nil
   local break_strain = options.break_strain ~= nil and number(name, options, "break_strain", nil, 0) or nil
+  local tension_only = options.tension_only
+  if tension_only ~= nil and type(tension_only) ~= "boolean" then
+    fail(name .. ".tension_only: expected true or false, got " .. describe(tension_only))
+  end
   return function(i, j, scale)
     springs[#springs + 1] = {
       i, j, stiffness = stiffness and stiffness * (scale or 1), damping = damping, break_strain = break_strain,
+      tension_only = tension_only,
     }
   end
 end
@@ -263,60 +269,92 @@ local function pair_key(i, j, count)
   return i * (count + 1) + j
 end
 
--- Each triangle into four; the new points are pushed onto the unit sphere.
-local function subdivide(points, faces)
-  local middle, out = {}, {}
-  local limit = 4 * #faces + #points
-  local function between(i, j)
-    local key = pair_key(i, j, limit)
-    if not middle[key] then
-      local x, y, z = points[i][1] + points[j][1], points[i][2] + points[j][2], points[i][3] + points[j][3]
-      local size = math.sqrt(x * x + y * y + z * z)
-      points[#points + 1] = { x / size, y / size, z / size }
-      middle[key] = #points
-    end
-    return middle[key]
-  end
-  for _, f in ipairs(faces) do
-    local a, b, c = f[1], f[2], f[3]
-    local ab, bc, ca = between(a, b), between(b, c), between(c, a)
-    out[#out + 1] = { a, ab, ca }
-    out[#out + 1] = { b, bc, ab }
-    out[#out + 1] = { c, ca, bc }
-    out[#out + 1] = { ab, bc, ca }
-  end
-  return out
-end
+-- Kuhn's six tetrahedra of a unit cube: from its corner (0, 0, 0) to (1, 1, 1), one axis after another.
+local KUHN = { { 1, 2, 3 }, { 1, 3, 2 }, { 2, 1, 3 }, { 2, 3, 1 }, { 3, 1, 2 }, { 3, 2, 1 } }
 
--- ball{ radius = 0.5, position = {0,0,0}, level = 1 (0..5: 12, 42, 162, 642 ... points), center = true }
--- A sphere of triangles. With `center` a point in the middle (the last one) is joined to all others and keeps the
--- ball round; without it the skin can fold.
+-- ball{ radius = 0.5, position = {0,0,0}, layers = 2 (1..12: 13, 55, 147, 309, 561 ... points) }
+-- A ball of tetrahedra: the icosahedron cut into 20 tetrahedra from its middle, each cut into layers^3 smaller ones, and
+-- every layer of points moved out to a sphere. The first point is the middle, the last layer comes last. Also returns
+-- the tetrahedra, { {a, b, c, d}, ... } with (b - a) x (c - a) . (d - a) > 0, and the number of points inside.
 function build.ball(options)
-  check_options("ball", options, { radius = true, position = true, level = true, center = true })
+  check_options("ball", options, { radius = true, position = true, layers = true })
   local radius = number("ball", options, "radius", 0.5, 1e-6)
   local px, py, pz = vector("ball", "position", options.position, { 0, 0, 0 })
-  local level = options.level == nil and 1 or whole("ball", "level", options.level, 0)
-  if level > 5 then error("ball.level: expected a whole number from 0 to 5, got " .. level, 2) end
-  local points, faces = icosahedron()
-  for _ = 1, level do faces = subdivide(points, faces) end
-  local springs, seen = {}, {}
-  local join = joiner("ball", options, springs)
-  for _, f in ipairs(faces) do
+  local n = options.layers == nil and 2 or whole("ball", "layers", options.layers, 1)
+  if n > 12 then error("ball.layers: expected a whole number from 1 to 12, got " .. n, 2) end
+  local corners, triangles = icosahedron()
+
+  -- points: sums of corners with whole weights; those of layer s have the total weight s
+  local points, place = { { px, py, pz } }, {}
+  local function point_at(triangle, a, b, c)
+    if a == 0 then return 1 end
+    -- a >= b >= c: weights a - b, b - c, c of the three corners
+    local weights = { a - b, b - c, c }
+    local key, x, y, z = "", 0, 0, 0
     for k = 1, 3 do
-      local i, j = f[k], f[k % 3 + 1]
-      local key = pair_key(i, j, #points)
-      if not seen[key] then
-        seen[key] = true
-        join(i, j)
+      if weights[k] > 0 then
+        local corner = corners[triangle[k]]
+        key = key .. triangle[k] .. "*" .. weights[k] .. " "
+        x, y, z = x + weights[k] * corner[1], y + weights[k] * corner[2], z + weights[k] * corner[3]
+      end
+    end
+    if not place[key] then
+      local scale = radius * a / n / math.sqrt(x * x + y * y + z * z)
+      points[#points + 1] = { px + scale * x, py + scale * y, pz + scale * z, layer = a }
+      place[key] = #points
+    end
+    return place[key]
+  end
+
+  -- tetrahedra: Kuhn's of the cubes in n >= a >= b >= c >= 0. With the corners in ascending order they fit together.
+  local cells = {}
+  for _, t in ipairs(triangles) do
+    local sorted = { t[1], t[2], t[3] }
+    table.sort(sorted)
+    for a = 0, n - 1 do
+      for b = 0, a do
+        for c = 0, b do
+          for _, axes in ipairs(KUHN) do
+            local at, cell, inside = { a, b, c }, {}, true
+            for k = 0, 3 do
+              if k > 0 then at[axes[k]] = at[axes[k]] + 1 end
+              inside = inside and at[1] >= at[2] and at[2] >= at[3]
+              if inside then cell[k + 1] = point_at(sorted, at[1], at[2], at[3]) end
+            end
+            if inside then cells[#cells + 1] = cell end
+          end
+        end
       end
     end
   end
-  if options.center ~= false then
-    points[#points + 1] = { 0, 0, 0 }
-    for i = 1, #points - 1 do join(i, #points) end
+
+  -- by layer, so that the skin comes last
+  local order, new = {}, {}
+  for i = 1, #points do order[i] = i end
+  table.sort(order, function(i, j)
+    local a, b = points[i].layer or 0, points[j].layer or 0
+    if a ~= b then return a < b end
+    return i < j
+  end)
+  local placed = {}
+  for i, old in ipairs(order) do new[old], placed[i] = i, { points[old][1], points[old][2], points[old][3] } end
+  for _, cell in ipairs(cells) do
+    for k = 1, 4 do cell[k] = new[cell[k]] end
+    if build.volume(placed, cell) < 0 then cell[3], cell[4] = cell[4], cell[3] end
   end
-  for i, p in ipairs(points) do points[i] = { px + radius * p[1], py + radius * p[2], pz + radius * p[3] } end
-  return points, springs, faces
+  local tetrahedra = { points = placed, cells = cells }
+  for key in pairs(COMMON) do tetrahedra[key] = options[key] end
+  local out, springs, faces = build.tetrahedra(tetrahedra)
+  return out, springs, faces, cells, #out - (10 * n * n + 2)
+end
+
+-- Signed volume of a tetrahedron {a, b, c, d} of point numbers, m3.
+function build.volume(points, cell)
+  local a, b, c, d = points[cell[1]], points[cell[2]], points[cell[3]], points[cell[4]]
+  local ux, uy, uz = b[1] - a[1], b[2] - a[2], b[3] - a[3]
+  local vx, vy, vz = c[1] - a[1], c[2] - a[2], c[3] - a[3]
+  local wx, wy, wz = d[1] - a[1], d[2] - a[2], d[3] - a[3]
+  return ((uy * vz - uz * vy) * wx + (uz * vx - ux * vz) * wy + (ux * vy - uy * vx) * wz) / 6
 end
 
 -- tetrahedra{ points = { {x,y,z}, ... }, cells = { {a, b, c, d}, ... } }

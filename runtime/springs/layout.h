@@ -1,0 +1,90 @@
+// The springs of a net in the order the kernels read them, and the points' rows that go with it. Follows from the
+// spring arrays: built anew when the pattern changes, edited in place when a spring goes. Private to the module.
+#pragma once
+#include <span>
+
+#include "base/arena.h"
+#include "base/jobs.h"
+#include "base/math.h"
+#include "springs/spring_batch.h"
+
+namespace feder {
+
+struct SpringArrays;
+
+class SpringLayout {
+ public:
+  explicit SpringLayout(Arena& a)
+      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), place_(&a), position_(&a), velocity_(&a), force_(&a),
+        snapped_(&a) {}
+
+  void choose(const SpringKernels& kernels) { kernels_ = &kernels; }
+  // Allocates when springs or points outnumber every earlier call.
+  void build(const SpringArrays& springs, std::uint32_t points);
+  void remove(std::uint32_t k);  // the spring stays in its place without stiffness and damping
+
+  bool damped() const { return !damping_.empty(); }
+
+  // force = outside(i) + what the springs do; `jobs` may be null. Returns how many spring ends had no direction.
+  template <class Outside>
+  unsigned eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside, std::span<Vec3> force);
+
+  // Are there springs longer than the square root of `limit`? Then snapped() tells which, one bit each.
+  bool find_snapped(std::span<const Vec3> x, const SpringArrays& springs, JobPool* jobs);
+  std::span<const std::uint8_t> snapped() const { return snapped_; }
+
+ private:
+  struct alignas(4 * sizeof(Real)) PointRow {
+    Real x = 0, y = 0, z = 0, unused = 0;
+  };
+  static constexpr std::uint32_t kGrain = 32;        // slices per job: 256 points, some ten microseconds
+  static constexpr std::uint32_t kSnapGrain = 256;   // groups of eight springs per job
+
+  std::uint32_t slices() const { return static_cast<std::uint32_t>(force_.size()); }
+  static PointRow row_of(const Vec3& a) { return {a[0], a[1], a[2], 0}; }
+  void pack(std::span<const Vec3> x, std::span<const Vec3> v, std::uint32_t first, std::uint32_t last);
+  unsigned add_forces(std::uint32_t first, std::uint32_t last);
+
+  template <class Body>
+  static void blocks(JobPool* jobs, std::uint32_t count, std::uint32_t grain, Body&& body) {
+    if (jobs)
+      jobs->for_blocks(count, grain, [&](std::uint32_t first, std::uint32_t last, int) { body(first, last); });
+    else if (count > 0)
+      body(std::uint32_t{0}, count);
+  }
+
+  const SpringKernels* kernels_ = &kSpringKernelsPlain;
+  Array<unsigned> row_begin_;       // by slice of eight points, one more than slices
+  Array<SpringRow> rows_;
+  Array<Lane8> damping_, slack_;    // by row; empty when no spring has such a thing
+  Array<std::uint64_t> place_;      // by spring: row * 8 + lane of either end, two each
+  Array<PointRow> position_, velocity_;
+  Array<Lane8x3> force_;            // by slice
+  Array<std::uint8_t> snapped_;     // by group of eight springs
+};
+
+template <class Outside>
+unsigned SpringLayout::eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside,
+                            std::span<Vec3> force) {
+  const auto count = static_cast<std::uint32_t>(x.size());
+  const auto end_of = [&](std::uint32_t slice) { return slice * kLanes < count ? slice * kLanes : count; };
+  blocks(jobs, slices(), kGrain, [&](std::uint32_t first, std::uint32_t last) {
+    pack(x, v, first * kLanes, end_of(last));
+    for (std::uint32_t i = first * kLanes; i < end_of(last); ++i) {
+      const Vec3 f = outside(i);
+      Lane8x3& to = force_[i / kLanes];
+      to.x.v[i % kLanes] = f[0], to.y.v[i % kLanes] = f[1], to.z.v[i % kLanes] = f[2];
+    }
+  });
+  std::atomic<unsigned> found{0};
+  blocks(jobs, slices(), kGrain, [&](std::uint32_t first, std::uint32_t last) {
+    if (const unsigned here = add_forces(first, last)) found.fetch_add(here, std::memory_order_relaxed);
+    for (std::uint32_t i = first * kLanes; i < end_of(last); ++i) {
+      const Lane8x3& from = force_[i / kLanes];
+      force[i] = Vec3(from.x.v[i % kLanes], from.y.v[i % kLanes], from.z.v[i % kLanes]);
+    }
+  });
+  return found.load(std::memory_order_relaxed);
+}
+
+}  // namespace feder

@@ -1,0 +1,6 @@
+// The spring kernels for any processor.
+#include "springs/spring_kernel.h"
+
+namespace feder {
+const SpringKernels kSpringKernelsPlain = kKernels;
+}
