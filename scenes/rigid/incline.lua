@@ -7,7 +7,7 @@ return feder.scene {
   title = "Incline",
   seconds = 2,
   picture = 1,
-  camera = { yaw = feder.deg(38), pitch = feder.deg(14) },
+  camera = { yaw = feder.deg(6), pitch = feder.deg(20) },
   world = { gravity = { 0, -9.81, 0 }, dt = 1 / 60, substeps = 4 },
 
   -- feder study: largest error of the way a block slid, in metres

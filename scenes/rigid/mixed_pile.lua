@@ -17,7 +17,7 @@ return feder.scene {
   title = "Mixed pile",
   seconds = 8,
   picture = 5,
-  camera = { target = { 0, 0.9, 0 }, distance = 15, pitch = feder.deg(50) },
+  camera = { target = { 0, 0.6, 0 }, distance = 16, pitch = feder.deg(50) },
   world = { dt = 1 / 60, substeps = 4 },
 
   build = function(world, scene)
