@@ -166,6 +166,22 @@ TEST_CASE("a script's colours and faces reach the frame", "[view]") {
   CHECK(std::abs(std::abs(f.vertices[0].normal[2]) - 1) < 1e-6f);
 }
 
+TEST_CASE("a scene says when and from where a picture tells most", "[view]") {
+  lua::Script script({});
+  script.load_string(
+      "local feder = require 'feder'; return feder.scene { picture = 0.5, seconds = 2, build = function() end,"
+      " camera = { target = { 1, 2, 3 }, yaw = 0.5 } }",
+      "scene.lua");
+  CHECK(script.picture() == 0.5);
+  CHECK(script.camera().has_target);
+  CHECK(script.camera().target[2] == 3);
+  CHECK(script.camera().yaw == 0.5);
+  CHECK(!script.camera().has_distance);
+  lua::Script wrong({});
+  CHECK_THROWS_WITH(wrong.load_string("require('feder').scene { build = print, camera = { distanse = 1 } }", "w.lua"),
+                    Catch::Contains("w.lua:1") && Catch::Contains("did you mean 'distance'?"));
+}
+
 TEST_CASE("mistakes in colours name the choices", "[view]") {
   const auto error = [](const std::string& color) {
     lua::Script script({});
