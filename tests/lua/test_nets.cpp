@@ -31,6 +31,8 @@ TEST_CASE("a force acts on the points it is given", "[lua][nets]") {
 }
 
 TEST_CASE("a ball of tetrahedra is round, filled and well shaped", "[lua][nets]") {
+  lua::HostOptions options;
+  options.library_roots = {std::string(FEDER_SOURCE_DIR) + "/scripts"};
   CHECK(output_of(R"(
     local build = require "feder.build"
     for n = 1, 4 do
@@ -65,7 +67,7 @@ TEST_CASE("a ball of tetrahedra is round, filled and well shaped", "[lua][nets]"
       end
     end
     print("good")
-  )") == "good\n");
+  )", options) == "good\n");
 }
 
 TEST_CASE("advice names the limit, and what would do", "[lua][nets]") {
@@ -80,7 +82,7 @@ TEST_CASE("advice names the limit, and what would do", "[lua][nets]") {
   // 2 sqrt(k/m) = 2000/s with 4 substeps of 1/240 s
   const std::string stiff = output_of(rope + "'symplectic_euler'" + show);
   CHECK_THAT(stiff, Catch::Contains("rope\tunstable\tsymplectic_euler\tsymplectic_euler\t19\t2.0\t8.3333\n"));
-  CHECK_THAT(stiff, Catch::Contains("net 'rope' with symplectic_euler may blow up: h w up to 8.33, the limit is 2; 19 substeps"));
+  CHECK_THAT(stiff, Catch::Contains("net \"rope\" with symplectic_euler may blow up: h w up to 8.33, the limit is 2; 19 substeps"));
   const std::string never = output_of(rope + "'explicit_euler'" + show);
   CHECK_THAT(never, Catch::Contains("rope\tnever stable\texplicit_euler\tsymplectic_euler\t19\t0.0\t8.3333\n"));
   const std::string implicit = output_of(rope + "'implicit_euler'" + show);
