@@ -7,7 +7,8 @@
 namespace feder {
 namespace {
 
-constexpr double kRounding = 8 * static_cast<double>(kEpsilon);  // of determinant and trace
+// Of determinant and trace; exact flows know their phase z to a rounding of z.
+constexpr double rounding(double z) { return 16 * (1 + z) * static_cast<double>(kEpsilon); }
 constexpr int kSamples = sizeof(Real) == 4 ? 4000 : 4;
 constexpr int kRunSteps = 500;
 constexpr double kFirst = 1e-3, kLast = 1e6;
@@ -129,19 +130,19 @@ double observed_limit(const Variant<Integrator>& method, const Params& options, 
   const auto matrix = [&](double z, int samples) {
     return step_matrix(*m, static_cast<double>(static_cast<Real>(z)), zeta, samples);
   };
-  const double rough = first_positive([&](double z) { return matrix(z, 1).excess() - kRounding; });
+  const double rough = first_positive([&](double z) { return matrix(z, 1).excess() - rounding(z); });
   if (!std::isfinite(rough)) return rough;
   // which of the three conditions fails there, and where below does it hold for certain?
   const int which = matrix(rough * 1.001, kSamples).worst_condition();
   double below = rough, above = rough * 1.01;
-  while (!(matrix(below, 1).condition(which) < -kRounding / 2)) {
+  while (!(matrix(below, 1).condition(which) < -rounding(below) / 2)) {
     below *= 0.99;
     if (below < kFirst) return 0;  // nowhere: the growth falls with a power of z down to rounding
   }
   while (above - below > static_cast<double>(kEpsilon) / 2 * above) {
     const double middle = (below + above) / 2;
+    if (!(middle > below && middle < above)) break;  // neighbours
     (matrix(middle, kSamples).condition(which) > 0 ? above : below) = middle;
-    if (middle == below && middle == above) break;
   }
   return (below + above) / 2;
 }

@@ -12,18 +12,23 @@
 namespace feder {
 namespace {
 
-// Inverse of a symmetric positive definite block by its own LDL^T; false when it is not.
-bool invert(const Mat3d& m, Mat3d& out) {
+// L D L^T of a symmetric positive definite block, D on the diagonal of `out` and L below it; false when it is not. The
+// inverse itself would lose as many digits as the block's stiffness stands above its mass.
+bool factor_block(const Mat3d& m, Mat3d& out) {
   const double a = m(0, 0);
   if (!(a > 0)) return false;
   const double l10 = m(1, 0) / a, l20 = m(2, 0) / a, d1 = m(1, 1) - l10 * m(1, 0);
   if (!(d1 > 0)) return false;
   const double e = m(2, 1) - l20 * m(1, 0), l21 = e / d1, d2 = m(2, 2) - l20 * m(2, 0) - l21 * e;
   if (!(d2 > 0)) return false;
-  const double t = l10 * l21 - l20, i0 = 1 / a, i1 = 1 / d1, i2 = 1 / d2;
-  const double m10 = -l10 * i1 - t * l21 * i2, m20 = t * i2, m21 = -l21 * i2;
-  out << i0 + l10 * l10 * i1 + t * t * i2, m10, m20, m10, i1 + l21 * l21 * i2, m21, m20, m21, i2;
+  out << a, 0, 0, l10, d1, 0, l20, l21, d2;
   return true;
+}
+
+Vec3d solve_block(const Mat3d& f, const Vec3d& b) {
+  const double y1 = b[1] - f(1, 0) * b[0], y2 = b[2] - f(2, 0) * b[0] - f(2, 1) * y1;
+  const double x2 = y2 / f(2, 2), x1 = y1 / f(1, 1) - f(2, 1) * x2;
+  return Vec3d(b[0] / f(0, 0) - f(1, 0) * x1 - f(2, 0) * x2, x1, x2);
 }
 
 // Points by their number of neighbours left; the one asked for is the first of the smallest degree.
@@ -122,7 +127,7 @@ void BlockLdl::lay_out(std::span<const BlockIndex> index) {
     slot_[k] = find(std::min(a, b), std::max(a, b));
     input_at_[k] = a > b;
   }
-  block_.resize(row_.size()), inverse_.resize(n), pivot_.resize(n), work_.resize(n), work_at_.assign(n, 0);
+  block_.resize(row_.size()), factor_.resize(n), pivot_.resize(n), work_.resize(n), work_at_.assign(n, 0);
 }
 
 bool BlockLdl::analyze(std::size_t count, std::span<const BlockIndex> index, std::uint64_t max_operations) {
@@ -153,11 +158,11 @@ bool BlockLdl::factor(const BlockSparse& a, std::span<const Real> free) {
       pivot.noalias() -= block_[at] * scaled;
       for (std::uint32_t q = at + 1; q < column_[k + 1]; ++q) block_[work_at_[row_[q]]].noalias() -= block_[q] * scaled;
     }
-    if (!invert(pivot, inverse_[j])) return false;
+    if (!factor_block(pivot, factor_[j])) return false;
     pivot_[j] = pivot;
     for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) {
-      const Mat3d m = block_[q];
-      block_[q].noalias() = m * inverse_[j];
+      for (int row = 0; row < 3; ++row)
+        block_[q].row(row) = solve_block(factor_[j], block_[q].row(row).transpose()).transpose();
     }
   }
   return true;
@@ -170,7 +175,7 @@ void BlockLdl::solve(std::span<const Vec3> b, std::span<const Real> free, std::s
   for (std::uint32_t j = 0; j < n; ++j)
     for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) work_[row_[q]].noalias() -= block_[q] * work_[j];
   for (std::uint32_t j = n; j-- > 0;) {
-    Vec3d sum = inverse_[j] * work_[j];
+    Vec3d sum = solve_block(factor_[j], work_[j]);
     for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q)
       sum.noalias() -= block_[q].transpose() * work_[row_[q]];
     work_[j] = sum;

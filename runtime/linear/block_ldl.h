@@ -9,7 +9,7 @@ class BlockLdl {
  public:
   explicit BlockLdl(Arena& a)
       : place_(&a), point_(&a), column_(&a), row_(&a), row_start_(&a), row_column_(&a), row_at_(&a), slot_(&a),
-        input_at_(&a), block_(&a), inverse_(&a), pivot_(&a), work_(&a), work_at_(&a) {}
+        input_at_(&a), block_(&a), factor_(&a), pivot_(&a), work_(&a), work_at_(&a) {}
 
   // False when the factor would need more than `max_operations` block products: then there is no factor.
   bool analyze(std::size_t count, std::span<const BlockIndex> index, std::uint64_t max_operations);
@@ -31,7 +31,7 @@ class BlockLdl {
   Array<std::uint32_t> row_start_, row_column_, row_at_;  // the same by rows: column and position of each block
   Array<std::uint32_t> slot_;                      // by block of the input: its block in L, transposed if below
   Array<std::uint8_t> input_at_;                   // 1: the input block is (row, column), 0: it is transposed
-  Array<Mat3d> block_, inverse_, pivot_;           // L, D^-1, D
+  Array<Mat3d> block_, factor_, pivot_;            // L, D factored, D
   Array<Vec3d> work_;
   Array<std::uint32_t> work_at_;                   // by place: position of the row in the column at work
   std::uint64_t operations_ = 0;
