@@ -22,6 +22,8 @@ class View final : public Command {
     a.flag("--paused", o_.paused, "stand still at the start");
     a.text("--on-save", on_save_, "catch_up: run the new scene to the same time (default); start_over; keep: objects with "
                                   "the same name stay where they are");
+    a.text("--detail", detail_, "auto: as much as this machine draws fluently (default); full; plain: no smooth edges; "
+                                "least: no shadows");
     a.text("--draw", o_.toggles, "what is drawn: contacts,joints,-springs ...");
     a.text("--select", o_.select, "name of the object to look at");
     a.flag("--no-panels", o_.hide_panels, "the scene alone (tab brings the panels)");
@@ -38,6 +40,7 @@ class View final : public Command {
     o_.file = scene_;
     o_.live.host = host_options(options);
     o_.live.reload = reload_mode();
+    o_.detail = detail();
     if (!seconds_.empty()) o_.seconds = read_number(seconds_, "--seconds");
     read_size();
     read_text(scene_);  // a file that is not there is no scene to wait for
@@ -65,6 +68,14 @@ class View final : public Command {
     throw Failure(kUsage, fmt::format("--on-save: expected catch_up, start_over or keep, got '{}'", on_save_));
   }
 
+  view::Detail detail() const {
+    if (detail_ == "auto") return view::Detail::as_fast_as_needed;
+    if (detail_ == "full") return view::Detail::full;
+    if (detail_ == "plain") return view::Detail::plain;
+    if (detail_ == "least") return view::Detail::least;
+    throw Failure(kUsage, fmt::format("--detail: expected auto, full, plain or least, got '{}'", detail_));
+  }
+
   void read_size() {
     if (size_.empty()) return;
     char rest = 0;
@@ -73,7 +84,7 @@ class View final : public Command {
       throw Failure(kUsage, fmt::format("--size: expected WIDTHxHEIGHT of at least 320x240, got '{}'", size_));
   }
 
-  std::string scene_, size_, seconds_, on_save_ = "catch_up";
+  std::string scene_, size_, seconds_, on_save_ = "catch_up", detail_ = "auto";
   bool hash_ = false;
   view::ViewerOptions o_;
 };

@@ -54,7 +54,7 @@ class Viewer {
   Frame frame_;
   double status_at_ = 0, last_ = 0;
   int pictures_ = 0;
-  int careless_ = 0;  // 0: everything; 1: no smooth edges; 2: no shadows
+  Detail detail_ = Detail::full;
   bool seconds_set_ = false;
   Bounds subject_;               // what has been seen of the scene since the camera was aimed
   float fitted_distance_ = 1;    // m
@@ -225,10 +225,13 @@ void Viewer::aim_as_scene_says() {
 
 // A processor that draws in place of a graphics card draws less, so that the hand is not slowed down.
 DrawOptions Viewer::care() {
-  if (pictures_ % 10 == 9 && desk_.cpu_ms > kSlowPicture && careless_ < 2 && options_.picture.empty()) ++careless_;
+  if (options_.detail != Detail::as_fast_as_needed)
+    detail_ = options_.detail;
+  else if (pictures_ % 10 == 9 && desk_.cpu_ms > kSlowPicture && options_.picture.empty())
+    detail_ = detail_ == Detail::full ? Detail::plain : Detail::least;
   DrawOptions o;
-  if (careless_ > 0) o.samples = 1, o.shadow_size = 1024;
-  if (careless_ > 1) o.shadow_size = 0;
+  if (detail_ != Detail::full) o.samples = 1, o.shadow_size = 1024;
+  if (detail_ == Detail::least) o.shadow_size = 0;
   return o;
 }
 

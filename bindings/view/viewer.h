@@ -1,6 +1,7 @@
 // The interactive viewer: a window on a LiveScene. Everything it knows about the world comes through the frame
 // description; everything it does to it is a command of the hand.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -8,11 +9,16 @@
 
 namespace feder::view {
 
+// How much care a picture is drawn with: smooth edges and shadows; no smooth edges; no shadows either; or what the
+// machine manages fluently.
+enum class Detail : std::uint8_t { full, plain, least, as_fast_as_needed };
+
 struct ViewerOptions {
   std::filesystem::path file;
   LiveOptions live;
   int width = 1280, height = 800;  // of the window
   bool paused = false, hide_panels = false, console = false, help = false;
+  Detail detail = Detail::as_fast_as_needed;
   std::string toggles;             // layers to draw, as set_toggles takes them
   std::string select;              // name of the object to select
   double seconds = -1;             // >= 0: runs so many simulated seconds without waiting for the clock, and ends

@@ -76,7 +76,7 @@ class Screen {
   // The viewer in a window of 800 x 600 at the corner of the screen.
   void view(const std::filesystem::path& scene, std::vector<std::string> more = {}) {
     std::vector<std::string> words = {FEDER_BINARY_DIR "/feder", "view", scene.string(), "--size", "800x600", "--no-panels",
-                                      "--status", folder_ / "status.json"};
+                                      "--detail", "least", "--status", folder_ / "status.json"};
     words.insert(words.end(), more.begin(), more.end());
     std::filesystem::remove(folder_ / "status.json");
     viewer_ = Process(words, folder_ / "viewer.log", {"DISPLAY=" + display_});
@@ -131,6 +131,15 @@ class Screen {
         for (std::size_t k = 0; k < 3; ++k)
           s.rgb.push_back(static_cast<unsigned char>(data[start + y * row + 4 * x + (2 - k)]));
     return s;
+  }
+  // Waits until the picture is as wanted.
+  bool wait_picture(const std::function<bool(const Shot&)>& is_so, double seconds = 30) const {
+    const double start = now();
+    do {
+      if (is_so(shot())) return true;
+      usleep(100000);
+    } while (now() - start < seconds);
+    return false;
   }
 
  private:
