@@ -59,19 +59,19 @@ double run_excess(const Variant<Integrator>& method, const Params& options, doub
 }  // namespace
 
 Oscillator::Oscillator(double frequency, double damping_ratio)
-    : stiffness_(static_cast<Real>(frequency * frequency)), damping_(static_cast<Real>(2 * damping_ratio * frequency)) {}
+    : stiffness_(frequency * frequency), damping_(2 * damping_ratio * frequency) {}
 
 void Oscillator::eval(std::span<const Vec3> x, std::span<const Vec3> v, double, std::span<Vec3> force) {
-  force[0] = -stiffness_ * x[0] - damping_ * v[0];
+  force[0] = Vec3d(-stiffness_ * x[0].cast<double>() - damping_ * v[0].cast<double>()).cast<Real>();
 }
 
 void Oscillator::damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) {
-  d.diagonal[0] = Mat3d::Identity() * -static_cast<double>(damping_);
+  d.diagonal[0] = Mat3d::Identity() * -damping_;
 }
 
 void Oscillator::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) {
   damping(x, v, t, d);
-  k.diagonal[0] = Mat3d::Identity() * -static_cast<double>(stiffness_);
+  k.diagonal[0] = Mat3d::Identity() * -stiffness_;
 }
 
 double StepMatrix::spectral_radius() const {

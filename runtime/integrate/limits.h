@@ -14,14 +14,17 @@ class Oscillator final : public ForceField {
   std::span<const Real> mass() const override { return {&one_, 1}; }
   void eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) override;
   bool damped() const override { return damping_ != 0; }
-  bool stiff_damping(Real h) const override { return h * h * stiffness_ + 2 * h * damping_ > 4; }
+  bool stiff_damping(Real h) const override {
+    const double dt = static_cast<double>(h);
+    return dt * dt * stiffness_ + 2 * dt * damping_ > 4;
+  }
   void damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) override;
   void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override;
   void pattern(std::vector<BlockIndex>&) const override {}
   std::uint64_t pattern_version() const override { return 1; }
 
  private:
-  Real stiffness_, damping_;  // N/m, N s/m
+  double stiffness_, damping_;  // N/m, N s/m; not rounded to Real, so that the limits are those of the method
   Real one_ = 1;
 };
 
@@ -47,8 +50,8 @@ double predicted_limit(const IntegratorInfo& info, double zeta);
 
 // The same from the code of the method: scanned in steps of 2 % up to 1e6 (infinity when stable throughout), then the
 // condition that fails is followed to its zero (0 when there is none above rounding). The float build averages the matrix
-// over many scaled vectors, else its rounding would decide; what the rounding of a method's own coefficients does to it
-// stays. Adaptive methods are asked for single steps (adaptive = false). A method with memory is run instead, some
+// over many scaled vectors, else its rounding would decide; coefficients a method rounds to float are part of it and stay
+// (runge_kutta.cpp therefore does not). Adaptive methods are asked for single steps (adaptive = false). A method with memory is run instead, some
 // hundred steps for each z, and then the value is as sharp as that.
 double observed_limit(const Variant<Integrator>& method, const Params& options, double zeta);
 

@@ -14,6 +14,7 @@ struct Tableau {
 
 class RungeKutta {
  public:
+  static constexpr int kMostStages = 8;
   RungeKutta(Arena& a, const Tableau& t) : tableau_(t), force_(&a), x_(&a), v_(&a), slope_x_(&a), slope_v_(&a) {}
 
   // The slopes of stages first .. last-1 from (x, v); those before `first` are there already. The state at which the
@@ -34,6 +35,8 @@ class RungeKutta {
   std::span<Vec3> slope_v(int s) { return {slope_v_.data() + static_cast<std::size_t>(s) * x_.size(), x_.size()}; }
 
  private:
+  void add(Real h, const double* weights, int stages, std::span<Vec3> x, std::span<Vec3> v) const;
+
   Tableau tableau_;
   Array<Vec3> force_, x_, v_;
   Array<Vec3> slope_x_, slope_v_;  // by stage, then point

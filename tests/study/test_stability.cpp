@@ -9,8 +9,6 @@ using namespace feder;
 
 namespace {
 
-constexpr bool kFloat = sizeof(Real) == 4;
-
 StabilityResult run(const char* problem, std::vector<std::string> methods, bool cells, bool bisect) {
   StabilityPlan p;
   p.problem = problem, p.methods = std::move(methods), p.cells = cells, p.bisect = bisect;
@@ -28,8 +26,7 @@ TEST_CASE("the oscillator's limits are found to 1e-6", "[study][stability]") {
       if (std::isinf(l.z_predicted) || l.z_predicted == 0)
         CHECK(l.z_observed == l.z_predicted);
       else
-        // the float build rounds the coefficients of order 5, see test_limits.cpp
-        CHECK(std::fabs(l.z_observed / l.z_predicted - 1) < (kFloat && m.order > 4 && l.y == 0 ? 1e-4 : 1e-6));
+        CHECK(std::fabs(l.z_observed / l.z_predicted - 1) < 1e-6);
     }
 }
 
