@@ -39,6 +39,10 @@ std::string unknown_command(const std::string& word) {
   const std::string near = nearest_name(word, known);
   if (word.ends_with(".lua") || word.ends_with(".yaml") || word.ends_with(".yml"))
     message += fmt::format("; to run a scene: feder run {}", word);
+  else if (word == "view" || word == "render" || word == "export")
+    message += "; this build has no viewer: it was left out, or GLFW, ImGui and OpenGL were not found";
+  else if (word == "study" || word == "stability")
+    message += "; this build has no studies";
   else if (!near.empty())
     message += fmt::format("; did you mean '{}'?", near);
   return message;

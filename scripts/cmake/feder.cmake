@@ -5,8 +5,9 @@
 # A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
 # generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
 
+include(${CMAKE_CURRENT_LIST_DIR}/pch.cmake)
 find_program(FEDER_CCACHE ccache)
-if(FEDER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+if(FEDER_CCACHE AND NOT FEDER_PCH AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${FEDER_CCACHE})
 endif()
 
@@ -73,6 +74,7 @@ function(feder_module name)
     $<BUILD_INTERFACE:${M_ROOT}> $<INSTALL_INTERFACE:include/feder>)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
   target_link_libraries(${target} PUBLIC feder_flags)
+  feder_use_pch(${target} library)
   foreach(need ${M_NEEDS})
     target_link_libraries(${target} PUBLIC feder_${need})
   endforeach()

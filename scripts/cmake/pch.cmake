@@ -1,0 +1,28 @@
+# Precompiled headers for first builds on machines without a compiler cache: reading Eigen and the standard library is
+# half of compiling a file here. Off by default, because a cache (ccache) does more and does not work with them.
+option(FEDER_PCH "precompiled headers instead of a compiler cache" OFF)
+
+set(feder_pch_standard <algorithm> <array> <cmath> <cstdint> <cstring> <functional> <map> <memory> <optional> <string>
+                       <string_view> <utility> <vector> <Eigen/Core>)
+
+# feder_use_pch(target library|test): after the target's sources; files with flags of their own are left out.
+function(feder_use_pch target kind)
+  if(NOT FEDER_PCH)
+    return()
+  endif()
+  if(NOT TARGET feder_pch_${kind})
+    file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/pch/${kind}.cpp CONTENT "int main() {}\n")
+    if(kind STREQUAL "test")
+      add_executable(feder_pch_test ${PROJECT_BINARY_DIR}/pch/test.cpp)
+      target_link_libraries(feder_pch_test PRIVATE feder_flags Catch2::Catch2)
+      target_precompile_headers(feder_pch_test PRIVATE ${feder_pch_standard} "${PROJECT_SOURCE_DIR}/tests/support/catch.h")
+    else()
+      add_library(feder_pch_library STATIC ${PROJECT_BINARY_DIR}/pch/library.cpp)
+      target_link_libraries(feder_pch_library PRIVATE feder_flags)
+      target_precompile_headers(feder_pch_library PRIVATE ${feder_pch_standard})
+    endif()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM feder_pch_${kind})
+  # gcc 12 warns inside its own headers when they come precompiled (its bug 105651 again)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow>)
+endfunction()
