@@ -19,6 +19,10 @@ bool is_sensor(EventKind k) {
 bool is_break(EventKind k) {
   return k == EventKind::joint_break || k == EventKind::spring_break || k == EventKind::tear;
 }
+// Of an emitter or drain, and its fluid.
+bool is_source(EventKind k) {
+  return k == EventKind::emitter_done || k == EventKind::drained;
+}
 bool has_two(EventKind k) {
   return is_contact(k) || is_sensor(k);
 }
@@ -120,7 +124,7 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
       k == EventKind::wake ? (void)lua_pushstring(L, wake_cause_name(e.cause)) : lua_pushnil(L);
       return;
     case f_other:
-      object(k == EventKind::wake || is_sensor(k), e.b);
+      object(k == EventKind::wake || is_sensor(k) || is_source(k), e.b);
       return;
     case f_sensor:
       object(is_sensor(k), e.a);
@@ -132,7 +136,7 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
       number(is_break(k), e.force);
       return;
     case f_count:
-      if (k == EventKind::emitter_done || k == EventKind::drained)
+      if (is_source(k) || (is_sensor(k) && r.world->objects().kind(e.b) == ObjectKind::fluid))
         lua_pushinteger(L, static_cast<lua_Integer>(e.index));
       else
         lua_pushnil(L);
@@ -319,7 +323,7 @@ Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
   if (e.speed < f.min_speed || e.impulse < f.min_impulse || e.force < f.min_force || e.slip < f.min_slip)
     return Side::none;
   if (f.cause >= 0 && static_cast<int>(e.cause) != f.cause) return Side::none;
-  if (f.object && e.a != f.object && !(has_two(e.kind) && e.b == f.object)) return Side::none;
+  if (f.object && e.a != f.object && !((has_two(e.kind) || is_source(e.kind)) && e.b == f.object)) return Side::none;
   if (f.has_tags) {
     const Objects& objects = record.world->objects();
     const TagMask tags = objects.tags(e.a) | (has_two(e.kind) ? objects.tags(e.b) : 0);
@@ -327,6 +331,7 @@ Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
   }
   ObjectId a = f.a, b = f.b;
   if (s.self) {
+    if (is_source(e.kind)) return e.a == s.self || e.b == s.self ? Side::same : Side::none;
     if (!has_two(e.kind)) return e.a == s.self && (!a || a == e.a) && (!b || b == e.b) ? Side::same : Side::none;
     if (e.a != s.self && e.b != s.self) return Side::none;
     if (is_contact(e.kind)) {
@@ -434,7 +439,7 @@ EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind 
   if (is_break(kind)) o.real("min_force", f.min_force, kNotNegative);
   if (kind == EventKind::wake) {
     std::vector<std::string> causes;
-    for (int c = 0; c <= static_cast<int>(WakeCause::destroyed); ++c)
+    for (int c = 0; c <= static_cast<int>(WakeCause::fluid); ++c)
       causes.emplace_back(wake_cause_name(static_cast<WakeCause>(c)));
     o.choice("cause", causes, f.cause);
     object_option(o, "other", record, f.b);

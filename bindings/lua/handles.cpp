@@ -23,6 +23,12 @@ Class class_of(const WorldRecord& record, ObjectId id) {
       return Class::force;
     case ObjectKind::region:
       return Class::region;
+    case ObjectKind::fluid:
+      return Class::fluid;
+    case ObjectKind::emitter:
+      return Class::emitter;
+    case ObjectKind::drain:
+      return Class::drain;
     default:
       return Class::body;
   }
@@ -155,7 +161,7 @@ int object_tags(lua_State* L) {
 
 const Method kObjectMethods[] = {
     {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
-    {"kind", guard<object_kind>, "h:kind() -> string", "\"body\", \"joint\", \"net\", \"cloth\", \"force\" or \"region\""},
+    {"kind", guard<object_kind>, "h:kind() -> string", "\"body\", \"joint\", \"net\", \"cloth\", \"fluid\", \"force\" ..."},
     {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
     {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
     {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
@@ -284,7 +290,8 @@ Self check_self(lua_State* L) {
 }
 
 Handle* test_handle(lua_State* L, int index) {
-  for (Class c : {Class::body, Class::net, Class::cloth, Class::joint, Class::force, Class::region})
+  for (Class c : {Class::body, Class::net, Class::cloth, Class::joint, Class::force, Class::region, Class::fluid,
+                  Class::emitter, Class::drain})
     if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
   return nullptr;
 }
@@ -332,9 +339,28 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
   lua_remove(L, -2);
 }
 
+namespace {
+
+// Handles of emitters and drains whose object is gone, after their names were noted.
+void bury_gone(lua_State* L, WorldRecord& record, const std::string& where) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+    auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
+    if (h->dead || record.world->objects().alive(h->id) || (h->kind != Class::emitter && h->kind != Class::drain)) continue;
+    h->dead = true;
+    lua_pushstring(L, where.c_str());
+    lua_setiuservalue(L, -2, 3);
+  }
+  lua_pop(L, 1);
+}
+
+}  // namespace
+
 void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
   World& world = *record.world;
   const std::string name = world.objects().name(id);
+  const bool sources_went = world.objects().kind(id) == ObjectKind::fluid;
+  if (sources_went) note_names(L, record);
   switch (world.objects().kind(id)) {
     case ObjectKind::joint:
       record.rigid().destroy_joint(id, where);
@@ -344,6 +370,11 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
       break;
     case ObjectKind::cloth:
       destroy_cloth(record, id, where);
+      break;
+    case ObjectKind::fluid:
+    case ObjectKind::emitter:
+    case ObjectKind::drain:
+      destroy_fluid_object(record, id, where);
       break;
     case ObjectKind::force:
       world.remove_force(id, where);
@@ -360,6 +391,8 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   }
   bury(L, record, id, name, where);
   record.regions.erase(id);
+  // emitters and drains went with their fluid: handles that scripts hold must say so
+  if (sources_went) bury_gone(L, record, where);
   // joints go with their bodies
   for (auto it = record.joints.begin(); it != record.joints.end();) {
     if (world.objects().alive(it->first)) {
@@ -434,7 +467,8 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  for (Class c : {Class::body, Class::joint, Class::net, Class::cloth, Class::force, Class::region}) {
+  for (Class c : {Class::body, Class::joint, Class::net, Class::cloth, Class::force, Class::region, Class::fluid,
+                  Class::emitter, Class::drain}) {
     push_class(L, c);
     lua_pushcfunction(L, guard<handle_tostring>);
     lua_setfield(L, -2, "__tostring");

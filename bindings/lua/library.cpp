@@ -44,7 +44,10 @@ bool is_left_out(const std::string& name) {
 #ifndef FEDER_HAS_CLOTH
   if (name == "feder.cloth") return true;
 #endif
-  for (const char* later : {"feder.fluid", "feder.view", "feder.study"})
+#ifndef FEDER_HAS_FLUID
+  if (name == "feder.fluid") return true;
+#endif
+  for (const char* later : {"feder.view", "feder.study"})
     if (name == later) return true;
   return false;
 }

@@ -3,6 +3,9 @@
 #ifdef FEDER_HAS_CLOTH
 #include "couple/cloth_rigid.h"
 #endif
+#ifdef FEDER_HAS_FLUID
+#include "couple/fluid_rigid.h"
+#endif
 #include "lua/advice.h"
 #include "lua/buffer.h"
 #include "lua/docs.h"
@@ -112,6 +115,12 @@ Catalog catalog() {
       &ClothRigid::descriptor(),
 #endif
 #endif
+#ifdef FEDER_HAS_FLUID
+      &Fluid::descriptor(),
+#ifdef FEDER_HAS_COUPLE
+      &FluidRigid::descriptor(),
+#endif
+#endif
   };
   return systems;
 }
@@ -124,8 +133,10 @@ std::vector<DocRow> docs() {
   add("feder", feder_functions()), add("feder", shape_functions());
   add("world", world_methods()), add("world", query_methods());
   add("object", object_methods());
-  add("body", body_methods()), add("joint", joint_methods()), add("net", net_methods()), add("cloth", cloth_methods()), add("force", force_methods());
-  add("region", region_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
+  add("body", body_methods()), add("joint", joint_methods()), add("net", net_methods());
+  add("cloth", cloth_methods()), add("fluid", fluid_methods()), add("emitter", emitter_methods());
+  add("drain", drain_methods()), add("force", force_methods()), add("region", region_methods());
+  add("shape", shape_methods()), add("buffer", buffer_methods());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;
 }

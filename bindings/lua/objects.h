@@ -12,6 +12,7 @@ int world_joint(lua_State* L);
 int world_net(lua_State* L);
 int world_region(lua_State* L);
 int world_cloth(lua_State* L);
+int world_fluid(lua_State* L);
 
 std::span<const Method> body_methods();
 std::span<const Method> joint_methods();
@@ -23,6 +24,10 @@ void clear_cloth_forces(World& world);
 // Forces of scripts on the vertices of cloth: evaluate(position, velocity, mass, sum) for those that `acts` accepts.
 void apply_to_cloth(WorldRecord& record, const std::function<bool(ObjectId, TagMask)>& acts,
                     const std::function<Vec3(ObjectId, const Vec3&, const Vec3&, Real)>& evaluate);
+std::span<const Method> fluid_methods();  // this and the next two are empty where the module is left out
+std::span<const Method> emitter_methods();
+std::span<const Method> drain_methods();
+void destroy_fluid_object(WorldRecord& record, ObjectId id, const std::string& where);  // a fluid, emitter or drain
 std::span<const Method> query_methods();
 std::span<const Method> world_methods();
 

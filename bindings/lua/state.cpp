@@ -98,7 +98,8 @@ int no_fields(lua_State* L) {
 }  // namespace
 
 const char* class_name(Class c) {
-  static const char* const names[kClassCount] = {"world", "body",   "joint",      "net",  "cloth", "force", "region",
+  static const char* const names[kClassCount] = {"world", "body",    "joint", "net",   "cloth",  "force",      "region",
+                                                 "fluid", "emitter", "drain",
                                                  "shape", "buffer", "connection", "task", "event"};
   return names[static_cast<int>(c)];
 }
@@ -240,7 +241,8 @@ void relay(lua_State* L, const std::string& what) {
   const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
   if (what.rfind(last + ":", 0) == 0 || what.rfind(last + ".", 0) == 0) fail(L, name + what.substr(last.size()));
   const bool noun =
-      last == "body" || last == "joint" || last == "net" || last == "cloth" || last == "force" || last == "region" || last == "world";
+      last == "body" || last == "joint" || last == "net" || last == "cloth" || last == "fluid" || last == "emitter" ||
+      last == "drain" || last == "force" || last == "region" || last == "world";
   std::size_t word = 0;
   while (word < what.size() &&
          (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.'))

@@ -23,7 +23,9 @@ namespace feder::lua {
 struct WorldRecord;
 struct Task;
 
-enum class Class : int { world, body, joint, net, cloth, force, region, shape, buffer, connection, task, event, count };
+enum class Class : int {
+  world, body, joint, net, cloth, force, region, fluid, emitter, drain, shape, buffer, connection, task, event, count
+};
 inline constexpr int kClassCount = static_cast<int>(Class::count);
 const char* class_name(Class c);
 

@@ -174,6 +174,7 @@ int world_report(lua_State* L) {
   count_field(L, "joints", w.objects().count(ObjectKind::joint));
   count_field(L, "nets", w.objects().count(ObjectKind::net));
   count_field(L, "cloths", w.objects().count(ObjectKind::cloth));
+  count_field(L, "fluids", w.objects().count(ObjectKind::fluid));
   count_field(L, "forces", w.objects().count(ObjectKind::force));
   count_field(L, "points", w.find<Springs>() ? w.find<Springs>()->count() : 0);
   count_field(L, "steps", w.step_count());
@@ -219,10 +220,6 @@ int world_close(lua_State* L) {
   return 0;
 }
 
-int left_out(lua_State* L) {
-  fail_here(L, "this build leaves out the module '" + std::string(function_name(L)).substr(6) + "'");
-}
-
 const Method kWorldMethods[] = {
     {"step", guard<world_step>, "world:step([n]) -> self", "n steps (1); in plain scripts only"},
     {"time", guard<world_time>, "world:time() -> number", "simulated seconds"},
@@ -241,7 +238,8 @@ const Method kWorldMethods[] = {
      "or each = function(x,y,z, vx,vy,vz, mass, t) return fx, fy, fz end"},
     {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
      "a sheet or a triangle mesh; see section 6"},
-    {"fluid", guard<left_out>, "world:fluid{ ... }", "not in this build"},
+    {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
+     "particles; see section 6"},
     {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection",
      "fn(event) runs after the step; see section 7"},
     {"events", guard<world_events>, "for e in world:events(kind) do",

@@ -166,6 +166,47 @@ void make_object(lua_State* L, int world, const char* maker) {
   lua_settop(L, options - 1);
 }
 
+// A fluid with its fill, emitters and drains: each a table or a list of tables of the method of that name.
+void make_fluid(lua_State* L, int world) {
+  const int options = lua_gettop(L);
+  lua_newtable(L);  // the options without them
+  copy_places(L, options, -1);
+  for (lua_pushnil(L); lua_next(L, options);) {
+    const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+    lua_pushvalue(L, -2), lua_insert(L, -2);
+    if (key == "fill" || key == "emitter" || key == "drain") lua_pop(L, 2);
+    else lua_rawset(L, -4);
+  }
+  lua_getfield(L, world, "fluid");
+  lua_pushvalue(L, world);
+  lua_pushvalue(L, options + 1);
+  lua_call(L, 2, 1);
+  const int fluid = lua_gettop(L);
+  for (const char* part : {"fill", "emitter", "drain"}) {
+    if (lua_getfield(L, options, part) == LUA_TTABLE) {
+      const int given = lua_gettop(L);
+      const bool list = lua_rawlen(L, given) > 0;
+      for (lua_Integer i = 1; i <= (list ? static_cast<lua_Integer>(lua_rawlen(L, given)) : 1); ++i) {
+        if (list) lua_rawgeti(L, given, i);
+        else lua_pushvalue(L, given);
+        if (lua_type(L, -1) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
+          make_shape(L);
+          lua_setfield(L, -2, "shape");
+        } else {
+          lua_settop(L, given + 1);
+        }
+        lua_getfield(L, fluid, part);
+        lua_pushvalue(L, fluid);
+        lua_pushvalue(L, given + 1);
+        lua_call(L, 2, 0);
+        lua_settop(L, given);
+      }
+    }
+    lua_settop(L, fluid);
+  }
+  lua_settop(L, options - 1);
+}
+
 // repeat: { count:, step: }: how many, and how far apart.
 void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
   count = 1;
@@ -262,13 +303,6 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
   lua_settop(L, 1);
   lua_pushvalue(L, lua_upvalueindex(1));
   constexpr int world = 1, scene = 2;
-  for (const char* later : {"fluids"}) {
-    if (lua_getfield(L, scene, later) != LUA_TNIL)
-      fail_in(L, scene,
-              std::string(later) + ": this build leaves out the module '" +
-                  std::string(later, std::string_view(later).size() - 1) + "'");
-    lua_pop(L, 1);
-  }
   each_of(L, scene, "bodies", [&] { make_bodies(L, world, "body"); });
   each_of(L, scene, "regions", [&] { make_bodies(L, world, "region"); });
   each_of(L, scene, "joints", [&] {
@@ -278,6 +312,7 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
   });
   each_of(L, scene, "nets", [&] { make_object(L, world, "net"); });
   each_of(L, scene, "cloths", [&] { make_object(L, world, "cloth"); });
+  each_of(L, scene, "fluids", [&] { make_fluid(L, world); });
   each_of(L, scene, "forces", [&] { make_object(L, world, "force"); });
   return 0;
 }

@@ -1,5 +1,6 @@
 // A triangle of cloth as a convex shape: three points rounded by half the thickness. Lives in a step only.
 #pragma once
+#include "geom/closest.h"
 #include "geom/shape.h"
 
 namespace feder {
@@ -23,6 +24,9 @@ class ClothTriangle final : public Shape {
     return most + radius();
   }
   bool raycast(const Vec3&, const Vec3&, RayHit&) const override { return false; }
+  Real distance(const Vec3& p, Real, Vec3& normal) const override {
+    return round_distance(p - closest_on_triangle(p, p_[0], p_[1], p_[2]), radius(), normal_, normal);
+  }
   Vec3 support(const Vec3& d) const override {
     const Real a = dot(p_[0], d), b = dot(p_[1], d), c = dot(p_[2], d);
     return a >= b && a >= c ? p_[0] : b >= c ? p_[1] : p_[2];

@@ -60,6 +60,22 @@ int Box::face(const Vec3& d, Vec3* points) const {
   return 4;
 }
 
+// Outside: from the nearest point of the box; inside: to the nearest face.
+Real Box::distance(const Vec3& p, Real, Vec3& normal) const {
+  const Vec3 beyond = p.cwiseAbs() - half_;
+  Vec3 outside = beyond.cwiseMax(Real(0));
+  for (int k = 0; k < 3; ++k)
+    if (p[k] < 0) outside[k] = -outside[k];
+  const Real d = length(outside);
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (beyond[k] > beyond[axis]) axis = k;
+  Vec3 face = Vec3::Zero();
+  face[axis] = p[axis] < 0 ? Real(-1) : Real(1);
+  normal = d > 0 ? normalized_or(outside, face) : face;
+  return d > 0 ? d : beyond[axis];
+}
+
 ShapePtr Box::section() const {
   const Vec2 corners[4] = {{-half_[0], -half_[1]}, {half_[0], -half_[1]}, {half_[0], half_[1]}, {-half_[0], half_[1]}};
   return make_polygon(corners);

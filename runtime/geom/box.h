@@ -17,6 +17,7 @@ class Box final : public Shape {
     return vec3(d[0] < 0 ? -half_[0] : half_[0], d[1] < 0 ? -half_[1] : half_[1], d[2] < 0 ? -half_[2] : half_[2]);
   }
   int face(const Vec3& direction, Vec3* points) const override;
+  Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
   ShapePtr section() const override;
 
  private:

@@ -26,6 +26,9 @@ class Capsule final : public Shape {
   }
   Real extent(const Vec3& c) const override { return length(vec3(c[0], std::abs(c[1]) + half_, c[2])) + radius_; }
   bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
+  Real distance(const Vec3& p, Real, Vec3& normal) const override {
+    return round_distance(p - vec3(0, clamp(p[1], -half_, half_), 0), radius_, vec3(1, 0, 0), normal);
+  }
   Vec3 support(const Vec3& d) const override { return vec3(0, d[1] < 0 ? -half_ : half_, 0); }
   int face(const Vec3& d, Vec3* points) const override {
     if (half_ == 0 || std::abs(d[1]) > Real(0.9)) return points[0] = support(d), 1;

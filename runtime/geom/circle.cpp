@@ -29,6 +29,9 @@ class Circle final : public Shape {
     const Vec3 p = vec3(o[0] + t * d[0], o[1] + t * d[1], 0);
     return hit = {t, p / length(p)}, true;
   }
+  Real distance(const Vec3& p, Real, Vec3& normal) const override {
+    return round_distance(vec3(p[0], p[1], 0), radius_, vec3(0, 1, 0), normal);
+  }
   Vec3 support(const Vec3&) const override { return Vec3::Zero(); }
   ShapePtr section() const override { return make_circle(radius_); }
 };

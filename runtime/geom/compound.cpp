@@ -40,6 +40,17 @@ class Compound final : public Shape {
     }
     return found;
   }
+  Real distance(const Vec3& p, Real limit, Vec3& normal) const override {
+    Real nearest = kInfinity;
+    for (const CompoundPart& part : parts_) {
+      Vec3 n;
+      const Real d = part.shape->distance(to_local(part.pose, p), limit, n);
+      if (!(d < nearest)) continue;
+      nearest = d;
+      normal = rotate(part.pose.rotation, n);
+    }
+    return nearest;
+  }
   // Of the parts, which must lie in the plane themselves: their poses may only turn about z.
   ShapePtr section() const override {
     std::vector<CompoundPart> flat;

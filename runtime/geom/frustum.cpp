@@ -1,5 +1,7 @@
 #include "geom/frustum.h"
 
+#include "geom/closest.h"
+
 namespace feder {
 namespace {
 
@@ -102,6 +104,27 @@ int Frustum::face(const Vec3& d, Vec3* points) const {
   points[0] = vec3(x * bottom_, -half_, z * bottom_);
   points[1] = vec3(x * top_, half_, z * top_);
   return 2;
+}
+
+// In the half-plane (distance from the axis, y): a convex outline of bottom, side and top.
+Real Frustum::distance(const Vec3& p, Real, Vec3& normal) const {
+  const Real out = std::sqrt(p[0] * p[0] + p[2] * p[2]), k = slope(), slant = std::sqrt(1 + k * k);
+  const Vec3 around = out > 0 ? vec3(p[0] / out, 0, p[2] / out) : vec3(1, 0, 0);
+  const Real side = (out + k * p[1] - (bottom_ + top_) / 2) / slant, cap = std::abs(p[1]) - half_;
+  if (side <= 0 && cap <= 0) {
+    normal = cap > side ? vec3(0, p[1] < 0 ? Real(-1) : Real(1), 0) : Vec3((around + vec3(0, k, 0)) / slant);
+    return std::max(side, cap);
+  }
+  const Vec3 q = vec3(out, p[1], 0);
+  const Vec3 ends[2][2] = {{vec3(0, -half_, 0), vec3(bottom_, -half_, 0)}, {vec3(0, half_, 0), vec3(top_, half_, 0)}};
+  Vec3 nearest = closest_on_segment(q, ends[0][1], ends[1][1]);
+  for (const auto& e : ends) {
+    const Vec3 on = closest_on_segment(q, e[0], e[1]);
+    if (dot(q - on, q - on) < dot(q - nearest, q - nearest)) nearest = on;
+  }
+  const Vec3 flat = normalized_or(q - nearest, vec3(1, 0, 0));
+  normal = flat[0] * around + vec3(0, flat[1], 0);
+  return length(q - nearest);
 }
 
 ShapePtr Frustum::section() const {

@@ -16,6 +16,7 @@ class Frustum final : public Shape {
   bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
   Vec3 support(const Vec3& direction) const override;
   int face(const Vec3& direction, Vec3* points) const override;
+  Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
   ShapePtr section() const override;
 
  private:

@@ -1,5 +1,7 @@
 #include "geom/hull.h"
 
+#include "geom/closest.h"
+
 namespace feder {
 
 Hull::Hull(HullData data) : Shape("hull", true), data_(std::move(data)) {}
@@ -90,6 +92,40 @@ int Hull::face(const Vec3& d, Vec3* points) const {
   const int count = std::min<int>(best->count, kMaxFacePoints);
   for (int i = 0; i < count; ++i) points[i] = data_.corners[data_.loops[best->first + i * best->count / count]];
   return count;
+}
+
+// Inside: to the nearest face. Outside: the nearest point lies on a face that sees p.
+Real Hull::distance(const Vec3& p, Real limit, Vec3& normal) const {
+  Real highest = -kInfinity;
+  for (const HullFace& f : data_.faces) {
+    const Real height = dot(f.normal, p) - f.offset;
+    if (height > highest) highest = height, normal = f.normal;
+  }
+  if (highest <= 0 || highest >= limit) return highest;
+  Real best = kInfinity;
+  for (const HullFace& f : data_.faces) {
+    const Real height = dot(f.normal, p) - f.offset;
+    if (!(height > 0)) continue;
+    Vec3 on = p - height * f.normal;
+    bool beyond = false;
+    Vec3 edge = on;
+    Real nearest = kInfinity;
+    for (std::uint16_t i = 0; i < f.count; ++i) {
+      const Vec3& a = data_.corners[data_.loops[f.first + i]];
+      const Vec3& b = data_.corners[data_.loops[f.first + (i + 1) % f.count]];
+      if (dot(cross(b - a, on - a), f.normal) >= 0) continue;
+      beyond = true;
+      const Vec3 c = closest_on_segment(p, a, b);
+      const Real d = dot(p - c, p - c);
+      if (d < nearest) nearest = d, edge = c;
+    }
+    if (beyond) on = edge;
+    const Real d = length(p - on);
+    if (!(d < best)) continue;
+    best = d;
+    normal = normalized_or(p - on, f.normal);
+  }
+  return best;
 }
 
 // The outline of the projection to the xy plane.

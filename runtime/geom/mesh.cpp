@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "geom/closest.h"
 #include "geom/shape.h"
 
 namespace feder {
@@ -56,6 +57,7 @@ class Mesh final : public Shape {
     return far;
   }
   bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
+  Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
   Triangle triangle(std::uint32_t i) const override {
     const Corners& c = corners_[i];
@@ -194,6 +196,31 @@ bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
     }
   }
   return found;
+}
+
+Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
+  struct Search {
+    const Mesh* mesh;
+    Vec3 p, on;
+    Real nearest;  // squared
+    std::uint32_t triangle;
+  } search{this, p, Vec3::Zero(), kInfinity, kNone};
+  Aabb around{p, p};
+  around.grow(limit);
+  triangles_in(around, [](void* context, std::uint32_t i) {
+    Search& s = *static_cast<Search*>(context);
+    const Corners& c = s.mesh->corners_[i];
+    const Vec3 on = closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
+    const Real d = dot(s.p - on, s.p - on);
+    if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
+  }, &search);
+  if (search.triangle == kNone) {
+    normal = vec3(0, 1, 0);
+    return limit;
+  }
+  const Triangle t = triangle(search.triangle);
+  normal = normalized_or(p - search.on, normalized_or(cross(t.b - t.a, t.c - t.a), vec3(0, 1, 0)));
+  return std::sqrt(search.nearest);
 }
 
 void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const {

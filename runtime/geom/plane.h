@@ -14,6 +14,10 @@ class Plane final : public Shape {
   MassProperties mass(Real) const override { return {}; }
   Real extent(const Vec3&) const override { return kInfinity; }
   bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
+  Real distance(const Vec3& p, Real, Vec3& normal) const override {
+    normal = normal_;
+    return dot(p, normal_) - distance_;
+  }
   ShapePtr section() const override;
 
  private:

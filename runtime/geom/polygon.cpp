@@ -1,5 +1,7 @@
 #include "geom/polygon.h"
 
+#include "geom/closest.h"
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -150,6 +152,27 @@ int Polygon::face(const Vec3& d, Vec3* points) const {
   points[0] = vec3(p[0], p[1], 0);
   points[1] = vec3(q[0], q[1], 0);
   return 2;
+}
+
+// Inside the core: to the nearest edge; outside: from the nearest point of the outline.
+Real Polygon::distance(const Vec3& p, Real, Vec3& normal) const {
+  const Vec3 q = vec3(p[0], p[1], 0);
+  Real highest = -kInfinity, nearest = kInfinity;
+  Vec3 face = vec3(0, 1, 0), on = q;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Vec2 &a = points_[i], &b = points_[(i + 1) % points_.size()];
+    const Vec3 n = vec3(normals_[i][0], normals_[i][1], 0);
+    const Real height = dot(n, q) - normals_[i].dot(a);
+    if (height > highest) highest = height, face = n;
+    const Vec3 c = closest_on_segment(q, vec3(a[0], a[1], 0), vec3(b[0], b[1], 0));
+    const Real d = dot(q - c, q - c);
+    if (d < nearest) nearest = d, on = c;
+  }
+  if (highest <= 0 && points_.size() > 2) {
+    normal = face;
+    return highest - radius_;
+  }
+  return round_distance(q - on, radius_, face, normal);
 }
 
 ShapePtr Polygon::section() const {

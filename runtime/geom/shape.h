@@ -2,7 +2,7 @@
 // analytic support function) rounded by `radius`: a sphere is a point, a capsule a segment.
 // One file per shape, one feder_variant(geom <kind>) line each. Checked for every kind by
 // tests/geom/test_shape_contract.cpp: bounds hold all supports, mass equals a voxel sum, I = tr(C)1 - C, faces lie
-// on the surface, rays agree with support planes.
+// on the surface, rays agree with support planes; test_shape_distance.cpp: distances agree with supports and rays.
 #pragma once
 #include <memory>
 #include <span>
@@ -13,6 +13,12 @@
 #include "geom/aabb.h"
 
 namespace feder {
+
+// Distance from a point of a rounded core, at offset `d` from it, and its direction; `fallback` where d vanishes.
+inline Real round_distance(const Vec3& d, Real radius, const Vec3& fallback, Vec3& normal) {
+  normal = normalized_or(d, fallback);
+  return length(d) - radius;
+}
 
 // All about the centre of mass, in the shape's frame. A shape without volume (plane, mesh) has mass 0.
 struct MassProperties {
@@ -53,6 +59,11 @@ class Shape {
   virtual Real extent(const Vec3& center) const = 0;
   // Ray from `origin` along `ray` (shape frame, whole vector = fraction 1). False when it misses.
   virtual bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const = 0;
+
+  // Signed distance of `p` (shape frame) from the surface, negative inside, and the unit direction in which it grows.
+  // Beyond `limit` any number of at least `limit` may come. A mesh has no inside: its distance is never negative and
+  // `normal` points to the side of `p`. In 2D sections z is ignored.
+  virtual Real distance(const Vec3& p, Real limit, Vec3& normal) const = 0;
 
   // Convex only. Farthest core point along `direction` (shape frame; need not be unit).
   virtual Vec3 support(const Vec3& direction) const;

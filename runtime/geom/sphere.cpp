@@ -26,6 +26,9 @@ class Sphere final : public Shape {
     const Vec3 p = o + t * d;
     return hit = {t, p / length(p)}, true;
   }
+  Real distance(const Vec3& p, Real, Vec3& normal) const override {
+    return round_distance(p, radius_, vec3(0, 1, 0), normal);
+  }
   Vec3 support(const Vec3&) const override { return Vec3::Zero(); }
   ShapePtr section() const override { return make_circle(radius_); }
 };

@@ -19,7 +19,8 @@ bool event_kind_from_name(std::string_view name, EventKind& out) {
 }
 
 const char* wake_cause_name(WakeCause cause) {
-  static const char* const names[] = {"none", "contact", "script", "joint", "neighbor", "force", "cloth", "destroyed"};
+  static const char* const names[] = {"none",  "contact", "script",    "joint", "neighbor",
+                                      "force", "cloth",   "destroyed", "fluid"};
   return names[static_cast<int>(cause)];
 }
 

@@ -17,14 +17,14 @@ inline constexpr int kEventKinds = 15;
 const char* event_name(EventKind kind);                       // "contact_begin" ...
 bool event_kind_from_name(std::string_view name, EventKind& out);
 
-enum class WakeCause : std::uint8_t { none, contact, script, joint, neighbor, force, cloth, destroyed };
+enum class WakeCause : std::uint8_t { none, contact, script, joint, neighbor, force, cloth, destroyed, fluid };
 const char* wake_cause_name(WakeCause cause);
 
 // Fields that a kind does not use stay at their defaults.
 struct Event {
   EventKind kind = EventKind::step;
   WakeCause cause = WakeCause::none;  // wake
-  ObjectId a, b;             // contacts: bodies or nets; sensors: a = sensor, b = other; others: a = object; wake: b = other
+  ObjectId a, b;             // contacts: bodies or nets; sensors: a = sensor, b = other; others: a = object; wake: b = other; emitters and drains: b = fluid
   std::uint32_t index = 0;   // point, spring or vertex of `a` (counts from 0)
   std::uint32_t order = 0;   // filled on append: keeps equal keys in the order they came
   Vec3 point = Vec3::Zero();   // world, m

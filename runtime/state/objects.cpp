@@ -9,7 +9,7 @@ constexpr std::size_t kTombstones = 64;  // freed slots that wait before they ar
 }  // namespace
 
 const char* kind_name(ObjectKind kind) {
-  static const char* const names[] = {"none", "body", "joint", "net", "force", "region", "cloth", "fluid"};
+  static const char* const names[] = {"none", "body", "joint", "net", "force", "region", "cloth", "fluid", "emitter", "drain"};
   return names[static_cast<int>(kind)];
 }
 

@@ -11,7 +11,7 @@
 
 namespace feder {
 
-enum class ObjectKind : std::uint8_t { none, body, joint, net, force, region, cloth, fluid };
+enum class ObjectKind : std::uint8_t { none, body, joint, net, force, region, cloth, fluid, emitter, drain };
 const char* kind_name(ObjectKind kind);
 
 struct ObjectId {

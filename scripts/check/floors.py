@@ -15,7 +15,7 @@ import tempfile
 
 FLOORS = {
     "base": 0, "geom": 1, "linear": 1, "state": 2, "step": 3,
-    "integrate": 4, "forces": 4, "broad": 4, "narrow": 4, "bounds": 4, "constrain": 4,
+    "integrate": 4, "forces": 4, "broad": 4, "narrow": 4, "bounds": 4, "constrain": 4, "sph": 4, "neighbors": 4,
     "collide": 5, "springs": 5, "rigid": 5, "fluid": 5, "cloth": 5,
     "couple": 6, "world": 7, "study": 8,
     "lua": 9, "yaml": 9, "report": 9, "view": 9, "cli": 9, "c": 9, "web": 9,

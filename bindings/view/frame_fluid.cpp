@@ -1,0 +1,83 @@
+// Fluids: particles as balls that touch at rest, coloured by speed, density or pressure as the toggles say.
+#include <algorithm>
+
+#include "fluid/fluid.h"
+#include "view/collector.h"
+
+namespace feder::view {
+namespace {
+
+class FluidSource final : public FrameSource {
+ public:
+  void collect(Collecting& c) override {
+    Fluid* fluid = c.world.find<Fluid>();
+    if (!fluid) return;
+    c.world.objects().for_each(ObjectKind::fluid, [&](ObjectId id) { add(c, *fluid, id); });
+  }
+
+ private:
+  void add(Collecting& c, Fluid& fluid, ObjectId id) {
+    Frame& f = c.frame;
+    fluid.positions(id, x_);
+    const float radius = 0.5f * static_cast<float>(fluid.desc(id).spacing);
+    Bounds b;
+    PointGroup g;
+    g.first = static_cast<std::uint32_t>(f.points.size());
+    g.count = static_cast<std::uint32_t>(x_.size());
+    g.object = id;
+    const auto own = c.look.colors.find(id);
+    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0x3b7dbb);
+    if (own == c.look.colors.end())
+      values(c, fluid, id, g);
+    else
+      value_.assign(x_.size(), 0);
+    for (std::size_t i = 0; i < x_.size(); ++i) {
+      Point p{};
+      put(p.position, x_[i]);
+      p.radius = radius, p.value = value_[i];
+      b.include(p.position, radius);
+      if (c.toggles.points) f.points.push_back(p);
+    }
+    f.bounds.include(b), f.moving.include(b);
+    if (c.toggles.points && g.count > 0) f.point_groups.push_back(g);
+  }
+
+  // What the points are coloured by, and the ends of its scale: 0 to the largest now (of the speeds, to the 98th part
+  // in a hundred, so that one drop does not darken the rest).
+  void values(Collecting& c, Fluid& fluid, ObjectId id, PointGroup& g) {
+    const std::string_view by = c.toggles.point_scalar;
+    value_.assign(x_.size(), 0);
+    if (by == "none" || x_.empty()) return;
+    g.scalar = c.toggles.point_scalar;
+    if (by == "density" || by == "pressure") {
+      if (by == "density")
+        fluid.densities(id, number_);
+      else
+        fluid.pressures(id, number_);
+      for (std::size_t i = 0; i < x_.size(); ++i) value_[i] = static_cast<float>(number_[i]);
+    } else {
+      fluid.velocities(id, v_);
+      for (std::size_t i = 0; i < x_.size(); ++i) value_[i] = static_cast<float>(length(v_[i]));
+    }
+    if (by == "density") {
+      g.low = 0.9f, g.high = 1.1f;
+      return;
+    }
+    sorted_ = value_;
+    const auto at = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() * 98 / 100);
+    std::nth_element(sorted_.begin(), at, sorted_.end());
+    g.low = 0, g.high = std::max(*at, by == "speed" ? 0.1f : 1.0f);
+  }
+
+  std::vector<Vec3> x_, v_;
+  std::vector<Real> number_;
+  std::vector<float> value_, sorted_;
+};
+
+}  // namespace
+
+Row view_fluid() {
+  return {"fluid", [] { return std::unique_ptr<FrameSource>(new FluidSource); }};
+}
+
+}  // namespace feder::view

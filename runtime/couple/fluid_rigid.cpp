@@ -1,0 +1,224 @@
+// Per substep: the bodies' velocities are integrated; the walls are placed where the bodies are; the fluid moves and
+// changes the walls' velocities as it presses on them; the velocities go back to the movers, so that contacts and
+// joints are solved with what the water did; then the walls are placed where the solve has taken the bodies, and the
+// fluid lets no particle stay inside. A sleeping body is a fixed wall, until fluid presses on it.
+// Kept between calls: the list of walls, for questions. Weak spot: a body that is far lighter than the fluid around it
+// follows the fluid within an iteration, its contacts with other bodies only within a substep.
+#include "couple/fluid_rigid.h"
+
+#include <cmath>
+
+namespace feder {
+namespace {
+
+constexpr Real kWakeImpulse = Real(1e-7);  // N s per kg of the body: anything that is no rounding
+
+}  // namespace
+
+const SystemDescriptor& FluidRigid::descriptor() {
+  static const char* const joins[] = {Fluid::kName, Rigid::kName};
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<FluidRigid>(setup);
+                                     }};
+  return d;
+}
+
+FluidRigid::FluidRigid(SystemSetup& s)
+    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
+      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
+      colliders_(s.store.need<Colliders>(ContactService::kSystem)),
+      movers_(s.store.need<Movers>(Rigid::kName)),
+      walls_(fluid_.walls()),
+      objects_(s.objects),
+      collider_(&s.store.arena(kName)),
+      body_(&s.store.arena(kName)),
+      place_(&s.store.arena(kName)),
+      inside_(&s.store.arena(kName)),
+      next_inside_(&s.store.arena(kName)) {
+  fluid_.refresh_walls = [](void* self) {
+    auto& me = *static_cast<FluidRigid*>(self);
+    me.list_walls();
+    me.place_walls(true);
+  };
+  fluid_.refresh_self = this;
+}
+
+FluidRigid::~FluidRigid() {
+  fluid_.refresh_walls = nullptr;
+  walls_.list.clear(), walls_.bodies.clear();
+}
+
+std::size_t FluidRigid::count() const {
+  return walls_.list.size();
+}
+
+void FluidRigid::add_rows(StepPlan& plan) {
+  walls_.list.clear(), walls_.bodies.clear();
+  if (fluid_.pool_count() == 0 || rigid_.count() == 0) return;
+  using F = FluidRigid;
+  plan.add<&F::collect>(Stage::advance, When::before_substeps, 32, "list walls", kName, this);
+  plan.add<&F::set_walls>(Stage::advance, When::each_substep, 23, "place walls", kName, this);
+  plan.add<&F::push_bodies>(Stage::advance, When::each_substep, 35, "push bodies", kName, this);
+  plan.add<&F::move_walls>(Stage::solve, When::each_substep, 39, "move walls", kName, this);
+  plan.add<&F::push_again>(Stage::solve, When::each_substep, 41, "push bodies after guard", kName, this);
+  plan.add<&F::keep_awake>(Stage::finish, When::each_substep, 5, "keep awake", kName, this);
+  bool sensors = !inside_.empty();
+  for (std::uint32_t k = 0; k < colliders_.size(); ++k)
+    sensors = sensors || (colliders_.sensor[k] && colliders_.motion[k] != ColliderMotion::none);
+  if (sensors) plan.add<&F::report_sensors>(Stage::finish, When::each_substep, 30, "sensors", kName, this);
+}
+
+void FluidRigid::list_walls() {
+  const Bodies& b = rigid_.bodies();
+  walls_.list.clear(), walls_.bodies.clear();
+  collider_.clear(), body_.clear();
+  place_.assign(b.size(), kNone);
+  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body)
+      continue;
+    const std::uint32_t i = colliders_.owner_index[k];
+    if (place_[i] == kNone) {
+      place_[i] = static_cast<std::uint32_t>(walls_.bodies.size());
+      WallBody body;
+      body.object = b.object[i];
+      body.dynamic = b.type[i] == BodyType::dynamic;
+      walls_.bodies.push_back(body);
+      body_.push_back(i);
+    }
+    Wall w;
+    w.shape = colliders_.shape[k];
+    w.body = place_[i];
+    w.group = colliders_.group[k], w.mask = colliders_.mask[k];
+    w.local = colliders_.local[k];
+    walls_.list.push_back(w);
+    collider_.push_back(k);
+  }
+}
+
+void FluidRigid::place_walls(bool between_steps) {
+  const Bodies& b = rigid_.bodies();
+  for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
+    WallBody& w = walls_.bodies[n];
+    const std::uint32_t i = body_[n];
+    const std::uint32_t at = between_steps ? 0 : movers_.solver[b.mover[i]];
+    w.mover = at;
+    w.touching = 0;
+    w.impulse = Vec3::Zero();
+    if (at == 0) {
+      w.center = b.position[i];
+      w.velocity = w.spin = w.inv_mass = Vec3::Zero();
+      w.inv_inertia = Mat3::Zero();
+      continue;
+    }
+    const MoverState& s = movers_.state[at];
+    const MoverMass& m = movers_.mass[at];
+    w.center = m.center + s.moved;
+    w.velocity = s.velocity, w.spin = s.angular_velocity;
+    w.inv_mass = m.inv_mass_axes, w.inv_inertia = m.inv_inertia;
+  }
+  for (Wall& w : walls_.list) {
+    const std::uint32_t i = body_[w.body], at = walls_.bodies[w.body].mover;
+    const Quat turn = at == 0 ? b.rotation[i] : movers_.state[at].rotation;
+    w.pose = Pose{walls_.bodies[w.body].center, turn} * w.local;
+    w.box = w.shape->bounds(w.pose);
+  }
+}
+
+void FluidRigid::give_velocities() {
+  for (const WallBody& w : walls_.bodies) {
+    if (w.mover == 0 || !w.dynamic) continue;
+    MoverState& s = movers_.state[w.mover];
+    s.velocity = w.velocity, s.angular_velocity = w.spin;
+  }
+}
+
+void FluidRigid::collect(StepContext&) {
+  list_walls();
+  mismatch_ = given_ = 0;
+}
+
+void FluidRigid::set_walls(StepContext&) {
+  place_walls(false);
+}
+
+// What the bodies gained must be what the fluid gave them: the rest is rounding.
+void FluidRigid::push_bodies(StepContext&) {
+  for (const WallBody& w : walls_.bodies) {
+    if (w.mover == 0 || !w.dynamic) continue;
+    const MoverMass& m = movers_.mass[w.mover];
+    const Vec3 gain = w.velocity - movers_.state[w.mover].velocity;
+    for (int k = 0; k < 3; ++k)
+      if (m.inv_mass_axes[k] > 0)
+        mismatch_ = std::max(mismatch_, std::abs(static_cast<double>(gain[k] / m.inv_mass_axes[k] - w.impulse[k])));
+    given_ += static_cast<double>(length(w.impulse));
+  }
+  give_velocities();
+}
+
+void FluidRigid::move_walls(StepContext&) {
+  place_walls(false);
+}
+void FluidRigid::push_again(StepContext&) {
+  give_velocities();
+}
+
+void FluidRigid::keep_awake(StepContext&) {
+  const Bodies& b = rigid_.bodies();
+  ObjectId fluid;
+  objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {
+    if (!fluid) fluid = id;
+  });
+  for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
+    WallBody& w = walls_.bodies[n];
+    const std::uint32_t i = body_[n];
+    if (w.dynamic && w.pressed > kWakeImpulse * b.mass[i]) rigid_.wake(b.object[i], WakeCause::fluid, fluid);
+  }
+}
+
+// A fluid enters a sensor with its first particle and leaves it with its last; the event tells how many there are.
+void FluidRigid::report_sensors(StepContext& c) {
+  next_inside_.clear();
+  const Bodies& b = rigid_.bodies();
+  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+    if (colliders_.motion[k] == ColliderMotion::none || !colliders_.sensor[k] ||
+        colliders_.owner[k] != ObjectKind::body)
+      continue;
+    const Pose pose = b.com_pose(colliders_.owner_index[k]) * colliders_.local[k];
+    objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {
+      const std::uint32_t n =
+          fluid_.count_inside(id, *colliders_.shape[k], pose, colliders_.group[k], colliders_.mask[k]);
+      if (n == 0) return;
+      if (!next_inside_.empty() && next_inside_.back().sensor == colliders_.object[k] &&
+          next_inside_.back().fluid == id)
+        next_inside_.back().count += n;  // parts of a compound
+      else
+        next_inside_.push_back({colliders_.object[k], id, n});
+    });
+  }
+  const auto tell = [&](EventKind kind, const Inside& i, std::uint32_t count) {
+    Event e;
+    e.kind = kind;
+    e.a = i.sensor, e.b = i.fluid, e.index = count;
+    c.events->add(e);
+  };
+  const auto listed = [](const Array<Inside>& list, const Inside& i) {
+    for (const Inside& k : list)
+      if (k.sensor == i.sensor && k.fluid == i.fluid) return true;
+    return false;
+  };
+  for (const Inside& i : next_inside_)
+    if (!listed(inside_, i)) tell(EventKind::sensor_enter, i, i.count);
+  for (const Inside& i : inside_)
+    if (!listed(next_inside_, i)) tell(EventKind::sensor_leave, i, 0);
+  inside_.swap(next_inside_);
+}
+
+void FluidRigid::hash(Hash& h) const {
+  for (const Inside& i : inside_) h.add(i.sensor.slot), h.add(i.fluid.slot), h.add(i.count);
+}
+
+void FluidRigid::residuals(std::vector<Residual>& out) const {
+  out.push_back({"fluid_rigid.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
+}
+
+}  // namespace feder

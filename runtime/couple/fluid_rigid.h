@@ -1,0 +1,58 @@
+// Fluids and rigid bodies in one world: bodies are the fluid's walls, and the fluid pushes them in the same substep.
+// Buoyancy and drag are nothing of their own: they are what the pressure and friction on the walls add up to.
+#pragma once
+#include "fluid/fluid.h"
+#include "rigid/rigid.h"
+#include "state/movers.h"
+#include "step/contact_service.h"
+#include "step/system.h"
+
+namespace feder {
+
+class FluidRigid final : public System {
+ public:
+  static constexpr const char* kName = "fluid_rigid";
+  static const SystemDescriptor& descriptor();
+  explicit FluidRigid(SystemSetup& setup);
+  ~FluidRigid() override;
+
+  void add_rows(StepPlan& plan) override;
+  std::size_t count() const override;  // walls
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override { w.list(inside_); }
+  void load(Reader& r) override { r.list(inside_); }
+  void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch
+
+ private:
+  // Particles of a fluid in a sensor at the end of the last step.
+  struct Inside {
+    ObjectId sensor, fluid;
+    std::uint32_t count = 0;
+  };
+  void list_walls();                   // all colliders of bodies that fluids may meet
+  void place_walls(bool before_step);  // poses and velocities as the movers have them
+  void give_velocities();              // back to the movers
+
+  // Rows.
+  void collect(StepContext& c);
+  void set_walls(StepContext& c);
+  void push_bodies(StepContext& c);
+  void move_walls(StepContext& c);
+  void push_again(StepContext& c);
+  void keep_awake(StepContext& c);
+  void report_sensors(StepContext& c);
+
+  Fluid& fluid_;
+  Rigid& rigid_;
+  Colliders& colliders_;
+  Movers& movers_;
+  Walls& walls_;
+  Objects& objects_;
+  Array<std::uint32_t> collider_;       // of a wall
+  Array<std::uint32_t> body_;           // index in Bodies, of a wall body
+  Array<std::uint32_t> place_;          // of a body in Walls::bodies, kNone
+  Array<Inside> inside_, next_inside_;  // in the order of colliders, then fluids; none with a count of 0
+  double mismatch_ = 0, given_ = 0;     // N s, of the last step
+};
+
+}  // namespace feder

@@ -1,0 +1,204 @@
+// The fluid system: pools, what is asked of them, and the plan's rows. Particles live in arrays that grow outside
+// steps only.
+#include "fluid/fluid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/rng.h"
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+void need(bool ok, const std::string& what, const char* expected, double got) {
+  if (!ok) throw SceneError("fluid: " + what + ": expected " + expected + ", got " + std::to_string(got));
+}
+
+void check_desc(const FluidDesc& d) {
+  need(d.spacing > 0 && is_finite(d.spacing), "spacing", "a finite number above 0", d.spacing);
+  need(d.density > 0 && is_finite(d.density), "density", "a finite number above 0", d.density);
+  need(d.viscosity >= 0 && is_finite(d.viscosity), "viscosity", "a finite number, 0 or more", d.viscosity);
+  need(d.surface_tension >= 0 && is_finite(d.surface_tension), "surface_tension", "a finite number, 0 or more",
+       d.surface_tension);
+  need(d.support == 0 || (d.support >= Real(1.2) && d.support <= 4), "support", "1.2 to 4 spacings", d.support);
+  need(d.stiffness >= 0 && is_finite(d.stiffness), "stiffness", "a finite number, 0 or more", d.stiffness);
+  need(d.iterations >= 1 && d.iterations <= 1000, "iterations", "1 to 1000", d.iterations);
+  need(d.compression > 0 && d.compression <= Real(0.5), "compression", "above 0, at most 0.5", d.compression);
+  need(d.artificial_viscosity >= 0 && d.artificial_viscosity <= 10, "artificial_viscosity", "0 to 10",
+       d.artificial_viscosity);
+  need(d.max_substeps >= 1 && d.max_substeps <= 100000, "max_substeps", "1 to 100000", d.max_substeps);
+  need(d.max_particles >= 1 && d.max_particles <= (1u << 27), "max_particles", "1 to 134217728",
+       static_cast<double>(d.max_particles));
+  need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
+}
+
+}  // namespace
+
+Fluid::Impl::Impl(SystemSetup& s)
+    : arena(s.store.arena(kName)),
+      objects(s.objects),
+      walls(s.store.need<Walls>(kName)),
+      dimension(s.dimension),
+      structure_changed(s.structure_changed),
+      gone(&arena) {}
+
+const SystemDescriptor& Fluid::descriptor() {
+  static const SystemDescriptor d = {
+      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Fluid>(setup); }};
+  return d;
+}
+
+Fluid::Fluid(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
+Fluid::~Fluid() = default;
+
+FluidSolver& Fluid::Impl::solver_of(const FluidPool& p) {
+  const auto table = fluid_solvers();
+  solvers.resize(table.size());
+  for (std::size_t k = 0; k < table.size(); ++k) {
+    if (p.desc.solver != table[k].name) continue;
+    if (!solvers[k]) solvers[k] = table[k].make(arena, Params());
+    solvers[k]->walls = &walls;
+    return *solvers[k];
+  }
+  find_variant(table, p.desc.solver, "fluid solver");  // throws, naming the known ones
+  return *solvers[0];
+}
+
+void Fluid::Impl::group_pools() {
+  for (auto& s : solvers)
+    if (s) s->pools.clear();
+  for (auto& p : pools) solver_of(*p).pools.push_back(p.get());
+}
+
+void Fluid::add_rows(StepPlan& plan) {
+  Impl* m = impl_.get();
+  m->make_room();
+  m->group_pools();
+  std::size_t most = 0;
+  for (const auto& p : m->pools) most += p->capacity();
+  if (most == 0) return;
+  if (!m->emitters.empty()) plan.add<&Impl::emit>(Stage::advance, When::each_substep, 22, "emit", kName, m);
+  for (auto& s : m->solvers)
+    if (s && !s->pools.empty()) s->add_rows(plan);
+  plan.add<&Impl::guard>(Stage::solve, When::each_substep, 40, "guard walls", kName, m);
+  if (!m->drains.empty()) plan.add<&Impl::drain>(Stage::finish, When::each_substep, 15, "drain", kName, m);
+  plan.add<&Impl::check>(Stage::finish, When::each_substep, 20, "check fluids", kName, m);
+}
+
+std::size_t Fluid::count() const {
+  std::size_t sum = 0;
+  for (const auto& p : impl_->pools) sum += p->count;
+  return sum;
+}
+
+ObjectId Fluid::add_fluid(const FluidDesc& desc) {
+  check_desc(desc);
+  find_variant(fluid_solvers(), desc.solver, "fluid solver");
+  Impl& m = *impl_;
+  auto p = std::make_unique<FluidPool>(m.arena, desc, m.dimension);
+  p->object = m.objects.add(ObjectKind::fluid, static_cast<std::uint32_t>(m.pools.size()), desc.name, desc.tags);
+  m.pools.push_back(std::move(p));
+  *m.structure_changed = true;
+  return m.pools.back()->object;
+}
+
+void Fluid::destroy_fluid(ObjectId id, std::string where) {
+  Impl& m = *impl_;
+  std::vector<ObjectId> emitters, drains;
+  for (const FluidEmitter& e : m.emitters)
+    if (e.fluid == id) emitters.push_back(e.object);
+  for (const FluidDrain& d : m.drains)
+    if (d.fluid == id) drains.push_back(d.object);
+  for (const ObjectId e : emitters) destroy_emitter(e, where);
+  for (const ObjectId d : drains) destroy_drain(d, where);
+  const std::uint32_t place = m.objects.index(id);
+  m.pools.erase(m.pools.begin() + place);
+  for (std::uint32_t k = place; k < m.pools.size(); ++k) m.objects.set_index(m.pools[k]->object, k);
+  m.objects.remove(id, std::move(where));
+  *m.structure_changed = true;
+}
+
+// Cells of the lattice are centred in the shape's box, as many as fit best.
+std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const Vec3& velocity) {
+  FluidPool& p = impl_->pool(id);
+  const Aabb box = shape.bounds(Pose{});
+  const double d = p.desc.spacing;
+  int cells[3];
+  Vec3 first;
+  double total = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double size = static_cast<double>(box.hi[k]) - static_cast<double>(box.lo[k]);
+    if (!(size < 1e9)) throw SceneError("fluid: fill: expected a shape of finite size");
+    const double n = k == 2 && p.dimension == 2 ? 1 : std::max(1.0, std::floor(size / d + 0.5));
+    total *= n;
+    if (total > 4e9)
+      throw SceneError("fluid: fill: the shape holds too many particles of spacing " + std::to_string(d));
+    cells[k] = static_cast<int>(n);
+    first[k] =
+        static_cast<Real>((static_cast<double>(box.lo[k]) + static_cast<double>(box.hi[k])) / 2 - (n - 1) * d / 2);
+    if (k == 2 && p.dimension == 2) first[k] = 0;
+  }
+  std::vector<Vec3> points;
+  for (int z = 0; z < cells[2]; ++z)
+    for (int y = 0; y < cells[1]; ++y)
+      for (int x = 0; x < cells[0]; ++x) {
+        const Vec3 at = first + p.desc.spacing * vec3(static_cast<Real>(x), static_cast<Real>(y), static_cast<Real>(z));
+        Vec3 n;
+        if (shape.distance(at, p.desc.spacing, n) < 0) points.push_back(to_world(pose, at));
+      }
+  return fill(id, points, velocity);
+}
+
+std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& velocity) {
+  Impl& m = *impl_;
+  FluidPool& p = m.pool(id);
+  if (!is_finite(velocity)) throw SceneError("fluid: fill: expected a finite velocity");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!is_finite(points[i]))
+      throw SceneError("fluid: fill: expected finite points, but point " + std::to_string(i + 1) + " is not");
+  if (p.count + points.size() > p.desc.max_particles)
+    throw SceneError("fluid: fill: expected at most max_particles = " + std::to_string(p.desc.max_particles) +
+                     ", got " + std::to_string(p.count) + " + " + std::to_string(points.size()));
+  p.grow(p.count + static_cast<std::uint32_t>(points.size()));
+  for (const Vec3& x : points) {
+    // a thousandth of a spacing aside, by its number: particles on the very same spot could not push each other apart
+    Rng rng(p.next_id);
+    const Real e = Real(1e-3) * p.desc.spacing;
+    const Real dx = rng.uniform(-e, e), dy = rng.uniform(-e, e), dz = rng.uniform(-e, e);
+    p.add(vec3(x[0] + dx, x[1] + dy, p.dimension == 2 ? Real(0) : x[2] + dz), velocity);
+  }
+  *m.structure_changed = true;
+  return points.size();
+}
+
+std::size_t Fluid::particle_count(ObjectId id) const {
+  return impl_->pool(id).count;
+}
+Real Fluid::particle_mass(ObjectId id) const {
+  return impl_->pool(id).mass;
+}
+FluidDesc Fluid::desc(ObjectId id) const {
+  return impl_->pool(id).desc;
+}
+Walls& Fluid::walls() {
+  return impl_->walls;
+}
+
+std::size_t Fluid::pool_count() const {
+  return impl_->pools.size();
+}
+
+void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
+  FluidPool& p = impl_->pool(id);
+  if (v.size() != p.count)
+    throw SceneError("set_velocities: expected " + std::to_string(p.count) + " velocities, one per particle, got " +
+                     std::to_string(v.size()));
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (!is_finite(v[i]))
+      throw SceneError("set_velocities: expected finite numbers, but velocity " + std::to_string(i + 1) + " is not");
+  const std::vector<std::uint32_t> order = impl_->by_id(p);
+  for (std::size_t k = 0; k < order.size(); ++k) p.v[order[k]].set(v[k]);
+}
+
+}  // namespace feder

@@ -1,0 +1,111 @@
+// Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, held by walls.
+// Particles of different fluids do not meet.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fluid/walls.h"
+#include "geom/shape.h"
+#include "step/system.h"
+
+namespace feder {
+
+struct FluidDesc {
+  std::string name;
+  TagMask tags = 0;
+  Real spacing = Real(0.05);  // between particles at rest, m
+  Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
+  Real viscosity = 0;         // dynamic, Pa s; walls do not slip when above 0
+  Real surface_tension = 0;   // N/m
+  std::string solver = "pbf";
+  std::string kernel = "cubic";
+  std::string neighbors = "grid";
+  Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
+  Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
+  int iterations = 4;                     // pbf, per substep
+  Real compression = Real(0.01);          // wcsph: wanted, at the largest pressure
+  Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
+  int max_substeps = 60;                  // wcsph: most of its own steps in a substep of the world
+  std::size_t max_particles = 1000000;
+  Real gravity_scale = 1;
+  std::uint32_t group = 1, mask = 0xffffffffu;
+};
+
+struct EmitterDesc {
+  std::string name;
+  TagMask tags = 0;
+  Vec3 position = Vec3::Zero();  // of the nozzle's middle, m
+  Vec3 direction = Vec3(0, -1, 0);
+  Real speed = 1;           // m/s
+  Real radius = Real(0.1);  // of the nozzle, m
+  Real rate = 0;            // particles per second; 0: a full jet (layers one spacing apart)
+  std::uint64_t limit = 0;  // particles in all; 0: without end
+};
+
+class Fluid final : public System {
+ public:
+  static constexpr const char* kName = "fluid";
+  static const SystemDescriptor& descriptor();
+  explicit Fluid(SystemSetup& setup);
+  ~Fluid() override;
+
+  void add_rows(StepPlan& plan) override;
+  std::size_t count() const override;  // particles
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override;
+  void load(Reader& r) override;
+  Energy energy(const Vec3& gravity) const override;
+  Momentum momentum() const override;
+  void residuals(std::vector<Residual>& out) const override;  // fluid.density_error ...
+  bool finite() const override;
+
+  ObjectId add_fluid(const FluidDesc& desc);
+  void destroy_fluid(ObjectId fluid, std::string where);  // and its emitters and drains
+
+  // Particles on a lattice of the fluid's spacing whose cells lie in the shape; how many. SceneError beyond
+  // max_particles.
+  std::size_t fill(ObjectId fluid, const Shape& shape, const Pose& pose, const Vec3& velocity);
+  std::size_t fill(ObjectId fluid, std::span<const Vec3> points, const Vec3& velocity);
+  ObjectId add_emitter(ObjectId fluid, const EmitterDesc& desc);
+  ObjectId add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose);
+  void destroy_emitter(ObjectId emitter, std::string where);
+  void destroy_drain(ObjectId drain, std::string where);
+  void set_running(ObjectId emitter, bool running);
+  bool running(ObjectId emitter) const;
+  std::uint64_t passed(ObjectId source) const;  // emitted, or drained, so far
+  void aim(ObjectId emitter, const Vec3& position, const Vec3& direction);
+
+  // Questions; particles in the order they were made.
+  std::size_t particle_count(ObjectId fluid) const;
+  void positions(ObjectId fluid, std::vector<Vec3>& out) const;
+  void velocities(ObjectId fluid, std::vector<Vec3>& out) const;
+  void set_velocities(ObjectId fluid, std::span<const Vec3> v);       // one per particle
+  void densities(ObjectId fluid, std::vector<Real>& out);             // over the density at rest
+  void pressures(ObjectId fluid, std::vector<Real>& out);             // Pa
+  void density_error(ObjectId fluid, double& mean, double& largest);  // excess over the density at rest, as a share
+  double pressure_at(ObjectId fluid, const Vec3& point);  // Pa, mean over the particles near; 0 where there are none
+  // Height of the free surface above (x, z): where the smoothed fluid ends, coming from above. False where there is
+  // none.
+  bool height_at(ObjectId fluid, Real x, Real z, Real& y);
+  void surface(ObjectId fluid, std::vector<Vec3>& points, std::vector<Vec3>& normals);  // particles at the surface
+  // Particles whose middle lies in the shape, when the filters let them meet.
+  std::uint32_t count_inside(ObjectId fluid, const Shape& shape, const Pose& pose, std::uint32_t group,
+                             std::uint32_t mask) const;
+  Real particle_mass(ObjectId fluid) const;
+  FluidDesc desc(ObjectId fluid) const;
+  ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
+
+  // For couplings: the walls of the coming substep, filled before the fluid's rows; and who is asked for them.
+  Walls& walls();
+  std::size_t pool_count() const;
+  // Fills the walls for a question between steps. Set by the coupling.
+  void (*refresh_walls)(void* self) = nullptr;
+  void* refresh_self = nullptr;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace feder

@@ -1,0 +1,92 @@
+// Viscosity and surface tension on velocities.
+// Viscosity: the Laplacian of the velocity as a sum over pairs (Monaghan & Gingold 1983; Monaghan 2005), walls by the
+// integral of the same term over the solid with the velocity continued oddly through its face (Morris 1997).
+// Tension: neighbours attract each other with the kernel as potential, u = -k V^2 W; the sum of these forces is k V
+// times the gradient of the colour field, nothing inside and inwards at a surface. It follows from an energy and from
+// pairs, so all momentum is kept. The tension of a sharp surface (Fowler 1937: work to part the pairs) is
+// sigma = k/2 times the half moment of the kernel, from which k follows: sigma is in N/m. Inside, the attraction is a
+// pressure of -k/2, which the solver's own pressure balances. A wall attracts half as much as fluid: contact angle 90.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/solver.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2 over nu, in a step; 0.125 in Morris 1997
+constexpr int kMostRounds = 64;
+
+Real wall_distance(const FluidPool& p, const WallContact& k) {
+  return dot(k.normal, p.x[k.particle].vec()) - k.offset;
+}
+
+void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
+  const int d = p.dimension;
+  const Real nu = p.viscous_scale * p.desc.viscosity / p.desc.density;
+  const Real r2 = p.support * p.support;
+  Real factor = 2 * static_cast<Real>(d + 2) * nu * p.slope_factor;
+  if (!p.kernel->radial_viscosity) {
+    const Real norm = static_cast<Real>(p.kernel->norm_viscosity[d - 2]);
+    factor = nu * p.unit * norm / (r2 * p.support * (d == 3 ? r2 : p.support));
+  }
+  SweepInput in = p.sweep_input();
+  in.soft = Real(1e-6) * r2;
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->viscous(in, first, last, &p.extra[0].x);
+    for (std::uint32_t i = first; i < last; ++i) p.extra[i].set(h * factor * p.extra[i].vec());
+  });
+  for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + p.extra[i].vec());
+  for (std::uint32_t i = 0; i < p.count; ++i)
+    for (const WallContact& k : p.contacts_of(i)) {
+      const Real s = wall_distance(p, k) / p.support;
+      if (s >= 1) continue;
+      WallBody& b = walls.bodies[walls.list[k.wall].body];
+      const Vec3 at = p.x[i].vec(), slip = p.v[i].vec() - b.velocity_at(at);
+      const Vec3 along = slip - dot(slip, k.normal) * k.normal;
+      const Real rate = h * nu * p.table->at(std::max(s, Real(0))).friction / (std::max(s, Real(0.05)) * r2);
+      const Vec3 change = -(rate / (1 + rate)) * along;  // implicit: never turns round
+      p.v[i].set(p.v[i].vec() + change);
+      if (b.dynamic) b.push(at, -p.mass * change);
+    }
+}
+
+}  // namespace
+
+void add_viscosity(FluidPool& p, Walls& walls, Real h, StepContext& c) {
+  const Real nu = p.desc.viscosity / p.desc.density, unit = p.support / 2;
+  const Real wanted = std::ceil(h * nu / (kViscousLimit * unit * unit));
+  const int rounds = static_cast<int>(std::min(std::max(wanted, Real(1)), static_cast<Real>(kMostRounds)));
+  if (wanted > kMostRounds && !p.warned_viscosity) {
+    p.warned_viscosity = true;
+    c.events->warn("fluid_viscosity",
+                   "viscosity " + std::to_string(p.desc.viscosity) + " Pa s needs " +
+                       std::to_string(static_cast<long long>(wanted)) + " rounds in a step, " +
+                       std::to_string(kMostRounds) +
+                       " are done: the fluid is thinner than asked for; take a larger spacing or more substeps",
+                   p.object);
+  }
+  // too much for the rounds: as much as they carry
+  const Real each = wanted > kMostRounds ? kViscousLimit * unit * unit / nu : h / static_cast<Real>(rounds);
+  for (int k = 0; k < rounds; ++k) viscous_round(p, walls, each, c);
+}
+
+void add_tension(FluidPool& p, Walls& walls, Real h, StepContext& c) {
+  const SweepInput in = p.sweep_input();
+  const Real pull = h * p.cohesion / p.desc.density;
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+  });
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    Vec3 change = pull * p.slope_factor * p.move[i].vec();
+    for (const WallContact& k : p.contacts_of(i)) {
+      const Vec3 toward = -(pull / 2 * p.table->at(wall_distance(p, k) / p.support).colour / p.support) * k.normal;
+      change += toward;
+      WallBody& b = walls.bodies[walls.list[k.wall].body];
+      if (b.dynamic) b.push(p.x[i].vec(), -p.mass * toward);
+    }
+    p.v[i].set(p.v[i].vec() + change);
+  }
+}
+
+}  // namespace feder

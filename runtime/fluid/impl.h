@@ -1,0 +1,63 @@
+// The parts of the fluid system that its files share. Private to the module.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "fluid/solver.h"
+
+namespace feder {
+
+// Its state is plain data; sites follow from the settings.
+struct FluidEmitter {
+  ObjectId object, fluid;
+  Vec3 position = Vec3::Zero(), direction = Vec3::Zero();
+  Real speed = 0, radius = 0, rate = 0;  // rate: particles per second, 0 a full jet
+  std::uint64_t limit = 0, made = 0;
+  double clock = 0;  // s it has been running
+  std::uint32_t running = 1, done = 0;
+};
+
+struct FluidDrain {
+  ObjectId object, fluid;
+  std::uint32_t shape = 0;  // in Impl::shapes
+  std::uint32_t unused = 0;
+  Pose pose;
+  std::uint64_t taken = 0;
+};
+
+struct Fluid::Impl {
+  explicit Impl(SystemSetup& setup);
+
+  Arena& arena;
+  Objects& objects;
+  Walls& walls;
+  int dimension;
+  bool* structure_changed;
+  std::vector<std::unique_ptr<FluidPool>> pools;      // the object's index is the place here
+  std::vector<std::unique_ptr<FluidSolver>> solvers;  // by row of fluid_solvers(); null while nobody chose it
+  std::vector<FluidEmitter> emitters;                 // likewise
+  std::vector<FluidDrain> drains;
+  std::vector<ShapePtr> shapes;  // of drains, for good: a snapshot may need them
+  Array<std::uint8_t> gone;      // work
+  std::uint64_t lost = 0;        // particles taken away because they went non-finite
+
+  FluidPool& pool(ObjectId id) const { return *pools[objects.index(id)]; }
+  FluidSolver& solver_of(const FluidPool& p);
+  void group_pools();
+  void make_room();  // outside steps: for what the emitters will give
+  std::vector<Vec3> sites(const FluidEmitter& e, const FluidPool& p) const;
+  double full_rate(const FluidEmitter& e, const FluidPool& p) const;
+
+  // Rows.
+  void emit(StepContext& c);
+  void guard(StepContext& c);
+  void drain(StepContext& c);
+  void check(StepContext& c);
+  void run_emitter(FluidEmitter& e, StepContext& c);
+
+  void refresh(FluidPool& p);  // lists, contacts and ratios where the particles are, for questions
+  std::vector<std::uint32_t> by_id(const FluidPool& p) const;
+  JobPool one_thread{1};
+};
+
+}  // namespace feder

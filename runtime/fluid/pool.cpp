@@ -1,0 +1,175 @@
+// Particles as arrays: growing, sorting, density sums.
+#include "fluid/pool.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feder {
+namespace {
+
+constexpr Real kFar = Real(1e9);  // m; its square is finite in float
+
+Real power(Real x, int n) {
+  Real p = 1;
+  for (int k = 0; k < n; ++k) p *= x;
+  return p;
+}
+
+}  // namespace
+
+FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
+    : desc(from),
+      dimension(dim),
+      x(&a),
+      v(&a),
+      lambda(&a),
+      id(&a),
+      start(&a),
+      move(&a),
+      extra(&a),
+      sum(&a),
+      squares(&a),
+      diagonal(&a),
+      ratio(&a),
+      order(&a),
+      swap4(&a),
+      swap1(&a),
+      swap_id(&a),
+      grid(a),
+      lists(a),
+      contacts(&a),
+      contact_first(&a),
+      dynamic_contacts(&a) {
+  std::string known;
+  kernel = nullptr;
+  for (const Kernel& k : kernels()) {
+    if (!k.sweeps) continue;
+    known += (known.empty() ? "" : ", ") + std::string(k.name);
+    if (desc.kernel == k.name) kernel = &k;
+  }
+  if (!kernel) throw SceneError("fluid.kernel: unknown kernel '" + desc.kernel + "'; known: " + known);
+  sweeps = &sweeps_of(*kernel);
+  const double in_spacings = desc.support > 0 ? static_cast<double>(desc.support) : kernel->support[dim - 2];
+  support = static_cast<Real>(in_spacings) * desc.spacing;
+  volume = power(desc.spacing, dim);
+  mass = desc.density * volume;
+  unit = volume / static_cast<Real>(lattice_sums(*kernel, dim, in_spacings).whole);
+  const Real value_norm = static_cast<Real>(kernel->norm_density[dim - 2]);
+  const Real slope_norm = static_cast<Real>(kernel->norm_gradient[dim - 2]);
+  value_factor = unit * value_norm / power(support, dim);
+  slope_factor = unit * slope_norm / power(support, dim + 2);
+  own_value = unit * static_cast<Real>(kernel->density.value(dim, 0)) / power(support, dim);
+  // a fifth of those on a lattice: what lies on one spot has gradients near zero, and must not be thrown
+  const LatticeSums lattice = lattice_sums(*kernel, dim, in_spacings);
+  least_squares =
+      static_cast<Real>(0.2 * lattice.squares / (lattice.whole * lattice.whole)) / (desc.spacing * desc.spacing);
+  // sums over few neighbours depend on how these lie: with the support proposed in 2D a shear along the lattice sees 6
+  // % too little, an even distribution about as much as it should; the error is shared between the two
+  viscous_scale = static_cast<Real>(2 / (1 + lattice.viscosity));
+  // pulled apart along a plane, pairs do work of energy density times half moment / 2 per area on each side
+  cohesion = desc.surface_tension > 0 ? 2 * desc.surface_tension / static_cast<Real>(lattice.half_moment * desc.spacing)
+                                      : Real(0);
+  guard = Real(0.1) * desc.spacing;
+  table = std::make_unique<WallTable>(*kernel, dim, in_spacings);
+  search = find_variant(neighbor_searches(), desc.neighbors, "neighbor search").make(a, Params());
+  put_sentinel();
+}
+
+void FluidPool::grow(std::uint32_t wanted) {
+  if (wanted <= capacity()) return;
+  std::uint32_t room = std::max<std::uint32_t>(wanted, capacity() + capacity() / 2);
+  room = std::max<std::uint32_t>(wanted, static_cast<std::uint32_t>(std::min<std::size_t>(room, desc.max_particles)));
+  for (auto* array : {&x, &v, &start, &move, &extra, &swap4}) array->resize(room + 1);
+  for (auto* array : {&lambda, &sum, &squares, &diagonal, &ratio, &swap1}) array->resize(room);
+  for (auto* array : {&id, &order, &swap_id}) array->resize(room);
+  contact_first.resize(room + 1);
+  lists.count.resize(room), lists.rounded.resize(room);
+  lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
+  put_sentinel();
+}
+
+void FluidPool::put_sentinel() {
+  if (x.size() <= count) x.resize(count + 1), v.resize(count + 1), extra.resize(count + 1);
+  x[count] = {kFar, kFar, kFar, 0};
+  v[count] = {};
+  extra[count] = {};
+}
+
+void FluidPool::add(const Vec3& position, const Vec3& velocity) {
+  const std::uint32_t i = count++;
+  x[i] = {position[0], position[1], position[2], 0};
+  v[i] = {velocity[0], velocity[1], velocity[2], 0};
+  start[i] = x[i];
+  lambda[i] = 0;
+  ratio[i] = 1;
+  id[i] = next_id++;
+  put_sentinel();
+}
+
+void FluidPool::remove_marked(const Array<std::uint8_t>& gone) {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (gone[i]) continue;
+    x[kept] = x[i], v[kept] = v[i], start[kept] = start[i], lambda[kept] = lambda[i], ratio[kept] = ratio[i],
+    id[kept] = id[i];
+    ++kept;
+  }
+  count = kept;
+  put_sentinel();
+}
+
+void FluidPool::sort_by_cell() {
+  const bool identity = grid.sort({&x[0].x, 4 * std::size_t(count)}, support, order);
+  if (identity) return;
+  const auto reorder4 = [&](Array<Row4Real>& a) {
+    for (std::uint32_t k = 0; k < count; ++k) swap4[k] = a[order[k]];
+    std::copy(swap4.begin(), swap4.begin() + count, a.begin());
+  };
+  const auto reorder1 = [&](Array<Real>& a) {
+    for (std::uint32_t k = 0; k < count; ++k) swap1[k] = a[order[k]];
+    std::copy(swap1.begin(), swap1.begin() + count, a.begin());
+  };
+  reorder4(x), reorder4(v), reorder4(start), reorder1(lambda), reorder1(ratio);
+  for (std::uint32_t k = 0; k < count; ++k) swap_id[k] = id[order[k]];
+  std::copy(swap_id.begin(), swap_id.begin() + count, id.begin());
+}
+
+void FluidPool::find_neighbors(JobPool& jobs, Real skin) {
+  search->find({&x[0].x, 4 * std::size_t(count)}, support + skin, jobs, lists);
+}
+
+SweepInput FluidPool::sweep_input() const {
+  SweepInput in;
+  in.points = &x[0].x;
+  in.velocity = &v[0].x;
+  in.neighbors = lists.index.data();
+  in.rounded = lists.rounded.data();
+  in.stride = lists.stride;
+  in.inv_support = 1 / support;
+  in.soft = Real(0.0025) * support * support;  // (0.1 h)^2 with h half the support
+  return in;
+}
+
+void FluidPool::find_ratios(JobPool& jobs) {
+  const SweepInput in = sweep_input();
+  jobs.for_blocks(count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    sweeps->values(in, first, last, sum.data());
+    for (std::uint32_t i = first; i < last; ++i) {
+      Real r = value_factor * sum[i] + own_value;
+      for (const WallContact& c : contacts_of(i))
+        r += table->at((dot(c.normal, x[i].vec()) - c.offset) / support).value;
+      ratio[i] = r;
+    }
+  });
+}
+
+Real FluidPool::max_speed() const {
+  Real most = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 u = v[i].vec();
+    most = std::max(most, dot(u, u));
+  }
+  return std::sqrt(most);
+}
+
+}  // namespace feder

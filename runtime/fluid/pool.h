@@ -1,0 +1,103 @@
+// One fluid: its particles as arrays, sorted by cell of its grid so that neighbours lie near in memory; what they are
+// made of; and work arrays. Private to the module.
+#pragma once
+#include "fluid/fluid.h"
+#include "neighbors/cell_grid.h"
+#include "neighbors/neighbor_search.h"
+#include "sph/kernel.h"
+#include "sph/wall_table.h"
+#include "step/context.h"
+
+namespace feder {
+
+// Four numbers in a row: what the sums over neighbours load at once.
+struct alignas(4 * sizeof(Real)) Row4Real {
+  Real x = 0, y = 0, z = 0, w = 0;
+  Vec3 vec() const { return Vec3(x, y, z); }
+  void set(const Vec3& v) { x = v[0], y = v[1], z = v[2]; }
+};
+
+struct FluidPool {
+  FluidPool(Arena& a, const FluidDesc& desc, int dimension);
+
+  ObjectId object;
+  FluidDesc desc;
+  int dimension;
+
+  // Constants of the particles.
+  Real support;        // of the kernel, m
+  Real volume;         // m^3 (2D: m^2): spacing^D
+  Real mass;           // kg
+  Real unit;           // weight of a particle in the density sum, m^D: the sum over a lattice at rest is 1
+  Real value_factor;   // unit * norm / support^D: from sums of value(u) to density over density at rest
+  Real slope_factor;   // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
+  Real own_value;      // what a particle adds to its own density
+  Real least_squares;  // what the squared gradients of a density are taken to be at least, 1/m^2
+  Real viscous_scale;  // of viscosity, see pool.cpp
+  Real cohesion;       // energy density of full cohesion that gives the surface tension, Pa
+  Real guard;          // least distance from a wall, m
+  const Kernel* kernel;
+  const Sweeps* sweeps;
+  std::unique_ptr<WallTable> table;
+  std::unique_ptr<NeighborSearch> search;
+
+  // State.
+  std::uint32_t count = 0;
+  Array<Row4Real> x;        // m; one more than the particles, far away; the fourth number is a weight of the sweeps
+  Array<Row4Real> v;        // m/s
+  Array<Real> lambda;       // pbf: multiplier of the last substep, kg m^2; read by questions only
+  Array<std::uint32_t> id;  // numbers in the order of making
+  std::uint32_t next_id = 0;
+  Real last_h = 0;      // s, of the substep that left lambda
+  Real sound = 0;       // wcsph: speed of sound of the last substep, m/s
+  bool frozen = false;  // quarantined
+  bool warned_budget = false, warned_full = false, warned_viscosity = false;
+
+  // Work.
+  Array<Row4Real> start;                      // x at the start of the substep
+  Array<Row4Real> move;                       // sums of the sweeps
+  Array<Row4Real> extra;                      // a second set
+  Array<Real> sum, squares, diagonal, ratio;  // density sums; K of pbf; density over density at rest
+  Array<std::uint32_t> order;
+  Array<Row4Real> swap4;
+  Array<Real> swap1;
+  Array<std::uint32_t> swap_id;
+  CellGrid grid;
+  NeighborLists lists;
+  Array<WallContact> contacts;            // by particle
+  Array<std::uint32_t> contact_first;     // of a particle; one more than particles
+  Array<std::uint32_t> dynamic_contacts;  // places of contacts with bodies that the fluid moves
+  std::uint32_t worst = 0;                // bit 0: something is not finite
+
+  std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
+  void grow(std::uint32_t wanted);                       // outside steps
+  void add(const Vec3& position, const Vec3& velocity);  // there is room
+  void remove_marked(const Array<std::uint8_t>& gone);   // keeps the order
+  void put_sentinel();
+
+  // Sorts the particles (and `start`) by cell.
+  void sort_by_cell();
+  void find_neighbors(JobPool& jobs, Real skin);
+  SweepInput sweep_input() const;
+  std::span<const WallContact> contacts_of(std::uint32_t i) const {
+    return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
+  }
+  std::span<WallContact> contacts_of(std::uint32_t i) {
+    return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
+  }
+  // Density over density at rest of all particles where they are; lists must be fresh.
+  void find_ratios(JobPool& jobs);
+  Real max_speed() const;
+
+  // walls.cpp. `ahead`: how far particles and walls may come nearer until the contacts are made again, in seconds.
+  void find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out);
+  void share_bodies(Walls& walls);  // counts the particles that touch each body
+  // Keeps every particle outside every wall: swept from where its contact was made. Velocities towards the wall end.
+  void guard_walls(Walls& walls);
+
+  bool meets(const Wall& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
+};
+
+inline constexpr std::uint32_t kFluidGrain = 512;  // particles per job
+
+}  // namespace feder

@@ -1,0 +1,153 @@
+// Questions about fluids, between steps. Neighbours and walls are looked up where the particles are now.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/impl.h"
+
+namespace feder {
+
+void Fluid::Impl::refresh(FluidPool& p) {
+  if (p.count == 0) return;
+  std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+  p.put_sentinel();
+  p.find_neighbors(one_thread, 0);
+  p.find_contacts(one_thread, walls, 0, Vec3::Zero(), false);
+  p.find_ratios(one_thread);
+}
+
+std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {
+  std::vector<std::uint32_t> order(p.count);
+  for (std::uint32_t i = 0; i < p.count; ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
+  return order;
+}
+
+void Fluid::positions(ObjectId id, std::vector<Vec3>& out) const {
+  const FluidPool& p = impl_->pool(id);
+  out.clear();
+  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.x[i].vec());
+}
+
+void Fluid::velocities(ObjectId id, std::vector<Vec3>& out) const {
+  const FluidPool& p = impl_->pool(id);
+  out.clear();
+  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.v[i].vec());
+}
+
+void Fluid::densities(ObjectId id, std::vector<Real>& out) {
+  if (refresh_walls) refresh_walls(refresh_self);
+  FluidPool& p = impl_->pool(id);
+  impl_->refresh(p);
+  out.clear();
+  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.ratio[i]);
+}
+
+void Fluid::pressures(ObjectId id, std::vector<Real>& out) {
+  if (refresh_walls) refresh_walls(refresh_self);
+  FluidPool& p = impl_->pool(id);
+  impl_->refresh(p);
+  const FluidSolver& s = impl_->solver_of(p);
+  out.clear();
+  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(s.pressure(p, i));
+}
+
+void Fluid::density_error(ObjectId id, double& mean, double& largest) {
+  std::vector<Real> ratios;
+  densities(id, ratios);
+  mean = largest = 0;
+  for (const Real r : ratios) {
+    const double e = std::max(0.0, static_cast<double>(r) - 1);
+    mean += e;
+    largest = std::max(largest, e);
+  }
+  if (!ratios.empty()) mean /= static_cast<double>(ratios.size());
+}
+
+double Fluid::pressure_at(ObjectId id, const Vec3& point) {
+  if (refresh_walls) refresh_walls(refresh_self);
+  FluidPool& p = impl_->pool(id);
+  impl_->refresh(p);
+  const FluidSolver& s = impl_->solver_of(p);
+  double weights = 0, sum = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const double u = static_cast<double>(length(Vec3(p.x[i].vec() - point))) / static_cast<double>(p.support);
+    if (u >= 1) continue;
+    const double w = p.kernel->density.value(p.dimension, u);
+    weights += w;
+    sum += w * static_cast<double>(s.pressure(p, i));
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+// The smoothed fluid over what walls leave of the kernel crosses one half at the surface.
+bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
+  if (refresh_walls) refresh_walls(refresh_self);
+  const FluidPool& p = impl_->pool(id);
+  std::vector<Vec3> near;
+  Real top = -kInfinity, bottom = kInfinity;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const Real dx = p.x[i].x - x, dz = p.dimension == 2 ? Real(0) : p.x[i].z - z;
+    if (dx * dx + dz * dz >= p.support * p.support) continue;
+    near.push_back(p.x[i].vec());
+    top = std::max(top, p.x[i].y), bottom = std::min(bottom, p.x[i].y);
+  }
+  const auto share = [&](Real at) {
+    const Vec3 here = vec3(x, at, p.dimension == 2 ? Real(0) : z);
+    double fluid = 0, wall = 0;
+    for (const Vec3& q : near)
+      fluid += static_cast<double>(p.value_factor) / p.kernel->norm_density[p.dimension - 2] *
+               p.kernel->density.value(p.dimension, static_cast<double>(length(Vec3(q - here)) / p.support));
+    for (const Wall& w : impl_->walls.list) {
+      Vec3 n;
+      const Real d = w.shape->distance(to_local(w.pose, here), p.support, n);
+      if (p.meets(w) && d < p.support) wall += static_cast<double>(p.table->at(d / p.support).share);
+    }
+    return fluid / std::max(0.1, 1 - wall);
+  };
+  const Real step = p.desc.spacing / 4;
+  for (Real at = top + p.desc.spacing; at > bottom - p.desc.spacing; at -= step) {
+    if (share(at) < 0.5) continue;
+    Real in = at, out = at + step;
+    for (int k = 0; k < 20; ++k) {
+      const Real middle = (in + out) / 2;
+      (share(middle) < 0.5 ? out : in) = middle;
+    }
+    y = in;
+    return true;
+  }
+  return false;
+}
+
+std::uint32_t Fluid::count_inside(ObjectId id, const Shape& shape, const Pose& pose, std::uint32_t group,
+                                  std::uint32_t mask) const {
+  const FluidPool& p = impl_->pool(id);
+  if (!(p.desc.group & mask) || !(group & p.desc.mask)) return 0;
+  const Aabb box = shape.bounds(pose);
+  std::uint32_t n = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const Vec3 x = p.x[i].vec();
+    Vec3 normal;
+    if (overlaps(Aabb{x, x}, box)) n += shape.distance(to_local(pose, x), p.desc.spacing, normal) < 0;
+  }
+  return n;
+}
+
+void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& normals) {
+  if (refresh_walls) refresh_walls(refresh_self);
+  constexpr Real kSurface = Real(0.45);  // gradient of the colour field times support; a flat surface has about 1.3
+  FluidPool& p = impl_->pool(id);
+  impl_->refresh(p);
+  points.clear(), normals.clear();
+  if (p.count == 0) return;
+  p.sweeps->slopes(p.sweep_input(), 0, p.count, &p.move[0].x, p.squares.data());
+  for (const std::uint32_t i : impl_->by_id(p)) {
+    Vec3 n = p.slope_factor * p.move[i].vec();
+    for (const WallContact& k : p.contacts_of(i))
+      n -= p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support).colour / p.support * k.normal;
+    if (length(n) * p.support < kSurface) continue;
+    points.push_back(p.x[i].vec());
+    normals.push_back(normalized_or(-n, vec3(0, 1, 0)));
+  }
+}
+
+}  // namespace feder

@@ -1,0 +1,86 @@
+// State hash and snapshots of fluids. Particles are saved in the order they are stored, which decides the order of
+// sums.
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+template <class T>
+T read(Reader& r) {
+  T x{};
+  r.get(x);
+  return x;
+}
+
+// Everything of a description but its words.
+template <class D, class F>
+void each_number(D& d, F&& f) {
+  f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.support), f(d.stiffness);
+  f(d.iterations), f(d.compression), f(d.artificial_viscosity), f(d.max_substeps), f(d.max_particles),
+      f(d.gravity_scale);
+  f(d.group), f(d.mask);
+}
+
+template <class D, class F>
+void each_word(D& d, F&& f) {
+  f(d.name), f(d.solver), f(d.kernel), f(d.neighbors);
+}
+
+template <class P, class F>
+void each_state(P& p, F&& f) {
+  f(p.object), f(p.count), f(p.next_id), f(p.last_h), f(p.sound), f(p.frozen);
+  f(p.warned_budget), f(p.warned_full), f(p.warned_viscosity);
+}
+
+}  // namespace
+
+void Fluid::hash(Hash& h) const {
+  for (const auto& p : impl_->pools) {
+    h.add(p->count), h.add(p->next_id);
+    for (std::uint32_t i = 0; i < p->count; ++i) {
+      h.add(p->id[i]);
+      h.add(p->x[i].vec()), h.add(p->v[i].vec()), h.add(p->lambda[i]);
+    }
+  }
+  for (const FluidEmitter& e : impl_->emitters) h.add(e.made), h.add(e.clock), h.add(e.running);
+  for (const FluidDrain& d : impl_->drains) h.add(d.taken);
+}
+
+void Fluid::save(Writer& w) const {
+  w.add(static_cast<std::uint64_t>(impl_->pools.size()));
+  for (const auto& p : impl_->pools) {
+    each_number(p->desc, [&](const auto& x) { w.add(x); });
+    each_word(p->desc, [&](const std::string& s) { w.text(s); });
+    each_state(*p, [&](const auto& x) { w.add(x); });
+    for (std::uint32_t i = 0; i < p->count; ++i)
+      w.add(p->x[i]), w.add(p->v[i]), w.add(p->lambda[i]), w.add(p->ratio[i]), w.add(p->id[i]);
+  }
+  w.list(impl_->emitters), w.list(impl_->drains);
+  w.add(impl_->lost);
+}
+
+void Fluid::load(Reader& r) {
+  Impl& m = *impl_;
+  m.pools.clear();
+  const auto pools = read<std::uint64_t>(r);
+  for (std::uint64_t k = 0; k < pools; ++k) {
+    FluidDesc d;
+    each_number(d, [&](auto& x) { r.get(x); });
+    each_word(d, [&](std::string& s) { r.text(s); });
+    auto p = std::make_unique<FluidPool>(m.arena, d, m.dimension);
+    each_state(*p, [&](auto& x) { r.get(x); });
+    const std::uint32_t count = p->count;
+    p->count = 0;
+    p->grow(count);
+    p->count = count;
+    for (std::uint32_t i = 0; i < count; ++i)
+      r.get(p->x[i]), r.get(p->v[i]), r.get(p->lambda[i]), r.get(p->ratio[i]), r.get(p->id[i]);
+    p->put_sentinel();
+    m.pools.push_back(std::move(p));
+  }
+  r.list(m.emitters), r.list(m.drains);
+  r.get(m.lost);
+  *m.structure_changed = true;
+}
+
+}  // namespace feder

@@ -1,0 +1,198 @@
+// Emitters and drains. An emitter gives particles one after another at the sites of a lattice over its nozzle, each at
+// the exact time it is due: a particle that leaves the nozzle in the middle of a substep starts as far behind it as it
+// would have been at the substep's start. A full jet gives whole layers, one spacing apart along the speed.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr double kRoomAhead = 0.25;  // s of emission that there is room for
+
+}  // namespace
+
+std::vector<Vec3> Fluid::Impl::sites(const FluidEmitter& e, const FluidPool& p) const {
+  std::vector<Vec3> all;
+  const Real d = p.desc.spacing;
+  const int n = static_cast<int>(e.radius / d);
+  Vec3 a, b;
+  if (dimension == 2)
+    a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
+  else
+    tangent_frame(e.direction, a, b);
+  for (int i = -n; i <= n; ++i)
+    for (int k = dimension == 2 ? 0 : -n; k <= (dimension == 2 ? 0 : n); ++k)
+      if (static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius)
+        all.push_back(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b);
+  return all;
+}
+
+double Fluid::Impl::full_rate(const FluidEmitter& e, const FluidPool& p) const {
+  return static_cast<double>(sites(e, p).size()) * static_cast<double>(e.speed) / static_cast<double>(p.desc.spacing);
+}
+
+void Fluid::Impl::make_room() {
+  for (const FluidEmitter& e : emitters) {
+    if (!e.running) continue;
+    FluidPool& p = pool(e.fluid);
+    const double rate = full_rate(e, p);
+    double more = std::ceil(kRoomAhead * (e.rate > 0 ? std::min(rate, static_cast<double>(e.rate)) : rate)) + 64;
+    if (e.limit > 0) more = std::min(more, static_cast<double>(e.limit - e.made));
+    const double wanted = std::min(static_cast<double>(p.desc.max_particles), static_cast<double>(p.count) + more);
+    p.grow(static_cast<std::uint32_t>(wanted));
+  }
+}
+
+ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
+  Impl& m = *impl_;
+  const auto need = [](bool ok, const char* what, const char* expected, double got) {
+    if (!ok)
+      throw SceneError(std::string("emitter: ") + what + ": expected " + expected + ", got " + std::to_string(got));
+  };
+  need(d.speed > 0 && is_finite(d.speed), "speed", "a finite number above 0", d.speed);
+  need(d.radius >= 0 && is_finite(d.radius), "radius", "a finite number, 0 or more", d.radius);
+  need(d.rate >= 0 && is_finite(d.rate), "rate", "a finite number, 0 or more", d.rate);
+  need(is_finite(d.position) && is_finite(d.direction), "position", "finite numbers", 0);
+  need(length(d.direction) > 0, "direction", "a vector that is not zero", 0);
+  FluidEmitter e;
+  e.fluid = fluid;
+  e.position = d.position;
+  e.direction = normalized_or(d.direction, vec3(0, -1, 0));
+  e.speed = d.speed, e.radius = d.radius, e.rate = d.rate, e.limit = d.limit;
+  const FluidPool& p = m.pool(fluid);
+  const double sites = static_cast<double>(m.sites(e, p).size());
+  need(sites < 1e6, "radius", "a nozzle of fewer than a million particles", sites);
+  if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
+    throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +
+                     " particles per second, what a jet of this speed and radius holds, got " + std::to_string(d.rate));
+  e.object = m.objects.add(ObjectKind::emitter, static_cast<std::uint32_t>(m.emitters.size()), d.name, d.tags);
+  m.emitters.push_back(e);
+  *m.structure_changed = true;
+  return e.object;
+}
+
+ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose) {
+  Impl& m = *impl_;
+  FluidDrain d;
+  d.fluid = fluid;
+  d.shape = static_cast<std::uint32_t>(m.shapes.size());
+  d.pose = pose;
+  d.object = m.objects.add(ObjectKind::drain, static_cast<std::uint32_t>(m.drains.size()), std::move(name), tags);
+  m.shapes.push_back(std::move(shape));
+  m.drains.push_back(d);
+  *m.structure_changed = true;
+  return d.object;
+}
+
+void Fluid::destroy_emitter(ObjectId id, std::string where) {
+  Impl& m = *impl_;
+  const std::uint32_t place = m.objects.index(id);
+  m.emitters.erase(m.emitters.begin() + place);
+  for (std::uint32_t k = place; k < m.emitters.size(); ++k) m.objects.set_index(m.emitters[k].object, k);
+  m.objects.remove(id, std::move(where));
+  *m.structure_changed = true;
+}
+
+void Fluid::destroy_drain(ObjectId id, std::string where) {
+  Impl& m = *impl_;
+  const std::uint32_t place = m.objects.index(id);
+  m.drains.erase(m.drains.begin() + place);
+  for (std::uint32_t k = place; k < m.drains.size(); ++k) m.objects.set_index(m.drains[k].object, k);
+  m.objects.remove(id, std::move(where));
+  *m.structure_changed = true;
+}
+
+void Fluid::set_running(ObjectId id, bool running) {
+  FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
+  e.running = running && !e.done;
+  *impl_->structure_changed = true;
+}
+
+bool Fluid::running(ObjectId id) const {
+  return impl_->emitters[impl_->objects.index(id)].running != 0;
+}
+
+std::uint64_t Fluid::passed(ObjectId id) const {
+  const std::uint32_t place = impl_->objects.index(id);
+  return impl_->objects.kind(id) == ObjectKind::emitter ? impl_->emitters[place].made : impl_->drains[place].taken;
+}
+
+ObjectId Fluid::fluid_of(ObjectId id) const {
+  const std::uint32_t place = impl_->objects.index(id);
+  return impl_->objects.kind(id) == ObjectKind::emitter ? impl_->emitters[place].fluid : impl_->drains[place].fluid;
+}
+
+void Fluid::aim(ObjectId id, const Vec3& position, const Vec3& direction) {
+  if (!is_finite(position) || !is_finite(direction) || !(length(direction) > 0))
+    throw SceneError("emitter: expected a finite position, and a direction that is not zero");
+  FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
+  e.position = position;
+  e.direction = normalized_or(direction, vec3(0, -1, 0));
+}
+
+void Fluid::Impl::emit(StepContext& c) {
+  for (FluidEmitter& e : emitters)
+    if (e.running) run_emitter(e, c);
+}
+
+void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
+  FluidPool& p = pool(e.fluid);
+  const Real d = p.desc.spacing;
+  // the lattice is walked anew: no memory of its own
+  const int n = static_cast<int>(e.radius / d);
+  const auto inside = [&](int i, int k) { return static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius; };
+  const int depth = dimension == 2 ? 0 : n;
+  std::uint64_t count = 0;
+  for (int i = -n; i <= n; ++i)
+    for (int k = -depth; k <= depth; ++k) count += inside(i, k);
+  Vec3 a, b;
+  if (dimension == 2)
+    a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
+  else
+    tangent_frame(e.direction, a, b);
+  // sites in an order that spreads them: steps of about the golden part of their number, which must be coprime to it
+  std::uint64_t stride = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(0.618 * static_cast<double>(count)));
+  while (std::gcd(stride, count) != 1) ++stride;
+  const auto site = [&](std::uint64_t number) {
+    std::uint64_t left = number;
+    for (int i = -n; i <= n; ++i)
+      for (int k = -depth; k <= depth; ++k)
+        if (inside(i, k) && left-- == 0) return Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b);
+    return Vec3(Vec3::Zero());
+  };
+  const double layer = static_cast<double>(d) / static_cast<double>(e.speed);
+  const auto due = [&](std::uint64_t k) {
+    return e.rate > 0 ? static_cast<double>(k) / static_cast<double>(e.rate) : static_cast<double>(k / count) * layer;
+  };
+  const double until = e.clock + static_cast<double>(c.h);
+  while (due(e.made) < until && (e.limit == 0 || e.made < e.limit)) {
+    if (p.count == p.capacity()) {
+      *structure_changed = true;  // grows before the next step
+      if (p.count < p.desc.max_particles) break;
+      if (!p.warned_full)
+        c.events->warn("fluid_full",
+                       objects.describe(p.object) + " has max_particles = " + std::to_string(p.desc.max_particles) +
+                           ": its emitters wait",
+                       p.object);
+      p.warned_full = true;
+      return;  // the clock stands
+    }
+    const std::uint64_t number = e.rate > 0 ? e.made % count * stride % count : e.made % count;
+    const Real behind = static_cast<Real>((due(e.made) - e.clock) * static_cast<double>(e.speed));
+    p.add(e.position + site(number) - behind * e.direction, e.speed * e.direction);
+    ++e.made;
+  }
+  e.clock = until;
+  if (p.capacity() - p.count < count + 64 && p.capacity() < p.desc.max_particles) *structure_changed = true;
+  if (e.limit == 0 || e.made < e.limit) return;
+  e.running = 0, e.done = 1;
+  Event event;
+  event.kind = EventKind::emitter_done;
+  event.a = e.object, event.b = e.fluid, event.index = static_cast<std::uint32_t>(e.made);
+  c.events->add(event);
+}
+
+}  // namespace feder

@@ -1,0 +1,118 @@
+// The rows of the fluid system beside those of its solvers, and what it tells about its state.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/impl.h"
+
+namespace feder {
+
+// After the rigid solve: bodies are where they will be, and no particle may be inside one.
+void Fluid::Impl::guard(StepContext&) {
+  for (auto& p : pools)
+    if (p->count > 0 && !p->frozen) p->guard_walls(walls);
+}
+
+void Fluid::Impl::drain(StepContext& c) {
+  for (FluidDrain& d : drains) {
+    FluidPool& p = pool(d.fluid);
+    const Shape& shape = *shapes[d.shape];
+    gone.assign(p.count, 0);
+    std::uint32_t taken = 0;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      Vec3 n;
+      gone[i] = shape.distance(to_local(d.pose, p.x[i].vec()), p.desc.spacing, n) < 0;
+      taken += gone[i];
+    }
+    if (taken == 0) continue;
+    p.remove_marked(gone);
+    p.contact_first[p.count] = 0;
+    d.taken += taken;
+    Event e;
+    e.kind = EventKind::drained;
+    e.a = d.object, e.b = d.fluid, e.index = taken;
+    c.events->add(e);
+  }
+}
+
+// A particle that went non-finite is taken out; nobody else ever sees it.
+void Fluid::Impl::check(StepContext& c) {
+  std::string message;
+  ObjectId object;
+  for (auto& pool : pools) {
+    FluidPool& p = *pool;
+    gone.assign(p.count, 0);
+    std::uint32_t bad = 0, first = 0;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      if (is_finite(p.x[i].vec()) && is_finite(p.v[i].vec()) && is_finite(p.lambda[i])) continue;
+      if (bad++ == 0) first = p.id[i];
+      gone[i] = 1;
+    }
+    if (bad == 0) continue;
+    p.remove_marked(gone);
+    lost += bad;
+    message += (message.empty() ? "" : "; ") + objects.describe(p.object) + ": " + std::to_string(bad) +
+               " particles went non-finite and were taken out, the first was number " + std::to_string(first + 1);
+    if (!object) object = p.object;
+  }
+  if (!message.empty()) c.events->warn("non_finite", message, object);
+}
+
+Energy Fluid::energy(const Vec3& gravity) const {
+  Energy sum;
+  for (const auto& p : impl_->pools) {
+    const double m = p->mass, g = p->desc.gravity_scale;
+    for (std::uint32_t i = 0; i < p->count; ++i) {
+      const Vec3 v = p->v[i].vec(), x = p->x[i].vec();
+      double vv = 0, gx = 0;
+      for (int k = 0; k < 3; ++k) {
+        vv += static_cast<double>(v[k]) * static_cast<double>(v[k]);
+        gx += static_cast<double>(gravity[k]) * static_cast<double>(x[k]);
+      }
+      sum.kinetic += 0.5 * m * vv;
+      sum.potential -= m * g * gx;
+    }
+  }
+  return sum;
+}
+
+Momentum Fluid::momentum() const {
+  Momentum sum;
+  for (const auto& p : impl_->pools) {
+    const double m = p->mass;
+    // in the order of making, so that sorting does not change the sum
+    for (const std::uint32_t i : impl_->by_id(*p)) {
+      const double x[3] = {p->x[i].x, p->x[i].y, p->x[i].z};
+      const double v[3] = {m * p->v[i].x, m * p->v[i].y, m * p->v[i].z};
+      for (int k = 0; k < 3; ++k) {
+        sum.linear[k] += v[k];
+        sum.angular[k] += x[(k + 1) % 3] * v[(k + 2) % 3] - x[(k + 2) % 3] * v[(k + 1) % 3];
+      }
+    }
+  }
+  return sum;
+}
+
+void Fluid::residuals(std::vector<Residual>& out) const {
+  double excess = 0, sum = 0;
+  std::size_t n = 0;
+  for (const auto& p : impl_->pools)
+    for (std::uint32_t i = 0; i < p->count; ++i) {
+      const double e = std::max(0.0, static_cast<double>(p->ratio[i]) - 1);
+      excess = std::max(excess, e);
+      sum += e;
+      ++n;
+    }
+  out.push_back({"fluid.density_error_max", excess});
+  out.push_back({"fluid.density_error_mean", n ? sum / static_cast<double>(n) : 0});
+  out.push_back({"fluid.lost_particles", static_cast<double>(impl_->lost)});
+}
+
+bool Fluid::finite() const {
+  if (impl_->lost > 0) return false;
+  for (const auto& p : impl_->pools)
+    for (std::uint32_t i = 0; i < p->count; ++i)
+      if (!is_finite(p->x[i].vec()) || !is_finite(p->v[i].vec())) return false;
+  return true;
+}
+
+}  // namespace feder

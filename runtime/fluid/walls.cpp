@@ -1,0 +1,182 @@
+// Particles and walls. Contacts are planes through the nearest points, found where the substep starts; while the
+// particles move, distances are read from the planes, which follow their bodies. A convex solid lies wholly behind
+// each of its planes, so what stays in front of them cannot have passed it; where a particle comes behind one, the
+// exact shape and the way since decide.
+// Kept between calls: nothing. Weak spot: a particle that is pressed between two walls that come nearer than twice the
+// guard distance has no place to go; it stays where the last wall left it.
+#include <algorithm>
+
+#include "fluid/pool.h"
+
+namespace feder {
+namespace {
+
+constexpr int kMostWalls = 64;   // near a run of particles, before all are asked
+constexpr int kGuardRounds = 4;  // corners of several walls
+
+struct NearWalls {
+  std::uint32_t list[kMostWalls];
+  int count = 0;
+  bool all = false;
+};
+
+Vec3 wall_speed(const WallBody& b, const Vec3& x) {
+  return b.velocity_at(x);
+}
+
+// Swept against a mesh: it has no inside, so only the way tells.
+bool crosses(const Wall& w, const Vec3& from, const Vec3& to, RayHit& hit) {
+  return w.shape->raycast(from, to - from, hit) && hit.fraction < 1;
+}
+
+}  // namespace
+
+void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out) {
+  const Real fall = length(gravity) * ahead * ahead;
+  const auto reach_of = [&](std::uint32_t i, const WallBody& b) {
+    return support + fall + ahead * length(Vec3(v[i].vec() - wall_speed(b, start[i].vec())));
+  };
+  const auto near_walls = [&](std::uint32_t first, std::uint32_t last, NearWalls& near) {
+    Aabb box;
+    Real speed = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+      box.include(start[i].vec());
+      speed = std::max(speed, length(v[i].vec()));
+    }
+    for (std::uint32_t w = 0; w < walls.list.size(); ++w) {
+      const Wall& wall = walls.list[w];
+      const WallBody& b = walls.bodies[wall.body];
+      if (!meets(wall)) continue;
+      Aabb wide = wall.box;
+      const Real turn = b.spin.isZero(0) ? 0 : length(b.spin) * wall.shape->extent(Vec3::Zero());
+      wide.grow(support + fall + ahead * (speed + length(b.velocity) + turn));
+      if (!overlaps(wide, box)) continue;
+      if (near.count == kMostWalls) {
+        near.all = true;
+        return;
+      }
+      near.list[near.count++] = w;
+    }
+  };
+  const auto visit = [&](std::uint32_t i, const NearWalls& near, auto&& f) {
+    const int n = near.all ? static_cast<int>(walls.list.size()) : near.count;
+    for (int k = 0; k < n; ++k) {
+      const std::uint32_t w = near.all ? static_cast<std::uint32_t>(k) : near.list[k];
+      const Wall& wall = walls.list[w];
+      if (!meets(wall)) continue;
+      const Real reach = reach_of(i, walls.bodies[wall.body]);
+      const Vec3 at = start[i].vec();
+      Aabb box{at, at};
+      box.grow(reach);
+      if (!overlaps(box, wall.box)) continue;
+      Vec3 n_local;
+      const Vec3 local = to_local(wall.pose, at);
+      const Real d = wall.shape->distance(local, reach, n_local);
+      if (d < reach) f(w, d, local, n_local);
+    }
+  };
+  constexpr std::uint32_t kRun = 64;  // particles that share a list of walls
+
+  jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
+    NearWalls near;
+    near_walls(first, last, near);
+    for (std::uint32_t i = first; i < last; ++i) {
+      std::uint32_t n = 0;
+      if (near.count > 0) visit(i, near, [&](std::uint32_t, Real, const Vec3&, const Vec3&) { ++n; });
+      contact_first[i] = n;
+    }
+  });
+  std::uint32_t total = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t n = contact_first[i];
+    contact_first[i] = total;
+    total += n;
+  }
+  contact_first[count] = total;
+  if (contacts.size() < total) contacts.resize(total + total / 4);
+
+  jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
+    NearWalls near;
+    near_walls(first, last, near);
+    if (near.count == 0) return;
+    for (std::uint32_t i = first; i < last; ++i) {
+      if (contact_first[i + 1] == contact_first[i]) continue;
+      std::uint32_t at = contact_first[i];
+      Vec3 out = Vec3::Zero();
+      visit(i, near, [&](std::uint32_t w, Real d, const Vec3& local, const Vec3& n_local) {
+        const Wall& wall = walls.list[w];
+        WallContact& c = contacts[at++];
+        c.wall = w, c.particle = i;
+        c.normal = rotate(wall.pose.rotation, n_local);
+        c.offset = dot(c.normal, start[i].vec()) - d;
+        c.local_normal = n_local;
+        c.local_offset = dot(n_local, local) - d;
+        c.from = d < guard ? Vec3(local + (guard - d) * n_local) : local;
+        c.impulse = 0;
+        if (d < guard) out += (guard - d) * c.normal;
+      });
+      if (!push_out || out.isZero(0)) continue;
+      // a wall has come over it since: moved, but not accelerated
+      start[i].set(start[i].vec() + out);
+      x[i].set(x[i].vec() + out);
+    }
+  });
+  dynamic_contacts.clear();
+  for (std::uint32_t k = 0; k < total; ++k)
+    if (walls.bodies[walls.list[contacts[k].wall].body].dynamic) dynamic_contacts.push_back(k);
+}
+
+void FluidPool::share_bodies(Walls& walls) {
+  for (const std::uint32_t k : dynamic_contacts) {
+    const WallContact& c = contacts[k];
+    const Real d = dot(c.normal, x[c.particle].vec()) - c.offset;
+    walls.bodies[walls.list[c.wall].body].touching += table->at(d / support).slope / support;
+  }
+}
+
+void FluidPool::guard_walls(Walls& walls) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (contact_first[i] == contact_first[i + 1]) continue;
+    bool moved = true;
+    for (int round = 0; round < kGuardRounds && moved; ++round) {
+      moved = false;
+      for (const WallContact& c : contacts_of(i)) {
+        const Wall& w = walls.list[c.wall];
+        Vec3 at = x[i].vec(), n = rotate(w.pose.rotation, c.local_normal);
+        Real d = dot(n, at - w.pose.position) - c.local_offset;
+        const bool one_sided = w.shape->convex() || w.shape->extent(Vec3::Zero()) == kInfinity;
+        if (one_sided && d >= guard) continue;
+        const Vec3 local = to_local(w.pose, at);
+        Vec3 exact;
+        const Real near = w.shape->distance(local, support, exact);
+        RayHit hit;
+        if (crosses(w, c.from, local, hit)) {
+          if (!one_sided) {
+            Vec3 side = rotate(w.pose.rotation, hit.normal);
+            if (dot(hit.normal, Vec3(local - c.from)) > 0) side = -side;
+            n = side;
+            d = dot(side, at - to_world(w.pose, Vec3(c.from + hit.fraction * (local - c.from))));
+          }
+        } else {
+          if (near >= guard) continue;
+          // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, and
+          // behind that one another wall
+          if (!one_sided) n = rotate(w.pose.rotation, exact), d = near;
+        }
+        if (d >= guard) continue;
+        x[i].set(at + (guard - d) * n);
+        moved = true;
+        WallBody& b = walls.bodies[w.body];
+        const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
+        if (closing >= 0) continue;
+        // fully plastic, the pair's own masses: what the particle loses the body gains
+        const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
+        const Vec3 p = (-closing * share * mass) * n;
+        v[i].set(v[i].vec() + p / mass);
+        if (b.dynamic) b.push(x[i].vec(), -p);
+      }
+    }
+  }
+}
+
+}  // namespace feder

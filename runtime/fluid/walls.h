@@ -1,0 +1,67 @@
+// What holds a fluid: solids as shapes with poses and velocities. Filled by a coupling (or a test) before the fluid's
+// rows of a substep; the fluid adds its impulses to the bodies' velocities as it goes, so that each next iteration
+// meets the wall where it is by then.
+#pragma once
+#include "base/arena.h"
+#include "base/math.h"
+#include "geom/shape.h"
+#include "state/objects.h"
+
+namespace feder {
+
+struct WallBody {
+  ObjectId object;
+  Vec3 center = Vec3::Zero();       // centre of mass, world, at the start of the substep, m
+  Vec3 velocity = Vec3::Zero();     // m/s
+  Vec3 spin = Vec3::Zero();         // rad/s
+  Vec3 inv_mass = Vec3::Zero();     // by world axis, 1/kg; zero: is not moved by the fluid
+  Mat3 inv_inertia = Mat3::Zero();  // world, 1/(kg m^2)
+  std::uint32_t mover = 0;          // in Movers, for the coupling
+  bool dynamic = false;
+  Real touching = 0;            // sum of the weights by which particles press on it, 1/m
+  Vec3 impulse = Vec3::Zero();  // given by the fluid since the walls were filled, N s
+  Real pressed = 0;             // sum of the sizes of the impulses in this step, N s
+
+  Vec3 velocity_at(const Vec3& x) const { return velocity + cross(spin, x - center); }
+  void push(const Vec3& at, const Vec3& p) {
+    const Vec3 t = cross(at - center, p);
+    velocity += inv_mass.cwiseProduct(p);
+    spin += inv_inertia * t;
+    impulse += p;
+    pressed += length(p);
+  }
+  // Change of velocity along n at x per impulse along n there, 1/kg.
+  Real response(const Vec3& x, const Vec3& n) const {
+    const Vec3 arm = cross(x - center, n);
+    return dot(n, inv_mass.cwiseProduct(n)) + dot(arm, inv_inertia * arm);
+  }
+};
+
+struct Wall {
+  const Shape* shape = nullptr;
+  std::uint32_t body = 0;  // in Walls::bodies
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  Pose local;  // in the centre-of-mass frame of the body
+  Pose pose;   // now, world
+  Aabb box;    // of the pose, world
+};
+
+// Walls are sorted as the coupling adds them: always in the same order.
+struct Walls {
+  explicit Walls(Arena& a) : list(&a), bodies(&a) {}
+  Array<Wall> list;
+  Array<WallBody> bodies;
+};
+
+// A particle near a wall: the plane through the nearest point of the wall when the contact was made.
+struct WallContact {
+  std::uint32_t wall = 0, particle = 0;
+  Vec3 normal = Vec3::Zero();        // out of the wall, world
+  Real offset = 0;                   // normal . x on the plane, m
+  Vec3 from = Vec3::Zero();          // the particle's place then, in the frame of the shape
+  Vec3 local_normal = Vec3::Zero();  // likewise
+  Real local_offset = 0;             // m
+  Real impulse = 0;                  // along the normal on the particle, of the running iteration, N s
+};
+
+}  // namespace feder

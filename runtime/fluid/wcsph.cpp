@@ -1,0 +1,211 @@
+// Weakly compressible SPH: pressure from density by Tait's equation p = k ((rho/rho0)^7 - 1), k = rho0 c^2 / 7, and
+// plain forces. Monaghan 1994; Becker & Teschner, SCA 2007; pair forces in the form that follows from an energy,
+// -(p_i/rho_i^2 + p_j/rho_j^2) grad W, so linear and angular momentum are kept.
+// Nothing is tuned by hand: the speed of sound follows from the compression that is wanted, c^2 = max(v^2, g H,
+// nu v / H) / compression (Morris, Fox & Zhu 1997), with the fluid's own speed v and height H; the own time step from
+// sound, walls, acceleration, viscosity and tension. Where max_substeps do not suffice, c is lowered to what they
+// can carry, and a warning says how far the fluid will be compressed.
+// Negative pressure is clamped to 0: the fluid does not pull (no tensile clumping, but no suction either).
+// Kept between calls: nothing but the speed of sound, for questions. Weak spot: sound sets the step: 10 to 70 times
+// more steps than pbf.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/solver.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kCourant = Real(0.4);      // of smoothing length over speed; Monaghan 1992
+constexpr Real kForceLimit = Real(0.25);  // of sqrt(smoothing length over acceleration)
+constexpr Real kSkin = Real(0.08);        // of the support: lists are kept until somebody moved by half of it
+
+// Where particles lie on each other, pressure grows no further: bounded forces, and a fluid that comes apart.
+constexpr Real kMostRatio = Real(1.5);
+
+class Wcsph final : public FluidSolver {
+ public:
+  void add_rows(StepPlan& plan) override {
+    plan.add<&Wcsph::advance>(Stage::advance, When::each_substep, 25, "wcsph substeps", Fluid::kName, this);
+  }
+  Real pressure(const FluidPool& p, std::uint32_t i) const override {
+    return tait(p, p.ratio[i]) - p.cohesion / 2 * p.ratio[i] * p.ratio[i];
+  }
+
+ private:
+  struct Plan {
+    int steps = 1;
+    Real h = 0;
+  };
+  void advance(StepContext& c);
+  Plan choose_step(FluidPool& p, StepContext& c);
+  void refresh(FluidPool& p, StepContext& c, bool& stale);
+  void touch(FluidPool& p, StepContext& c);
+  void accelerate(FluidPool& p, StepContext& c, Real h);
+  void move(FluidPool& p, StepContext& c, Real h);
+  static Real tait(const FluidPool& p, Real ratio) {
+    ratio = std::min(ratio, kMostRatio);
+    const Real r2 = ratio * ratio, r7 = r2 * r2 * r2 * ratio;
+    return std::max(Real(0), p.desc.density * p.sound * p.sound / 7 * (r7 - 1));
+  }
+};
+
+void Wcsph::advance(StepContext& c) {
+  for (FluidPool* pool : pools) {
+    FluidPool& p = *pool;
+    if (p.count == 0 || p.frozen) continue;
+    const Plan plan = choose_step(p, c);
+    bool stale = true;
+    for (int k = 0; k < plan.steps; ++k) {
+      refresh(p, c, stale);
+      accelerate(p, c, plan.h);
+      move(p, c, plan.h);
+      for (Wall& w : walls->list) {
+        const WallBody& b = walls->bodies[w.body];
+        if (b.velocity.isZero(0) && b.spin.isZero(0)) continue;
+        const Vec3 arm = w.pose.position - b.center;
+        w.pose.rotation = integrate_rotation(w.pose.rotation, plan.h * b.spin);
+        w.pose.position =
+            b.center + rotate(integrate_rotation(Quat::identity(), plan.h * b.spin), arm) + plan.h * b.velocity;
+        w.box = w.shape->bounds(w.pose);
+      }
+      for (WallBody& b : walls->bodies) b.center += plan.h * b.velocity;
+      p.guard_walls(*walls);
+    }
+  }
+}
+
+Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
+  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
+  const Real g = length(gravity), length_unit = p.support / 2;
+  Real low = kInfinity, high = -kInfinity, speed2 = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const Vec3 v = p.v[i].vec();
+    speed2 = std::max(speed2, dot(v, v));
+    const Real s = dot(gravity, p.x[i].vec());
+    low = std::min(low, s), high = std::max(high, s);
+  }
+  Real wall_speed = 0;
+  for (const WallBody& b : walls->bodies) wall_speed = std::max(wall_speed, length(b.velocity));
+  // the bodies' pressure counts like a column of the same weight: what they press on is not known before
+  const Real gh = high - low, nu = p.desc.viscosity / p.desc.density;
+  const Real speed = std::sqrt(speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
+  const Real tension = p.cohesion / p.desc.density;
+  const Real floor2 = std::max({speed2, wall_speed * wall_speed, gh, g * p.desc.spacing, nu * speed / height, tension});
+  Real sound = std::sqrt(floor2 / p.desc.compression);
+
+  // a body lighter than the particles that press on it swings faster than they do
+  Real light = 1;
+  bool any = false;
+  for (const WallBody& b : walls->bodies) any = any || (b.dynamic && !b.inv_mass.isZero(0));
+  if (any) touch(p, c);
+  for (const WallBody& b : walls->bodies)
+    if (b.dynamic) light = std::max(light, Real(0.1) * p.mass * b.inv_mass.maxCoeff() * b.touching * p.support);
+  const Real others = std::max(speed, wall_speed);
+  Real step = kCourant * length_unit / (std::sqrt(light) * sound + others);
+  step = std::min(step, g > 0 ? kForceLimit * std::sqrt(length_unit / g) : step);
+  if (p.desc.surface_tension > 0)
+    step = std::min(step, Real(0.4) * std::sqrt(p.desc.density * length_unit * length_unit * length_unit /
+                                                (2 * kPi * p.desc.surface_tension)));
+  Plan plan;
+  const Real wanted = std::ceil(c.h / step);
+  plan.steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
+  plan.h = c.h / static_cast<Real>(plan.steps);
+  if (wanted > static_cast<Real>(p.desc.max_substeps)) {
+    // the sound that the budget carries
+    const Real carried =
+        std::max((kCourant * length_unit / plan.h - others) / std::sqrt(light), Real(0.1) * sound / 10);
+    if (!p.warned_budget) {
+      p.warned_budget = true;
+      const Real squeezed = p.desc.compression * (sound / carried) * (sound / carried);
+      c.events->warn("fluid_budget",
+                     "wcsph needs " + std::to_string(static_cast<long long>(wanted)) +
+                         " steps of its own in a substep for a compression of " + std::to_string(p.desc.compression) +
+                         ", max_substeps allows " + std::to_string(p.desc.max_substeps) +
+                         ": expect a compression of about " + std::to_string(squeezed),
+                     p.object);
+    }
+    sound = std::min(sound, carried);
+  }
+  p.sound = sound;
+  return plan;
+}
+
+// Lists and wall contacts for the coming step.
+void Wcsph::refresh(FluidPool& p, StepContext& c, bool& stale) {
+  const Real skin = kSkin * p.support;
+  if (!stale) {
+    Real far = 0;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      const Vec3 d = p.x[i].vec() - p.swap4[i].vec();
+      far = std::max(far, dot(d, d));
+    }
+    stale = far > skin * skin / 4;
+  }
+  bool moving = stale;  // planes of walls at rest hold as long as the lists
+  for (const WallBody& b : walls->bodies) moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.spin.isZero(0);
+  if (stale) {
+    p.sort_by_cell();
+    p.find_neighbors(*c.jobs, skin);
+    std::copy(p.x.begin(), p.x.begin() + p.count, p.swap4.begin());
+    stale = false;
+  }
+  if (moving) touch(p, c);
+}
+
+// Wall contacts where the particles are, good for the rest of the substep of the world.
+void Wcsph::touch(FluidPool& p, StepContext& c) {
+  std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+  p.find_contacts(*c.jobs, *walls, c.h, c.gravity, true);
+  for (WallBody& b : walls->bodies) b.touching = 0;
+  p.share_bodies(*walls);
+}
+
+void Wcsph::accelerate(FluidPool& p, StepContext& c, Real h) {
+  p.find_ratios(*c.jobs);
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const Real r = std::min(p.ratio[i], kMostRatio);
+    p.x[i].w = tait(p, r) / (r * r);
+  }
+  SweepInput in = p.sweep_input();
+  const Real density = p.desc.density, factor = -p.slope_factor / density;
+  in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
+  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
+  const bool damped = in.damping > 0;
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
+    for (std::uint32_t i = first; i < last; ++i) {
+      Vec3 a = factor * p.move[i].vec() + gravity;
+      for (WallContact& k : p.contacts_of(i)) {
+        const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
+        const Real push = p.x[i].w * p.table->at(d / p.support).slope / (p.support * density);
+        a += push * k.normal;
+        k.impulse = push * p.mass * h;
+      }
+      p.move[i].set(a);
+    }
+  });
+  for (const std::uint32_t at : p.dynamic_contacts) {
+    const WallContact& k = p.contacts[at];
+    walls->bodies[walls->list[k.wall].body].push(p.x[k.particle].vec(), -k.impulse * k.normal);
+  }
+}
+
+void Wcsph::move(FluidPool& p, StepContext& c, Real h) {
+  for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + h * p.move[i].vec());
+  if (p.desc.viscosity > 0) add_viscosity(p, *walls, h, c);
+  if (p.desc.surface_tension > 0) add_tension(p, *walls, h, c);
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    p.x[i].set(p.x[i].vec() + h * p.v[i].vec());
+    p.x[i].w = 0;
+  }
+}
+
+}  // namespace
+
+Variant<FluidSolver> fluid_wcsph() {
+  return {"wcsph", "weakly compressible SPH: accurate, many small steps",
+          [](Arena&, const Params&) -> std::unique_ptr<FluidSolver> { return std::make_unique<Wcsph>(); }};
+}
+
+}  // namespace feder

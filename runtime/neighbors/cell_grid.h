@@ -1,0 +1,42 @@
+// A grid of cubic cells over points, x fastest: cell numbers, and a counting sort of the points by cell. Points far
+// from the rest are counted to the cells at the rim: two points nearer than a cell still lie in the same or in
+// neighbouring cells, so a stray point costs time at most, never memory.
+#pragma once
+#include <span>
+
+#include "base/arena.h"
+#include "base/types.h"
+
+namespace feder {
+
+class CellGrid {
+ public:
+  explicit CellGrid(Arena& a) : start_(&a), cell_(&a) {}
+
+  // Chooses the cells for these points; then order[k] is the point at place k, ties by index. True when order is the
+  // identity.
+  bool sort(std::span<const Real> points4, Real cell, Array<std::uint32_t>& order);
+
+  int cells(int axis) const { return cells_[axis]; }
+  int coordinate(int axis, Real x) const {
+    const Real t = (x - origin_[axis]) * inv_cell_;
+    const Real last = static_cast<Real>(cells_[axis] - 1);
+    return !(t > 0) ? 0 : t >= last ? cells_[axis] - 1 : static_cast<int>(t);  // NaN: the first
+  }
+  // Places of the points in the cells x0 .. x1 of a row.
+  std::uint32_t first(int x0, int y, int z) const { return start_[row(y, z) + static_cast<std::size_t>(x0)]; }
+  std::uint32_t last(int x1, int y, int z) const { return start_[row(y, z) + static_cast<std::size_t>(x1) + 1]; }
+
+ private:
+  std::size_t row(int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(y)) *
+           static_cast<std::size_t>(cells_[0]);
+  }
+  void choose(std::span<const Real> points4, Real cell);
+
+  Real origin_[3] = {0, 0, 0}, inv_cell_ = 1;
+  int cells_[3] = {1, 1, 1};
+  Array<std::uint32_t> start_, cell_;
+};
+
+}  // namespace feder

@@ -1,0 +1,35 @@
+// Smoothing kernels of particle fluids. One file per kernel, one feder_kernel line. Contract, checked for every row by
+// tests/sph/test_kernel_contract.cpp: W integrates to 1 in 2D and 3D, slope and Laplacian are its derivatives, it is
+// zero at the support; the sums over neighbours equal plain sums.
+#pragma once
+#include <span>
+
+#include "sph/sweep_table.h"
+
+namespace feder {
+
+// A kernel of support 1 in `dimension` 2 or 3, normalised, as functions of u = r / support. One of support H is
+// value(r/H) / H^D, its gradient slope(r/H) / H^(D+2) times the offset, its Laplacian laplacian(r/H) / H^(D+2).
+struct KernelShape {
+  double (*value)(int dimension, double u) = nullptr;
+  double (*slope)(int dimension, double u) = nullptr;      // W' / u
+  double (*second)(int dimension, double u) = nullptr;     // W''; null where nobody needs it
+  double (*laplacian)(int dimension, double u) = nullptr;
+};
+
+struct Kernel {
+  const char* name = "";
+  const char* summary = "";
+  KernelShape density, gradient, viscosity;  // the sums below use them in these roles
+  double norm_density[2], norm_gradient[2], norm_viscosity[2];  // factors the sums leave out, for 2D and 3D
+  bool radial_viscosity = true;  // pair term along the offset, factor 2 (D + 2) slope; else Laplacian times velocity
+  double support[2] = {0, 0};    // proposed, in particle spacings, for 2D and 3D
+  const Sweeps* sweeps = nullptr;       // null: a part of other kernels only
+  const Sweeps* sweeps_wide = nullptr;  // for processors with AVX2; same bits
+};
+
+std::span<const Kernel> kernels();
+// The sums for this processor.
+const Sweeps& sweeps_of(const Kernel& kernel);
+
+}  // namespace feder

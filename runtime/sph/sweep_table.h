@@ -1,0 +1,29 @@
+// What the sums over neighbours read, and the functions of one kernel. Plain data: included by files compiled twice.
+#pragma once
+#include "base/simd.h"
+
+namespace feder {
+
+struct SweepInput {
+  const WideReal* points = nullptr;    // x, y, z (m) and a weight w per particle; the one after the last lies far away
+  const WideReal* velocity = nullptr;  // four numbers likewise, m/s
+  const unsigned* neighbors = nullptr; // `stride` per particle
+  const unsigned* rounded = nullptr;   // how many of them are in use, in whole lanes
+  unsigned stride = 0;
+  WideReal inv_support = 0;            // 1/m
+  WideReal soft = 0;                   // m^2, keeps 1/r^2 finite
+  WideReal damping = 0;                // of push_damped
+};
+
+// Sums over the neighbours j of the particles i in [first, last); x = x_i - x_j, g = slope(u). Four numbers per
+// particle where the output is called out4.
+struct Sweeps {
+  void (*values)(const SweepInput&, unsigned first, unsigned last, WideReal* out);  // value(u)
+  // g x, value(u); and (g u)^2
+  void (*slopes)(const SweepInput&, unsigned first, unsigned last, WideReal* out4, WideReal* squares);
+  void (*push)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);         // (w_i + w_j) g x
+  void (*push_damped)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // the same, with damping
+  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);      // see Kernel::radial_viscosity
+};
+
+}  // namespace feder

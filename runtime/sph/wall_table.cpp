@@ -1,0 +1,95 @@
+// Integrals as sums over rings (3D) or pairs (2D) at height z above the particle: dV = 2 pi q dq dz or 2 dq dz,
+// u^2 = z^2 + q^2. Of the friction, the part of the offset along the wall counts: q^2/2 on average over a ring, q^2 in 2D.
+#include "sph/wall_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feder {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kRings = 400;
+
+// Of one layer at height z, per unit of height.
+struct Layer {
+  double colour = 0, friction = 0;
+};
+
+Layer layer(const Kernel& k, int d, double z) {
+  Layer sum;
+  const double reach = std::sqrt(std::max(0.0, 1 - z * z)), dq = reach / kRings;
+  for (int i = 0; i < kRings; ++i) {
+    const double q = (i + 0.5) * dq, u = std::sqrt(z * z + q * q);
+    const double dv = d == 3 ? 2 * kPi * q * dq : 2 * dq;
+    sum.colour += dv * k.gradient.value(d, u);
+    if (k.radial_viscosity) {
+      const double along = d == 3 ? q * q / 2 : q * q;
+      sum.friction -= dv * 2 * (d + 2) * k.viscosity.slope(d, u) * along / (u * u) * z;
+    } else {
+      sum.friction += dv * k.viscosity.laplacian(d, u) * z;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+LatticeSums lattice_sums(const Kernel& k, int d, double support) {
+  LatticeSums s;
+  const int n = static_cast<int>(support) + 1;
+  const double scale = d == 3 ? 1 / (support * support * support) : 1 / (support * support);
+  for (int x = -n; x <= n; ++x)
+    for (int y = -n; y <= n; ++y)
+      for (int z = d == 3 ? -n : 0; z <= (d == 3 ? n : 0); ++z) {
+        const double u = std::sqrt(static_cast<double>(x * x + y * y + z * z)) / support;
+        s.whole += scale * k.density.value(d, u);
+        const double slope = scale * k.gradient.slope(d, u) * u / support;
+        if (u > 0) s.squares += slope * slope;
+        if (u > 0 && u < 1) {
+          // of v_x = y^2, whose Laplacian is 2
+          const double unit = scale / (support * support);
+          s.viscosity += k.radial_viscosity ? -(d + 2) * unit * k.viscosity.slope(d, u) * x * x * y * y / (x * x + y * y + z * z)
+                                            : unit * k.viscosity.laplacian(d, u) * y * y / 2;
+        }
+        if (y >= 0) continue;
+        s.missing += scale * k.density.value(d, u);
+        s.missing_slope += scale * k.gradient.slope(d, u) * -y / (support * support);
+      }
+  s.viscosity /= s.whole;
+  constexpr int kCuts = 2000;
+  for (int i = 0; i < kCuts; ++i) {
+    const double u = (i + 0.5) / kCuts;
+    s.half_moment += support / kCuts * (d == 3 ? kPi * u * u * u : 2 * u * u) * k.density.value(d, u);
+  }
+  return s;
+}
+
+WallTable::WallTable(const Kernel& kernel, int d, double support) {
+  const LatticeSums l = lattice_sums(kernel, d, support);
+  const double first = 0.5 / support, value = l.missing / l.whole;
+  const double steep = -2 * l.missing_slope * support / l.missing;  // per support
+  // to nothing at the support, in a way that changes the first layer by less than the table's rounding
+  const double end = std::exp(-steep * (1 - first));
+  double friction = 0, share = 0;
+  constexpr int kFine = 8;
+  for (int i = kCells; i >= 0; --i) {
+    const double s = 2.0 * i / kCells - 1;
+    const double at = std::exp(-steep * (std::max(s, 0.0) - first));
+    WallSample& out = samples_[i];
+    out.value = static_cast<WideReal>(value * std::max(0.0, (at - end) + steep * at * std::max(0.0, -s)));
+    out.slope = static_cast<WideReal>(i == kCells ? 0 : value * steep * at);
+    out.colour = static_cast<WideReal>(layer(kernel, d, s).colour);
+    out.friction = static_cast<WideReal>(friction);
+    out.share = static_cast<WideReal>(share);
+    // midpoint rule downwards from the far side; the half space beyond s is what lies higher than s
+    const double dz = 2.0 / kCells / kFine;
+    for (int k = 0; k < kFine && i > 0; ++k) {
+      const Layer l = layer(kernel, d, s - (k + 0.5) * dz);
+      share += dz * l.colour;
+      if (s > 0) friction += dz * l.friction;
+    }
+  }
+}
+
+}  // namespace feder

@@ -1,0 +1,32 @@
+-- Fluids for scenes: materials.
+--   local fluid = require "feder.fluid"
+--   local honey = world:fluid(fluid.of("honey", { spacing = 0.02 }))
+-- density in kg/m^3, viscosity in Pa s, surface_tension in N/m, at room temperature.
+local fluid = {}
+
+fluid.materials = {
+  water   = { density = 998, viscosity = 0.001, surface_tension = 0.0728 },
+  oil     = { density = 915, viscosity = 0.07, surface_tension = 0.032 },
+  honey   = { density = 1420, viscosity = 6, surface_tension = 0.05 },
+  mercury = { density = 13534, viscosity = 0.00155, surface_tension = 0.485 },
+  alcohol = { density = 789, viscosity = 0.0011, surface_tension = 0.0223 },
+}
+
+local function names()
+  local list = {}
+  for name in pairs(fluid.materials) do list[#list + 1] = name end
+  table.sort(list)
+  return table.concat(list, ", ")
+end
+
+-- of(material, options): the options with the material's numbers where they name none.
+function fluid.of(material, options)
+  local m = fluid.materials[material]
+  if not m then error(("fluid.of: unknown material '%s'; known: %s"):format(tostring(material), names()), 2) end
+  local out = {}
+  for k, v in pairs(m) do out[k] = v end
+  for k, v in pairs(options or {}) do out[k] = v end
+  return out
+end
+
+return fluid

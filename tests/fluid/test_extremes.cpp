@@ -1,0 +1,93 @@
+// What must not break: crowds, light and heavy bodies, a wall through the fluid, stray particles.
+#include "fluid/solver.h"
+#include "fluid/tank.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+TEST_CASE("ten thousand particles on one spot burst but stay finite", "[fluid][extreme]") {
+  const int k = GENERATE(range(0, static_cast<int>(fluid_solvers().size())));
+  World w(fluid_world(3), fluid_catalog());
+  add_tank(w, vec3(1, 1, 1));
+  FluidDesc d;
+  d.solver = fluid_solvers()[static_cast<std::size_t>(k)].name, d.spacing = Real(0.04), d.max_substeps = 8;
+  CAPTURE(d.solver);
+  Fluid& f = w.need<Fluid>();
+  const ObjectId id = f.add_fluid(d);
+  const std::vector<Vec3> spot(kFull ? 10000 : 2000, vec3(Real(0.5), Real(0.5), Real(0.5)));
+  f.fill(id, spot, Vec3::Zero());
+  const int steps = kFull ? 12 : 2;
+  for (int s = 0; s < steps; ++s) w.step();
+  CHECK(w.is_finite());
+  CHECK(f.particle_count(id) == spot.size());
+  double far = 0;
+  for (const Vec3& x : places(w, id)) {
+    REQUIRE(x[1] > 0);
+    far = std::max<double>(far, length(Vec3(x - spot[0])));
+  }
+  CHECK(far > 0.04);
+}
+
+TEST_CASE("bodies a hundred times lighter and heavier than the fluid", "[fluid][extreme]") {
+  const Real ratio = GENERATE(Real(0.01), Real(0.1), Real(10), Real(100));
+  const int k = GENERATE(range(0, static_cast<int>(fluid_solvers().size())));
+  World w(fluid_world(3), fluid_catalog());
+  add_tank(w, vec3(Real(0.6), 1, Real(0.6)));
+  FluidDesc d;
+  d.solver = fluid_solvers()[static_cast<std::size_t>(k)].name, d.spacing = Real(0.05), d.viscosity = 2;
+  CAPTURE(ratio, d.solver);
+  const ObjectId id = add_water(w, d, vec3(Real(0.6), Real(0.3), Real(0.6)));
+  BodyDesc b;
+  b.shape = make_sphere(Real(0.12)), b.density = 1000 * ratio;
+  b.position = vec3(Real(0.3), ratio < 1 ? Real(0.5) : Real(0.45), Real(0.3));
+  const ObjectId ball = w.need<Rigid>().add_body(b);
+  run(w, 3 * kShare);
+  const Real y = w.need<Rigid>().pose(ball).position[1];
+  CHECK(w.is_finite());
+  CHECK(w.need<Fluid>().particle_count(id) == 864);
+  if (!kFull) return;
+  if (ratio < 1)
+    CHECK(y > Real(0.25));  // floats, its middle above the surface
+  else
+    CHECK(y < Real(0.2));  // lies on the floor
+  CHECK(y < Real(0.6));    // and is not thrown
+}
+
+TEST_CASE("a fast plate pushes the fluid and lets nothing through", "[fluid][extreme]") {
+  const int k = GENERATE(range(0, static_cast<int>(fluid_solvers().size())));
+  World w(fluid_world(2), fluid_catalog());
+  add_plane(w, vec3(0, 1, 0), 0);
+  FluidDesc d;
+  d.solver = fluid_solvers()[static_cast<std::size_t>(k)].name, d.spacing = Real(0.05);
+  CAPTURE(d.solver);
+  const ObjectId id = add_water(w, d, vec3(1, Real(0.5), 0), vec3(Real(0.5), 0, 0));
+  BodyDesc b;
+  b.type = BodyType::kinematic;
+  b.shape = make_box(Real(0.02), 4, 1)->section();  // thinner than a spacing
+  b.position = vec3(Real(0.4), 2, 0), b.velocity = vec3(12, 0, 0);
+  const ObjectId plate = w.need<Rigid>().add_body(b);
+  for (int s = 0; s < static_cast<int>(60 * kShare) + 1; ++s) {
+    w.step();
+    const Real at = w.need<Rigid>().pose(plate).position[0];
+    for (const Vec3& x : places(w, id)) REQUIRE((x[0] > at || x[1] > 4));
+  }
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("wcsph says when its budget does not carry the wanted compression", "[fluid][extreme]") {
+  World w(fluid_world(2), fluid_catalog());
+  add_tank(w, vec3(Real(0.4), 0, 0));
+  FluidDesc d;
+  d.solver = "wcsph", d.spacing = Real(0.02), d.compression = Real(0.0005), d.max_substeps = 3;
+  add_water(w, d, vec3(Real(0.4), Real(0.3), 0));
+  w.step();
+  bool said = false;
+  for (const Event& e : w.events().list())
+    if (e.kind == EventKind::warning && w.events().warning_code(e) == "fluid_budget") {
+      said = true;
+      CHECK_THAT(w.events().warning_message(e), Catch::Contains("expect a compression of about"));
+    }
+  CHECK(said);
+  run(w, 1 * kShare);
+  CHECK(w.is_finite());
+}

@@ -1,0 +1,142 @@
+// Filling, emitters, drains, refused input, absence.
+#include <cmath>
+
+#include "fluid/tank.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+namespace {
+
+int count_events(World& w, EventKind kind, std::uint32_t* index = nullptr) {
+  int n = 0;
+  for (const Event& e : w.events().list()) {
+    if (e.kind != kind) continue;
+    ++n;
+    if (index) *index = e.index;
+  }
+  return n;
+}
+
+}  // namespace
+
+TEST_CASE("an emitter gives its rate exactly, stops at its limit and says so once", "[fluid]") {
+  WorldDesc desc = fluid_world();
+  desc.gravity = Vec3::Zero();
+  World w(desc, fluid_catalog());
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.spacing = Real(0.05);
+  const ObjectId id = f.add_fluid(d);
+  EmitterDesc e;
+  e.position = vec3(0, 1, 0), e.direction = vec3(1, 0, 0), e.speed = 2, e.radius = Real(0.12), e.rate = 300,
+  e.limit = 100;
+  const ObjectId hose = f.add_emitter(id, e);
+  for (int k = 1; k <= 12; ++k) {
+    w.step();
+    CHECK(std::abs(static_cast<double>(f.particle_count(id)) - 5.0 * k) <= 1);
+  }
+  f.set_running(hose, false);
+  run(w, 0.1);
+  CHECK(f.particle_count(id) <= 61);
+  f.set_running(hose, true);
+  int done = 0;
+  std::uint32_t count = 0;
+  for (int k = 0; k < 20; ++k) {
+    w.step();
+    done += count_events(w, EventKind::emitter_done, &count);
+  }
+  CHECK(done == 1);
+  CHECK(count == 100);
+  CHECK(f.particle_count(id) == 100);
+  CHECK_FALSE(f.running(hose));
+  // nothing but their speed moves them, and none lies on another
+  const std::vector<Vec3> x = places(w, id);
+  double nearest = 9;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) nearest = std::min<double>(nearest, length(Vec3(x[i] - x[j])));
+  CHECK(nearest > 0.5 * 0.05);
+  CHECK(w.momentum().linear[0] == Approx(100 * 2 * static_cast<double>(f.particle_mass(id))).epsilon(1e-4));
+}
+
+TEST_CASE("a full jet has the density of the fluid", "[fluid]") {
+  WorldDesc desc = fluid_world(2);
+  desc.gravity = Vec3::Zero();
+  World w(desc, fluid_catalog());
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.spacing = Real(0.05);
+  const ObjectId id = f.add_fluid(d);
+  EmitterDesc e;
+  e.direction = vec3(1, 0, 0), e.speed = 3, e.radius = Real(0.2);
+  f.add_emitter(id, e);
+  run(w, 0.5);
+  CHECK(static_cast<double>(f.particle_count(id)) == Approx(9 * 0.5 * 3 / 0.05).margin(10));
+  double mean = 0, most = 0;
+  f.density_error(id, mean, most);
+  CHECK(most < 0.02);
+}
+
+TEST_CASE("a drain takes what comes in and counts it", "[fluid]") {
+  World w(fluid_world(2), fluid_catalog());
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.spacing = Real(0.1);
+  const ObjectId id = add_water(w, d, vec3(1, 1, 0), vec3(0, 1, 0));
+  Pose pose;
+  pose.position = vec3(0, -1, 0);
+  const ObjectId drain = f.add_drain(id, "", 0, make_box(10, 2, 1)->section(), pose);
+  std::uint32_t taken = 0, total = 0;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    if (count_events(w, EventKind::drained, &taken)) total += taken;
+  }
+  CHECK(total == 100);
+  CHECK(f.passed(drain) == 100);
+  CHECK(f.particle_count(id) == 0);
+}
+
+TEST_CASE("bad input is refused and changes nothing", "[fluid]") {
+  World w(fluid_world(), fluid_catalog());
+  Fluid& f = w.need<Fluid>();
+  FluidDesc bad;
+  bad.spacing = std::nanf("");
+  CHECK_THROWS_AS(f.add_fluid(bad), SceneError);
+  bad = {}, bad.density = 0;
+  CHECK_THROWS_AS(f.add_fluid(bad), SceneError);
+  bad = {}, bad.kernel = "cubicc";
+  CHECK_THROWS_WITH(f.add_fluid(bad), Catch::Contains("known: "));
+  bad = {}, bad.solver = "magic";
+  CHECK_THROWS_WITH(f.add_fluid(bad), Catch::Contains("known: "));
+  FluidDesc d;
+  d.max_particles = 10;
+  const ObjectId id = f.add_fluid(d);
+  const Vec3 nowhere[] = {vec3(0, 0, 0), vec3(0, std::nanf(""), 0)};
+  CHECK_THROWS_AS(f.fill(id, nowhere, Vec3::Zero()), SceneError);
+  CHECK_THROWS_AS(f.fill(id, *make_box(1, 1, 1), Pose{}, Vec3::Zero()), SceneError);
+  CHECK(f.particle_count(id) == 0);
+  CHECK(f.fill(id, {nowhere, 1}, Vec3::Zero()) == 1);
+  const Vec3 fast[] = {vec3(kInfinity, 0, 0)};
+  CHECK_THROWS_AS(f.set_velocities(id, fast), SceneError);
+  EmitterDesc e;
+  e.speed = -1;
+  CHECK_THROWS_AS(f.add_emitter(id, e), SceneError);
+  e = {}, e.rate = Real(1e9);
+  CHECK_THROWS_WITH(f.add_emitter(id, e), Catch::Contains("particles per second"));
+  w.step();
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("a world without fluid has no rows and no bytes of it", "[fluid]") {
+  World w(fluid_world(), fluid_catalog());
+  add_plane(w, vec3(0, 1, 0), 0);
+  w.step();
+  for (const StepRow& row : w.plan().rows()) CHECK(std::string(row.system).find("fluid") == std::string::npos);
+  for (const auto& arena : w.store().arenas()) CHECK(arena->name() != "fluid");
+  // made, but empty: no rows yet
+  w.need<Fluid>().add_fluid({});
+  w.step();
+  std::size_t rows = 0;
+  for (const StepRow& row : w.plan().rows()) rows += std::string(row.system) == "fluid";
+  CHECK(rows == 0);
+}

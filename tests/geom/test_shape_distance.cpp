@@ -1,0 +1,79 @@
+// Signed distances of every kind of shape, against supports and rays. A new kind is enrolled by its line alone.
+#include "base/rng.h"
+#include "geom/shape.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+namespace {
+
+Vec3 direction(Rng& rng, bool planar) {
+  for (;;) {
+    const Real x = rng.uniform(-1, 1), y = rng.uniform(-1, 1), z = rng.uniform(-1, 1);
+    const Vec3 v = vec3(x, y, planar ? Real(0) : z);
+    if (dot(v, v) > Real(0.01) && dot(v, v) <= 1) return v / length(v);
+  }
+}
+
+template <class Check>
+void for_points(const Check& check) {
+  const int kind = GENERATE(range(0, static_cast<int>(shape_kinds().size())));
+  for (const ShapePtr& s : shape_kinds()[static_cast<std::size_t>(kind)].samples()) {
+    Real size = s->extent(Vec3::Zero());
+    if (!(size < kInfinity)) size = 2;
+    Rng rng(static_cast<std::uint64_t>(kind) + 5);
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 way = direction(rng, s->planar());
+      const Real far = rng.uniform(0, Real(1.6));
+      const Vec3 p = way * (size * far);
+      Vec3 n = Vec3::Zero();
+      const Real d = s->distance(p, 4 * size, n);
+      CAPTURE(s->kind(), size, i, p[0], p[1], p[2], d, n[0], n[1], n[2]);
+      check(*s, size, p, d, n, rng);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the distance to a convex shape is the largest over its supporting planes", "[geom][contract]") {
+  for_points([](const Shape& s, Real size, const Vec3& p, Real d, const Vec3& n, Rng& rng) {
+    if (!s.convex()) return;
+    const Real slack = Real(2e-5) * size;
+    REQUIRE(length(n) == Approx(1).margin(1e-4));
+    // two nearest features tie within rounding: the distance is exact, the normal to the root of that
+    CHECK(dot(n, p - s.support(n)) - s.radius() == Approx(d).margin(2 * std::sqrt(kEpsilon) * size));
+    for (int k = 0; k < 20; ++k) {
+      const Vec3 u = direction(rng, s.planar());
+      CHECK(dot(u, p - s.support(u)) - s.radius() <= d + slack);
+    }
+  });
+}
+
+TEST_CASE("a ray along the distance meets the surface, and no shorter one does", "[geom][contract]") {
+  for_points([](const Shape& s, Real size, const Vec3& p, Real d, const Vec3& n, Rng& rng) {
+    RayHit hit;
+    if (d < Real(1e-3) * size) return;
+    if (d < 4 * size) {  // within the limit; a ray at the very tip may slip past it: aim a little inwards
+      const MassProperties m = s.mass(1);
+      const Vec3 surface = p - n * d;
+      Vec3 ray = n * (Real(-1.01) * d);
+      if (s.convex()) ray = surface + Real(0.02) * (m.center - surface) - p;
+      REQUIRE(s.raycast(p, ray, hit));
+      CHECK(hit.fraction * length(ray) == Approx(d).margin(Real(0.03) * size));
+    }
+    for (int k = 0; k < 20; ++k) CHECK_FALSE(s.raycast(p, direction(rng, s.planar()) * (Real(0.998) * d), hit));
+  });
+}
+
+TEST_CASE("the sign of the distance says which side", "[geom][contract]") {
+  for_points([](const Shape& s, Real size, const Vec3& p, Real d, const Vec3&, Rng&) {
+    if (std::string(s.kind()) == "mesh") {
+      CHECK(d >= 0);
+      return;
+    }
+    if (std::abs(d) < Real(1e-4) * size) return;
+    RayHit hit;
+    CHECK(s.raycast(p, Vec3::Zero(), hit) == (d < 0));
+  });
+}

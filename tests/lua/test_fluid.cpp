@@ -1,0 +1,109 @@
+// Fluids from scripts: makers, questions, sources with their events, refused input.
+#ifdef FEDER_HAS_FLUID
+#include "support/script.h"
+
+using namespace feder::test;
+
+namespace {
+const std::string kWater = "local water = world:fluid{ name = 'water', spacing = 0.1 } ";
+}
+
+TEST_CASE("a fluid is made, filled and asked", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    print(water:kind(), water:name(), water:count())
+    print(water:fill{ box = { {0, 0, 0}, {0.5, 0.3, 0.4} } }, water:count())
+    print(("%.3f %.3f"):format(water:mass()))
+    local x = water:positions()
+    print(#x, ("%.2f %.2f %.2f"):format(x[1], x[2], x[3]))
+    print(water:fill{ shape = feder.sphere(0.1), position = {3, 0, 0} } > 0)
+    print(water:fill{ points = { {5, 5, 5}, {6, 6, 6} }, velocity = {1, 0, 0} })
+    local mean, most = water:density_error()
+    print(mean < 0.01, most < 0.05)
+    print(water:height_at(9, 9), math.abs(water:height_at(0.25, 0.2) - 0.3) < 0.05)
+  )") == "fluid\twater\t0\n60\t60\n60.000 1.000\n180\t0.05 0.05 0.05\ntrue\n2\ntrue\ttrue\nnil\ttrue\n");
+}
+
+TEST_CASE("velocities come from a function or a buffer", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    water:fill{ box = { {0, 0, 0}, {0.2, 0.1, 0.1} } }
+    water:set_velocities(function(x, y, z, i) return 2, 0, i end)
+    local v = water:velocities()
+    print(v[1], v[3], v[6])
+    v[1] = 7
+    water:set_velocities(v)
+    print(water:velocities()[1])
+    print(pcall(water.set_velocities, water, function() return 0/0 end))
+    print(water:velocities()[1])
+  )") == "2.0\t1.0\t2.0\n7.0\nfalse\ttest.lua:9: fluid:set_velocities: velocity of particle 1: expected a finite number, got nan\n7.0\n");
+}
+
+TEST_CASE("emitters stop, start and end; drains count", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    local hose = water:emitter{ name = "hose", direction = {1, 0, 0}, speed = 2, radius = 0.15, rate = 64, limit = 12 }
+    local sink = water:drain{ name = "sink", box = { {1, -1, -1}, {9, 1, 1} } }
+    local drained = 0
+    world:on("emitter_done", function(e) print(e.object:name(), e.other:name(), e.count, world:step_count()) end)
+    water:on("drained", function(e) drained = drained + e.count end)
+    hose:on("emitter_done", function(e) print("own", e.count) end)
+    world:step(6)
+    print(hose:count(), hose:running())
+    hose:stop()
+    world:step(10)
+    print(hose:count(), hose:running())
+    hose:start()
+    world:step(60)
+    print(hose:count(), hose:running(), drained, sink:count(), water:count())
+    water:destroy()
+    print(hose:alive(), sink:alive(), hose:kind())
+    print(select(2, pcall(hose.stop, hose)))
+  )") == "7\ttrue\n7\tfalse\nhose\twater\t12\t21\nown\t12\n12\tfalse\t12\t12\t0\nfalse\tfalse\temitter\n"
+         "test.lua:19: emitter:stop: emitter \"hose\" was destroyed at test.lua:17\n");
+}
+
+TEST_CASE("a region says when the first particle comes and the last has left", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    local gate = world:region{ name = "gate", box = { {1, -1, -1}, {2, 1, 1} } }
+    water:fill{ box = { {0, 0, 0}, {0.4, 0.1, 0.1} }, velocity = {3, 0, 0} }
+    world:on("sensor_enter", function(e) print("in", e.sensor:name(), e.other:name(), e.count) end)
+    world:on("sensor_leave", { sensor = gate }, function(e) print("out", e.other:kind(), e.count) end)
+    world:step(60)
+  )") == "in\tgate\twater\t1\nout\tfluid\t0\n");
+}
+
+TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lua][fluid]") {
+  CHECK(error_of("world:fluid{ spacing = 0 }").find("world:fluid.spacing: expected a number above 0, got 0") != std::string::npos);
+  CHECK(error_of("world:fluid{ spacign = 1 }").find("did you mean 'spacing'?") != std::string::npos);
+  CHECK(error_of("world:fluid{ solver = 'sph' }").find("known: pbf, wcsph") != std::string::npos);
+  CHECK(error_of("world:fluid{ kernel = 'gauss' }").find("known: cubic, wendland, poly6_spiky") != std::string::npos);
+  CHECK(error_of("world:fluid{ neighbors = 'octree' }").find("known: grid") != std::string::npos);
+  CHECK(error_of("world:fluid{ viscosity = 1, kinematic_viscosity = 1 }").find("got both") != std::string::npos);
+  CHECK(error_of(kWater + "water:fill{}").find("expected box = {min, max} or shape =, got neither") != std::string::npos);
+  CHECK(error_of(kWater + "water:emitter{ rate = 1e9 }").find("particles per second") != std::string::npos);
+  CHECK(output_of("pcall(world.fluid, world, { spacing = -1 }) print(world:report().fluids)") == "0\n");
+}
+
+TEST_CASE("a body falls into water and is woken by it", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    world:body{ type = 'static', shape = feder.plane() }
+    local stone = world:body{ name = 'stone', shape = feder.box(0.3, 0.3, 0.3), position = {0, 0.15, 0}, sleeping = true }
+    local water = world:fluid{ spacing = 0.1 }
+    water:fill{ box = { {-0.3, 0.5, -0.3}, {0.3, 0.9, 0.3} } }
+    local cause
+    world:on("wake", function(e) cause = cause or e.cause .. " " .. e.other:kind() end)
+    world:step(60)
+    print(cause, world:is_finite())
+  )") == "fluid fluid\ttrue\n");
+}
+
+TEST_CASE("the library of fluids", "[lua][fluid]") {
+  feder::lua::HostOptions options;
+  options.library_roots = {std::string(FEDER_SOURCE_DIR) + "/scripts"};
+  CHECK(output_of(R"(
+    local fluid = require "feder.fluid"
+    local honey = world:fluid(fluid.of("honey", { spacing = 0.1 }))
+    print(honey:kind(), select(2, pcall(function() return (fluid.of("hony")) end)))
+  )", options) == "fluid\ttest.lua:4: fluid.of: unknown material 'hony'; known: alcohol, honey, mercury, oil, water\n");
+}
+#endif
