@@ -189,7 +189,7 @@ bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b
     rate_extra_ = size;  // = (1/h) / ramp_scale
   }
 
-  double done = 0;
+  double done = 0, next = h;
   int parts = 0;
   bool met = true;
   while (done < h) {
@@ -199,16 +199,17 @@ bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b
       if (!b_x.empty()) rate_x_[i] += b_x[i], rate_v_[i] += b_v[i];
       if (!ramp.empty()) rate_v_[i] += ramp[i] * (extra_ * ramp_scale_);
     }
-    double tau = h - done;
+    const bool last = ++parts >= max_parts;
+    double tau = last ? h - done : std::min(next, h - done);
     const Basis basis = build_basis(tau);
     double wrong = error(basis, tau);
-    const bool last = ++parts >= max_parts;
     while (!last && wrong > kTolerance * tau && tau * max_parts > h) {
       tau /= 2;
       wrong = error(basis, tau);
     }
     if (!(wrong <= kTolerance * tau)) met = false;
     move(basis, tau);
+    next = 2 * tau;  // tried from there: each trial costs an exponential
     done = h - done - tau <= 0 ? h : done + tau;
   }
   return met;
