@@ -89,7 +89,7 @@ const SystemDescriptor& Cloth::descriptor() {
   return d;
 }
 
-Cloth::Cloth(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
+Cloth::Cloth(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) { impl_->owner = this; }
 Cloth::~Cloth() = default;
 
 void Cloth::add_rows(StepPlan& plan) {

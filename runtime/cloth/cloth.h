@@ -155,8 +155,16 @@ class Cloth final : public System {
   Array<ClothRow>& contact_rows();
   Array<ClothHold>& holds();
   void set_movers(Movers* movers);
+  // Called in `solve` before each small step but the first: rows may be made anew for where things are now.
+  void (*on_small_step)(void* self, StepContext& c, int done, int count) = nullptr;
+  void* on_small_step_self = nullptr;
+  // What a mover has done since the start of the substep, as the small steps see it.
+  Vec3 mover_shift(std::uint32_t solver) const;  // m
+  Vec3 mover_turn(std::uint32_t solver) const;   // rad
   // The mass that rests on a cloth, kg: smaller steps are chosen for it.
   void set_load(std::size_t n, Real mass);
+  // What is about to strike it would do to the whole of it, m/s^2, set before each step: likewise.
+  void set_impact(std::size_t n, Real acceleration);
 
  private:
   struct Impl;

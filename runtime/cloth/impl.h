@@ -29,6 +29,7 @@ struct Cloth::Impl {
   Objects& objects;
   Events& events;
   bool* structure_changed;
+  Cloth* owner = nullptr;
   std::vector<std::unique_ptr<Sheet>> sheets;  // the object's index is the place here
   std::vector<Attachment> attachments;         // in the order they were made
   Movers* movers = nullptr;

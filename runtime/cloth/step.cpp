@@ -87,7 +87,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       double wanted = s.bend_substeps;
       if (s.solver->sheds_strain()) {
         const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
-        const double g = double(std::max({weight, s.state.pull, kLeastGravity})) * (1 + double(s.state.load / s.mass));
+        const double g = double(std::max({weight, s.state.pull, kLeastGravity})) * (1 + double(s.state.load / s.mass)) + double(s.impact);
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
       }
@@ -158,13 +158,14 @@ void Cloth::Impl::solve(StepContext& c) {
   mover_turn.assign(mover_count, Vec3::Zero());
   add_forces(c);
   make_near_rows(c);
-  const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   for (int k = 0; k < small_steps; ++k) {
+    if (k > 0 && owner->on_small_step) owner->on_small_step(owner->on_small_step_self, c, k, small_steps);
+    const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
     for (auto& s : sheets)
       if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);
+    advance_movers(h);
     if (touches) {
-      advance_movers(h);
       solve_holds(h);
       solve_rows(near_rows, h);
       solve_rows(rows, h);

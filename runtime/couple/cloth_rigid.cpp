@@ -29,12 +29,22 @@ ClothRigid::ClothRigid(SystemSetup& s)
       candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)),
       smallest_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
+  cloth_.on_small_step = [](void* self, StepContext& c, int done, int count) {
+    static_cast<ClothRigid*>(self)->refresh_rows(c, done, count);
+  };
+  cloth_.on_small_step_self = this;
+}
+
+ClothRigid::~ClothRigid() {
+  cloth_.on_small_step = nullptr;
+  cloth_.set_movers(nullptr);
 }
 
 void ClothRigid::add_rows(StepPlan& plan) {
   sync();
   if (cloth_.cloth_count() == 0 || rigid_.count() == 0) return;
   using S = ClothRigid;
+  plan.add<&S::look_ahead>(Stage::advance, When::before_substeps, 11, "look ahead", kName, this);
   plan.add<&S::find_candidates>(Stage::advance, When::before_substeps, 16, "find candidates", kName, this);
   plan.add<&S::make_rows>(Stage::solve, When::each_substep, 14, "contacts", kName, this);
   plan.add<&S::collect>(Stage::solve, When::each_substep, 16, "collect", kName, this);
@@ -78,7 +88,12 @@ ClothRigid::Place ClothRigid::place(std::uint32_t k) const {
   const MoverState& s = movers_.state[p.solver];
   p.center = movers_.mass[p.solver].center + s.moved;
   p.velocity = s.velocity, p.spin = s.angular_velocity;
-  p.pose = Pose{p.center, s.rotation} * colliders_.local[k];
+  Quat rotation = s.rotation;
+  if (refreshing_) {
+    p.center += cloth_.mover_shift(p.solver);
+    rotation = integrate_rotation(rotation, cloth_.mover_turn(p.solver));
+  }
+  p.pose = Pose{p.center, rotation} * colliders_.local[k];
   return p;
 }
 
@@ -95,6 +110,50 @@ std::uint32_t ClothRigid::touch_of(ObjectId cloth, ObjectId body) {
   t.cloth = cloth, t.body = body;
   touches_.push_back(t);
   return static_cast<std::uint32_t>(touches_.size() - 1);
+}
+
+// Where a collider may be in this step: boxes of collide may look less far ahead than the body comes.
+Aabb ClothRigid::reach_of(std::uint32_t k, StepContext& c) const {
+  Aabb box = colliders_.box[k];
+  if (colliders_.motion[k] == ColliderMotion::fixed) return box;
+  const Vec3 ahead = c.dt * colliders_.velocity[k];
+  Aabb end = box;
+  end.lo += ahead, end.hi += ahead;
+  box.include(end);
+  return box;
+}
+
+// What comes at a cloth has to be stopped within a quarter of its size: that takes small steps, from the first touch.
+void ClothRigid::look_ahead(StepContext& c) {
+  const ClothVertices& v = cloth_.vertices();
+  const Bodies& b = rigid_.bodies();
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
+    const Cloth::Info info = cloth_.info(n);
+    cloth_.set_impact(n, 0);
+    if (info.asleep) continue;
+    Aabb all, now;
+    Vec3 mean = Vec3::Zero();
+    Real mass = 0;
+    for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
+      now.include(v.position[i]);
+      all.include(Vec3(v.position[i] + c.dt * v.velocity[i]));
+      mean += v.mass[i] * v.velocity[i], mass += v.mass[i];
+    }
+    all.include(now);
+    all.grow(info.thickness);
+    const Real size = (now.hi - now.lo).maxCoeff();
+    Real impact = 0;
+    for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+      if (colliders_.motion[k] == ColliderMotion::none || colliders_.motion[k] == ColliderMotion::fixed || colliders_.sensor[k] ||
+          colliders_.owner[k] != ObjectKind::body || !colliders_.awake[k] || !overlaps(all, reach_of(k, c)))
+        continue;
+      const std::uint32_t body = colliders_.owner_index[k];
+      const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, kMostLoad) : Real(1);
+      const Vec3 u = colliders_.velocity[k] - mean / mass;
+      impact = std::max(impact, 2 * dot(u, u) / size * share);
+    }
+    cloth_.set_impact(n, impact);
+  }
 }
 
 void ClothRigid::find_candidates(StepContext& c) {
@@ -123,14 +182,9 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
     if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body) continue;
     if (!(colliders_.group[k] & info.mask) || !(info.group & colliders_.mask[k])) continue;
-    // boxes of collide may look less far ahead than the body comes
-    Aabb box = colliders_.box[k];
-    if (colliders_.motion[k] != ColliderMotion::fixed) {
-      const Vec3 ahead = c.dt * colliders_.velocity[k];
-      Aabb end = box;
-      end.lo += ahead, end.hi += ahead;
-      box.include(end);
-    }
+    // a fast body draws cloth in from beside its path
+    Aabb box = reach_of(k, c);
+    if (colliders_.motion[k] != ColliderMotion::fixed) box.grow(Real(0.3) * c.dt * length(colliders_.velocity[k]));
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
     if (info.asleep && !body_moves) continue;

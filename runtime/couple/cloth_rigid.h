@@ -14,6 +14,7 @@ class ClothRigid final : public System {
   static constexpr const char* kName = "cloth_rigid";
   static const SystemDescriptor& descriptor();
   explicit ClothRigid(SystemSetup& setup);
+  ~ClothRigid() override;
 
   void add_rows(StepPlan& plan) override;
   std::size_t count() const override;  // cloths and bodies that touch now
@@ -52,12 +53,16 @@ class ClothRigid final : public System {
   };
 
   // Rows.
+  void look_ahead(StepContext& c);
   void find_candidates(StepContext& c);
   void make_rows(StepContext& c);
+  void refresh_rows(StepContext& c, int done, int count);
+  void fill_rows(StepContext& c);
   void collect(StepContext& c);
   void finish(StepContext& c);
 
   void sync();
+  Aabb reach_of(std::uint32_t collider, StepContext& c) const;
   void candidates_of(std::size_t n, StepContext& c);
   void make_holds();
   Place place(std::uint32_t collider) const;
@@ -82,6 +87,9 @@ class ClothRigid final : public System {
   Array<Aabb> box_;              // by vertex: swept over the step
   Array<Real> smallest_;         // by collider: half of its least size, m
   std::vector<ShapePtr> vertex_shapes_;  // by cloth: a sphere of half the thickness
+  Real horizon_ = 0;             // s, for which rows are made
+  Real hurry_ = 0;               // the largest travel in a substep over what a row stands
+  bool refreshing_ = false;      // between small steps
   Real deepest_ = 0;             // penetration of the last substep, m
 };
 

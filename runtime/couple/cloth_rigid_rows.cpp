@@ -31,6 +31,28 @@ void ClothRigid::make_rows(StepContext& c) {
   cloth_.contact_rows().clear();
   if (cloth_.moved().size() != cloth_.vertices().size()) return;
   make_holds();
+  refreshing_ = false;
+  horizon_ = c.h;
+  fill_rows(c);
+}
+
+// Where things pass each other fast, rows are made anew several times in a substep: the cloth wraps what strikes it.
+void ClothRigid::refresh_rows(StepContext& c, int done, int count) {
+  if (!(hurry_ > 1)) return;
+  const int parts = std::min(count, static_cast<int>(2 * hurry_) + 1), every = count / parts;
+  if (done % every != 0) return;
+  collect(c);
+  cloth_.contact_rows().clear();
+  refreshing_ = true;
+  horizon_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
+  const Real hurry = hurry_;
+  fill_rows(c);
+  hurry_ = hurry;
+  refreshing_ = false;
+}
+
+void ClothRigid::fill_rows(StepContext& c) {
+  hurry_ = 0;
   std::uint32_t collider = kNone;
   Place at;
   for (const Candidate& k : candidates_) {
@@ -51,9 +73,10 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
   }
   r.vertex[3] = v[0];
   r.normal = normal;
-  r.offset = gap - dot(normal, d);
   r.mover = at.solver;
   r.arm = point - at.center;
+  if (refreshing_ && at.solver) d -= cloth_.mover_shift(at.solver) + cross(cloth_.mover_turn(at.solver), r.arm);
+  r.offset = gap - dot(normal, d);
   r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
   const Vec3 slide = colliders_.surface_velocity[k.collider];
   if (!slide.isZero(0)) r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
@@ -69,8 +92,9 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const Shape& ball = *vertex_shapes_[k.cloth];
   const Vec3 x = vertex_place(k.index);
   const Vec3 u = cloth_.speed()[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
-  const Vec3 travel = c.h * u + (c.h * c.h) * c.gravity;
+  const Vec3 travel = horizon_ * u + (horizon_ * horizon_) * c.gravity;
   const Real reach = length(travel);
+  if (!refreshing_) hurry_ = std::max(hurry_, reach / (radius + kCastShare * smallest_[k.collider]));
   const std::uint32_t v[3] = {k.index, k.index, k.index};
   const Real weight[3] = {1, 0, 0};
   const Shape& shape = *colliders_.shape[k.collider];
@@ -90,7 +114,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
     if (m[i].count == 0) continue;
     if (info.asleep) {
       // something moves against a sleeper
-      if (m[i].points[0].separation < Real(0.1) * info.thickness && reach > Real(0.05) * c.h)
+      if (m[i].points[0].separation < Real(0.1) * info.thickness && reach > Real(0.05) * horizon_)
         cloth_.wake(info.object, WakeCause::contact, colliders_.object[k.collider]);
       return;
     }
@@ -104,11 +128,17 @@ void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext&
   const std::uint32_t v[3] = {info.first + q[0], info.first + q[1], info.first + q[2]};
   const Vec3 a = vertex_place(v[0]), b = vertex_place(v[1]) - a, e = vertex_place(v[2]) - a;
   const Vec3 middle = a + (b + e) / 3;
-  Vec3 u = Vec3::Zero();
-  for (int i = 0; i < 3; ++i) u += cloth_.speed()[v[i]].vec() / 3;
-  u -= at.velocity + cross(at.spin, middle - at.center);
-  const Vec3 travel = c.h * u + (c.h * c.h) * c.gravity;
-  const Real reach = length(travel), radius = Real(0.5) * info.thickness;
+  const Vec3 body_speed = at.velocity + cross(at.spin, middle - at.center), fall = (horizon_ * horizon_) * c.gravity;
+  Vec3 travel = fall;
+  // a corner that goes with the body is near it now: only what comes as a whole is cast
+  Real reach = kInfinity, farthest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 u = cloth_.speed()[v[i]].vec() - body_speed;
+    travel += horizon_ / 3 * u;
+    const Real far = length(Vec3(horizon_ * u + fall));
+    reach = std::min(reach, far), farthest = std::max(farthest, far);
+  }
+  const Real radius = Real(0.5) * info.thickness;
   const ClothTriangle shape(b, e, radius);
   const Shape& body = *colliders_.shape[k.collider];
   Real weight[3];
@@ -124,7 +154,7 @@ void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext&
   }
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + Real(0.1) * info.thickness;
+  const Real margin = std::min(farthest, radius + smallest_[k.collider]) + Real(0.1) * info.thickness;
   const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < m[i].count; ++j) {
