@@ -79,8 +79,9 @@ Cloth::Impl::Impl(SystemSetup& s)
       events(s.events), structure_changed(s.structure_changed), moved(&arena), before(&arena), speed(&arena),
       acceleration(&arena), force(&arena), points(&arena), mover_shift(&arena), mover_turn(&arena), rows(&arena), holds(&arena), near_rows(&arena),
       pairs(&arena), near_vertex(&arena), near_triangle(&arena), near_edge(&arena), vertex_box(&arena),
-      triangle_box(&arena), edge_box(&arena), found(&arena), triangle_tree(arena), edge_tree(arena), guard_start(&arena),
-      held_back(&arena), touching(&arena), touching_now(&arena) {}
+      triangle_box(&arena), edge_box(&arena), found_place(&arena), found_speed(&arena), stray(&arena), found(&arena),
+      triangle_tree(arena), edge_tree(arena), guard_start(&arena),
+      held_with(&arena), held_momentum(&arena), touching(&arena), touching_now(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {

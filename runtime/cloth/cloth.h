@@ -163,8 +163,9 @@ class Cloth final : public System {
   Vec3 mover_turn(std::uint32_t solver) const;   // rad
   // The mass that rests on a cloth, kg: smaller steps are chosen for it.
   void set_load(std::size_t n, Real mass);
-  // What is about to strike it would do to the whole of it, m/s^2, set before each step: likewise.
-  void set_impact(std::size_t n, Real acceleration);
+  // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its speed
+  // beside that of the cloth, m/s.
+  void set_impact(std::size_t n, Real acceleration, Real speed);
 
  private:
   struct Impl;

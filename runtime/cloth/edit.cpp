@@ -192,7 +192,9 @@ Array<ClothHold>& Cloth::holds() { return impl_->holds; }
 Vec3 Cloth::mover_shift(std::uint32_t m) const { return impl_->mover_shift[m]; }
 Vec3 Cloth::mover_turn(std::uint32_t m) const { return impl_->mover_turn[m]; }
 void Cloth::set_movers(Movers* movers) { impl_->movers = movers; }
-void Cloth::set_impact(std::size_t n, Real acceleration) { impl_->sheets[n]->impact = acceleration; }
+void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
+  impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->strike = speed;
+}
 void Cloth::set_load(std::size_t n, Real mass) { impl_->sheets[n]->state.load = mass; }
 
 }  // namespace feder

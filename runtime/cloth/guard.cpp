@@ -1,4 +1,4 @@
-// No pair crosses in a substep. Two convex features that lie on different sides of a plane at the start and at the end
+// No pair crosses in a substep (or in a part of one, see near_parts). Two convex features that lie on different sides of a plane at the start and at the end
 // of a linear motion, have not met in between (x(t).n is linear). The plane's normal is that of the closest points at
 // the start; the guard makes each vertex of the one side stay beyond each of the other along it by a share of the
 // distance they had: first by pushing pairs apart as their masses say (momentum is kept), then, should that not
@@ -11,39 +11,30 @@
 namespace feder {
 namespace {
 constexpr int kPasses = 12;
-constexpr int kHoldPasses = 100;
 constexpr Real kKept = Real(0.1);  // of the distance, in one substep
 }  // namespace
 
-// A vertex that left the box its candidates were searched in goes no farther in this substep; the search is made anew.
-void Cloth::Impl::keep_in_boxes(StepContext& c) {
-  since_found += c.h;
-  const Vec3 shift = since_found * drift;
+// Where a vertex is, beside where it was foreseen to be.
+Vec3 Cloth::Impl::astray(std::uint32_t i) const { return place(i) - found_place[i] - since_found * found_speed[i]; }
+
+// A vertex that strayed farther than the search allowed goes no farther in this part. The search is made anew when one
+// has used a quarter of a thickness, or is about to: held back in the next part it must still be where it may.
+void Cloth::Impl::keep_near_path(Real part) {
   for (const std::uint32_t i : near_vertex) {
     if (moved[i].w == 0) continue;
-    const Real half = Real(0.5) * sheet_of(i).settings.thickness;
-    const Vec3 x = place(i) - shift;
-    const Aabb& b = vertex_box[i];
-    const Vec3 lo = b.lo + Vec3::Constant(half), hi = b.hi - Vec3::Constant(half);
-    const Vec3 in = x.cwiseMax(lo).cwiseMin(hi);
-    if (in == x) continue;
+    const Vec3 off = astray(i);
+    const Real far = length(off), faster = length(Vec3(speed[i].vec() - found_speed[i]));
+    const Real most = Real(0.25) * sheet_of(i).settings.thickness;
+    pairs_stale = pairs_stale || far > most || part * faster > most;
+    if (!(far > stray[i])) continue;
     ++clamped;
-    moved[i].add(in - x);
-  }
-  // re-examined when somebody comes near the rim
-  for (const std::uint32_t i : near_vertex) {
-    const Real rim = Real(0.6) * sheet_of(i).settings.thickness;
-    const Vec3 x = place(i) - shift;
-    const Aabb& b = vertex_box[i];
-    if ((x - b.lo).minCoeff() < rim || (b.hi - x).minCoeff() < rim) {
-      pairs_stale = true;
-      break;
-    }
+    moved[i].add((Real(0.999) * stray[i] / far - 1) * off);
   }
 }
 
 // Are the features apart along the normal? With `push`, moves those that are not.
 bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
+  if (!p.live) return true;
   const std::uint32_t split = p.edges ? 2 : 1;
   const Real wanted = kKept * p.distance;
   Real along[4];
@@ -66,67 +57,97 @@ bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
   return good;
 }
 
-void Cloth::Impl::guard(StepContext& c) {
-  if (!near_wanted()) return;
-  keep_in_boxes(c);
+// Vertices that strayed, and those of pairs that are not apart, go back to where the part began, but for the drift; until
+// all is well, at the latest when nobody has moved. Those held together go on with their common velocity.
+void Cloth::Impl::hold_back(Real part) {
+  held_with.assign(moved.size(), kNone);
+  const auto hold = [&](std::uint32_t i) {
+    if (held_with[i] != kNone || moved[i].w == 0) return false;
+    held_with[i] = i, ++guarded;
+    moved[i].set(guard_start[i].vec() + part * drift);
+    return true;
+  };
+  for (const std::uint32_t i : near_vertex)
+    if (length(astray(i)) > stray[i]) hold(i);
+  for (bool any = true; any;) {
+    any = false;
+    for (NearPair& p : pairs) {
+      if (separate(p, 1, false)) continue;
+      for (const std::uint32_t i : p.v) any = hold(i) || any;
+    }
+  }
+  share_momentum();
+}
+
+// Groups of held vertices that are in one pair, by their lowest member.
+void Cloth::Impl::share_momentum() {
+  const auto root = [&](std::uint32_t i) {
+    while (held_with[i] != i) i = held_with[i] = held_with[held_with[i]];
+    return i;
+  };
+  for (const NearPair& p : pairs) {
+    if (!p.live) continue;
+    std::uint32_t first = kNone;
+    for (const std::uint32_t i : p.v) {
+      if (held_with[i] == kNone) continue;
+      const std::uint32_t r = root(i);
+      if (first == kNone || first == r) {
+        first = r;
+        continue;
+      }
+      held_with[std::max(first, r)] = first = std::min(first, r);
+    }
+  }
+  held_momentum.assign(moved.size(), Row4{0, 0, 0, 0});
+  for (const std::uint32_t i : near_vertex) {
+    if (held_with[i] == kNone) continue;
+    Row4& sum = held_momentum[root(i)];
+    sum.add(vertices.mass[i] * speed[i].vec()), sum.w += vertices.mass[i];
+  }
+  for (const std::uint32_t i : near_vertex)
+    if (held_with[i] != kNone) speed[i].set(held_momentum[root(i)].vec() / held_momentum[root(i)].w);
+}
+
+void Cloth::Impl::guard(Real part) {
+  since_found += part;
+  keep_near_path(part);
   bool good = false;
   for (int pass = 0; pass < kPasses && !good; ++pass) {
     good = true;
-    for (NearPair& p : pairs) good = separate(p, c.h, true) && good;
+    for (NearPair& p : pairs) good = separate(p, part, true) && good;
   }
-  if (good) return;
-  held_back.assign(moved.size(), 0);
-  for (int pass = 0; pass < kHoldPasses; ++pass) {
-    bool any = false;
-    for (NearPair& p : pairs) {
-      if (separate(p, c.h, false)) continue;
-      for (const std::uint32_t i : p.v) {
-        if (held_back[i] || moved[i].w == 0) continue;
-        held_back[i] = 1, any = true, ++guarded;
-        moved[i].set(guard_start[i].vec() + c.h * drift);
-        speed[i].set(drift);
-      }
-    }
-    if (!any) break;
-  }
+  for (const std::uint32_t i : near_vertex) good = good && !(length(astray(i)) > stray[i]);
+  if (!good) hold_back(part);
 }
 
-// Begin and end of contact between cloths. Self-contact has no events.
+// Begin and end of contact between cloths.
 void Cloth::Impl::report_near(StepContext& c) {
-  touching_now.clear();
-  Event e;
-  const auto key = [](std::uint64_t a, std::uint64_t b) { return a < b ? a << 32 | b : b << 32 | a; };
-  for (const ClothRow& r : near_rows) {
-    if (r.impulse == 0) continue;
-    const Sheet &a = sheet_of(r.vertex[0]), &b = sheet_of(r.vertex[3]);
-    if (&a == &b) continue;
-    const std::uint64_t k = key(a.object.slot, b.object.slot);
-    if (std::find(touching_now.begin(), touching_now.end(), k) != touching_now.end()) continue;
-    touching_now.push_back(k);
-    const bool turned = a.object.slot > b.object.slot;
-    e.a = turned ? b.object : a.object, e.b = turned ? a.object : b.object;
-    e.point = place(r.vertex[0]);
-    e.normal = turned ? r.normal : Vec3(-r.normal);
-    e.index = r.vertex[0] - a.first;
-    if (std::find(touching.begin(), touching.end(), k) != touching.end()) continue;
+  const auto both = [&](std::uint64_t pair, Event& e) {
+    for (const auto& s : sheets) {
+      if (s->object.slot == pair >> 32) e.a = s->object;
+      if (s->object.slot == (pair & 0xffffffffu)) e.b = s->object;
+    }
+    return e.a && e.b;
+  };
+  for (const NearTouch& t : touching_now) {
+    if (std::find(touching.begin(), touching.end(), t.pair) != touching.end()) continue;
+    Event e;
+    if (!both(t.pair, e)) continue;
     e.kind = EventKind::contact_begin;
+    e.point = t.point, e.normal = t.normal, e.index = t.index;
     c.events->add(e);
     if (!c.events->wanted(EventKind::hit)) continue;
-    Event hit = e;
-    hit.kind = EventKind::hit, hit.speed = r.approach, hit.impulse = r.impulse;
-    c.events->add(hit);
+    e.kind = EventKind::hit, e.speed = t.speed, e.impulse = t.impulse;
+    c.events->add(e);
   }
-  for (const std::uint64_t k : touching) {
-    if (std::find(touching_now.begin(), touching_now.end(), k) != touching_now.end()) continue;
+  for (const std::uint64_t pair : touching) {
+    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; })) continue;
     Event end;
     end.kind = EventKind::contact_end;
-    for (const auto& s : sheets) {
-      if (s->object.slot == k >> 32) end.a = s->object;
-      if (s->object.slot == (k & 0xffffffffu)) end.b = s->object;
-    }
-    if (end.a && end.b) c.events->add(end);
+    if (both(pair, end)) c.events->add(end);
   }
-  touching.assign(touching_now.begin(), touching_now.end());
+  touching.clear();
+  for (const NearTouch& t : touching_now) touching.push_back(t.pair);
 }
 
 }  // namespace feder

@@ -15,9 +15,18 @@ struct NearPair {
   std::uint32_t v[4] = {};       // vertex and the triangle's three; or two and two
   std::uint32_t edges = 0;       // 1: edge and edge
   Real thickness = 0;            // wanted distance, m; less where they are closer at rest
-  Vec3 normal = Vec3::Zero();    // of this substep, from the second feature to the first
+  Vec3 normal = Vec3::Zero();    // of this part, from the second feature to the first
   Real distance = 0;             // at its start, m
-  std::uint32_t row = kNone;     // its contact row, if close enough
+  Real idle = 0;                 // s since the search, for which it cannot come close
+  std::uint32_t live = 0;        // 1: it may come close in this part
+};
+
+// Two cloths that touched in this step.
+struct NearTouch {
+  std::uint64_t pair = 0;        // slots of the two
+  std::uint32_t index = 0;       // of a vertex there, within its cloth
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from the first to the second
+  Real speed = 0, impulse = 0;   // m/s, N s
 };
 
 struct Cloth::Impl {
@@ -56,15 +65,19 @@ struct Cloth::Impl {
   Array<std::uint32_t> near_vertex;            // of the cloths that take part
   Array<std::uint32_t> near_triangle, near_edge;  // three and two vertices per item of the trees
   Array<Aabb> vertex_box, triangle_box, edge_box; // swept over the rest of the step, beside the drift
+  Array<Vec3> found_place, found_speed;           // by vertex, when the boxes were made
+  Array<Real> stray;                              // by vertex: what it may depart from that motion, m
   Array<std::uint32_t> found;
   BoxTree triangle_tree, edge_tree;
   Vec3 drift = Vec3::Zero();                   // mean velocity of free cloths, m/s
   Real since_found = 0;                        // s, since the boxes were made
-  Array<Row4> guard_start;                     // displacements at the start of the substep
-  Array<std::uint8_t> held_back;               // by vertex
-  Array<std::uint64_t> touching, touching_now; // pairs of sheets in contact, and their events
+  Array<Row4> guard_start;                     // displacements at the start of the part
+  Array<std::uint32_t> held_with;              // by vertex: one of its group, or kNone: not held
+  Array<Row4> held_momentum;                   // by lowest vertex of a group; w: mass
+  Array<std::uint64_t> touching;               // pairs of sheets in contact, as reported
+  Array<NearTouch> touching_now;
   std::uint64_t guarded = 0, clamped = 0;      // corrections of the last step
-  bool pairs_stale = true;                     // the boxes have been left
+  bool pairs_stale = true;                     // motion is not what it was at the search
 
   Sheet& sheet(ObjectId id) const { return *sheets[objects.index(id)]; }
   std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none
@@ -80,6 +93,7 @@ struct Cloth::Impl {
   void commit(StepContext& c);
 
   void choose_steps(StepContext& c);
+  double swing(const Sheet& s) const;
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);
   void add_wind(Sheet& s, double time);
@@ -89,6 +103,7 @@ struct Cloth::Impl {
   bool tear_at(Sheet& s, std::uint32_t link, StepContext& c);
   std::uint32_t split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& triangles);
   void lump_mass(Sheet& s);
+  void share_mass(Sheet& s);
 
   // rows.cpp
   void advance_movers(Real h);
@@ -105,15 +120,21 @@ struct Cloth::Impl {
   bool may_touch(const Sheet& a, const Sheet& b) const;
   Sheet& sheet_of(std::uint32_t vertex) const { return *sheets[objects.index(vertices.cloth[vertex])]; }
   Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
-  void find_pairs(StepContext& c);
-  void list_features(StepContext& c);
+  // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s.
+  void find_pairs(Real time, Real part);
+  void list_features(Real time, Real part);
   void add_pair(const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;
-  void make_near_rows(StepContext& c);
-  // guard.cpp: no pair crosses within a substep
-  void keep_in_boxes(StepContext& c);
-  void guard(StepContext& c);
+  void make_near_rows(Real time, Real part);
+  int near_parts(StepContext& c) const;        // of a substep
+  void collect_near();
+  // guard.cpp: no pair crosses within a part
+  void guard(Real part);
+  Vec3 astray(std::uint32_t vertex) const;     // beside the motion foreseen at the search, m
+  void keep_near_path(Real part);
   bool separate(NearPair& p, Real h, bool push);
+  void hold_back(Real part);
+  void share_momentum();
   void report_near(StepContext& c);
 };
 

@@ -1,7 +1,9 @@
-// Cloth against cloth, itself included: vertices near triangles and edges near edges. Candidates come once per step
-// from trees of boxes swept over the step (and again when a vertex leaves its box); in each substep their closest
-// points give rows that keep the thickness. Normals and weights stay as they are through a substep; that no pair
-// crosses meanwhile is the guard's work (guard.cpp).
+// Cloth against cloth, itself included: vertices near triangles and edges near edges. A search foresees uniform motion
+// for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could come close
+// then, from trees of swept boxes. The guard (guard.cpp) holds vertices to that, and asks for a new search before one
+// needs more: usually there is one search per step, and one per substep while cloth is being stopped.
+// In each substep the closest points of candidates give rows that keep the thickness. Normals and weights stay as they
+// are through a substep, or a part of one where something fast strikes; that no pair crosses meanwhile is the guard's.
 // A pair that is closer than the thickness at rest keeps to its rest distance.
 #include <algorithm>
 #include <cmath>
@@ -12,6 +14,8 @@ namespace feder {
 namespace {
 
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, where that is below the thickness
+constexpr Real kNear = Real(1.1);       // thicknesses, from which on a pair matters
+constexpr int kMostParts = 64;
 
 // Closest point of the triangle to p by barycentric weights (Ericson, Real-Time Collision Detection, 5.1.5).
 void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
@@ -80,9 +84,8 @@ bool Cloth::Impl::near_wanted() const {
 }
 
 // Vertices, triangles and edges of the cloths that take part, with the boxes they may move in.
-void Cloth::Impl::list_features(StepContext& c) {
+void Cloth::Impl::list_features(Real time, Real part) {
   near_vertex.clear(), near_triangle.clear(), near_edge.clear();
-  const Real time = c.dt - static_cast<Real>(c.substep) * c.h;
   drift = Vec3::Zero();
   Real mass = 0;
   bool free = true;
@@ -91,18 +94,23 @@ void Cloth::Impl::list_features(StepContext& c) {
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i) drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
   }
   drift = free ? Vec3(drift / mass) : Vec3(0, 0, 0);
-  vertex_box.resize(vertices.size());
+  vertex_box.resize(vertices.size()), found_place.resize(vertices.size()), found_speed.resize(vertices.size());
+  stray.resize(vertices.size());
   for (auto& s : sheets) {
     bool takes_part = false;
     for (auto& o : sheets) takes_part = takes_part || may_touch(*s, *o);
     if (!takes_part) continue;
-    const Real grow = s->settings.thickness;  // half for the thickness, half for what is not foreseen
+    const Real half = Real(0.5) * s->settings.thickness;
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
       near_vertex.push_back(i);
-      const Vec3 x = place(i), far = moved[i].w != 0 ? Vec3(x + time * (speed[i].vec() - drift)) : Vec3(x - time * drift);
+      found_place[i] = place(i);
+      found_speed[i] = moved[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
+      const Vec3 beside = found_speed[i] - drift, far = found_place[i] + time * beside;
+      // when the guard holds it back to the drift it strays by part |beside| more
+      stray[i] = moved[i].w != 0 ? half + part * length(beside) : Real(0);
       Aabb& b = vertex_box[i];
-      b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
-      b.grow(grow);
+      b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
+      b.grow(stray[i] + Real(1.1) * half);
     }
     for (const std::uint32_t v : s->mesh.triangles) near_triangle.push_back(s->first + v);
     for (const ClothEdge& e : s->mesh.edges) near_edge.push_back(s->first + e.a), near_edge.push_back(s->first + e.b);
@@ -124,20 +132,24 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   const Sheet &a = sheet_of(v[0]), &b = sheet_of(v[3]);
   if (!may_touch(a, b)) return;
   Real weight[4];
-  const Vec3 gap = gap_vector(v, edges, [&](std::uint32_t i) { return place(i); }, weight);
+  const Vec3 gap = gap_vector(v, edges, [&](std::uint32_t i) { return found_place[i]; }, weight);
   const Real distance = length(gap), wanted = Real(0.5) * (a.settings.thickness + b.settings.thickness);
   const std::uint32_t split = edges ? 2 : 1;
-  Real travel = 0;
+  Real closing = 0, own[2] = {0, 0};
+  for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], stray[v[i]]);
   for (std::uint32_t i = 0; i < split; ++i)
     for (std::uint32_t j = split; j < 4; ++j) {
-      const Vec3 u = speed[v[i]].vec() - speed[v[j]].vec();
-      travel = std::max(travel, dot(u, u));
+      const Vec3 u = found_speed[v[i]] - found_speed[v[j]];
+      closing = std::max(closing, dot(u, u));
     }
-  if (distance > 2 * wanted + time * std::sqrt(travel) || !(distance > Real(1e-5) * wanted)) return;
+  closing = std::sqrt(closing);
+  const Real free = distance - kNear * wanted - own[0] - own[1];  // m, to be closed by foreseen motion
+  if (free > time * closing || !(distance > Real(1e-5) * wanted)) return;
   NearPair p;
   std::copy(v, v + 4, p.v);
   p.edges = edges;
   p.thickness = wanted;
+  p.idle = free > 0 ? free / closing : Real(0);
   if (&a == &b) {
     Real rest_weight[4];
     const Real rest = length(gap_vector(v, edges, [&](std::uint32_t i) { return vertices.rest[i]; }, rest_weight));
@@ -146,18 +158,16 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   pairs.push_back(p);
 }
 
-void Cloth::Impl::find_pairs(StepContext& c) {
+void Cloth::Impl::find_pairs(Real time, Real part) {
   pairs_stale = false;
   since_found = 0;
   pairs.clear();
-  list_features(c);
-  const Real time = c.dt - static_cast<Real>(c.substep) * c.h;
+  list_features(time, part);
   triangle_tree.build({triangle_box.data(), triangle_box.size()});
   edge_tree.build({edge_box.data(), edge_box.size()});
   for (const std::uint32_t i : near_vertex) {
     found.clear();
     triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
-    std::sort(found.begin(), found.end());
     for (const std::uint32_t t : found) {
       const std::uint32_t* k = &near_triangle[3 * t];
       if (k[0] == i || k[1] == i || k[2] == i) continue;
@@ -169,7 +179,6 @@ void Cloth::Impl::find_pairs(StepContext& c) {
     edge_tree.query(edge_box[e], [&](std::uint32_t f) {
       if (f > e) found.push_back(f);
     });
-    std::sort(found.begin(), found.end());
     const std::uint32_t a = near_edge[2 * e], b = near_edge[2 * e + 1];
     for (const std::uint32_t f : found) {
       const std::uint32_t p = near_edge[2 * f], q = near_edge[2 * f + 1];
@@ -186,18 +195,27 @@ void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
   p.normal = normalized_or(gap, Vec3(0, 1, 0));
 }
 
-void Cloth::Impl::make_near_rows(StepContext& c) {
+// Where something strikes faster than the candidates foresee, a substep is searched and guarded in parts.
+int Cloth::Impl::near_parts(StepContext& c) const {
+  Real most = 1;
+  for (const auto& s : sheets)
+    if (s->active()) most = std::max(most, std::min(c.h * s->strike / (Real(0.5) * s->settings.thickness), Real(kMostParts)));
+  return std::min(static_cast<int>(std::ceil(most)), small_steps);
+}
+
+void Cloth::Impl::make_near_rows(Real time, Real part) {
   near_rows.clear();
-  if (!near_wanted()) return;
   guard_start.assign(moved.begin(), moved.end());
-  if (pairs_stale) find_pairs(c);
+  if (pairs_stale) find_pairs(time, part);
   for (NearPair& p : pairs) {
+    p.live = since_found + part >= p.idle;
+    if (!p.live) continue;
     Real weight[4];
     measure(p, weight);
     Vec3 u = Vec3::Zero(), d = Vec3::Zero();
     for (int k = 0; k < 4; ++k) u += weight[k] * speed[p.v[k]].vec(), d += weight[k] * moved[p.v[k]].vec();
     const Real closing = std::max(-dot(u, p.normal), Real(0));
-    if (p.distance > p.thickness + 2 * c.h * closing + Real(0.1) * p.thickness) continue;
+    if (p.distance > kNear * p.thickness + 2 * part * closing) continue;
     ClothRow r;
     std::copy(p.v, p.v + 4, r.vertex);
     std::copy(weight, weight + 4, r.weight);
@@ -207,6 +225,20 @@ void Cloth::Impl::make_near_rows(StepContext& c) {
     r.friction = std::sqrt(a.settings.friction * b.settings.friction);
     r.relaxation = std::min(a.solver->relaxation(), b.solver->relaxation());
     near_rows.push_back(r);
+  }
+}
+
+// Which cloths touched, for their events. Self-contact has none.
+void Cloth::Impl::collect_near() {
+  for (const ClothRow& r : near_rows) {
+    if (r.impulse == 0) continue;
+    const Sheet &a = sheet_of(r.vertex[0]), &b = sheet_of(r.vertex[3]);
+    if (&a == &b) continue;
+    const bool turned = a.object.slot > b.object.slot;
+    const std::uint64_t low = turned ? b.object.slot : a.object.slot, high = turned ? a.object.slot : b.object.slot;
+    const std::uint64_t pair = low << 32 | high;
+    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; })) continue;
+    touching_now.push_back({pair, r.vertex[0] - a.first, place(r.vertex[0]), turned ? r.normal : Vec3(-r.normal), r.approach, r.impulse});
   }
 }
 

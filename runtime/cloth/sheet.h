@@ -52,7 +52,7 @@ struct Sheet {
   std::uint64_t version = 1;       // of mesh and indices
   bool paths_stale = true;         // pins changed
   Real rows = 1, path = 1;         // links from the pins (or the middle) to the farthest vertex, and their length, m
-  Real impact = 0;                 // m/s^2, of this step
+  Real impact = 0, strike = 0;     // m/s^2 and m/s, of this step: what bodies that come at it do to it
   double bend_substeps = 1;        // for the solver's sake, when last asked
   Real bend_step = -1;             // s, of that question
   std::uint32_t bad_vertex = kNone;

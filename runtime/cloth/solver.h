@@ -41,6 +41,9 @@ class ClothSolver {
   // Small steps that a substep of h needs for what this solver can hold; 1 when it does not matter. From the rest
   // shape and the pins alone, so that a restored cloth gets the same answer.
   virtual double wanted_substeps(const ClothView& cloth, Real h) const = 0;
+  // By how many small steps the velocity it works with leads the true one in free fall: x after n small steps h is
+  // x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it.
+  virtual Real lead() const { return Real(0.5); }
   // What it remembers between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}

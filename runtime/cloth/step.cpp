@@ -2,7 +2,8 @@
 // that they may touch. What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
 // at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
 // chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
-// mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts.
+// mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a body
+// that comes at it, or its own swing, takes to be stopped is added.
 #include <algorithm>
 #include <cmath>
 
@@ -74,6 +75,19 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   }
 }
 
+// What turns or stops the cloth's own motion within its length: mean square speed beside the mean, over the path, m/s^2.
+double Cloth::Impl::swing(const Sheet& s) const {
+  Vec3 mean = Vec3::Zero();
+  double square = 0;
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
+    const Vec3& u = vertices.velocity[i];
+    mean += vertices.mass[i] * u;
+    square += double(vertices.mass[i]) * double(dot(u, u));
+  }
+  mean /= s.mass;
+  return std::fmax(square / double(s.mass) - (s.any_pin ? 0 : double(dot(mean, mean))), 0) / double(s.path);
+}
+
 void Cloth::Impl::choose_steps(StepContext& c) {
   small_steps = 1;
   for (auto& p : sheets) {
@@ -87,7 +101,8 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       double wanted = s.bend_substeps;
       if (s.solver->sheds_strain()) {
         const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
-        const double g = double(std::max({weight, s.state.pull, kLeastGravity})) * (1 + double(s.state.load / s.mass)) + double(s.impact);
+        const double g = double(std::max({weight, s.state.pull, kLeastGravity})) * (1 + double(s.state.load / s.mass)) +
+                         double(s.impact) + swing(s);
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
       }
@@ -106,7 +121,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
 
 // Work arrays of the step. A sleeping or frozen cloth cannot be moved.
 void Cloth::Impl::gather(Sheet& s, Real h) {
-  const Vec3 ahead = Real(0.5) * h * s.flight();
+  const Vec3 ahead = s.solver->lead() * h * s.flight();
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
     const Real w = s.active() ? vertices.inv_mass[i] : Real(0);
     const Vec3 u = w != 0 ? Vec3(vertices.velocity[i] - ahead) : Vec3(0, 0, 0);
@@ -147,7 +162,7 @@ void Cloth::Impl::prepare(StepContext& c) {
     if (s->active()) s->solver->prepare(view(*s), c);
   }
   pairs_stale = true;
-  pairs.clear();
+  pairs.clear(), near_rows.clear(), touching_now.clear();
 }
 
 void Cloth::Impl::solve(StepContext& c) {
@@ -157,10 +172,13 @@ void Cloth::Impl::solve(StepContext& c) {
   mover_shift.assign(mover_count, Vec3::Zero());
   mover_turn.assign(mover_count, Vec3::Zero());
   add_forces(c);
-  make_near_rows(c);
+  const bool near = near_wanted();
+  const int parts = near ? near_parts(c) : 1, every = (small_steps + parts - 1) / parts;
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   for (int k = 0; k < small_steps; ++k) {
     if (k > 0 && owner->on_small_step) owner->on_small_step(owner->on_small_step_self, c, k, small_steps);
+    const Real part = h * static_cast<Real>(std::min(every, small_steps - k));
+    if (near && k % every == 0) make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * h, part);
     const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
     for (auto& s : sheets)
       if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);
@@ -175,23 +193,29 @@ void Cloth::Impl::solve(StepContext& c) {
       stop_rebound(near_rows, h);
       stop_rebound(rows, h);
     }
+    const bool last = k + 1 == small_steps;
+    if (last)
+      for (auto& s : sheets)
+        if (s->active()) s->solver->damp(view(*s), c.h, c);
+    if (!near || (!last && (k + 1) % every != 0)) continue;
+    guard(h * static_cast<Real>(k % every + 1));
+    collect_near();
   }
-  for (auto& s : sheets)
-    if (s->active()) s->solver->damp(view(*s), c.h, c);
-  guard(c);
 }
 
 void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {
     const Real h = c.h / static_cast<Real>(small_steps);
     // whoever was pushed is not in free flight
-    for (auto& s : sheets)
+    for (auto& s : sheets) {
+      s->impact = s->strike = 0;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
+    }
     for (const ClothRow& r : rows)
       if (r.impulse > 0) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
     for (auto& s : sheets) {
       if (!s->active()) continue;
-      const Vec3 ahead = Real(0.5) * h * s->flight();
+      const Vec3 ahead = s->solver->lead() * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;
         const Vec3 x = vertices.position[i] + moved[i].vec(), v = speed[i].vec() + ahead;

@@ -1,7 +1,8 @@
 // Tearing: an edge stretched beyond `tear_strain` splits the cloth at one of its ends. The triangles round that vertex
 // are parted by the plane across the edge; each connected fan of them beyond the first gets a vertex of its own with
-// the same place and velocity, so momentum is kept (masses follow the triangles) and no vertex is shared by fans that
-// touch in a point only. Elements are made anew. The worst few edges of a step tear; allocates when it happens.
+// the same place and velocity, so momentum is kept, and no vertex is shared by fans that
+// touch in a point only. Elements are made anew; where a torn cell shares its mass out differently, mass takes its velocity
+// along. The worst few edges of a step tear; allocates when it happens.
 #include <algorithm>
 
 #include "cloth/impl.h"
@@ -19,6 +20,7 @@ std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const st
     array.insert(array.begin() + at, copy);
   });
   vertices.script_force[at] = Vec3::Zero();
+  vertices.mass[at] = 0;  // so far all of it is the first one's
   ++s.points, ++s.total;
   for (auto& o : sheets)
     if (o->first > s.first) ++o->first, ++o->version;
@@ -89,6 +91,25 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
   return false;
 }
 
+// Masses anew. What a vertex gives away, and with it its momentum, goes to those that gain.
+void Cloth::Impl::share_mass(Sheet& s) {
+  const std::vector<Real> before(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.points);
+  lump_mass(s);
+  Vec3 carried = Vec3::Zero();
+  Real given = 0;
+  for (std::uint32_t i = 0; i < s.points; ++i) {
+    const Real less = before[i] - vertices.mass[s.first + i];
+    if (less > 0) carried += less * vertices.velocity[s.first + i], given += less;
+  }
+  for (std::uint32_t i = 0; i < s.points; ++i) {
+    const Real more = vertices.mass[s.first + i] - before[i];
+    Vec3& v = vertices.velocity[s.first + i];
+    if (more > 0 && given > 0) v = (before[i] * v + more / given * carried) / vertices.mass[s.first + i];
+  }
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+    if (vertices.inv_mass[i] != 0) vertices.inv_mass[i] = 1 / vertices.mass[i];
+}
+
 void Cloth::Impl::tear(StepContext& c) {
   bool torn = false;
   for (auto& p : sheets) {
@@ -115,9 +136,7 @@ void Cloth::Impl::tear(StepContext& c) {
       s.paths_stale = true;
       std::vector<Vec3> rest(vertices.rest.begin() + s.first, vertices.rest.begin() + s.first + s.total);
       make_elements(s.mesh, rest, s.settings.stiffness);
-      lump_mass(s);
-      for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
-        if (vertices.inv_mass[i] != 0) vertices.inv_mass[i] = 1 / vertices.mass[i];
+      share_mass(s);
     }
   }
   if (!torn) return;

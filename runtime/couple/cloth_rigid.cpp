@@ -129,7 +129,6 @@ void ClothRigid::look_ahead(StepContext& c) {
   const Bodies& b = rigid_.bodies();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
     const Cloth::Info info = cloth_.info(n);
-    cloth_.set_impact(n, 0);
     if (info.asleep) continue;
     Aabb all, now;
     Vec3 mean = Vec3::Zero();
@@ -142,7 +141,7 @@ void ClothRigid::look_ahead(StepContext& c) {
     all.include(now);
     all.grow(info.thickness);
     const Real size = (now.hi - now.lo).maxCoeff();
-    Real impact = 0;
+    Real impact = 0, speed = 0;
     for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
       if (colliders_.motion[k] == ColliderMotion::none || colliders_.motion[k] == ColliderMotion::fixed || colliders_.sensor[k] ||
           colliders_.owner[k] != ObjectKind::body || !colliders_.awake[k] || !overlaps(all, reach_of(k, c)))
@@ -151,8 +150,9 @@ void ClothRigid::look_ahead(StepContext& c) {
       const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, kMostLoad) : Real(1);
       const Vec3 u = colliders_.velocity[k] - mean / mass;
       impact = std::max(impact, 2 * dot(u, u) / size * share);
+      speed = std::max(speed, length(u));
     }
-    cloth_.set_impact(n, impact);
+    cloth_.set_impact(n, impact, speed);
   }
 }
 

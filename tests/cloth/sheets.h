@@ -18,34 +18,27 @@ inline ClothDesc sheet(std::uint32_t nx, std::uint32_t ny, Real width, Real heig
 
 inline double component(const Vec3& v, int k) { return static_cast<double>(v[k]); }
 
-// Steps until the kinetic energy per mass stays small; the world's damping has to see to that.
-inline int settle(World& w, double least_seconds, double most_seconds, double speed) {
-  int steps = 0;
-  const double dt = w.desc().dt;
-  double mass = 0;
-  const ClothVertices& v = w.need<Cloth>().vertices();
-  for (std::uint32_t i = 0; i < v.size(); ++i) mass += static_cast<double>(v.mass[i]);
-  while (steps * dt < most_seconds) {
-    w.step();
-    ++steps;
-    if (steps * dt > least_seconds && w.energy().kinetic < 0.5 * mass * speed * speed) break;
-  }
-  return steps;
-}
-
 // All velocities to zero: the quickest way to rest for what swings slowly.
 inline void stop(Cloth& cloth, ObjectId id) {
   for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) cloth.set_velocity(id, i, Vec3(0, 0, 0));
 }
 
-// To rest: motion is taken out every few steps, and in each of the last second.
-inline void relax(World& w, ObjectId id, double seconds) {
+// To rest: all motion is taken out whenever kinetic energy has passed a peak (where forces balance), until peaks stay
+// below `speed` (m/s, mean) for half a second of the world.
+inline int relax(World& w, ObjectId id, double seconds, double speed = 2e-4) {
   Cloth& cloth = w.need<Cloth>();
+  double mass = 0, last = 0, quiet = 0;
+  for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) mass += static_cast<double>(cloth.point_mass(id, i));
   const int steps = static_cast<int>(seconds / w.desc().dt);
   for (int k = 0; k < steps; ++k) {
     w.step();
-    if (k % 6 == 0 || k > steps - 60) stop(cloth, id);
+    const double now = w.energy().kinetic;
+    quiet = now > 0.5 * mass * speed * speed ? 0 : quiet + w.desc().dt;
+    if (quiet > 0.5) return k;
+    if (now < last) stop(cloth, id);
+    last = now < last ? 0 : now;
   }
+  return steps;
 }
 
 }  // namespace feder::test
