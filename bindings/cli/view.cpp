@@ -24,7 +24,7 @@ class View final : public Command {
                                   "the same name stay where they are");
     a.text("--detail", detail_, "auto: as much as this machine draws fluently (default); full; plain: no smooth edges; "
                                 "least: no shadows");
-    a.text("--draw", o_.toggles, "what is drawn: contacts,joints,-springs ...");
+    a.text("--draw", o_.toggles, "what is drawn: contacts,joints,-springs ...; speed, density or pressure colours fluids");
     a.text("--select", o_.select, "name of the object to look at");
     a.flag("--no-panels", o_.hide_panels, "the scene alone (tab brings the panels)");
     a.flag("--console", o_.console, "with the console open");

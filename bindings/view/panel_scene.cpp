@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include "rigid/rigid.h"
 #include "rigid/solver.h"
@@ -147,6 +148,15 @@ void draw_toggles(Desk& desk) {
     if (column++ % 2 == 1) ImGui::SameLine(half + 12);
     ImGui::Checkbox(t.name, &(desk.toggles.*t.field));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", t.help);
+  }
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextDisabled("fluids by");
+  ImGui::SameLine(half + 12);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##scalar", desk.toggles.point_scalar)) {
+    for (const char* name : point_scalars())
+      if (ImGui::Selectable(name, std::string_view(name) == desk.toggles.point_scalar)) desk.toggles.point_scalar = name;
+    ImGui::EndCombo();
   }
 }
 

@@ -28,6 +28,11 @@ std::span<const ToggleInfo> toggle_list() {
   return list;
 }
 
+std::span<const char* const> point_scalars() {
+  static const char* const list[] = {"speed", "density", "pressure", "none"};
+  return list;
+}
+
 void set_toggles(Toggles& toggles, std::string_view list) {
   while (!list.empty()) {
     const std::size_t comma = list.find(',');
@@ -36,12 +41,22 @@ void set_toggles(Toggles& toggles, std::string_view list) {
     const bool on = !word.starts_with('-');
     if (!on) word.remove_prefix(1);
     const ToggleInfo* found = nullptr;
+    const char* scalar = nullptr;
     std::string known;
     std::vector<std::string> names;
     for (const ToggleInfo& t : toggle_list()) {
       if (word == t.name) found = &t;
       known += (known.empty() ? "" : ", ") + std::string(t.name);
       names.emplace_back(t.name);
+    }
+    for (const char* name : point_scalars()) {
+      if (word == name) scalar = name;
+      known += ", " + std::string(name);
+      names.emplace_back(name);
+    }
+    if (scalar) {
+      toggles.point_scalar = on ? scalar : "none";
+      continue;
     }
     if (!found) {
       const std::string near = nearest_name(std::string(word), names);

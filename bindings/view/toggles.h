@@ -31,7 +31,8 @@ struct ToggleInfo {
   bool Toggles::*field;
 };
 std::span<const ToggleInfo> toggle_list();
-// "contacts,joints" on, "-springs" off; SceneError that lists the known names.
+std::span<const char* const> point_scalars();
+// "contacts,joints" on, "-springs" off, "density" colours points by it; SceneError that lists the known names.
 void set_toggles(Toggles& toggles, std::string_view list);
 
 }  // namespace feder::view

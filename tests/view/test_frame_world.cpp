@@ -90,6 +90,9 @@ TEST_CASE("toggles are found by name", "[view]") {
   CHECK(t.contacts);
   CHECK(t.joints);
   CHECK(!t.springs);
+  set_toggles(t, "pressure,-points");
+  CHECK(std::string(t.point_scalar) == "pressure");
+  CHECK_FALSE(t.points);
   CHECK_THROWS_WITH(set_toggles(t, "contakts"), Catch::Contains("did you mean 'contacts'"));
 }
 
