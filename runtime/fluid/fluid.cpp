@@ -79,6 +79,9 @@ void Fluid::add_rows(StepPlan& plan) {
   for (const auto& p : m->pools) most += p->capacity();
   if (most == 0) return;
   if (!m->emitters.empty()) plan.add<&Impl::emit>(Stage::advance, When::each_substep, 22, "emit", kName, m);
+  bool fresh = false;
+  for (const auto& p : m->pools) fresh = fresh || p->fresh;
+  if (fresh) plan.add<&Impl::relax>(Stage::advance, When::each_substep, 24, "make room", kName, m);
   for (auto& s : m->solvers)
     if (s && !s->pools.empty()) s->add_rows(plan);
   plan.add<&Impl::guard>(Stage::solve, When::each_substep, 40, "guard walls", kName, m);
@@ -119,7 +122,7 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
   *m.structure_changed = true;
 }
 
-// Cells of the lattice are centred in the shape's box, as many as fit best.
+// Whole cells of the lattice that fit into the shape's box, centred in it, but from its bottom upwards.
 std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const Vec3& velocity) {
   FluidPool& p = impl_->pool(id);
   const Aabb box = shape.bounds(Pose{});
@@ -130,13 +133,13 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
   for (int k = 0; k < 3; ++k) {
     const double size = static_cast<double>(box.hi[k]) - static_cast<double>(box.lo[k]);
     if (!(size < 1e9)) throw SceneError("fluid: fill: expected a shape of finite size");
-    const double n = k == 2 && p.dimension == 2 ? 1 : std::max(1.0, std::floor(size / d + 0.5));
+    const double n = k == 2 && p.dimension == 2 ? 1 : std::max(1.0, std::floor(size / d + 0.01));
     total *= n;
     if (total > 4e9)
       throw SceneError("fluid: fill: the shape holds too many particles of spacing " + std::to_string(d));
     cells[k] = static_cast<int>(n);
-    first[k] =
-        static_cast<Real>((static_cast<double>(box.lo[k]) + static_cast<double>(box.hi[k])) / 2 - (n - 1) * d / 2);
+    const double low = box.lo[k], middle = (low + static_cast<double>(box.hi[k])) / 2;
+    first[k] = static_cast<Real>(k == 1 && n * d < size ? low + d / 2 : middle - (n - 1) * d / 2);
     if (k == 2 && p.dimension == 2) first[k] = 0;
   }
   std::vector<Vec3> points;
@@ -168,6 +171,7 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
     const Real dx = rng.uniform(-e, e), dy = rng.uniform(-e, e), dz = rng.uniform(-e, e);
     p.add(vec3(x[0] + dx, x[1] + dy, p.dimension == 2 ? Real(0) : x[2] + dz), velocity);
   }
+  p.fresh = true;
   *m.structure_changed = true;
   return points.size();
 }

@@ -50,6 +50,7 @@ struct Fluid::Impl {
 
   // Rows.
   void emit(StepContext& c);
+  void relax(StepContext& c);
   void guard(StepContext& c);
   void drain(StepContext& c);
   void check(StepContext& c);

@@ -51,6 +51,7 @@ struct FluidPool {
   Real last_h = 0;      // s, of the substep that left lambda
   Real sound = 0;       // wcsph: speed of sound of the last substep, m/s
   bool frozen = false;  // quarantined
+  bool fresh = false;   // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
   // Work.

@@ -1,5 +1,6 @@
 // Integrals as sums over rings (3D) or pairs (2D) at height z above the particle: dV = 2 pi q dq dz or 2 dq dz,
-// u^2 = z^2 + q^2. Of the friction, the part of the offset along the wall counts: q^2/2 on average over a ring, q^2 in 2D.
+// u^2 = z^2 + q^2. Of the friction, the part of the offset along the wall counts: q^2/2 on average over a ring, q^2 in
+// 2D.
 #include "sph/wall_table.h"
 
 #include <algorithm>
@@ -33,12 +34,27 @@ Layer layer(const Kernel& k, int d, double z) {
   return sum;
 }
 
+// Of v_x = y^2, whose Laplacian is 2: what a neighbour adds that slides by, on average over its places.
+double row_viscosity(const Kernel& k, int d, double support, int x, int y, int z) {
+  constexpr int kPlaces = 8;
+  double sum = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = x + static_cast<double>(i) / kPlaces, r2 = along * along + y * y + z * z;
+    const double u = std::sqrt(r2) / support;
+    if (u >= 1) continue;
+    const double unit = 1 / std::pow(support, d + 2);
+    sum += k.radial_viscosity ? -(d + 2) * unit * k.viscosity.slope(d, u) * along * along * y * y / r2
+                              : unit * k.viscosity.laplacian(d, u) * y * y / 2;
+  }
+  return sum / kPlaces;
+}
+
 }  // namespace
 
 LatticeSums lattice_sums(const Kernel& k, int d, double support) {
   LatticeSums s;
   const int n = static_cast<int>(support) + 1;
-  const double scale = d == 3 ? 1 / (support * support * support) : 1 / (support * support);
+  const double scale = 1 / std::pow(support, d);
   for (int x = -n; x <= n; ++x)
     for (int y = -n; y <= n; ++y)
       for (int z = d == 3 ? -n : 0; z <= (d == 3 ? n : 0); ++z) {
@@ -46,12 +62,7 @@ LatticeSums lattice_sums(const Kernel& k, int d, double support) {
         s.whole += scale * k.density.value(d, u);
         const double slope = scale * k.gradient.slope(d, u) * u / support;
         if (u > 0) s.squares += slope * slope;
-        if (u > 0 && u < 1) {
-          // of v_x = y^2, whose Laplacian is 2
-          const double unit = scale / (support * support);
-          s.viscosity += k.radial_viscosity ? -(d + 2) * unit * k.viscosity.slope(d, u) * x * x * y * y / (x * x + y * y + z * z)
-                                            : unit * k.viscosity.laplacian(d, u) * y * y / 2;
-        }
+        if (y != 0) s.viscosity += row_viscosity(k, d, support, x, y, z);
         if (y >= 0) continue;
         s.missing += scale * k.density.value(d, u);
         s.missing_slope += scale * k.gradient.slope(d, u) * -y / (support * support);

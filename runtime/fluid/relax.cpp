@@ -1,0 +1,95 @@
+// New particles find room before they move: where a fill lies on another, on a body, or on a lattice that does not fit
+// between its walls, the fluid would burst at once. Positions alone are corrected, by Jacobi steps of the density
+// constraint as in pbf.cpp, each at most a fifth of a spacing; velocities stay, bodies do not feel it. A lattice
+// that fits is left as it is.
+// Weak spot: what has no room at all (a closed box that is overfull) stays too dense and is left to the solver, as are
+// thousands of particles on one spot.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr int kMostRounds = 300;
+constexpr int kPatience = 40;          // rounds in which it must get better
+constexpr Real kCarry = Real(0.85);    // of the last move into the next (Polyak's heavy ball): room spreads far sooner
+constexpr Real kAllowed = Real(0.02);  // excess of density that nobody minds
+constexpr Real kHopeless = 5;          // a crowd that rounds of a fifth of a spacing would not part
+constexpr Real kRelax = Real(0.5);     // 2 over the largest eigenvalue, see pbf.cpp
+constexpr Real kMostExcess = Real(0.5);
+constexpr Real kMostMove = Real(0.2);  // spacings in a round
+
+// Multipliers, in m^2, into the weights of the particles; the largest excess.
+Real excess_of(FluidPool& p, JobPool& jobs) {
+  const SweepInput in = p.sweep_input();
+  const Real rs = p.support * p.support * p.slope_factor * p.slope_factor;
+  jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Real crowd = p.value_factor * p.move[i].w + p.own_value;
+      Real walled = 0, steep = 0;
+      for (const WallContact& k : p.contacts_of(i)) {
+        const WallSample s = p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support);
+        walled += s.value;
+        steep += s.slope * s.slope / (p.support * p.support);
+      }
+      const Real slope = (p.slope_factor * p.move[i].vec()).squaredNorm() + steep + rs * p.squares[i];
+      const Real excess = std::min(crowd + walled - 1, kMostExcess);
+      p.ratio[i] = crowd + walled;
+      p.sum[i] = excess > 0 ? -kRelax * excess / std::max(p.least_squares, slope) : Real(0);
+    }
+  });
+  Real most = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) most = std::max(most, p.ratio[i] - 1);
+  return most;
+}
+
+void make_way(FluidPool& p, JobPool& jobs) {
+  for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = p.sum[i];
+  const SweepInput in = p.sweep_input();
+  const Real longest = kMostMove * p.desc.spacing;
+  jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->push(in, first, last, &p.move[0].x);
+    for (std::uint32_t i = first; i < last; ++i) {
+      Vec3 move = p.slope_factor * p.move[i].vec();
+      for (const WallContact& k : p.contacts_of(i)) {
+        const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
+        move -= p.x[i].w * p.table->at(d / p.support).slope / p.support * k.normal;
+      }
+      move += kCarry * p.extra[i].vec();
+      const Real far = length(move);
+      p.move[i].set(far > longest ? Vec3(longest / far * move) : move);
+    }
+  });
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    p.x[i].set(p.x[i].vec() + p.move[i].vec());
+    p.x[i].w = 0;
+    p.extra[i] = p.move[i];
+  }
+}
+
+}  // namespace
+
+void Fluid::Impl::relax(StepContext& c) {
+  for (auto& pool : pools) {
+    FluidPool& p = *pool;
+    if (!p.fresh || p.frozen || p.count == 0) continue;
+    p.fresh = false;
+    std::fill(p.extra.begin(), p.extra.begin() + p.count, Row4Real{});
+    p.sort_by_cell();
+    Real best = kInfinity;
+    for (int round = 0, since = 0; round < kMostRounds && since < kPatience; ++round, ++since) {
+      p.find_neighbors(*c.jobs, 0);
+      std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+      p.find_contacts(*c.jobs, walls, 0, c.gravity, true);
+      const Real most = excess_of(p, *c.jobs);
+      if (most <= kAllowed || (round == 0 && most > kHopeless)) break;
+      if (most < Real(0.95) * best) best = most, since = 0;
+      make_way(p, *c.jobs);
+    }
+  }
+}
+
+}  // namespace feder
