@@ -68,5 +68,7 @@ inline constexpr double kShare = 0.05;  // of the simulated time: sanitizers loo
 inline constexpr double kShare = 1;
 #endif
 inline constexpr bool kFull = kShare == 1;
+// The double build, three times as slow, leaves out what is long only because it has many particles.
+inline constexpr bool kLarge = kFull && sizeof(Real) == sizeof(float);
 
 }  // namespace feder

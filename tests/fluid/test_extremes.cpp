@@ -14,7 +14,7 @@ TEST_CASE("ten thousand particles on one spot burst but stay finite", "[fluid][e
   CAPTURE(d.solver);
   Fluid& f = w.need<Fluid>();
   const ObjectId id = f.add_fluid(d);
-  const std::vector<Vec3> spot(kFull ? 10000 : 2000, vec3(Real(0.5), Real(0.5), Real(0.5)));
+  const std::vector<Vec3> spot(kLarge ? 10000 : 2000, vec3(Real(0.5), Real(0.5), Real(0.5)));
   f.fill(id, spot, Vec3::Zero());
   const int steps = kFull ? 12 : 2;
   for (int s = 0; s < steps; ++s) w.step();
