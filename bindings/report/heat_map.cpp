@@ -35,6 +35,8 @@ struct Shade {
 constexpr Shade kShades[] = {{1e-6, "#08589e", "below 1e-6"}, {1e-4, "#2b8cbe", "below 1e-4"}, {1e-2, "#7bccc4", "below 1e-2"},
                              {1e-1, "#ccebc5", "below 1e-1"}, {1e300, "#f0f9e8", "above 1e-1"}};
 
+constexpr const char* kNoError = "#ffffff";  // stable, with nothing to compare to
+
 std::vector<double> sorted_values(const std::vector<HeatCell>& cells, double HeatCell::* member) {
   std::set<double> values;
   for (const HeatCell& c : cells) values.insert(c.*member);
@@ -131,8 +133,9 @@ void draw_map(Svg& svg, const Box& f, const HeatMap& m, double label_size, bool 
 double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMap*>& maps) {
   std::set<std::string> seen;
   std::string theory, boundary;
+  bool unknown = false;
   for (const HeatMap* m : maps) {
-    for (const HeatCell& c : m->cells) seen.insert(c.verdict);
+    for (const HeatCell& c : m->cells) seen.insert(c.verdict), unknown = unknown || (c.verdict == "stable" && std::isnan(c.error));
     if (m->theory.size() > 1) theory = m->theory_label;
     if (m->boundary.size() > 1) boundary = m->boundary_label;
   }
@@ -150,6 +153,7 @@ double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMa
     svg.text({at.x, y + 2}, "stable, by end error", {12});
     y += kRow;
     for (const Shade& s : kShades) entry(s.color, s.words, "");
+    if (unknown) entry(kNoError, "not judged", "");
   }
   for (const std::string& name : seen) entry(fill_of(svg, {0, 0, name, 0, ""}), name, "");
   const auto line = [&](const std::string& words, const Stroke& stroke) {
@@ -173,6 +177,7 @@ const VerdictStyle& verdict_style(const std::string& verdict) {
 }
 
 const char* error_shade(double error) {
+  if (std::isnan(error)) return kNoError;
   for (const Shade& s : kShades)
     if (error < s.below) return s.color;
   return kShades[4].color;
@@ -195,7 +200,9 @@ std::string heat_map_svg(const HeatMap& given, bool inline_page) {
 std::string heat_sheet_svg(const std::string& name, const std::string& title, const std::vector<HeatMap>& maps, int columns,
                            bool inline_page) {
   const double width = 1200, legend = 190, left = 66, top = 56;
-  const int count = static_cast<int>(maps.size()), rows = (count + columns - 1) / columns;
+  const int count = static_cast<int>(maps.size());
+  columns = std::clamp(count, 2, columns);
+  const int rows = (count + columns - 1) / columns;
   const double cell_w = (width - left - legend - 30) / columns, cell_h = std::max(150.0, cell_w * 0.78);
   const double height = std::max(top + rows * cell_h + 60, 460.0);
   Svg svg(name, width, height, title);
@@ -212,7 +219,7 @@ std::string heat_sheet_svg(const std::string& name, const std::string& title, co
     draw_map(svg, f, m, 10, k + columns >= count, column == 0);
   }
   if (count) {
-    svg.text({left + columns * cell_w / 2, height - 16}, fitted[0].x.label, {13, "middle"});
+    svg.text({left + columns * cell_w / 2, top + rows * cell_h + 44}, fitted[0].x.label, {13, "middle"});
     svg.text({18, top + rows * cell_h / 2}, fitted[0].y.label, {13, "middle", kInk, false, -90});
   }
   draw_legend(svg, {width - legend, top + 28}, legend - 10, all);

@@ -9,7 +9,7 @@ namespace feder {
 namespace {
 
 constexpr Real kSupport = Real(0.3);   // cosine to gravity, from which on a contact carries
-constexpr Real kMostLoad = 50;         // times the cloth's mass: heavier loads get no smaller steps
+constexpr Real kMostLoad = 50;         // times the cloth's mass: what lies on it may be carried by something below
 
 }  // namespace
 
@@ -101,6 +101,12 @@ bool ClothRigid::attached(std::uint32_t vertex, ObjectId body) const {
   for (const Cloth::Attachment& a : cloth_.attachments())
     if (a.vertex == vertex && a.body == body) return true;
   return false;
+}
+
+Real ClothRigid::attachments_of(ObjectId body, ObjectId cloth) const {
+  Real count = 0;
+  for (const Cloth::Attachment& a : cloth_.attachments()) count += a.body == body && a.cloth == cloth;
+  return count;
 }
 
 std::uint32_t ClothRigid::touch_of(ObjectId cloth, ObjectId body) {
@@ -271,7 +277,7 @@ void ClothRigid::finish(StepContext& c) {
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
     const Cloth::Info info = cloth_.info(n);
     if (info.asleep) continue;
-    Real load = 0, own = 0;
+    Real load = 0, own = 0, hung = 0;
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
     for (const Touch& t : touches_) {
       if (t.cloth != info.object || !t.seen || !objects_.alive(t.body)) continue;
@@ -283,10 +289,11 @@ void ClothRigid::finish(StepContext& c) {
       if (a.cloth != info.object || !objects_.alive(a.body)) continue;
       const std::uint32_t body = rigid_.index(a.body);
       if (b.type[body] != BodyType::dynamic) continue;
-      load += b.mass[body];
+      // by vertex: one body hangs on many
+      hung += b.mass[body] / attachments_of(a.body, a.cloth);
       if (info.moving && !b.awake[body]) rigid_.wake(a.body, WakeCause::cloth, a.cloth);
     }
-    cloth_.set_load(n, std::min(load, kMostLoad * own));
+    cloth_.set_load(n, std::min(load, kMostLoad * own) + hung);
   }
   // begin, stay and end, in the order of the objects
   std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {

@@ -71,6 +71,7 @@ class ClothRigid final : public System {
   void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3], const Vec3& normal,
                Real gap, const Vec3& point);
   std::uint32_t touch_of(ObjectId cloth, ObjectId body);
+  Real attachments_of(ObjectId body, ObjectId cloth) const;
   bool attached(std::uint32_t vertex, ObjectId body) const;
   Vec3 vertex_place(std::uint32_t i) const { return cloth_.vertices().position[i] + cloth_.moved()[i].vec(); }
 

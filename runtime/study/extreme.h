@@ -16,7 +16,7 @@ struct ExtremeOutcome {
 };
 
 struct ExtremeCase {
-  const char* system;    // "springs", "rigid", "world"
+  const char* system;    // "springs", "rigid", "cloth", "world"
   const char* name;
   const char* expected;  // one sentence
   bool slow;             // takes more than about a second
@@ -25,6 +25,7 @@ struct ExtremeCase {
 
 std::span<const ExtremeCase> extreme_spring_cases();
 std::span<const ExtremeCase> extreme_rigid_cases();
+std::span<const ExtremeCase> extreme_cloth_cases();  // where cloth is built
 std::vector<ExtremeCase> extreme_cases();  // all
 
 // Runs `act`, which must throw a SceneError that contains `word`, and asks `hash` before and after.

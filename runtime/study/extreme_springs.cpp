@@ -202,6 +202,9 @@ std::span<const ExtremeCase> extreme_spring_cases() { return kCases; }
 std::vector<ExtremeCase> extreme_cases() {
   std::vector<ExtremeCase> all;
   for (const auto cases : {extreme_spring_cases(), extreme_rigid_cases()}) all.insert(all.end(), cases.begin(), cases.end());
+#ifdef FEDER_HAS_CLOTH
+  all.insert(all.end(), extreme_cloth_cases().begin(), extreme_cloth_cases().end());
+#endif
   return all;
 }
 

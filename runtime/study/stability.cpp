@@ -243,6 +243,9 @@ const char* name_of(Verdict v) {
 }
 
 StabilityResult run_stability(const StabilityPlan& plan) {
+#ifdef FEDER_HAS_CLOTH
+  if (is_cloth_stability(plan.problem)) return run_cloth_stability(plan);
+#endif
   const auto problem = find_variant(stability_problems(), plan.problem, "stability problem").make();
   std::vector<std::string> methods = plan.methods;
   if (methods.empty())

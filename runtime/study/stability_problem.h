@@ -43,4 +43,9 @@ struct StabilityProblemRow {
 };
 std::span<const StabilityProblemRow> stability_problems();
 
+// Maps of cloth, by its solvers; where cloth is built.
+std::vector<StabilityProblemInfo> cloth_stability_infos();
+bool is_cloth_stability(std::string_view problem);
+StabilityResult run_cloth_stability(const StabilityPlan& plan);
+
 }  // namespace feder

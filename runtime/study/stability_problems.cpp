@@ -200,6 +200,9 @@ std::span<const StabilityProblemRow> stability_problems() {
 std::vector<StabilityProblemInfo> stability_problem_infos() {
   std::vector<StabilityProblemInfo> out;
   for (const StabilityProblemRow& row : stability_problems()) out.push_back(row.make()->info());
+#ifdef FEDER_HAS_CLOTH
+  for (const StabilityProblemInfo& info : cloth_stability_infos()) out.push_back(info);
+#endif
   return out;
 }
 

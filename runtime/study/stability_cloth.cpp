@@ -1,0 +1,209 @@
+// Stability maps of cloth, by solver: a sheet hung by its border with a body at the other, and a sheet that falls on a
+// ball. Nobody gives small steps: the library chooses them, and says in a warning where its cap ends that (then a wrong
+// answer comes with that warning as the entity).
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/solver.h"
+#include "couple/cloth_rigid.h"
+#include "study/stability_problem.h"
+#include "world/world.h"
+
+namespace feder {
+namespace {
+
+constexpr double kGravity = 9.81;
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+                                            &ClothRigid::descriptor()};
+
+struct ClothCell {
+  std::unique_ptr<World> world;
+  ObjectId cloth, body;
+  double seconds = 2;
+  double energy = 1;               // J, scale
+  double length = 1;               // m, that the cloth may reach
+  // Of the end state, by the length; NaN: not judged.
+  double (*error)(ClothCell&) = nullptr;
+  double expected = NAN;
+};
+
+std::vector<double> decades(int lo, int hi) {
+  std::vector<double> out;
+  for (int k = lo; k <= hi; ++k) out.push_back(std::pow(10.0, k));
+  return out;
+}
+
+std::unique_ptr<World> make_world(double rate) {
+  WorldDesc d;
+  d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
+  d.dt = 1 / rate;
+  d.sleeping = false;
+  return std::make_unique<World>(d, kCatalog);
+}
+
+ClothDesc square(const std::string& solver, double stiffness) {
+  ClothDesc d;
+  d.nx = d.ny = 11;
+  d.solver = solver;
+  d.stretch = static_cast<Real>(stiffness);
+  d.damping = Real(0.02);
+  return d;
+}
+
+// x = stretch stiffness, y = mass of the bar at the lower border by that of the sheet.
+ClothCell hung(const std::string& solver, double x, double y) {
+  ClothCell c;
+  c.world = make_world(60);
+  Cloth& cloth = c.world->need<Cloth>();
+  Rigid& rigid = c.world->need<Rigid>();
+  ClothDesc d = square(solver, x);
+  d.self_collision = false;
+  d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
+  d.pin_names = {"top"};
+  c.cloth = cloth.add_cloth(d);
+  const double mass = static_cast<double>(d.area_density) * y;
+  const double strain = (mass + 0.5 * static_cast<double>(d.area_density)) * kGravity / x;
+  BodyDesc bar;
+  bar.shape = make_box(1, Real(0.05), Real(0.05));
+  bar.mass = static_cast<Real>(mass);
+  bar.group = 0;  // it only hangs there
+  bar.position = cloth.point(c.cloth, 110 + 5);
+  c.body = rigid.add_body(bar);
+  for (std::size_t i = 110; i < 121; ++i) cloth.attach(c.cloth, i, c.body, to_local(rigid.pose(c.body), cloth.point(c.cloth, i)));
+  c.energy = (mass + static_cast<double>(d.area_density)) * kGravity * (1 + 2 * strain);
+  c.length = 1 + 2 * strain;
+  c.expected = strain < 0.2 ? strain : NAN;  // else it is still falling when time is up
+  c.error = [](ClothCell& e) {
+    const Vec3 top = e.world->need<Cloth>().point(e.cloth, 5), low = e.world->need<Cloth>().point(e.cloth, 115);
+    return std::fabs(static_cast<double>(length(top - low)) - 1 - e.expected);
+  };
+  return c;
+}
+
+// x = stretch stiffness, y = steps a second. It must not pass the ball, nor stretch where its material would not.
+ClothCell draped(const std::string& solver, double x, double y) {
+  ClothCell c;
+  c.world = make_world(y);
+  Cloth& cloth = c.world->need<Cloth>();
+  BodyDesc ball;
+  ball.type = BodyType::fixed;
+  ball.shape = make_sphere(Real(0.3));
+  ball.friction_static = ball.friction_dynamic = 1;
+  c.body = c.world->need<Rigid>().add_body(ball);
+  ClothDesc d = square(solver, x);
+  d.pose.position = Vec3(0, Real(0.5), 0);
+  d.friction = 1;
+  c.cloth = cloth.add_cloth(d);
+  c.length = 1 + 2 * kGravity * static_cast<double>(d.area_density) / x;
+  c.energy = static_cast<double>(d.area_density) * kGravity * c.length;
+  c.expected = x >= 100 ? 0 : NAN;
+  c.error = [](ClothCell& e) {
+    double deepest = 0;
+    const Cloth& cloth = e.world->need<Cloth>();
+    for (std::size_t i = 0; i < cloth.vertex_count(e.cloth); ++i)
+      deepest = std::max(deepest, 0.3 - static_cast<double>(length(cloth.point(e.cloth, i))));
+    return deepest > 0.01 ? deepest + 0.1 : std::max(0.0, static_cast<double>(cloth.max_strain(e.cloth)) - 0.05);
+  };
+  return c;
+}
+
+struct ClothMapRow {
+  StabilityProblemInfo info;
+  ClothCell (*make)(const std::string& solver, double x, double y);
+};
+
+const std::vector<ClothMapRow>& rows() {
+  static const std::vector<ClothMapRow> table = {
+      {{"hanging_sheet", "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s",
+        {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6)},
+        {"ratio", "mass ratio", "", true, decades(0, 4)}, false},
+       &hung},
+      {{"drape", "a sheet of 10 x 10 cells falls on a ball",
+        {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6)},
+        {"rate", "steps per second", "1/s", false, {15, 30, 60, 120, 240}}, false},
+       &draped}};
+  return table;
+}
+
+const ClothMapRow* find_row(std::string_view name) {
+  for (const ClothMapRow& r : rows())
+    if (r.info.name == name) return &r;
+  return nullptr;
+}
+
+double total(World& w) {
+  const Energy e = w.energy();
+  return e.kinetic + e.potential + e.elastic;
+}
+
+StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double x, double y, const StabilityThresholds& limits) {
+  StabilityCell cell;
+  cell.x = x, cell.y = y;
+  ClothCell c = row.make(solver, x, y);
+  Arena unused("stability");
+  const bool sheds = find_variant(cloth_solvers(), solver, "cloth solver").make(unused, Params())->sheds_strain();
+  World& w = *c.world;
+  const double start = total(w);
+  const int steps = static_cast<int>(std::lround(c.seconds / w.desc().dt));
+  double most = 0, late = 0, second = 0;
+  for (int k = 0; k < steps; ++k) {
+    w.step();
+    for (const Event& e : w.events().list())
+      if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
+    const double gained = total(w) - start;
+    most = std::max(most, gained);
+    if (4 * k >= 3 * steps) late = std::max(late, gained);
+    else if (4 * k >= steps && 2 * k < steps) second = std::max(second, gained);
+    const bool finite = w.is_finite();
+    if (finite && std::isfinite(gained) && gained < limits.energy * c.energy) continue;
+    // as for nets: the overflow of an explicit method, which was warned of, is divergence
+    cell.verdict = finite || !sheds ? Verdict::diverged : Verdict::nan;
+    cell.t_fail = w.time();
+    break;
+  }
+  cell.energy_ratio = most / c.energy;
+  if (cell.verdict != Verdict::stable) return cell;
+  if (!std::isnan(c.expected)) cell.error = c.error(c) / c.length;
+  if (late > limits.growth * second && late > (limits.growth_start - 1) * c.energy) cell.verdict = Verdict::growing;
+  else if (cell.error > limits.inaccurate) cell.verdict = Verdict::inaccurate;
+  return cell;
+}
+
+}  // namespace
+
+bool is_cloth_stability(std::string_view problem) { return find_row(problem) != nullptr; }
+
+std::vector<StabilityProblemInfo> cloth_stability_infos() {
+  std::vector<StabilityProblemInfo> out;
+  for (const ClothMapRow& r : rows()) out.push_back(r.info);
+  return out;
+}
+
+StabilityResult run_cloth_stability(const StabilityPlan& plan) {
+  const ClothMapRow& row = *find_row(plan.problem);
+  std::vector<std::string> methods = plan.methods;
+  if (methods.empty())
+    for (const Variant<ClothSolver>& v : cloth_solvers()) methods.push_back(v.name);
+  StabilityResult result;
+  result.thresholds = plan.thresholds;
+  result.real = kRealName;
+  for (const std::string& m : methods) {
+    find_variant(cloth_solvers(), m, "cloth solver");
+    StabilityMap map;
+    map.problem = row.info.name, map.method = m;
+    map.x = row.info.x, map.y = row.info.y;
+    if (!plan.x_values.empty()) map.x.values = plan.x_values;
+    if (!plan.y_values.empty()) map.y.values = plan.y_values;
+    std::size_t stable = 0;
+    for (const double y : map.y.values)
+      for (const double x : map.x.values) {
+        map.cells.push_back(run_cell(row, m, x, y, plan.thresholds));
+        stable += map.cells.back().verdict == Verdict::stable;
+      }
+    map.stable_share = static_cast<double>(stable) / static_cast<double>(map.cells.size());
+    result.maps.push_back(std::move(map));
+  }
+  return result;
+}
+
+}  // namespace feder
