@@ -43,7 +43,7 @@ class Pbf final : public FluidSolver {
   Real pressure(const FluidPool& p, std::uint32_t i) const override {
     if (!(p.last_h > 0)) return 0;
     const Real r2 = p.ratio[i] * p.ratio[i];
-    return r2 * (-p.lambda[i] / (p.last_h * p.last_h * p.volume) - p.cohesion / 2);
+    return -r2 * p.lambda[i] / (p.last_h * p.last_h * p.volume) - p.inward;
   }
 
  private:
@@ -151,10 +151,15 @@ void Pbf::correct(FluidPool& p, bool first_round, Real relax, StepContext& c) {
 
 // Moves particles by the weights, and bodies against them.
 void Pbf::displace(FluidPool& p, StepContext& c) {
-  const SweepInput in = p.sweep_input();
+  SweepInput in = p.sweep_input();
   const Real inv_mass = 1 / p.mass, rate = 1 / c.h;
+  // Along the lines of the substep's start, as SHAKE does, angular momentum is kept. Where the particles are predicted,
+  // pressure against cohesion turns a drop faster and faster; pressure against gravity turns nothing, and is spared it.
+  p.start[p.count] = {};
+  in.velocity = &p.start[0].x;
+  const auto push = p.desc.surface_tension > 0 ? p.sweeps->push_from : p.sweeps->push;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    p.sweeps->push(in, first, last, &p.move[0].x);
+    push(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
       for (WallContact& k : p.contacts_of(i)) {

@@ -34,7 +34,8 @@ struct FluidPool {
   Real own_value;      // what a particle adds to its own density
   Real least_squares;  // what the squared gradients of a density are taken to be at least, 1/m^2
   Real viscous_scale;  // of viscosity, see pool.cpp
-  Real cohesion;       // energy density of full cohesion that gives the surface tension, Pa
+  Real cohesion;       // largest force between two particles that gives the surface tension, N
+  Real inward;         // pressure inside that balances it, Pa
   Real guard;          // least distance from a wall, m
   const Kernel* kernel;
   const Sweeps* sweeps;
@@ -74,6 +75,7 @@ struct FluidPool {
   void grow(std::uint32_t wanted);                       // outside steps
   void add(const Vec3& position, const Vec3& velocity);  // there is room
   void remove_marked(const Array<std::uint8_t>& gone);   // keeps the order
+  void find_cohesion();
   void put_sentinel();
 
   // Sorts the particles (and `start`) by cell.

@@ -28,9 +28,7 @@ class Wcsph final : public FluidSolver {
   void add_rows(StepPlan& plan) override {
     plan.add<&Wcsph::advance>(Stage::advance, When::each_substep, 25, "wcsph substeps", Fluid::kName, this);
   }
-  Real pressure(const FluidPool& p, std::uint32_t i) const override {
-    return tait(p, p.ratio[i]) - p.cohesion / 2 * p.ratio[i] * p.ratio[i];
-  }
+  Real pressure(const FluidPool& p, std::uint32_t i) const override { return tait(p, p.ratio[i]) - p.inward; }
 
  private:
   struct Plan {
@@ -90,7 +88,7 @@ Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
   // the bodies' pressure counts like a column of the same weight: what they press on is not known before
   const Real gh = high - low, nu = p.desc.viscosity / p.desc.density;
   const Real speed = std::sqrt(speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
-  const Real tension = p.cohesion / p.desc.density;
+  const Real tension = p.inward / p.desc.density;
   const Real floor2 = std::max({speed2, wall_speed * wall_speed, gh, g * p.desc.spacing, nu * speed / height, tension});
   Real sound = std::sqrt(floor2 / p.desc.compression);
 

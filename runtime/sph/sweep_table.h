@@ -23,6 +23,9 @@ struct Sweeps {
   void (*slopes)(const SweepInput&, unsigned first, unsigned last, WideReal* out4, WideReal* squares);
   void (*push)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);         // (w_i + w_j) g x
   void (*push_damped)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // the same, with damping
+  // (w_i + w_j) g y, with y = y_i - y_j for other places y, given instead of the velocities
+  void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
+  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);       // cohesion(u) x / u
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);      // see Kernel::radial_viscosity
 };
 

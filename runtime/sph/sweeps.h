@@ -105,6 +105,21 @@ struct SweepsOf {
     }
   }
 
+  static void push_from(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support);
+    for (unsigned i = first; i < last; ++i) {
+      const Four own = spread(s.points + 4ul * i), y0 = spread(s.velocity + 4ul * i);
+      Lanes x = zero_lanes(), y = x, z = x;
+      each_eight(s, i, [&](const unsigned* at) {
+        const Four other = gather(s.points, at), y1 = gather(s.velocity, at);
+        const Pair p = pair(own, other, inv);
+        const Lanes f = Gradient::slope(p.u) * (own.w + other.w);
+        x += f * (y0.x - y1.x), y += f * (y0.y - y1.y), z += f * (y0.z - y1.z);
+      });
+      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
+    }
+  }
+
   // Artificial viscosity of Monaghan 1992: only between particles that approach.
   static void push_damped(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft), damp = all_lanes(s.damping);
@@ -117,6 +132,24 @@ struct SweepsOf {
         const Lanes closing = (v.x - vo.x) * p.x + (v.y - vo.y) * p.y + (v.z - vo.z) * p.z;
         const Lanes r2 = p.x * p.x + p.y * p.y + p.z * p.z;
         const Lanes f = Gradient::slope(p.u) * ((own.w + other.w) - damp * min(closing, zero_lanes()) / (r2 + soft));
+        x += f * p.x, y += f * p.y, z += f * p.z;
+      });
+      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
+    }
+  }
+
+  // Akinci, Akinci & Teschner 2013: attraction that is strongest at half the support and turns round close by. 1 at most.
+  static void cohere(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support), tiny = all_lanes(WideReal(1e-3));
+    for (unsigned i = first; i < last; ++i) {
+      const Four own = spread(s.points + 4ul * i);
+      Lanes x = zero_lanes(), y = x, z = x;
+      each_eight(s, i, [&](const unsigned* at) {
+        const Pair p = pair(own, gather(s.points, at), inv);
+        const Lanes a = (all_lanes(1) - p.u) * p.u, a3 = all_lanes(64) * a * a * a;
+        const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
+        const LaneMask close = p.u < all_lanes(WideReal(0.5));
+        const Lanes f = (a3 + select(close, near, zero_lanes())) / max(p.u, tiny);
         x += f * p.x, y += f * p.y, z += f * p.z;
       });
       out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
@@ -138,7 +171,7 @@ struct SweepsOf {
     }
   }
 
-  static constexpr Sweeps table() { return {values, slopes, push, push_damped, viscous}; }
+  static constexpr Sweeps table() { return {values, slopes, push, push_damped, push_from, cohere, viscous}; }
 };
 
 // Viscous pair term of Monaghan & Gingold 1983: along the line between the particles, so that it keeps angular momentum.

@@ -68,12 +68,17 @@ LatticeSums lattice_sums(const Kernel& k, int d, double support) {
         s.missing_slope += scale * k.gradient.slope(d, u) * -y / (support * support);
       }
   s.viscosity /= s.whole;
-  constexpr int kCuts = 2000;
-  for (int i = 0; i < kCuts; ++i) {
-    const double u = (i + 0.5) / kCuts;
-    s.half_moment += support / kCuts * (d == 3 ? kPi * u * u * u : 2 * u * u) * k.density.value(d, u);
-  }
   return s;
+}
+
+double cohesion_moment(int power) {
+  constexpr int kCuts = 4000;
+  double sum = 0;
+  for (int i = 0; i < kCuts; ++i) {
+    const double u = (i + 0.5) / kCuts, a = u * (1 - u), a3 = 64 * a * a * a;
+    sum += std::pow(u, power) * (u < 0.5 ? a3 + std::min(a3 - 1, 0.0) : a3) / kCuts;
+  }
+  return sum;
 }
 
 WallTable::WallTable(const Kernel& kernel, int d, double support) {

@@ -44,11 +44,13 @@ class WallTable {
 // Of a particle on a lattice of spacing 1 with the kernel's support in spacings: the kernel's sum over the whole
 // lattice (itself included), and over what lies beyond the particle's layer on one side, with the slope of that sum
 // by the distance to that side; and the sum of the squared gradients of the whole.
-// `viscosity`: what the sums over pairs make of a shear whose rows slide over each other, 1 when exact. `half_moment`: the integral of
-// height times kernel over a half space, no lattice, in spacings.
+// `viscosity`: what the sums over pairs make of a shear whose rows slide over each other, 1 when exact.
 struct LatticeSums {
-  double whole = 0, missing = 0, missing_slope = 0, squares = 0, viscosity = 0, half_moment = 0;
+  double whole = 0, missing = 0, missing_slope = 0, squares = 0, viscosity = 0;
 };
 LatticeSums lattice_sums(const Kernel& kernel, int dimension, double support);
+
+// Of the cohesion of the sums over neighbours (sweeps.h): the integral of u^power cohesion(u) over [0, 1].
+double cohesion_moment(int power);
 
 }  // namespace feder

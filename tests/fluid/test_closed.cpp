@@ -165,8 +165,8 @@ TEST_CASE("a floating beam lies as deep as its density says", "[fluid][closed]")
     check_draught("wcsph", 2, GENERATE(0.2, 0.9));
   }
   if (kLarge) SECTION("in space") {
-    check_draught("pbf", 3, GENERATE(0.2, 0.9));
-  }
+      check_draught("pbf", 3, GENERATE(0.2, 0.9));
+    }
 }
 
 TEST_CASE("what enters the body has left the fluid", "[fluid][closed]") {

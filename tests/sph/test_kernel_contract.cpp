@@ -160,6 +160,8 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
     s.push(in, 0, n, four.data()), out.push_back(four);
     s.push_damped(in, 0, n, four.data()), out.push_back(four);
     s.viscous(in, 0, n, four.data()), out.push_back(four);
+    s.cohere(in, 0, n, four.data()), out.push_back(four);
+    s.push_from(in, 0, n, four.data()), out.push_back(four);
     return out;
   };
   const auto plain = run(*k.sweeps);
