@@ -2,7 +2,7 @@
 // of a linear motion, have not met in between (x(t).n is linear). The plane's normal is that of the closest points at
 // the start; the guard makes each vertex of the one side stay beyond each of the other along it by a share of the
 // distance they had: first by pushing pairs apart as their masses say (momentum is kept), then, should that not
-// settle, by holding vertices back to the common drift, which always ends.
+// settle, by moving zones of vertices as one, which always ends.
 // Rows do the real work; the guard acts where they failed. Its corrections are counted in the residuals.
 #include <algorithm>
 
@@ -57,55 +57,78 @@ bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
   return good;
 }
 
-// Vertices that strayed, and those of pairs that are not apart, go back to where the part began, but for the drift; until
-// all is well, at the latest when nobody has moved. Those held together go on with their common velocity.
-void Cloth::Impl::hold_back(Real part) {
-  held_with.assign(moved.size(), kNone);
-  const auto hold = [&](std::uint32_t i) {
-    if (held_with[i] != kNone || moved[i].w == 0) return false;
-    held_with[i] = i, ++guarded;
-    moved[i].set(guard_start[i].vec() + part * drift);
-    return true;
-  };
-  for (const std::uint32_t i : near_vertex)
-    if (length(astray(i)) > stray[i]) hold(i);
-  for (bool any = true; any;) {
-    any = false;
-    for (NearPair& p : pairs) {
-      if (separate(p, 1, false)) continue;
-      for (const std::uint32_t i : p.v) any = hold(i) || any;
-    }
-  }
-  share_momentum();
+// The first vertex of the group that `i` is held with.
+std::uint32_t Cloth::Impl::held_root(std::uint32_t i) {
+  while (held_with[i] != i) i = held_with[i] = held_with[held_with[i]];
+  return i;
 }
 
-// Groups of held vertices that are in one pair, by their lowest member.
-void Cloth::Impl::share_momentum() {
-  const auto root = [&](std::uint32_t i) {
-    while (held_with[i] != i) i = held_with[i] = held_with[held_with[i]];
-    return i;
+// Zones of impact (Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997):
+// the vertices of pairs that are not apart go on together, from where the part began, with their common velocity.
+// Moved alike they are as far apart as they were, so growing the zones until no pair is left ends. A zone with a held
+// vertex in it stays. Relative motion is lost, momentum is kept.
+void Cloth::Impl::hold_back(Real part) {
+  held_with.assign(moved.size(), kNone);
+  const auto join = [&](std::uint32_t& root, std::uint32_t i) {
+    if (held_with[i] == kNone) held_with[i] = i, ++guarded;
+    const std::uint32_t other = held_root(i);
+    if (root == other) return false;
+    if (root == kNone) {
+      root = other;
+      return false;
+    }
+    held_with[std::max(root, other)] = std::min(root, other);
+    root = std::min(root, other);
+    return true;
   };
-  for (const NearPair& p : pairs) {
-    if (!p.live) continue;
-    std::uint32_t first = kNone;
-    for (const std::uint32_t i : p.v) {
-      if (held_with[i] == kNone) continue;
-      const std::uint32_t r = root(i);
-      if (first == kNone || first == r) {
-        first = r;
-        continue;
-      }
-      held_with[std::max(first, r)] = first = std::min(first, r);
+  for (const std::uint32_t i : near_vertex) {
+    std::uint32_t root = kNone;
+    if (moved[i].w != 0 && length(astray(i)) > stray[i]) join(root, i);
+  }
+  for (bool grown = true; grown;) {
+    move_zones(part);
+    grown = false;
+    for (NearPair& p : pairs) {
+      if (separate(p, 1, false)) continue;
+      std::uint32_t root = kNone;
+      const std::uint64_t before = guarded;
+      for (const std::uint32_t i : p.v) grown = join(root, i) || grown;
+      grown = grown || guarded != before;
     }
   }
-  held_momentum.assign(moved.size(), Row4{0, 0, 0, 0});
+  for (const std::uint32_t i : near_vertex)
+    if (held_with[i] != kNone && moved[i].w != 0) speed[i].set(zone[held_root(i)].vec());
+}
+
+// Velocities of the zones, and their vertices moved by them, as far as the search allows.
+void Cloth::Impl::move_zones(Real part) {
+  zone.assign(moved.size(), Row4{0, 0, 0, 0});
+  zone_share.assign(moved.size(), Real(1));
   for (const std::uint32_t i : near_vertex) {
     if (held_with[i] == kNone) continue;
-    Row4& sum = held_momentum[root(i)];
-    sum.add(vertices.mass[i] * speed[i].vec()), sum.w += vertices.mass[i];
+    Row4& z = zone[held_root(i)];
+    if (moved[i].w == 0)
+      z.w = kInfinity;
+    else
+      z.add(vertices.mass[i] * speed[i].vec()), z.w += vertices.mass[i];
   }
   for (const std::uint32_t i : near_vertex)
-    if (held_with[i] != kNone) speed[i].set(held_momentum[root(i)].vec() / held_momentum[root(i)].w);
+    if (held_with[i] == i) zone[i].set(zone[i].w < kInfinity ? Vec3(zone[i].vec() / zone[i].w) : Vec3(0, 0, 0));
+  for (const std::uint32_t i : near_vertex) {  // |a + s b| <= stray has the share s in it
+    if (held_with[i] == kNone || moved[i].w == 0) continue;
+    const std::uint32_t r = held_root(i);
+    moved[i].set(guard_start[i].vec() + part * drift);
+    const Vec3 a = astray(i), b = part * (zone[r].vec() - drift);
+    const Real bb = dot(b, b), ab = dot(a, b), spare = Real(0.998) * stray[i] * stray[i] - dot(a, a);
+    if (spare >= bb + 2 * ab) continue;
+    const Real s = spare > 0 && bb > 0 ? (std::sqrt(ab * ab + bb * spare) - ab) / bb : Real(0);
+    zone_share[r] = std::min(zone_share[r], s);
+  }
+  for (const std::uint32_t i : near_vertex) {
+    if (held_with[i] == kNone || moved[i].w == 0) continue;
+    const std::uint32_t r = held_root(i);
+    if (zone[r].w < kInfinity) moved[i].add((part * zone_share[r]) * (zone[r].vec() - drift));
+  }
 }
 
 void Cloth::Impl::guard(Real part) {

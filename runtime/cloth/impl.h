@@ -73,7 +73,8 @@ struct Cloth::Impl {
   Real since_found = 0;                        // s, since the boxes were made
   Array<Row4> guard_start;                     // displacements at the start of the part
   Array<std::uint32_t> held_with;              // by vertex: one of its group, or kNone: not held
-  Array<Row4> held_momentum;                   // by lowest vertex of a group; w: mass
+  Array<Row4> zone;                            // by lowest vertex of a group: velocity; w: mass
+  Array<Real> zone_share;                      // of the way it would go
   Array<std::uint64_t> touching;               // pairs of sheets in contact, as reported
   Array<NearTouch> touching_now;
   std::uint64_t guarded = 0, clamped = 0;      // corrections of the last step
@@ -134,7 +135,8 @@ struct Cloth::Impl {
   void keep_near_path(Real part);
   bool separate(NearPair& p, Real h, bool push);
   void hold_back(Real part);
-  void share_momentum();
+  std::uint32_t held_root(std::uint32_t vertex);
+  void move_zones(Real part);
   void report_near(StepContext& c);
 };
 
