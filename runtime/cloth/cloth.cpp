@@ -81,7 +81,7 @@ Cloth::Impl::Impl(SystemSetup& s)
       pairs(&arena), near_vertex(&arena), near_triangle(&arena), near_edge(&arena), vertex_box(&arena),
       triangle_box(&arena), edge_box(&arena), found_place(&arena), found_speed(&arena), stray(&arena), found(&arena),
       triangle_tree(arena), edge_tree(arena), guard_start(&arena),
-      held_with(&arena), zone(&arena), zone_share(&arena), touching(&arena), touching_now(&arena) {}
+      held_with(&arena), zones(&arena), wished(&arena), touching(&arena), touching_now(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {

@@ -11,7 +11,9 @@
 namespace feder {
 namespace {
 constexpr int kPasses = 12;
-constexpr Real kKept = Real(0.1);  // of the distance, in one substep
+constexpr Real kKept = Real(0.1);        // of the distance, in one substep
+constexpr Real kKeptInZone = Real(0.2);  // the rest is for rounding
+constexpr Real kSearched = Real(0.999);  // of the way that the search allows
 }  // namespace
 
 // Where a vertex is, beside where it was foreseen to be.
@@ -28,7 +30,7 @@ void Cloth::Impl::keep_near_path(Real part) {
     pairs_stale = pairs_stale || far > most || part * faster > most;
     if (!(far > stray[i])) continue;
     ++clamped;
-    moved[i].add((Real(0.999) * stray[i] / far - 1) * off);
+    moved[i].add((kSearched * stray[i] / far - 1) * off);
   }
 }
 
@@ -64,22 +66,21 @@ std::uint32_t Cloth::Impl::held_root(std::uint32_t i) {
 }
 
 // Zones of impact (Provot, "Collision and self-collision handling in cloth model dedicated to design garments", 1997):
-// the vertices of pairs that are not apart go on together, from where the part began, with their common velocity.
-// Moved alike they are as far apart as they were, so growing the zones until no pair is left ends. A zone with a held
-// vertex in it stays. Relative motion is lost, momentum is kept.
+// the vertices of pairs that are not apart go on from where the part began with their common velocity, and with as much
+// of their motion beside it as leaves all of them apart; the same share for all, so that momentum is kept. Without that
+// share they are as far apart as they were, so growing the zones until no pair is left ends. A zone with a held vertex
+// in it has no common velocity.
 void Cloth::Impl::hold_back(Real part) {
   held_with.assign(moved.size(), kNone);
+  wished.assign(moved.begin(), moved.end());
   const auto join = [&](std::uint32_t& root, std::uint32_t i) {
-    if (held_with[i] == kNone) held_with[i] = i, ++guarded;
+    const bool fresh = held_with[i] == kNone;
+    if (fresh) held_with[i] = i, ++guarded;
     const std::uint32_t other = held_root(i);
-    if (root == other) return false;
-    if (root == kNone) {
-      root = other;
-      return false;
-    }
-    held_with[std::max(root, other)] = std::min(root, other);
+    const bool merged = root != kNone && root != other;
+    if (merged) held_with[std::max(root, other)] = std::min(root, other);
     root = std::min(root, other);
-    return true;
+    return fresh || merged;
   };
   for (const std::uint32_t i : near_vertex) {
     std::uint32_t root = kNone;
@@ -91,44 +92,72 @@ void Cloth::Impl::hold_back(Real part) {
     for (NearPair& p : pairs) {
       if (separate(p, 1, false)) continue;
       std::uint32_t root = kNone;
-      const std::uint64_t before = guarded;
       for (const std::uint32_t i : p.v) grown = join(root, i) || grown;
-      grown = grown || guarded != before;
     }
   }
-  for (const std::uint32_t i : near_vertex)
-    if (held_with[i] != kNone && moved[i].w != 0) speed[i].set(zone[held_root(i)].vec());
+  for (const std::uint32_t i : near_vertex) {
+    if (held_with[i] == kNone || moved[i].w == 0) continue;
+    const Zone& z = zones[held_root(i)];
+    speed[i].set(z.velocity + z.freedom * (speed[i].vec() - z.velocity));
+  }
+}
+
+// The largest s in [0, 1] with |a + s b| <= r.
+Real share_within(const Vec3& a, const Vec3& b, Real r) {
+  const Real bb = dot(b, b), ab = dot(a, b), spare = r * r - dot(a, a);
+  if (spare >= bb + 2 * ab) return 1;
+  return spare > 0 && bb > 0 ? (std::sqrt(ab * ab + bb * spare) - ab) / bb : Real(0);
 }
 
 // Velocities of the zones, and their vertices moved by them, as far as the search allows.
 void Cloth::Impl::move_zones(Real part) {
-  zone.assign(moved.size(), Row4{0, 0, 0, 0});
-  zone_share.assign(moved.size(), Real(1));
-  for (const std::uint32_t i : near_vertex) {
-    if (held_with[i] == kNone) continue;
-    Row4& z = zone[held_root(i)];
-    if (moved[i].w == 0)
-      z.w = kInfinity;
-    else
-      z.add(vertices.mass[i] * speed[i].vec()), z.w += vertices.mass[i];
-  }
+  zones.assign(moved.size(), Zone());
+  const auto each = [&](auto&& f) {
+    for (const std::uint32_t i : near_vertex)
+      if (held_with[i] != kNone) f(i, zones[held_root(i)]);
+  };
+  each([&](std::uint32_t i, Zone& z) {
+    z.held = z.held || moved[i].w == 0;
+    z.velocity += vertices.mass[i] * speed[i].vec(), z.mass += vertices.mass[i];
+  });
   for (const std::uint32_t i : near_vertex)
-    if (held_with[i] == i) zone[i].set(zone[i].w < kInfinity ? Vec3(zone[i].vec() / zone[i].w) : Vec3(0, 0, 0));
-  for (const std::uint32_t i : near_vertex) {  // |a + s b| <= stray has the share s in it
-    if (held_with[i] == kNone || moved[i].w == 0) continue;
-    const std::uint32_t r = held_root(i);
+    if (held_with[i] == i) zones[i].velocity = zones[i].held ? Vec3(0, 0, 0) : Vec3(zones[i].velocity / zones[i].mass);
+  each([&](std::uint32_t i, Zone& z) {
+    if (moved[i].w == 0) return;
     moved[i].set(guard_start[i].vec() + part * drift);
-    const Vec3 a = astray(i), b = part * (zone[r].vec() - drift);
-    const Real bb = dot(b, b), ab = dot(a, b), spare = Real(0.998) * stray[i] * stray[i] - dot(a, a);
-    if (spare >= bb + 2 * ab) continue;
-    const Real s = spare > 0 && bb > 0 ? (std::sqrt(ab * ab + bb * spare) - ab) / bb : Real(0);
-    zone_share[r] = std::min(zone_share[r], s);
+    if (!z.held) z.share = std::min(z.share, share_within(astray(i), part * (z.velocity - drift), kSearched * stray[i]));
+  });
+  each([&](std::uint32_t i, Zone& z) {
+    if (moved[i].w == 0) return;
+    if (!z.held) moved[i].add((part * z.share) * (z.velocity - drift));
+    z.freedom = std::min(z.freedom, share_within(astray(i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
+  });
+  for (const NearPair& p : pairs)
+    if (p.live && held_with[p.v[0]] != kNone) {
+      Zone& z = zones[held_root(p.v[0])];
+      z.freedom = std::min(z.freedom, freedom(p));
+    }
+  each([&](std::uint32_t i, Zone& z) {
+    if (moved[i].w != 0) moved[i].add(z.freedom * (wished[i].vec() - moved[i].vec()));
+  });
+}
+
+// Which share of the way from `moved` to `wished` keeps the pair apart, if it is within one zone.
+Real Cloth::Impl::freedom(const NearPair& p) {
+  const std::uint32_t root = held_root(p.v[0]), split = p.edges ? 2 : 1;
+  Real now[4], wish[4], share = 1;
+  for (int k = 0; k < 4; ++k) {
+    if (held_with[p.v[k]] == kNone || held_root(p.v[k]) != root) return 1;
+    now[k] = dot(p.normal, place(p.v[k]) - place(p.v[0]));
+    wish[k] = now[k] + dot(p.normal, wished[p.v[k]].vec() - moved[p.v[k]].vec());
   }
-  for (const std::uint32_t i : near_vertex) {
-    if (held_with[i] == kNone || moved[i].w == 0) continue;
-    const std::uint32_t r = held_root(i);
-    if (zone[r].w < kInfinity) moved[i].add((part * zone_share[r]) * (zone[r].vec() - drift));
-  }
+  const Real kept = kKeptInZone * p.distance;
+  for (std::uint32_t i = 0; i < split; ++i)
+    for (std::uint32_t j = split; j < 4; ++j) {
+      const Real gap = now[i] - now[j], then = wish[i] - wish[j];
+      if (then < kept) share = std::min(share, gap > kept ? (gap - kept) / (gap - then) : Real(0));
+    }
+  return share;
 }
 
 void Cloth::Impl::guard(Real part) {

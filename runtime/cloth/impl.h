@@ -21,6 +21,15 @@ struct NearPair {
   std::uint32_t live = 0;        // 1: it may come close in this part
 };
 
+// Vertices that the guard moves as one.
+struct Zone {
+  Vec3 velocity = Vec3::Zero();  // their momentum while it is summed up, m/s
+  Real mass = 0;
+  Real share = 1;                // of the way it would go with that velocity
+  Real freedom = 1;              // of its vertices' motion beside it
+  bool held = false;             // a pinned vertex is in it
+};
+
 // Two cloths that touched in this step.
 struct NearTouch {
   std::uint64_t pair = 0;        // slots of the two
@@ -73,8 +82,8 @@ struct Cloth::Impl {
   Real since_found = 0;                        // s, since the boxes were made
   Array<Row4> guard_start;                     // displacements at the start of the part
   Array<std::uint32_t> held_with;              // by vertex: one of its group, or kNone: not held
-  Array<Row4> zone;                            // by lowest vertex of a group: velocity; w: mass
-  Array<Real> zone_share;                      // of the way it would go
+  Array<Zone> zones;                           // by lowest vertex
+  Array<Row4> wished;                          // displacements before the zones were made
   Array<std::uint64_t> touching;               // pairs of sheets in contact, as reported
   Array<NearTouch> touching_now;
   std::uint64_t guarded = 0, clamped = 0;      // corrections of the last step
@@ -137,6 +146,7 @@ struct Cloth::Impl {
   void hold_back(Real part);
   std::uint32_t held_root(std::uint32_t vertex);
   void move_zones(Real part);
+  Real freedom(const NearPair& p);
   void report_near(StepContext& c);
 };
 
