@@ -21,7 +21,7 @@
 namespace feder::lua {
 namespace {
 
-constexpr const char* kVersion = "0.1.0";
+constexpr const char* kVersion = FEDER_VERSION;
 
 int feder_world(lua_State* L) {
   State& s = state(L);
