@@ -100,14 +100,16 @@ class Stability final : public Command {
     }
     plan.x_values = values(x_, "--x"), plan.y_values = values(y_, "--y");
     if (suite_ == "core") {
-      if (plan.x_values.empty()) plan.x_values = every_other(info->x.values);
-      if (plan.y_values.empty()) plan.y_values = every_other(info->y.values);
+      if (plan.x_values.empty()) plan.x_values = core_values(info->x);
+      if (plan.y_values.empty()) plan.y_values = core_values(info->y);
     }
     return plan;
   }
 
-  // Both ends and every second value between.
-  static std::vector<double> every_other(const std::vector<double>& all) {
+  // What the axis says; else both ends and every second value between.
+  static std::vector<double> core_values(const StabilityAxis& axis) {
+    if (!axis.core.empty()) return axis.core;
+    const std::vector<double>& all = axis.values;
     std::vector<double> out;
     for (std::size_t k = 0; k < all.size(); k += 2) out.push_back(all[k]);
     if (!all.empty() && out.back() != all.back()) out.push_back(all.back());

@@ -17,6 +17,7 @@ namespace {
 constexpr int kMaxBasis = 36;
 constexpr int kSmall = kMaxBasis + 2;
 constexpr double kTolerance = sizeof(Real) == 4 ? 1e-7 : 1e-13;
+constexpr double kHopeless = 0.1;  // error of the smallest part, relative: more such parts would not be better than one
 constexpr double kClosed = 1e-14;  // what is left of a vector, relative, when the space is invariant
 
 // c = a b, row-major n x n
@@ -207,6 +208,7 @@ bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b
       tau /= 2;
       wrong = error(basis, tau);
     }
+    if (!last && !(wrong <= kHopeless * tau)) tau = h - done, wrong = error(basis, tau);
     if (!(wrong <= kTolerance * tau)) met = false;
     move(basis, tau);
     next = 2 * tau;  // tried from there: each trial costs an exponential

@@ -34,6 +34,7 @@ struct StabilityThresholds {
   double damped = 0.1;          // damped: energy lost beyond the model's losses, by the energy scale
   double inaccurate = 0.1;      // inaccurate: error at the end, by the scene's length
   double constraint = 0.01;     // inaccurate: largest violation
+  double penetration = 0.05;    // inaccurate: deepest contact at the end, by the size of the smallest body
   double slow = 0.01;           // slow: share of steps that missed the tolerance
 };
 
@@ -43,6 +44,7 @@ struct StabilityAxis {
   std::string unit;             // "" = pure number
   bool logarithmic = true;
   std::vector<double> values;
+  std::vector<double> core = {};  // those of the suite `core`; empty: every other value
 };
 
 struct StabilityCell {
@@ -95,6 +97,7 @@ struct StabilityProblemInfo {
   std::string name, summary;
   StabilityAxis x, y;
   bool bisects = false;                // limits are known and can be bisected
+  std::string family = "net";          // or "rigid": run by integrators, or by rigid solvers
 };
 std::vector<StabilityProblemInfo> stability_problem_infos();
 

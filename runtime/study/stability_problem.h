@@ -1,4 +1,4 @@
-// Scenes of the stability maps: nets whose exact motion is known, or computed finely. Private to the module.
+// Problems of the stability maps: nets and bodies whose exact motion is known, or computed finely. Private to the module.
 #pragma once
 #include <memory>
 #include <vector>
@@ -11,7 +11,6 @@ namespace feder {
 struct StabilityScene {
   NetDesc net;
   std::vector<std::size_t> pins;
-  std::vector<Vec3> rest;       // positions without motion; limits are bisected on the distance from them
   Vec3 gravity = Vec3::Zero();
   double h = 1.0 / 60;          // s
   int steps = 200;
@@ -23,11 +22,32 @@ struct StabilityScene {
   double damping_ratio = 0;     // of that
 };
 
+struct StabilityMethod {
+  std::string name;
+  int order = 0;
+  bool implicit = false;
+};
+
+// A table of cells. Nets are run by integrators, bodies by rigid solvers.
 class StabilityProblem {
  public:
   virtual ~StabilityProblem() = default;
   virtual StabilityProblemInfo info() const = 0;
-  // For a cell of the map; for_limit: started so that the fastest mode shows (chains: on that mode).
+  virtual std::vector<StabilityMethod> methods() const = 0;
+  virtual StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const = 0;
+  // Only where info().bisects.
+  virtual StabilityLimit limit(const std::string& /*method*/, double /*y*/) const { return {}; }
+  virtual std::string limit_how() const { return ""; }
+};
+
+class NetStability : public StabilityProblem {
+ public:
+  std::vector<StabilityMethod> methods() const override;
+  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override;
+  StabilityLimit limit(const std::string& method, double y) const override;
+  std::string limit_how() const override;
+
+  // For a cell of the map; for_limit: linear, around the origin, started on the fastest mode with amplitude 1.
   virtual StabilityScene scene(double x, double y, bool for_limit) const = 0;
   // Exact positions and energy (above rest) at t of the scene for (x, y). False: not known.
   virtual bool reference(double x, double y, double t, std::vector<Vec3d>& positions, double& energy) const = 0;
@@ -37,11 +57,20 @@ class StabilityProblem {
   virtual bool single_oscillator() const { return false; }
 };
 
+// Energies and displacements of a run, step by step, and what they amount to.
+struct StabilityTrace {
+  std::vector<double> energy, exact_energy;  // J, above rest; exact_energy empty: not known
+  double moved = 0, reference_moved = 0;     // m, largest displacement of a point
+};
+Verdict judge(const StabilityTrace& trace, double length, double energy, const StabilityThresholds& limits,
+              const StabilityCell& cell);
+
 struct StabilityProblemRow {
   const char* name;
   std::unique_ptr<StabilityProblem> (*make)();
 };
 std::span<const StabilityProblemRow> stability_problems();
+std::span<const StabilityProblemRow> rigid_stability_problems();
 
 // Maps of cloth, by its solvers; where cloth is built.
 std::vector<StabilityProblemInfo> cloth_stability_infos();

@@ -28,7 +28,7 @@ int run_steps(double period) {
 }
 
 // x = k h^2/m, y = damping ratio: a mass on a spring of rest length zero.
-class OscillatorProblem final : public StabilityProblem {
+class OscillatorProblem final : public NetStability {
  public:
   StabilityProblemInfo info() const override {
     return {"oscillator", "one mass on a linear spring, released from 1 m",
@@ -72,12 +72,12 @@ class OscillatorProblem final : public StabilityProblem {
 };
 
 // x = k h^2/m, y = number of free masses between two walls (numerics 2.4, fixed-fixed), moving along the chain.
-class ChainProblem final : public StabilityProblem {
+class ChainProblem final : public NetStability {
  public:
   StabilityProblemInfo info() const override {
     return {"chain", "equal masses between two walls, longitudinal, on the slowest mode",
             {"kh2m", "stiffness k h\u00b2/m", "", true, decades(-4, 12, 1)},
-            {"masses", "free masses", "", true, {1, 2, 5, 10, 20}}, true};
+            {"masses", "free masses", "", true, {1, 2, 5, 10, 20}, {1, 5}}, true};
   }
   double x_of(double z, double y) const override {
     const double share = 2 * std::sin(y * kTurn / (2 * (y + 1)));  // of sqrt(k/m)
@@ -90,21 +90,18 @@ class ChainProblem final : public StabilityProblem {
     StabilityScene s;
     s.net.name = "chain";
     for (int j = 0; j <= n + 1; ++j) {
-      const double shift = kAmplitude * std::sin(j * mode * kTurn / (n + 1));
-      s.net.points.push_back(Vec3(static_cast<Real>(j - 0.5 * (n + 1) + shift), 0, 0));
+      // limits: both walls at the origin, springs of no length, so that nothing is lost beside the places of the points
+      const double sine = j == 0 || j == n + 1 ? 0 : std::sin(j * mode * kTurn / (n + 1));
+      s.net.points.push_back(Vec3(static_cast<Real>(for_limit ? sine : j - 0.5 * (n + 1) + kAmplitude * sine), 0, 0));
       s.net.masses.push_back(1);
-      s.rest.push_back(Vec3(static_cast<Real>(j - 0.5 * (n + 1)), 0, 0));
-      if (j > 0)
-        s.net.springs.push_back({static_cast<std::uint32_t>(j - 1), static_cast<std::uint32_t>(j), static_cast<Real>(k), 0, for_limit ? Real(0) : Real(1),
-                                 kInfinity});  // of no length: linear however far it swings
+      const auto at = static_cast<std::uint32_t>(j);
+      if (j > 0) s.net.springs.push_back({at - 1, at, static_cast<Real>(k), 0, for_limit ? Real(0) : Real(1), kInfinity});
     }
     s.pins = {0, static_cast<std::size_t>(n + 1)};
-    s.net.points.front()[0] = static_cast<Real>(-0.5 * (n + 1)), s.net.points.back()[0] = static_cast<Real>(0.5 * (n + 1));
     const double w = frequency(k, 1, n), top = frequency(k, n, n);
     s.steps = s.judged_step = run_steps(2 * kTurn / w);
     s.length = kAmplitude, s.speed = w * kAmplitude, s.frequency = top;
-    const double own = for_limit ? top : w;
-    s.energy = 0.25 * own * own * kAmplitude * kAmplitude * (n + 1);
+    s.energy = 0.25 * w * w * kAmplitude * kAmplitude * (n + 1);
     return s;
   }
 
@@ -124,7 +121,7 @@ class ChainProblem final : public StabilityProblem {
 };
 
 // x = stiffness, y = mass of the last point by that of the others. Ten links of 0.1 m, horizontal at rest.
-class SwingingChain final : public StabilityProblem {
+class SwingingChain final : public NetStability {
  public:
   StabilityProblemInfo info() const override {
     return {"swinging_chain", "ten stiff links swing from the horizontal, a heavy last mass, 60 steps/s",
@@ -195,15 +192,6 @@ std::span<const StabilityProblemRow> stability_problems() {
                                               {"chain", &make<ChainProblem>},
                                               {"swinging_chain", &make<SwingingChain>}};
   return table;
-}
-
-std::vector<StabilityProblemInfo> stability_problem_infos() {
-  std::vector<StabilityProblemInfo> out;
-  for (const StabilityProblemRow& row : stability_problems()) out.push_back(row.make()->info());
-#ifdef FEDER_HAS_CLOTH
-  for (const StabilityProblemInfo& info : cloth_stability_infos()) out.push_back(info);
-#endif
-  return out;
 }
 
 }  // namespace feder

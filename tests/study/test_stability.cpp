@@ -36,9 +36,9 @@ TEST_CASE("the chain's limits are within 1 % of limit / w_max", "[study][stabili
   for (const Variant<Integrator>& row : integrators()) {
     Arena arena("test");
     const IntegratorInfo info = row.make(arena, Params())->info();
-    if (std::isfinite(info.stability_limit) && info.stability_limit > 0 && !info.adaptive) p.methods.push_back(row.name);
+    if (std::isfinite(info.stability_limit) && info.stability_limit > 0) p.methods.push_back(row.name);
   }
-  REQUIRE(p.methods.size() >= 4);
+  REQUIRE(p.methods.size() >= 5);
   for (const StabilityMap& m : run_stability(p).maps)
     for (const StabilityLimit& l : m.limits) {
       CAPTURE(m.method, l.y, l.z_predicted, l.z_observed);
@@ -70,6 +70,40 @@ TEST_CASE("no verdict of an implicit method is nan, and explicit ones fail by na
     }
     CAPTURE(m.method, m.problem);
     if (!m.implicit && std::string(problem) != "swinging_chain") CHECK(failures > 0);
+  }
+}
+
+TEST_CASE("bodies at the corners of every map: no verdict is nan, failures have a name", "[study][stability]") {
+  int problems = 0;
+  for (const StabilityProblemInfo& info : stability_problem_infos()) {
+    if (info.family != "rigid") continue;
+    ++problems;
+    StabilityPlan p;
+    p.problem = info.name;
+    p.x_values = {info.x.values.front(), info.x.values.back()}, p.y_values = {info.y.values.front(), info.y.values.back()};
+    if (info.x.name == "h") p.x_values.front() = 1e-2;  // the shortest take long
+    const StabilityResult r = run_stability(p);
+    CHECK(r.maps.size() >= 2);
+    for (const StabilityMap& m : r.maps)
+      for (const StabilityCell& c : m.cells) {
+        CAPTURE(m.problem, m.method, c.x, c.y, name_of(c.verdict), c.entity, c.error, c.constraint, c.energy_ratio);
+        CHECK((c.verdict != Verdict::nan && c.verdict != Verdict::diverged && c.verdict != Verdict::growing));
+        if (c.verdict == Verdict::refused) CHECK_FALSE(c.entity.empty());
+        // the mild corner of each map is right
+        if (c.x == p.x_values.front() && c.y == p.y_values.front()) CHECK(c.verdict == Verdict::stable);
+      }
+  }
+  CHECK(problems >= 6);
+}
+
+TEST_CASE("a box a million times heavier presses its support in: inaccurate, not stable", "[study][stability]") {
+  StabilityPlan p;
+  p.problem = "heavy", p.x_values = {1.0 / 60}, p.y_values = {1, 1e6};
+  for (const StabilityMap& m : run_stability(p).maps) {
+    CAPTURE(m.method);
+    CHECK(m.cells[0].verdict == Verdict::stable);
+    CHECK(m.cells[1].verdict == Verdict::inaccurate);
+    CHECK(m.cells[1].error > 0.1);
   }
 }
 

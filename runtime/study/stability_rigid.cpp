@@ -1,0 +1,257 @@
+// Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or the
+// place of a scene leave the usual (axes of numerics.md 3.6). Each scene ends where it is known: at rest in its place, or
+// before the wall.
+#include <algorithm>
+#include <cmath>
+
+#include "collide/collide.h"
+#include "rigid/rigid.h"
+#include "rigid/solver.h"
+#include "study/stability_problem.h"
+#include "world/world.h"
+
+namespace feder {
+namespace {
+
+struct RigidScene {
+  double h = 1.0 / 60, seconds = 2;
+  double gravity = 9.81;
+  double length = 1;             // m, what errors are divided by
+  double size = 1;               // m, what penetrations are divided by
+  double speed = 1;              // m/s, the largest that should be seen
+  double energy = 1;             // J, scale
+  double energy_start = 0;       // J, kept to the end where keeps_energy
+  bool keeps_energy = false;
+  std::vector<BodyDesc> bodies;
+  std::vector<std::size_t> watched;  // of bodies
+  std::vector<Vec3d> expected;       // where they are in the end
+};
+
+struct RigidMap {
+  StabilityProblemInfo info;
+  RigidScene (*scene)(double x, double y);
+};
+
+BodyDesc box(double width, double height, double depth, const Vec3d& at, double mass) {
+  BodyDesc d;
+  d.shape = make_box(static_cast<Real>(width), static_cast<Real>(height), static_cast<Real>(depth));
+  d.position = at.cast<Real>();
+  if (mass > 0) d.mass = static_cast<Real>(mass);
+  else d.type = BodyType::fixed;
+  return d;
+}
+
+// Boxes on each other on the ground, from below: they should just stand.
+void add_pile(RigidScene& s, const std::vector<double>& edges, const std::vector<double>& masses, double x) {
+  s.bodies.push_back(box(20, 1, 20, Vec3d(x, -0.5, 0), 0));
+  double height = 0;
+  s.size = 1e300, s.energy = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const double e = edges[i];
+    const Vec3d at(x, height + e / 2, 0);
+    s.watched.push_back(s.bodies.size()), s.expected.push_back(at.cast<Real>().cast<double>());
+    s.bodies.push_back(box(e, e, e, at, masses[i]));
+    height += e, s.size = std::min(s.size, e);
+    s.energy += masses[i] * s.gravity * e;
+  }
+  s.length = s.size, s.speed = std::sqrt(2 * s.gravity * height);
+}
+
+RigidScene stack(double h, double count) {
+  RigidScene s;
+  s.h = h, s.seconds = 3;
+  add_pile(s, std::vector<double>(static_cast<std::size_t>(count), 1.0), std::vector<double>(static_cast<std::size_t>(count), 1.0), 0);
+  return s;
+}
+
+RigidScene heavy(double h, double ratio) {
+  RigidScene s;
+  s.h = h;
+  add_pile(s, {1, 1}, {1, ratio}, 0);
+  return s;
+}
+
+RigidScene small(double h, double ratio) {
+  RigidScene s;
+  s.h = h;
+  const double edge = 1 / ratio;
+  add_pile(s, {1, edge}, {1000, 1000 * edge * edge * edge}, 0);
+  return s;
+}
+
+RigidScene far(double h, double distance) {
+  RigidScene s;
+  s.h = h;
+  add_pile(s, {1, 1}, {1, 1}, distance);
+  return s;
+}
+
+RigidScene bullet(double speed, double wall) {
+  constexpr double kRadius = 0.05, kWay = 1;  // m
+  RigidScene s;
+  s.gravity = 0, s.speed = speed, s.energy = 0.5 * speed * speed;
+  s.seconds = std::max(0.5, 2 * kWay / speed);
+  s.length = kWay, s.size = 2 * kRadius;
+  s.bodies.push_back(box(wall, 4, 4, Vec3d(kWay + wall / 2, 0, 0), 0));
+  BodyDesc d;
+  d.shape = make_sphere(static_cast<Real>(kRadius)), d.mass = 1, d.bullet = true;
+  d.velocity = Vec3(static_cast<Real>(speed), 0, 0);
+  s.bodies.push_back(d);
+  s.watched = {1}, s.expected = {Vec3d(kWay - kRadius, 0, 0)};
+  return s;
+}
+
+// About the axis of the largest inertia, a hundredth off.
+RigidScene spin(double h, double rate) {
+  RigidScene s;
+  s.h = h, s.gravity = 0, s.keeps_energy = true, s.speed = rate;
+  BodyDesc d = box(1, 0.2, 0.5, Vec3d(0, 0, 0), 1);
+  d.angular_velocity = Vec3(static_cast<Real>(0.01 * rate), static_cast<Real>(rate), 0);
+  s.bodies = {d};
+  s.energy = s.energy_start = 0.5 * rate * rate * ((1 + 0.25) / 12 + 1e-4 * (0.04 + 0.25) / 12);
+  s.watched = {0}, s.expected = {Vec3d(0, 0, 0)};
+  return s;
+}
+
+const StabilityAxis& step_axis() {
+  static const StabilityAxis axis = {"h", "step h", "s", true, {1e-3, 3e-3, 1e-2, 1.0 / 60, 3e-2, 0.1, 0.3}, {1e-2, 1.0 / 60, 0.1}};
+  return axis;
+}
+
+const std::vector<RigidMap>& maps() {
+  static const std::vector<RigidMap> table = {
+      {{"stack", "boxes on each other for 3 s", step_axis(), {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}}, &stack},
+      {{"heavy", "a box on a lighter one", step_axis(), {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}}, &heavy},
+      {{"size", "a box on one of 1 m", step_axis(), {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}}, &small},
+      {{"far", "two boxes on each other, away from the origin", step_axis(),
+        {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}}, &far},
+      {{"bullet", "a ball of 0.1 m, marked as bullet, against a wall",
+        {"speed", "speed", "m/s", true, {1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4}, {1, 100, 1e4}},
+        {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}}, &bullet},
+      {{"spin", "a weightless box spins about its axis of largest inertia", step_axis(),
+        {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}}, &spin}};
+  return table;
+}
+
+class RigidTrial {
+ public:
+  RigidTrial(const RigidScene& s, const std::string& solver) : world_(describe(s, solver), kCatalog) {
+    for (const BodyDesc& d : s.bodies) ids_.push_back(rigid().add_body(d));
+  }
+  void step() { world_.step(); }
+  double time() const { return world_.time(); }
+  double energy() const {
+    const Energy e = world_.energy();
+    return e.kinetic + e.potential + e.elastic;
+  }
+  double penetration() { return std::max(0.0, static_cast<double>(world_.need<Collide>().max_penetration())); }
+  Vec3d position(std::size_t body) { return rigid().bodies().position[rigid().index(ids_[body])].cast<double>(); }
+  Vec3d velocity(std::size_t body) { return rigid().bodies().velocity[rigid().index(ids_[body])].cast<double>(); }
+  bool finite(std::size_t body) {
+    const Vec3d x = position(body), v = velocity(body);
+    return rigid().finite() && std::isfinite(x.norm()) && std::isfinite(v.norm());
+  }
+  std::string name(std::size_t body) {
+    for (const Event& e : world_.events().list())
+      if (e.kind == EventKind::warning && world_.events().warning_code(e) == "non_finite")
+        return std::string(world_.events().warning_message(e));
+    return world_.objects().describe(ids_[body]);
+  }
+
+ private:
+  static WorldDesc describe(const RigidScene& s, const std::string& solver) {
+    WorldDesc d;
+    d.dt = s.h, d.gravity = Vec3(0, static_cast<Real>(-s.gravity), 0), d.sleeping = false;
+    d.systems["rigid"].set("solver", solver);
+    return d;
+  }
+  Rigid& rigid() { return world_.need<Rigid>(); }
+
+  static const SystemDescriptor* const kCatalog[2];
+  World world_;
+  std::vector<ObjectId> ids_;
+};
+const SystemDescriptor* const RigidTrial::kCatalog[2] = {&Collide::descriptor(), &Rigid::descriptor()};
+
+class RigidStability final : public StabilityProblem {
+ public:
+  explicit RigidStability(const RigidMap& map) : map_(map) {}
+  StabilityProblemInfo info() const override {
+    StabilityProblemInfo out = map_.info;
+    out.family = "rigid";
+    return out;
+  }
+  std::vector<StabilityMethod> methods() const override {
+    std::vector<StabilityMethod> all;
+    for (const Variant<RigidSolver>& row : rigid_solvers()) all.push_back({row.name});
+    return all;
+  }
+
+  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
+    StabilityCell cell;
+    cell.x = x, cell.y = y;
+    try {
+      const RigidScene s = map_.scene(x, y);
+      RigidTrial t(s, method);
+      StabilityTrace trace;
+      const double zero = s.keeps_energy ? 0 : t.energy() - s.energy;  // what grows, grows beside the scale
+      const int steps = std::max(8, static_cast<int>(std::ceil(s.seconds / s.h - 1e-9)));
+      double most = 0;
+      for (int k = 0; k < steps && std::isnan(cell.t_fail); ++k) {
+        t.step();
+        const double energy = t.energy() - zero;
+        most = std::max(most, energy);
+        trace.energy.push_back(energy);
+        if (s.keeps_energy) trace.exact_energy.push_back(s.energy_start);
+        look_for_failure(s, t, limits, energy, cell);
+      }
+      cell.energy_ratio = most / s.energy;
+      if (!std::isnan(cell.t_fail)) return cell;
+      cell.error = 0;
+      for (std::size_t i = 0; i < s.watched.size(); ++i)
+        cell.error = std::max(cell.error, (t.position(s.watched[i]) - s.expected[i]).norm() / s.length);
+      cell.constraint = t.penetration() / s.size;
+      StabilityThresholds own = limits;
+      own.constraint = limits.penetration;
+      cell.verdict = judge(trace, s.length, s.energy, own, cell);
+    } catch (const SceneError& e) {
+      cell.verdict = Verdict::refused;
+      cell.entity = e.what();
+    }
+    return cell;
+  }
+
+ private:
+  static void look_for_failure(const RigidScene& s, RigidTrial& t, const StabilityThresholds& limits, double energy,
+                               StabilityCell& cell) {
+    for (std::size_t i = 0; i < s.watched.size(); ++i) {
+      const std::size_t body = s.watched[i];
+      const bool finite = t.finite(body);
+      const double way = (t.position(body) - s.expected[i]).norm(), scene = std::max(s.length, s.expected[i].norm());
+      if (finite && way <= limits.far * scene && t.velocity(body).norm() <= limits.fast * s.speed &&
+          energy <= limits.energy * s.energy)
+        continue;
+      cell.verdict = finite ? Verdict::diverged : Verdict::nan;
+      cell.t_fail = t.time();
+      cell.entity = t.name(body);
+      return;
+    }
+  }
+
+  const RigidMap& map_;
+};
+
+template <std::size_t kIndex>
+std::unique_ptr<StabilityProblem> make() {
+  return std::make_unique<RigidStability>(maps()[kIndex]);
+}
+
+}  // namespace
+
+std::span<const StabilityProblemRow> rigid_stability_problems() {
+  static const StabilityProblemRow table[] = {{"stack", &make<0>}, {"heavy", &make<1>}, {"size", &make<2>},
+                                              {"far", &make<3>},   {"bullet", &make<4>}, {"spin", &make<5>}};
+  return table;
+}
+
+}  // namespace feder

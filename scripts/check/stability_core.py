@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""The stability suite `core` against its stored verdicts: a cell may improve, none may get worse.
+
+  stability_core.py FEDER REAL            compare with tests/golden/stability_core_REAL.csv (REAL: float or double)
+  stability_core.py --renew FEDER REAL    store the verdicts of this build instead; look at the diff before committing it
+
+Every stored cell must be there again, unless its whole problem or method is not in this build. Cells of methods and
+problems that are new are not compared; they need a renewal to be guarded. At least half of the stored cells must be
+compared. Exit status 1 when a cell got worse or is missing.
+"""
+import csv
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+# worst first, as in study/stability.h
+ORDER = ["nan", "diverged", "growing", "stuck", "damped", "inaccurate", "slow", "refused", "stable"]
+KEY = ("problem", "method", "x", "y")
+
+
+def baseline(real):
+    return pathlib.Path(__file__).resolve().parents[2] / "tests" / "golden" / f"stability_core_{real}.csv"
+
+
+def measure(feder):
+    cells = {}
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([feder, "stability", "--suite", "core", "--quiet", "--out", folder], check=True,
+                       stdout=subprocess.DEVNULL)
+        for path in sorted(pathlib.Path(folder).glob("*/cells.csv")):
+            with open(path, newline="") as file:
+                for row in csv.DictReader(file):
+                    cells[tuple(row[k] for k in KEY)] = row["verdict"]
+    return cells
+
+
+def read(path):
+    with open(path, newline="") as file:
+        return {tuple(row[k] for k in KEY): row["verdict"] for row in csv.DictReader(file)}
+
+
+def compare(now, stored):
+    """Lines of complaint, and the number of cells compared."""
+    present = {cell[:2] for cell in now}
+    complaints, compared = [], 0
+    for cell, was in stored.items():
+        if cell[:2] not in present:
+            continue
+        compared += 1
+        name = f"{cell[0]} {cell[1]} x={cell[2]} y={cell[3]}"
+        if cell not in now:
+            complaints.append(f"{name}: was {was}, is missing")
+        elif ORDER.index(now[cell]) < ORDER.index(was):
+            complaints.append(f"{name}: was {was}, is {now[cell]}")
+    if 2 * compared < len(stored) or compared == 0:
+        complaints.append(f"only {compared} of {len(stored)} stored cells were compared")
+    return complaints, compared
+
+
+def renew(cells, path):
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow((*KEY, "verdict"))
+        writer.writerows((*cell, verdict) for cell, verdict in cells.items())
+    print(f"stored {len(cells)} verdicts in {path}")
+    return 0
+
+
+def main(arguments):
+    words = [a for a in arguments if a != "--renew"]
+    if len(words) != 2 or words[1] not in ("float", "double"):
+        print(__doc__, file=sys.stderr)
+        return 2
+    path, now = baseline(words[1]), measure(words[0])
+    if "--renew" in arguments:
+        return renew(now, path)
+    stored = read(path)
+    complaints, compared = compare(now, stored)
+    for line in complaints:
+        print(f"stability: {line}")
+    better = sum(1 for c, v in now.items() if c in stored and ORDER.index(v) > ORDER.index(stored[c]))
+    print(f"stability: {compared} cells compared, {better} better, {len(now) - compared} not stored")
+    return 1 if complaints else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
