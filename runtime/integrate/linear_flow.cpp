@@ -18,6 +18,7 @@ constexpr int kMaxBasis = 36;
 constexpr int kSmall = kMaxBasis + 2;
 constexpr double kTolerance = sizeof(Real) == 4 ? 1e-7 : 1e-13;
 constexpr double kHopeless = 0.1;  // error of the smallest part, relative: more such parts would not be better than one
+constexpr double kNothing = 1e-140;  // norms whose squares have all digits are above that; what is below does not move
 constexpr double kClosed = 1e-14;  // what is left of a vector, relative, when the space is invariant
 
 // c = a b, row-major n x n
@@ -64,7 +65,7 @@ double LinearFlow::project(int i, int j) const {
 double LinearFlow::norm_and_store(int j) {
   weigh(column(basis_x_, j), column(basis_p_, j));
   const double norm = std::sqrt(std::max(0.0, project(j, j)));
-  if (!(norm > 0)) return 0;
+  if (!(norm > kNothing)) return 0;
   for (std::size_t i = 0; i < n_; ++i) {
     column(basis_x_, j)[i] /= norm;
     column(basis_v_, j)[i] /= norm;
@@ -80,7 +81,7 @@ LinearFlow::Basis LinearFlow::build_basis(double tau) {
   std::copy(rate_v_.begin(), rate_v_.end(), column(basis_v_, 0).begin());
   basis_extra_[0] = rate_extra_;
   b.beta = norm_and_store(0);
-  b.closed = !(b.beta > 0) || !std::isfinite(b.beta);
+  b.closed = b.beta == 0 || !std::isfinite(b.beta);
   std::fill(hessenberg_.begin(), hessenberg_.end(), 0.0);
   while (!b.closed && b.size < kMaxBasis) {
     const int j = b.size++, next = b.size;
@@ -185,7 +186,7 @@ bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b
     double size = 0;
     for (std::size_t i = 0; i < n_; ++i) size += static_cast<double>(s.mass[i]) * ramp[i].squaredNorm();
     size = std::sqrt(size);
-    if (!(size > 0)) return true;
+    if (!(size > kNothing)) return true;
     ramp_scale_ = 1 / (size * h);
     rate_extra_ = size;  // = (1/h) / ramp_scale
   }

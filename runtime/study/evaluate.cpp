@@ -103,7 +103,12 @@ void fit_orders(StudyResult& r) {
     const Axis* axis = all.empty() ? nullptr : varying_axis(all);
     if (!axis) continue;
     std::vector<double> x, y;
+    const StudyPoint* before = nullptr;
     for (const StudyPoint* p : all) {
+      // a tolerance that changes nothing says nothing: the step given was short enough already
+      const bool same = before && p->count.force_evals == before->count.force_evals && p->err_end == before->err_end;
+      before = p;
+      if (same) continue;
       const double e = r.problem.chaotic ? ranking_error(r.problem, *p) : p->err_traj_rms;
       if (!counts(*p) || p->below_floor || !(e > r.problem.reference.floor()) || !(e < kSmall)) continue;
       x.push_back(std::log10(axis->value(*p))), y.push_back(std::log10(e));
