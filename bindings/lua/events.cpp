@@ -136,7 +136,7 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
       number(is_break(k), e.force);
       return;
     case f_count:
-      if (is_source(k) || (is_sensor(k) && r.world->objects().kind(e.b) == ObjectKind::fluid))
+      if (is_source(k) || ((is_sensor(k) || is_contact(k)) && r.world->objects().kind(e.b) == ObjectKind::fluid))
         lua_pushinteger(L, static_cast<lua_Integer>(e.index));
       else
         lua_pushnil(L);

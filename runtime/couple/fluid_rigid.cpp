@@ -34,7 +34,9 @@ FluidRigid::FluidRigid(SystemSetup& s)
       body_(&s.store.arena(kName)),
       place_(&s.store.arena(kName)),
       inside_(&s.store.arena(kName)),
-      next_inside_(&s.store.arena(kName)) {
+      next_inside_(&s.store.arena(kName)),
+      touching_(&s.store.arena(kName)),
+      next_touching_(&s.store.arena(kName)) {
   fluid_.refresh_walls = [](void* self) {
     auto& me = *static_cast<FluidRigid*>(self);
     me.list_walls();
@@ -54,7 +56,8 @@ std::size_t FluidRigid::count() const {
 
 void FluidRigid::add_rows(StepPlan& plan) {
   walls_.list.clear(), walls_.bodies.clear();
-  if (fluid_.pool_count() == 0 || rigid_.count() == 0) return;
+  // what was touched must be let go before the rows go
+  if ((fluid_.pool_count() == 0 || rigid_.count() == 0) && touching_.empty() && inside_.empty()) return;
   using F = FluidRigid;
   plan.add<&F::collect>(Stage::advance, When::before_substeps, 32, "list walls", kName, this);
   plan.add<&F::set_walls>(Stage::advance, When::each_substep, 23, "place walls", kName, this);
@@ -62,6 +65,7 @@ void FluidRigid::add_rows(StepPlan& plan) {
   plan.add<&F::move_walls>(Stage::solve, When::each_substep, 39, "move walls", kName, this);
   plan.add<&F::push_again>(Stage::solve, When::each_substep, 41, "push bodies after guard", kName, this);
   plan.add<&F::keep_awake>(Stage::finish, When::each_substep, 5, "keep awake", kName, this);
+  plan.add<&F::report_contacts>(Stage::finish, When::each_substep, 29, "contacts", kName, this);
   bool sensors = !inside_.empty();
   for (std::uint32_t k = 0; k < colliders_.size(); ++k)
     sensors = sensors || (colliders_.sensor[k] && colliders_.motion[k] != ColliderMotion::none);
@@ -135,6 +139,7 @@ void FluidRigid::give_velocities() {
 void FluidRigid::collect(StepContext&) {
   list_walls();
   mismatch_ = given_ = 0;
+  fluid_.clear_touches();
 }
 
 void FluidRigid::set_walls(StepContext&) {
@@ -173,6 +178,39 @@ void FluidRigid::keep_awake(StepContext&) {
     const std::uint32_t i = body_[n];
     if (w.dynamic && w.pressed > kWakeImpulse * b.mass[i]) rigid_.wake(b.object[i], WakeCause::fluid, fluid);
   }
+}
+
+// A fluid touches a body from its first particle beside it to its last; the event tells how many there are.
+void FluidRigid::report_contacts(StepContext& c) {
+  next_touching_.clear();
+  fluid_.list_touches(next_touching_);
+  const auto tell = [&](EventKind kind, const FluidTouch& t) {
+    Event e;
+    e.kind = kind;
+    e.a = t.body, e.b = t.fluid, e.index = t.count;
+    e.point = t.point, e.normal = t.normal;
+    if (kind == EventKind::hit) e.speed = t.speed, e.impulse = pressed_on(t.body);
+    c.events->add(e);
+  };
+  const auto listed = [](const Array<FluidTouch>& list, const FluidTouch& t) {
+    for (const FluidTouch& k : list)
+      if (k.body == t.body && k.fluid == t.fluid) return true;
+    return false;
+  };
+  for (const FluidTouch& t : next_touching_) {
+    if (listed(touching_, t)) continue;
+    tell(EventKind::contact_begin, t);
+    if (c.events->wanted(EventKind::hit)) tell(EventKind::hit, t);
+  }
+  for (FluidTouch t : touching_)
+    if (!listed(next_touching_, t)) t.count = 0, tell(EventKind::contact_end, t);
+  touching_.swap(next_touching_);
+}
+
+Real FluidRigid::pressed_on(ObjectId body) const {
+  for (const WallBody& w : walls_.bodies)
+    if (w.object == body) return w.pressed;
+  return 0;
 }
 
 // A fluid enters a sensor with its first particle and leaves it with its last; the event tells how many there are.
@@ -214,6 +252,7 @@ void FluidRigid::report_sensors(StepContext& c) {
 }
 
 void FluidRigid::hash(Hash& h) const {
+  for (const FluidTouch& t : touching_) h.add(t.body.slot), h.add(t.fluid.slot), h.add(t.count);
   for (const Inside& i : inside_) h.add(i.sensor.slot), h.add(i.fluid.slot), h.add(i.count);
 }
 

@@ -19,8 +19,8 @@ class FluidRigid final : public System {
   void add_rows(StepPlan& plan) override;
   std::size_t count() const override;  // walls
   void hash(Hash& h) const override;
-  void save(Writer& w) const override { w.list(inside_); }
-  void load(Reader& r) override { r.list(inside_); }
+  void save(Writer& w) const override { w.list(inside_), w.list(touching_); }
+  void load(Reader& r) override { r.list(inside_), r.list(touching_); }
   void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch
 
  private:
@@ -40,6 +40,8 @@ class FluidRigid final : public System {
   void move_walls(StepContext& c);
   void push_again(StepContext& c);
   void keep_awake(StepContext& c);
+  Real pressed_on(ObjectId body) const;  // N s in this step
+  void report_contacts(StepContext& c);
   void report_sensors(StepContext& c);
 
   Fluid& fluid_;
@@ -48,11 +50,12 @@ class FluidRigid final : public System {
   Movers& movers_;
   Walls& walls_;
   Objects& objects_;
-  Array<std::uint32_t> collider_;       // of a wall
-  Array<std::uint32_t> body_;           // index in Bodies, of a wall body
-  Array<std::uint32_t> place_;          // of a body in Walls::bodies, kNone
-  Array<Inside> inside_, next_inside_;  // in the order of colliders, then fluids; none with a count of 0
-  double mismatch_ = 0, given_ = 0;     // N s, of the last step
+  Array<std::uint32_t> collider_;               // of a wall
+  Array<std::uint32_t> body_;                   // index in Bodies, of a wall body
+  Array<std::uint32_t> place_;                  // of a body in Walls::bodies, kNone
+  Array<Inside> inside_, next_inside_;          // in the order of colliders, then fluids; none with a count of 0
+  Array<FluidTouch> touching_, next_touching_;  // by fluid, then body
+  double mismatch_ = 0, given_ = 0;             // N s, of the last step
 };
 
 }  // namespace feder

@@ -94,10 +94,14 @@ class Fluid final : public System {
                              std::uint32_t mask) const;
   Real particle_mass(ObjectId fluid) const;
   FluidDesc desc(ObjectId fluid) const;
+  std::uint64_t own_steps(ObjectId fluid) const;  // its solver's, since the fluid was made; wcsph takes several in a substep
   ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
   // For couplings: the walls of the coming substep, filled before the fluid's rows; and who is asked for them.
   Walls& walls();
+  // Which bodies of the walls particles were beside since clear_touches: appended, by fluid, then body.
+  void clear_touches();
+  void list_touches(Array<FluidTouch>& out) const;
   std::size_t pool_count() const;
   // Fills the walls for a question between steps. Set by the coupling.
   void (*refresh_walls)(void* self) = nullptr;

@@ -104,6 +104,7 @@ void Pbf::solve(StepContext& c) {
       displace(p, c);
     }
     p.last_h = c.h;
+    ++p.steps;
   });
 }
 

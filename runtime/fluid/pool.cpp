@@ -39,7 +39,8 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
       lists(a),
       contacts(&a),
       contact_first(&a),
-      dynamic_contacts(&a) {
+      dynamic_contacts(&a),
+      touches(&a) {
   std::string known;
   kernel = nullptr;
   for (const Kernel& k : kernels()) {

@@ -51,6 +51,7 @@ struct FluidPool {
   std::uint32_t next_id = 0;
   Real last_h = 0;      // s, of the substep that left lambda
   Real sound = 0;       // wcsph: speed of sound of the last substep, m/s
+  std::uint64_t steps = 0;  // of its own, for reports
   bool frozen = false;  // quarantined
   bool fresh = false;   // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
@@ -69,6 +70,7 @@ struct FluidPool {
   Array<WallContact> contacts;            // by particle
   Array<std::uint32_t> contact_first;     // of a particle; one more than particles
   Array<std::uint32_t> dynamic_contacts;  // places of contacts with bodies that the fluid moves
+  Array<FluidTouch> touches;            // by body of the walls, sums in point and normal
   std::uint32_t worst = 0;                // bit 0: something is not finite
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
@@ -94,6 +96,7 @@ struct FluidPool {
 
   // walls.cpp. `ahead`: how far particles and walls may come nearer until the contacts are made again, in seconds.
   void find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out);
+  void note_touches(const Walls& walls);
   void share_bodies(Walls& walls);  // counts the particles that touch each body
   // Keeps every particle outside every wall: swept from where its contact was made. Velocities towards the wall end.
   void guard_walls(Walls& walls);

@@ -150,4 +150,23 @@ void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& n
   }
 }
 
+void Fluid::clear_touches() {
+  for (auto& p : impl_->pools) std::fill(p->touches.begin(), p->touches.end(), FluidTouch{});
+}
+
+void Fluid::list_touches(Array<FluidTouch>& out) const {
+  for (const auto& p : impl_->pools)
+    for (const FluidTouch& t : p->touches) {
+      if (t.count == 0) continue;
+      out.push_back(t);
+      out.back().fluid = p->object;
+      out.back().point = t.point / static_cast<Real>(t.count);
+      out.back().normal = normalized_or(t.normal, vec3(0, 1, 0));
+    }
+}
+
+std::uint64_t Fluid::own_steps(ObjectId fluid) const {
+  return impl_->pool(fluid).steps;
+}
+
 }  // namespace feder

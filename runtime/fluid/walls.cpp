@@ -124,6 +124,28 @@ void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, con
   dynamic_contacts.clear();
   for (std::uint32_t k = 0; k < total; ++k)
     if (walls.bodies[walls.list[contacts[k].wall].body].dynamic) dynamic_contacts.push_back(k);
+  note_touches(walls);
+}
+
+// A particle at rest beside a wall lies half a spacing from it.
+void FluidPool::note_touches(const Walls& walls) {
+  if (touches.size() < walls.bodies.size()) touches.resize(walls.bodies.size());
+  const auto at = [&](const WallContact& c) -> FluidTouch& { return touches[walls.list[c.wall].body]; };
+  const std::uint32_t total = contact_first[count];
+  const Real near = Real(0.75) * desc.spacing;
+  for (FluidTouch& t : touches) t.count = 0, t.point = t.normal = Vec3::Zero();
+  for (std::uint32_t k = 0; k < total; ++k) {
+    const WallContact& c = contacts[k];
+    const Vec3 place = x[c.particle].vec();
+    if (dot(c.normal, place) - c.offset > near) continue;
+    FluidTouch& t = at(c);
+    t.body = walls.bodies[walls.list[c.wall].body].object;
+    ++t.count;
+    t.point += place, t.normal += c.normal;
+    const Real closing =
+        dot(c.normal, Vec3(walls.bodies[walls.list[c.wall].body].velocity_at(place) - v[c.particle].vec()));
+    t.speed = std::max(t.speed, closing);
+  }
 }
 
 void FluidPool::share_bodies(Walls& walls) {

@@ -46,6 +46,15 @@ struct Wall {
   Aabb box;    // of the pose, world
 };
 
+// What particles of a fluid did at a body in a step.
+struct FluidTouch {
+  ObjectId fluid, body;
+  std::uint32_t count = 0;     // particles beside it when walls were last looked for
+  Real speed = 0;              // largest at which one came towards it, m/s
+  Vec3 point = Vec3::Zero();   // mean of their places, m
+  Vec3 normal = Vec3::Zero();  // mean, out of the body
+};
+
 // Walls are sorted as the coupling adds them: always in the same order.
 struct Walls {
   explicit Walls(Arena& a) : list(&a), bodies(&a) {}

@@ -54,6 +54,7 @@ void Wcsph::advance(StepContext& c) {
     if (p.count == 0 || p.frozen) continue;
     const Plan plan = choose_step(p, c);
     bool stale = true;
+    p.steps += static_cast<std::uint64_t>(plan.steps);
     for (int k = 0; k < plan.steps; ++k) {
       refresh(p, c, stale);
       accelerate(p, c, plan.h);

@@ -77,6 +77,41 @@ TEST_CASE("a full jet has the density of the fluid", "[fluid]") {
   CHECK(most < 0.02);
 }
 
+TEST_CASE("fluids begin and end contacts with bodies and hit them", "[fluid]") {
+  World w(fluid_world(2), fluid_catalog());
+  w.events().set_wanted(EventKind::hit, true);
+  BodyDesc b;
+  b.type = BodyType::fixed;
+  b.shape = make_box(4, Real(0.2), 1)->section(), b.name = "table";
+  const ObjectId table = w.need<Rigid>().add_body(b);
+  FluidDesc d;
+  d.spacing = Real(0.05), d.solver = GENERATE("pbf", "wcsph");
+  CAPTURE(d.solver);
+  const ObjectId id = add_water(w, d, vec3(Real(0.3), Real(0.3), 0), vec3(0, Real(0.5), 0));
+  int begun = 0, ended = 0, hit = 0;
+  const auto look = [&] {
+    for (const Event& e : w.events().list()) {
+      if (e.kind != EventKind::contact_begin && e.kind != EventKind::contact_end && e.kind != EventKind::hit) continue;
+      CHECK(e.a == table);
+      CHECK(e.b == id);
+      begun += e.kind == EventKind::contact_begin, ended += e.kind == EventKind::contact_end;
+      if (e.kind != EventKind::hit) continue;
+      ++hit;
+      CHECK(e.index >= 6);  // the lowest layer
+      CHECK(e.speed == Approx(std::sqrt(2 * 9.81 * 0.4)).epsilon(0.1));
+      CHECK(e.normal[1] > Real(0.9));
+      CHECK(e.point[1] < Real(0.2));
+    }
+  };
+  for (int k = 0; k < 30; ++k) w.step(), look();
+  CHECK(begun == 1);
+  CHECK(hit == 1);
+  CHECK(ended == 0);
+  w.need<Fluid>().destroy_fluid(id, "here");
+  w.step(), look();
+  CHECK(ended == 1);
+}
+
 TEST_CASE("a drain takes what comes in and counts it", "[fluid]") {
   World w(fluid_world(2), fluid_catalog());
   Fluid& f = w.need<Fluid>();
