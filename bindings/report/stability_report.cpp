@@ -31,6 +31,20 @@ std::string csv_text(const std::string& text) {
 
 std::string axis_label(const StabilityAxis& a) { return a.unit.empty() ? a.label : a.label + ", " + a.unit; }
 
+// With a capital letter.
+std::string sentence(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+std::string lead(const StabilityResult& r) {
+  if (r.maps.empty()) return fmt::format("Scalar type {}; each input is given to a world of its own.", r.real);
+  std::string text;
+  for (const StabilityProblemInfo& info : stability_problem_infos())
+    if (info.name == r.maps[0].problem) text = sentence(info.summary) + ". ";
+  return text + fmt::format("Scalar type {}; each cell is a run of its own. Point at a cell for its numbers.", r.real);
+}
+
 const StabilityLimit* limit_at(const StabilityMap& m, double y) {
   for (const StabilityLimit& l : m.limits)
     if (l.y == y) return &l;
@@ -119,8 +133,9 @@ void verdict_part(Page& page, const StabilityResult& r) {
                               number_text(t.growth), number_text(t.growth_start))},
       {"stuck", fmt::format("The reference moves more than {} % of the scene's length, the run less than {} % of that.", number_text(100 * t.moves), number_text(100 * t.stuck))},
       {"damped", fmt::format("More than {} % of the energy scale lost that the model keeps.", number_text(100 * t.damped))},
-      {"inaccurate", fmt::format("Bounded, but wrong: the error at the end above {} % of the scene's length, or a violation above {} %.",
-                                 number_text(100 * t.inaccurate), number_text(100 * t.constraint))},
+      {"inaccurate", fmt::format("Bounded, but wrong: the error at the end above {} % of the scene's length, or a violation above {} % (bodies: "
+                                 "a penetration above {} % of the smallest size).",
+                                 number_text(100 * t.inaccurate), number_text(100 * t.constraint), number_text(100 * t.penetration))},
       {"slow", fmt::format("Solves missed their tolerance in more than {} % of the steps.", number_text(100 * t.slow))},
       {"refused", "Rejected with a message that names the object: right for malformed input."},
       {"stable", "None of these; the shade tells the error."},
@@ -224,7 +239,7 @@ std::vector<Figure> stability_figures(const StabilityResult& r) {
 std::string stability_page(const StabilityResult& r, const StabilityContext& context, const std::vector<Figure>& figures,
                            const std::vector<ExtremeRow>& extreme) {
   Page page("Stability: " + (r.maps.empty() ? std::string("extreme inputs") : r.maps[0].problem));
-  page.lead(fmt::format("Scalar type {}; each cell is a run of its own. Point at a cell for its numbers.", r.real));
+  page.lead(lead(r));
   // the overview first
   for (const Figure& f : figures)
     if (f.file == "sheet.svg") page.figure(f.inline_svg, f.caption);
