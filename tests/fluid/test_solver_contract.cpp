@@ -100,7 +100,7 @@ TEST_CASE("no particle leaves a closed box that is shaken", "[fluid][contract]")
   b.shape = make_compound(parts);
   const ObjectId box = rigid.add_body(b);
   FluidDesc d;
-  d.solver = solver, d.spacing = Real(0.05);
+  d.solver = solver, d.spacing = in / 6;
   const ObjectId id = add_water(w, d, vec3(in, in / 2, in), vec3(-in / 2, -in / 2, -in / 2));
   const std::size_t count = w.need<Fluid>().particle_count(id);
   const int steps = static_cast<int>(600 * (kLarge ? 1 : kShare / 4));
