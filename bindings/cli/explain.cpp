@@ -55,6 +55,18 @@ class Explain final : public Command {
     return rows;
   }
 
+  // What a system counts.
+  static const char* unit_of(std::string_view name) {
+    static constexpr std::pair<std::string_view, const char*> units[] = {
+        {"rigid", "bodies"},          {"collide", "colliders"},      {"springs", "points"},
+        {"cloth", "vertices"},        {"fluid", "particles"},        {"springs_rigid", "points that meet bodies"},
+        {"cloth_rigid", "touchings"}, {"fluid_rigid", "walls"},      {"fluid_cloth", "particles at cloth"},
+        {"fluid_springs", "faces that meet fluid"}};
+    for (const auto& [system, unit] : units)
+      if (system == name) return unit;
+    return "";
+  }
+
   static double total_nanoseconds(World& world) {
     double sum = 0;
     for (const StepRow& row : world.plan().rows()) sum += static_cast<double>(row.counter.nanoseconds);
@@ -79,7 +91,7 @@ class Explain final : public Command {
     World& world = *session.world();
     report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
     for (const SystemReport& s : world.report())
-      systems.push_back({{"name", s.name}, {"count", s.count}, {"bytes", s.bytes}});
+      systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", unit_of(s.name)}, {"bytes", s.bytes}});
     const double sum = total_nanoseconds(world);
     const double per_step = steps ? 1e-6 / static_cast<double>(steps) : 0;
     for (const StepRow& row : world.plan().rows()) {
@@ -98,8 +110,8 @@ class Explain final : public Command {
 
   static std::string text(Session& session, std::uint64_t steps) {
     World& world = *session.world();
-    report::Table systems({"system", ">count", ">bytes"});
-    for (const SystemReport& s : world.report()) systems.add({s.name, fmt::format("{}", s.count), report::bytes_text(s.bytes)});
+    report::Table systems({"system", ">count", "of", ">bytes"});
+    for (const SystemReport& s : world.report()) systems.add({s.name, fmt::format("{}", s.count), unit_of(s.name), report::bytes_text(s.bytes)});
     report::Table absent({"not used", ">bytes"});
     for (const std::string& name : world.absent()) absent.add({name, "0"});
     report::Table memory({"world", ">bytes"});

@@ -13,6 +13,16 @@ std::size_t system_count(const World& world, const char* name) {
   return 0;
 }
 
+// "9 bodies, 1 cloth (425 vertices), 1 fluid (700 particles)"
+std::string counts_text(const Summary& s) {
+  const auto many = [](std::size_t n, const char* one, const char* more) { return fmt::format("{} {}", n, n == 1 ? one : more); };
+  std::string text = many(s.bodies, "body", "bodies");
+  if (s.nets) text += ", " + many(s.nets, "net", "nets") + " (" + many(s.points, "point", "points") + ")";
+  if (s.cloths) text += ", " + many(s.cloths, "cloth", "cloths") + " (" + many(s.vertices, "vertex", "vertices") + ")";
+  if (s.fluids) text += ", " + many(s.fluids, "fluid", "fluids") + " (" + many(s.particles, "particle", "particles") + ")";
+  return text;
+}
+
 }  // namespace
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
@@ -33,7 +43,11 @@ Summary summarize(Session& session) {
   s.seconds = world->time();
   s.threads = world->desc().threads;
   s.bodies = body_count(*world);
+  s.nets = world->objects().count(ObjectKind::net);
+  s.cloths = world->objects().count(ObjectKind::cloth);
+  s.fluids = world->objects().count(ObjectKind::fluid);
   s.points = system_count(*world, "springs");
+  s.vertices = system_count(*world, "cloth");
   s.particles = system_count(*world, "fluid");
   s.hash = hash_text(world->hash());
   s.energy = world->energy();
@@ -47,7 +61,7 @@ std::string summary_text(const Summary& s) {
   text += fmt::format("  time    {:g} s simulated{}, {} steps, {:.3f} ms/step ({:.3g} x real time), {} thread{}\n", s.seconds,
                       s.interrupted ? " (interrupted)" : "", s.steps, s.ms_per_step, speed, s.threads,
                       s.threads == 1 ? "" : "s");
-  text += fmt::format("  counts  {} bodies, {} points, {} particles\n", s.bodies, s.points, s.particles);
+  text += "  counts  " + counts_text(s) + "\n";
   text += fmt::format("  energy  kinetic {:.6g} J, potential {:.6g} J, elastic {:.6g} J\n", s.energy.kinetic,
                       s.energy.potential, s.energy.elastic);
   if (!s.finite) text += "  state   NOT FINITE\n";
@@ -76,6 +90,10 @@ report::Json summary_json(const Summary& s) {
           {"bodies", s.bodies},
           {"points", s.points},
           {"particles", s.particles},
+          {"nets", s.nets},
+          {"cloths", s.cloths},
+          {"vertices", s.vertices},
+          {"fluids", s.fluids},
           {"hash", s.hash},
           {"energy", {{"kinetic", s.energy.kinetic}, {"potential", s.energy.potential}, {"elastic", s.energy.elastic}}},
           {"finite", s.finite},

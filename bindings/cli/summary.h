@@ -13,7 +13,7 @@ struct Summary {
   std::uint64_t steps = 0;
   double ms_per_step = 0;
   int threads = 1;
-  std::size_t bodies = 0, points = 0, particles = 0;
+  std::size_t bodies = 0, nets = 0, points = 0, cloths = 0, vertices = 0, fluids = 0, particles = 0;
   std::string hash;         // 16 hex digits; empty without a world
   Energy energy;
   bool finite = true;

@@ -5,6 +5,10 @@
 #endif
 #ifdef FEDER_HAS_FLUID
 #include "couple/fluid_rigid.h"
+#include "couple/fluid_springs.h"
+#ifdef FEDER_HAS_CLOTH
+#include "couple/fluid_cloth.h"
+#endif
 #endif
 #include "lua/advice.h"
 #include "lua/buffer.h"
@@ -119,6 +123,10 @@ Catalog catalog() {
       &Fluid::descriptor(),
 #ifdef FEDER_HAS_COUPLE
       &FluidRigid::descriptor(),
+      &FluidSprings::descriptor(),
+#ifdef FEDER_HAS_CLOTH
+      &FluidCloth::descriptor(),
+#endif
 #endif
 #endif
   };

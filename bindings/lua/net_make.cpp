@@ -126,7 +126,7 @@ std::vector<std::size_t> read_pins(Options& o, std::size_t points) {
   return pins;
 }
 
-// Triangles of point numbers, for drawing and export; a face of four is cut in two.
+// Triangles of point numbers, for drawing, export and fluids; a face of four is cut in two.
 std::vector<std::uint32_t> read_faces(Options& o, std::size_t points) {
   std::vector<std::uint32_t> faces;
   if (!o.push("faces", LUA_TTABLE, "a list of {i, j, k}")) return faces;
@@ -168,7 +168,7 @@ void read_net(Options& o, NetDesc& desc, std::vector<std::uint32_t>& faces) {
   }
   read_masses(o, desc);
   read_springs(o, desc);
-  faces = read_faces(o, desc.points.size());
+  desc.faces = faces = read_faces(o, desc.points.size());
   if (o.text("integrator", desc.integrator)) find_variant(integrators(), desc.integrator, "integrator");
   if (o.push("integrator_options", LUA_TTABLE, "a table of options")) {
     Options inner(L, -1, o.path("integrator_options"));

@@ -67,6 +67,7 @@ struct ClothRow {
   std::uint32_t touch = kNone;       // who owns it, for its maker
   // written by the solver
   Real impulse = 0;                  // along the normal in this substep, N s
+  Real returned = 0;                 // the part of it that was taken out again as rebound, N s
   Real approach = 0;                 // closing speed before the first push of the substep, m/s
 };
 
@@ -163,9 +164,11 @@ class Cloth final : public System {
   Vec3 mover_turn(std::uint32_t solver) const;   // rad
   // The mass that rests on a cloth, kg: smaller steps are chosen for it.
   void set_load(std::size_t n, Real mass);
+  Real load(std::size_t n) const;
   // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its speed
   // beside that of the cloth, m/s.
   void set_impact(std::size_t n, Real acceleration, Real speed);
+  void push(std::uint32_t vertex, const Vec3& impulse);  // after the small steps of a substep, N s
 
  private:
   struct Impl;

@@ -196,5 +196,7 @@ void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
   impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->strike = speed;
 }
 void Cloth::set_load(std::size_t n, Real mass) { impl_->sheets[n]->state.load = mass; }
+Real Cloth::load(std::size_t n) const { return impl_->sheets[n]->state.load; }
+void Cloth::push(std::uint32_t i, const Vec3& p) { impl_->speed[i].add(impl_->moved[i].w * p); }
 
 }  // namespace feder

@@ -135,6 +135,7 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
     const Real parting = dot(r.normal, u), along = weight + mover_response(r.mover, r.arm, r.normal);
     if (!(parting > 0) || !(along > 0)) continue;
     const Real impulse = std::min(parting / along, r.impulse);
+    r.returned += impulse;
     for (int k = 0; k < 4; ++k)
       if (r.weight[k] != 0) speed[r.vertex[k]].add((-moved[r.vertex[k]].w * r.weight[k] * impulse) * r.normal);
     if (r.mover == 0) continue;

@@ -46,7 +46,7 @@ void ClothRigid::add_rows(StepPlan& plan) {
   using S = ClothRigid;
   plan.add<&S::look_ahead>(Stage::advance, When::before_substeps, 11, "look ahead", kName, this);
   plan.add<&S::find_candidates>(Stage::advance, When::before_substeps, 16, "find candidates", kName, this);
-  plan.add<&S::make_rows>(Stage::solve, When::each_substep, 14, "contacts", kName, this);
+  plan.add<&S::make_rows>(Stage::solve, When::each_substep, 13, "contacts", kName, this);
   plan.add<&S::collect>(Stage::solve, When::each_substep, 16, "collect", kName, this);
   plan.add<&S::finish>(Stage::finish, When::each_substep, 5, "touches", kName, this);
 }

@@ -42,7 +42,7 @@ void ClothRigid::refresh_rows(StepContext& c, int done, int count) {
   const int parts = std::min(count, static_cast<int>(2 * hurry_) + 1), every = count / parts;
   if (done % every != 0) return;
   collect(c);
-  cloth_.contact_rows().clear();
+  std::erase_if(cloth_.contact_rows(), [](const ClothRow& r) { return r.touch != kNone; });  // those of fluids stay
   refreshing_ = true;
   horizon_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
   const Real hurry = hurry_;

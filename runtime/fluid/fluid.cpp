@@ -193,6 +193,10 @@ std::size_t Fluid::pool_count() const {
   return impl_->pools.size();
 }
 
+FluidPool& Fluid::pool_at(std::size_t n) {
+  return *impl_->pools[n];
+}
+
 void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
   FluidPool& p = impl_->pool(id);
   if (v.size() != p.count)

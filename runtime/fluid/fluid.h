@@ -11,6 +11,8 @@
 
 namespace feder {
 
+struct FluidPool;
+
 struct FluidDesc {
   std::string name;
   TagMask tags = 0;
@@ -103,6 +105,7 @@ class Fluid final : public System {
   void clear_touches();
   void list_touches(Array<FluidTouch>& out) const;
   std::size_t pool_count() const;
+  FluidPool& pool_at(std::size_t n);  // in the order the fluids were made
   // Fills the walls for a question between steps. Set by the coupling.
   void (*refresh_walls)(void* self) = nullptr;
   void* refresh_self = nullptr;

@@ -119,7 +119,7 @@ void Pbf::correct(FluidPool& p, bool first_round, Real relax, StepContext& c) {
     else
       p.sweeps->values(in, first, last, p.sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
-      const Real crowd = p.value_factor * (first_round ? p.move[i].w : p.sum[i]) + p.own_value;
+      const Real crowd = p.value_factor * (first_round ? p.move[i].w : p.sum[i]) + p.own_value + p.screen[i];
       Real walled = 0, shared = 0, opposed = 0;
       Vec3 wall = Vec3::Zero();
       for (const WallContact& k : p.contacts_of(i)) {

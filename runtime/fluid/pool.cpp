@@ -24,6 +24,8 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
       v(&a),
       lambda(&a),
       id(&a),
+      screen(&a),
+      origin(&a),
       start(&a),
       move(&a),
       extra(&a),
@@ -98,7 +100,7 @@ void FluidPool::grow(std::uint32_t wanted) {
   std::uint32_t room = std::max<std::uint32_t>(wanted, capacity() + capacity() / 2);
   room = std::max<std::uint32_t>(wanted, static_cast<std::uint32_t>(std::min<std::size_t>(room, desc.max_particles)));
   for (auto* array : {&x, &v, &start, &move, &extra, &swap4}) array->resize(room + 1);
-  for (auto* array : {&lambda, &sum, &squares, &diagonal, &ratio, &swap1}) array->resize(room);
+  for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &swap1}) array->resize(room);
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
   contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
@@ -120,6 +122,7 @@ void FluidPool::add(const Vec3& position, const Vec3& velocity) {
   start[i] = x[i];
   lambda[i] = 0;
   ratio[i] = 1;
+  screen[i] = 0;
   id[i] = next_id++;
   put_sentinel();
 }
@@ -129,7 +132,7 @@ void FluidPool::remove_marked(const Array<std::uint8_t>& gone) {
   for (std::uint32_t i = 0; i < count; ++i) {
     if (gone[i]) continue;
     x[kept] = x[i], v[kept] = v[i], start[kept] = start[i], lambda[kept] = lambda[i], ratio[kept] = ratio[i],
-    id[kept] = id[i];
+    screen[kept] = screen[i], id[kept] = id[i];
     ++kept;
   }
   count = kept;
@@ -147,7 +150,8 @@ void FluidPool::sort_by_cell() {
     for (std::uint32_t k = 0; k < count; ++k) swap1[k] = a[order[k]];
     std::copy(swap1.begin(), swap1.begin() + count, a.begin());
   };
-  reorder4(x), reorder4(v), reorder4(start), reorder1(lambda), reorder1(ratio);
+  reorder4(x), reorder4(v), reorder4(start), reorder1(lambda), reorder1(ratio), reorder1(screen);
+  if (!origin.empty()) reorder4(origin);
   for (std::uint32_t k = 0; k < count; ++k) swap_id[k] = id[order[k]];
   std::copy(swap_id.begin(), swap_id.begin() + count, id.begin());
 }
@@ -173,7 +177,7 @@ void FluidPool::find_ratios(JobPool& jobs) {
   jobs.for_blocks(count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     sweeps->values(in, first, last, sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
-      Real r = value_factor * sum[i] + own_value;
+      Real r = value_factor * sum[i] + own_value + screen[i];
       for (const WallContact& c : contacts_of(i))
         r += table->at((dot(c.normal, x[i].vec()) - c.offset) / support).value;
       ratio[i] = r;

@@ -1,5 +1,5 @@
 // One fluid: its particles as arrays, sorted by cell of its grid so that neighbours lie near in memory; what they are
-// made of; and work arrays. Private to the module.
+// made of; and work arrays. Private to the module and to couplings.
 #pragma once
 #include "fluid/fluid.h"
 #include "neighbors/cell_grid.h"
@@ -55,6 +55,11 @@ struct FluidPool {
   bool frozen = false;  // quarantined
   bool fresh = false;   // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
+
+  // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
+  Array<Real> screen;           // what these add to density over density at rest
+  Array<Row4Real> origin;       // m, where the particle began the substep; empty without such a coupling
+  std::uint64_t screened = 0;   // number of the substep for which both were set
 
   // Work.
   Array<Row4Real> start;                      // x at the start of the substep

@@ -69,6 +69,9 @@ void check_net(const NetDesc& d, const std::string& owner) {
          "a finite number above 0", d.masses[i]);
   }
   for (std::size_t k = 0; k < d.springs.size(); ++k) check_spring(d.springs[k], n, k, owner);
+  need(d.faces.size() % 3 == 0, "faces", "three point numbers each", static_cast<double>(d.faces.size()));
+  for (std::size_t k = 0; k < d.faces.size(); ++k)
+    need(d.faces[k] < n, place("faces", k / 3), "numbers of points", static_cast<double>(d.faces[k]) + 1);
   need(d.damping >= 0 && is_finite(d.damping), "damping", "a finite number, 0 or more", d.damping);
   need(d.radius >= 0 && is_finite(d.radius), "radius", "a finite number, 0 or more", d.radius);
   need(d.friction >= 0 && is_finite(d.friction), "friction", "a finite number, 0 or more", d.friction);

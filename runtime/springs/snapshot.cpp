@@ -76,6 +76,7 @@ void Springs::save(Writer& w) const {
     w.add(n->integrator->stats);
     w.list(n->integrator->memory.points), w.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](const auto& array) { w.list(array); });
+    w.list(n->faces);
   }
 }
 
@@ -96,6 +97,7 @@ void Springs::load(Reader& r) {
     r.get(n->integrator->stats);
     r.list(n->integrator->memory.points), r.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](auto& array) { r.list(array); });
+    r.list(n->faces);
     m.nets.push_back(std::move(n));
   }
   *m.structure_changed = true;

@@ -71,6 +71,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
   auto n = m.make_net();
   m.attach_integrator(*n, desc.integrator, desc.integrator_options);
   n->settings = {desc.damping, desc.gravity_scale, desc.friction, desc.restitution, desc.group, desc.mask};
+  n->faces.assign(desc.faces.begin(), desc.faces.end());
   for (std::size_t k = 0; k < desc.springs.size(); ++k) {
     const SpringDesc& s = desc.springs[k];
     n->springs.add(s, rest_length_of(s, desc.points[s.i], desc.points[s.j], k, owner));
@@ -214,7 +215,8 @@ std::size_t Springs::net_count() const { return impl_->nets.size(); }
 Springs::NetInfo Springs::net_info(std::size_t k) const {
   const Net& n = *impl_->nets[k];
   const NetSettings& s = n.settings;
-  return {n.object, n.first, n.points, s.friction, s.restitution, s.group, s.mask, n.integrator->info().implicit};
+  return {n.object, n.first, n.points, s.friction, s.restitution, s.group, s.mask, n.integrator->info().implicit,
+          {n.faces.data(), n.faces.size()}};
 }
 
 void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {

@@ -27,6 +27,7 @@ struct NetDesc {
   std::vector<Vec3> velocities;  // empty: at rest
   std::vector<Real> masses;      // one per point, kg, > 0
   std::vector<SpringDesc> springs;
+  std::vector<std::uint32_t> faces;  // triangles, three point numbers each: what fluids cannot pass
   std::string integrator = "symplectic_euler";
   Params integrator_options;
   Real damping = 0;              // drag on every point, 1/s (force = -damping m v)
@@ -114,6 +115,7 @@ class Springs final : public System {
     Real friction = 0, restitution = 0;
     std::uint32_t group = 1, mask = 0xffffffffu;
     bool implicit = false;  // its integrator
+    std::span<const std::uint32_t> faces = {};  // three numbers each, from 0 within the net
   };
   std::size_t net_count() const;
   NetInfo net_info(std::size_t n) const;  // 0 .. net_count()-1, in the order the nets were made

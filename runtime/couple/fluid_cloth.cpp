@@ -1,0 +1,224 @@
+// Per substep: sheets screen the particles near them; the fluid moves; particles that lie on a sheet or would pass it
+// in this substep become guests among the movers, so that the cloth's small steps solve their contacts together with
+// its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
+// read back, and none may be on the other side of a triangle it was before.
+// Sheets do not hold fluid back along their surface (no friction, no wetting).
+// Kept between calls: what pressed on whom, for waking. Weak spot: a pool of N layers presses its first layer into the
+// sheet by about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows
+// single drops in jerks.
+#include "couple/fluid_cloth.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feder {
+namespace {
+
+constexpr Real kWakeImpulse = Real(1e-6);  // N s per kg of cloth
+constexpr Real kMostLoad = 50;             // times the cloth's mass: heavier loads get no smaller steps
+
+}  // namespace
+
+const SystemDescriptor& FluidCloth::descriptor() {
+  static const char* const joins[] = {Fluid::kName, Cloth::kName};
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<FluidCloth>(setup);
+                                     }};
+  return d;
+}
+
+FluidCloth::FluidCloth(SystemSetup& s)
+    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
+      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
+      movers_(s.store.need<Movers>(kName)),
+      systems_(s.systems),
+      faces_(s.store.arena(kName)),
+      guests_(&s.store.arena(kName)),
+      pressed_(&s.store.arena(kName)) {
+  if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
+  cloth_.set_movers(&movers_);
+}
+
+std::size_t FluidCloth::count() const {
+  return guests_.size();
+}
+
+void FluidCloth::add_rows(StepPlan& plan) {
+  drop_rows();
+  if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
+  using F = FluidCloth;
+  plan.add<&F::wake>(Stage::advance, When::before_substeps, 11, "wake sheets", kName, this);
+  plan.add<&F::begin>(Stage::advance, When::each_substep, 23, "screen by sheets", kName, this);
+  plan.add<&F::make_rows>(Stage::solve, When::each_substep, 14, "particles on sheets", kName, this);
+  plan.add<&F::read_back>(Stage::solve, When::each_substep, 16, "read back and guard", kName, this);
+  plan.add<&F::finish>(Stage::finish, When::each_substep, 6, "loads", kName, this);
+}
+
+// Rows of an earlier substep; those of bodies have an owner.
+void FluidCloth::drop_rows() {
+  std::erase_if(cloth_.contact_rows(), [](const ClothRow& r) { return r.touch == kNone; });
+}
+
+void FluidCloth::list_surfaces() {
+  faces_.surfaces.clear();
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
+    const Cloth::Info i = cloth_.info(n);
+    faces_.surfaces.push_back(
+        {i.object, i.first, i.triangles, i.thickness / 2, i.group, i.mask, static_cast<std::uint32_t>(n)});
+  }
+}
+
+ObjectId FluidCloth::fluid_of(std::uint32_t pool) const {
+  return fluid_.pool_at(pool).object;
+}
+
+// What fluid lies on stays awake, and what it is about to hit wakes.
+void FluidCloth::wake(StepContext& c) {
+  list_surfaces();
+  const ClothVertices& v = cloth_.vertices();
+  faces_.start.assign(v.position.begin(), v.position.end());
+  for (FaceSurface& s : faces_.surfaces) {
+    const Cloth::Info info = cloth_.info(s.place);
+    bool touched = false;
+    for (const Pressed& p : pressed_) touched = touched || (p.cloth == s.object && p.all > 0);
+    if (!touched && info.asleep) {
+      Real fastest = 0;
+      for (std::size_t n = 0; n < fluid_.pool_count(); ++n) fastest = std::max(fastest, fluid_.pool_at(n).max_speed());
+      touched = faces_.near(fluid_, s, c.dt * (fastest + c.dt * length(c.gravity)));
+    }
+    if (touched) cloth_.wake(s.object, WakeCause::fluid, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
+  }
+  pressed_.clear();
+  for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0});
+  mismatch_ = given_ = force_ = 0;
+  guarded_ = 0;
+}
+
+void FluidCloth::place_vertices() {
+  const ClothVertices& v = cloth_.vertices();
+  const std::span<const Row4> moved = cloth_.moved();
+  faces_.start.resize(v.size()), faces_.end.resize(v.size());
+  for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + moved[i].vec();
+}
+
+void FluidCloth::begin(StepContext& c) {
+  place_vertices();
+  faces_.screen(fluid_, c);
+}
+
+void FluidCloth::make_rows(StepContext& c) {
+  drop_rows();
+  guests_.clear();
+  const std::span<const Row4> speed = cloth_.speed();
+  const ClothVertices& v = cloth_.vertices();
+  // where the vertices would go without fluid, roughly: the contacts follow what they do
+  for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * speed[i].vec();
+  faces_.find(fluid_);
+  own_movers_ = static_cast<std::uint32_t>(movers_.state.size());
+  const std::span<const Row4> moved = cloth_.moved();
+  for (const FaceContact& k : faces_.contacts) {
+    const FluidPool& p = fluid_.pool_at(k.pool);
+    if (guests_.empty() || guests_.back().pool != k.pool || guests_.back().particle != k.particle) {
+      Guest g;
+      g.pool = k.pool, g.particle = k.particle;
+      g.mover = static_cast<std::uint32_t>(movers_.state.size());
+      g.given = (p.x[k.particle].vec() - p.origin[k.particle].vec()) / c.h;
+      MoverState s;
+      s.velocity = g.given;
+      MoverMass m;
+      m.inv_mass = 1 / p.mass, m.inv_mass_axes = Vec3::Constant(1 / p.mass);
+      m.center = p.origin[k.particle].vec();
+      movers_.state.push_back(s), movers_.mass.push_back(m);
+      guests_.push_back(g);
+    }
+    ClothRow r;
+    Vec3 d = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      r.vertex[i] = k.vertex[i], r.weight[i] = k.weight[i];
+      d += k.weight[i] * moved[k.vertex[i]].vec();
+    }
+    r.vertex[3] = k.vertex[0];
+    r.normal = -k.normal;
+    r.mover = guests_.back().mover;
+    r.offset = k.distance - k.rest - dot(r.normal, d);
+    r.relaxation = cloth_.info(faces_.surfaces[k.surface].place).relaxation;
+    cloth_.contact_rows().push_back(r);
+  }
+}
+
+void FluidCloth::read_back(StepContext& c) {
+  const Real g = length(c.gravity);
+  std::size_t at = 0, contact = 0;
+  for (const ClothRow& r : cloth_.contact_rows()) {  // in the order of the contacts, with those of bodies before or after
+    if (r.touch != kNone) continue;
+    while (guests_[at].mover != r.mover) ++at;
+    const Real net = r.impulse - r.returned;
+    guests_[at].pushed -= net * r.normal;
+    Pressed& to = pressed_[faces_.surfaces[faces_.contacts[contact++].surface].place];
+    to.all += std::abs(net);
+    if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
+    given_ += static_cast<double>(std::abs(net));
+  }
+  for (const Guest& k : guests_) {
+    FluidPool& p = fluid_.pool_at(k.pool);
+    const Vec3 gain = movers_.state[k.mover].velocity - k.given;
+    if (k.mover >= own_movers_ && !gain.isZero(0)) {
+      p.x[k.particle].set(p.origin[k.particle].vec() + cloth_.mover_shift(k.mover));
+      p.v[k.particle].set(p.v[k.particle].vec() + gain);
+    }
+    for (int i = 0; i < 3; ++i)
+      mismatch_ = std::max(mismatch_, std::abs(static_cast<double>(p.mass * gain[i] - k.pushed[i])));
+  }
+  movers_.state.resize(own_movers_), movers_.mass.resize(own_movers_);
+  drop_rows();
+  const auto now = [&](std::uint32_t i) { return Vec3(cloth_.vertices().position[i] + cloth_.moved()[i].vec()); };
+  faces_.follow(fluid_, now);
+  faces_.guard(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { hold_back(k, hit, c); });
+}
+
+// A particle that passed a face, or is too near to it, goes back to where it was caught; the velocities towards each
+// other end.
+void FluidCloth::hold_back(const FaceContact& k, const FaceHit& hit, StepContext& c) {
+  FluidPool& p = fluid_.pool_at(k.pool);
+  ++guarded_;
+  p.x[k.particle].set(hit.place);
+  Vec3 u = p.v[k.particle].vec();
+  Real response = 1 / p.mass;
+  for (int i = 0; i < 3; ++i) {
+    u -= hit.weight[i] * cloth_.speed()[k.vertex[i]].vec();
+    response += hit.weight[i] * hit.weight[i] * cloth_.moved()[k.vertex[i]].w;
+  }
+  const Real closing = -dot(hit.normal, u);
+  if (!(closing > 0)) return;
+  const Vec3 impulse = (closing / response) * hit.normal;
+  p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
+  for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -hit.weight[i] * impulse);
+  Pressed& to = pressed_[faces_.surfaces[k.surface].place];
+  to.all += length(impulse);
+  if (length(c.gravity) > 0) to.along -= dot(impulse, c.gravity) / length(c.gravity);
+}
+
+// The mass that lies on a cloth asks for smaller steps; that of bodies has just been written by their coupling.
+void FluidCloth::finish(StepContext& c) {
+  const Real g = length(c.gravity);
+  const bool bodies = systems_.find_system("cloth_rigid") != nullptr;
+  for (std::size_t n = 0; n < pressed_.size(); ++n) {
+    Pressed& p = pressed_[n];
+    const Cloth::Info info = cloth_.info(n);
+    Real own = 0;
+    for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
+    if (p.all < kWakeImpulse * own) p.all = 0;
+    force_ += static_cast<double>(p.along / c.dt);
+    if (info.asleep || !(g > 0)) continue;
+    const Real on = std::max(p.along, Real(0)) / (g * c.dt);
+    cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, kMostLoad * own));
+  }
+}
+
+void FluidCloth::residuals(std::vector<Residual>& out) const {
+  out.push_back({"fluid_cloth.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
+  out.push_back({"fluid_cloth.force_n", force_});
+  out.push_back({"fluid_cloth.guarded", static_cast<double>(guarded_)});
+}
+
+}  // namespace feder

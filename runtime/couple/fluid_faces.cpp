@@ -1,0 +1,180 @@
+// Screens and contacts. The tree of faces is built anew in every substep: a few hundred nanoseconds a face, and the
+// same order of contacts after a snapshot.
+#include "couple/fluid_faces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geom/closest.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kSlack = Real(0.1);   // of the spacing: contacts are listed from here on
+constexpr Real kGuard = Real(0.3);   // of the distance at rest: no particle ends nearer
+// Of a triangle's weights: beyond its edges still counts, by less than a particle's own size; ways are straight to
+// second order only.
+constexpr Real kInside = Real(0.1);
+
+void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Vec3& q, Real (&w)[3]) {
+  q = closest_on_triangle(x, a, b, c);
+  plane_weights(q, a, b, c, w);
+  Real sum = 0;
+  for (Real& k : w) k = clamp(k, 0, 1), sum += k;
+  for (Real& k : w) k /= sum;
+}
+
+}  // namespace
+
+void plane_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
+  const Vec3 u = b - a, v = c - a, p = x - a, n = cross(u, v);
+  const Real nn = dot(n, n);
+  if (!(nn > 0)) return void((w[0] = 1, w[1] = w[2] = 0));
+  w[1] = dot(n, cross(p, v)) / nn;
+  w[2] = dot(n, cross(u, p)) / nn;
+  w[0] = 1 - w[1] - w[2];
+}
+
+void FluidFaces::list_faces() {
+  faces_.clear(), box_.clear();
+  for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
+    const FaceSurface& s = surfaces[k];
+    for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
+      Face f;
+      f.surface = k;
+      Aabb box;
+      for (int i = 0; i < 3; ++i) f.v[i] = s.first + s.triangles[t + static_cast<std::size_t>(i)], box.include(start[f.v[i]]);
+      box.grow(s.half);
+      faces_.push_back(f), box_.push_back(box);
+    }
+  }
+  tree_.build({box_.data(), box_.size()});
+}
+
+void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
+  list_faces();
+  const std::uint64_t number = c.step * static_cast<std::uint64_t>(c.substeps) + static_cast<std::uint64_t>(c.substep) + 1;
+  for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
+    FluidPool& p = fluid.pool_at(n);
+    if (p.count == 0 || p.frozen) continue;
+    if (p.origin.size() < p.x.size()) p.origin.resize(p.x.size());
+    const bool first = p.screened != number;  // of the couplings that do this
+    p.screened = number;
+    const Real rest = p.desc.spacing / 2;
+    c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t from, std::uint32_t to, int) {
+      for (std::uint32_t i = from; i < to; ++i) {
+        if (first) p.origin[i] = p.x[i], p.screen[i] = 0;
+        const Vec3 x = p.x[i].vec();
+        Aabb box{x, x};
+        box.grow(p.support);
+        Real nearest = p.support;
+        tree_.query(box, [&](std::uint32_t f) {
+          const Face& face = faces_[f];
+          const FaceSurface& s = surfaces[face.surface];
+          if (!meets(p, s)) return;
+          const Vec3 q = closest_on_triangle(x, start[face.v[0]], start[face.v[1]], start[face.v[2]]);
+          nearest = std::min(nearest, length(Vec3(x - q)) - s.half);
+        });
+        if (nearest < p.support) p.screen[i] = std::max(p.screen[i], static_cast<Real>(p.table->at(std::max(nearest, rest) / p.support).value));
+      }
+    });
+  }
+}
+
+void FluidFaces::find(Fluid& fluid) {
+  contacts.clear();
+  allowed_ = kInfinity;
+  for (std::size_t n = 0; n < fluid.pool_count(); ++n)
+    allowed_ = std::min(allowed_, kSlack * fluid.pool_at(n).desc.spacing);
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    Aabb& box = box_[f];
+    for (const std::uint32_t v : faces_[f].v) box.include(end[v]);
+  }
+  tree_.refit({box_.data(), box_.size()});
+  for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
+    FluidPool& p = fluid.pool_at(n);
+    if (p.count == 0 || p.frozen || p.origin.size() <= p.count) continue;
+    const Real slack = kSlack * p.desc.spacing, half = p.desc.spacing / 2;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      const Vec3 from = p.origin[i].vec(), to = p.x[i].vec();
+      if (!is_finite(to)) continue;  // taken out at the end of the step
+      Aabb box{from.cwiseMin(to), from.cwiseMax(to)};
+      box.grow(half + slack);
+      const std::size_t first = contacts.size();
+      tree_.query(box, [&](std::uint32_t at) {
+        const Face& f = faces_[at];
+        const FaceSurface& s = surfaces[f.surface];
+        if (!meets(p, s)) return;
+        FaceContact k;
+        const Vec3 a = start[f.v[0]], b = start[f.v[1]], e = start[f.v[2]];
+        Vec3 q, way = to - from;
+        nearest_weights(from, a, b, e, q, k.weight);
+        // who comes nearer than this pushes others, which may come as near
+        Real fastest = 0;
+        for (int j = 0; j < 3; ++j) fastest = std::max(fastest, length(Vec3(end[f.v[j]] - start[f.v[j]])));
+        fastest += length(way);
+        k.distance = length(Vec3(from - q));
+        k.rest = half + s.half;
+        if (k.distance > k.rest + slack + fastest) return;
+        k.pool = static_cast<std::uint32_t>(n), k.particle = i, k.surface = f.surface;
+        for (int j = 0; j < 3; ++j) k.vertex[j] = f.v[j];
+        const Vec3 up = normalized_or(cross(Vec3(b - a), Vec3(e - a)), Vec3(0, 1, 0));
+        // on the face itself: it goes back where it came from
+        const Vec3 back = dot(up, way) > 0 ? Vec3(-up) : up;
+        k.normal = k.distance > Real(1e-4) * p.desc.spacing ? Vec3((from - q) / k.distance) : back;
+        contacts.push_back(k);
+      });
+      // of all faces near, in the order of their points: the tree's own order may depend on the past
+      std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [](const FaceContact& x, const FaceContact& y) {
+        return std::lexicographical_compare(x.vertex, x.vertex + 3, y.vertex, y.vertex + 3);
+      });
+    }
+  }
+}
+
+bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real reach) const {
+  Aabb all;
+  for (const std::uint32_t v : s.triangles) all.include(start[s.first + v]);
+  all.grow(s.half + reach);
+  for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
+    const FluidPool& p = fluid.pool_at(n);
+    if (!meets(p, s)) continue;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      const Vec3 x = p.x[i].vec();
+      if (!overlaps(all, Aabb{x, x})) continue;
+      const Real far = s.half + reach + p.desc.spacing / 2;
+      for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
+        const std::uint32_t* v = &s.triangles[t];
+        const Vec3 q = closest_on_triangle(x, start[s.first + v[0]], start[s.first + v[1]], start[s.first + v[2]]);
+        if (length(Vec3(x - q)) < far) return true;
+      }
+    }
+  }
+  return false;
+}
+
+// In coordinates of the triangle (weights and height over its plane) the particle goes straight, to second order in the
+// substep: it passed where its height changes sign within the triangle.
+bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3], FaceHit& hit) const {
+  const Vec3 a = start[k.vertex[0]], b = start[k.vertex[1]], e = start[k.vertex[2]];
+  const Vec3 up0 = normalized_or(cross(Vec3(b - a), Vec3(e - a)), k.normal);
+  const Vec3 up1 = normalized_or(cross(Vec3(now[1] - now[0]), Vec3(now[2] - now[0])), k.normal);
+  const Real before = dot(up0, Vec3(from - a)), after = dot(up1, Vec3(to - now[0]));
+  const Real side = before < 0 ? Real(-1) : Real(1), keep = kGuard * k.rest;
+  Real w0[3], w1[3];
+  plane_weights(from, a, b, e, w0), plane_weights(to, now[0], now[1], now[2], w1);
+  const bool passed = after * side < 0;
+  const Real s = passed ? before / (before - after) : Real(1);
+  for (int i = 0; i < 3; ++i) {
+    hit.weight[i] = w0[i] + s * (w1[i] - w0[i]);
+    if (hit.weight[i] < -kInside) return false;
+  }
+  if (!passed && (after * side >= keep || before * side < keep / 2)) return false;
+  hit.when = passed ? s : Real(2);
+  hit.normal = side * up1;
+  hit.place = keep * hit.normal;
+  for (int i = 0; i < 3; ++i) hit.place += hit.weight[i] * now[i];
+  return true;
+}
+
+}  // namespace feder

@@ -1,0 +1,153 @@
+// Per substep: the net's integrator has moved its points; its faces screen the particles near them; the fluid moves;
+// then contacts push both sides apart, by their masses, a few times over all of them (projected Gauss-Seidel). Points
+// that touch bodies are handed to the rigid solver with what the fluid did.
+// Faces do not hold fluid back along their surface. Kept between calls: nothing. Weak spot: points much lighter than
+// the particles that lie on them yield between one substep and the next, as springs are not solved together with the
+// contacts.
+#include "couple/fluid_springs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feder {
+namespace {
+
+constexpr int kRounds = 6;
+constexpr Real kPush = Real(0.1);    // of the spacing: most that overlap from before is undone by in a substep
+
+}  // namespace
+
+const SystemDescriptor& FluidSprings::descriptor() {
+  static const char* const joins[] = {Fluid::kName, Springs::kName};
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<FluidSprings>(setup);
+                                     }};
+  return d;
+}
+
+FluidSprings::FluidSprings(SystemSetup& s)
+    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
+      springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
+      points_(s.store.need<Particles>(Springs::kName)),
+      faces_(s.store.arena(kName)) {}
+
+std::size_t FluidSprings::count() const {
+  std::size_t sum = 0;
+  for (std::size_t n = 0; n < springs_.net_count(); ++n) sum += springs_.net_info(n).faces.size() / 3;
+  return sum;
+}
+
+void FluidSprings::add_rows(StepPlan& plan) {
+  if (fluid_.pool_count() == 0 || count() == 0) return;
+  using F = FluidSprings;
+  plan.add<&F::remember>(Stage::advance, When::each_substep, 18, "remember points", kName, this);
+  plan.add<&F::begin>(Stage::advance, When::each_substep, 23, "screen by faces", kName, this);
+  plan.add<&F::solve>(Stage::advance, When::each_substep, 33, "particles on faces", kName, this);
+}
+
+void FluidSprings::list_surfaces() {
+  faces_.surfaces.clear();
+  for (std::size_t n = 0; n < springs_.net_count(); ++n) {
+    const Springs::NetInfo i = springs_.net_info(n);
+    if (i.faces.empty()) continue;
+    const Real half = points_.radius[i.first];
+    faces_.surfaces.push_back({i.object, i.first, i.faces, half, i.group, i.mask, static_cast<std::uint32_t>(n)});
+  }
+}
+
+void FluidSprings::remember(StepContext& c) {
+  if (c.substep == 0) {
+    list_surfaces();
+    mismatch_ = given_ = 0;
+    guarded_ = 0;
+  }
+  faces_.start.assign(points_.position.begin(), points_.position.end());
+}
+
+void FluidSprings::begin(StepContext& c) {
+  faces_.screen(fluid_, c);
+}
+
+void FluidSprings::solve(StepContext&) {
+  faces_.end.assign(points_.position.begin(), points_.position.end());
+  faces_.find(fluid_);
+  if (faces_.contacts.empty()) return;
+  for (int round = 0; round < kRounds; ++round)
+    for (const FaceContact& k : faces_.contacts) push_apart(k);
+  const auto now = [&](std::uint32_t i) { return points_.position[i]; };
+  faces_.follow(fluid_, now);
+  faces_.guard(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) {
+    ++guarded_;
+    fluid_.pool_at(k.pool).x[k.particle].set(hit.place);
+    exchange(k, hit.weight, hit.normal);
+  });
+}
+
+// Along the line from the face's nearest point to the particle, as it is now: no torque is left over.
+void FluidSprings::push_apart(const FaceContact& k) {
+  FluidPool& p = fluid_.pool_at(k.pool);
+  Vec3 q = Vec3::Zero();
+  Real response = 1 / p.mass;
+  for (int i = 0; i < 3; ++i) {
+    q += k.weight[i] * points_.position[k.vertex[i]];
+    response += k.weight[i] * k.weight[i] * points_.inv_mass[k.vertex[i]];
+  }
+  const Vec3 apart = p.x[k.particle].vec() - q;
+  Vec3 n = normalized_or(apart, k.normal);
+  if (dot(n, k.normal) < Real(0.5)) n = k.normal;  // passed, or far aside
+  const Real gap = dot(n, apart) - k.rest;
+  if (!(gap < 0)) return;
+  exchange(k, k.weight, n);
+  // overlap from before goes slowly
+  const Real older = std::max(k.rest - k.distance, Real(0));
+  const Real need = std::max(-gap - older, Real(0)) + std::min({older, -gap, kPush * p.desc.spacing});
+  const Real push = std::min(need, -gap) / response;
+  p.x[k.particle].set(p.x[k.particle].vec() + (push / p.mass) * n);
+  for (int i = 0; i < 3; ++i) {
+    const std::uint32_t v = k.vertex[i];
+    points_.position[v] -= (push * k.weight[i] * points_.inv_mass[v]) * n;
+  }
+}
+
+// The velocities towards each other end.
+void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& n) {
+  FluidPool& p = fluid_.pool_at(k.pool);
+  Vec3 u = p.v[k.particle].vec();
+  Real response = 1 / p.mass;
+  for (int i = 0; i < 3; ++i) {
+    u -= weight[i] * points_.velocity[k.vertex[i]];
+    response += weight[i] * weight[i] * points_.inv_mass[k.vertex[i]];
+  }
+  const Real closing = -dot(n, u);
+  if (!(closing > 0)) return;
+  const Vec3 impulse = (closing / response) * n;
+  double before[3], after[3];
+  const auto sum = [&](double (&out)[3]) {
+    for (int j = 0; j < 3; ++j) {
+      out[j] = static_cast<double>(p.mass) * static_cast<double>(p.v[k.particle].vec()[j]);
+      for (int i = 0; i < 3; ++i)
+        if (points_.inv_mass[k.vertex[i]] != 0)
+          out[j] += static_cast<double>(points_.mass[k.vertex[i]]) * static_cast<double>(points_.velocity[k.vertex[i]][j]);
+    }
+  };
+  sum(before);
+  Vec3 held = Vec3::Zero();  // by pinned points
+  p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
+  for (int i = 0; i < 3; ++i) {
+    const std::uint32_t v = k.vertex[i];
+    if (points_.inv_mass[v] == 0) held += weight[i] * impulse;
+    points_.velocity[v] -= (weight[i] * points_.inv_mass[v]) * impulse;
+  }
+  sum(after);
+  for (int j = 0; j < 3; ++j)
+    mismatch_ = std::max(mismatch_, std::abs(after[j] - before[j] - static_cast<double>(held[j])));
+  given_ += static_cast<double>(length(impulse));
+}
+
+void FluidSprings::residuals(std::vector<Residual>& out) const {
+  out.push_back({"fluid_springs.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
+  out.push_back({"fluid_springs.impulse_ns", given_});
+  out.push_back({"fluid_springs.guarded", static_cast<double>(guarded_)});
+}
+
+}  // namespace feder

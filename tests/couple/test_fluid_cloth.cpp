@@ -1,0 +1,153 @@
+// Fluid and cloth: what one side gets the other gives, nothing passes a sheet, a sheet carries a pool by its edges.
+#include <cmath>
+
+#include "couple/fluid_parts.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+TEST_CASE("a blob hits a free sheet: momentum and angular momentum are kept", "[couple][fluid][cloth]") {
+  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"));
+  WorldDesc wd;
+  wd.gravity = Vec3(0, 0, 0);
+  wd.dt = 1.0 / 120;
+  wd.sleeping = false;
+  World w(wd, mixed_catalog());
+  Fluid& fluid = w.need<Fluid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc sheet = square(13, 1, false);
+  sheet.area_density = 1;
+  sheet.substeps = 8;
+  const ObjectId id = cloth.add_cloth(sheet);
+  FluidDesc d;
+  d.solver = solver;
+  const ObjectId blob = fluid.add_fluid(d);
+  fluid.fill(blob, block(4, 4, 4, d.spacing, Vec3(Real(0.13), Real(0.2), Real(0.06))), Vec3(Real(0.2), Real(-2), 0));
+  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  double worst = 0, most = 0;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    worst = std::fmax(worst, residual(w, "fluid_cloth.impulse_mismatch"));
+    Vec3 u = Vec3::Zero();
+    for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) u += cloth.point_mass(id, i) * cloth.velocity(id, i);
+    most = std::fmax(most, static_cast<double>(length(u)));
+  }
+  CAPTURE(solver, worst, most);
+  CHECK(most > 0.05 * static_cast<double>(length(p)));  // the sheet was hit
+  CHECK(length(Vec3(vec(w.momentum().linear) - p)) < Real(1e-4) * length(p));
+  CHECK(length(Vec3(vec(w.momentum().angular) - l)) < Real(1e-2) * length(l));
+  CHECK(worst < 1e-4);
+  CHECK(w.is_finite());
+}
+
+// At 50 m/s (four spacings in a substep) 1 in 100 gets through where the sheet crumples.
+TEST_CASE("no particle passes a pinned sheet", "[couple][fluid][cloth]") {
+  const double speed = GENERATE(1.0, 10.0, 20.0);
+  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"));
+  WorldDesc wd;
+  World w(wd, mixed_catalog());
+  Fluid& fluid = w.need<Fluid>();
+  ClothDesc sheet = square(15, 2, true);
+  Cloth& cloth = w.need<Cloth>();
+  const ObjectId cid = cloth.add_cloth(sheet);
+  FluidDesc d;
+  d.solver = solver;
+  const ObjectId id = fluid.add_fluid(d);
+  fluid.fill(id, block(5, 5, 5, d.spacing, Vec3(Real(0.013), Real(0.3), Real(0.027))), Vec3(0, static_cast<Real>(-speed), 0));
+  std::vector<Vec3> x;
+  int below = 0;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    fluid.positions(id, x);
+    // beside the sheet's vertices, what is clearly lower than the nearest of them has passed
+    for (const Vec3& q : x) {
+      Real best = 1, y = 0;
+      for (std::size_t i = 0; i < cloth.vertex_count(cid); ++i) {
+        const Vec3 d = q - cloth.point(cid, i);
+        if (length(d) < best) best = length(d), y = cloth.point(cid, i)[1];
+      }
+      below += std::fabs(q[0]) < Real(0.9) && std::fabs(q[2]) < Real(0.9) && q[1] < y - Real(0.15);
+    }
+  }
+  CAPTURE(solver, speed, below, x.size(), residual(w, "fluid_cloth.guarded"), residual(w, "cloth.max_strain"));
+  CHECK(below == 0);
+  CHECK(x.size() == 125);
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("a sheet in a free frame holds a pool: the frame feels the weight of water and cloth", "[couple][fluid][cloth]") {
+  World w(WorldDesc{}, mixed_catalog());
+  Rigid& rigid = w.need<Rigid>();
+  Fluid& fluid = w.need<Fluid>();
+  Cloth& cloth = w.need<Cloth>();
+  // weightless and heavy: its velocity is the scale
+  constexpr Real kSize = 1, kFrame = 20000, kHigh = Real(0.5);
+  std::vector<CompoundPart> parts;
+  for (int k = 0; k < 4; ++k) {
+    const bool along = k < 2;
+    const Real far = (k % 2 ? Real(0.5) : Real(-0.5)) * (kSize + Real(0.1));
+    parts.push_back({make_box(along ? kSize + Real(0.2) : Real(0.1), kHigh, along ? Real(0.1) : kSize + Real(0.2)),
+                     Pose{along ? Vec3(0, kHigh / 2, far) : Vec3(far, kHigh / 2, 0), Quat{}}});
+  }
+  BodyDesc b;
+  b.shape = make_compound(parts);
+  b.mass = kFrame;
+  b.gravity_scale = 0;
+  const ObjectId frame = rigid.add_body(b);
+  ClothDesc sheet = square(17, kSize, false);
+  sheet.area_density = 1;
+  sheet.stretch = 20000;
+  const ObjectId id = cloth.add_cloth(sheet);
+  for (std::size_t i = 0; i < 17 * 17; ++i) {
+    const Vec3 x = cloth.point(id, i);
+    if (std::fabs(x[0]) > Real(0.49) || std::fabs(x[2]) > Real(0.49)) cloth.attach(id, i, frame, x);
+  }
+  FluidDesc d;
+  d.spacing = Real(0.08);
+  const ObjectId pool = fluid.add_fluid(d);
+  fluid.fill(pool, block(12, 2, 12, d.spacing, Vec3(0, Real(0.14), 0)), Vec3::Zero());
+  const double water = 12 * 12 * 2 * static_cast<double>(fluid.particle_mass(pool));
+  const double weight = (water + 1) * 9.81;
+  for (int k = 0; k < 240; ++k) w.step();
+  const Real before = rigid.bodies().velocity[rigid.index(frame)][1];
+  double force = 0;
+  for (int k = 0; k < 240; ++k) {
+    w.step();
+    force += residual(w, "fluid_cloth.force_n") / 240;
+  }
+  const Real after = rigid.bodies().velocity[rigid.index(frame)][1];
+  const double reaction = static_cast<double>(kFrame * (before - after)) / 4;
+  std::vector<Vec3> x;
+  fluid.positions(pool, x);
+  double lowest = 1;
+  const double fallen = static_cast<double>(rigid.pose(frame).position[1]);
+  for (const Vec3& q : x) lowest = std::fmin(lowest, static_cast<double>(q[1]) - fallen);
+  CAPTURE(water, weight, force, reaction, lowest, fallen, residual(w, "cloth.max_strain"), residual(w, "fluid.density_error_max"));
+  CHECK(std::fabs(reaction - weight) < 0.03 * weight);
+  CHECK(force > 0.9 * water * 9.81);
+  CHECK(lowest > -0.4);
+  CHECK(static_cast<double>(cloth.point(id, 17 * 8 + 8)[1]) - fallen < -0.02);  // it sags
+  CHECK(w.is_finite());
+}
+
+TEST_CASE("fluid that comes wakes a sleeping sheet, and says so", "[couple][fluid][cloth]") {
+  World w(WorldDesc{}, mixed_catalog());
+  Cloth& cloth = w.need<Cloth>();
+  Fluid& fluid = w.need<Fluid>();
+  const ObjectId sheet = cloth.add_cloth(square(7, Real(0.6), true));
+  const ObjectId id = fluid.add_fluid(FluidDesc{});
+  fluid.fill(id, block(2, 2, 2, Real(0.05), Vec3(0, 2, 0)), Vec3::Zero());
+  w.step();
+  cloth.sleep(sheet);
+  REQUIRE(cloth.asleep(sheet));
+  int woken = 0, step = 0;
+  for (; step < 90 && !woken; ++step) {
+    w.step();
+    for (const Event& e : w.events().list())
+      woken += e.kind == EventKind::wake && e.a == sheet && e.cause == WakeCause::fluid && e.b == id;
+  }
+  CAPTURE(step);
+  CHECK(woken == 1);
+  CHECK(step > 30);  // it falls for 0.63 s
+  CHECK(step < 42);
+}
