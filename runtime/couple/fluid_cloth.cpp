@@ -149,7 +149,8 @@ void FluidCloth::make_rows(StepContext& c) {
 void FluidCloth::read_back(StepContext& c) {
   const Real g = length(c.gravity);
   std::size_t at = 0, contact = 0;
-  for (const ClothRow& r : cloth_.contact_rows()) {  // in the order of the contacts, with those of bodies before or after
+  for (const ClothRow& r :
+       cloth_.contact_rows()) {  // in the order of the contacts, with those of bodies before or after
     if (r.touch != kNone) continue;
     while (guests_[at].mover != r.mover) ++at;
     const Real net = r.impulse - r.returned;

@@ -30,8 +30,8 @@ class FluidCloth final : public System {
   // A particle that stands among the movers for the length of the cloth's row.
   struct Guest {
     std::uint32_t pool = 0, particle = 0, mover = 0;
-    Vec3 given = Vec3::Zero();  // velocity, m/s
-    Vec3 pushed = Vec3::Zero(); // by the rows, N s
+    Vec3 given = Vec3::Zero();   // velocity, m/s
+    Vec3 pushed = Vec3::Zero();  // by the rows, N s
   };
 
   // Rows.
@@ -53,11 +53,11 @@ class FluidCloth final : public System {
   SystemFinder& systems_;
   FluidFaces faces_;
   Array<Guest> guests_;
-  Array<Pressed> pressed_;  // by cloth
-  std::uint32_t own_movers_ = 0;           // how many there were without the guests
-  double mismatch_ = 0, given_ = 0;        // N s, of the last step
-  double force_ = 0;                       // N, of the last step, along gravity
-  std::uint64_t guarded_ = 0;              // corrections of the last step
+  Array<Pressed> pressed_;           // by cloth
+  std::uint32_t own_movers_ = 0;     // how many there were without the guests
+  double mismatch_ = 0, given_ = 0;  // N s, of the last step
+  double force_ = 0;                 // N, of the last step, along gravity
+  std::uint64_t guarded_ = 0;        // corrections of the last step
 };
 
 }  // namespace feder

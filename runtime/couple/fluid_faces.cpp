@@ -10,8 +10,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kSlack = Real(0.1);   // of the spacing: contacts are listed from here on
-constexpr Real kGuard = Real(0.3);   // of the distance at rest: no particle ends nearer
+constexpr Real kSlack = Real(0.1);  // of the spacing: contacts are listed from here on
+constexpr Real kGuard = Real(0.3);  // of the distance at rest: no particle ends nearer
 // Of a triangle's weights: beyond its edges still counts, by less than a particle's own size; ways are straight to
 // second order only.
 constexpr Real kInside = Real(0.1);
@@ -43,7 +43,8 @@ void FluidFaces::list_faces() {
       Face f;
       f.surface = k;
       Aabb box;
-      for (int i = 0; i < 3; ++i) f.v[i] = s.first + s.triangles[t + static_cast<std::size_t>(i)], box.include(start[f.v[i]]);
+      for (int i = 0; i < 3; ++i)
+        f.v[i] = s.first + s.triangles[t + static_cast<std::size_t>(i)], box.include(start[f.v[i]]);
       box.grow(s.half);
       faces_.push_back(f), box_.push_back(box);
     }
@@ -53,7 +54,8 @@ void FluidFaces::list_faces() {
 
 void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
   list_faces();
-  const std::uint64_t number = c.step * static_cast<std::uint64_t>(c.substeps) + static_cast<std::uint64_t>(c.substep) + 1;
+  const std::uint64_t number =
+      c.step * static_cast<std::uint64_t>(c.substeps) + static_cast<std::uint64_t>(c.substep) + 1;
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     FluidPool& p = fluid.pool_at(n);
     if (p.count == 0 || p.frozen) continue;
@@ -75,7 +77,9 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
           const Vec3 q = closest_on_triangle(x, start[face.v[0]], start[face.v[1]], start[face.v[2]]);
           nearest = std::min(nearest, length(Vec3(x - q)) - s.half);
         });
-        if (nearest < p.support) p.screen[i] = std::max(p.screen[i], static_cast<Real>(p.table->at(std::max(nearest, rest) / p.support).value));
+        if (nearest < p.support)
+          p.screen[i] =
+              std::max(p.screen[i], static_cast<Real>(p.table->at(std::max(nearest, rest) / p.support).value));
       }
     });
   }
@@ -125,9 +129,10 @@ void FluidFaces::find(Fluid& fluid) {
         contacts.push_back(k);
       });
       // of all faces near, in the order of their points: the tree's own order may depend on the past
-      std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [](const FaceContact& x, const FaceContact& y) {
-        return std::lexicographical_compare(x.vertex, x.vertex + 3, y.vertex, y.vertex + 3);
-      });
+      std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
+                [](const FaceContact& x, const FaceContact& y) {
+                  return std::lexicographical_compare(x.vertex, x.vertex + 3, y.vertex, y.vertex + 3);
+                });
     }
   }
 }
@@ -155,7 +160,8 @@ bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real reach) const {
 
 // In coordinates of the triangle (weights and height over its plane) the particle goes straight, to second order in the
 // substep: it passed where its height changes sign within the triangle.
-bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3], FaceHit& hit) const {
+bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3],
+                        FaceHit& hit) const {
   const Vec3 a = start[k.vertex[0]], b = start[k.vertex[1]], e = start[k.vertex[2]];
   const Vec3 up0 = normalized_or(cross(Vec3(b - a), Vec3(e - a)), k.normal);
   const Vec3 up1 = normalized_or(cross(Vec3(now[1] - now[0]), Vec3(now[2] - now[0])), k.normal);

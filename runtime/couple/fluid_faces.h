@@ -24,17 +24,17 @@ struct FaceSurface {
   std::span<const std::uint32_t> triangles;  // three each
   Real half = 0;                             // of the thickness, m
   std::uint32_t group = 1, mask = 0xffffffffu;
-  std::uint32_t place = 0;                   // of the thing, for the coupling
+  std::uint32_t place = 0;  // of the thing, for the coupling
 };
 
 // A particle that may touch a face in this substep.
 struct FaceContact {
   std::uint32_t pool = 0, particle = 0, surface = 0;
   std::uint32_t vertex[3] = {};
-  Real weight[3] = {};           // of the nearest point, at the start of the substep
-  Vec3 normal = Vec3::Zero();    // from there to the particle, then
-  Real distance = 0;             // then, m
-  Real rest = 0;                 // wanted at least, m
+  Real weight[3] = {};         // of the nearest point, at the start of the substep
+  Vec3 normal = Vec3::Zero();  // from there to the particle, then
+  Real distance = 0;           // then, m
+  Real rest = 0;               // wanted at least, m
 };
 
 // Where a particle was caught.
@@ -47,12 +47,11 @@ struct FaceHit {
 
 class FluidFaces {
  public:
-  explicit FluidFaces(Arena& a)
-      : start(&a), end(&a), contacts(&a), faces_(&a), box_(&a), tree_(a) {}
+  explicit FluidFaces(Arena& a) : start(&a), end(&a), contacts(&a), faces_(&a), box_(&a), tree_(a) {}
 
   std::vector<FaceSurface> surfaces;  // filled by the coupling; they do not change within a step
-  Array<Vec3> start, end;             // by point: at the start of the substep, and where it will be (as far as known), m
-  Array<FaceContact> contacts;        // by pool and particle
+  Array<Vec3> start, end;       // by point: at the start of the substep, and where it will be (as far as known), m
+  Array<FaceContact> contacts;  // by pool and particle
 
   // At the start of a substep, before the fluid moves: notes where particles are and sets their screens. `start` is
   // filled.
@@ -101,7 +100,9 @@ class FluidFaces {
     std::uint32_t surface = 0;
   };
   void list_faces();
-  static bool meets(const FluidPool& p, const FaceSurface& s) { return (p.desc.group & s.mask) && (s.group & p.desc.mask); }
+  static bool meets(const FluidPool& p, const FaceSurface& s) {
+    return (p.desc.group & s.mask) && (s.group & p.desc.mask);
+  }
 
   Array<Face> faces_;
   Array<Aabb> box_;

@@ -13,7 +13,7 @@ namespace feder {
 namespace {
 
 constexpr int kRounds = 6;
-constexpr Real kPush = Real(0.1);    // of the spacing: most that overlap from before is undone by in a substep
+constexpr Real kPush = Real(0.1);  // of the spacing: most that overlap from before is undone by in a substep
 
 }  // namespace
 
@@ -122,12 +122,13 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
   if (!(closing > 0)) return;
   const Vec3 impulse = (closing / response) * n;
   double before[3], after[3];
-  const auto sum = [&](double (&out)[3]) {
+  const auto sum = [&](double(&out)[3]) {
     for (int j = 0; j < 3; ++j) {
       out[j] = static_cast<double>(p.mass) * static_cast<double>(p.v[k.particle].vec()[j]);
       for (int i = 0; i < 3; ++i)
         if (points_.inv_mass[k.vertex[i]] != 0)
-          out[j] += static_cast<double>(points_.mass[k.vertex[i]]) * static_cast<double>(points_.velocity[k.vertex[i]][j]);
+          out[j] +=
+              static_cast<double>(points_.mass[k.vertex[i]]) * static_cast<double>(points_.velocity[k.vertex[i]][j]);
     }
   };
   sum(before);
