@@ -18,23 +18,6 @@ Of of(lua_State* L) {
   return {self, fluids(self.record)};
 }
 
-// The numbers into the buffer at index 2, or into a new one.
-int push_vectors(lua_State* L, const std::vector<Vec3>& list) {
-  std::span<double> out;
-  if (lua_isnoneornil(L, 2)) {
-    out = push_buffer(L, list.size() * 3);
-  } else {
-    out = test_buffer(L, 2);
-    if (out.size() < list.size() * 3)
-      fail_here(L, "expected a buffer of at least " + std::to_string(list.size() * 3) + " numbers, got " +
-                       (out.data() ? "one of " + std::to_string(out.size()) : describe(L, 2)));
-    lua_settop(L, 2);
-  }
-  for (std::size_t i = 0; i < list.size(); ++i)
-    for (int k = 0; k < 3; ++k) out[i * 3 + static_cast<std::size_t>(k)] = list[i][k];
-  return 1;
-}
-
 int fluid_count(lua_State* L) {
   const Of f = of(L);
   lua_pushinteger(L, static_cast<lua_Integer>(f.fluid.particle_count(f.self.id)));

@@ -10,7 +10,7 @@
 namespace feder::report {
 namespace {
 
-constexpr double kRow = 18;
+constexpr double kRowHeight = 18;
 
 // Worst first: the order of the legend.
 constexpr VerdictStyle kVerdicts[] = {
@@ -144,14 +144,14 @@ double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMa
     svg.rect({at.x, y - 11, 26, 14}, fill, "#aab2bb");
     svg.text({at.x + 34, y}, words, {12});
     if (!more.empty()) svg.text({at.x + 34, y + 14}, words_cut(more, 10.5, width - 34), {10.5, "start", kQuiet});
-    y += more.empty() ? kRow : kRow + 14;
+    y += more.empty() ? kRowHeight : kRowHeight + 14;
   };
   const auto failure = [&](const VerdictStyle& v) { entry(fill_of(svg, {0, 0, v.name, 0, ""}), v.name, v.meaning); };
   for (const VerdictStyle& v : kVerdicts)
     if (seen.erase(v.name)) failure(v);
   if (seen.erase("stable")) {
     svg.text({at.x, y + 2}, "stable, by end error", {12});
-    y += kRow;
+    y += kRowHeight;
     for (const Shade& s : kShades) entry(s.color, s.words, "");
     if (unknown) entry(kNoError, "not judged", "");
   }
@@ -161,7 +161,7 @@ double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMa
     y += 4;
     svg.line({at.x, y - 4}, {at.x + 26, y - 4}, stroke);
     svg.text({at.x + 34, y}, words_cut(words, 12, width - 34), {12});
-    y += kRow;
+    y += kRowHeight;
   };
   line(theory, kTheory);
   line(boundary, kBoundary);

@@ -5,6 +5,14 @@ option(FEDER_PCH "precompiled headers instead of a compiler cache" OFF)
 set(feder_pch_standard <algorithm> <array> <cmath> <cstdint> <cstring> <functional> <map> <memory> <optional> <string>
                        <string_view> <utility> <vector> <Eigen/Core>)
 
+# feder_in_lumps(target): the same for bindings, whose own libraries (fmt, JSON, Lua) weigh more: several sources per
+# compilation. Names in unnamed namespaces must then differ within the folder.
+function(feder_in_lumps target)
+  if(FEDER_PCH AND TARGET ${target})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 7)
+  endif()
+endfunction()
+
 # feder_use_pch(target library|test): after the target's sources; files with flags of their own are left out.
 function(feder_use_pch target kind)
   if(NOT FEDER_PCH)
