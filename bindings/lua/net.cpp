@@ -178,19 +178,7 @@ int net_positions(lua_State* L) {
   const Net n = net(L);
   std::vector<Vec3> points;
   n.springs.positions(n.self.id, points);
-  std::span<double> out;
-  if (lua_isnoneornil(L, 2)) {
-    out = push_buffer(L, points.size() * 3);
-  } else {
-    out = test_buffer(L, 2);
-    if (out.size() < points.size() * 3)
-      fail_here(L, "expected a buffer of at least " + std::to_string(points.size() * 3) + " numbers, got " +
-                       (out.data() ? "one of " + std::to_string(out.size()) : describe(L, 2)));
-    lua_settop(L, 2);
-  }
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (int k = 0; k < 3; ++k) out[i * 3 + static_cast<std::size_t>(k)] = points[i][k];
-  return 1;
+  return push_vectors(L, points);
 }
 
 const Method kNetMethods[] = {

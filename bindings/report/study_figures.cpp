@@ -46,7 +46,48 @@ std::string point_title(const StudyResult& r, const StudyPoint& p, const ErrorNo
 std::string reference_words(const StudyResult& r) {
   const ReferenceInfo& ref = r.problem.reference;
   static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
-  return fmt::format("reference: {}, {} digits; t = {} s", kinds[static_cast<int>(ref.kind)], ref.digits, number_text(r.problem.t_end, 6));
+  const std::string digits = ref.digits > 0 ? fmt::format(", {} digits", ref.digits) : "";
+  return fmt::format("reference: {}{}; t = {} s", kinds[static_cast<int>(ref.kind)], digits, number_text(r.problem.t_end, 6));
+}
+
+// The runs of a method that a line joins: they differ in one thing only, the step or what is refined in its place. All
+// else that a study varies makes lines of their own.
+struct Way {
+  std::string name;
+  int number = 0;  // of the curve style
+  std::vector<const StudyPoint*> points;
+};
+
+std::string beside_rung(const StudyPoint& p, bool steps_vary, bool substeps_vary) {
+  std::string out;
+  if (steps_vary && substeps_vary && p.substeps >= 0) out += fmt::format(", {} substeps", p.substeps);
+  if ((steps_vary || substeps_vary) && p.iters >= 0) out += fmt::format(", {} iterations", p.iters);
+  for (const auto& [name, value] : p.settings) out += fmt::format(", {} = {}", name, value);
+  return out;
+}
+
+std::vector<Way> ways_of(const StudyResult& r, const std::string& method) {
+  const StudyPoint* first = nullptr;
+  bool steps_vary = false, substeps_vary = false;
+  for (const StudyPoint& p : r.points) {
+    if (p.method != method) continue;
+    if (!first) first = &p;
+    const bool same_tolerance = p.tol == first->tol || (std::isnan(p.tol) && std::isnan(first->tol));
+    steps_vary = steps_vary || p.h_s != first->h_s || !same_tolerance;
+    substeps_vary = substeps_vary || p.substeps != first->substeps;
+  }
+  std::vector<Way> ways;
+  for (const StudyPoint& p : r.points) {
+    if (p.method != method) continue;
+    const std::string name = method + beside_rung(p, steps_vary, substeps_vary);
+    auto at = std::find_if(ways.begin(), ways.end(), [&](const Way& w) { return w.name == name; });
+    if (at == ways.end()) at = ways.insert(ways.end(), {name, 0, {}});
+    at->points.push_back(&p);
+  }
+  const int count = static_cast<int>(ways.size());
+  if (count == 1) ways[0].name = method;
+  for (int k = 0; k < count; ++k) ways[static_cast<std::size_t>(k)].number = number_of(r, method) * count + k;
+  return ways;
 }
 
 double cut_high(double error) { return std::isfinite(error) ? std::min(error, 100.0) : error; }
@@ -77,16 +118,16 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
   plot.name = file.substr(0, file.find('.'));
   plot.title = fmt::format("{}: error against {}", problem_label(r.problem), by_time ? "run time" : std::string(axis.name) == "force" ? "work" : "instructions");
   plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
-  for (const MethodInfo& m : r.methods) {
-    PlotSeries series{m.name, number_of(r, m.name), {}};
-    for (const StudyPoint& p : r.points) {
-      if (p.method != m.name) continue;
-      const bool front = ranked && (by_time ? p.on_front_time : p.on_front_work);
-      const MarkKind kind = kind_of(r, p, norm, front);
-      series.points.push_back({axis.value(p), p.*norm.value, by_time && std::isfinite(p.t_p90_s) ? p.t_p90_s : 0, kind, point_title(r, p, norm)});
+  for (const MethodInfo& m : r.methods)
+    for (const Way& way : ways_of(r, m.name)) {
+      PlotSeries series{way.name, way.number, {}};
+      for (const StudyPoint* p : way.points) {
+        const bool front = ranked && (by_time ? p->on_front_time : p->on_front_work);
+        series.points.push_back({axis.value(*p), p->*norm.value, by_time && std::isfinite(p->t_p90_s) ? p->t_p90_s : 0,
+                                 kind_of(r, *p, norm, front), point_title(r, *p, norm)});
+      }
+      plot.series.push_back(series);
     }
-    if (!series.points.empty()) plot.series.push_back(series);
-  }
   if (ranked) {
     for (const std::size_t k : by_time ? r.front_time : r.front_work)
       plot.front.push_back({axis.value(r.points[k]), r.points[k].*norm.value});
@@ -129,17 +170,21 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
   const std::string axis = fit ? fit->axis : m.adaptive ? "tol" : "h";
   Plot plot;
   plot.title = m.name;
-  PlotSeries series{m.name, number_of(r, m.name), {}};
   double log_sum_x = 0, log_sum_y = 0;
   int used = 0;
-  for (const StudyPoint& p : r.points) {
-    if (p.method != m.name || !measured(p, norm)) continue;
-    const double x = rung_value(p, axis), y = p.*norm.value;
-    series.points.push_back({x, y, 0, p.below_floor ? MarkKind::uncertain : MarkKind::hollow, point_title(r, p, norm)});
-    if (!fit || !(x >= fit->lo * 0.999 && x <= fit->hi * 1.001) || !(y > 0) || p.below_floor) continue;
-    log_sum_x += std::log10(x), log_sum_y += std::log10(y), ++used;
+  bool any = false;
+  for (const Way& way : ways_of(r, m.name)) {
+    PlotSeries series{way.name, way.number, {}};
+    for (const StudyPoint* p : way.points) {
+      if (!measured(*p, norm)) continue;
+      const double x = rung_value(*p, axis), y = p->*norm.value;
+      series.points.push_back({x, y, 0, p->below_floor ? MarkKind::uncertain : MarkKind::hollow, point_title(r, *p, norm)});
+      any = true;
+      if (!fit || !(x >= fit->lo * 0.999 && x <= fit->hi * 1.001) || !(y > 0) || p->below_floor) continue;
+      log_sum_x += std::log10(x), log_sum_y += std::log10(y), ++used;
+    }
+    plot.series.push_back(series);
   }
-  plot.series.push_back(series);
   if (fit && used > 1 && std::isfinite(fit->slope)) {
     const double cx = log_sum_x / used, cy = log_sum_y / used;
     const auto line_y = [&](double x) { return std::pow(10.0, cy + fit->slope * (std::log10(x) - cx)); };
@@ -153,7 +198,7 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
     }
   } else {
     plot.subtitle = used ? "too few points for an order" : "no run reached the end";
-    if (!series.points.empty()) plot.subtitle = "no range that shows an order";
+    if (any) plot.subtitle = "no range that shows an order";
   }
   plot.x.label = axis_words(axis);
   return plot;
@@ -165,13 +210,15 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
   std::stable_partition(panels.begin(), panels.end(), [&](const Plot& p) { return p.x.label == panels.front().x.label; });
   std::vector<double> ys;
   for (const Plot& p : panels)
-    for (const PlotPoint& q : p.series[0].points) ys.push_back(cut_high(std::max(q.y, q.y > 0 ? 1e-17 : 0.0)));
+    for (const PlotSeries& s : p.series)
+      for (const PlotPoint& q : s.points) ys.push_back(cut_high(std::max(q.y, q.y > 0 ? 1e-17 : 0.0)));
   const Axis y = fit_axis(norm.label, true, ys, TickStyle::power);
   for (Plot& p : panels) {
     std::vector<double> xs;
     for (const Plot& o : panels)
       if (o.x.label == p.x.label)
-        for (const PlotPoint& q : o.series[0].points) xs.push_back(q.x);
+        for (const PlotSeries& s : o.series)
+          for (const PlotPoint& q : s.points) xs.push_back(q.x);
     p.x = fit_axis(p.x.label, true, xs, TickStyle::power);
     p.y = y;
   }

@@ -1,6 +1,7 @@
 -- A column of water is let go in a tank: its front runs along the floor as Martin and Moyce measured in 1952, hits
 -- the far wall, and no particle gets out.
 local feder = require "feder"
+local fluid = require "feder.fluid"
 
 local spacing = feder.param("spacing", 0.05, { min = 0.02, max = 0.1, help = "m; half of it is eight times the particles" })
 local solver = feder.param("solver", "pbf", { choices = { "pbf", "wcsph" } })
@@ -20,14 +21,7 @@ return feder.scene {
   world = { gravity = { 0, -9.81, 0 }, dt = 1 / 60, substeps = 4 },
 
   build = function(world, scene)
-    local function side(name, w, h, d, x, y, z)
-      world:body { name = name, type = "static", shape = feder.box(w, h, d), position = { x, y, z } }
-    end
-    side("floor", length + 2 * wall, wall, depth + 2 * wall, length / 2, -wall / 2, depth / 2)
-    side("left", wall, 2, depth, -wall / 2, 1, depth / 2)
-    side("right", wall, 2, depth, length + wall / 2, 1, depth / 2)
-    world:body { name = "back", type = "static", shape = feder.plane(0, 0, 1, 0) }
-    world:body { name = "front", type = "static", shape = feder.plane(0, 0, -1, -depth) }
+    fluid.tank(world, length, 2, depth, wall)
     scene.water = world:fluid { name = "water", spacing = spacing, solver = solver,
       viscosity = 0.073 }  -- the Reynolds number of the 5.7 cm column that was measured
     scene.count = scene.water:fill { box = { { 0, 0, 0 }, { a, a, depth } } }

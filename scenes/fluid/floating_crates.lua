@@ -1,6 +1,7 @@
 -- Crates of different weight are dropped into a basin. The light ones float with the draught that their density says,
 -- the heavy one sinks.
 local feder = require "feder"
+local fluid = require "feder.fluid"
 
 local spacing = feder.param("spacing", 0.05, { min = 0.03, max = 0.06 })
 local length, depth, level, size = 1.8, 0.7, 0.5, 0.3
@@ -12,15 +13,7 @@ return feder.scene {
   world = { gravity = { 0, -9.81, 0 }, dt = 1 / 60, substeps = 4 },
 
   build = function(world, scene)
-    local wall = 0.2
-    local function side(name, w, h, d, x, y, z)
-      world:body { name = name, type = "static", shape = feder.box(w, h, d), position = { x, y, z } }
-    end
-    side("floor", length + 2 * wall, wall, depth + 2 * wall, length / 2, -wall / 2, depth / 2)
-    side("left", wall, 1.2, depth, -wall / 2, 0.6, depth / 2)
-    side("right", wall, 1.2, depth, length + wall / 2, 0.6, depth / 2)
-    world:body { name = "back", type = "static", shape = feder.plane(0, 0, 1, 0) }
-    world:body { name = "front", type = "static", shape = feder.plane(0, 0, -1, -depth) }
+    fluid.tank(world, length, 1.2, depth, 0.2)
     scene.water = world:fluid { name = "water", spacing = spacing, viscosity = 2 }
     scene.count = scene.water:fill { box = { { 0, 0, 0 }, { length, level, depth } } }
     scene.crates = {}

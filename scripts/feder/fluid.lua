@@ -1,7 +1,9 @@
--- Fluids for scenes: materials.
+-- Fluids for scenes: materials and a tank.
 --   local fluid = require "feder.fluid"
 --   local honey = world:fluid(fluid.of("honey", { spacing = 0.02 }))
 -- density in kg/m^3, viscosity in Pa s, surface_tension in N/m, at room temperature.
+local feder = require "feder"
+
 local fluid = {}
 
 fluid.materials = {
@@ -27,6 +29,19 @@ function fluid.of(material, options)
   for k, v in pairs(m) do out[k] = v end
   for k, v in pairs(options or {}) do out[k] = v end
   return out
+end
+
+-- A tank without a lid: inside from 0 to length, height and depth along x, y and z. Floor and ends are boxes of
+-- thickness `wall`; front and back are planes, through which one can look.
+function fluid.tank(world, length, height, depth, wall)
+  local function side(name, w, h, d, x, y)
+    world:body { name = name, type = "static", shape = feder.box(w, h, d), position = { x, y, depth / 2 } }
+  end
+  side("floor", length + 2 * wall, wall, depth + 2 * wall, length / 2, -wall / 2)
+  side("left", wall, height, depth, -wall / 2, height / 2)
+  side("right", wall, height, depth, length + wall / 2, height / 2)
+  world:body { name = "back", type = "static", shape = feder.plane(0, 0, 1, 0) }
+  world:body { name = "front", type = "static", shape = feder.plane(0, 0, -1, -depth) }
 end
 
 return fluid

@@ -1,5 +1,6 @@
 // Worlds with fluid and things it meets, and how to weigh and count what is in them.
 #pragma once
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "couple/fluid_rigid.h"
 #include "couple/fluid_springs.h"
 #include "couple/springs_rigid.h"
+#include "support/catch.h"
 #include "world/world.h"
 
 namespace feder {
@@ -49,6 +51,30 @@ inline ClothDesc square(std::uint32_t n, Real size, bool pinned) {
   d.self_collision = false;
   if (pinned) d.pin_names = {"top", "bottom", "left", "right"};
   return d;
+}
+
+// A blob at 2 m/s strikes what hangs free in the middle: the sum of momentum and angular momentum stays, and at least
+// `share` of the blob's momentum has been over there, as `momentum_of_it` tells.
+template <class F>
+void check_blow(World& w, const std::string& solver, const char* mismatch, double share, F&& momentum_of_it) {
+  Fluid& fluid = w.need<Fluid>();
+  FluidDesc d;
+  d.solver = solver;
+  const ObjectId blob = fluid.add_fluid(d);
+  fluid.fill(blob, block(4, 4, 4, d.spacing, Vec3(Real(0.13), Real(0.2), Real(0.06))), Vec3(Real(0.2), Real(-2), 0));
+  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  double worst = 0, most = 0;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    worst = std::fmax(worst, residual(w, mismatch));
+    most = std::fmax(most, static_cast<double>(length(momentum_of_it())));
+  }
+  CAPTURE(solver, worst, most);
+  CHECK(most > share * static_cast<double>(length(p)));
+  CHECK(length(Vec3(vec(w.momentum().linear) - p)) < Real(1e-4) * length(p));
+  CHECK(length(Vec3(vec(w.momentum().angular) - l)) < Real(1e-2) * length(l));
+  CHECK(worst < 1e-4);
+  CHECK(w.is_finite());
 }
 
 }  // namespace feder
