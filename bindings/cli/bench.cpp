@@ -69,7 +69,8 @@ class Bench final : public Command {
       host.print = [](std::string_view) {};
       Session session(std::move(host), nullptr);
       session.load(scene);
-      if (!session.is_scene()) throw Failure(kFailed, scene + ": bench needs a scene (a script that returns feder.scene{...})");
+      if (!session.is_scene())
+        throw Failure(kFailed, scene + ": bench needs a scene (a script that returns feder.scene{...})");
       session.step();
       World& world = *session.world();
       world.reset_profile();
@@ -105,8 +106,9 @@ class Bench final : public Command {
   }
 
   void print(const Measured& m, const report::Json& row, bool quiet) const {
-    fmt::print("{}: {:.4f} ms/step (min {:.4f}, max {:.4f}; {} runs of {} steps), {} bodies, {} thread{}\n", m.scene, m.median(),
-               m.runs.front(), m.runs.back(), runs_, steps_, m.bodies, m.threads, m.threads == 1 ? "" : "s");
+    fmt::print("{}: {:.4f} ms/step (min {:.4f}, max {:.4f}; {} runs of {} steps), {} bodies, {} thread{}\n", m.scene,
+               m.median(), m.runs.front(), m.runs.back(), runs_, steps_, m.bodies, m.threads,
+               m.threads == 1 ? "" : "s");
     if (row.contains("compared")) {
       fmt::print("  {:.3f} x the {:.4f} ms/step of {}\n", row["compared"]["ratio"].get<double>(),
                  row["compared"]["median"].get<double>(), compare_);
@@ -125,7 +127,8 @@ class Bench final : public Command {
 }  // namespace
 
 Row cli_bench() {
-  return {"bench", "measures ms/step: median, min and max of several runs", [] { return std::unique_ptr<Command>(new Bench); }};
+  return {"bench", "measures ms/step: median, min and max of several runs",
+          [] { return std::unique_ptr<Command>(new Bench); }};
 }
 
 }  // namespace feder::cli

@@ -81,7 +81,8 @@ std::vector<std::pair<int, std::string>> words_after(const std::string& code, co
 
 // Asks the binding itself: what it says about looking up each of the words in `object`, a Lua expression. Empty for the
 // words that are there.
-std::map<std::string, std::string> ask(const Options& options, const std::string& object, const std::set<std::string>& words) {
+std::map<std::string, std::string> ask(const Options& options, const std::string& object,
+                                       const std::set<std::string>& words) {
   std::string script = "local object = " + object + R"(
 local function ask(word)
   local found, value = pcall(function() return object[word] end)
@@ -146,7 +147,8 @@ class Check final : public Command {
     const std::string code = code_only(read_text(scene));
     check_words(code, "feder.", "require 'feder'", options, findings);
     check_words(code, "world:", "require 'feder'.world {}", options, findings);
-    std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) { return a.line < b.line; });
+    std::stable_sort(findings.begin(), findings.end(),
+                     [](const Finding& a, const Finding& b) { return a.line < b.line; });
     return findings;
   }
 

@@ -78,7 +78,8 @@ class Explain final : public Command {
     for (const lua::AdviceRow& r : lua::advise(world)) {
       const NetAdvice& a = r.numbers;
       // JSON has no infinity: null is no limit
-      const report::Json limit = std::isinf(a.method.stability_limit) ? report::Json() : report::Json(a.method.stability_limit);
+      const report::Json limit =
+          std::isinf(a.method.stability_limit) ? report::Json() : report::Json(a.method.stability_limit);
       rows.push_back({{"object", r.object}, {"verdict", r.verdict}, {"text", r.text}, {"method", a.integrator},
                       {"limit", limit}, {"h", a.h}, {"hw", a.reach}, {"frequency", a.frequency}, {"decay", a.decay},
                       {"substeps", r.substeps}, {"integrator", r.integrator}, {"error", a.error},
@@ -111,7 +112,8 @@ class Explain final : public Command {
   static std::string text(Session& session, std::uint64_t steps) {
     World& world = *session.world();
     report::Table systems({"system", ">count", "of", ">bytes"});
-    for (const SystemReport& s : world.report()) systems.add({s.name, fmt::format("{}", s.count), unit_of(s.name), report::bytes_text(s.bytes)});
+    for (const SystemReport& s : world.report())
+      systems.add({s.name, fmt::format("{}", s.count), unit_of(s.name), report::bytes_text(s.bytes)});
     report::Table absent({"not used", ">bytes"});
     for (const std::string& name : world.absent()) absent.add({name, "0"});
     report::Table memory({"world", ">bytes"});

@@ -59,7 +59,8 @@ void declare(Arguments& a, Options& o) {
 lua::HostOptions host_options(const Options& o) {
   lua::HostOptions host;
   host.library_roots = library_roots();
-  for (const std::string& given : o.set) host.set.insert_or_assign(split(given, "--set").first, split(given, "--set").second);
+  for (const std::string& given : o.set)
+    host.set.insert_or_assign(split(given, "--set").first, split(given, "--set").second);
   for (const std::string& given : o.world) {
     const auto [key, value] = split(given, "--world");
     host.world.insert_or_assign(key, without_quotient(value));
@@ -81,7 +82,8 @@ lua::HostOptions host_options(const Options& o) {
 double read_number(const std::string& text, const std::string& option) {
   double value = 0;
   if (!parse_number(text, value) || value < 0)
-    throw Failure(kUsage, fmt::format("{}: expected a number >= 0 or a quotient such as 1/240, got '{}'", option, text));
+    throw Failure(kUsage,
+                  fmt::format("{}: expected a number >= 0 or a quotient such as 1/240, got '{}'", option, text));
   return value;
 }
 

@@ -67,7 +67,8 @@ class Run final : public Command {
     for (std::uint64_t i = 0; i < steps && !interrupted; ++i) {
       session.step();
       const double time = session.world()->time();
-      if (progress.due()) progress.show(seconds > 0 ? time / seconds : 1, fmt::format("{:.2f} / {:g} s", time, seconds));
+      if (progress.due())
+        progress.show(seconds > 0 ? time / seconds : 1, fmt::format("{:.2f} / {:g} s", time, seconds));
     }
   }
 
@@ -114,7 +115,8 @@ class Run final : public Command {
 }  // namespace
 
 Row cli_run() {
-  return {"run", "runs a scene without a window and prints a summary", [] { return std::unique_ptr<Command>(new Run); }};
+  return {"run", "runs a scene without a window and prints a summary",
+          [] { return std::unique_ptr<Command>(new Run); }};
 }
 
 }  // namespace feder::cli

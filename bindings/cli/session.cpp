@@ -23,7 +23,8 @@ bool is_yaml(const std::string& file) { return file.ends_with(".yaml") || file.e
 std::string read_text(const std::string& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) throw Failure(kLoadError, file + ": no such file");
-  if (std::filesystem::is_directory(file, ignored)) throw Failure(kLoadError, file + ": expected a scene, got a folder");
+  if (std::filesystem::is_directory(file, ignored))
+    throw Failure(kLoadError, file + ": expected a scene, got a folder");
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();

@@ -21,8 +21,8 @@ class Session {
   // Errors in handlers go to `report` once per place, as "file:line: message"; null keeps them silent.
   Session(lua::HostOptions host, std::function<void(const std::string&)> report);
 
-  // Reads and compiles the file, runs it and, for a scene, builds its world. Failure: kLoadError when the file cannot be
-  // read, compiled or built, kFailed when a script fails while it runs.
+  // Reads and compiles the file, runs it and, for a scene, builds its world. Failure: kLoadError when the file cannot
+  // be read, compiled or built, kFailed when a script fails while it runs.
   void load(const std::string& file);
 
   const std::string& file() const { return file_; }

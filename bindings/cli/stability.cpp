@@ -18,7 +18,9 @@ class Stability final : public Command {
   void declare(Arguments& a) override {
     a.text("PROBLEM", problem_, "a problem of --list (default oscillator)");
     a.text("--methods", methods_, "methods, comma separated, or all (default)");
-    a.text("--suite", suite_, "core: a coarse map of every problem; full: the fine ones with bisection; extreme: malformed and extreme inputs");
+    a.text("--suite", suite_,
+           "core: a coarse map of every problem; full: the fine ones with bisection; extreme: malformed and extreme "
+           "inputs");
     a.text("--axes", axes_, "the axes to map; must be those of the problem (see --list)");
     a.text("--x", x_, "values of the x axis, comma separated (default: the problem's ladder)");
     a.text("--y", y_, "values of the y axis, comma separated");
@@ -51,10 +53,12 @@ class Stability final : public Command {
   int print_list(const Options& options) const {
     report::Json json = report::Json::array();
     for (const StabilityProblemInfo& p : stability_problem_infos()) {
-      json.push_back({{"name", p.name}, {"summary", p.summary}, {"axes", {p.x.name, p.y.name}}, {"bisects", p.bisects}});
+      json.push_back(
+          {{"name", p.name}, {"summary", p.summary}, {"axes", {p.x.name, p.y.name}}, {"bisects", p.bisects}});
       if (!options.json)
-        fmt::print("{:<12} {}\n             x: {} ({}), {} values; y: {} ({}), {} values{}\n", p.name, p.summary, p.x.name, p.x.label, p.x.values.size(),
-                   p.y.name, p.y.label, p.y.values.size(), p.bisects ? "; limits by bisection" : "");
+        fmt::print("{:<12} {}\n             x: {} ({}), {} values; y: {} ({}), {} values{}\n", p.name, p.summary,
+                   p.x.name, p.x.label, p.x.values.size(), p.y.name, p.y.label, p.y.values.size(),
+                   p.bisects ? "; limits by bisection" : "");
     }
     if (options.json) std::fputs(report::to_text(json).c_str(), stdout);
     return kPass;
@@ -66,7 +70,8 @@ class Stability final : public Command {
       if (!value.empty()) out += fmt::format("{}{} {}", " ", name, value);
     };
     if (!problem_.empty()) out += " " + problem_;
-    option("--suite", suite_), option("--methods", methods_), option("--axes", axes_), option("--x", x_), option("--y", y_);
+    option("--suite", suite_), option("--methods", methods_), option("--axes", axes_), option("--x", x_),
+        option("--y", y_);
     if (bisect_) out += " --bisect";
     option("--out", out_);
     return out;
@@ -85,8 +90,8 @@ class Stability final : public Command {
     const auto info = std::find_if(infos.begin(), infos.end(), [&](const auto& i) { return i.name == problem; });
     if (info == infos.end()) {
       const std::string near = nearest_name(problem, names);
-      throw Failure(kUsage, fmt::format("feder stability: unknown problem '{}'{}; known: {}", problem, near.empty() ? "" : ", did you mean '" + near + "'?",
-                                        fmt::join(names, ", ")));
+      throw Failure(kUsage, fmt::format("feder stability: unknown problem '{}'{}; known: {}", problem,
+                                        near.empty() ? "" : ", did you mean '" + near + "'?", fmt::join(names, ", ")));
     }
     StabilityPlan plan;
     plan.problem = problem;
@@ -96,7 +101,8 @@ class Stability final : public Command {
       const std::vector<std::string> axes = split_list(axes_);
       const auto known = [&](const std::string& a) { return a == info->x.name || a == info->y.name; };
       if (axes.size() != 2 || !known(axes[0]) || !known(axes[1]) || axes[0] == axes[1])
-        throw Failure(kUsage, fmt::format("feder stability: --axes: {} is mapped over {},{}", problem, info->x.name, info->y.name));
+        throw Failure(kUsage, fmt::format("feder stability: --axes: {} is mapped over {},{}", problem, info->x.name,
+                                          info->y.name));
     }
     plan.x_values = values(x_, "--x"), plan.y_values = values(y_, "--y");
     if (suite_ == "core") {
@@ -124,7 +130,8 @@ class Stability final : public Command {
     }
   }
 
-  static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context, const std::vector<report::ExtremeRow>& extreme) {
+  static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context,
+                    const std::vector<report::ExtremeRow>& extreme) {
     try {
       if (!folder.empty()) report::write_stability(folder, r, context, extreme);
     } catch (const std::runtime_error& e) {
@@ -132,8 +139,8 @@ class Stability final : public Command {
     }
   }
 
-  static void finish(const StabilityResult& r, const report::StabilityContext& context, const std::string& folder, const Options& options,
-                     const std::string& problem) {
+  static void finish(const StabilityResult& r, const report::StabilityContext& context, const std::string& folder,
+                     const Options& options, const std::string& problem) {
     write(folder, r, context, {});
     if (options.json) {
       std::fputs(report::to_text(report::stability_json(r, context)).c_str(), stdout);
@@ -141,7 +148,8 @@ class Stability final : public Command {
     }
     if (!options.quiet) fmt::print("{} ({}): {} methods\n\n", problem, r.real, r.maps.size());
     std::fputs(report::stability_table(r).c_str(), stdout);
-    if (!folder.empty() && !options.quiet) fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
+    if (!folder.empty() && !options.quiet)
+      fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
   }
 
   int run_extreme_suite(const report::StabilityContext& context, const Options& options) const {
@@ -151,7 +159,8 @@ class Stability final : public Command {
     for (const ExtremeCase& c : cases) {
       if (bar.due()) bar.show(static_cast<double>(rows.size()) / static_cast<double>(cases.size()), c.name);
       const ExtremeOutcome o = c.run();
-      rows.push_back({fmt::format("{}: {}", c.system, c.name), c.expected, name_of(o.verdict), o.detail, o.as_expected});
+      rows.push_back(
+          {fmt::format("{}: {}", c.system, c.name), c.expected, name_of(o.verdict), o.detail, o.as_expected});
     }
     StabilityResult none;
     none.real = kRealName;
@@ -160,10 +169,12 @@ class Stability final : public Command {
     report::Json json = report::Json::array();
     for (const report::ExtremeRow& e : rows) {
       failed += !e.pass;
-      json.push_back({{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
+      json.push_back(
+          {{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
     }
     std::fputs((options.json ? report::to_text(json) : report::extreme_table(rows)).c_str(), stdout);
-    if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", rows.size() - static_cast<std::size_t>(failed), rows.size());
+    if (!options.json && !options.quiet)
+      fmt::print("  {} of {} as expected\n", rows.size() - static_cast<std::size_t>(failed), rows.size());
     return failed ? kGateFailed : kPass;
   }
 

@@ -22,11 +22,16 @@ bool failed(const StudyPoint& p) { return p.status != PointStatus::ok && p.statu
 class Study final : public Command {
  public:
   void declare(Arguments& a) override {
-    a.list("PROBLEM", words_, "a problem (see --list), a .lua or .yaml scene, or with --merge the report.json files of shards");
+    a.list("PROBLEM", words_,
+           "a problem (see --list), a .lua or .yaml scene, or with --merge the report.json files of shards");
     a.text("--methods", methods_, "methods, comma separated, or all (default)");
-    a.list("--ladder", ladders_, "rungs: h:1e-1..1e-5:x2, tol:1e-2..1e-12:x10, iters:1..256:x2, substeps:1,4,16, steps:60,600 (may be repeated)");
+    a.list("--ladder", ladders_,
+           "rungs: h:1e-1..1e-5:x2, tol:1e-2..1e-12:x10, iters:1..256:x2, substeps:1,4,16, steps:60,600 (may be "
+           "repeated)");
     a.text("--budget", budget_, "force=1e6: most work of one run, in force evaluations of the whole problem");
-    a.text("--error", errors_, "norms to plot, the first one everywhere: end,traj,max,energy,drift,momentum,angular,constraint,event,orient,horizon");
+    a.text("--error", errors_,
+           "norms to plot, the first one everywhere: "
+           "end,traj,max,energy,drift,momentum,angular,constraint,event,orient,horizon");
     a.text("--axis", axes_, "cost axes: time,force (default both)");
     a.whole("--repeat", repeat_, 0, 1000, "timed repeats of each run at least; 0 times nothing (default 5)");
     a.text("--shard", shard_, "I/N: run only every N-th point, I from 1 to N (0 is N). With GNU parallel: "
@@ -47,7 +52,8 @@ class Study final : public Command {
     if (list_) return print_list(options);
     if (merge_) return merge(options);
     if (!suite_.empty()) return run_suite(options);
-    if (words_.size() != 1) throw Failure(kUsage, "feder study: expected one PROBLEM or scene (feder study --list names them)");
+    if (words_.size() != 1)
+      throw Failure(kUsage, "feder study: expected one PROBLEM or scene (feder study --list names them)");
     StudyContext context = new_context(options);
     const auto problem = open_problem(words_[0], options);
     StudyResult result = sweep(*problem, options, methods_, ladders_);
@@ -62,11 +68,13 @@ class Study final : public Command {
     for (const std::string& name : split_list(errors_))
       if (!report::find_norm(name)) {
         const std::string near = nearest_name(name, report::norm_names());
-        throw Failure(kUsage, fmt::format("feder study: --error: unknown norm '{}'{}; known: {}", name, near.empty() ? "" : ", did you mean '" + near + "'?",
+        throw Failure(kUsage, fmt::format("feder study: --error: unknown norm '{}'{}; known: {}", name,
+                                          near.empty() ? "" : ", did you mean '" + near + "'?",
                                           fmt::join(report::norm_names(), ", ")));
       }
     for (const std::string& name : split_list(axes_))
-      if (name != "time" && name != "force") throw Failure(kUsage, fmt::format("feder study: --axis: expected time or force, got '{}'", name));
+      if (name != "time" && name != "force")
+        throw Failure(kUsage, fmt::format("feder study: --axis: expected time or force, got '{}'", name));
     for (const std::string& name : split_list(gate_))
       if (name != "cost" && name != "error" && name != "size")
         throw Failure(kUsage, fmt::format("feder study: --gate: expected cost, error or size, got '{}'", name));
@@ -98,7 +106,9 @@ class Study final : public Command {
 
   std::string command_line(const Options& options) const {
     std::string out = "feder study";
-    const auto add = [&](const std::string& word) { out += " " + (word.find(' ') == std::string::npos ? word : "'" + word + "'"); };
+    const auto add = [&](const std::string& word) {
+      out += " " + (word.find(' ') == std::string::npos ? word : "'" + word + "'");
+    };
     if (merge_) add("--merge");
     for (const std::string& w : words_) add(w);
     const auto option = [&](const char* name, const std::string& value) {
@@ -108,13 +118,15 @@ class Study final : public Command {
     for (const std::string& s : options.world) option("--world", s);
     option("--suite", suite_), option("--methods", methods_);
     for (const std::string& l : ladders_) option("--ladder", l);
-    option("--budget", budget_), option("--error", errors_), option("--axis", axes_), option("--shard", shard_), option("--seed", options.seed);
+    option("--budget", budget_), option("--error", errors_), option("--axis", axes_), option("--shard", shard_),
+        option("--seed", options.seed);
     if (repeat_ != kRepeats) option("--repeat", std::to_string(repeat_));
     option("--baseline", baseline_), option("--gate", gate_), option("--out", out_);
     return out;
   }
 
-  StudyResult sweep(const StudyProblem& problem, const Options& options, const std::string& methods, const std::vector<std::string>& ladders) const {
+  StudyResult sweep(const StudyProblem& problem, const Options& options, const std::string& methods,
+                    const std::vector<std::string>& ladders) const {
     SweepOptions o;
     Progress bar(!options.quiet && !options.json);
     o.progress = [&](double done, const std::string& where) {
@@ -135,7 +147,8 @@ class Study final : public Command {
   }
 
   double read_budget() const {
-    if (!budget_.starts_with("force=")) throw Failure(kUsage, fmt::format("feder study: --budget: expected force=NUMBER, got '{}'", budget_));
+    if (!budget_.starts_with("force="))
+      throw Failure(kUsage, fmt::format("feder study: --budget: expected force=NUMBER, got '{}'", budget_));
     const double budget = read_number(budget_.substr(6), "--budget force");
     if (!(budget > 0)) throw Failure(kUsage, "feder study: --budget: expected more than 0 force evaluations");
     return budget;
@@ -150,7 +163,8 @@ class Study final : public Command {
                         std::from_chars(text + slash + 1, text + shard_.size(), n).ptr == text + shard_.size();
       if (!good) i = -1;
     }
-    if (n < 1 || i < 0 || i > n) throw Failure(kUsage, fmt::format("feder study: --shard: expected I/N with I from 1 to N, got '{}'", shard_));
+    if (n < 1 || i < 0 || i > n)
+      throw Failure(kUsage, fmt::format("feder study: --shard: expected I/N with I from 1 to N, got '{}'", shard_));
     o.shard = i % n;
     o.shards = n;
   }
@@ -195,12 +209,16 @@ class Study final : public Command {
       const StudyResult& r = all.back();
       for (const StudyPoint& p : r.points) {
         const auto& may = row.may_diverge;
-        if (!failed(p) || std::find(may.begin(), may.end(), "*") != may.end() || std::find(may.begin(), may.end(), p.method) != may.end()) continue;
-        broken.push_back(fmt::format("{}: {} at {}: {}{}{}", report::problem_label(r.problem), p.method, report::rung_text(p), name_of(p.status),
-                                     p.reason.empty() ? "" : ": ", p.reason));
+        if (!failed(p) || std::find(may.begin(), may.end(), "*") != may.end() ||
+            std::find(may.begin(), may.end(), p.method) != may.end())
+          continue;
+        broken.push_back(fmt::format("{}: {} at {}: {}{}{}", report::problem_label(r.problem), p.method,
+                                     report::rung_text(p), name_of(p.status), p.reason.empty() ? "" : ": ", p.reason));
       }
-      if (!out_.empty()) finish(r, context, out_ + "/" + report::file_name(report::problem_label(r.problem)), options, true);
-      if (!options.quiet && !options.json) fmt::print("{}: {} points\n", report::problem_label(r.problem), r.points.size());
+      if (!out_.empty())
+        finish(r, context, out_ + "/" + report::file_name(report::problem_label(r.problem)), options, true);
+      if (!options.quiet && !options.json)
+        fmt::print("{}: {} points\n", report::problem_label(r.problem), r.points.size());
     }
     context.machine.load_after = report::load_now();
     gate(all, context);
@@ -211,7 +229,11 @@ class Study final : public Command {
       report::write_text(out_ + "/points.csv", csv);
       report::write_text(out_ + "/index.html", report::suite_page(suite_, all, context));
     }
-    if (options.json) std::fputs(report::to_text({{"suite", suite_}, {"problems", all.size()}, {"diverged", broken}, {"gate", context.gate}}).c_str(), stdout);
+    if (options.json)
+      std::fputs(
+          report::to_text({{"suite", suite_}, {"problems", all.size()}, {"diverged", broken}, {"gate", context.gate}})
+              .c_str(),
+          stdout);
     for (const std::string& line : broken) fmt::print(stderr, "{}\n", line);
     print_violations(context);
     return violated(context) ? kGateFailed : broken.empty() ? kPass : kRunDiverged;
@@ -229,11 +251,14 @@ class Study final : public Command {
     std::vector<double> floors;
     for (const StudyResult& r : results)
       for (const StudyPoint& p : r.points) {
-        csv += report::csv_row(results.size() > 1 || !suite_.empty() ? report::problem_label(r.problem) : r.problem.name, p) + "\n";
+        csv += report::csv_row(
+                   results.size() > 1 || !suite_.empty() ? report::problem_label(r.problem) : r.problem.name, p) +
+               "\n";
         floors.push_back(r.problem.reference.floor());
       }
     try {
-      context.gate = report::check_gate(baseline_, report::read_baseline(baseline_), report::read_csv(csv), floors, tiers);
+      context.gate =
+          report::check_gate(baseline_, report::read_baseline(baseline_), report::read_csv(csv), floors, tiers);
     } catch (const std::runtime_error& e) {
       throw Failure(kUsage, std::string("feder study: --baseline: ") + e.what());
     }
@@ -244,14 +269,18 @@ class Study final : public Command {
   static void print_violations(const StudyContext& c) {
     if (c.gate.empty()) return;
     for (const report::Json& v : c.gate.at("violations"))
-      fmt::print(stderr, "gate: {}: {} was {}, is {} (limit: {})\n", v.value("point", ""), v.value("field", ""), v.at("was").dump(), v.at("now").dump(), v.value("limit", ""));
+      fmt::print(stderr, "gate: {}: {} was {}, is {} (limit: {})\n", v.value("point", ""), v.value("field", ""),
+                 v.at("was").dump(), v.at("now").dump(), v.value("limit", ""));
   }
 
-  void finish(const StudyResult& r, const StudyContext& context, const std::string& folder, const Options& options, bool silent = false) const {
+  void finish(const StudyResult& r, const StudyContext& context, const std::string& folder, const Options& options,
+              bool silent = false) const {
     try {
       if (!folder.empty()) report::write_study(folder, r, context);
       if (!markdown_.empty() && !silent)
-        report::write_text(markdown_, report::study_markdown(r, picture_.empty() ? (folder.empty() ? "" : folder + "/error_vs_work.svg") : picture_));
+        report::write_text(markdown_,
+                           report::study_markdown(
+                               r, picture_.empty() ? (folder.empty() ? "" : folder + "/error_vs_work.svg") : picture_));
     } catch (const std::runtime_error& e) {
       throw Failure(kFailed, std::string("feder study: ") + e.what());
     }
@@ -260,7 +289,8 @@ class Study final : public Command {
       std::fputs(report::to_text(report::study_json(r, context)).c_str(), stdout);
     } else {
       std::fputs(report::study_summary(r, options.quiet).c_str(), stdout);
-      if (!folder.empty() && !options.quiet) fmt::print("  wrote {}/index.html, report.json, points.csv and the figures\n", folder);
+      if (!folder.empty() && !options.quiet)
+        fmt::print("  wrote {}/index.html, report.json, points.csv and the figures\n", folder);
     }
     std::fflush(stdout);
     print_violations(context);

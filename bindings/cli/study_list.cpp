@@ -68,7 +68,8 @@ std::string problem_list_text() {
   for (const auto& row : study_problems()) {
     const auto problem = make_study_problem(row.name, {});
     const ProblemInfo& info = problem->info();
-    table.add({row.name, info.family, name_of(info.reference.kind), std::to_string(info.reference.digits), info.summary});
+    table.add(
+        {row.name, info.family, name_of(info.reference.kind), std::to_string(info.reference.digits), info.summary});
   }
   out += table.text() + "\nparameters (--set NAME=VALUE):\n";
   report::Table params({"problem", "parameter", ">default", "range", "meaning"});
@@ -89,9 +90,15 @@ report::Json problem_list_json() {
     for (const ProblemParam& p : info.params)
       params.push_back({{"name", p.name}, {"default", p.fallback}, {"range", range_text(p)}, {"help", p.help}});
     for (const MethodInfo& m : problem->methods()) methods.push_back(m.name);
-    out.push_back({{"name", row.name}, {"summary", info.summary}, {"family", info.family},
-                   {"reference", {{"kind", name_of(info.reference.kind)}, {"digits", info.reference.digits}, {"source", info.reference.source}}},
-                   {"params", params}, {"methods", methods}});
+    out.push_back({{"name", row.name},
+                   {"summary", info.summary},
+                   {"family", info.family},
+                   {"reference",
+                    {{"kind", name_of(info.reference.kind)},
+                     {"digits", info.reference.digits},
+                     {"source", info.reference.source}}},
+                   {"params", params},
+                   {"methods", methods}});
   }
   return out;
 }

@@ -22,7 +22,8 @@ struct MethodPlace {
 
 class ScriptWorld final : public SceneWorld {
  public:
-  ScriptWorld(const std::string& file, lua::HostOptions host, bool has_error) : script_(std::move(host)), has_error_(has_error) {
+  ScriptWorld(const std::string& file, lua::HostOptions host, bool has_error)
+      : script_(std::move(host)), has_error_(has_error) {
     try {
       script_.load_file(file);
       script_.build();
@@ -86,7 +87,8 @@ MethodPlace find_methods(const std::string& file, lua::Script& script, SceneDesc
   std::vector<std::string> names;
   MethodPlace place;
   const std::string& wanted = script.study().method;
-  for (const std::string& name : wanted.empty() ? std::vector<std::string>{"integrator", "solver"} : std::vector<std::string>{wanted}) {
+  for (const std::string& name :
+       wanted.empty() ? std::vector<std::string>{"integrator", "solver"} : std::vector<std::string>{wanted}) {
     const lua::ParamInfo* p = find_param(params, name);
     if (!p || p->choices.empty()) continue;
     place.param = name;
@@ -117,7 +119,8 @@ void read_axes(const std::string& file, const lua::Script& script, const MethodP
   for (const auto& [name, values] : script.study().axes) {
     const std::string what = file + ": study.axes." + name;
     if (name == "dt") {
-      for (const std::string& v : values) scene.steps.push_back(static_cast<int>(std::max(1.0, std::round(scene.t_end / read_number(v, what)))));
+      for (const std::string& v : values)
+        scene.steps.push_back(static_cast<int>(std::max(1.0, std::round(scene.t_end / read_number(v, what)))));
     } else if (name == "substeps") {
       for (const std::string& v : values) scene.substeps.push_back(static_cast<int>(read_number(v, what)));
     } else if (name == place.param || (name == "solver" && !place.world_key.empty())) {

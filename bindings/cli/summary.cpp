@@ -15,11 +15,14 @@ std::size_t system_count(const World& world, const char* name) {
 
 // "9 bodies, 1 cloth (425 vertices), 1 fluid (700 particles)"
 std::string counts_text(const Summary& s) {
-  const auto many = [](std::size_t n, const char* one, const char* more) { return fmt::format("{} {}", n, n == 1 ? one : more); };
+  const auto many = [](std::size_t n, const char* one, const char* more) {
+    return fmt::format("{} {}", n, n == 1 ? one : more);
+  };
   std::string text = many(s.bodies, "body", "bodies");
   if (s.nets) text += ", " + many(s.nets, "net", "nets") + " (" + many(s.points, "point", "points") + ")";
   if (s.cloths) text += ", " + many(s.cloths, "cloth", "cloths") + " (" + many(s.vertices, "vertex", "vertices") + ")";
-  if (s.fluids) text += ", " + many(s.fluids, "fluid", "fluids") + " (" + many(s.particles, "particle", "particles") + ")";
+  if (s.fluids)
+    text += ", " + many(s.fluids, "fluid", "fluids") + " (" + many(s.particles, "particle", "particles") + ")";
   return text;
 }
 
@@ -57,9 +60,10 @@ Summary summarize(Session& session) {
 
 std::string summary_text(const Summary& s) {
   std::string text = fmt::format("{}\n", s.title);
-  const double speed = s.ms_per_step > 0 && s.steps > 0 ? s.seconds * 1000 / (s.ms_per_step * static_cast<double>(s.steps)) : 0;
-  text += fmt::format("  time    {:g} s simulated{}, {} steps, {:.3f} ms/step ({:.3g} x real time), {} thread{}\n", s.seconds,
-                      s.interrupted ? " (interrupted)" : "", s.steps, s.ms_per_step, speed, s.threads,
+  const double speed =
+      s.ms_per_step > 0 && s.steps > 0 ? s.seconds * 1000 / (s.ms_per_step * static_cast<double>(s.steps)) : 0;
+  text += fmt::format("  time    {:g} s simulated{}, {} steps, {:.3f} ms/step ({:.3g} x real time), {} thread{}\n",
+                      s.seconds, s.interrupted ? " (interrupted)" : "", s.steps, s.ms_per_step, speed, s.threads,
                       s.threads == 1 ? "" : "s");
   text += "  counts  " + counts_text(s) + "\n";
   text += fmt::format("  energy  kinetic {:.6g} J, potential {:.6g} J, elastic {:.6g} J\n", s.energy.kinetic,
@@ -67,7 +71,9 @@ std::string summary_text(const Summary& s) {
   if (!s.finite) text += "  state   NOT FINITE\n";
   if (!s.hash.empty()) text += fmt::format("  hash    {}\n", s.hash);
   for (const auto& h : s.handlers)
-    if (h.calls) text += fmt::format("  lua     {}: {} calls, {:.3f} ms\n", h.where, h.calls, static_cast<double>(h.nanoseconds) * 1e-6);
+    if (h.calls)
+      text += fmt::format("  lua     {}: {} calls, {:.3f} ms\n", h.where, h.calls,
+                          static_cast<double>(h.nanoseconds) * 1e-6);
   for (const Warning& w : s.warnings) text += fmt::format("  warning {} ({} x): {}\n", w.code, w.count, w.message);
   for (const auto& e : s.handler_errors) text += fmt::format("  error   {} ({} x)\n", error_text(e), e.count);
   return text;
@@ -75,7 +81,8 @@ std::string summary_text(const Summary& s) {
 
 report::Json summary_json(const Summary& s) {
   report::Json warnings = report::Json::array(), errors = report::Json::array(), handlers = report::Json::array();
-  for (const Warning& w : s.warnings) warnings.push_back({{"code", w.code}, {"message", w.message}, {"count", w.count}});
+  for (const Warning& w : s.warnings)
+    warnings.push_back({{"code", w.code}, {"message", w.message}, {"count", w.count}});
   for (const auto& e : s.handler_errors)
     errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
   for (const auto& h : s.handlers)
@@ -112,7 +119,8 @@ std::string profile_text(Session& session, std::uint64_t steps) {
   for (const StepRow& row : rows)
     table.add({stage_name(row.stage), row.system, row.name, fmt::format("{}", row.counter.calls),
                fmt::format("{:.4f}", static_cast<double>(row.counter.nanoseconds) * 1e-6 / static_cast<double>(steps)),
-               fmt::format("{:.1f} %", sum ? 100.0 * static_cast<double>(row.counter.nanoseconds) / static_cast<double>(sum) : 0)});
+               fmt::format("{:.1f} %",
+                           sum ? 100.0 * static_cast<double>(row.counter.nanoseconds) / static_cast<double>(sum) : 0)});
   std::string text = table.text("  ");
   report::Table lua({"Lua handler", ">calls", ">ms/call"});
   for (const auto& h : session.script().handler_profile())

@@ -90,7 +90,8 @@ TestResult run_test(const std::string& file, const Options& options) {
       result.notice = "is neither a scene nor a *_test.lua";
     }
     for (const auto& e : session.script().handler_errors())
-      result.failures.push_back({e.where, fmt::format("{} ({} x, in a handler)", failure_from(error_text(e), file).message, e.count)});
+      result.failures.push_back(
+          {e.where, fmt::format("{} ({} x, in a handler)", failure_from(error_text(e), file).message, e.count)});
   } catch (const Failure& e) {
     // a plain test fails by its error; whatever else does not get as far as its first step was not loaded
     result.loaded = e.status() == kFailed && is_plain_test(file);
@@ -139,7 +140,8 @@ class Test final : public Command {
     for (std::size_t i = 0; i < std::min(kShown, r.failures.size()); ++i)
       fmt::print("{}: {}\n", r.failures[i].where.empty() ? r.name : r.failures[i].where, r.failures[i].message);
     if (r.failures.size() > kShown) fmt::print("{}: and {} more failures\n", r.name, r.failures.size() - kShown);
-    if (failed && !r.output.empty()) fmt::print("--- printed by {}\n{}{}", r.name, r.output, r.output.ends_with('\n') ? "" : "\n");
+    if (failed && !r.output.empty())
+      fmt::print("--- printed by {}\n{}{}", r.name, r.output, r.output.ends_with('\n') ? "" : "\n");
     std::fflush(stdout);
   }
 
@@ -154,7 +156,8 @@ class Test final : public Command {
       std::fputs(report::to_text(report::test_json(results)).c_str(), stdout);
     } else {
       if (tap_) std::fputs(report::tap_text(results).c_str(), stdout);
-      fmt::print("{}{} passed, {} failed, {} skipped\n", tap_ ? "# " : "", counts.passed, counts.failed, counts.skipped);
+      fmt::print("{}{} passed, {} failed, {} skipped\n", tap_ ? "# " : "", counts.passed, counts.failed,
+                 counts.skipped);
     }
     const bool unloaded = std::any_of(results.begin(), results.end(), [](const TestResult& r) { return !r.loaded; });
     if (unloaded) return kLoadError;
@@ -175,7 +178,8 @@ class Test final : public Command {
 }  // namespace
 
 Row cli_test() {
-  return {"test", "runs scenes that have a check, and *_test.lua scripts", [] { return std::unique_ptr<Command>(new Test); }};
+  return {"test", "runs scenes that have a check, and *_test.lua scripts",
+          [] { return std::unique_ptr<Command>(new Test); }};
 }
 
 }  // namespace feder::cli

@@ -20,11 +20,13 @@ class View final : public Command {
     a.require("SCENE");
     a.text("--size", size_, "of the window, for example 1920x1080 (default 1280x800)");
     a.flag("--paused", o_.paused, "stand still at the start");
-    a.text("--on-save", on_save_, "catch_up: run the new scene to the same time (default); start_over; keep: objects with "
-                                  "the same name stay where they are");
+    a.text("--on-save", on_save_,
+           "catch_up: run the new scene to the same time (default); start_over; keep: objects with "
+           "the same name stay where they are");
     a.text("--detail", detail_, "auto: as much as this machine draws fluently (default); full; plain: no smooth edges; "
                                 "least: no shadows");
-    a.text("--draw", o_.toggles, "what is drawn: contacts,joints,-springs ...; speed, density or pressure colours fluids");
+    a.text("--draw", o_.toggles,
+           "what is drawn: contacts,joints,-springs ...; speed, density or pressure colours fluids");
     a.text("--select", o_.select, "name of the object to look at");
     a.flag("--no-panels", o_.hide_panels, "the scene alone (tab brings the panels)");
     a.flag("--console", o_.console, "with the console open");
@@ -54,7 +56,8 @@ class View final : public Command {
     }
     if (!end.has_scene) throw Failure(kLoadError, end.error);
     if (options.json)
-      fmt::print("{}", report::to_text({{"seconds", end.seconds}, {"steps", end.steps}, {"hash", hash_text(end.hash)}}));
+      fmt::print("{}",
+                 report::to_text({{"seconds", end.seconds}, {"steps", end.steps}, {"hash", hash_text(end.hash)}}));
     else if (hash_)
       fmt::print("{}\n", hash_text(end.hash));
     return kPass;
@@ -92,7 +95,8 @@ class View final : public Command {
 }  // namespace
 
 Row cli_view() {
-  return {"view", "shows a scene in a window, and reloads it when it is saved", [] { return std::unique_ptr<Command>(new View); }};
+  return {"view", "shows a scene in a window, and reloads it when it is saved",
+          [] { return std::unique_ptr<Command>(new View); }};
 }
 
 }  // namespace feder::cli

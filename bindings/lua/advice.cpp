@@ -71,22 +71,28 @@ std::string remedy(const AdviceRow& row, int substeps) {
     const std::string other = stiff_method();
     return std::to_string(row.substeps) + " substeps are safe" + (other.empty() ? "" : ", or " + other + " as it is");
   }
-  return "take " + row.integrator + (row.substeps == substeps ? "" : " with " + std::to_string(row.substeps) + " substeps");
+  return "take " + row.integrator +
+         (row.substeps == substeps ? "" : " with " + std::to_string(row.substeps) + " substeps");
 }
 
 std::string sentence(const AdviceRow& row, int substeps) {
   const NetAdvice& a = row.numbers;
   const IntegratorInfo& m = a.method;
   const std::string who = row.object + " with " + a.integrator, hw = "h w up to " + number(a.reach);
-  if (a.never_stable) return who + " blows up where nothing damps: the method has no stable step; " + remedy(row, substeps);
+  if (a.never_stable)
+    return who + " blows up where nothing damps: the method has no stable step; " + remedy(row, substeps);
   if (!a.stable)
     return who + " may blow up: " + hw + ", the limit is " + number(m.stability_limit) + "; " + remedy(row, substeps);
   if (a.frequency == 0) return who + " has no springs that could be too stiff";
-  if (m.adaptive) return who + " chooses its own steps, " + std::to_string(a.parts) + " or more per substep: its tolerance is the error";
-  std::string out = who + " is stable: " + hw + (std::isinf(m.stability_limit) ? ", no limit" : " of " + number(m.stability_limit));
+  if (m.adaptive)
+    return who + " chooses its own steps, " + std::to_string(a.parts) +
+           " or more per substep: its tolerance is the error";
+  std::string out =
+      who + " is stable: " + hw + (std::isinf(m.stability_limit) ? ", no limit" : " of " + number(m.stability_limit));
   if (m.exact_linear) return out + "; linear forces are exact";
   out += row.error_class != "1" ? "; its fastest mode errs by about " + row.error_class + " per period"
-                     : m.l_stable ? "; its fastest modes are damped out" : "; its fastest modes are not followed closely";
+         : m.l_stable           ? "; its fastest modes are damped out"
+                                : "; its fastest modes are not followed closely";
   return out + ", motions up to " + number(a.resolved / (2 * 3.14159265358979)) + " Hz by less than " +
          number(100 * NetAdvice::kResolvedError) + " %";
 }

@@ -87,7 +87,8 @@ void read_pins(Options& o, ClothDesc& desc) {
     if (lua_type(L, index) == LUA_TSTRING)
       desc.pin_names.emplace_back(lua_tostring(L, index));
     else if (lua_type(L, index) == LUA_TNUMBER)
-      desc.pins.push_back(static_cast<std::uint32_t>(check_integer(L, index, what, 1, static_cast<std::int64_t>(count)) - 1));
+      desc.pins.push_back(
+          static_cast<std::uint32_t>(check_integer(L, index, what, 1, static_cast<std::int64_t>(count)) - 1));
     else
       fail(L, what + ": expected a vertex number or a name, got " + describe(L, index));
   };

@@ -161,7 +161,8 @@ int object_tags(lua_State* L) {
 
 const Method kObjectMethods[] = {
     {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
-    {"kind", guard<object_kind>, "h:kind() -> string", "\"body\", \"joint\", \"net\", \"cloth\", \"fluid\", \"force\" ..."},
+    {"kind", guard<object_kind>, "h:kind() -> string",
+     "\"body\", \"joint\", \"net\", \"cloth\", \"fluid\", \"force\" ..."},
     {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
     {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
     {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
@@ -346,7 +347,8 @@ void bury_gone(lua_State* L, WorldRecord& record, const std::string& where) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
   for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
     auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
-    if (h->dead || record.world->objects().alive(h->id) || (h->kind != Class::emitter && h->kind != Class::drain)) continue;
+    if (h->dead || record.world->objects().alive(h->id) || (h->kind != Class::emitter && h->kind != Class::drain))
+      continue;
     h->dead = true;
     lua_pushstring(L, where.c_str());
     lua_setiuservalue(L, -2, 3);

@@ -114,8 +114,8 @@ class Script {
   const Look* look() const;
   // One step: world.step(), then timers, events, tasks, update(). Handler errors are collected, not thrown.
   void step();
-  // Studies: what the scene declares; its error now, in whatever unit it has (several numbers: their rms); its reference
-  // (numbers, lists of numbers are laid end to end). ScriptError where the scene has none or fails.
+  // Studies: what the scene declares; its error now, in whatever unit it has (several numbers: their rms); its
+  // reference (numbers, lists of numbers are laid end to end). ScriptError where the scene has none or fails.
   const StudyDeclaration& study() const;
   double study_error();
   std::vector<double> study_reference();

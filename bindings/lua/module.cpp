@@ -57,7 +57,8 @@ int feder_version(lua_State* L) {
 const Method kFederFunctions[] = {
     {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world",
      "a world of a plain script; see section 3"},
-    {"scene", guard<feder_scene>, "feder.scene{ title =, seconds =, picture =, camera =, world =, build =, update =, check =, study = } -> scene",
+    {"scene", guard<feder_scene>,
+     "feder.scene{ title =, seconds =, picture =, camera =, world =, build =, update =, check =, study = } -> scene",
      "what a scene file returns"},
     {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value",
      "a value that --set, a viewer or a study may change"},

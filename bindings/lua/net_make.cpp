@@ -72,7 +72,8 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
     else if (key == "break_strain")
       s.break_strain = static_cast<Real>(check_number(L, -1, what + "." + key, kPositive));
     else if (key == "tension_only") {
-      if (lua_type(L, -1) != LUA_TBOOLEAN) fail(L, what + "." + key + ": expected true or false, got " + describe(L, -1));
+      if (lua_type(L, -1) != LUA_TBOOLEAN)
+        fail(L, what + "." + key + ": expected true or false, got " + describe(L, -1));
       s.tension_only = lua_toboolean(L, -1) != 0;
     } else {
       const std::string near = nearest_name(key, {"i", "j", "stiffness", "damping", "rest_length", "break_strain",

@@ -106,9 +106,10 @@ int math_wave(lua_State* L) {
 void make_classes(lua_State* L) {
   using List = std::span<const Method>;
   const List object = object_methods();
-  const List body[] = {object, body_methods()}, joint[] = {object, joint_methods()}, net[] = {object, net_methods()}, cloth[] = {object, cloth_methods()},
-             force[] = {object, force_methods()}, region[] = {object, region_methods()},
-             fluid[] = {object, fluid_methods()}, emitter[] = {object, emitter_methods()}, drain[] = {object, drain_methods()},
+  const List body[] = {object, body_methods()}, joint[] = {object, joint_methods()}, net[] = {object, net_methods()},
+             cloth[] = {object, cloth_methods()}, force[] = {object, force_methods()},
+             region[] = {object, region_methods()}, fluid[] = {object, fluid_methods()},
+             emitter[] = {object, emitter_methods()}, drain[] = {object, drain_methods()},
              world[] = {world_methods(), query_methods()};
   make_class(L, Class::body, body), make_class(L, Class::joint, joint), make_class(L, Class::net, net);
   make_class(L, Class::cloth, cloth), make_class(L, Class::fluid, fluid), make_class(L, Class::emitter, emitter);

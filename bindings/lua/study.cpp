@@ -19,7 +19,8 @@ std::string axis_value(lua_State* L, int index, const std::string& what) {
 // { v1, v2, ... } or { from =, to =, factor = | step = }
 std::vector<std::string> read_axis(lua_State* L, int index, const std::string& what) {
   std::vector<std::string> values;
-  if (lua_type(L, index) != LUA_TTABLE) fail(L, what + ": expected a list or { from =, to =, factor = }, got " + describe(L, index));
+  if (lua_type(L, index) != LUA_TTABLE)
+    fail(L, what + ": expected a list or { from =, to =, factor = }, got " + describe(L, index));
   const auto n = static_cast<lua_Integer>(lua_rawlen(L, index));
   for (lua_Integer k = 1; k <= n; ++k) {
     lua_rawgeti(L, index, k);
@@ -156,7 +157,8 @@ double scene_error(lua_State* L) {
   double sum = 0;
   for (int k = 1; k <= count; ++k) {
     // an error may be infinite: a run that flew away
-    if (lua_type(L, base + k) != LUA_TNUMBER) complain(L, "study.error: expected numbers, got " + describe(L, base + k));
+    if (lua_type(L, base + k) != LUA_TNUMBER)
+      complain(L, "study.error: expected numbers, got " + describe(L, base + k));
     sum += lua_tonumber(L, base + k) * lua_tonumber(L, base + k);
   }
   return std::sqrt(sum / count);

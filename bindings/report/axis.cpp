@@ -71,7 +71,8 @@ std::vector<Tick> linear_ticks(const Axis& a, int most) {
       const double value = (n + static_cast<double>(k) / parts) * step;
       if (value < a.lo - 1e-9 * span || value > a.hi + 1e-9 * span) continue;
       const double shown = std::fabs(value) < 1e-9 * span ? 0 : value;
-      const int digits = static_cast<int>(std::clamp(std::log10(std::max(std::fabs(shown), step) / step) + 2.5, 3.0, 12.0));
+      const int digits =
+          static_cast<int>(std::clamp(std::log10(std::max(std::fabs(shown), step) / step) + 2.5, 3.0, 12.0));
       out.push_back({shown, k == 0 ? number_text(shown, digits) : ""});
     }
   }

@@ -31,6 +31,7 @@ struct Axis {
 
 // An axis that holds all `values` with round ends; what has no place (not finite; log: <= 0) is left out of account. At
 // least one decade (log) or a span that is not empty (linear).
-Axis fit_axis(const std::string& label, bool log, const std::vector<double>& values, TickStyle style = TickStyle::plain);
+Axis fit_axis(const std::string& label, bool log, const std::vector<double>& values,
+              TickStyle style = TickStyle::plain);
 
 }  // namespace feder::report

@@ -11,7 +11,8 @@ std::vector<const PlotSeries*> distinct(const RowChart& chart) {
   std::vector<const PlotSeries*> out;
   for (const auto& row : chart.rows)
     for (const PlotSeries& s : row.series)
-      if (std::none_of(out.begin(), out.end(), [&](const PlotSeries* o) { return o->name == s.name; })) out.push_back(&s);
+      if (std::none_of(out.begin(), out.end(), [&](const PlotSeries* o) { return o->name == s.name; }))
+        out.push_back(&s);
   return out;
 }
 
@@ -56,10 +57,12 @@ void draw_x_words(Svg& svg, const Box& f, const Axis& x) {
 std::string row_chart_svg(const RowChart& chart, bool inline_page) {
   const double width = 1100, left = 90, legend = 250, row_height = 190, top = chart.subtitle.empty() ? 60 : 80;
   const std::vector<const PlotSeries*> names = distinct(chart);
-  const double height = std::max(top + static_cast<double>(chart.rows.size()) * row_height + 40, top + 20 + 16.0 * static_cast<double>(names.size()));
+  const double height = std::max(top + static_cast<double>(chart.rows.size()) * row_height + 40,
+                                 top + 20 + 16.0 * static_cast<double>(names.size()));
   Svg svg(chart.name, width, height, chart.title);
   svg.text({left, 26}, words_cut(chart.title, 16, width - left - 10), {16, "start", kInk, true});
-  if (!chart.subtitle.empty()) svg.text({left, 46}, words_cut(chart.subtitle, 12, width - left - 10), {12, "start", kQuiet});
+  if (!chart.subtitle.empty())
+    svg.text({left, 46}, words_cut(chart.subtitle, 12, width - left - 10), {12, "start", kQuiet});
   std::vector<double> xs;
   for (const auto& row : chart.rows)
     for (const PlotSeries& s : row.series)
@@ -93,13 +96,15 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
     const Plot& p = plots[static_cast<std::size_t>(k)];
     const int row = k / columns, column = k % columns;
     const Box f{left + column * cell_w, top + row * cell_h + 20, cell_w - 16, cell_h - 46};
-    svg.text({f.left, f.top - 6}, words_cut(p.title, 12, f.width), {12, "start", curve_style(p.series.empty() ? 6 : p.series[0].number).color, true});
+    svg.text({f.left, f.top - 6}, words_cut(p.title, 12, f.width),
+             {12, "start", curve_style(p.series.empty() ? 6 : p.series[0].number).color, true});
     draw_axes(svg, f, p.x, p.y, 10, k + columns >= count, column == 0);
     draw_curves(svg, f, p, 6.5);
     if (!p.subtitle.empty()) svg.text({f.right(), f.top - 6}, p.subtitle, {10.5, "end", kQuiet});
     // a panel with an axis of its own says so
     if (k + columns < count && p.x.label != plots[0].x.label) draw_x_words(svg, f, p.x);
-    if (p.x.label != plots[0].x.label) svg.text({f.right() - 5, f.bottom() - 6}, p.x.label, {10.5, "end", kQuiet, false, 0, true});
+    if (p.x.label != plots[0].x.label)
+      svg.text({f.right() - 5, f.bottom() - 6}, p.x.label, {10.5, "end", kQuiet, false, 0, true});
   }
   if (count) {
     svg.text({left + std::min(columns, count) * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});

@@ -67,7 +67,8 @@ std::vector<CsvRow> read_csv(const std::string& text) {
   for (std::size_t k = 1; k < lines.size(); ++k) {
     if (lines[k].size() == 1 && lines[k][0].empty()) continue;
     if (lines[k].size() != lines[0].size())
-      throw std::runtime_error(fmt::format("line {}: expected {} columns, got {}", k + 1, lines[0].size(), lines[k].size()));
+      throw std::runtime_error(
+          fmt::format("line {}: expected {} columns, got {}", k + 1, lines[0].size(), lines[k].size()));
     CsvRow row;
     for (std::size_t i = 0; i < lines[k].size(); ++i) row[lines[0][i]] = lines[k][i];
     rows.push_back(std::move(row));
@@ -97,8 +98,13 @@ Json check_gate(const std::string& file, const std::vector<CsvRow>& baseline, co
   Json violations = Json::array();
   std::map<std::string, std::size_t> now;
   for (std::size_t k = 0; k < rows.size(); ++k) now[key(rows[k])] = k;
-  const auto violate = [&](const CsvRow& was, const std::string& field, const std::string& is, const std::string& limit) {
-    violations.push_back({{"point", key(was)}, {"field", field}, {"was", shown(cell(was, field))}, {"now", shown(is)}, {"limit", limit}});
+  const auto violate = [&](const CsvRow& was, const std::string& field, const std::string& is,
+                           const std::string& limit) {
+    violations.push_back({{"point", key(was)},
+                          {"field", field},
+                          {"was", shown(cell(was, field))},
+                          {"now", shown(is)},
+                          {"limit", limit}});
   };
   int compared = 0;
   for (const CsvRow& was : baseline) {
@@ -120,9 +126,11 @@ Json check_gate(const std::string& file, const std::vector<CsvRow>& baseline, co
       violate(was, field, cell(is, field), fmt::format("relative {}", number_text(limit)));
     };
     if (tiers.cost)
-      for (const char* field : {"status", "steps", "rejected", "force_evals", "jac_evals", "linear_solves"}) exact(field);
+      for (const char* field : {"status", "steps", "rejected", "force_evals", "jac_evals", "linear_solves"})
+        exact(field);
     if (tiers.error && cell(was, "status") == "ok")
-      for (const char* field : {"err_end", "err_traj_rms"}) near(field, tiers.error_limit, floors[found->second], false);
+      for (const char* field : {"err_end", "err_traj_rms"})
+        near(field, tiers.error_limit, floors[found->second], false);
     if (tiers.size) near("peak_bytes", 0.02, 0, true);
   }
   return {{"baseline", file}, {"compared", compared}, {"violations", violations}};

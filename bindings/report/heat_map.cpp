@@ -32,8 +32,11 @@ struct Shade {
   const char* words;
 };
 // Light to dark blue-green, distinguishable in grey too.
-constexpr Shade kShades[] = {{1e-6, "#08589e", "below 1e-6"}, {1e-4, "#2b8cbe", "below 1e-4"}, {1e-2, "#7bccc4", "below 1e-2"},
-                             {1e-1, "#ccebc5", "below 1e-1"}, {1e300, "#f0f9e8", "above 1e-1"}};
+constexpr Shade kShades[] = {{1e-6, "#08589e", "below 1e-6"},
+                             {1e-4, "#2b8cbe", "below 1e-4"},
+                             {1e-2, "#7bccc4", "below 1e-2"},
+                             {1e-1, "#ccebc5", "below 1e-1"},
+                             {1e300, "#f0f9e8", "above 1e-1"}};
 
 constexpr const char* kNoError = "#ffffff";  // stable, with nothing to compare to
 
@@ -62,7 +65,8 @@ std::vector<double> edges(const std::vector<double>& values, bool log) {
 
 // On a linear axis few values stand for many (0, 0.1, 0.5, 5): their cells get equal sizes, and each its label. Lines
 // over them run from value to value.
-void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::* member, std::vector<XY>* lines[2], double XY::* on) {
+void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::*member, std::vector<XY>* lines[2],
+                  double XY::*on) {
   const std::vector<double> values = sorted_values(cells, member);
   const auto place = [&](double v) {
     const auto above = std::lower_bound(values.begin(), values.end(), v);
@@ -71,7 +75,8 @@ void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::* m
     if (*above == v || above == values.begin()) return k;
     return k - 1 + (v - above[-1]) / (*above - above[-1]);
   };
-  for (std::size_t k = 0; k < values.size(); ++k) axis.fixed.push_back({static_cast<double>(k), number_text(values[k], 4)});
+  for (std::size_t k = 0; k < values.size(); ++k)
+    axis.fixed.push_back({static_cast<double>(k), number_text(values[k], 4)});
   for (HeatCell& c : cells) c.*member = place(c.*member);
   for (int k = 0; k < 2; ++k)
     for (XY& p : *lines[k]) p.*on = place(p.*on);
@@ -92,7 +97,8 @@ std::string fill_of(Svg& svg, const HeatCell& c) {
   if (c.verdict == "stable") return error_shade(c.error);
   const VerdictStyle& style = verdict_style(c.verdict);
   const bool dark = std::string(style.color) == "#1f2328";
-  return style.hatch < 0 ? style.color : svg.hatch(static_cast<Hatch>(style.hatch), dark ? "#8b949e" : "#00000066", style.color);
+  return style.hatch < 0 ? style.color
+                         : svg.hatch(static_cast<Hatch>(style.hatch), dark ? "#8b949e" : "#00000066", style.color);
 }
 
 void draw_cells(Svg& svg, const Box& f, const HeatMap& m) {
@@ -135,7 +141,8 @@ double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMa
   std::string theory, boundary;
   bool unknown = false;
   for (const HeatMap* m : maps) {
-    for (const HeatCell& c : m->cells) seen.insert(c.verdict), unknown = unknown || (c.verdict == "stable" && std::isnan(c.error));
+    for (const HeatCell& c : m->cells)
+      seen.insert(c.verdict), unknown = unknown || (c.verdict == "stable" && std::isnan(c.error));
     if (m->theory.size() > 1) theory = m->theory_label;
     if (m->boundary.size() > 1) boundary = m->boundary_label;
   }
@@ -197,8 +204,8 @@ std::string heat_map_svg(const HeatMap& given, bool inline_page) {
   return svg.text(inline_page);
 }
 
-std::string heat_sheet_svg(const std::string& name, const std::string& title, const std::vector<HeatMap>& maps, int columns,
-                           bool inline_page) {
+std::string heat_sheet_svg(const std::string& name, const std::string& title, const std::vector<HeatMap>& maps,
+                           int columns, bool inline_page) {
   const double width = 1200, legend = 190, left = 66, top = 56;
   const int count = static_cast<int>(maps.size());
   columns = std::clamp(count, 2, columns);

@@ -1,5 +1,5 @@
-// A heat map: cells over two axes, each with a verdict. Failures have a colour and a hatching, good cells a shade by their
-// error's decade; a theoretical limit and a measured boundary lie over it.
+// A heat map: cells over two axes, each with a verdict. Failures have a colour and a hatching, good cells a shade by
+// their error's decade; a theoretical limit and a measured boundary lie over it.
 #pragma once
 #include <string>
 #include <vector>
@@ -38,7 +38,7 @@ const char* error_shade(double error);
 
 std::string heat_map_svg(const HeatMap& map, bool inline_page = false);
 // Several maps with shared axes and one legend, `columns` beside each other.
-std::string heat_sheet_svg(const std::string& name, const std::string& title, const std::vector<HeatMap>& maps, int columns,
-                           bool inline_page = false);
+std::string heat_sheet_svg(const std::string& name, const std::string& title, const std::vector<HeatMap>& maps,
+                           int columns, bool inline_page = false);
 
 }  // namespace feder::report

@@ -11,7 +11,9 @@ std::string flat(const Json& value) { return value.dump(-1, ' ', false, Json::er
 
 // Like dump(2), but a list of plain values stays on one line.
 void write(const Json& value, const std::string& indent, std::string& out) {
-  const bool nested = value.is_object() || (value.is_array() && std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); }));
+  const bool nested =
+      value.is_object() ||
+      (value.is_array() && std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); }));
   if (!nested || value.empty()) {
     out += flat(value);
     return;

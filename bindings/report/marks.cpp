@@ -8,7 +8,8 @@ namespace feder::report {
 namespace {
 
 // Okabe and Ito 2008, "Color universal design", with the yellow darkened so that it shows on white and on paper.
-constexpr const char* kHues[kColors] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9", "#1f2328", "#e69f00"};
+constexpr const char* kHues[kColors] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                        "#8a6d00", "#56b4e9", "#1f2328", "#e69f00"};
 constexpr const char* kDashes[] = {"", "7 3", "2 3", "9 3 2 3"};
 constexpr int kMarkers = 8;
 
@@ -68,8 +69,8 @@ CurveStyle curve_style(int number) {
 bool is_failure(MarkKind kind) { return kind >= MarkKind::diverged; }
 
 const char* mark_word(MarkKind kind) {
-  static const char* const words[] = {"measured", "on the front", "below the reference's certainty", "diverged", "NaN", "refused",
-                                      "no measurement"};
+  static const char* const words[] = {"measured", "on the front",  "below the reference's certainty", "diverged", "NaN",
+                                      "refused",  "no measurement"};
   return words[static_cast<int>(kind)];
 }
 
@@ -82,14 +83,16 @@ void draw_mark(Svg& svg, XY c, MarkKind kind, const CurveStyle& style, double si
     case MarkKind::filled: svg.path(shape(style.marker, c, r), style.color, pen, title, name); break;
     case MarkKind::uncertain: svg.path(shape(style.marker, c, r), "#ffffff", {"#9aa3ad", 1.2}, title, name); break;
     case MarkKind::diverged: svg.path(cross(c, r * 0.8), "none", {style.color, 1.8}, title, name); break;
-    case MarkKind::nan: svg.path(circle(c, r * 0.75) + slash(c, r * 1.2), "none", {style.color, 1.4}, title, name); break;
+    case MarkKind::nan:
+      svg.path(circle(c, r * 0.75) + slash(c, r * 1.2), "none", {style.color, 1.4}, title, name);
+      break;
     case MarkKind::refused:
-      svg.path(circle(c, r) + "M" + at_text(c.x - r * 0.7, c.y - r * 0.7) + "L" + at_text(c.x + r * 0.7, c.y + r * 0.7), "none",
-               {style.color, 1.8}, title, name);
+      svg.path(circle(c, r) + "M" + at_text(c.x - r * 0.7, c.y - r * 0.7) + "L" + at_text(c.x + r * 0.7, c.y + r * 0.7),
+               "none", {style.color, 1.8}, title, name);
       break;
     case MarkKind::other:
-      svg.path(ngon({c.x, c.y + r * 0.2}, r * 1.2, 3, 0) + "M" + at_text(c.x, c.y - r * 0.4) + "V" + px(c.y + r * 0.4), "none",
-               {style.color, 1.3}, title, name);
+      svg.path(ngon({c.x, c.y + r * 0.2}, r * 1.2, 3, 0) + "M" + at_text(c.x, c.y - r * 0.4) + "V" + px(c.y + r * 0.4),
+               "none", {style.color, 1.3}, title, name);
       break;
   }
 }

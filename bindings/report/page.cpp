@@ -52,7 +52,8 @@ void Page::table(const std::vector<std::string>& columns, const std::vector<std:
   body_ += "<div class=\"wide\"><table>\n<thead><tr>";
   const auto number = [&](std::size_t k) { return k < columns.size() && columns[k].starts_with(">"); };
   for (std::size_t k = 0; k < columns.size(); ++k)
-    body_ += (number(k) ? "<th class=\"n\">" : "<th>") + escaped(number(k) ? columns[k].substr(1) : columns[k]) + "</th>";
+    body_ +=
+        (number(k) ? "<th class=\"n\">" : "<th>") + escaped(number(k) ? columns[k].substr(1) : columns[k]) + "</th>";
   body_ += "</tr></thead>\n<tbody>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     body_ += r < marks.size() && !marks[r].empty() ? "<tr class=\"" + marks[r] + "\">" : "<tr>";
@@ -69,13 +70,15 @@ void Page::figure(const std::string& svg, const std::string& caption) {
 
 void Page::definitions(const std::vector<std::pair<std::string, std::string>>& terms) {
   body_ += "<dl>\n";
-  for (const auto& [term, meaning] : terms) body_ += "<dt>" + escaped(term) + "</dt><dd>" + escaped(meaning) + "</dd>\n";
+  for (const auto& [term, meaning] : terms)
+    body_ += "<dt>" + escaped(term) + "</dt><dd>" + escaped(meaning) + "</dd>\n";
   body_ += "</dl>\n";
 }
 
 void Page::links(const std::vector<std::pair<std::string, std::string>>& items) {
   body_ += "<ul>\n";
-  for (const auto& [words, place] : items) body_ += "<li><a href=\"" + xml_escape(place) + "\">" + escaped(words) + "</a></li>\n";
+  for (const auto& [words, place] : items)
+    body_ += "<li><a href=\"" + xml_escape(place) + "\">" + escaped(words) + "</a></li>\n";
   body_ += "</ul>\n";
 }
 
@@ -83,9 +86,9 @@ void Page::code(const std::string& text) { body_ += "<pre>" + escaped(text) + "<
 
 std::string Page::text() const {
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escaped(title_) +
-         "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" + escaped(title_) + "</h1>\n" + body_ +
-         "</main>\n</body>\n</html>\n";
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+         escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" + escaped(title_) +
+         "</h1>\n" + body_ + "</main>\n</body>\n</html>\n";
 }
 
 }  // namespace feder::report

@@ -68,7 +68,9 @@ XY place(const Box& f, const Plot& p, double x, double y) {
 void draw_gutter(Svg& svg, const Layout& l, const Plot& p) {
   if (l.gutter.height <= 0) return;
   const Box box{l.gutter.left, l.gutter.top + 16, l.gutter.width, l.gutter.height - 22};
-  svg.text({box.left, box.top - 5}, "no error to plot: each mark is a run that failed, at what it cost until then (at the left end also less)", {11, "start", kQuiet});
+  svg.text({box.left, box.top - 5},
+           "no error to plot: each mark is a run that failed, at what it cost until then (at the left end also less)",
+           {11, "start", kQuiet});
   svg.rect(box, "#f6f8fa", kGrid);
   double y = box.top + kRow / 2;
   for (const PlotSeries& s : p.series) {

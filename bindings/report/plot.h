@@ -54,6 +54,7 @@ std::string plot_svg(const Plot& plot, bool inline_page = false);
 
 // Only axes, curves and marks, into `area` (the frame; tick labels stand outside). For sheets of small drawings.
 void draw_curves(Svg& svg, const Box& area, const Plot& plot, double mark_size);
-void draw_axes(Svg& svg, const Box& area, const Axis& x, const Axis& y, double label_size, bool x_words = true, bool y_words = true);
+void draw_axes(Svg& svg, const Box& area, const Axis& x, const Axis& y, double label_size, bool x_words = true,
+               bool y_words = true);
 
 }  // namespace feder::report

@@ -52,7 +52,8 @@ const StabilityLimit* limit_at(const StabilityMap& m, double y) {
 }
 
 std::string cell_title(const StabilityMap& m, const StabilityCell& c) {
-  std::string text = fmt::format("{}: {} = {}, {} = {}: {}", m.method, m.x.name, number_text(c.x, 4), m.y.name, number_text(c.y, 4), name_of(c.verdict));
+  std::string text = fmt::format("{}: {} = {}, {} = {}: {}", m.method, m.x.name, number_text(c.x, 4), m.y.name,
+                                 number_text(c.y, 4), name_of(c.verdict));
   if (std::isfinite(c.t_fail)) text += fmt::format(" at {} s", number_text(c.t_fail, 4));
   if (!c.entity.empty()) text += fmt::format(" ({})", c.entity);
   if (std::isfinite(c.error)) text += ", error " + number_text(c.error, 3);
@@ -65,7 +66,8 @@ HeatMap heat_map(const StabilityMap& m, bool small) {
   h.name = "map_" + m.method;
   h.title = fmt::format("{}: {} % stable", m.method, number_text(100 * m.stable_share, 3));
   if (!small) {
-    h.title = fmt::format("{} on {}: {} % of the cells stable", m.method, m.problem, number_text(100 * m.stable_share, 3));
+    h.title =
+        fmt::format("{} on {}: {} % of the cells stable", m.method, m.problem, number_text(100 * m.stable_share, 3));
     h.subtitle = verdict_shares(m);
   }
   h.x = {axis_label(m.x), m.x.logarithmic, 0, 1, m.x.logarithmic ? TickStyle::power : TickStyle::plain};
@@ -101,8 +103,10 @@ void boundary_part(Page& page, const StabilityResult& r) {
   for (const StabilityMap& m : r.maps) any = any || !m.limits.empty();
   if (!any) return;
   page.heading("Boundaries");
-  page.paragraph("The largest stable value on the x axis, found by bisection, beside what theory says; h·ω is the same in units of the "
-                 "fastest angular frequency.");
+  page.paragraph(
+      "The largest stable value on the x axis, found by bisection, beside what theory says; h·ω is the same in units "
+      "of the "
+      "fastest angular frequency.");
   for (const StabilityMap& m : r.maps)
     if (!m.limit_how.empty()) {
       page.paragraph("How: " + m.limit_how);
@@ -113,12 +117,14 @@ void boundary_part(Page& page, const StabilityResult& r) {
   for (const StabilityMap& m : r.maps)
     for (const StabilityLimit& l : m.limits) {
       const bool both = std::isfinite(l.predicted) && std::isfinite(l.observed) && l.predicted != 0;
-      rows.push_back({m.method, number_text(l.y, 4), limit_words(l.predicted), limit_words(l.observed), both ? number_text(l.relative(), 2) : "–",
-                      limit_words(l.z_predicted), limit_words(l.z_observed)});
+      rows.push_back({m.method, number_text(l.y, 4), limit_words(l.predicted), limit_words(l.observed),
+                      both ? number_text(l.relative(), 2) : "–", limit_words(l.z_predicted),
+                      limit_words(l.z_observed)});
       marks.push_back(both && l.relative() > 0.01 ? "bad" : "");
     }
   const std::string y = r.maps.empty() ? "y" : r.maps[0].y.label;
-  page.table({"method", ">" + y, ">predicted", ">observed", ">relative deviation", ">h·ω predicted", ">h·ω observed"}, rows, marks);
+  page.table({"method", ">" + y, ">predicted", ">observed", ">relative deviation", ">h·ω predicted", ">h·ω observed"},
+             rows, marks);
 }
 
 void verdict_part(Page& page, const StabilityResult& r) {
@@ -127,15 +133,22 @@ void verdict_part(Page& page, const StabilityResult& r) {
   page.paragraph("The first that applies, worst first.");
   page.definitions({
       {"nan", "A state went non-finite."},
-      {"diverged", fmt::format("A position beyond {} scene lengths, a speed beyond {} times the reference's, or energy above {} times its scale.",
+      {"diverged", fmt::format("A position beyond {} scene lengths, a speed beyond {} times the reference's, or energy "
+                               "above {} times its scale.",
                                number_text(t.far), number_text(t.fast), number_text(t.energy))},
-      {"growing", fmt::format("The largest energy of the last quarter is {} times that of the second, and {} times that of the start.",
-                              number_text(t.growth), number_text(t.growth_start))},
-      {"stuck", fmt::format("The reference moves more than {} % of the scene's length, the run less than {} % of that.", number_text(100 * t.moves), number_text(100 * t.stuck))},
-      {"damped", fmt::format("More than {} % of the energy scale lost that the model keeps.", number_text(100 * t.damped))},
-      {"inaccurate", fmt::format("Bounded, but wrong: the error at the end above {} % of the scene's length, or a violation above {} % (bodies: "
-                                 "a penetration above {} % of the smallest size).",
-                                 number_text(100 * t.inaccurate), number_text(100 * t.constraint), number_text(100 * t.penetration))},
+      {"growing",
+       fmt::format(
+           "The largest energy of the last quarter is {} times that of the second, and {} times that of the start.",
+           number_text(t.growth), number_text(t.growth_start))},
+      {"stuck", fmt::format("The reference moves more than {} % of the scene's length, the run less than {} % of that.",
+                            number_text(100 * t.moves), number_text(100 * t.stuck))},
+      {"damped",
+       fmt::format("More than {} % of the energy scale lost that the model keeps.", number_text(100 * t.damped))},
+      {"inaccurate",
+       fmt::format("Bounded, but wrong: the error at the end above {} % of the scene's length, or a violation above {} "
+                   "% (bodies: "
+                   "a penetration above {} % of the smallest size).",
+                   number_text(100 * t.inaccurate), number_text(100 * t.constraint), number_text(100 * t.penetration))},
       {"slow", fmt::format("Solves missed their tolerance in more than {} % of the steps.", number_text(100 * t.slow))},
       {"refused", "Rejected with a message that names the object: right for malformed input."},
       {"stable", "None of these; the shade tells the error."},
@@ -155,7 +168,8 @@ std::string verdict_shares(const StabilityMap& m) {
   std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string out;
   for (const auto& [name, n] : counts)
-    out += fmt::format("{}{} % {}", out.empty() ? "" : ", ", number_text(100.0 * n / static_cast<double>(m.cells.size()), 3), name);
+    out += fmt::format("{}{} % {}", out.empty() ? "" : ", ",
+                       number_text(100.0 * n / static_cast<double>(m.cells.size()), 3), name);
   return out;
 }
 
@@ -164,30 +178,56 @@ Json stability_json(const StabilityResult& r, const StabilityContext& context) {
   for (const StabilityMap& m : r.maps) {
     for (const StabilityCell& c : m.cells) {
       const StabilityLimit* l = limit_at(m, c.y);
-      rows.push_back({{"problem", m.problem}, {"method", m.method}, {"axes", {{m.x.name, number_json(c.x)}, {m.y.name, number_json(c.y)}}},
-                      {"verdict", name_of(c.verdict)}, {"t_fail", number_json(c.t_fail)}, {"entity", c.entity}, {"error", number_json(c.error)},
-                      {"energy_ratio", number_json(c.energy_ratio)}, {"constraint", number_json(c.constraint)},
-                      {"iters_mean", number_json(c.iters_mean)}, {"iters_max", number_json(c.iters_max)}, {"missed", number_json(c.missed)},
-                      {"predicted_limit", l ? number_json(l->predicted) : Json()}, {"observed_limit", l ? number_json(l->observed) : Json()}});
+      rows.push_back({{"problem", m.problem},
+                      {"method", m.method},
+                      {"axes", {{m.x.name, number_json(c.x)}, {m.y.name, number_json(c.y)}}},
+                      {"verdict", name_of(c.verdict)},
+                      {"t_fail", number_json(c.t_fail)},
+                      {"entity", c.entity},
+                      {"error", number_json(c.error)},
+                      {"energy_ratio", number_json(c.energy_ratio)},
+                      {"constraint", number_json(c.constraint)},
+                      {"iters_mean", number_json(c.iters_mean)},
+                      {"iters_max", number_json(c.iters_max)},
+                      {"missed", number_json(c.missed)},
+                      {"predicted_limit", l ? number_json(l->predicted) : Json()},
+                      {"observed_limit", l ? number_json(l->observed) : Json()}});
     }
     for (const StabilityLimit& l : m.limits)
-      limits.push_back({{"problem", m.problem}, {"method", m.method}, {m.y.name, number_json(l.y)}, {"predicted_limit", number_json(l.predicted)},
-                        {"observed_limit", number_json(l.observed)}, {"z_predicted", number_json(l.z_predicted)}, {"z_observed", number_json(l.z_observed)},
+      limits.push_back({{"problem", m.problem},
+                        {"method", m.method},
+                        {m.y.name, number_json(l.y)},
+                        {"predicted_limit", number_json(l.predicted)},
+                        {"observed_limit", number_json(l.observed)},
+                        {"z_predicted", number_json(l.z_predicted)},
+                        {"z_observed", number_json(l.z_observed)},
                         {"relative", number_json(l.relative())}});
-    shares.push_back({{"problem", m.problem}, {"method", m.method}, {"order", m.order}, {"implicit", m.implicit}, {"stable_share", number_json(m.stable_share)}});
+    shares.push_back({{"problem", m.problem},
+                      {"method", m.method},
+                      {"order", m.order},
+                      {"implicit", m.implicit},
+                      {"stable_share", number_json(m.stable_share)}});
   }
-  return {{"schema", "stability/1"}, {"run", machine_json(context.machine)}, {"command", context.command}, {"real", r.real},
-          {"methods", shares}, {"limits", limits}, {"rows", rows}};
+  return {{"schema", "stability/1"},
+          {"run", machine_json(context.machine)},
+          {"command", context.command},
+          {"real", r.real},
+          {"methods", shares},
+          {"limits", limits},
+          {"rows", rows}};
 }
 
 std::string cells_csv(const StabilityResult& r) {
-  std::string out = "problem,method,x_name,x,y_name,y,verdict,t_fail_s,entity,error,energy_ratio,constraint,iters_mean,iters_max,predicted_limit,observed_limit\n";
+  std::string out =
+      "problem,method,x_name,x,y_name,y,verdict,t_fail_s,entity,error,energy_ratio,constraint,iters_mean,iters_max,"
+      "predicted_limit,observed_limit\n";
   for (const StabilityMap& m : r.maps)
     for (const StabilityCell& c : m.cells) {
       const StabilityLimit* l = limit_at(m, c.y);
-      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", m.problem, m.method, m.x.name, csv_number(c.x), m.y.name, csv_number(c.y),
-                         name_of(c.verdict), csv_number(c.t_fail), csv_text(c.entity), csv_number(c.error), csv_number(c.energy_ratio),
-                         csv_number(c.constraint), csv_number(c.iters_mean), csv_number(c.iters_max), l ? csv_number(l->predicted) : "",
+      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", m.problem, m.method, m.x.name,
+                         csv_number(c.x), m.y.name, csv_number(c.y), name_of(c.verdict), csv_number(c.t_fail),
+                         csv_text(c.entity), csv_number(c.error), csv_number(c.energy_ratio), csv_number(c.constraint),
+                         csv_number(c.iters_mean), csv_number(c.iters_max), l ? csv_number(l->predicted) : "",
                          l ? csv_number(l->observed) : "");
     }
   return out;
@@ -197,8 +237,9 @@ std::string limits_csv(const StabilityResult& r) {
   std::string out = "problem,method,y_name,y,predicted,observed,relative,z_predicted,z_observed\n";
   for (const StabilityMap& m : r.maps)
     for (const StabilityLimit& l : m.limits)
-      out += fmt::format("{},{},{},{},{},{},{},{},{}\n", m.problem, m.method, m.y.name, csv_number(l.y), csv_number(l.predicted), csv_number(l.observed),
-                         csv_number(l.relative()), csv_number(l.z_predicted), csv_number(l.z_observed));
+      out += fmt::format("{},{},{},{},{},{},{},{},{}\n", m.problem, m.method, m.y.name, csv_number(l.y),
+                         csv_number(l.predicted), csv_number(l.observed), csv_number(l.relative()),
+                         csv_number(l.z_predicted), csv_number(l.z_observed));
   return out;
 }
 
@@ -207,9 +248,12 @@ std::string stability_table(const StabilityResult& r) {
   for (const StabilityMap& m : r.maps) {
     const Deviation d = deviation(m);
     const StabilityLimit* first = m.limits.empty() ? nullptr : &m.limits.front();
-    const auto words = [](double v) { return std::isnan(v) ? std::string("-") : std::isinf(v) ? "none" : number_text(v, 6); };
-    table.add({m.method, m.cells.empty() ? "-" : fmt::format("{} %", number_text(100 * m.stable_share, 3)), first ? words(first->z_observed) : "-",
-               first ? words(first->z_predicted) : "-", d.limits ? number_text(d.worst, 2) : "-", verdict_shares(m)});
+    const auto words = [](double v) {
+      return std::isnan(v) ? std::string("-") : std::isinf(v) ? "none" : number_text(v, 6);
+    };
+    table.add({m.method, m.cells.empty() ? "-" : fmt::format("{} %", number_text(100 * m.stable_share, 3)),
+               first ? words(first->z_observed) : "-", first ? words(first->z_predicted) : "-",
+               d.limits ? number_text(d.worst, 2) : "-", verdict_shares(m)});
   }
   return table.text("  ");
 }
@@ -232,12 +276,13 @@ std::vector<Figure> stability_figures(const StabilityResult& r) {
   }
   if (small.size() < 2) return out;
   const std::string title = r.maps[0].problem + ": verdicts over " + r.maps[0].x.label + " and " + r.maps[0].y.label;
-  out.push_back({"sheet.svg", "All methods on the same axes.", heat_sheet_svg("sheet", title, small, 4), heat_sheet_svg("sheet", title, small, 4, true)});
+  out.push_back({"sheet.svg", "All methods on the same axes.", heat_sheet_svg("sheet", title, small, 4),
+                 heat_sheet_svg("sheet", title, small, 4, true)});
   return out;
 }
 
-std::string stability_page(const StabilityResult& r, const StabilityContext& context, const std::vector<Figure>& figures,
-                           const std::vector<ExtremeRow>& extreme) {
+std::string stability_page(const StabilityResult& r, const StabilityContext& context,
+                           const std::vector<Figure>& figures, const std::vector<ExtremeRow>& extreme) {
   Page page("Stability: " + (r.maps.empty() ? std::string("extreme inputs") : r.maps[0].problem));
   page.lead(lead(r));
   // the overview first
@@ -259,13 +304,15 @@ std::string stability_page(const StabilityResult& r, const StabilityContext& con
     if (f.file != "sheet.svg") page.figure(f.inline_svg, f.caption);
   verdict_part(page, r);
   page.heading("Machine and build");
-  page.paragraph(fmt::format("{}, commit {}, {} {}, {}; {}", context.machine.tool, context.machine.git, context.machine.compiler, context.machine.flags,
-                             context.machine.cpu, context.machine.date));
+  page.paragraph(fmt::format("{}, commit {}, {} {}, {}; {}", context.machine.tool, context.machine.git,
+                             context.machine.compiler, context.machine.flags, context.machine.cpu,
+                             context.machine.date));
   page.code(context.command);
   return page.text();
 }
 
-void write_stability(const std::string& folder, const StabilityResult& r, const StabilityContext& context, const std::vector<ExtremeRow>& extreme) {
+void write_stability(const std::string& folder, const StabilityResult& r, const StabilityContext& context,
+                     const std::vector<ExtremeRow>& extreme) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
@@ -274,7 +321,8 @@ void write_stability(const std::string& folder, const StabilityResult& r, const 
   if (!extreme.empty()) {
     json["extreme"] = Json::array();
     for (const ExtremeRow& e : extreme)
-      json["extreme"].push_back({{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
+      json["extreme"].push_back(
+          {{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
   }
   write_text(folder + "/stability.json", to_text(json));
   write_text(folder + "/cells.csv", cells_csv(r));

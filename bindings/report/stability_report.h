@@ -1,4 +1,5 @@
-// The files of a stability map: stability.json, cells.csv, limits.csv, a heat map per method, a sheet of all, and a page.
+// The files of a stability map: stability.json, cells.csv, limits.csv, a heat map per method, a sheet of all, and a
+// page.
 #pragma once
 #include <string>
 #include <vector>
@@ -29,8 +30,8 @@ std::string extreme_table(const std::vector<ExtremeRow>& rows);
 
 // One per method, then the sheet.
 std::vector<Figure> stability_figures(const StabilityResult& r);
-std::string stability_page(const StabilityResult& r, const StabilityContext& context, const std::vector<Figure>& figures,
-                           const std::vector<ExtremeRow>& extreme);
+std::string stability_page(const StabilityResult& r, const StabilityContext& context,
+                           const std::vector<Figure>& figures, const std::vector<ExtremeRow>& extreme);
 // std::runtime_error "file: cannot be written".
 void write_stability(const std::string& folder, const StabilityResult& r, const StabilityContext& context,
                      const std::vector<ExtremeRow>& extreme = {});

@@ -47,7 +47,8 @@ std::string reference_words(const StudyResult& r) {
   const ReferenceInfo& ref = r.problem.reference;
   static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
   const std::string digits = ref.digits > 0 ? fmt::format(", {} digits", ref.digits) : "";
-  return fmt::format("reference: {}{}; t = {} s", kinds[static_cast<int>(ref.kind)], digits, number_text(r.problem.t_end, 6));
+  return fmt::format("reference: {}{}; t = {} s", kinds[static_cast<int>(ref.kind)], digits,
+                     number_text(r.problem.t_end, 6));
 }
 
 // The runs of a method that a line joins: they differ in one thing only, the step or what is refined in its place. All
@@ -116,7 +117,10 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
   const bool by_time = axis.seconds, ranked = norm.ranks(r.problem);
   Plot plot;
   plot.name = file.substr(0, file.find('.'));
-  plot.title = fmt::format("{}: error against {}", problem_label(r.problem), by_time ? "run time" : std::string(axis.name) == "force" ? "work" : "instructions");
+  plot.title = fmt::format("{}: error against {}", problem_label(r.problem),
+                           by_time                             ? "run time"
+                           : std::string(axis.name) == "force" ? "work"
+                                                               : "instructions");
   plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
   for (const MethodInfo& m : r.methods)
     for (const Way& way : ways_of(r, m.name)) {
@@ -132,7 +136,9 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
     for (const std::size_t k : by_time ? r.front_time : r.front_work)
       plot.front.push_back({axis.value(r.points[k]), r.points[k].*norm.value});
     const double floor = r.problem.reference.floor();
-    const bool near = !norm.more_is_better && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, norm) && p.*norm.value < 30 * floor; });
+    const bool near = !norm.more_is_better && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) {
+      return measured(p, norm) && p.*norm.value < 30 * floor;
+    });
     if (near) plot.uncertain_below = floor, plot.uncertain_label = "reference or rounding";
   }
   fit_axes(plot, axis.label, axis.seconds, norm.label, norm.more_is_better);
@@ -178,7 +184,8 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
     for (const StudyPoint* p : way.points) {
       if (!measured(*p, norm)) continue;
       const double x = rung_value(*p, axis), y = p->*norm.value;
-      series.points.push_back({x, y, 0, p->below_floor ? MarkKind::uncertain : MarkKind::hollow, point_title(r, *p, norm)});
+      series.points.push_back(
+          {x, y, 0, p->below_floor ? MarkKind::uncertain : MarkKind::hollow, point_title(r, *p, norm)});
       any = true;
       if (!fit || !(x >= fit->lo * 0.999 && x <= fit->hi * 1.001) || !(y > 0) || p->below_floor) continue;
       log_sum_x += std::log10(x), log_sum_y += std::log10(y), ++used;
@@ -207,7 +214,8 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
 std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_page) {
   std::vector<Plot> panels;
   for (const MethodInfo& m : r.methods) panels.push_back(order_panel(r, m, norm));
-  std::stable_partition(panels.begin(), panels.end(), [&](const Plot& p) { return p.x.label == panels.front().x.label; });
+  std::stable_partition(panels.begin(), panels.end(),
+                        [&](const Plot& p) { return p.x.label == panels.front().x.label; });
   std::vector<double> ys;
   for (const Plot& p : panels)
     for (const PlotSeries& s : p.series)
@@ -223,8 +231,8 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
     p.y = y;
   }
   return plot_sheet_svg("order", problem_label(r.problem) + ": order of each method",
-                        "dashed: fit through the points that shrink regularly; the triangle shows the expected slope", panels, 4,
-                        inline_page);
+                        "dashed: fit through the points that shrink regularly; the triangle shows the expected slope",
+                        panels, 4, inline_page);
 }
 
 RowChart invariants(const StudyResult& r) {
@@ -253,7 +261,8 @@ RowChart invariants(const StudyResult& r) {
         const double v = std::fabs(values[k]);
         if (std::isfinite(v)) most = std::max(most, v);
         any = any || most > 0;
-        curve.points.push_back({s->t[k], std::isfinite(v) && most > 0 ? std::clamp(most, 1e-17, 1e3) : NAN, 0, MarkKind::hollow, ""});
+        curve.points.push_back(
+            {s->t[k], std::isfinite(v) && most > 0 ? std::clamp(most, 1e-17, 1e3) : NAN, 0, MarkKind::hollow, ""});
       }
       row.series.push_back(curve);
     }
@@ -271,7 +280,8 @@ const ErrorNorm& plotted_norm(const StudyResult& r, const StudyContext& context)
   for (const char* more : {"end", "traj", "orient", "event", "energy", "constraint"}) names.emplace_back(more);
   for (const std::string& name : names) {
     const ErrorNorm* norm = find_norm(name);
-    if (norm && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *norm); })) return *norm;
+    if (norm && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *norm); }))
+      return *norm;
   }
   return *find_norm("end");
 }
@@ -301,29 +311,38 @@ std::vector<const StudySeries*> drawn_series(const StudyResult& r) {
 std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& context) {
   std::vector<Figure> out;
   const ErrorNorm& norm = plotted_norm(r, context);
-  const auto wants = [&](const char* axis) { return std::find(context.axes.begin(), context.axes.end(), axis) != context.axes.end(); };
+  const auto wants = [&](const char* axis) {
+    return std::find(context.axes.begin(), context.axes.end(), axis) != context.axes.end();
+  };
   const auto add_plot = [&](const ErrorNorm& n, const char* axis, const std::string& file, const std::string& caption) {
     const Plot plot = cost_plot(r, n, *find_axis(axis), file);
     out.push_back({file, caption, plot_svg(plot), plot_svg(plot, true)});
   };
   if (wants("time") && has_times(r))
-    add_plot(norm, "time", "error_vs_time.svg", "Error against run time. The whisker ends at the 90th percentile of the repeats.");
+    add_plot(norm, "time", "error_vs_time.svg",
+             "Error against run time. The whisker ends at the 90th percentile of the repeats.");
   if (wants("force"))
-    add_plot(norm, "force", "error_vs_work.svg",
-             fmt::format("Error against work, which does not depend on the machine: force evaluations, plus {} per Jacobian, {} per "
-                         "step of conjugate gradients, {} per direct solve.", number_text(r.weights.jacobian),
-                         number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve)));
+    add_plot(
+        norm, "force", "error_vs_work.svg",
+        fmt::format(
+            "Error against work, which does not depend on the machine: force evaluations, plus {} per Jacobian, {} per "
+            "step of conjugate gradients, {} per direct solve.",
+            number_text(r.weights.jacobian), number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve)));
   if (wants("instr")) add_plot(norm, "instr", "error_vs_instructions.svg", "Error against instructions.");
   for (std::size_t k = 1; k < context.errors.size(); ++k) {
     const ErrorNorm* more = find_norm(context.errors[k]);
-    if (!more || more == &norm || std::none_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *more); })) continue;
-    add_plot(*more, "force", fmt::format("error_vs_work_{}.svg", more->name), fmt::format("{} against work.", more->label));
+    if (!more || more == &norm ||
+        std::none_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *more); }))
+      continue;
+    add_plot(*more, "force", fmt::format("error_vs_work_{}.svg", more->name),
+             fmt::format("{} against work.", more->label));
   }
-  out.push_back({"order.svg", "Error against the step, one frame per method.", order_svg(r, norm, false), order_svg(r, norm, true)});
+  out.push_back({"order.svg", "Error against the step, one frame per method.", order_svg(r, norm, false),
+                 order_svg(r, norm, true)});
   const RowChart rows = invariants(r);
   if (!rows.rows.empty())
-    out.push_back({"invariants.svg", "Energy, momentum and angular momentum along one run of each method.", row_chart_svg(rows),
-                   row_chart_svg(rows, true)});
+    out.push_back({"invariants.svg", "Energy, momentum and angular momentum along one run of each method.",
+                   row_chart_svg(rows), row_chart_svg(rows, true)});
   return out;
 }
 

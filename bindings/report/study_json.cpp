@@ -43,7 +43,8 @@ void read_value(const Json& j, T& v) {
   if (!j.is_null()) v = j.get<T>();
 }
 void read_value(const Json& j, PointStatus& s) {
-  for (const PointStatus k : {PointStatus::ok, PointStatus::diverged, PointStatus::nan, PointStatus::refused, PointStatus::slow})
+  for (const PointStatus k :
+       {PointStatus::ok, PointStatus::diverged, PointStatus::nan, PointStatus::refused, PointStatus::slow})
     if (j.get<std::string>() == name_of(k)) {
       s = k;
       return;
@@ -66,21 +67,28 @@ struct Reader {
 
 template <class P, class V>
 void fields(P& p, V& v, const StudyPoint*) {
-  v("index", p.index), v("method", p.method), v("order", p.order), v("h_s", p.h_s), v("tol", p.tol), v("iters", p.iters);
-  v("substeps", p.substeps), v("settings", p.settings), v("status", p.status), v("status_t_s", p.status_t_s), v("reason", p.reason);
-  v("completed", p.completed), v("below_floor", p.below_floor), v("steps", p.count.steps), v("rejected", p.count.rejected);
+  v("index", p.index), v("method", p.method), v("order", p.order), v("h_s", p.h_s), v("tol", p.tol),
+      v("iters", p.iters);
+  v("substeps", p.substeps), v("settings", p.settings), v("status", p.status), v("status_t_s", p.status_t_s),
+      v("reason", p.reason);
+  v("completed", p.completed), v("below_floor", p.below_floor), v("steps", p.count.steps),
+      v("rejected", p.count.rejected);
   v("force_evals", p.count.force_evals), v("jac_evals", p.count.jac_evals), v("linear_solves", p.count.linear_solves);
-  v("cg_iters", p.count.cg_iters), v("sweeps", p.count.sweeps), v("unconverged", p.count.unconverged), v("work", p.work);
+  v("cg_iters", p.count.cg_iters), v("sweeps", p.count.sweeps), v("unconverged", p.count.unconverged),
+      v("work", p.work);
   v("instr", p.instr), v("t_min_s", p.t_min_s), v("t_med_s", p.t_med_s), v("t_p90_s", p.t_p90_s), v("n_rep", p.n_rep);
-  v("noisy", p.noisy), v("rtf", p.rtf), v("err_end", p.err_end), v("err_end_v", p.err_end_v), v("err_traj_rms", p.err_traj_rms);
+  v("noisy", p.noisy), v("rtf", p.rtf), v("err_end", p.err_end), v("err_end_v", p.err_end_v),
+      v("err_traj_rms", p.err_traj_rms);
   v("err_traj_max", p.err_traj_max), v("err_orient_rad", p.err_orient_rad), v("err_energy_max", p.err_energy_max);
   v("err_energy_drift_per_s", p.err_energy_drift_per_s), v("err_mom", p.err_mom), v("err_angmom", p.err_angmom);
   v("err_constraint", p.err_constraint), v("err_event_s", p.err_event_s), v("err_horizon_s", p.err_horizon_s);
-  v("mescd", p.mescd), v("peak_bytes", p.peak_bytes), v("on_front_time", p.on_front_time), v("on_front_work", p.on_front_work);
+  v("mescd", p.mescd), v("peak_bytes", p.peak_bytes), v("on_front_time", p.on_front_time),
+      v("on_front_work", p.on_front_work);
 }
 template <class P, class V>
 void fields(P& m, V& v, const MethodInfo*) {
-  v("name", m.name), v("summary", m.summary), v("order", m.order), v("evals_per_step", m.evals_per_step), v("limit_hw", m.limit_hw);
+  v("name", m.name), v("summary", m.summary), v("order", m.order), v("evals_per_step", m.evals_per_step),
+      v("limit_hw", m.limit_hw);
   v("implicit", m.implicit), v("adaptive", m.adaptive);
 }
 template <class P, class V>
@@ -97,7 +105,8 @@ void fields(P& p, V& v, const ProblemInfo*) {
 }
 template <class P, class V>
 void fields(P& s, V& v, const StudySeries*) {
-  v("point", s.point), v("t", s.t), v("err", s.err), v("energy", s.energy), v("momentum", s.momentum), v("angmom", s.angmom);
+  v("point", s.point), v("t", s.t), v("err", s.err), v("energy", s.energy), v("momentum", s.momentum),
+      v("angmom", s.angmom);
 }
 
 template <class T>
@@ -127,7 +136,8 @@ Json reference_json(const ReferenceInfo& r) {
 
 ReferenceInfo read_reference(const Json& j) {
   ReferenceInfo r;
-  for (const ReferenceKind k : {ReferenceKind::closed, ReferenceKind::quad, ReferenceKind::published, ReferenceKind::self})
+  for (const ReferenceKind k :
+       {ReferenceKind::closed, ReferenceKind::quad, ReferenceKind::published, ReferenceKind::self})
     if (j.at("kind").get<std::string>() == name_of(k)) r.kind = k;
   r.digits = j.value("digits", 15);
   if (j.contains("uncertainty")) read_value(j["uncertainty"], r.uncertainty);
@@ -150,8 +160,13 @@ Json series_json(const StudySeries& s) {
 Json derived_fits(const StudyResult& r) {
   Json out = Json::array();
   for (const OrderFit& f : r.fits)
-    out.push_back({{"method", f.method}, {"axis", f.axis}, {"slope", value_of(f.slope)}, {"expected", value_of(f.expected)},
-                   {"rms", value_of(f.rms)}, {"range", {value_of(f.lo), value_of(f.hi)}}, {"points", f.points}});
+    out.push_back({{"method", f.method},
+                   {"axis", f.axis},
+                   {"slope", value_of(f.slope)},
+                   {"expected", value_of(f.expected)},
+                   {"rms", value_of(f.rms)},
+                   {"range", {value_of(f.lo), value_of(f.hi)}},
+                   {"points", f.points}});
   return out;
 }
 
@@ -185,7 +200,10 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
           {"problem", problem},
           {"methods", list(r.methods)},
           {"plan", {{"points", r.planned}, {"shard", r.shard}, {"shards", r.shards}}},
-          {"weights", {{"jacobian", r.weights.jacobian}, {"cg_iteration", r.weights.cg_iteration}, {"direct_solve", r.weights.direct_solve}}},
+          {"weights",
+           {{"jacobian", r.weights.jacobian},
+            {"cg_iteration", r.weights.cg_iteration},
+            {"direct_solve", r.weights.direct_solve}}},
           {"points", list(r.points)},
           {"fits", derived_fits(r)},
           {"front", {{"time", front_time}, {"force", front_work}}},
@@ -195,7 +213,8 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
 }
 
 StudyResult study_from_json(const Json& j) {
-  if (!j.is_object() || j.value("schema", "") != "accuracy/1") throw std::runtime_error("expected the schema accuracy/1");
+  if (!j.is_object() || j.value("schema", "") != "accuracy/1")
+    throw std::runtime_error("expected the schema accuracy/1");
   try {
     StudyResult r;
     r.problem = read<ProblemInfo>(j.at("problem"));
@@ -207,7 +226,8 @@ StudyResult study_from_json(const Json& j) {
     r.shard = plan.at("shard").get<int>();
     r.shards = plan.at("shards").get<int>();
     const Json& w = j.at("weights");
-    r.weights = {w.at("jacobian").get<double>(), w.at("cg_iteration").get<double>(), w.at("direct_solve").get<double>()};
+    r.weights = {w.at("jacobian").get<double>(), w.at("cg_iteration").get<double>(),
+                 w.at("direct_solve").get<double>()};
     for (const Json& p : j.at("points")) r.points.push_back(read<StudyPoint>(p));
     if (j.contains("series"))
       for (const Json& s : j.at("series")) r.series.push_back(read<StudySeries>(s));

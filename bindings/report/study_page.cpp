@@ -19,7 +19,9 @@ std::string seconds(double s) {
   return s >= 1e-3 ? number_text(s * 1e3) + " ms" : number_text(s * 1e6) + " µs";
 }
 
-std::string count(double value) { return !std::isfinite(value) ? "–" : value < 1e6 ? fmt::format("{:.0f}", value) : number_text(value); }
+std::string count(double value) {
+  return !std::isfinite(value) ? "–" : value < 1e6 ? fmt::format("{:.0f}", value) : number_text(value);
+}
 
 std::string step(const CostToAccuracy& c) {
   if (c.method.empty()) return "–";
@@ -37,7 +39,8 @@ void decision_table(Page& page, const StudyResult& r) {
   std::vector<std::string> marks;
   for (const Decision& d : decisions(r)) {
     const auto name = [](const CostToAccuracy& c) { return c.method.empty() ? std::string("–") : c.method; };
-    std::vector<std::string> row = {target_text(d.target), name(d.by_work), step(d.by_work), count(d.reached ? d.by_work.force_evals : NAN),
+    std::vector<std::string> row = {target_text(d.target), name(d.by_work), step(d.by_work),
+                                    count(d.reached ? d.by_work.force_evals : NAN),
                                     count(d.reached ? d.by_work.work : NAN)};
     if (times) row.insert(row.end(), {name(d.by_time), step(d.by_time), seconds(d.reached ? d.by_time.time_s : NAN)});
     row.push_back(d.verdict);
@@ -64,11 +67,19 @@ void method_table(Page& page, const StudyResult& r) {
       if (std::isfinite(p.err_end)) least = std::min(least, p.err_end);
     }
     if (std::isfinite(least)) best = number_text(least, 2);
-    const std::string limit = std::isnan(m.limit_hw) ? "–" : std::isinf(m.limit_hw) ? "always stable" : m.limit_hw == 0 ? "never stable" : number_text(m.limit_hw, 4);
-    rows.push_back({m.name, m.order ? std::to_string(m.order) : "–", fitted, m.implicit ? "implicit" : m.adaptive ? "adaptive" : "explicit",
+    const std::string limit = std::isnan(m.limit_hw)   ? "–"
+                              : std::isinf(m.limit_hw) ? "always stable"
+                              : m.limit_hw == 0        ? "never stable"
+                                                       : number_text(m.limit_hw, 4);
+    rows.push_back({m.name, m.order ? std::to_string(m.order) : "–", fitted,
+                    m.implicit   ? "implicit"
+                    : m.adaptive ? "adaptive"
+                                 : "explicit",
                     std::to_string(m.evals_per_step), limit, fmt::format("{} of {}", ok, all), best, m.summary});
   }
-  page.table({"method", ">order", ">fitted", "kind", ">evaluations per step", ">limit h·ω, undamped", ">runs that held", ">least end error", "what it is"}, rows);
+  page.table({"method", ">order", ">fitted", "kind", ">evaluations per step", ">limit h·ω, undamped", ">runs that held",
+              ">least end error", "what it is"},
+             rows);
   const std::vector<std::string> failed = failed_methods(r);
   if (failed.empty()) return;
   page.paragraph("Runs that failed (in the gutter of the figures):");
@@ -82,14 +93,19 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
   static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
   std::vector<std::vector<std::string>> facts = {
       {"reference", fmt::format("{}, {} digits: {}", kinds[static_cast<int>(ref.kind)], ref.digits, ref.source)},
-      {"its uncertainty", number_text(ref.uncertainty, 2) + " of the end error; rounding to the scalar type makes " + number_text(ref.rounding, 2)},
+      {"its uncertainty", number_text(ref.uncertainty, 2) + " of the end error; rounding to the scalar type makes " +
+                              number_text(ref.rounding, 2)},
       {"simulated time", number_text(p.t_end, 6) + " s"},
       {"degrees of freedom", std::to_string(p.dof)},
       {"scales", fmt::format("length {}, speed {}, energy {}", number_text(p.x_scale, 4), number_text(p.v_scale, 4),
                              std::isfinite(p.energy_scale) ? number_text(p.energy_scale, 4) + " J" : "–")},
   };
-  if (p.frequency > 0) facts.push_back({"fastest frequency", number_text(p.frequency, 5) + " 1/s (explicit methods need h below limit / frequency)"});
-  if (p.chaotic) facts.push_back({"chaotic", "yes: the horizon, until when the error stays below 1e-3, counts instead of the end error"});
+  if (p.frequency > 0)
+    facts.push_back(
+        {"fastest frequency", number_text(p.frequency, 5) + " 1/s (explicit methods need h below limit / frequency)"});
+  if (p.chaotic)
+    facts.push_back(
+        {"chaotic", "yes: the horizon, until when the error stays below 1e-3, counts instead of the end error"});
   page.table({"", ""}, facts);
   if (!p.params.empty()) {
     std::vector<std::vector<std::string>> rows;
@@ -109,36 +125,56 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
 void definitions_part(Page& page, const StudyResult& r) {
   page.heading("What the numbers mean");
   page.definitions({
-      {"end error", "Root mean square over the observed points of the distance to the reference at the end, divided by the length scale."},
-      {"trajectory error", "The same at 257 equidistant times, between steps by cubic Hermite interpolation of position and velocity, so that it does not depend on the step count; root mean square and maximum."},
-      {"energy error", "Largest |E + dissipated - E0| divided by the energy scale max(|E0|, peak kinetic energy of the reference). The drift is the slope of a straight line through it: symplectic methods swing and do not drift."},
+      {"end error",
+       "Root mean square over the observed points of the distance to the reference at the end, divided by the length "
+       "scale."},
+      {"trajectory error",
+       "The same at 257 equidistant times, between steps by cubic Hermite interpolation of position and velocity, so "
+       "that it does not depend on the step count; root mean square and maximum."},
+      {"energy error",
+       "Largest |E + dissipated - E0| divided by the energy scale max(|E0|, peak kinetic energy of the reference). The "
+       "drift is the slope of a straight line through it: symplectic methods swing and do not drift."},
       {"momentum, angular momentum", "Change since the start, divided by the sums of m|v| and m|r||v|."},
       {"constraint", "Largest violation divided by the length that is held, or penetration by size."},
       {"horizon", "First time at which the trajectory error exceeds 1e-3."},
-      {"work", fmt::format("Force evaluations, with {} for a Jacobian, {} for a step of conjugate gradients and {} for a direct solve.",
-                           number_text(r.weights.jacobian), number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve))},
-      {"run time", "A pass of its own without recording, methods interleaved; the least of the repeats is plotted, the whisker ends at the 90th percentile. Noisy: median above 1.15 times the least."},
-      {"Pareto front", "Points with no other point both as cheap and as accurate (for run times: at 0.9 of the cost). Filled; others are hollow."},
-      {"below the reference", "Errors below three times the uncertainty of the reference, or of what rounding does, say nothing about the method: grey, and left out of fits."},
-      {"gutter", "Runs without an error to plot, at what they had cost: a cross diverged, a slashed small circle is not a number, a barred circle was refused."},
+      {"work",
+       fmt::format(
+           "Force evaluations, with {} for a Jacobian, {} for a step of conjugate gradients and {} for a direct solve.",
+           number_text(r.weights.jacobian), number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve))},
+      {"run time",
+       "A pass of its own without recording, methods interleaved; the least of the repeats is plotted, the whisker "
+       "ends at the 90th percentile. Noisy: median above 1.15 times the least."},
+      {"Pareto front",
+       "Points with no other point both as cheap and as accurate (for run times: at 0.9 of the cost). Filled; others "
+       "are hollow."},
+      {"below the reference",
+       "Errors below three times the uncertainty of the reference, or of what rounding does, say nothing about the "
+       "method: grey, and left out of fits."},
+      {"gutter",
+       "Runs without an error to plot, at what they had cost: a cross diverged, a slashed small circle is not a "
+       "number, a barred circle was refused."},
   });
 }
 
 void machine_part(Page& page, const StudyContext& context) {
   const MachineInfo& m = context.machine;
   page.heading("Machine and build");
-  page.table({"", ""}, {{"tool", m.tool + (m.git.empty() ? "" : ", commit " + m.git)},
-                        {"scalar type", m.real},
-                        {"compiler", m.compiler + " " + m.flags},
-                        {"contraction, flush to zero", std::string(m.fma ? "on" : "off") + ", " + (m.ftz ? "on" : "off")},
-                        {"processor", fmt::format("{}, {} cores{}", m.cpu, m.cores, m.virtualization == "yes" ? ", virtual machine" : "")},
-                        {"system", m.os},
-                        {"load before and after", fmt::format("{}, {}", number_text(m.load_before), number_text(m.load_after))},
-                        {"timer resolution", number_text(m.timer_resolution_ns) + " ns"},
-                        {"date", m.date}});
+  page.table({"", ""},
+             {{"tool", m.tool + (m.git.empty() ? "" : ", commit " + m.git)},
+              {"scalar type", m.real},
+              {"compiler", m.compiler + " " + m.flags},
+              {"contraction, flush to zero", std::string(m.fma ? "on" : "off") + ", " + (m.ftz ? "on" : "off")},
+              {"processor",
+               fmt::format("{}, {} cores{}", m.cpu, m.cores, m.virtualization == "yes" ? ", virtual machine" : "")},
+              {"system", m.os},
+              {"load before and after", fmt::format("{}, {}", number_text(m.load_before), number_text(m.load_after))},
+              {"timer resolution", number_text(m.timer_resolution_ns) + " ns"},
+              {"date", m.date}});
   page.code(context.command);
   page.paragraph("A large study runs in parts under any job scheduler; with GNU parallel:");
-  page.code("parallel feder study PROBLEM --shard {}/8 --out part{} ::: 1 2 3 4 5 6 7 8\nfeder study --merge part*/report.json --out whole");
+  page.code(
+      "parallel feder study PROBLEM --shard {}/8 --out part{} ::: 1 2 3 4 5 6 7 8\nfeder study --merge "
+      "part*/report.json --out whole");
 }
 
 void gate_part(Page& page, const StudyContext& context) {
@@ -148,7 +184,8 @@ void gate_part(Page& page, const StudyContext& context) {
   page.paragraph(fmt::format("Against {}: {} violations.", context.gate.value("baseline", ""), violations.size()));
   std::vector<std::vector<std::string>> rows;
   for (const Json& v : violations)
-    rows.push_back({v.value("point", ""), v.value("field", ""), v.at("was").dump(), v.at("now").dump(), v.value("limit", "")});
+    rows.push_back(
+        {v.value("point", ""), v.value("field", ""), v.at("was").dump(), v.at("now").dump(), v.value("limit", "")});
   if (!rows.empty()) page.table({"point", "field", ">was", ">now", "limit"}, rows);
 }
 
@@ -185,7 +222,8 @@ std::string suite_page(const std::string& suite, const std::vector<StudyResult>&
     std::string best = "–";
     for (const Decision& d : decisions(r))
       if (d.reached) best = d.by_work.method + " to " + target_text(d.target);
-    rows.push_back({label, name_of(r.problem.reference.kind), std::to_string(r.points.size()), std::to_string(failed), best});
+    rows.push_back(
+        {label, name_of(r.problem.reference.kind), std::to_string(r.points.size()), std::to_string(failed), best});
   }
   page.links(links);
   page.table({"problem", "reference", ">runs", ">failed", "cheapest at the smallest error reached"}, rows);

@@ -45,7 +45,9 @@ std::string best_text(const StudyResult& r) {
 
 }  // namespace
 
-std::string target_text(double target) { return target > 5e-4 ? number_text(target, 2) : fmt::format("1e{}", std::lround(std::log10(target))); }
+std::string target_text(double target) {
+  return target > 5e-4 ? number_text(target, 2) : fmt::format("1e{}", std::lround(std::log10(target)));
+}
 
 std::vector<Decision> decisions(const StudyResult& r) {
   std::map<double, Decision, std::greater<>> by_target;
@@ -61,9 +63,14 @@ std::vector<Decision> decisions(const StudyResult& r) {
   std::vector<Decision> out;
   for (double target = 0.1; target > 0.9e-10; target /= 10) {
     const double exact = std::stod(fmt::format("{:.0e}", target));
-    const auto found = std::find_if(by_target.begin(), by_target.end(), [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
+    const auto found = std::find_if(by_target.begin(), by_target.end(),
+                                    [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
     if (found == by_target.end()) {
-      out.push_back({exact, false, {}, {}, exact < r.problem.reference.floor() ? "below the certainty of the reference" : best_text(r)});
+      out.push_back({exact,
+                     false,
+                     {},
+                     {},
+                     exact < r.problem.reference.floor() ? "below the certainty of the reference" : best_text(r)});
       if (out.size() > 1 || exact < 1e-2) break;
       continue;
     }
@@ -83,8 +90,9 @@ std::string study_table(const StudyResult& r) {
   columns.push_back("verdict");
   Table table(columns);
   for (const Decision& d : decisions(r)) {
-    std::vector<std::string> row = {target_text(d.target), d.by_work.method.empty() ? "-" : d.by_work.method, step_text(d.by_work),
-                                    count_text(d.reached ? d.by_work.force_evals : NAN), count_text(d.reached ? d.by_work.work : NAN)};
+    std::vector<std::string> row = {target_text(d.target), d.by_work.method.empty() ? "-" : d.by_work.method,
+                                    step_text(d.by_work), count_text(d.reached ? d.by_work.force_evals : NAN),
+                                    count_text(d.reached ? d.by_work.work : NAN)};
     if (times) {
       row.push_back(d.by_time.method.empty() ? "-" : d.by_time.method);
       row.push_back(step_text(d.by_time));
@@ -124,7 +132,8 @@ std::vector<std::string> failed_methods(const StudyResult& r) {
     }
     if (!first) continue;
     std::string line;
-    for (const auto& [status, count] : by_status) line += fmt::format("{}{} {}", line.empty() ? "" : ", ", status, count);
+    for (const auto& [status, count] : by_status)
+      line += fmt::format("{}{} {}", line.empty() ? "" : ", ", status, count);
     line = fmt::format("{}: {} of {} rungs; first at {}", m.name, line, all, rung_text(*first));
     if (!first->reason.empty()) line += ": " + first->reason;
     out.push_back(line);
@@ -147,7 +156,8 @@ std::string study_markdown(const StudyResult& r, const std::string& picture) {
     }
     out += fmt::format("| {} | `{}` | {} | {} | {} |", target_text(d.target), d.by_work.method, step_text(d.by_work),
                        count_text(d.by_work.force_evals), count_text(d.by_work.work));
-    if (times) out += fmt::format(" `{}` | {} | {} |", d.by_time.method, step_text(d.by_time), time_text(d.by_time.time_s));
+    if (times)
+      out += fmt::format(" `{}` | {} | {} |", d.by_time.method, step_text(d.by_time), time_text(d.by_time.time_s));
     out += "\n";
   }
   return out;

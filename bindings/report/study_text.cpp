@@ -71,9 +71,12 @@ const CostAxis* find_axis(const std::string& name) {
 }
 
 std::string csv_header() {
-  return "problem,method,order,h_s,tol,iters,substeps,status,status_t_s,steps,rejected,force_evals,jac_evals,linear_solves,"
-         "cg_iters,sweeps,instr,t_min_s,t_med_s,t_p90_s,n_rep,noisy,rtf,err_end,err_traj_rms,err_traj_max,err_energy_max,"
-         "err_energy_drift_per_s,err_mom,err_angmom,err_constraint,err_event_s,mescd,peak_bytes,on_front_time,on_front_work";
+  return "problem,method,order,h_s,tol,iters,substeps,status,status_t_s,steps,rejected,force_evals,jac_evals,linear_"
+         "solves,"
+         "cg_iters,sweeps,instr,t_min_s,t_med_s,t_p90_s,n_rep,noisy,rtf,err_end,err_traj_rms,err_traj_max,err_energy_"
+         "max,"
+         "err_energy_drift_per_s,err_mom,err_angmom,err_constraint,err_event_s,mescd,peak_bytes,on_front_time,on_front_"
+         "work";
 }
 
 std::string csv_row(const std::string& problem, const StudyPoint& p) {
@@ -84,9 +87,9 @@ std::string csv_row(const std::string& problem, const StudyPoint& p) {
   numbers(p.order, p.h_s, p.tol, p.iters, p.substeps);
   add(name_of(p.status));
   numbers(p.status_t_s, p.count.steps, p.count.rejected, p.count.force_evals, p.count.jac_evals, p.count.linear_solves,
-          p.count.cg_iters, p.count.sweeps, p.instr, p.t_min_s, p.t_med_s, p.t_p90_s, p.n_rep, p.noisy, p.rtf, p.err_end,
-          p.err_traj_rms, p.err_traj_max, p.err_energy_max, p.err_energy_drift_per_s, p.err_mom, p.err_angmom, p.err_constraint,
-          p.err_event_s, p.mescd, p.peak_bytes, p.on_front_time, p.on_front_work);
+          p.count.cg_iters, p.count.sweeps, p.instr, p.t_min_s, p.t_med_s, p.t_p90_s, p.n_rep, p.noisy, p.rtf,
+          p.err_end, p.err_traj_rms, p.err_traj_max, p.err_energy_max, p.err_energy_drift_per_s, p.err_mom,
+          p.err_angmom, p.err_constraint, p.err_event_s, p.mescd, p.peak_bytes, p.on_front_time, p.on_front_work);
   return row;
 }
 
@@ -97,7 +100,8 @@ std::string points_csv(const StudyResult& r) {
 }
 
 std::string rung_text(const StudyPoint& p) {
-  std::string out = std::isfinite(p.tol) && p.tol > 0 ? "tol = " + number_text(p.tol, 3) : "h = " + number_text(p.h_s, 4) + " s";
+  std::string out =
+      std::isfinite(p.tol) && p.tol > 0 ? "tol = " + number_text(p.tol, 3) : "h = " + number_text(p.h_s, 4) + " s";
   if (p.substeps >= 0) out += fmt::format(", {} substeps", p.substeps);
   if (p.iters >= 0) out += fmt::format(", {} iterations", p.iters);
   for (const auto& [name, value] : p.settings) out += fmt::format(", {} = {}", name, value);

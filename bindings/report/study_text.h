@@ -19,8 +19,8 @@ struct StudyContext {
   Json gate = Json::object();              // filled by the gate
 };
 
-// An error norm by its short name: "end", "traj", "max", "energy", "drift", "momentum", "angular", "constraint", "event",
-// "orient", "horizon". Null when unknown.
+// An error norm by its short name: "end", "traj", "max", "energy", "drift", "momentum", "angular", "constraint",
+// "event", "orient", "horizon". Null when unknown.
 struct ErrorNorm {
   const char* name;
   const char* column;  // of points.csv, or of report.json alone

@@ -72,34 +72,40 @@ Svg::Svg(const std::string& name, double width, double height, const std::string
 }
 
 void Svg::line(XY a, XY b, const Stroke& s) {
-  body_ += "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"" + stroke_text(s) + "/>\n";
+  body_ += "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"" +
+           stroke_text(s) + "/>\n";
 }
 
 void Svg::polyline(std::span<const XY> points, const Stroke& s, const std::string& title) {
   if (points.size() < 2) return;
-  body_ += "<polyline points=\"" + pair_list(points) + "\" fill=\"none\" stroke-linejoin=\"round\"" + stroke_text(s) + close("polyline", title);
+  body_ += "<polyline points=\"" + pair_list(points) + "\" fill=\"none\" stroke-linejoin=\"round\"" + stroke_text(s) +
+           close("polyline", title);
 }
 
 void Svg::polygon(std::span<const XY> points, const std::string& fill, const Stroke& s) {
   body_ += "<polygon points=\"" + pair_list(points) + "\" fill=\"" + fill + "\"" + stroke_text(s) + "/>\n";
 }
 
-void Svg::rect(const Box& b, const std::string& fill, const std::string& stroke, const std::string& title, const std::string& kind) {
+void Svg::rect(const Box& b, const std::string& fill, const std::string& stroke, const std::string& title,
+               const std::string& kind) {
   body_ += "<rect";
   if (!kind.empty()) body_ += " class=\"" + kind + "\"";
-  body_ += " x=\"" + px(b.left) + "\" y=\"" + px(b.top) + "\" width=\"" + px(b.width) + "\" height=\"" + px(b.height) + "\" fill=\"" + fill + "\"";
+  body_ += " x=\"" + px(b.left) + "\" y=\"" + px(b.top) + "\" width=\"" + px(b.width) + "\" height=\"" + px(b.height) +
+           "\" fill=\"" + fill + "\"";
   if (stroke != "none") body_ += " stroke=\"" + stroke + "\"";
   body_ += close("rect", title);
 }
 
-void Svg::path(const std::string& d, const std::string& fill, const Stroke& s, const std::string& title, const std::string& kind) {
+void Svg::path(const std::string& d, const std::string& fill, const Stroke& s, const std::string& title,
+               const std::string& kind) {
   body_ += "<path";
   if (!kind.empty()) body_ += " class=\"" + kind + "\"";
   body_ += " d=\"" + d + "\" fill=\"" + fill + "\"" + stroke_text(s) + close("path", title);
 }
 
 void Svg::text(XY at, const std::string& words, const Words& s) {
-  std::string head = "<text x=\"" + px(at.x) + "\" y=\"" + px(at.y) + "\" font-size=\"" + px(s.size) + "\" fill=\"" + s.color + "\"";
+  std::string head =
+      "<text x=\"" + px(at.x) + "\" y=\"" + px(at.y) + "\" font-size=\"" + px(s.size) + "\" fill=\"" + s.color + "\"";
   if (std::string(s.anchor) != "start") head += std::string(" text-anchor=\"") + s.anchor + "\"";
   if (s.bold) head += " font-weight=\"bold\"";
   if (s.turn != 0) head += " transform=\"rotate(" + px(s.turn) + " " + px(at.x) + " " + px(at.y) + ")\"";
@@ -132,8 +138,8 @@ std::string Svg::hatch(Hatch kind, const std::string& color, const std::string& 
 std::string Svg::text(bool inline_page) const {
   const std::string w = px(width_), h = px(height_);
   std::string out = inline_page ? "" : "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  out += "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h + "\" viewBox=\"0 0 " + w + " " + h +
-         "\" role=\"img\" font-family=\"" + kFonts + "\">\n<title>" + xml_escape(title_) + "</title>\n";
+  out += "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h + "\" viewBox=\"0 0 " + w + " " +
+         h + "\" role=\"img\" font-family=\"" + kFonts + "\">\n<title>" + xml_escape(title_) + "</title>\n";
   if (!defs_.empty()) out += "<defs>\n" + defs_ + "</defs>\n";
   out += "<rect width=\"" + w + "\" height=\"" + h + "\" fill=\"#ffffff\"/>\n";
   return out + body_ + "</svg>\n";

@@ -19,7 +19,8 @@ std::string failure_text(const TestFailure& f) { return f.where.empty() ? f.mess
 void junit_place(const std::string& where, std::string& out) {
   const std::size_t colon = where.rfind(':');
   if (colon == std::string::npos) return;
-  out += fmt::format(" file=\"{}\" line=\"{}\"", xml_escape(where.substr(0, colon)), xml_escape(where.substr(colon + 1)));
+  out +=
+      fmt::format(" file=\"{}\" line=\"{}\"", xml_escape(where.substr(0, colon)), xml_escape(where.substr(colon + 1)));
 }
 
 void junit_case(const TestResult& r, std::string& out) {
@@ -31,7 +32,8 @@ void junit_case(const TestResult& r, std::string& out) {
   out += ">\n";
   const char* const element = r.loaded ? "failure" : "error";
   for (const TestFailure& f : r.failures)
-    out += fmt::format("    <{0} message=\"{1}\">{2}</{0}>\n", element, xml_escape(f.message), xml_escape(failure_text(f)));
+    out += fmt::format("    <{0} message=\"{1}\">{2}</{0}>\n", element, xml_escape(f.message),
+                       xml_escape(failure_text(f)));
   if (r.status == TestStatus::skipped) out += fmt::format("    <skipped message=\"{}\"/>\n", xml_escape(r.notice));
   if (!r.output.empty()) out += fmt::format("    <system-out>{}</system-out>\n", xml_escape(r.output));
   out += "  </testcase>\n";
@@ -63,8 +65,9 @@ std::string junit_text(const std::vector<TestResult>& results) {
     skipped += r.status == TestStatus::skipped;
     seconds += r.seconds;
   }
-  const std::string attributes = fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"",
-                                             results.size(), failures, errors, skipped, seconds);
+  const std::string attributes =
+      fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"", results.size(), failures,
+                  errors, skipped, seconds);
   std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   out += fmt::format("<testsuites {}>\n<testsuite name=\"feder\" {}>\n", attributes, attributes);
   for (const TestResult& r : results) junit_case(r, out);

@@ -51,7 +51,8 @@ struct Desk {
   int shots = 0;
   float shot_speed = 20;            // m/s
 
-  bool show_ui = true, show_left = true, show_right = true, show_console = false, show_help = false, show_picker = false;
+  bool show_ui = true, show_left = true, show_right = true, show_console = false, show_help = false,
+       show_picker = false;
   std::string search;
   std::optional<PendingParam> pending;
   bool fit = true;                  // frame everything in the next picture

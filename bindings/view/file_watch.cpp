@@ -66,8 +66,8 @@ void FileWatch::watch_folders() {
       wanted[folder] = old->second;
       continue;
     }
-    const int watch = inotify_add_watch(descriptor_, folder.c_str(),
-                                        IN_MODIFY | IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_CREATE | IN_DELETE);
+    const int watch = inotify_add_watch(
+        descriptor_, folder.c_str(), IN_MODIFY | IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_CREATE | IN_DELETE);
     if (watch < 0) {
       // out of watches: polling serves as well
       close(descriptor_);

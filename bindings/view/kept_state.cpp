@@ -55,8 +55,10 @@ NetState state_of(const Springs& springs, ObjectId id) {
 
 bool apply_body(Rigid& rigid, ObjectId id, const BodyState& was_built, const BodyState& now) {
   const BodyState built = state_of(rigid, id);
-  const bool pose = same(built.pose.position, was_built.pose.position) && same(built.pose.rotation, was_built.pose.rotation);
-  const bool motion = same(built.velocity, was_built.velocity) && same(built.angular_velocity, was_built.angular_velocity);
+  const bool pose =
+      same(built.pose.position, was_built.pose.position) && same(built.pose.rotation, was_built.pose.rotation);
+  const bool motion =
+      same(built.velocity, was_built.velocity) && same(built.angular_velocity, was_built.angular_velocity);
   if (pose) rigid.set_pose(id, now.pose);
   if (motion) rigid.set_velocity(id, now.velocity), rigid.set_angular_velocity(id, now.angular_velocity);
   return pose || motion;

@@ -21,7 +21,9 @@ bool is_marked(EventKind kind) {
 }  // namespace
 
 LiveScene::LiveScene(LiveOptions options)
-    : options_(std::move(options)), watch_(options_.poll_files), history_(options_.keep_seconds, options_.history_bytes),
+    : options_(std::move(options)),
+      watch_(options_.poll_files),
+      history_(options_.keep_seconds, options_.history_bytes),
       mode_(options_.reload) {
   // what is lived again has been said before
   if (options_.host.print)

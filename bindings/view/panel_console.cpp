@@ -63,19 +63,21 @@ void draw_console(Desk& desk, const Layout& l) {
   Console& c = desk.console;
   ImGui::SetNextWindowPos({l.left, l.height - l.bottom - l.console});
   ImGui::SetNextWindowSize({l.width - l.left - l.right, l.console});
-  ImGui::Begin("console", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Begin("console", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   if (code_font()) ImGui::PushFont(code_font());
   if (c.lines.empty())
-    c.add(ConsoleLine::print, "Lua in the scene: world, scene and feder are there. Try  world:find(\"crate1\"):position()");
+    c.add(ConsoleLine::print,
+          "Lua in the scene: world, scene and feder are there. Try  world:find(\"crate1\"):position()");
   draw_lines(c, l.console - ImGui::GetFrameHeight() - 28);
   char text[1000];
   std::snprintf(text, sizeof text, "%s", c.input.c_str());
   ImGui::SetNextItemWidth(-1);
   if (c.focus) ImGui::SetKeyboardFocusHere();
   c.focus = false;
-  const bool entered = ImGui::InputTextWithHint("##input", "Lua", text, sizeof text,
-                                                ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackHistory,
-                                                &on_history, &c);
+  const bool entered = ImGui::InputTextWithHint(
+      "##input", "Lua", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackHistory,
+      &on_history, &c);
   c.input = text;
   if (entered) {
     if (!c.input.empty()) run_line(desk, c.input);

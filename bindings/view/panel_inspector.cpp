@@ -136,7 +136,8 @@ void draw_inspector(Desk& desk) {
   ImGui::Checkbox("camera follows", &desk.follow);
   ImGui::SameLine();
   const bool pinned = is_pinned(desk.live.world(), *desk.selected);
-  if (ImGui::Button(pinned ? "free" : "pin")) desk.live.act(pin_command(desk.live.world(), *desk.selected), pinned ? "free" : "pin");
+  if (ImGui::Button(pinned ? "free" : "pin"))
+    desk.live.act(pin_command(desk.live.world(), *desk.selected), pinned ? "free" : "pin");
 }
 
 }  // namespace feder::view

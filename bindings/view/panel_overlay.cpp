@@ -8,8 +8,9 @@
 namespace feder::view {
 namespace {
 
-constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
+                                      ImGuiWindowFlags_NoFocusOnAppearing;
 
 // One message with a stripe of its colour. True when its cross was clicked.
 bool message(const char* id, const char* title, const std::string& text, ImU32 color, float width, bool closable) {
@@ -46,12 +47,15 @@ void draw_messages(Desk& desk, const Layout& l) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
   ImGui::Begin("messages", nullptr, kOverlay);
   if (!live.error().empty())
-    message("load", live.has_scene() ? "not loaded; the last good scene goes on" : "not loaded", live.error(), ink::kBad, width, false);
+    message("load", live.has_scene() ? "not loaded; the last good scene goes on" : "not loaded", live.error(),
+            ink::kBad, width, false);
   int shown = 0;
   for (auto e = errors.rbegin(); e != errors.rend() && shown < 3; ++e, ++shown) {
     const std::string times = e->count > 1 ? "  (" + std::to_string(e->count) + " times)" : "";
-    message(e->where.c_str(), live.paused() && e->message.find("instruction limit") != std::string::npos ? "stopped" : "error in the scene",
-            (e->where.empty() ? "" : e->where + ": ") + e->message + times, ink::kBad, width, false);
+    message(
+        e->where.c_str(),
+        live.paused() && e->message.find("instruction limit") != std::string::npos ? "stopped" : "error in the scene",
+        (e->where.empty() ? "" : e->where + ": ") + e->message + times, ink::kBad, width, false);
   }
   if (errors.size() > 3) ImGui::TextDisabled("and %zu more", errors.size() - 3);
   if (!live.notice().empty() && message("notice", "note", live.notice(), ink::kWarn, width, true)) live.clear_notice();
@@ -86,13 +90,15 @@ void draw_picker(Desk& desk, const Layout& l) {
   ImGui::SetNextWindowSize({width, height});
   ImGui::SetNextWindowFocus();
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
-  ImGui::Begin("scenes", &desk.show_picker, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                                                ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Begin("scenes", &desk.show_picker,
+               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoSavedSettings);
   char text[120];
   std::snprintf(text, sizeof text, "%s", desk.search.c_str());
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
-  const bool enter = ImGui::InputTextWithHint("##search", "search", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool enter =
+      ImGui::InputTextWithHint("##search", "search", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue);
   desk.search = text;
   ImGui::BeginChild("list");
   bool first = true;
@@ -118,20 +124,36 @@ void draw_picker(Desk& desk, const Layout& l) {
 
 void draw_help(Desk& desk, const Layout& l) {
   if (!desk.show_help) return;
-  static const char* const rows[][2] = {
-      {"space", "run, pause"}, {"right, left", "one step, one step back"}, {"R", "start over"}, {"end", "to the present"},
-      {"+  -", "faster, slower"}, {"", ""},
-      {"left drag", "pull a thing; elsewhere: turn the camera"}, {"shift + left drag", "turn the camera"},
-      {"right drag", "move the camera"}, {"wheel", "nearer, farther"}, {"F", "show everything"},
-      {"T", "follow the selected thing"}, {"", ""}, {"P", "pin what is held or selected, or free it"},
-      {"B", "shoot a ball at the mouse"}, {"click", "select"}, {"", ""}, {"/", "other scenes"}, {"`", "console"},
-      {"F2  F3", "left and right panel"}, {"tab", "hide all panels"}, {"F5", "reload"}, {"F12", "save a picture"},
-      {"F1", "this help"}};
+  static const char* const rows[][2] = {{"space", "run, pause"},
+                                        {"right, left", "one step, one step back"},
+                                        {"R", "start over"},
+                                        {"end", "to the present"},
+                                        {"+  -", "faster, slower"},
+                                        {"", ""},
+                                        {"left drag", "pull a thing; elsewhere: turn the camera"},
+                                        {"shift + left drag", "turn the camera"},
+                                        {"right drag", "move the camera"},
+                                        {"wheel", "nearer, farther"},
+                                        {"F", "show everything"},
+                                        {"T", "follow the selected thing"},
+                                        {"", ""},
+                                        {"P", "pin what is held or selected, or free it"},
+                                        {"B", "shoot a ball at the mouse"},
+                                        {"click", "select"},
+                                        {"", ""},
+                                        {"/", "other scenes"},
+                                        {"`", "console"},
+                                        {"F2  F3", "left and right panel"},
+                                        {"tab", "hide all panels"},
+                                        {"F5", "reload"},
+                                        {"F12", "save a picture"},
+                                        {"F1", "this help"}};
   ImGui::SetNextWindowPos({l.width / 2, l.height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowFocus();
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
-  ImGui::Begin("keys and mouse", &desk.show_help, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::Begin("keys and mouse", &desk.show_help,
+               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
   for (const auto& row : rows) {
     if (!row[0][0]) {
       ImGui::Spacing();

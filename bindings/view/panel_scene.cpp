@@ -50,9 +50,9 @@ bool number_widget(const lua::ParamInfo& p, double& value) {
   }
   float real = static_cast<float>(value);
   const float size = std::max(1e-3f, std::abs(real));
-  const bool moved = p.has_min && p.has_max
-                         ? ImGui::SliderFloat("##value", &real, static_cast<float>(p.min), static_cast<float>(p.max), "%.4g")
-                         : ImGui::DragFloat("##value", &real, size * 0.01f, 0, 0, "%.4g");
+  const bool moved = p.has_min && p.has_max ? ImGui::SliderFloat("##value", &real, static_cast<float>(p.min),
+                                                                 static_cast<float>(p.max), "%.4g")
+                                            : ImGui::DragFloat("##value", &real, size * 0.01f, 0, 0, "%.4g");
   value = std::strtod(number_text(static_cast<double>(real)).c_str(), nullptr);
   char nice[40];
   std::snprintf(nice, sizeof nice, "%.6g", value);
@@ -97,7 +97,8 @@ void param_row(Desk& desk, const lua::ParamInfo& p) {
     if (ImGui::InputText("##value", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue)) change(desk, p, text);
   }
   if (name_hovered || ImGui::IsItemHovered())
-    ImGui::SetTooltip("%s%sfeder.param(\"%s\", %s)", p.help.c_str(), p.help.empty() ? "" : "\n", p.name.c_str(), p.fallback.c_str());
+    ImGui::SetTooltip("%s%sfeder.param(\"%s\", %s)", p.help.c_str(), p.help.empty() ? "" : "\n", p.name.c_str(),
+                      p.fallback.c_str());
   ImGui::PopID();
 }
 
@@ -155,7 +156,8 @@ void draw_toggles(Desk& desk) {
   ImGui::SetNextItemWidth(-1);
   if (ImGui::BeginCombo("##scalar", desk.toggles.point_scalar)) {
     for (const char* name : point_scalars())
-      if (ImGui::Selectable(name, std::string_view(name) == desk.toggles.point_scalar)) desk.toggles.point_scalar = name;
+      if (ImGui::Selectable(name, std::string_view(name) == desk.toggles.point_scalar))
+        desk.toggles.point_scalar = name;
     ImGui::EndCombo();
   }
 }
@@ -176,8 +178,9 @@ void draw_scene_panel(Desk& desk, const Layout& l) {
   if (l.left == 0) return;
   ImGui::SetNextWindowPos({0, l.top});
   ImGui::SetNextWindowSize({l.left, l.height - l.top - l.bottom});
-  ImGui::Begin("scene panel", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                                           ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::Begin("scene panel", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
   if (desk.live.has_scene()) {
     if (ImGui::CollapsingHeader("Parameters", ImGuiTreeNodeFlags_DefaultOpen)) {
       const auto params = desk.live.script().params();

@@ -14,8 +14,9 @@ enum class Icon { play, pause, forward, back, start, present };
 void bar_window(const char* name, float x, float y, float w, float h) {
   ImGui::SetNextWindowPos({x, y});
   ImGui::SetNextWindowSize({w, h});
-  ImGui::Begin(name, nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                                  ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
 }
 
 bool icon_button(Icon icon, const char* help, bool wide = false) {
@@ -67,7 +68,8 @@ void draw_buttons(Desk& desk) {
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 1);
   float speed = static_cast<float>(live.speed());
   ImGui::SetNextItemWidth(130);
-  if (ImGui::SliderFloat("##speed", &speed, 0.05f, 8.0f, "speed %.2fx", ImGuiSliderFlags_Logarithmic)) live.set_speed(speed);
+  if (ImGui::SliderFloat("##speed", &speed, 0.05f, 8.0f, "speed %.2fx", ImGuiSliderFlags_Logarithmic))
+    live.set_speed(speed);
   if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) live.set_speed(1);
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("simulated seconds per second (+ and -; right click: 1x)");
 }
@@ -101,10 +103,11 @@ void draw_timeline(Desk& desk) {
   const double shown = live.world().time();
   d->AddRectFilled(low, {at(shown), high.y}, IM_COL32(60, 92, 128, 150), 4);
   for (const Mark& m : h.marks())
-    d->AddRectFilled({at(m.time) - 1, low.y + (m.kind == "hit" || m.kind == "sleep" ? 20.0f : 16.0f)}, {at(m.time) + 1, high.y - 3},
-                     mark_color(m.kind));
+    d->AddRectFilled({at(m.time) - 1, low.y + (m.kind == "hit" || m.kind == "sleep" ? 20.0f : 16.0f)},
+                     {at(m.time) + 1, high.y - 3}, mark_color(m.kind));
   if (live.catching_up())
-    d->AddRectFilled({low.x, high.y - 4}, {low.x + width * static_cast<float>(live.catch_up_share()), high.y}, ink::kAccent, 2);
+    d->AddRectFilled({low.x, high.y - 4}, {low.x + width * static_cast<float>(live.catch_up_share()), high.y},
+                     ink::kAccent, 2);
   d->AddRectFilled({at(shown) - 1.5f, low.y}, {at(shown) + 1.5f, high.y}, live.in_past() ? ink::kWarn : ink::kText);
   char text[80];
   std::snprintf(text, sizeof text, "%.2f s", live.clock_of(from));
@@ -140,7 +143,11 @@ void draw_transport(Desk& desk, const Layout& l) {
     ImGui::SetCursorPosY(y);
     ImGui::TextUnformatted(clock);
     ImGui::SetCursorPosY(y + 18);
-    const char* state = live.rewriting() ? "living again" : live.catching_up() ? "catching up" : live.in_past() ? "past" : live.paused() ? "paused" : "running";
+    const char* state = live.rewriting()     ? "living again"
+                        : live.catching_up() ? "catching up"
+                        : live.in_past()     ? "past"
+                        : live.paused()      ? "paused"
+                                             : "running";
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(live.in_past() || live.catching_up() ? ink::kWarn : ink::kDim),
                        "%s, step %llu", state, static_cast<unsigned long long>(live.shown_step()));
     ImGui::EndGroup();
@@ -166,13 +173,15 @@ void draw_top_bar(Desk& desk, const Layout& l) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(150);
   int mode = static_cast<int>(live.reload_mode());
-  if (ImGui::Combo("##mode", &mode, "catch up\0start over\0keep objects\0")) live.set_reload_mode(static_cast<ReloadMode>(mode));
+  if (ImGui::Combo("##mode", &mode, "catch up\0start over\0keep objects\0"))
+    live.set_reload_mode(static_cast<ReloadMode>(mode));
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("catch up: made anew and run to the same time\nstart over: made anew\n"
                       "keep objects: those with the same name stay where they are");
   char text[160];
   std::snprintf(text, sizeof text, "%.2f ms/step   %s%.0f fps   draw %.1f ms", live.step_seconds() * 1000,
-                live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(desk.frame_ms, 1e-3), desk.cpu_ms);
+                live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(desk.frame_ms, 1e-3),
+                desk.cpu_ms);
   const char* const buttons[] = {"console", "panels", "help"};
   float right = ImGui::CalcTextSize(text).x + 24;
   for (const char* b : buttons) right += ImGui::CalcTextSize(b).x + 24;

@@ -41,13 +41,14 @@ void draw_times(Desk& desk) {
 
 const unsigned kCurveColors[] = {IM_COL32(236, 190, 96, 255), IM_COL32(226, 140, 90, 255), IM_COL32(240, 112, 104, 255),
                                  IM_COL32(104, 168, 232, 255)};
-const unsigned kScriptColors[] = {IM_COL32(126, 200, 140, 255), IM_COL32(186, 148, 232, 255), IM_COL32(120, 208, 208, 255),
-                                  IM_COL32(232, 148, 190, 255)};
+const unsigned kScriptColors[] = {IM_COL32(126, 200, 140, 255), IM_COL32(186, 148, 232, 255),
+                                  IM_COL32(120, 208, 208, 255), IM_COL32(232, 148, 190, 255)};
 
 void draw_curves(Desk& desk) {
   const double cursor = desk.live.shown_time();
   std::size_t n = 0;
-  for (const Curve& c : desk.sampler.curves()) draw_curve(c.name(), c.unit(), c.points(), cursor, kCurveColors[n++ % 4]);
+  for (const Curve& c : desk.sampler.curves())
+    draw_curve(c.name(), c.unit(), c.points(), cursor, kCurveColors[n++ % 4]);
   n = 0;
   std::vector<CurvePoint> points;
   for (const lua::PlotSeries& p : desk.live.script().plots()) {
@@ -63,8 +64,9 @@ void draw_watch_panel(Desk& desk, const Layout& l) {
   if (l.right == 0) return;
   ImGui::SetNextWindowPos({l.width - l.right, l.top});
   ImGui::SetNextWindowSize({l.right, l.height - l.top - l.bottom});
-  ImGui::Begin("watch panel", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                                           ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::Begin("watch panel", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
   if (desk.live.has_scene()) {
     if (ImGui::CollapsingHeader("Inspector", ImGuiTreeNodeFlags_DefaultOpen)) draw_inspector(desk);
     if (ImGui::CollapsingHeader("Curves", ImGuiTreeNodeFlags_DefaultOpen)) draw_curves(desk);

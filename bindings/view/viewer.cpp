@@ -104,7 +104,8 @@ bool Viewer::one_picture() {
   open_asked();
   const Target target = window_.target();
   const float scale = window_.pixels_per_unit();
-  const Layout layout = make_layout(desk_, static_cast<float>(target.width) / scale, static_cast<float>(target.height) / scale);
+  const Layout layout =
+      make_layout(desk_, static_cast<float>(target.width) / scale, static_cast<float>(target.height) / scale);
   input_.take(desk_, window_);
   run_scene();
   collect();

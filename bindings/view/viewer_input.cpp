@@ -10,7 +10,9 @@
 namespace feder::view {
 namespace {
 
-Vec3 to_vec(const float p[3]) { return Vec3(static_cast<Real>(p[0]), static_cast<Real>(p[1]), static_cast<Real>(p[2])); }
+Vec3 to_vec(const float p[3]) {
+  return Vec3(static_cast<Real>(p[0]), static_cast<Real>(p[1]), static_cast<Real>(p[2]));
+}
 
 void pan(Camera& camera, float dx, float dy, float height) {
   float right[3], up[3], back[3];

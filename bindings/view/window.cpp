@@ -31,8 +31,10 @@ ImFont* load_font(std::initializer_list<const char*> files, float pixels) {
 void load_fonts() {
   fonts[0] = load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
                         "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"}, 15);
-  fonts[1] = load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf", "/usr/share/fonts/TTF/DejaVuSansMono.ttf",
-                        "/usr/share/fonts/dejavu-sans-mono-fonts/DejaVuSansMono.ttf"}, 14);
+  fonts[1] =
+      load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf", "/usr/share/fonts/TTF/DejaVuSansMono.ttf",
+                 "/usr/share/fonts/dejavu-sans-mono-fonts/DejaVuSansMono.ttf"},
+                14);
   if (!fonts[0]) fonts[0] = ImGui::GetIO().Fonts->AddFontDefault();
   if (!fonts[1]) fonts[1] = fonts[0];
 }
@@ -91,7 +93,9 @@ void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 bool Window::pressed(int key, bool repeated) const {
-  const auto in = [key](const std::vector<int>& keys) { return std::find(keys.begin(), keys.end(), key) != keys.end(); };
+  const auto in = [key](const std::vector<int>& keys) {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
+  };
   return in(pressed_) || (repeated && in(repeated_));
 }
 

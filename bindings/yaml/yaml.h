@@ -6,8 +6,8 @@ namespace feder::yaml {
 
 // Pushes the document as one Lua value on the stack of `lua_state` (a lua_State*). Maps become tables, lists become
 // tables counting from 1, null becomes nil; anchors, aliases and `<<` merges are expanded.
-// Throws lua::ScriptError "file:line: message" for anything that is no plain data: syntax, duplicate or non-scalar keys,
-// null in a list, unknown tags, several documents, and texts beyond the limits in document.h.
+// Throws lua::ScriptError "file:line: message" for anything that is no plain data: syntax, duplicate or non-scalar
+// keys, null in a list, unknown tags, several documents, and texts beyond the limits in document.h.
 //
 // Where things stood in the text is kept for later messages: registry["feder.places"] is a table with weak keys from a
 // pushed table to { [key] = "file:line", [true] = "file:line of the table itself" }.

@@ -33,7 +33,8 @@ double Params::number(std::string_view key, double fallback, double lo, double h
   if (!d) throw SceneError(std::string(key) + ": expected a number, got " + kind_name(*v));
   if (!std::isfinite(*d)) throw SceneError(std::string(key) + ": expected a finite number, got " + print(*d));
   if (*d < lo || *d > hi)
-    throw SceneError(std::string(key) + ": expected a number from " + print(lo) + " to " + print(hi) + ", got " + print(*d));
+    throw SceneError(std::string(key) + ": expected a number from " + print(lo) + " to " + print(hi) + ", got " +
+                     print(*d));
   return *d;
 }
 

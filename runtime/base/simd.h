@@ -83,8 +83,12 @@ typedef WideIndex LaneMask __attribute__((vector_size(kLanes * sizeof(WideIndex)
 struct Lanes3 {
   Lanes x, y, z;
 };
-[[gnu::always_inline]] inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-[[gnu::always_inline]] inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+[[gnu::always_inline]] inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+[[gnu::always_inline]] inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 [[gnu::always_inline]] inline Lanes3 operator*(const Lanes3& a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
 [[gnu::always_inline]] inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 [[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
@@ -92,7 +96,9 @@ struct Lanes3 {
 }
 
 [[gnu::always_inline]] inline Lanes3 load(const Lane8x3& a) { return {load(a.x), load(a.y), load(a.z)}; }
-[[gnu::always_inline]] inline void store(Lane8x3& to, const Lanes3& a) { store(to.x, a.x), store(to.y, a.y), store(to.z, a.z); }
+[[gnu::always_inline]] inline void store(Lane8x3& to, const Lanes3& a) {
+  store(to.x, a.x), store(to.y, a.y), store(to.z, a.z);
+}
 
 // Rows to columns: lane i of r[k] becomes lane k of r[i].
 [[gnu::always_inline]] inline void transpose(Lanes (&r)[kLanes]) {
@@ -122,7 +128,8 @@ struct Lanes3 {
                                 _mm_load_ps(rows + static_cast<unsigned long>(index[i + 4]) * 4), 1);
   const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpacklo_ps(r[2], r[3]);
   const __m256 c = _mm256_unpackhi_ps(r[0], r[1]), d = _mm256_unpackhi_ps(r[2], r[3]);
-  return {reinterpret_cast<Lanes>(_mm256_shuffle_ps(a, b, 0x44)), reinterpret_cast<Lanes>(_mm256_shuffle_ps(a, b, 0xee)),
+  return {reinterpret_cast<Lanes>(_mm256_shuffle_ps(a, b, 0x44)),
+          reinterpret_cast<Lanes>(_mm256_shuffle_ps(a, b, 0xee)),
           reinterpret_cast<Lanes>(_mm256_shuffle_ps(c, d, 0x44))};
 #else
   Lane8x3 p;

@@ -31,8 +31,20 @@ struct Leaf {
 class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
-      : boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), moved_(&arena), items_(&arena),
-        changes_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena), sorter_(arena), still_(arena),
+      : boxes_(&arena),
+        fat_(&arena),
+        leaves_(&arena),
+        nodes_(&arena),
+        side_(&arena),
+        moved_(&arena),
+        items_(&arena),
+        changes_(&arena),
+        candidates_(&arena),
+        found_(&arena),
+        merged_(&arena),
+        side_pairs_(&arena),
+        sorter_(arena),
+        still_(arena),
         moving_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) override {

@@ -54,7 +54,8 @@ void ClothBatches::build(const ClothView& v) {
   if (version_ == v.version) return;
   version_ = v.version;
   const std::uint32_t spare = v.total - 1;
-  const auto fill = [&](auto& batches, auto& colors, std::uint32_t count, const auto& elements, auto&& empty, auto&& put) {
+  const auto fill = [&](auto& batches, auto& colors, std::uint32_t count, const auto& elements, auto&& empty,
+                        auto&& put) {
     batches.clear(), colors.clear();
     for (std::uint32_t c = 0; c < count; ++c) {
       const auto first = static_cast<unsigned>(batches.size());

@@ -27,7 +27,8 @@ void check_numbers(const ClothDesc& d) {
     need(positive(d.size[1]), "size[2]", "a number above 0", d.size[1]);
     need(d.nx >= 2, "resolution[1]", "at least 2 vertices", d.nx);
     need(d.ny >= 2, "resolution[2]", "at least 2 vertices", d.ny);
-    need(double(d.nx) * double(d.ny) <= kMaxVertices, "resolution", "at most 2^24 vertices", double(d.nx) * double(d.ny));
+    need(double(d.nx) * double(d.ny) <= kMaxVertices, "resolution", "at most 2^24 vertices",
+         double(d.nx) * double(d.ny));
   }
   need(is_finite(d.pose.position), "position", "finite numbers", d.pose.position[0]);
   need(is_finite(d.velocity), "velocity", "finite numbers", d.velocity[0]);
@@ -44,7 +45,8 @@ void check_numbers(const ClothDesc& d) {
   need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
   need(positive(d.stretch_error), "stretch_error", "a number above 0", d.stretch_error);
   need(d.substeps >= 0 && d.substeps <= 10000, "substeps", "a whole number from 0 to 10000", d.substeps);
-  need(d.max_substeps >= 1 && d.max_substeps <= 10000, "max_substeps", "a whole number from 1 to 10000", d.max_substeps);
+  need(d.max_substeps >= 1 && d.max_substeps <= 10000, "max_substeps", "a whole number from 1 to 10000",
+       d.max_substeps);
 }
 
 // The vertices a name stands for; `line`: two of each neighbouring pair are an edge that may be clamped.
@@ -65,9 +67,12 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
   else if (name == "left" || name == "right")
     for (std::uint32_t j = 0; j < ny; ++j) v.push_back(j * nx + (name == "left" ? 0 : nx - 1));
   else {
-    const std::string near = nearest_name(name, std::vector<std::string>{"top_left", "top_right", "bottom_left", "bottom_right", "top", "bottom", "left", "right"});
-    throw SceneError("cloth: pins: unknown name '" + full + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-                     "; known: top_left, top_right, bottom_left, bottom_right, top, bottom, left, right, each with _clamped");
+    const std::string near =
+        nearest_name(name, std::vector<std::string>{"top_left", "top_right", "bottom_left", "bottom_right", "top",
+                                                    "bottom", "left", "right"});
+    throw SceneError(
+        "cloth: pins: unknown name '" + full + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+        "; known: top_left, top_right, bottom_left, bottom_right, top, bottom, left, right, each with _clamped");
   }
   return v;
 }
@@ -75,13 +80,42 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
 }  // namespace
 
 Cloth::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)), vertices(s.store.need<ClothVertices>(kName)), store(s.store), objects(s.objects),
-      events(s.events), structure_changed(s.structure_changed), moved(&arena), before(&arena), speed(&arena),
-      acceleration(&arena), force(&arena), points(&arena), mover_shift(&arena), mover_turn(&arena), rows(&arena), holds(&arena), near_rows(&arena),
-      pairs(&arena), near_vertex(&arena), near_triangle(&arena), near_edge(&arena), vertex_box(&arena),
-      triangle_box(&arena), edge_box(&arena), found_place(&arena), found_speed(&arena), stray(&arena), found(&arena),
-      triangle_tree(arena), edge_tree(arena), guard_start(&arena),
-      held_with(&arena), zones(&arena), wished(&arena), touching(&arena), touching_now(&arena) {}
+    : arena(s.store.arena(kName)),
+      vertices(s.store.need<ClothVertices>(kName)),
+      store(s.store),
+      objects(s.objects),
+      events(s.events),
+      structure_changed(s.structure_changed),
+      moved(&arena),
+      before(&arena),
+      speed(&arena),
+      acceleration(&arena),
+      force(&arena),
+      points(&arena),
+      mover_shift(&arena),
+      mover_turn(&arena),
+      rows(&arena),
+      holds(&arena),
+      near_rows(&arena),
+      pairs(&arena),
+      near_vertex(&arena),
+      near_triangle(&arena),
+      near_edge(&arena),
+      vertex_box(&arena),
+      triangle_box(&arena),
+      edge_box(&arena),
+      found_place(&arena),
+      found_speed(&arena),
+      stray(&arena),
+      found(&arena),
+      triangle_tree(arena),
+      edge_tree(arena),
+      guard_start(&arena),
+      held_with(&arena),
+      zones(&arena),
+      wished(&arena),
+      touching(&arena),
+      touching_now(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {

@@ -165,8 +165,8 @@ class Cloth final : public System {
   // The mass that rests on a cloth, kg: smaller steps are chosen for it.
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;
-  // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its speed
-  // beside that of the cloth, m/s.
+  // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its
+  // speed beside that of the cloth, m/s.
   void set_impact(std::size_t n, Real acceleration, Real speed);
   void push(std::uint32_t vertex, const Vec3& impulse);  // after the small steps of a substep, N s
 

@@ -1,9 +1,9 @@
-// No pair crosses in a substep (or in a part of one, see near_parts). Two convex features that lie on different sides of a plane at the start and at the end
-// of a linear motion, have not met in between (x(t).n is linear). The plane's normal is that of the closest points at
-// the start; the guard makes each vertex of the one side stay beyond each of the other along it by a share of the
-// distance they had: first by pushing pairs apart as their masses say (momentum is kept), then, should that not
-// settle, by moving zones of vertices as one, which always ends.
-// Rows do the real work; the guard acts where they failed. Its corrections are counted in the residuals.
+// No pair crosses in a substep (or in a part of one, see near_parts). Two convex features that lie on different sides
+// of a plane at the start and at the end of a linear motion, have not met in between (x(t).n is linear). The plane's
+// normal is that of the closest points at the start; the guard makes each vertex of the one side stay beyond each of
+// the other along it by a share of the distance they had: first by pushing pairs apart as their masses say (momentum is
+// kept), then, should that not settle, by moving zones of vertices as one, which always ends. Rows do the real work;
+// the guard acts where they failed. Its corrections are counted in the residuals.
 #include <algorithm>
 
 #include "cloth/impl.h"
@@ -125,7 +125,8 @@ void Cloth::Impl::move_zones(Real part) {
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
     moved[i].set(guard_start[i].vec() + part * drift);
-    if (!z.held) z.share = std::min(z.share, share_within(astray(i), part * (z.velocity - drift), kSearched * stray[i]));
+    if (!z.held)
+      z.share = std::min(z.share, share_within(astray(i), part * (z.velocity - drift), kSearched * stray[i]));
   });
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
@@ -193,7 +194,8 @@ void Cloth::Impl::report_near(StepContext& c) {
     c.events->add(e);
   }
   for (const std::uint64_t pair : touching) {
-    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; })) continue;
+    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; }))
+      continue;
     Event end;
     end.kind = EventKind::contact_end;
     if (both(pair, end)) c.events->add(end);

@@ -49,7 +49,8 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
                       __builtin_shufflevector(t1, t3, 0, 1, 8, 9, 4, 5, 12, 13),
                       __builtin_shufflevector(t1, t3, 2, 3, 10, 11, 6, 7, 14, 15)};
   for (int i = 0; i < 4; ++i) {
-    const Half low = __builtin_shufflevector(p[i], p[i], 0, 1, 2, 3), high = __builtin_shufflevector(p[i], p[i], 4, 5, 6, 7);
+    const Half low = __builtin_shufflevector(p[i], p[i], 0, 1, 2, 3),
+               high = __builtin_shufflevector(p[i], p[i], 4, 5, 6, 7);
     __builtin_memcpy(__builtin_assume_aligned(rows + index[i] * 4, sizeof(Half)), &low, sizeof(Half));
     __builtin_memcpy(__builtin_assume_aligned(rows + index[i + 4] * 4, sizeof(Half)), &high, sizeof(Half));
   }

@@ -3,11 +3,10 @@
 // a quarter (Bridson et al. 2002). Strain rate is taken out between substeps, not by the integrator.
 // A spring across a hinge of heights a, b has the stiffness that stores a hinge's energy at a fold of 1 rad,
 // k = 4 bend_hinge (a + b)^2/(a b)^2. Weak spot: its energy grows with the fourth power of the fold, so a flat sheet
-// has no bending stiffness at all: the tip of a clamped strip of 10 segments drops by 0.82, 7.2, 47 m per load for loads
-// of 1, 0.1, 0.01 (hinges: 0.42, 0.50, 0.50; tests/cloth/test_mass_spring.cpp); and explicit integrators need small
-// steps below a part of 1/w of the stiffest link. Heun is unstable for any undamped oscillator, by (h w)^4/8
-// per step: it lives on the damping.
-// Kept between steps: springs of the mesh.
+// has no bending stiffness at all: the tip of a clamped strip of 10 segments drops by 0.82, 7.2, 47 m per load for
+// loads of 1, 0.1, 0.01 (hinges: 0.42, 0.50, 0.50; tests/cloth/test_mass_spring.cpp); and explicit integrators need
+// small steps below a part of 1/w of the stiffest link. Heun is unstable for any undamped oscillator, by (h w)^4/8 per
+// step: it lives on the damping. Kept between steps: springs of the mesh.
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +39,9 @@ class Falling final : public ForceField {
   std::size_t count() const override { return 1; }
   std::span<const Real> inv_mass() const override { return {&one_, 1}; }
   std::span<const Real> mass() const override { return {&one_, 1}; }
-  void eval(std::span<const Vec3>, std::span<const Vec3>, double, std::span<Vec3> force) override { force[0] = Vec3(1, 0, 0); }
+  void eval(std::span<const Vec3>, std::span<const Vec3>, double, std::span<Vec3> force) override {
+    force[0] = Vec3(1, 0, 0);
+  }
   bool damped() const override { return false; }
   bool stiff_damping(Real) const override { return false; }
   void damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) override { d.set_zero(); }

@@ -97,7 +97,8 @@ void check_mesh(std::span<const Vec3> x, std::span<const std::uint32_t> triangle
     const std::string at = "triangles[" + std::to_string(t + 1) + "]";
     for (int k = 0; k < 3; ++k) {
       if (v[k] >= x.size())
-        fail(at + ": expected vertex numbers from 1 to " + std::to_string(x.size()) + ", got " + std::to_string(v[k] + 1));
+        fail(at + ": expected vertex numbers from 1 to " + std::to_string(x.size()) + ", got " +
+             std::to_string(v[k] + 1));
       used[v[k]] = 1;
     }
     const Real longest = std::max({length(x[v[1]] - x[v[0]]), length(x[v[2]] - x[v[1]]), length(x[v[0]] - x[v[2]])});
@@ -224,7 +225,8 @@ static void make_hinges(ClothMesh& m, std::span<const Vec3> rest, Real bend) {
     const Real area = area_of(rest, &m.triangles[3 * e.triangle[0]]) + area_of(rest, &m.triangles[3 * e.triangle[1]]);
     if (m.grid && e.triangle[0] / 2 == e.triangle[1] / 2) {
       add_edge_hinge(m, rest, e, bend * size * size / (2 * area));
-    } else if (m.grid && across(m, rest, e.triangle[0], e.a, e.b, near) && across(m, rest, e.triangle[1], e.a, e.b, far)) {
+    } else if (m.grid && across(m, rest, e.triangle[0], e.a, e.b, near) &&
+               across(m, rest, e.triangle[1], e.a, e.b, far)) {
       for (int k = 0; k < 2; ++k) {
         const std::uint32_t middle = k ? e.b : e.a;
         const Real cells = length(rest[near[k]] - rest[middle]) + length(rest[far[k]] - rest[middle]);

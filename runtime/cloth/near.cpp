@@ -1,10 +1,10 @@
 // Cloth against cloth, itself included: vertices near triangles and edges near edges. A search foresees uniform motion
-// for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could come close
-// then, from trees of swept boxes. The guard (guard.cpp) holds vertices to that, and asks for a new search before one
-// needs more: usually there is one search per step, and one per substep while cloth is being stopped.
-// In each substep the closest points of candidates give rows that keep the thickness. Normals and weights stay as they
-// are through a substep, or a part of one where something fast strikes; that no pair crosses meanwhile is the guard's.
-// A pair that is closer than the thickness at rest keeps to its rest distance.
+// for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could come
+// close then, from trees of swept boxes. The guard (guard.cpp) holds vertices to that, and asks for a new search before
+// one needs more: usually there is one search per step, and one per substep while cloth is being stopped. In each
+// substep the closest points of candidates give rows that keep the thickness. Normals and weights stay as they are
+// through a substep, or a part of one where something fast strikes; that no pair crosses meanwhile is the guard's. A
+// pair that is closer than the thickness at rest keeps to its rest distance.
 #include <algorithm>
 #include <cmath>
 
@@ -91,7 +91,8 @@ void Cloth::Impl::list_features(Real time, Real part) {
   bool free = true;
   for (auto& s : sheets) {
     free = free && !s->any_pin && s->active();
-    for (std::uint32_t i = s->first; i < s->first + s->points; ++i) drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
+    for (std::uint32_t i = s->first; i < s->first + s->points; ++i)
+      drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
   }
   drift = free ? Vec3(drift / mass) : Vec3(0, 0, 0);
   vertex_box.resize(vertices.size()), found_place.resize(vertices.size()), found_speed.resize(vertices.size());
@@ -199,7 +200,8 @@ void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
 int Cloth::Impl::near_parts(StepContext& c) const {
   Real most = 1;
   for (const auto& s : sheets)
-    if (s->active()) most = std::max(most, std::min(c.h * s->strike / (Real(0.5) * s->settings.thickness), Real(kMostParts)));
+    if (s->active())
+      most = std::max(most, std::min(c.h * s->strike / (Real(0.5) * s->settings.thickness), Real(kMostParts)));
   return std::min(static_cast<int>(std::ceil(most)), small_steps);
 }
 
@@ -237,8 +239,10 @@ void Cloth::Impl::collect_near() {
     const bool turned = a.object.slot > b.object.slot;
     const std::uint64_t low = turned ? b.object.slot : a.object.slot, high = turned ? a.object.slot : b.object.slot;
     const std::uint64_t pair = low << 32 | high;
-    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; })) continue;
-    touching_now.push_back({pair, r.vertex[0] - a.first, place(r.vertex[0]), turned ? r.normal : Vec3(-r.normal), r.approach, r.impulse});
+    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; }))
+      continue;
+    touching_now.push_back(
+        {pair, r.vertex[0] - a.first, place(r.vertex[0]), turned ? r.normal : Vec3(-r.normal), r.approach, r.impulse});
   }
 }
 

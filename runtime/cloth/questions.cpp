@@ -14,7 +14,8 @@ Energy Cloth::energy(const Vec3& gravity) const {
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
       const double m = p.mass[i];
       e.kinetic += 0.5 * m * static_cast<double>(dot(p.velocity[i], p.velocity[i]));
-      e.potential -= m * static_cast<double>(s->settings.gravity_scale) * static_cast<double>(dot(gravity, p.position[i]));
+      e.potential -=
+          m * static_cast<double>(s->settings.gravity_scale) * static_cast<double>(dot(gravity, p.position[i]));
     }
     for (const ClothLink& l : s->mesh.links) {
       const double stretch = static_cast<double>(length(x[l.b] - x[l.a]) - l.rest);

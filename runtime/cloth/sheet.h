@@ -26,7 +26,8 @@ struct ClothSettings {
 
 // What changes from step to step; saved too.
 struct ClothState {
-  Real flight[3] = {0, 0, 0};  // m/s^2: gravity, while the last step was free fall; velocities then are read half a step on
+  Real flight[3] = {0, 0,
+                    0};  // m/s^2: gravity, while the last step was free fall; velocities then are read half a step on
   Real calm_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
   std::uint32_t calm_steps = 0;
   std::uint32_t fresh = 1;     // not stepped yet

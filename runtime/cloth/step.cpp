@@ -2,8 +2,8 @@
 // that they may touch. What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
 // at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
 // chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
-// mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a body
-// that comes at it, or its own swing, takes to be stopped is added.
+// mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a
+// body that comes at it, or its own swing, takes to be stopped is added.
 #include <algorithm>
 #include <cmath>
 
@@ -75,7 +75,8 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   }
 }
 
-// What turns or stops the cloth's own motion within its length: mean square speed beside the mean, over the path, m/s^2.
+// What turns or stops the cloth's own motion within its length: mean square speed beside the mean, over the path,
+// m/s^2.
 double Cloth::Impl::swing(const Sheet& s) const {
   Vec3 mean = Vec3::Zero();
   double square = 0;
@@ -109,9 +110,12 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       const double cap = std::fmax(s.settings.max_substeps, s.solver->least_cap());
       if (wanted > cap && !s.state.warned) {
         s.state.warned = 1;
-        c.events->warn("substep_cap", objects.describe(s.object) + " would need " +
-                       std::to_string(static_cast<long long>(std::ceil(std::fmin(wanted, 1e15)))) + " small steps per substep, its max_substeps is " +
-                       std::to_string(static_cast<int>(cap)) + ": it " + s.solver->beyond_cap(), s.object);
+        c.events->warn("substep_cap",
+                       objects.describe(s.object) + " would need " +
+                           std::to_string(static_cast<long long>(std::ceil(std::fmin(wanted, 1e15)))) +
+                           " small steps per substep, its max_substeps is " + std::to_string(static_cast<int>(cap)) +
+                           ": it " + s.solver->beyond_cap(),
+                       s.object);
       }
       s.state.substeps = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
     }
@@ -144,11 +148,13 @@ void Cloth::Impl::prepare(StepContext& c) {
     for (const ClothGhost& g : s->mesh.ghosts) {
       Vec3* x = vertices.position.data() + s->first;
       // keeps its place beside the clamped vertex when that is moved
-      Vec3& offset = vertices.script_force[s->first + g.vertex];  // a hidden vertex has no force: its offset is kept here
+      Vec3& offset =
+          vertices.script_force[s->first + g.vertex];  // a hidden vertex has no force: its offset is kept here
       if (s->state.fresh) offset = x[g.vertex] - x[g.clamped];
       x[g.vertex] = x[g.clamped] + offset;
     }
-    for (std::uint32_t i = s->first; i < s->first + s->total; ++i) moved[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
+    for (std::uint32_t i = s->first; i < s->first + s->total; ++i)
+      moved[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
   }
   if (!any_active) return;
   choose_steps(c);
@@ -178,7 +184,8 @@ void Cloth::Impl::solve(StepContext& c) {
   for (int k = 0; k < small_steps; ++k) {
     if (k > 0 && owner->on_small_step) owner->on_small_step(owner->on_small_step_self, c, k, small_steps);
     const Real part = h * static_cast<Real>(std::min(every, small_steps - k));
-    if (near && k % every == 0) make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * h, part);
+    if (near && k % every == 0)
+      make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * h, part);
     const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
     for (auto& s : sheets)
       if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);

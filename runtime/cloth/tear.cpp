@@ -1,8 +1,8 @@
 // Tearing: an edge stretched beyond `tear_strain` splits the cloth at one of its ends. The triangles round that vertex
 // are parted by the plane across the edge; each connected fan of them beyond the first gets a vertex of its own with
 // the same place and velocity, so momentum is kept, and no vertex is shared by fans that
-// touch in a point only. Elements are made anew; where a torn cell shares its mass out differently, mass takes its velocity
-// along. The worst few edges of a step tear; allocates when it happens.
+// touch in a point only. Elements are made anew; where a torn cell shares its mass out differently, mass takes its
+// velocity along. The worst few edges of a step tear; allocates when it happens.
 #include <algorithm>
 
 #include "cloth/impl.h"
@@ -66,7 +66,8 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
             int common = 0;
             for (int p = 0; p < 3; ++p)
               for (int q = 0; q < 3; ++q)
-                common += s.mesh.triangles[3 * round[a] + std::uint32_t(p)] == s.mesh.triangles[3 * round[b] + std::uint32_t(q)];
+                common += s.mesh.triangles[3 * round[a] + std::uint32_t(p)] ==
+                          s.mesh.triangles[3 * round[b] + std::uint32_t(q)];
             if (common >= 2) fan[b] = fans, grown = true;
           }
       }

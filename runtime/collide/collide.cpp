@@ -8,11 +8,21 @@
 namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup, Collide& owner)
-    : self(&owner), colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
-      narrow(setup.world.text("narrow_phase", "auto")), motion(&setup.store.arena(kName)), pairs(motion.get_allocator()),
-      seen(motion.get_allocator()), entries(motion.get_allocator()), next_entries(motion.get_allocator()),
-      memory(motion.get_allocator()), watched(motion.get_allocator()), touches(motion.get_allocator()),
-      next_touches(motion.get_allocator()), transitions(motion.get_allocator()), stays(motion.get_allocator()),
+    : self(&owner),
+      colliders(&setup.store.need<Colliders>(kName)),
+      contacts(&setup.store.need<Contacts>(kName)),
+      narrow(setup.world.text("narrow_phase", "auto")),
+      motion(&setup.store.arena(kName)),
+      pairs(motion.get_allocator()),
+      seen(motion.get_allocator()),
+      entries(motion.get_allocator()),
+      next_entries(motion.get_allocator()),
+      memory(motion.get_allocator()),
+      watched(motion.get_allocator()),
+      touches(motion.get_allocator()),
+      next_touches(motion.get_allocator()),
+      transitions(motion.get_allocator()),
+      stays(motion.get_allocator()),
       exclusions(motion.get_allocator()) {
   const std::string name = setup.world.text("broad_phase", "tree");
   broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);

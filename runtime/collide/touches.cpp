@@ -119,7 +119,8 @@ void Collide::Impl::merge_transitions(StepContext& c) {
   for (std::size_t first = 0, last; first < transitions.size(); first = last) {
     const TouchKey& pair = transitions[first].key;
     int change = 0;
-    for (last = first; last < transitions.size() && transitions[last].key == pair; ++last) change += transitions[last].change;
+    for (last = first; last < transitions.size() && transitions[last].key == pair; ++last)
+      change += transitions[last].change;
     while (n < touches.size() && touches[n].key < pair) next_touches.push_back(touches[n++]);
     Touch touch{pair, 0, 0, c.step};
     if (n < touches.size() && touches[n].key == pair) touch = touches[n++];

@@ -1,12 +1,11 @@
-// Narrow tests of all contacts with a side that may have moved, in parallel: each contact writes its own slot only. A serial pass
-// in order then wakes whom an arriving contact touches and lists the active contacts.
-// Contact recycling (Catto, Box3D 2026): most contacts of a pile are tested again although nothing moved. While the
-// relative motion since the last real test is tiny, normal, arms and features stay and only the separations follow:
-// base + relative displacement along the normal, to first order in the rotations. The base is always that of the
-// real test, so errors do not add up over steps.
-// Kept between calls: per contact the poses and separations of its last real test. Points of a new manifold take the
-// impulses of the old points with the same feature, else of the nearest.
-// Weak spot: a pair that turns together (in a drum) is tested again every few steps.
+// Narrow tests of all contacts with a side that may have moved, in parallel: each contact writes its own slot only. A
+// serial pass in order then wakes whom an arriving contact touches and lists the active contacts. Contact recycling
+// (Catto, Box3D 2026): most contacts of a pile are tested again although nothing moved. While the relative motion since
+// the last real test is tiny, normal, arms and features stay and only the separations follow: base + relative
+// displacement along the normal, to first order in the rotations. The base is always that of the real test, so errors
+// do not add up over steps. Kept between calls: per contact the poses and separations of its last real test. Points of
+// a new manifold take the impulses of the old points with the same feature, else of the nearest. Weak spot: a pair that
+// turns together (in a drum) is tested again every few steps.
 #include "collide/impl.h"
 
 namespace feder {

@@ -24,9 +24,15 @@ const SystemDescriptor& ClothRigid::descriptor() {
 ClothRigid::ClothRigid(SystemSetup& s)
     : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events), structure_changed_(s.structure_changed),
-      candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)),
+      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))),
+      colliders_(collide_.colliders()),
+      movers_(s.store.need<Movers>(Rigid::kName)),
+      objects_(s.objects),
+      events_(s.events),
+      structure_changed_(s.structure_changed),
+      candidates_(&s.store.arena(kName)),
+      touches_(&s.store.arena(kName)),
+      box_(&s.store.arena(kName)),
       smallest_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
   cloth_.on_small_step = [](void* self, StepContext& c, int done, int count) {
@@ -149,8 +155,9 @@ void ClothRigid::look_ahead(StepContext& c) {
     const Real size = (now.hi - now.lo).maxCoeff();
     Real impact = 0, speed = 0;
     for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-      if (colliders_.motion[k] == ColliderMotion::none || colliders_.motion[k] == ColliderMotion::fixed || colliders_.sensor[k] ||
-          colliders_.owner[k] != ObjectKind::body || !colliders_.awake[k] || !overlaps(all, reach_of(k, c)))
+      if (colliders_.motion[k] == ColliderMotion::none || colliders_.motion[k] == ColliderMotion::fixed ||
+          colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body || !colliders_.awake[k] ||
+          !overlaps(all, reach_of(k, c)))
         continue;
       const std::uint32_t body = colliders_.owner_index[k];
       const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, kMostLoad) : Real(1);
@@ -186,7 +193,8 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     all.include(b);
   }
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body) continue;
+    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body)
+      continue;
     if (!(colliders_.group[k] & info.mask) || !(info.group & colliders_.mask[k])) continue;
     // a fast body draws cloth in from beside its path
     Aabb box = reach_of(k, c);
@@ -208,7 +216,8 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
       Aabb b = box_[info.first + q[0]];
       b.include(box_[info.first + q[1]]), b.include(box_[info.first + q[2]]);
       if (!overlaps(b, box)) continue;
-      if (attached(info.first + q[0], body) || attached(info.first + q[1], body) || attached(info.first + q[2], body)) continue;
+      if (attached(info.first + q[0], body) || attached(info.first + q[1], body) || attached(info.first + q[2], body))
+        continue;
       candidates_.push_back({place, k, t, 1});
     }
   }
@@ -283,7 +292,8 @@ void ClothRigid::finish(StepContext& c) {
       if (t.cloth != info.object || !t.seen || !objects_.alive(t.body)) continue;
       const std::uint32_t body = rigid_.index(t.body);
       if (t.support > Real(0.1) * t.impulse && b.type[body] == BodyType::dynamic) load += b.mass[body];
-      if (info.moving && b.type[body] == BodyType::dynamic && !b.awake[body]) rigid_.wake(t.body, WakeCause::cloth, t.cloth);
+      if (info.moving && b.type[body] == BodyType::dynamic && !b.awake[body])
+        rigid_.wake(t.body, WakeCause::cloth, t.cloth);
     }
     for (const Cloth::Attachment& a : cloth_.attachments()) {
       if (a.cloth != info.object || !objects_.alive(a.body)) continue;

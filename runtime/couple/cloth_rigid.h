@@ -68,8 +68,8 @@ class ClothRigid final : public System {
   Place place(std::uint32_t collider) const;
   void vertex_rows(const Candidate& k, const Place& at, StepContext& c);
   void triangle_rows(const Candidate& k, const Place& at, StepContext& c);
-  void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3], const Vec3& normal,
-               Real gap, const Vec3& point);
+  void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
+               const Vec3& normal, Real gap, const Vec3& point);
   std::uint32_t touch_of(ObjectId cloth, ObjectId body);
   Real attachments_of(ObjectId body, ObjectId cloth) const;
   bool attached(std::uint32_t vertex, ObjectId body) const;

@@ -79,7 +79,8 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
   r.offset = gap - dot(normal, d);
   r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
   const Vec3 slide = colliders_.surface_velocity[k.collider];
-  if (!slide.isZero(0)) r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
+  if (!slide.isZero(0))
+    r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
   r.touch = touch_of(info.object, colliders_.object[k.collider]);
   if (gap < 0) deepest_ = std::max(deepest_, -gap);

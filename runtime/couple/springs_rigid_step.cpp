@@ -234,7 +234,8 @@ void SpringsRigid::keep_awake(StepContext&) {
     std::uint32_t point = contacts.slots[slot].collider_a, body = contacts.slots[slot].collider_b;
     if (colliders_.owner[point] == ObjectKind::body) std::swap(point, body);
     if (colliders_.owner[point] != ObjectKind::net || colliders_.owner[body] != ObjectKind::body) continue;
-    if (colliders_.motion[point] != ColliderMotion::dynamic || colliders_.motion[body] != ColliderMotion::dynamic) continue;
+    if (colliders_.motion[point] != ColliderMotion::dynamic || colliders_.motion[body] != ColliderMotion::dynamic)
+      continue;
     rigid_.wake(colliders_.object[body], WakeCause::contact, colliders_.object[point]);
   }
 }

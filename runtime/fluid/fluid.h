@@ -96,7 +96,8 @@ class Fluid final : public System {
                              std::uint32_t mask) const;
   Real particle_mass(ObjectId fluid) const;
   FluidDesc desc(ObjectId fluid) const;
-  std::uint64_t own_steps(ObjectId fluid) const;  // its solver's, since the fluid was made; wcsph takes several in a substep
+  std::uint64_t own_steps(
+      ObjectId fluid) const;                 // its solver's, since the fluid was made; wcsph takes several in a substep
   ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
   // For couplings: the walls of the coming substep, filled before the fluid's rows; and who is asked for them.

@@ -210,7 +210,8 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
   triangles_in(around, [](void* context, std::uint32_t i) {
     Search& s = *static_cast<Search*>(context);
     const Corners& c = s.mesh->corners_[i];
-    const Vec3 on = closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
+    const Vec3 on =
+        closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
     const Real d = dot(s.p - on, s.p - on);
     if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
   }, &search);

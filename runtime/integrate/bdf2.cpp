@@ -5,7 +5,8 @@
 // that is not the one it left (beyond rounding: couplings hand states through other sums) or another number of points
 // starts afresh with implicit Euler, for the whole net: one different coefficient per point would make the matrix
 // unsymmetric. So does a step grown beyond w = 2 (zero-stable up to 1 + sqrt 2; smaller ones go on with their w).
-// Weak spot: that fresh start; a net in contact or attached to bodies is touched every step and moves by implicit Euler.
+// Weak spot: that fresh start; a net in contact or attached to bodies is touched every step and moves by implicit
+// Euler.
 #include <algorithm>
 #include <cmath>
 

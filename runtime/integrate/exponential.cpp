@@ -1,5 +1,5 @@
-// Exponential integrator ETD2RK (Cox & Matthews 2002) for y = (x, v), y' = F(y) = L y + N(y), L the field's K and D where
-// the step starts:
+// Exponential integrator ETD2RK (Cox & Matthews 2002) for y = (x, v), y' = F(y) = L y + N(y), L the field's K and D
+// where the step starts:
 //   a = y0 + h phi1(hL) F(y0),   y1 = a + h phi2(hL) (N(a) - N(y0)),   phi1, phi2 from linear_flow.
 // Linear forces (springs of rest length zero, drag, weight) are integrated exactly at any h, damped or not; the rest to
 // order 2, with any L. Option `max_parts`: Krylov spaces per step before the flow is taken as it is and counted as
@@ -49,7 +49,8 @@ class Exponential final : public Integrator {
     // N(a) - N(y0) = F(a) - F(y0) - L (a - y0), in v only
     field.eval(x_, v_, t + whole, after_);
     ++stats.force_evals;
-    for (std::size_t i = 0; i < n; ++i) b_x_[i] = (x_[i] - x[i]).cast<double>(), b_v_[i] = (v_[i] - v[i]).cast<double>();
+    for (std::size_t i = 0; i < n; ++i)
+      b_x_[i] = (x_[i] - x[i]).cast<double>(), b_v_[i] = (v_[i] - v[i]).cast<double>();
     k_.multiply<Vec3d>(b_x_, ramp_);
     d_.multiply<Vec3d>(b_v_, b_x_);
     for (std::size_t i = 0; i < n; ++i)

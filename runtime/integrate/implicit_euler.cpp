@@ -1,6 +1,6 @@
 // Implicit Euler: M (v1 - v0) = h f(x0 + h v1, v1), x1 = x0 + h v1. Unconditionally stable, order 1, damps.
-// Kept between calls: work arrays. Weak spot: numerical damping, 28 % of a 1 Hz swing per period at 60 steps/s; bdf2 and
-// tr_bdf2 lose 0.2 and 0.003 % for the same one or two solves.
+// Kept between calls: work arrays. Weak spot: numerical damping, 28 % of a 1 Hz swing per period at 60 steps/s; bdf2
+// and tr_bdf2 lose 0.2 and 0.003 % for the same one or two solves.
 #include "integrate/implicit_solve.h"
 
 namespace feder {

@@ -1,11 +1,10 @@
-// The first solve of a stage is that of Baraff & Witkin 1998, linearised where the step starts: A dv = r + g K (x_star +
-// g v - x_linear), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would look compressed
-// there and buckle). Newton steps from the state it reaches follow until the residual is gone, because a stiff chain
-// that swings far in one step overshoots along its tangents; `iterations = 1` leaves them out.
-// The force field hands over negative semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko
-// 2002), so A stays positive definite; then a full step may overshoot, and it is halved until the residual along it
-// shrinks.
-// Kept between calls: work arrays and the layout of the factor. Weak spot: the semidefinite K makes Newton linear, not
+// The first solve of a stage is that of Baraff & Witkin 1998, linearised where the step starts: A dv = r + g K (x_star
+// + g v - x_linear), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would look
+// compressed there and buckle). Newton steps from the state it reaches follow until the residual is gone, because a
+// stiff chain that swings far in one step overshoots along its tangents; `iterations = 1` leaves them out. The force
+// field hands over negative semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko 2002), so A
+// stays positive definite; then a full step may overshoot, and it is halved until the residual along it shrinks. Kept
+// between calls: work arrays and the layout of the factor. Weak spot: the semidefinite K makes Newton linear, not
 // quadratic, where springs are compressed.
 #include "integrate/implicit_solve.h"
 

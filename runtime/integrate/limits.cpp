@@ -90,8 +90,8 @@ int StepMatrix::worst_condition() const {
   return a >= b && a >= c ? 0 : b >= c ? 1 : 2;
 }
 
-// Of columns (1, 0) and (0, 1), scaled by `samples` factors from 1 to 2 in each of three directions: the mean is that many
-// times less rounded than one step of a float build.
+// Of columns (1, 0) and (0, 1), scaled by `samples` factors from 1 to 2 in each of three directions: the mean is that
+// many times less rounded than one step of a float build.
 StepMatrix step_matrix(Integrator& method, double z, double zeta, int samples) {
   Oscillator field(1, zeta);
   double out[2][2] = {};

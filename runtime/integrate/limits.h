@@ -1,5 +1,6 @@
-// Stability limits on the oscillator x'' = -w^2 x - 2 zeta w x', as the product h w = z: what the theory of a method says,
-// and what its code does. The second is read off the matrix of one step, which is linear in the state, not off long runs.
+// Stability limits on the oscillator x'' = -w^2 x - 2 zeta w x', as the product h w = z: what the theory of a method
+// says, and what its code does. The second is read off the matrix of one step, which is linear in the state, not off
+// long runs.
 #pragma once
 #include "integrate/integrator.h"
 
@@ -49,10 +50,10 @@ StepMatrix step_matrix(Integrator& method, double z, double zeta, int samples = 
 double predicted_limit(const IntegratorInfo& info, double zeta);
 
 // The same from the code of the method: scanned in steps of 2 % up to 1e6 (infinity when stable throughout), then the
-// condition that fails is followed to its zero (0 when there is none above rounding). The float build averages the matrix
-// over many scaled vectors, else its rounding would decide; coefficients a method rounds to float are part of it and stay
-// (runge_kutta.cpp therefore does not). Adaptive methods are asked for single steps (adaptive = false). A method with memory is run instead, some
-// hundred steps for each z, and then the value is as sharp as that.
+// condition that fails is followed to its zero (0 when there is none above rounding). The float build averages the
+// matrix over many scaled vectors, else its rounding would decide; coefficients a method rounds to float are part of it
+// and stay (runge_kutta.cpp therefore does not). Adaptive methods are asked for single steps (adaptive = false). A
+// method with memory is run instead, some hundred steps for each z, and then the value is as sharp as that.
 double observed_limit(const Variant<Integrator>& method, const Params& options, double zeta);
 
 }  // namespace feder

@@ -1,11 +1,11 @@
 // Each part of the step starts from the rate c = L y + b and moves y by tau phi1(tau L) c, phi1(z) = (e^z - 1)/z, taken
-// in the Krylov space of L and c (Saad 1992; Hochbruck & Lubich 1997). The ramp is a further unknown with constant rate.
-// Vectors are orthogonal in the energy product x.(M/h^2 - K)x + v.M v: there L is skew but for the damping, which only
-// shrinks, and M/h^2, so whatever the tolerance missed, y grows at most by e^(1/2) a step.
-// Exact to rounding where the space closes: every net of up to kMaxBasis/6 points, and larger ones of which few modes
-// are excited. Otherwise the part tau is halved until the estimate of Saad (the next term of the series) is small.
-// Kept between calls: work arrays. Weak spot: parts of about kMaxBasis/(2 w), so very stiff large nets cost as much as an
-// explicit method; kMaxBasis vectors of 9 doubles per point.
+// in the Krylov space of L and c (Saad 1992; Hochbruck & Lubich 1997). The ramp is a further unknown with constant
+// rate. Vectors are orthogonal in the energy product x.(M/h^2 - K)x + v.M v: there L is skew but for the damping, which
+// only shrinks, and M/h^2, so whatever the tolerance missed, y grows at most by e^(1/2) a step. Exact to rounding where
+// the space closes: every net of up to kMaxBasis/6 points, and larger ones of which few modes are excited. Otherwise
+// the part tau is halved until the estimate of Saad (the next term of the series) is small. Kept between calls: work
+// arrays. Weak spot: parts of about kMaxBasis/(2 w), so very stiff large nets cost as much as an explicit method;
+// kMaxBasis vectors of 9 doubles per point.
 #include "integrate/linear_flow.h"
 
 #include <algorithm>
@@ -55,8 +55,10 @@ void LinearFlow::weigh(std::span<const Vec3d> x, std::span<Vec3d> out) const {
 
 double LinearFlow::project(int i, int j) const {
   double sum = basis_extra_[static_cast<std::size_t>(i)] * basis_extra_[static_cast<std::size_t>(j)];
-  const Vec3d *x = basis_x_.data() + static_cast<std::size_t>(i) * n_, *p = basis_p_.data() + static_cast<std::size_t>(j) * n_;
-  const Vec3d *a = basis_v_.data() + static_cast<std::size_t>(i) * n_, *b = basis_v_.data() + static_cast<std::size_t>(j) * n_;
+  const Vec3d *x = basis_x_.data() + static_cast<std::size_t>(i) * n_,
+              *p = basis_p_.data() + static_cast<std::size_t>(j) * n_;
+  const Vec3d *a = basis_v_.data() + static_cast<std::size_t>(i) * n_,
+              *b = basis_v_.data() + static_cast<std::size_t>(j) * n_;
   for (std::size_t k = 0; k < n_; ++k) sum += x[k].dot(p[k]) + static_cast<double>(system_.mass[k]) * a[k].dot(b[k]);
   return sum;
 }

@@ -1,11 +1,11 @@
 // Adaptive Runge-Kutta of order 5 (Dormand & Prince 1980): h is covered by as many steps as the error tolerance wants,
-// their sizes chosen by a PI controller (Gustafsson 1991). Options: `tolerance`, relative, per step; `absolute`, the same
-// in m and m/s (default: tolerance); `max_steps` within one h; `adaptive = false` takes h as one step.
-// Nothing is remembered: each h is first tried whole, which costs a few thrown-away attempts where h is long, and
-// nothing where it is short. When half of max_steps is spent, steps are at least so long that the other half suffices,
-// whatever the error, counted as unconverged.
-// Order and stability limit are those of one step; the error control cuts steps long before that limit.
-// Kept between calls: work arrays. Weak spot: explicit, so stiff springs cost steps of 1/w; not symplectic.
+// their sizes chosen by a PI controller (Gustafsson 1991). Options: `tolerance`, relative, per step; `absolute`, the
+// same in m and m/s (default: tolerance); `max_steps` within one h; `adaptive = false` takes h as one step. Nothing is
+// remembered: each h is first tried whole, which costs a few thrown-away attempts where h is long, and nothing where it
+// is short. When half of max_steps is spent, steps are at least so long that the other half suffices, whatever the
+// error, counted as unconverged. Order and stability limit are those of one step; the error control cuts steps long
+// before that limit. Kept between calls: work arrays. Weak spot: explicit, so stiff springs cost steps of 1/w; not
+// symplectic.
 #include <algorithm>
 #include <cmath>
 
@@ -100,7 +100,8 @@ class Rk45 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_rk45() {
-  return {"rk45", "order 5, cuts h into steps by its error estimate: accurate where speeds vary much, not for stiffness",
+  return {"rk45",
+          "order 5, cuts h into steps by its error estimate: accurate where speeds vary much, not for stiffness",
           [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Rk45>(a, p); }};
 }
 

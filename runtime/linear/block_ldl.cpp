@@ -91,7 +91,8 @@ bool BlockLdl::eliminate(std::size_t count, std::span<const BlockIndex> index, s
     // what touched p is now coupled through it
     for (const std::uint32_t i : clique) {
       merged.clear();
-      std::set_union(neighbors[i].begin(), neighbors[i].end(), clique.begin(), clique.end(), std::back_inserter(merged));
+      std::set_union(neighbors[i].begin(), neighbors[i].end(), clique.begin(), clique.end(),
+                     std::back_inserter(merged));
       std::erase_if(merged, [&](std::uint32_t q) { return q == i || q == p; });
       neighbors[i].swap(merged);
       order.update(i, neighbors[i].size());

@@ -7,8 +7,8 @@ namespace feder {
 
 // Appends to `row` (room for `capacity` + 1) the points in [first, last) nearer than the root of `near2` to `own`, but
 // not `skip`; returns how many there are in all, counting from `n`.
-using NearRun = unsigned (*)(const WideReal* points4, unsigned first, unsigned last, const WideReal* own, WideReal near2,
-                             unsigned skip, unsigned* row, unsigned capacity, unsigned n);
+using NearRun = unsigned (*)(const WideReal* points4, unsigned first, unsigned last, const WideReal* own,
+                             WideReal near2, unsigned skip, unsigned* row, unsigned capacity, unsigned n);
 extern const NearRun kNearRunPlain, kNearRunAvx2;
 
 namespace {
@@ -54,7 +54,8 @@ constexpr Compress kCompress;
 #if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
   if (n + 8 <= capacity) {
     const __m256i at = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompress.place[bits]));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + n), _mm256_add_epi32(at, _mm256_set1_epi32(static_cast<int>(k))));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + n),
+                        _mm256_add_epi32(at, _mm256_set1_epi32(static_cast<int>(k))));
     n += static_cast<unsigned>(__builtin_popcount(bits));
     return;
   }
@@ -65,13 +66,14 @@ constexpr Compress kCompress;
   }
 }
 
-[[maybe_unused]] unsigned near_run(const WideReal* p, unsigned first, unsigned last, const WideReal* own, WideReal near2,
-                                   unsigned skip, unsigned* row, unsigned capacity, unsigned n) {
+[[maybe_unused]] unsigned near_run(const WideReal* p, unsigned first, unsigned last, const WideReal* own,
+                                   WideReal near2, unsigned skip, unsigned* row, unsigned capacity, unsigned n) {
   const Lanes ox = all_lanes(own[0]), oy = all_lanes(own[1]), oz = all_lanes(own[2]), limit = all_lanes(near2);
   unsigned k = first;
   for (; k + kLanes <= last; k += kLanes) {
     const WideReal* r = p + 4ul * k;
-    const Lanes t0 = two_rows(r, r + 16), t1 = two_rows(r + 4, r + 20), t2 = two_rows(r + 8, r + 24), t3 = two_rows(r + 12, r + 28);
+    const Lanes t0 = two_rows(r, r + 16), t1 = two_rows(r + 4, r + 20), t2 = two_rows(r + 8, r + 24),
+                t3 = two_rows(r + 12, r + 28);
     const Lanes a = __builtin_shufflevector(t0, t1, 0, 8, 1, 9, 4, 12, 5, 13);
     const Lanes b = __builtin_shufflevector(t0, t1, 2, 10, 3, 11, 6, 14, 7, 15);
     const Lanes c = __builtin_shufflevector(t2, t3, 0, 8, 1, 9, 4, 12, 5, 13);

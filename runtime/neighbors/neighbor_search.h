@@ -18,7 +18,9 @@ struct NeighborLists {
   Array<std::uint32_t> count;    // neighbours of a point
   Array<std::uint32_t> rounded;  // likewise, in whole lanes
   std::uint32_t stride = 40;
-  std::span<const std::uint32_t> row(std::uint32_t i) const { return {index.data() + std::size_t(i) * stride, count[i]}; }
+  std::span<const std::uint32_t> row(std::uint32_t i) const {
+    return {index.data() + std::size_t(i) * stride, count[i]};
+  }
 };
 
 // Contract, checked for every row of the table by tests/neighbors/test_neighbor_contract.cpp:

@@ -84,7 +84,8 @@ void fill_rows(std::uint32_t count, JobPool& jobs, NeighborLists& lists, bool so
   jobs.for_blocks(count, 4 * kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) {
       const std::uint32_t n = lists.count[i], whole = (n + 7) / 8 * 8;
-      std::fill(lists.index.data() + std::size_t(i) * lists.stride + n, lists.index.data() + std::size_t(i) * lists.stride + whole, count);
+      std::fill(lists.index.data() + std::size_t(i) * lists.stride + n,
+                lists.index.data() + std::size_t(i) * lists.stride + whole, count);
       lists.rounded[i] = whole;
     }
   });

@@ -41,7 +41,8 @@ class UniformGrid final : public NeighborSearch {
           const std::uint32_t last = grid_.last(x1, y, z);
           if constexpr (std::is_same_v<std::remove_reference_t<decltype(sink)>, RowSink>) {
             if (identity) {
-              sink.n = run(x, grid_.first(x0, y, z), last, x + 4 * std::size_t(i), near, i, sink.out, sink.capacity, sink.n);
+              sink.n =
+                  run(x, grid_.first(x0, y, z), last, x + 4 * std::size_t(i), near, i, sink.out, sink.capacity, sink.n);
               continue;
             }
           }

@@ -7,7 +7,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kLightest = Real(1e-9), kHeaviest = Real(1e12);  // kg: beyond, products of inverses leave the float range
+constexpr Real kLightest = Real(1e-9),
+               kHeaviest = Real(1e12);  // kg: beyond, products of inverses leave the float range
 
 std::string text(double x) {
   char buffer[32];
@@ -45,8 +46,8 @@ void check_numbers(const BodyDesc& d) {
   const auto not_negative = [](Real x) { return x >= 0 && is_finite(x); };
   require(d.density > 0 && is_finite(d.density), "density: expected a number above 0", d.density);
   require(not_negative(d.mass), "mass: expected a number above 0", d.mass);
-  require(not_negative(d.friction_static) && not_negative(d.friction_dynamic), "friction: expected a number not below 0",
-          d.friction_static);
+  require(not_negative(d.friction_static) && not_negative(d.friction_dynamic),
+          "friction: expected a number not below 0", d.friction_static);
   require(d.restitution >= 0 && d.restitution <= 1, "restitution: expected a number from 0 to 1", d.restitution);
   require(not_negative(d.rolling_friction), "rolling_friction: expected a number not below 0", d.rolling_friction);
   require(not_negative(d.linear_damping), "linear_damping: expected a number not below 0", d.linear_damping);
@@ -116,17 +117,20 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   if (dynamic) {
     for (const CompoundPart& p : parts)
       if (!(p.shape->mass(1).mass > 0))
-        throw SceneError(std::string("body.shape: a ") + p.shape->kind() + " has no volume and can only be static or kinematic");
+        throw SceneError(std::string("body.shape: a ") + p.shape->kind() +
+                         " has no volume and can only be static or kinematic");
     require(mass >= kLightest && mass <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg", mass);
     const Mat3 inv = dimension == 2 ? Mat3(Mat3::Identity() / m.inertia(2, 2)) : inverse(m.inertia);
-    require(inv.allFinite() && inv.trace() > 0 && m.inertia.allFinite(), "shape: too small or too large for its mass", mass);
+    require(inv.allFinite() && inv.trace() > 0 && m.inertia.allFinite(), "shape: too small or too large for its mass",
+            mass);
   }
   if (d.type == BodyType::free) throw SceneError("body.type: expected static, kinematic or dynamic");
   // from here on nothing fails
   const std::uint32_t i = bodies.add();
   if (volume.size() < bodies.size()) {
-    volume.resize(bodies.size()), area.resize(bodies.size()), spins.resize(bodies.size()), kept_momentum.resize(bodies.size(), Vec3::Zero()),
-        kept_spin.resize(bodies.size(), Vec3::Zero()), calm.resize(bodies.size());
+    volume.resize(bodies.size()), area.resize(bodies.size()), spins.resize(bodies.size()),
+        kept_momentum.resize(bodies.size(), Vec3::Zero()), kept_spin.resize(bodies.size(), Vec3::Zero()),
+        calm.resize(bodies.size());
     next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
   }
   bodies.type[i] = d.type;
@@ -136,7 +140,8 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   bodies.position[i] = d.position + rotate(d.rotation, m.center);
   const Real planar = dimension == 2 ? 0 : 1;
   bodies.velocity[i] = Vec3(d.velocity[0], d.velocity[1], planar * d.velocity[2]);
-  bodies.angular_velocity[i] = Vec3(planar * d.angular_velocity[0], planar * d.angular_velocity[1], d.angular_velocity[2]);
+  bodies.angular_velocity[i] =
+      Vec3(planar * d.angular_velocity[0], planar * d.angular_velocity[1], d.angular_velocity[2]);
   if (d.type == BodyType::fixed) bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
   bodies.mass[i] = m.mass > 0 ? mass : 0;
   bodies.inertia[i] = m.inertia;
@@ -212,7 +217,8 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
   const Vec3 step = v * dt + gravity * pull;
   const Pose com = bodies.com_pose(i);
   const Real turn = length(w) * dt;
-  const bool moves = dynamic ? bodies.awake[i] != 0 : bodies.type[i] == BodyType::kinematic && (!v.isZero(0) || !w.isZero(0));
+  const bool moves =
+      dynamic ? bodies.awake[i] != 0 : bodies.type[i] == BodyType::kinematic && (!v.isZero(0) || !w.isZero(0));
   each_collider(i, [&](std::uint32_t k) {
     const Pose pose = com * colliders.local[k];
     colliders.pose[k] = pose;
@@ -259,7 +265,8 @@ void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
       if (!(colliders.shape[k]->mass(1).mass > 0))
         throw SceneError(std::string("set_type: a ") + colliders.shape[k]->kind() + " cannot be dynamic");
     });
-    require(bodies.mass[i] >= kLightest && bodies.mass[i] <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg", bodies.mass[i]);
+    require(bodies.mass[i] >= kLightest && bodies.mass[i] <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg",
+            bodies.mass[i]);
   }
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::script, {});
   wake_touching(i, WakeCause::script);
@@ -283,7 +290,8 @@ void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
 
 void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
   for (std::uint32_t j = 0; j < records.size(); ++j)
-    if (records[j].alive && (records[j].body_a == i || records[j].body_b == i)) remove_joint(j, where, WakeCause::destroyed);
+    if (records[j].alive && (records[j].body_a == i || records[j].body_b == i))
+      remove_joint(j, where, WakeCause::destroyed);
   wake_touching(i, WakeCause::destroyed);
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::destroyed, bodies.object[i]);
   std::uint32_t k = bodies.first_collider[i];

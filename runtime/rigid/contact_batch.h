@@ -17,7 +17,7 @@ struct BatchPoint {
 struct ContactBatch {
   unsigned mover_a[kLanes], mover_b[kLanes];  // solver indices; 0 = world
   unsigned points;                            // the largest point count of the lanes
-  unsigned rounds;                            // there and back over the points per pass: more when a lane has no warm start
+  unsigned rounds;  // there and back over the points per pass: more when a lane has no warm start
   unsigned writes_a, writes_b;                // bit per lane: the mover can be pushed
   Lane8x3 normal;                             // a to b
   BatchPoint point[kBatchPoints];

@@ -3,9 +3,9 @@
 //
 // Rows are linear in the step: the normal and arm x normal stay as they were at its start, so the speed and the
 // separation of a point use the same numbers (v, w) and (moved, turned). Within a manifold the points are solved one
-// after another, there and back, in impulse space: their coupling is known, so the bodies are read and written once per pass.
-// Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's centre
-// with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
+// after another, there and back, in impulse space: their coupling is known, so the bodies are read and written once per
+// pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's
+// centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
 #pragma once
 #include "rigid/contact_batch.h"
 
@@ -32,12 +32,14 @@ struct Bodies8 {
 }
 
 // One half of eight movers: row 0 holds v, w and the first two of moved; row 1 the rest of moved, turned, rotation.
-[[gnu::always_inline]] inline void gather(const WideReal* movers, const unsigned* index, int row, Lanes (&out)[kLanes]) {
+[[gnu::always_inline]] inline void gather(const WideReal* movers, const unsigned* index, int row,
+                                          Lanes (&out)[kLanes]) {
   for (int i = 0; i < kLanes; ++i) out[i] = load_row(movers + index[i] * kStride + row * kLanes);
   transpose(out);
 }
 
-[[gnu::always_inline]] inline void scatter(WideReal* movers, const unsigned* index, unsigned writes, Lanes (&rows)[kLanes]) {
+[[gnu::always_inline]] inline void scatter(WideReal* movers, const unsigned* index, unsigned writes,
+                                           Lanes (&rows)[kLanes]) {
   transpose(rows);
   for (int i = 0; i < kLanes; ++i)
     if (writes >> i & 1u) store_row(movers + index[i] * kStride, rows[i]);
@@ -155,7 +157,8 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
   const Lanes3 ia1 = times(c.inv_inertia_a, a1), ib1 = times(c.inv_inertia_b, b1);
   const Lanes k11 = dot(times(inv_mass, t1), t1) + dot(a1, ia1) + dot(b1, ib1);
   const Lanes k12 = dot(times(inv_mass, t1), t2) + dot(a2, ia1) + dot(b2, ib1);
-  const Lanes k22 = dot(times(inv_mass, t2), t2) + dot(a2, times(c.inv_inertia_a, a2)) + dot(b2, times(c.inv_inertia_b, b2));
+  const Lanes k22 =
+      dot(times(inv_mass, t2), t2) + dot(a2, times(c.inv_inertia_a, a2)) + dot(b2, times(c.inv_inertia_b, b2));
   // singular (planar worlds, locked axes): the pseudo-inverse of a matrix of rank one, so that a direction in which
   // nothing but rounding can move gets no impulse
   const Lanes det = k11 * k22 - k12 * k12, trace2 = (k11 + k22) * (k11 + k22);
@@ -361,7 +364,8 @@ void solve_batches(const ContactPass& p) {
   Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
   const Lanes size = square_root(now1 * now1 + now2 * now2);
   const LaneMask slides = size > load(c.friction_static) * held;
-  const Lanes scale = select(slides, load(c.friction_dynamic) * held / select(slides, size, all_lanes(1)), all_lanes(1));
+  const Lanes scale =
+      select(slides, load(c.friction_dynamic) * held / select(slides, size, all_lanes(1)), all_lanes(1));
   now1 = now1 * scale, now2 = now2 * scale;
   store(c.tangent_impulse[0], now1);
   store(c.tangent_impulse[1], now2);
@@ -403,7 +407,8 @@ void restitution_batches(const ContactPass& p) {
       BatchPoint& q = c.point[j];
       const Lanes approach = load(side.approach[j]), e = load(side.restitution);
       const Lanes bounces = select(approach < all_lanes(-p.bounce_speed), all_lanes(1), zero) *
-                            select(load(side.total[j]) > zero, all_lanes(1), zero) * select(e > zero, all_lanes(1), zero);
+                            select(load(side.total[j]) > zero, all_lanes(1), zero) *
+                            select(e > zero, all_lanes(1), zero);
       const Lanes old = load(q.impulse);
       const Lanes now = max(old - load(q.mass) * (speed[j] + e * approach), zero);
       const Lanes change = (now - old) * bounces;

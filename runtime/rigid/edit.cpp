@@ -12,7 +12,8 @@ void check(const Vec3& v, const char* what) {
 }
 
 void check_not_negative(Real x, const char* what) {
-  if (!(x >= 0) || !is_finite(x)) throw SceneError(std::string(what) + ": expected a number not below 0, got " + std::to_string(x));
+  if (!(x >= 0) || !is_finite(x))
+    throw SceneError(std::string(what) + ": expected a number not below 0, got " + std::to_string(x));
 }
 
 }  // namespace
@@ -190,7 +191,8 @@ void Rigid::set_motor(ObjectId joint, Real speed, Real max_force) {
   const std::uint32_t j = impl_->joint_index(joint);
   SolverJoint& s = impl_->joints[j];
   if (!(s.kind->uses & kUsesMotor)) throw SceneError(std::string("set_motor: a ") + s.kind->name + " has no motor");
-  if (!is_finite(speed) || !(max_force >= 0)) throw SceneError("set_motor: expected a finite speed and a force not below 0");
+  if (!is_finite(speed) || !(max_force >= 0))
+    throw SceneError("set_motor: expected a finite speed and a force not below 0");
   JointOptions& o = s.shape.options;
   if (!o.has_motor)  // other rows than before: their impulses start anew
     for (Real& impulse : s.impulse) impulse = 0;

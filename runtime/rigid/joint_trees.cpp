@@ -55,7 +55,8 @@ void mass_matrix(const MoverMass& m, double inertia_scale, double* out) {
   }
   double inv[3][3], largest = 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) inv[i][j] = 0.5 * inertia_scale * static_cast<double>(m.inv_inertia(i, j) + m.inv_inertia(j, i));
+    for (int j = 0; j < 3; ++j)
+      inv[i][j] = 0.5 * inertia_scale * static_cast<double>(m.inv_inertia(i, j) + m.inv_inertia(j, i));
   for (int i = 0; i < 3; ++i) largest = inv[i][i] > largest ? inv[i][i] : largest;
   for (int i = 0; i < 3; ++i) inv[i][i] += inv[i][i] > 0 ? 0 : (largest > 0 ? 1e-9 * largest : 1e-9 / heavy);
   double c[3][3];
@@ -259,7 +260,8 @@ void JointTrees::factor(std::span<const Row> rows, const Movers& movers, std::sp
   for (std::size_t i = nodes_.size(); i-- > 0;) factor_node(nodes_[i], rows, movers);
 }
 
-void JointTrees::solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias, std::span<Real> step) {
+void JointTrees::solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias,
+                       std::span<Real> step) {
   for (Node& node : nodes_)
     for (double& x : node.load) x = 0;
   // up: what each link asks for, less what its child can do alone

@@ -10,7 +10,8 @@ namespace {
 constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep holds along a short chain, by experiment
 
 void refuse(bool given, unsigned uses, unsigned bit, const JointKind& kind, const char* option) {
-  if (given && !(uses & bit)) throw SceneError(std::string("joint: a ") + kind.name + " has no use for '" + option + "'");
+  if (given && !(uses & bit))
+    throw SceneError(std::string("joint: a ") + kind.name + " has no use for '" + option + "'");
 }
 
 void check_options(const JointDesc& d, const JointKind& kind) {
@@ -140,7 +141,8 @@ void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
   const int enough = static_cast<int>(std::ceil(ratio / kRatioPerSubstep));
   events.warn("mass_ratio",
               objects.describe(r.object) + " joins masses of ratio " + std::to_string(static_cast<long long>(ratio)) +
-                  "; " + std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) + " would hold it",
+                  "; " + std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) +
+                  " would hold it",
               r.object);
 }
 
@@ -213,7 +215,8 @@ void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
       if (row.velocity_only) continue;
       const bool equality = row.lower == -kInfinity && row.upper == kInfinity;
       if (row.hertz > 0) {
-        const Real k = compliance(records[j].body_a, row.linear, row.angular_a) + compliance(records[j].body_b, row.linear, row.angular_b);
+        const Real k = compliance(records[j].body_a, row.linear, row.angular_a) +
+                       compliance(records[j].body_b, row.linear, row.angular_b);
         const double omega = 2 * static_cast<double>(kPi * row.hertz), value = static_cast<double>(row.value);
         if (k > 0) elastic += 0.5 * omega * omega / static_cast<double>(k) * value * value;
       } else if (equality) {

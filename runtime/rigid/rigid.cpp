@@ -7,20 +7,40 @@
 namespace feder {
 
 Rigid::Impl::Impl(SystemSetup& s)
-    : store(s.store), objects(s.objects), events(s.events),
-      collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))), bodies(s.store.need<Bodies>(kName)),
-      colliders(s.store.need<Colliders>(ContactService::kSystem)), contacts(s.store.need<Contacts>(ContactService::kSystem)), movers(s.store.need<Movers>(kName)), dimension(s.dimension),
+    : store(s.store),
+      objects(s.objects),
+      events(s.events),
+      collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
+      bodies(s.store.need<Bodies>(kName)),
+      colliders(s.store.need<Colliders>(ContactService::kSystem)),
+      contacts(s.store.need<Contacts>(ContactService::kSystem)),
+      movers(s.store.need<Movers>(kName)),
+      dimension(s.dimension),
       structure_changed(s.structure_changed),
       solver(find_variant(rigid_solvers(), s.options.text("solver", "soft_step"), "rigid solver")
                  .make(s.store.arena(kName), s.options)),
-      volume(&s.store.arena(kName)), area(&s.store.arena(kName)), spins(&s.store.arena(kName)),
-      kept_momentum(&s.store.arena(kName)), kept_spin(&s.store.arena(kName)),
-      calm(&s.store.arena(kName)), next_in_island(&s.store.arena(kName)), parent(&s.store.arena(kName)),
-      joints(&s.store.arena(kName)), records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)),
-      rows(&s.store.arena(kName)), blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)),
-      applied_force(&s.store.arena(kName)), applied_torque(&s.store.arena(kName)),
-      angular_momentum(&s.store.arena(kName)), given_spin(&s.store.arena(kName)), bad(&s.store.arena(kName)),
-      points(&s.store.arena(kName)), point_force(&s.store.arena(kName)), point_place(&s.store.arena(kName)) {
+      volume(&s.store.arena(kName)),
+      area(&s.store.arena(kName)),
+      spins(&s.store.arena(kName)),
+      kept_momentum(&s.store.arena(kName)),
+      kept_spin(&s.store.arena(kName)),
+      calm(&s.store.arena(kName)),
+      next_in_island(&s.store.arena(kName)),
+      parent(&s.store.arena(kName)),
+      joints(&s.store.arena(kName)),
+      records(&s.store.arena(kName)),
+      free_joints(&s.store.arena(kName)),
+      rows(&s.store.arena(kName)),
+      blocks(&s.store.arena(kName)),
+      moving(&s.store.arena(kName)),
+      applied_force(&s.store.arena(kName)),
+      applied_torque(&s.store.arena(kName)),
+      angular_momentum(&s.store.arena(kName)),
+      given_spin(&s.store.arena(kName)),
+      bad(&s.store.arena(kName)),
+      points(&s.store.arena(kName)),
+      point_force(&s.store.arena(kName)),
+      point_place(&s.store.arena(kName)) {
   if (movers.solver.empty()) movers.reset();
   collide.on_touch_sleeping = [](void* self, std::uint32_t sleeper, std::uint32_t other) {
     Impl& impl = *static_cast<Impl*>(self);
@@ -95,7 +115,8 @@ void Rigid::save(Writer& w) const {
   const Impl& s = *impl_;
   s.bodies.save(w);
   w.list(s.movers.solver), w.list(s.movers.free_list);
-  w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.kept_momentum), w.list(s.kept_spin), w.list(s.calm), w.list(s.next_in_island);
+  w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.kept_momentum), w.list(s.kept_spin), w.list(s.calm),
+      w.list(s.next_in_island);
   w.list(s.free_joints);
   std::vector<SavedJoint> saved(s.joints.size());
   for (std::size_t j = 0; j < saved.size(); ++j) {
@@ -114,7 +135,8 @@ void Rigid::load(Reader& r) {
   Impl& s = *impl_;
   s.bodies.load(r);
   r.list(s.movers.solver), r.list(s.movers.free_list);
-  r.list(s.volume), r.list(s.area), r.list(s.spins), r.list(s.kept_momentum), r.list(s.kept_spin), r.list(s.calm), r.list(s.next_in_island);
+  r.list(s.volume), r.list(s.area), r.list(s.spins), r.list(s.kept_momentum), r.list(s.kept_spin), r.list(s.calm),
+      r.list(s.next_in_island);
   r.list(s.free_joints);
   std::vector<SavedJoint> saved;
   r.list(saved);
@@ -148,7 +170,8 @@ Energy Rigid::energy(const Vec3& gravity) const {
     const Vec3 l = b.inertia[i] * w;
     e.kinetic += 0.5 * (d(b.mass[i]) * d(dot(b.velocity[i], b.velocity[i])) + d(dot(w, l)));
     e.potential -= d(b.mass[i]) * d(b.gravity_scale[i]) *
-                   (d(gravity[0]) * d(b.position[i][0]) + d(gravity[1]) * d(b.position[i][1]) + d(gravity[2]) * d(b.position[i][2]));
+                   (d(gravity[0]) * d(b.position[i][0]) + d(gravity[1]) * d(b.position[i][1]) +
+                    d(gravity[2]) * d(b.position[i][2]));
   }
   if (const Forces* forces = impl_->store.find<Forces>()) {
     for (const ForceEntry& f : forces->list) {

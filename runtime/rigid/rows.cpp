@@ -63,9 +63,10 @@ void Rigid::Impl::update_boxes(StepContext& c) {
   for (const std::uint32_t i : moving)
     if (bodies.type[i] == BodyType::kinematic) aim_kinematic(i, c);
   rebuild_list();
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) place_colliders(moving[p], c.dt, c.gravity);
-  });
+  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
+                     [&](std::uint32_t first, std::uint32_t last, int) {
+                       for (std::uint32_t p = first; p < last; ++p) place_colliders(moving[p], c.dt, c.gravity);
+                     });
 }
 
 void Rigid::Impl::gather(StepContext& c) {
@@ -118,7 +119,8 @@ void Rigid::Impl::add_forces(StepContext& c) {
     point_place.clear();
     for (std::uint32_t p = 0; p < count; ++p) {
       const std::uint32_t i = moving[p];
-      if (bodies.type[i] != BodyType::dynamic || !acts_on(f, bodies.object[i], objects.tags(bodies.object[i]))) continue;
+      if (bodies.type[i] != BodyType::dynamic || !acts_on(f, bodies.object[i], objects.tags(bodies.object[i])))
+        continue;
       const MoverState& s = movers.state[p + 1];
       MassPoint point;
       point.position = movers.mass[p + 1].center + s.moved;
@@ -136,9 +138,10 @@ void Rigid::Impl::add_forces(StepContext& c) {
 }
 
 void Rigid::Impl::integrate_velocities(StepContext& c) {
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
-  });
+  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
+                     [&](std::uint32_t first, std::uint32_t last, int) {
+                       for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
+                     });
 }
 
 void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
@@ -198,8 +201,8 @@ void Rigid::Impl::finish_solve(StepContext& c) {
 bool Rigid::Impl::commit_finite(std::uint32_t p) const {
   const MoverState& s = movers.state[p + 1];
   const Quat& q = s.rotation;
-  return !bad[p] && all_finite(s.velocity) && all_finite(s.angular_velocity) && all_finite(bodies.position[moving[p]] + s.moved) &&
-         is_finite(q.x + q.y + q.z + q.w);
+  return !bad[p] && all_finite(s.velocity) && all_finite(s.angular_velocity) &&
+         all_finite(bodies.position[moving[p]] + s.moved) && is_finite(q.x + q.y + q.z + q.w);
 }
 
 void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
@@ -233,7 +236,8 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
 
 // A body whose numbers went bad stays where it last was, fixed.
 void Rigid::Impl::quarantine(std::uint32_t i) {
-  events.warn("non_finite", objects.describe(bodies.object[i]) + " got a velocity or position that is not finite; it is fixed now",
+  events.warn("non_finite",
+              objects.describe(bodies.object[i]) + " got a velocity or position that is not finite; it is fixed now",
               bodies.object[i]);
   bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
   set_type(i, BodyType::fixed);

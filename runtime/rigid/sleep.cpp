@@ -96,7 +96,8 @@ void Rigid::Impl::measure_motion(StepContext& c) {
     if (bodies.type[i] != BodyType::dynamic) continue;
     const Vec3 w = rotate_inverse(bodies.rotation[i], bodies.angular_velocity[i]);
     const Vec3 turning = bodies.inertia[i] * w;
-    const Real energy = Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, turning) * bodies.inv_mass[i]);
+    const Real energy =
+        Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, turning) * bodies.inv_mass[i]);
     const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
     bodies.sleep_energy[i] = mean < kCap ? mean : kCap;
     if (bodies.sleep_energy[i] < kCalm && energy < kRestless) calm[i] = 1;

@@ -139,8 +139,10 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change
     input.joint = &joint.shape;
     input.mover_a = joint.mover_a == kNone ? 0 : movers.solver[joint.mover_a];
     input.mover_b = joint.mover_b == kNone ? 0 : movers.solver[joint.mover_b];
-    input.a = {movers.mass[input.mover_a].center + movers.state[input.mover_a].moved, movers.state[input.mover_a].rotation};
-    input.b = {movers.mass[input.mover_b].center + movers.state[input.mover_b].moved, movers.state[input.mover_b].rotation};
+    input.a = {movers.mass[input.mover_a].center + movers.state[input.mover_a].moved,
+               movers.state[input.mover_a].rotation};
+    input.b = {movers.mass[input.mover_b].center + movers.state[input.mover_b].moved,
+               movers.state[input.mover_b].rotation};
     writer.start(input, j);
     joint.kind->fill(input, writer);
     joint.rows = static_cast<std::uint8_t>(writer.rows_written());

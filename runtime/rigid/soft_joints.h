@@ -12,8 +12,17 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h);
 class SoftJoints {
  public:
   SoftJoints(Arena& arena, Real hertz, Real damping_ratio, bool use_trees)
-      : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), trees_(arena), bias_(&arena), step_(&arena), strain_(&arena),
-        hertz_(hertz), damping_ratio_(damping_ratio), use_trees_(use_trees) {}
+      : rows_(&arena),
+        blocks_(&arena),
+        ready_(&arena),
+        prepared_(&arena),
+        trees_(arena),
+        bias_(&arena),
+        step_(&arena),
+        strain_(&arena),
+        hertz_(hertz),
+        damping_ratio_(damping_ratio),
+        use_trees_(use_trees) {}
 
   bool empty() const { return blocks_.empty(); }
   // Rows at the poses now, effective masses, and last impulses applied. `change` collects what joints do to each

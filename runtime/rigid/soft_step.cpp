@@ -135,7 +135,9 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
 void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) {
   ContactBatch& c = batches_[batch];
   BatchSide& side = sides_[batch];
-  const auto put = [lane](Lane8x3& to, const Vec3& v) { to.x.v[lane] = v[0], to.y.v[lane] = v[1], to.z.v[lane] = v[2]; };
+  const auto put = [lane](Lane8x3& to, const Vec3& v) {
+    to.x.v[lane] = v[0], to.y.v[lane] = v[1], to.z.v[lane] = v[2];
+  };
   put(c.normal, contact.normal);
   for (int j = 0; j < contact.point_count; ++j) {
     const ContactPoint& from = contact.points[j];
@@ -353,7 +355,9 @@ void SoftStep::finish(const SolverInput& in, StepContext& c) {
 
 Variant<RigidSolver> rigid_soft_step() {
   return {"soft_step", "substepped soft constraints with relaxation; eight contacts at a time",
-          [](Arena& arena, const Params& p) -> std::unique_ptr<RigidSolver> { return std::make_unique<SoftStep>(arena, p); }};
+          [](Arena& arena, const Params& p) -> std::unique_ptr<RigidSolver> {
+            return std::make_unique<SoftStep>(arena, p);
+          }};
 }
 
 }  // namespace feder

@@ -38,9 +38,10 @@ class RigidSolver {
  public:
   virtual ~RigidSolver() = default;
   virtual void prepare(const SolverInput& in, StepContext& c) = 0;    // once, before the first substep
-  virtual void solve(const SolverInput& in, StepContext& c) = 0;      // each substep: velocities in, velocities and moved/rotation out
+  virtual void solve(const SolverInput& in,
+                     StepContext& c) = 0;  // each substep: velocities in, velocities and moved/rotation out
   virtual void finish(const SolverInput& in, StepContext& c) = 0;     // once: restitution, impulses stored
-  virtual std::uint64_t capped() const { return 0; }                  // times an iteration limit was reached in the last step
+  virtual std::uint64_t capped() const { return 0; }  // times an iteration limit was reached in the last step
 };
 
 std::span<const Variant<RigidSolver>> rigid_solvers();

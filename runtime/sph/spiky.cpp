@@ -1,5 +1,5 @@
-// Spiky: its slope does not vanish where particles come near; a part of poly6_spiky. (Its own sum over a lattice is 17 %
-// off one with the usual number of neighbours: no kernel for densities.)
+// Spiky: its slope does not vanish where particles come near; a part of poly6_spiky. (Its own sum over a lattice is 17
+// % off one with the usual number of neighbours: no kernel for densities.)
 #ifndef FEDER_SPH_WIDE
 #include "sph/make_kernel.h"
 

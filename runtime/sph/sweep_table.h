@@ -26,7 +26,7 @@ struct Sweeps {
   // (w_i + w_j) g y, with y = y_i - y_j for other places y, given instead of the velocities
   void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);       // cohesion(u) x / u
-  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);      // see Kernel::radial_viscosity
+  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
 };
 
 }  // namespace feder

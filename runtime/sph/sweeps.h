@@ -34,8 +34,10 @@ struct Four {
   const Lanes b = __builtin_shufflevector(t0, t1, 2, 10, 3, 11, 6, 14, 7, 15);
   const Lanes c = __builtin_shufflevector(t2, t3, 0, 8, 1, 9, 4, 12, 5, 13);
   const Lanes d = __builtin_shufflevector(t2, t3, 2, 10, 3, 11, 6, 14, 7, 15);
-  return {__builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15),
-          __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15)};
+  return {__builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15),
+          __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15)};
 }
 [[gnu::always_inline]] inline Four spread(const WideReal* row) {
   return {all_lanes(row[0]), all_lanes(row[1]), all_lanes(row[2]), all_lanes(row[3])};
@@ -85,7 +87,8 @@ struct SweepsOf {
         x += g * p.x, y += g * p.y, z += g * p.z;
         square += gu * gu;
       });
-      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = total(sum);
+      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z),
+                 out4[4ul * i + 3] = total(sum);
       squares[i] = total(square);
     }
   }
@@ -138,7 +141,8 @@ struct SweepsOf {
     }
   }
 
-  // Akinci, Akinci & Teschner 2013: attraction that is strongest at half the support and turns round close by. 1 at most.
+  // Akinci, Akinci & Teschner 2013: attraction that is strongest at half the support and turns round close by. 1 at
+  // most.
   static void cohere(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), tiny = all_lanes(WideReal(1e-3));
     for (unsigned i = first; i < last; ++i) {
@@ -174,11 +178,13 @@ struct SweepsOf {
   static constexpr Sweeps table() { return {values, slopes, push, push_damped, push_from, cohere, viscous}; }
 };
 
-// Viscous pair term of Monaghan & Gingold 1983: along the line between the particles, so that it keeps angular momentum.
+// Viscous pair term of Monaghan & Gingold 1983: along the line between the particles, so that it keeps angular
+// momentum.
 template <class Gradient>
 struct RadialViscosity {
   static constexpr bool kRadial = true;
-  [[gnu::always_inline]] static void add(const Pair& p, Lanes vx, Lanes vy, Lanes vz, Lanes soft, Lanes& x, Lanes& y, Lanes& z) {
+  [[gnu::always_inline]] static void add(const Pair& p, Lanes vx, Lanes vy, Lanes vz, Lanes soft, Lanes& x, Lanes& y,
+                                         Lanes& z) {
     const Lanes r2 = p.x * p.x + p.y * p.y + p.z * p.z;
     const Lanes f = Gradient::slope(p.u) * (vx * p.x + vy * p.y + vz * p.z) / (r2 + soft);
     x += f * p.x, y += f * p.y, z += f * p.z;
@@ -189,7 +195,8 @@ struct RadialViscosity {
 template <class Shape>
 struct PlainViscosity {
   static constexpr bool kRadial = false;
-  [[gnu::always_inline]] static void add(const Pair& p, Lanes vx, Lanes vy, Lanes vz, Lanes, Lanes& x, Lanes& y, Lanes& z) {
+  [[gnu::always_inline]] static void add(const Pair& p, Lanes vx, Lanes vy, Lanes vz, Lanes, Lanes& x, Lanes& y,
+                                         Lanes& z) {
     const Lanes f = Shape::laplacian(p.u);
     x -= f * vx, y -= f * vy, z -= f * vz;
   }

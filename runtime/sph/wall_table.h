@@ -6,8 +6,8 @@
 // a factor 2 that follows from none, and drives currents along upright walls), and is in balance where the layer
 // belongs: nothing clumps at walls. Inside the solid it goes on in a straight line.
 // Colour and friction: true integrals over the half space (Bender et al., "Volume Maps", MIG 2019; Morris 1997).
-// Weak spot: in corners of two solids both count in full, at convex edges too: particles keep about a tenth of a spacing
-// more distance there. Thin plates weigh like thick ones, on purpose.
+// Weak spot: in corners of two solids both count in full, at convex edges too: particles keep about a tenth of a
+// spacing more distance there. Thin plates weigh like thick ones, on purpose.
 #pragma once
 #include "sph/kernel.h"
 
@@ -18,7 +18,8 @@ struct WallSample {
   WideReal slope = 0;     // -d value / d s
   WideReal share = 0;     // of the kernel that lies in the solid
   WideReal colour = 0;    // -d share / d s
-  // no-slip friction with the velocity continued oddly through the wall (Morris 1997): a = -nu v friction / (s support^2)
+  // no-slip friction with the velocity continued oddly through the wall (Morris 1997): a = -nu v friction / (s
+  // support^2)
   WideReal friction = 0;
 };
 

@@ -23,8 +23,12 @@ bool beyond_limit(const IntegratorInfo& method, double reach);
 
 struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
-      : kernels(pick_kernels(setup.options.text("kernels", "auto"))), arena(setup.store.arena(kName)), particles(setup.store.need<Particles>(kName)), store(setup.store),
-        objects(setup.objects), structure_changed(setup.structure_changed) {}
+      : kernels(pick_kernels(setup.options.text("kernels", "auto"))),
+        arena(setup.store.arena(kName)),
+        particles(setup.store.need<Particles>(kName)),
+        store(setup.store),
+        objects(setup.objects),
+        structure_changed(setup.structure_changed) {}
 
   const SpringKernels& kernels;
   Arena& arena;

@@ -27,7 +27,8 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   }
   row_begin_.assign(slice_count + 1, 0);
   for (std::uint32_t c = 0; c < slice_count; ++c)
-    row_begin_[c + 1] = row_begin_[c] + *std::max_element(degree.begin() + c * kLanes, degree.begin() + (c + 1) * kLanes);
+    row_begin_[c + 1] =
+        row_begin_[c] + *std::max_element(degree.begin() + c * kLanes, degree.begin() + (c + 1) * kLanes);
   const std::size_t row_count = row_begin_[slice_count];
   rows_.assign(row_count, SpringRow{});
   damping_.assign(damped ? row_count : 0, Lane8{});

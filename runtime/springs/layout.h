@@ -27,7 +27,8 @@ class SpringLayout {
 
   // force = outside(i) + what the springs do; `jobs` may be null. Returns how many spring ends had no direction.
   template <class Outside>
-  unsigned eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside, std::span<Vec3> force);
+  unsigned eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside,
+                std::span<Vec3> force);
 
   // Are there springs longer than the square root of `limit`? Then snapped() tells which, one bit each.
   bool find_snapped(std::span<const Vec3> x, const SpringArrays& springs, JobPool* jobs);

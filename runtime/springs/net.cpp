@@ -133,7 +133,9 @@ std::uint32_t Net::find_non_finite(JobPool* jobs) const {
 void Net::eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) {
   const Real* mass = particles_.mass.data() + first;
   const Vec3* script = particles_.script_force.data() + first;
-  const auto outside = [&](std::uint32_t i) { return Vec3(mass[i] * (gravity_ - settings.damping * v[i]) + script[i]); };
+  const auto outside = [&](std::uint32_t i) {
+    return Vec3(mass[i] * (gravity_ - settings.damping * v[i]) + script[i]);
+  };
   coincident += layout.eval(x, v, jobs_, outside, force) / 2;
   if (acting_.empty()) return;
   fill_points(x, v);

@@ -45,8 +45,19 @@ struct NetSettings {
 class Net final : public ForceField {
  public:
   Net(Arena& a, Particles& p)
-      : springs(a), faces(&a), layout(a), particles_(p), acting_(&a), points_(&a), some_(&a), some_force_(&a), below_(&a), above_(&a),
-        derivative_(&a), row_stiffness_(&a), row_damping_(&a) {}
+      : springs(a),
+        faces(&a),
+        layout(a),
+        particles_(p),
+        acting_(&a),
+        points_(&a),
+        some_(&a),
+        some_force_(&a),
+        below_(&a),
+        above_(&a),
+        derivative_(&a),
+        row_stiffness_(&a),
+        row_damping_(&a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0;  // run in Particles

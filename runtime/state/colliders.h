@@ -42,7 +42,7 @@ struct Colliders {
   Array<std::uint16_t> material;        // 0 = none; index into the world's material names
   Array<std::uint32_t> group, mask;     // collide when (group_a & mask_b) and (group_b & mask_a)
   Array<std::uint32_t> free_list;
-  Array<std::uint32_t> changed;         // filter, type or pose changed by script since the last step: pairs are re-examined
+  Array<std::uint32_t> changed;  // filter, type or pose changed by script since the last step: pairs are re-examined
   Array<std::shared_ptr<const Shape>> shapes;  // by collider index
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(motion.size()); }

@@ -11,7 +11,8 @@ namespace feder {
 inline constexpr int kMaxContactPoints = 4;
 
 struct ContactPoint {
-  Vec3 arm_a = Vec3::Zero();     // from the owner's centre of mass to the point, world, at the time of the fresh manifold, m
+  Vec3 arm_a =
+      Vec3::Zero();  // from the owner's centre of mass to the point, world, at the time of the fresh manifold, m
   Vec3 arm_b = Vec3::Zero();
   Real separation = 0;           // at the start of this step, m
   Real normal_impulse = 0;       // accumulated in the last substep, N s; warm start
@@ -45,7 +46,8 @@ struct Contacts {
   Array<Contact> slots;
   Array<std::uint32_t> order;      // slots in use, sorted by (collider_a, collider_b, sub)
   Array<std::uint32_t> free_list;
-  Array<std::uint32_t> active;     // written by narrow each step, in `order`: touching, no sensor, one side awake and movable
+  Array<std::uint32_t>
+      active;  // written by narrow each step, in `order`: touching, no sensor, one side awake and movable
 };
 
 }  // namespace feder

@@ -24,7 +24,8 @@ const char* wake_cause_name(WakeCause cause);
 struct Event {
   EventKind kind = EventKind::step;
   WakeCause cause = WakeCause::none;  // wake
-  ObjectId a, b;             // contacts: bodies or nets; sensors: a = sensor, b = other; others: a = object; wake: b = other; emitters and drains: b = fluid
+  ObjectId a, b;  // contacts: bodies or nets; sensors: a = sensor, b = other; others: a = object; wake: b = other;
+                  // emitters and drains: b = fluid
   std::uint32_t index = 0;   // point, spring or vertex of `a` (counts from 0)
   std::uint32_t order = 0;   // filled on append: keeps equal keys in the order they came
   Vec3 point = Vec3::Zero();   // world, m

@@ -9,7 +9,8 @@ constexpr std::size_t kTombstones = 64;  // freed slots that wait before they ar
 }  // namespace
 
 const char* kind_name(ObjectKind kind) {
-  static const char* const names[] = {"none", "body", "joint", "net", "force", "region", "cloth", "fluid", "emitter", "drain"};
+  static const char* const names[] = {"none",   "body",  "joint", "net",     "force",
+                                      "region", "cloth", "fluid", "emitter", "drain"};
   return names[static_cast<int>(kind)];
 }
 
@@ -22,7 +23,8 @@ ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, Ta
   std::uint32_t i;
   if (free_.size() - free_head_ > kTombstones) {
     i = free_[free_head_++];
-    if (free_head_ > 1024) free_.erase(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(free_head_)), free_head_ = 0;
+    if (free_head_ > 1024)
+      free_.erase(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(free_head_)), free_head_ = 0;
   } else {
     i = static_cast<std::uint32_t>(slots_.size());
     slots_.emplace_back();
@@ -98,7 +100,8 @@ TagMask Objects::known_tag(std::string_view tag) const {
 
 TagMask Objects::tag_bit(std::string_view tag) {
   if (const TagMask known = known_tag(tag)) return known;
-  if (tag_names_.size() == 64) throw SceneError("tags: a world knows at most 64 different tags, '" + std::string(tag) + "' is one more");
+  if (tag_names_.size() == 64)
+    throw SceneError("tags: a world knows at most 64 different tags, '" + std::string(tag) + "' is one more");
   tag_names_.emplace_back(tag);
   return TagMask(1) << (tag_names_.size() - 1);
 }
@@ -115,7 +118,9 @@ std::size_t Objects::count(ObjectKind kind) const {
   return n;
 }
 
-std::size_t Objects::bytes() const { return slots_.capacity() * sizeof(Slot) + free_.capacity() * sizeof(std::uint32_t); }
+std::size_t Objects::bytes() const {
+  return slots_.capacity() * sizeof(Slot) + free_.capacity() * sizeof(std::uint32_t);
+}
 
 void Objects::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(slots_.size()));

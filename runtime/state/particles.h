@@ -27,7 +27,8 @@ struct Particles {
   // Calls f(array) for every array, always in the same order: for growing, erasing, saving and loading.
   template <class P, class F>
   static void each_array(P& p, F&& f) {
-    f(p.position), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius), f(p.net), f(p.script_force);
+    f(p.position), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius), f(p.net),
+        f(p.script_force);
     f(p.collider), f(p.mover);
   }
 };

@@ -27,7 +27,8 @@ class StepPlan {
  public:
   void clear();
   void add(const StepRow& row);
-  // Member function form: plan.add<&Rigid::integrate>(Stage::advance, When::each_substep, 10, "integrate", "rigid", this)
+  // Member function form: plan.add<&Rigid::integrate>(Stage::advance, When::each_substep, 10, "integrate", "rigid",
+  // this)
   template <auto Method, class T>
   void add(Stage stage, When when, int rank, const char* name, const char* system, T* self) {
     add(StepRow{stage, when, rank, name, system,

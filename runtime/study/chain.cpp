@@ -12,7 +12,8 @@ class Chain final : public NetProblem {
     const int n = o.integer("points", 10, 1, 100, "free points");
     const double k = o.number("stiffness", 100, 1e-3, 1e12, "N/m");
     const double m = o.number("mass", 1, 1e-6, 1e6, "kg");
-    const std::size_t ends = o.choice("ends", "fixed_fixed", {"fixed_fixed", "fixed_free", "free_free"}, "of the chain");
+    const std::size_t ends =
+        o.choice("ends", "fixed_fixed", {"fixed_fixed", "fixed_free", "free_free"}, "of the chain");
     const int mode = o.integer("mode", 1, 1, 100, "1: the slowest that swings");
     const double periods = o.number("periods", 2, 0.01, 1e4, "of the mode");
     const bool left = ends != 2, right = ends == 0;

@@ -15,7 +15,8 @@ class ClothRun final : public StudyRun {
     d.solver = spec.method;
     // an explicit method takes the small steps its stability needs
     Arena unused("study");
-    const bool sheds = find_variant(cloth_solvers(), spec.method, "cloth solver").make(unused, Params())->sheds_strain();
+    const bool sheds =
+        find_variant(cloth_solvers(), spec.method, "cloth solver").make(unused, Params())->sheds_strain();
     d.substeps = sheds ? 1 : 0;
     if (spec.iterations > 0 && sheds) d.solver_options.set("iterations", static_cast<double>(spec.iterations));
     id_ = cloth_.add_cloth(d);
@@ -79,7 +80,8 @@ class ClothRun final : public StudyRun {
 
 std::vector<MethodInfo> ClothProblem::methods() const {
   std::vector<MethodInfo> all;
-  for (const Variant<ClothSolver>& row : cloth_solvers()) all.push_back({row.name, row.summary, 0, 1, NAN, false, false});
+  for (const Variant<ClothSolver>& row : cloth_solvers())
+    all.push_back({row.name, row.summary, 0, 1, NAN, false, false});
   return all;
 }
 
@@ -90,7 +92,9 @@ std::vector<RunSpec> ClothProblem::ladder(const MethodInfo& method) const {
   return rungs;
 }
 
-std::unique_ptr<StudyRun> ClothProblem::start(const RunSpec& spec) const { return std::make_unique<ClothRun>(*this, spec); }
+std::unique_ptr<StudyRun> ClothProblem::start(const RunSpec& spec) const {
+  return std::make_unique<ClothRun>(*this, spec);
+}
 
 void ClothProblem::reference(double, Observation& out) const {
   out.x = rest_;
@@ -102,7 +106,8 @@ void ClothProblem::measure(double length, const char* source) {
   info_.dof = static_cast<int>(rest_.size());
   info_.dense = false;
   info_.x_scale = length, info_.v_scale = std::sqrt(kGravity * length);
-  double mass = static_cast<double>(desc_.area_density) * static_cast<double>(desc_.size[0]) * static_cast<double>(desc_.size[1]);
+  double mass =
+      static_cast<double>(desc_.area_density) * static_cast<double>(desc_.size[0]) * static_cast<double>(desc_.size[1]);
   for (const double f : pull_) mass += f / kGravity;
   info_.energy_scale = mass * kGravity * length;
   set_reference(ReferenceKind::closed, 12, 1e-9, source);

@@ -54,7 +54,8 @@ class Catenary final : public ClothProblem {
     desc_.stretch = static_cast<Real>(stretch), desc_.shear = 0, desc_.bend = 0;
     desc_.damping = Real(0.02), desc_.self_collision = false;
     desc_.pin_names = {"left", "right"};
-    // links of half the strip from its middle: link i carries the weight of i + 1/2 masses (n even: one hangs in the middle)
+    // links of half the strip from its middle: link i carries the weight of i + 1/2 masses (n even: one hangs in the
+    // middle)
     const auto half = [&](double tension, std::vector<double>* xy) {
       double x = 0, y = 0;
       for (int i = 0; i < n / 2; ++i) {
@@ -122,7 +123,8 @@ class Cantilever final : public ClothProblem {
       for (int i = 0; i <= n; ++i) {
         rest_.insert(rest_.end(), {x, y, (j - 1) * link});
         if (i == n) break;
-        x += link * std::cos(angle[static_cast<std::size_t>(i)]), y -= link * std::sin(angle[static_cast<std::size_t>(i)]);
+        x += link * std::cos(angle[static_cast<std::size_t>(i)]),
+            y -= link * std::sin(angle[static_cast<std::size_t>(i)]);
       }
     }
     substeps_ = {4, 8, 16, 32, 64, 128, 256};

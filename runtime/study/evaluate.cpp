@@ -1,7 +1,7 @@
 // Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
 // Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
-// reference. They are read off the error along the run: that at t_end alone may vanish by luck of the phase, and does for
-// symplectic methods after whole periods.
+// reference. They are read off the error along the run: that at t_end alone may vanish by luck of the phase, and does
+// for symplectic methods after whole periods.
 #include "study/evaluate.h"
 
 #include <algorithm>
@@ -84,7 +84,8 @@ const Axis* varying_axis(const std::vector<const StudyPoint*>& points) {
 }
 
 // The finest window of points on a line, or the straightest when none is straight. Finer points may sit on rounding.
-Line straight_stretch(const std::vector<double>& x, const std::vector<double>& y, std::size_t& first, std::size_t& count) {
+Line straight_stretch(const std::vector<double>& x, const std::vector<double>& y, std::size_t& first,
+                      std::size_t& count) {
   count = std::min(kFitPoints, x.size());
   Line best;
   for (std::size_t k = x.size() - count + 1; k-- > 0;) {
@@ -138,7 +139,9 @@ bool reach(const StudyResult& r, const std::string& method, double target, CostT
   for (const StudyPoint* p : points_of(r, method))
     if (counts(*p) && ranking_error(r.problem, *p) >= 0 && p->work > 0) own.push_back(p);
   std::stable_sort(own.begin(), own.end(), [](auto* a, auto* b) { return a->work < b->work; });
-  const auto error = [&](const StudyPoint* p) { return std::max(ranking_error(r.problem, *p), r.problem.reference.floor()); };
+  const auto error = [&](const StudyPoint* p) {
+    return std::max(ranking_error(r.problem, *p), r.problem.reference.floor());
+  };
   for (std::size_t i = 0; i < own.size(); ++i) {
     if (error(own[i]) > target) continue;
     const StudyPoint *b = own[i], *a = i > 0 ? own[i - 1] : b;

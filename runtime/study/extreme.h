@@ -29,7 +29,8 @@ std::span<const ExtremeCase> extreme_cloth_cases();  // where cloth is built
 std::vector<ExtremeCase> extreme_cases();  // all
 
 // Runs `act`, which must throw a SceneError that contains `word`, and asks `hash` before and after.
-ExtremeOutcome expect_refusal(const char* word, const std::function<void()>& act, const std::function<std::uint64_t()>& hash);
+ExtremeOutcome expect_refusal(const char* word, const std::function<void()>& act,
+                              const std::function<std::uint64_t()>& hash);
 // "label value" with six digits, for details.
 std::string labelled(const char* label, double value);
 

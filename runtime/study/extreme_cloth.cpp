@@ -57,8 +57,12 @@ ExtremeOutcome comes_back(double stiffness, F&& spoil) {
   }
   const double strain = static_cast<double>(cloth.max_strain(id));
   const bool good = w.is_finite() && most <= 1.01 * start && (stiffness < 100 || strain < 0.5);
-  return {good, good ? Verdict::stable : w.is_finite() ? Verdict::inaccurate : Verdict::nan,
-          labelled("largest kinetic energy by that at the start", most / start) + ", " + labelled("largest strain left", strain)};
+  return {good,
+          good            ? Verdict::stable
+          : w.is_finite() ? Verdict::inaccurate
+                          : Verdict::nan,
+          labelled("largest kinetic energy by that at the start", most / start) + ", " +
+              labelled("largest strain left", strain)};
 }
 
 ExtremeOutcome teleported(double stiffness) {
@@ -109,14 +113,16 @@ const ExtremeCase kCases[] = {
      [] { return refused_cloth("stretch", [](ClothDesc& d) { d.stretch = kBad; }); }},
     {"cloth", "pin out of range", "refused, pins named", false,
      [] { return refused_cloth("pins", [](ClothDesc& d) { d.pins = {81}; }); }},
-    {"cloth", "one vertex 100 lengths away, 1 N/m", "swings back, no energy from nowhere", false, [] { return teleported(1); }},
+    {"cloth", "one vertex 100 lengths away, 1 N/m", "swings back, no energy from nowhere", false,
+     [] { return teleported(1); }},
     {"cloth", "one vertex 100 lengths away, 1e3 N/m", "comes back to its shape", false, [] { return teleported(1e3); }},
     {"cloth", "one vertex 100 lengths away, 1e6 N/m", "comes back to its shape", false, [] { return teleported(1e6); }},
     {"cloth", "all vertices random, 1 N/m", "spreads, no energy from nowhere", false, [] { return all_random(1); }},
     {"cloth", "all vertices random, 1e3 N/m", "spreads to its size", false, [] { return all_random(1e3); }},
     {"cloth", "all vertices random, 1e6 N/m", "spreads to its size", false, [] { return all_random(1e6); }},
     {"cloth", "bar of 100 times its mass hung from it", "holds", false, [] { return heavy_bar(100); }},
-    {"cloth", "bar of 1e4 times its mass hung from it", "holds, or stretches with a warning", false, [] { return heavy_bar(1e4); }},
+    {"cloth", "bar of 1e4 times its mass hung from it", "holds, or stretches with a warning", false,
+     [] { return heavy_bar(1e4); }},
 };
 
 }  // namespace

@@ -132,8 +132,10 @@ ExtremeOutcome heavy_on_soft() {
 }
 
 const ExtremeCase kCases[] = {
-    {"rigid", "mass -1", "refused, mass named", false, [] { return refused_body("mass", [](BodyDesc& d) { d.mass = -1; }); }},
-    {"rigid", "mass NaN", "refused, mass named", false, [] { return refused_body("mass", [](BodyDesc& d) { d.mass = kBad; }); }},
+    {"rigid", "mass -1", "refused, mass named", false,
+     [] { return refused_body("mass", [](BodyDesc& d) { d.mass = -1; }); }},
+    {"rigid", "mass NaN", "refused, mass named", false,
+     [] { return refused_body("mass", [](BodyDesc& d) { d.mass = kBad; }); }},
     {"rigid", "density 0", "refused, density named", false,
      [] { return refused_body("density", [](BodyDesc& d) { d.density = 0; }); }},
     {"rigid", "position NaN", "refused, position named", false,
@@ -142,16 +144,19 @@ const ExtremeCase kCases[] = {
      [] { return refused_body("velocity", [](BodyDesc& d) { d.velocity[0] = kInfinity; }); }},
     {"rigid", "box of no width", "refused, the size named", false,
      [] { return refused_body("box", [](BodyDesc& d) { d.shape = make_box(0, 1, 1); }); }},
-    {"rigid", "mesh with zero-area triangles and double vertices", "the good triangles carry a ball", false, &bad_triangles},
+    {"rigid", "mesh with zero-area triangles and double vertices", "the good triangles carry a ball", false,
+     &bad_triangles},
     {"rigid", "mesh without area", "refused", false, &no_area},
     {"rigid", "boxes fully overlapping", "part, no faster than the push speed", false, &full_overlap},
     {"rigid", "bullet of 1e4 m/s, wall of 1 cm", "stops at the wall", false, [] { return bullet(true); }},
-    {"rigid", "the same, not marked as bullet", "passes: inaccurate, as documented", false, [] { return bullet(false); }},
+    {"rigid", "the same, not marked as bullet", "passes: inaccurate, as documented", false,
+     [] { return bullet(false); }},
     {"rigid", "needle 1000 : 1", "lies still", false, &needle},
     {"rigid", "stack of 40 boxes for 60 s, impulse", "drift below 1 mm/min, kinetic energy below 1e-6 J", true,
      [] { return stack("impulse", 40, 60, 1); }},
     {"rigid", "heavy 1000 : 1 on light, impulse", "stands", false, [] { return stack("impulse", 2, 10, 1000); }},
-    {"rigid", "heavy 1000 : 1 on light, soft_step", "sinks in: inaccurate, its contacts are springs", false, &heavy_on_soft},
+    {"rigid", "heavy 1000 : 1 on light, soft_step", "sinks in: inaccurate, its contacts are springs", false,
+     &heavy_on_soft},
 };
 
 }  // namespace

@@ -55,7 +55,8 @@ ExtremeOutcome same_place() {
   double most = 0;
   for (int k = 0; k < 480; ++k) {
     w.step();
-    most = std::max(most, static_cast<double>(length(w.need<Springs>().point(net, 1) - w.need<Springs>().point(net, 0))));
+    most =
+        std::max(most, static_cast<double>(length(w.need<Springs>().point(net, 1) - w.need<Springs>().point(net, 0))));
   }
   const bool good = finite_net(w, net) && most > 1.5 && most < 2.2;
   return {good, good ? Verdict::stable : Verdict::stuck, labelled("largest distance, m", most)};
@@ -93,7 +94,8 @@ ExtremeOutcome stretched_hundredfold() {
     most = std::max(most, w.energy().elastic + w.energy().kinetic);
   }
   const bool good = finite_net(w, net) && most <= 1.001 * start;
-  return {good, good ? Verdict::stable : Verdict::growing, labelled("largest energy by that of the start", most / start)};
+  return {good, good ? Verdict::stable : Verdict::growing,
+          labelled("largest energy by that of the start", most / start)};
 }
 
 // 1000 links of 0.1 m with 1e6 kg at the end: the first spring carries everything.
@@ -108,7 +110,8 @@ ExtremeOutcome heavy_long_chain() {
   for (std::uint32_t i = 0; i <= kLinks; ++i) {
     d.points.push_back(Vec3(0, Real(-0.1) * static_cast<Real>(i), 0));
     d.masses.push_back(i == kLinks ? Real(1e6) : Real(1));
-    if (i > 0) d.springs.push_back({i - 1, i, Real(1e9), 0, Real(0.1), kInfinity}), mass += static_cast<double>(d.masses[i]);
+    if (i > 0)
+      d.springs.push_back({i - 1, i, Real(1e9), 0, Real(0.1), kInfinity}), mass += static_cast<double>(d.masses[i]);
   }
   d.damping = 2;
   d.integrator = "implicit_euler";
@@ -117,7 +120,8 @@ ExtremeOutcome heavy_long_chain() {
   for (int k = 0; k < 1200; ++k) w.step();
   const double tension = 1e9 * static_cast<double>(w.need<Springs>().strain(net, 0)) * 0.1, wanted = mass * 9.81;
   const bool good = finite_net(w, net) && std::fabs(tension / wanted - 1) < 0.01;
-  return {good, good ? Verdict::stable : Verdict::inaccurate, labelled("tension by the weight below", tension / wanted)};
+  return {good, good ? Verdict::stable : Verdict::inaccurate,
+          labelled("tension by the weight below", tension / wanted)};
 }
 
 // h from 1e-4 to 1e-1 in the middle of a run, for every method without a limit.
@@ -145,7 +149,8 @@ ExtremeOutcome step_change() {
 ExtremeOutcome tiny_velocities() {
   World w(weightless(), kSprings);
   NetDesc d = pair_net();
-  d.velocities = {Vec3(0, std::numeric_limits<Real>::denorm_min(), 0), Vec3(0, 0, std::numeric_limits<Real>::min() / 3)};
+  d.velocities = {Vec3(0, std::numeric_limits<Real>::denorm_min(), 0),
+                  Vec3(0, 0, std::numeric_limits<Real>::min() / 3)};
   const ObjectId net = w.need<Springs>().add_net(d);
   for (int k = 0; k < 600; ++k) w.step();
   const double far = static_cast<double>(length(w.need<Springs>().point(net, 1) - Vec3(1, 0, 0)));
@@ -180,10 +185,14 @@ const ExtremeCase kCases[] = {
     {"springs", "no such integrator", "refused, the known ones named", false,
      [] { return refused_net("implicit_euler", [](NetDesc& d) { d.integrator = "rk17"; }); }},
     {"springs", "misspelt integrator option", "refused, the option named", false,
-     [] { return refused_net("tolerance", [](NetDesc& d) { d.integrator = "rk45", d.integrator_options.set("tolerence", 1e-3); }); }},
+     [] {
+       return refused_net("tolerance",
+                          [](NetDesc& d) { d.integrator = "rk45", d.integrator_options.set("tolerence", 1e-3); });
+     }},
     {"world", "dt 0", "refused, dt named", false, [] { return refused_world("dt", [](WorldDesc& d) { d.dt = 0; }); }},
     {"world", "dt -1", "refused, dt named", false, [] { return refused_world("dt", [](WorldDesc& d) { d.dt = -1; }); }},
-    {"world", "dt NaN", "refused, dt named", false, [] { return refused_world("dt", [](WorldDesc& d) { d.dt = NAN; }); }},
+    {"world", "dt NaN", "refused, dt named", false,
+     [] { return refused_world("dt", [](WorldDesc& d) { d.dt = NAN; }); }},
     {"world", "gravity NaN", "refused, gravity named", false,
      [] { return refused_world("gravity", [](WorldDesc& d) { d.gravity[1] = kBad; }); }},
     {"springs", "two particles at one point", "part along a fixed direction and swing", false, &same_place},
@@ -201,7 +210,8 @@ std::span<const ExtremeCase> extreme_spring_cases() { return kCases; }
 
 std::vector<ExtremeCase> extreme_cases() {
   std::vector<ExtremeCase> all;
-  for (const auto cases : {extreme_spring_cases(), extreme_rigid_cases()}) all.insert(all.end(), cases.begin(), cases.end());
+  for (const auto cases : {extreme_spring_cases(), extreme_rigid_cases()})
+    all.insert(all.end(), cases.begin(), cases.end());
 #ifdef FEDER_HAS_CLOTH
   all.insert(all.end(), extreme_cloth_cases().begin(), extreme_cloth_cases().end());
 #endif

@@ -44,7 +44,8 @@ class FreeTop final : public RigidProblem {
     static const char* const half_names[] = {"hx", "hy", "hz"};
     static const char* const spin_names[] = {"wx", "wy", "wz"};
     static const double halves[] = {0.1, 0.2, 0.3}, spins[] = {0.05, 5, 0.05};
-    for (int k = 0; k < 3; ++k) half_[k] = o.number(half_names[k], halves[k], 1e-3, 1e3, "half size, m; the mass is 1 kg");
+    for (int k = 0; k < 3; ++k)
+      half_[k] = o.number(half_names[k], halves[k], 1e-3, 1e3, "half size, m; the mass is 1 kg");
     for (int k = 0; k < 3; ++k) spin_[k] = o.number(spin_names[k], spins[k], -1e4, 1e4, "spin at the start, rad/s");
     info_.t_end = o.number("t_end", 10, 1e-3, 1e4, "s");
     double energy = 0;

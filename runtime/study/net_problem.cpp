@@ -92,7 +92,8 @@ class NetRun final : public StudyRun {
 
 // Accelerations of the model, written apart from runtime/springs.
 void accelerate(const NetModel& m, const Wide* x, Wide* a) {
-  for (std::size_t i = 0; i < m.mass.size(); ++i) a[3 * i] = a[3 * i + 2] = 0, a[3 * i + 1] = -static_cast<Wide>(m.gravity);
+  for (std::size_t i = 0; i < m.mass.size(); ++i)
+    a[3 * i] = a[3 * i + 2] = 0, a[3 * i + 1] = -static_cast<Wide>(m.gravity);
   for (const NetSpring& s : m.springs) {
     Wide d[3], square = 0;
     for (std::size_t k = 0; k < 3; ++k) d[k] = x[3 * s.j + k] - x[3 * s.i + k], square += d[k] * d[k];

@@ -12,8 +12,8 @@ double rms_distance(std::span<const double> a, std::span<const double> b);
 // Largest angle between orientations, 2 acos|q . q_ref|, rad; NaN without orientations.
 double largest_angle(std::span<const double> q, std::span<const double> reference);
 
-// min over components of -log10(|y - ref| / (1 + |ref|)) of x/x_scale and v/v_scale: correct digits, mixed (mescd of the
-// IVP Test Set with atol = rtol). At most 17.
+// min over components of -log10(|y - ref| / (1 + |ref|)) of x/x_scale and v/v_scale: correct digits, mixed (mescd of
+// the IVP Test Set with atol = rtol). At most 17.
 double correct_digits(const Observation& run, const Observation& reference, double x_scale, double v_scale);
 
 // Cubic Hermite between (t0, a) and (t1, b) at t: positions and velocities; orientations from the nearer end.

@@ -31,7 +31,8 @@ class Pendulum final : public OdeProblem {
  public:
   explicit Pendulum(const Params& given) {
     ProblemOptions o(given, info_);
-    const double angle = o.number("theta0", 1.5707963267948966, 1e-3, 3.1415, "rad from the vertical, released at rest");
+    const double angle =
+        o.number("theta0", 1.5707963267948966, 1e-3, 3.1415, "rad from the vertical, released at rest");
     info_.t_end = o.number("t_end", 10, 1e-3, 1e5, "s, with g/L = 1");
     k_ = std::sin(static_cast<Wide>(angle) / 2);
     k1_ = std::cos(static_cast<Wide>(angle) / 2);

@@ -54,8 +54,9 @@ class ProtheroRobinson final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_prothero_robinson() {
-  return {"prothero_robinson", "a smooth solution that attracts at the rate 1e6: order reduction of stiff methods",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<ProtheroRobinson>(p); }};
+  return {
+      "prothero_robinson", "a smooth solution that attracts at the rate 1e6: order reduction of stiff methods",
+      [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<ProtheroRobinson>(p); }};
 }
 
 }  // namespace feder

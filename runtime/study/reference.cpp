@@ -13,7 +13,11 @@ constexpr Wide kPiWide = 3.14159265358979323846264338327950288L;
 }  // namespace
 
 OdeReference::OdeReference(Rhs rhs, std::vector<Wide> start, double t_end, int samples, Wide tolerance)
-    : rhs_(std::move(rhs)), t_end_(t_end), samples_(samples), tolerance_(tolerance), step_(static_cast<Wide>(t_end) / samples) {
+    : rhs_(std::move(rhs)),
+      t_end_(t_end),
+      samples_(samples),
+      tolerance_(tolerance),
+      step_(static_cast<Wide>(t_end) / samples) {
   largest_.resize(start.size());
   between_ = slope_ = previous_ = current_ = largest_;
   table_.assign(kRows, largest_);

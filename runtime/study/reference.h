@@ -9,8 +9,8 @@ namespace feder {
 using Wide = long double;
 
 // y' = f(t, y) by Gragg-Bulirsch-Stoer extrapolation (Hairer, Norsett, Wanner, Solving ODEs I, II.9): modified midpoint
-// with 2, 4, ... 20 substeps. `tolerance`: error per step against the largest value of a component so far. Keeps the states at equidistant times;
-// other times are integrated from the one before.
+// with 2, 4, ... 20 substeps. `tolerance`: error per step against the largest value of a component so far. Keeps the
+// states at equidistant times; other times are integrated from the one before.
 class OdeReference {
  public:
   using Rhs = std::function<void(Wide t, const Wide* y, Wide* dy)>;

@@ -89,7 +89,8 @@ class RigidRun final : public StudyRun {
 
 std::vector<MethodInfo> RigidProblem::methods() const {
   std::vector<MethodInfo> all;
-  for (const Variant<RigidSolver>& row : rigid_solvers()) all.push_back({row.name, row.summary, 0, 1, NAN, false, false});
+  for (const Variant<RigidSolver>& row : rigid_solvers())
+    all.push_back({row.name, row.summary, 0, 1, NAN, false, false});
   return all;
 }
 

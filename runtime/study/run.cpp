@@ -39,9 +39,14 @@ void raise(double& worst, double x) {
 
 class Watch {
  public:
-  Watch(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, StudyPoint& point, StudySeries* series)
-      : problem_(problem), info_(problem.info()), h_(info_.t_end / spec.steps), dense_(info_.dense && !method.adaptive),
-        point_(point), series_(series) {}
+  Watch(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, StudyPoint& point,
+        StudySeries* series)
+      : problem_(problem),
+        info_(problem.info()),
+        h_(info_.t_end / spec.steps),
+        dense_(info_.dense && !method.adaptive),
+        point_(point),
+        series_(series) {}
 
   void start(StudyRun& run) {
     run.observe(now_);

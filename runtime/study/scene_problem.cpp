@@ -100,7 +100,8 @@ SceneProblem::SceneProblem(SceneDescription description) : scene_(std::move(desc
       throw SceneError("study: expected steps of at most 1 s over " + std::to_string(scene_.t_end) + " s, got " +
                        std::to_string(n) + " steps");
   if (scene_.has_error)
-    set_reference(ReferenceKind::closed, 0, 0, scene_.error_source.empty() ? "the scene's own error" : scene_.error_source);
+    set_reference(ReferenceKind::closed, 0, 0,
+                  scene_.error_source.empty() ? "the scene's own error" : scene_.error_source);
   else if (!scene_.reference.empty())
     set_reference(ReferenceKind::closed, 0, 0, "values the scene states for t_end");
   else

@@ -21,7 +21,8 @@ class SpringPendulum final : public NetProblem {
                   "extrapolation of order 20 in long double");
     // the stretch of a stiff spring follows its force: its phase, an amplitude of about g/k, is what rounding shifts
     steps_ = {30, 100, 300, 1000};
-    for (double s = 3000; s < 40 * info_.frequency * info_.t_end && s < 2e6; s *= 2) steps_.push_back(static_cast<int>(s));
+    for (double s = 3000; s < 40 * info_.frequency * info_.t_end && s < 2e6; s *= 2)
+      steps_.push_back(static_cast<int>(s));
     for (int s = 30; s < 60000; s *= 2) implicit_steps_.push_back(s);
     use_extrapolation();
   }

@@ -10,12 +10,14 @@ namespace feder {
 namespace {
 
 double largest(const std::vector<double>& e, std::size_t first, std::size_t last) {
-  return *std::max_element(e.begin() + static_cast<std::ptrdiff_t>(first), e.begin() + static_cast<std::ptrdiff_t>(last));
+  return *std::max_element(e.begin() + static_cast<std::ptrdiff_t>(first),
+                           e.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
 }  // namespace
 
-Verdict judge(const StabilityTrace& j, double length, double energy, const StabilityThresholds& limits, const StabilityCell& c) {
+Verdict judge(const StabilityTrace& j, double length, double energy, const StabilityThresholds& limits,
+              const StabilityCell& c) {
   const std::size_t n = j.energy.size();
   if (n >= 8) {
     const double second = largest(j.energy, n / 4, n / 2), last = largest(j.energy, 3 * n / 4, n);
@@ -78,7 +80,8 @@ StabilityMap run_map(const StabilityProblem& problem, const StabilityMethod& met
 }  // namespace
 
 const char* name_of(Verdict v) {
-  static const char* const names[] = {"nan", "diverged", "growing", "stuck", "damped", "inaccurate", "slow", "refused", "stable"};
+  static const char* const names[] = {"nan",        "diverged", "growing", "stuck", "damped",
+                                      "inaccurate", "slow",     "refused", "stable"};
   return names[static_cast<std::size_t>(v)];
 }
 

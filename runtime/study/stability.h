@@ -1,5 +1,6 @@
-// Stability maps (numerics.md 3.6): a method on a problem over two axes, a verdict for each cell, and the boundary found
-// by bisection beside the one theory predicts. Plain data for tables and drawings; NaN stands for "does not apply".
+// Stability maps (numerics.md 3.6): a method on a problem over two axes, a verdict for each cell, and the boundary
+// found by bisection beside the one theory predicts. Plain data for tables and drawings; NaN stands for "does not
+// apply".
 #pragma once
 #include <cmath>
 #include <cstdint>

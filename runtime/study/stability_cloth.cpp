@@ -69,7 +69,8 @@ ClothCell hung(const std::string& solver, double x, double y) {
   bar.group = 0;  // it only hangs there
   bar.position = cloth.point(c.cloth, 110 + 5);
   c.body = rigid.add_body(bar);
-  for (std::size_t i = 110; i < 121; ++i) cloth.attach(c.cloth, i, c.body, to_local(rigid.pose(c.body), cloth.point(c.cloth, i)));
+  for (std::size_t i = 110; i < 121; ++i)
+    cloth.attach(c.cloth, i, c.body, to_local(rigid.pose(c.body), cloth.point(c.cloth, i)));
   c.energy = (mass + static_cast<double>(d.area_density)) * kGravity * (1 + 2 * strain);
   c.length = 1 + 2 * strain;
   c.expected = strain < 0.2 ? strain : NAN;  // else it is still falling when time is up
@@ -136,7 +137,8 @@ double total(World& w) {
   return e.kinetic + e.potential + e.elastic;
 }
 
-StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double x, double y, const StabilityThresholds& limits) {
+StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double x, double y,
+                       const StabilityThresholds& limits) {
   StabilityCell cell;
   cell.x = x, cell.y = y;
   ClothCell c = row.make(solver, x, y);

@@ -1,5 +1,5 @@
-// Cells are runs of real worlds with one net by an integrator. Each step looks for non-finite and runaway states, so that a failure has a
-// time and a point; energies and errors are judged at the end. Limits: see limit().
+// Cells are runs of real worlds with one net by an integrator. Each step looks for non-finite and runaway states, so
+// that a failure has a time and a point; energies and errors are judged at the end. Limits: see limit().
 #include <algorithm>
 
 #include "integrate/limits.h"
@@ -18,7 +18,8 @@ const SystemDescriptor* const kSprings[] = {&Springs::descriptor()};
 
 // One net in a world of its own.
 struct Trial {
-  Trial(const StabilityScene& scene, const std::string& method, bool single_steps = false) : world(describe(scene), kSprings) {
+  Trial(const StabilityScene& scene, const std::string& method, bool single_steps = false)
+      : world(describe(scene), kSprings) {
     NetDesc d = scene.net;
     d.integrator = method;
     Arena unused("stability");
@@ -107,7 +108,8 @@ bool grows(const NetStability& problem, const std::string& method, double z, dou
   for (int k = 0; k < kSteps; ++k) {
     t.world.step();
     double size = 0;
-    for (std::size_t i = 0; i < t.points; ++i) size = std::max(size, static_cast<double>(length(t.springs().point(t.net, i))));
+    for (std::size_t i = 0; i < t.points; ++i)
+      size = std::max(size, static_cast<double>(length(t.springs().point(t.net, i))));
     if (t.springs().quarantined(t.net) || !std::isfinite(size)) return true;
     if (k < kWindow) first = std::max(first, size);
     if (k >= kSteps - kWindow) last = std::max(last, size);
@@ -135,7 +137,8 @@ std::vector<StabilityMethod> NetStability::methods() const {
   return all;
 }
 
-StabilityCell NetStability::cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const {
+StabilityCell NetStability::cell(const std::string& method, double x, double y,
+                                 const StabilityThresholds& limits) const {
   StabilityCell cell;
   cell.x = x, cell.y = y;
   const StabilityScene s = scene(x, y, false);

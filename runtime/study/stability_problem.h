@@ -1,4 +1,5 @@
-// Problems of the stability maps: nets and bodies whose exact motion is known, or computed finely. Private to the module.
+// Problems of the stability maps: nets and bodies whose exact motion is known, or computed finely. Private to the
+// module.
 #pragma once
 #include <memory>
 #include <vector>
@@ -34,7 +35,8 @@ class StabilityProblem {
   virtual ~StabilityProblem() = default;
   virtual StabilityProblemInfo info() const = 0;
   virtual std::vector<StabilityMethod> methods() const = 0;
-  virtual StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const = 0;
+  virtual StabilityCell cell(const std::string& method, double x, double y,
+                             const StabilityThresholds& limits) const = 0;
   // Only where info().bisects.
   virtual StabilityLimit limit(const std::string& /*method*/, double /*y*/) const { return {}; }
   virtual std::string limit_how() const { return ""; }

@@ -52,7 +52,8 @@ class OscillatorProblem final : public NetStability {
   }
 
   bool reference(double x, double y, double t, std::vector<Vec3d>& positions, double& energy) const override {
-    const double k = rounded(x / (kStep * kStep)), decay = rounded(2 * y * std::sqrt(x) / kStep) / 2, d = k - decay * decay;
+    const double k = rounded(x / (kStep * kStep)), decay = rounded(2 * y * std::sqrt(x) / kStep) / 2,
+                 d = k - decay * decay;
     double at, speed;
     if (std::fabs(d) < 1e-9 * k) {
       const double w = std::sqrt(k), e = std::exp(-w * t);
@@ -95,7 +96,8 @@ class ChainProblem final : public NetStability {
       s.net.points.push_back(Vec3(static_cast<Real>(for_limit ? sine : j - 0.5 * (n + 1) + kAmplitude * sine), 0, 0));
       s.net.masses.push_back(1);
       const auto at = static_cast<std::uint32_t>(j);
-      if (j > 0) s.net.springs.push_back({at - 1, at, static_cast<Real>(k), 0, for_limit ? Real(0) : Real(1), kInfinity});
+      if (j > 0)
+        s.net.springs.push_back({at - 1, at, static_cast<Real>(k), 0, for_limit ? Real(0) : Real(1), kInfinity});
     }
     s.pins = {0, static_cast<std::size_t>(n + 1)};
     const double w = frequency(k, 1, n), top = frequency(k, n, n);
@@ -110,14 +112,17 @@ class ChainProblem final : public NetStability {
     const double w = frequency(rounded(x / (kStep * kStep)), 1, n);
     positions.clear();
     for (int j = 0; j <= n + 1; ++j)
-      positions.push_back(Vec3d(j - 0.5 * (n + 1) + kAmplitude * std::sin(j * kTurn / (n + 1)) * std::cos(w * t), 0, 0));
+      positions.push_back(
+          Vec3d(j - 0.5 * (n + 1) + kAmplitude * std::sin(j * kTurn / (n + 1)) * std::cos(w * t), 0, 0));
     energy = 0.25 * w * w * kAmplitude * kAmplitude * (n + 1);
     return true;
   }
 
  private:
   static constexpr double kAmplitude = 0.1;  // of a spring of 1 m
-  static double frequency(double k, int mode, int n) { return 2 * std::sqrt(k) * std::sin(mode * kTurn / (2 * (n + 1))); }
+  static double frequency(double k, int mode, int n) {
+    return 2 * std::sqrt(k) * std::sin(mode * kTurn / (2 * (n + 1)));
+  }
 };
 
 // x = stiffness, y = mass of the last point by that of the others. Ten links of 0.1 m, horizontal at rest.
@@ -141,8 +146,8 @@ class SwingingChain final : public NetStability {
       s.net.masses.push_back(static_cast<Real>(m));
       if (j == 0) continue;
       mass += m, moment += m * kLength * j;
-      s.net.springs.push_back({static_cast<std::uint32_t>(j - 1), static_cast<std::uint32_t>(j), static_cast<Real>(x), 0,
-                               static_cast<Real>(kLength), kInfinity});
+      s.net.springs.push_back({static_cast<std::uint32_t>(j - 1), static_cast<std::uint32_t>(j), static_cast<Real>(x),
+                               0, static_cast<Real>(kLength), kInfinity});
     }
     s.pins = {0};
     s.length = 1, s.speed = std::sqrt(2 * 9.81);
@@ -167,7 +172,8 @@ class SwingingChain final : public NetStability {
       const ObjectId net = w.need<Springs>().add_net(s.net);
       for (const std::size_t p : s.pins) w.need<Springs>().pin(net, p);
       for (int k = 0; k < s.judged_step; ++k) w.step();
-      for (std::size_t i = 0; i < s.net.points.size(); ++i) kept.push_back(w.need<Springs>().point(net, i).cast<double>());
+      for (std::size_t i = 0; i < s.net.points.size(); ++i)
+        kept.push_back(w.need<Springs>().point(net, i).cast<double>());
     }
     if (std::fabs(t - 1) > 1e-6) return false;
     positions = kept;

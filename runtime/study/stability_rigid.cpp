@@ -1,6 +1,6 @@
-// Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or the
-// place of a scene leave the usual (axes of numerics.md 3.6). Each scene ends where it is known: at rest in its place, or
-// before the wall.
+// Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or
+// the place of a scene leave the usual (axes of numerics.md 3.6). Each scene ends where it is known: at rest in its
+// place, or before the wall.
 #include <algorithm>
 #include <cmath>
 
@@ -60,7 +60,8 @@ void add_pile(RigidScene& s, const std::vector<double>& edges, const std::vector
 RigidScene stack(double h, double count) {
   RigidScene s;
   s.h = h, s.seconds = 3;
-  add_pile(s, std::vector<double>(static_cast<std::size_t>(count), 1.0), std::vector<double>(static_cast<std::size_t>(count), 1.0), 0);
+  add_pile(s, std::vector<double>(static_cast<std::size_t>(count), 1.0),
+           std::vector<double>(static_cast<std::size_t>(count), 1.0), 0);
   return s;
 }
 
@@ -114,22 +115,43 @@ RigidScene spin(double h, double rate) {
 }
 
 const StabilityAxis& step_axis() {
-  static const StabilityAxis axis = {"h", "step h", "s", true, {1e-3, 3e-3, 1e-2, 1.0 / 60, 3e-2, 0.1, 0.3}, {1e-2, 1.0 / 60, 0.1}};
+  static const StabilityAxis axis = {
+      "h", "step h", "s", true, {1e-3, 3e-3, 1e-2, 1.0 / 60, 3e-2, 0.1, 0.3}, {1e-2, 1.0 / 60, 0.1}};
   return axis;
 }
 
 const std::vector<RigidMap>& maps() {
   static const std::vector<RigidMap> table = {
-      {{"stack", "boxes on each other for 3 s", step_axis(), {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}}, &stack},
-      {{"heavy", "a box on a lighter one", step_axis(), {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}}, &heavy},
-      {{"size", "a box on one of 1 m", step_axis(), {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}}, &small},
-      {{"far", "two boxes on each other, away from the origin", step_axis(),
-        {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}}, &far},
-      {{"bullet", "a ball of 0.1 m, marked as bullet, against a wall",
+      {{"stack",
+        "boxes on each other for 3 s",
+        step_axis(),
+        {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}},
+       &stack},
+      {{"heavy",
+        "a box on a lighter one",
+        step_axis(),
+        {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}},
+       &heavy},
+      {{"size",
+        "a box on one of 1 m",
+        step_axis(),
+        {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
+       &small},
+      {{"far",
+        "two boxes on each other, away from the origin",
+        step_axis(),
+        {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}},
+       &far},
+      {{"bullet",
+        "a ball of 0.1 m, marked as bullet, against a wall",
         {"speed", "speed", "m/s", true, {1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4}, {1, 100, 1e4}},
-        {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}}, &bullet},
-      {{"spin", "a weightless box spins about its axis of largest inertia", step_axis(),
-        {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}}, &spin}};
+        {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}},
+       &bullet},
+      {{"spin",
+        "a weightless box spins about its axis of largest inertia",
+        step_axis(),
+        {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
+       &spin}};
   return table;
 }
 

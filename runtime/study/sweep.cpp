@@ -38,7 +38,9 @@ std::vector<double> parse_range(std::string_view range, std::string_view text) {
 }
 
 void apply(const Ladder& ladder, double value, double t_end, RunSpec& spec) {
-  const auto whole = [&](double lowest) { return static_cast<int>(std::min(2e9, std::max(lowest, std::round(value)))); };
+  const auto whole = [&](double lowest) {
+    return static_cast<int>(std::min(2e9, std::max(lowest, std::round(value))));
+  };
   if (ladder.axis == "h") spec.steps = static_cast<int>(std::min(2e9, std::max(1.0, std::round(t_end / value))));
   else if (ladder.axis == "steps") spec.steps = whole(1);
   else if (ladder.axis == "tol") spec.tolerance = value;
@@ -199,7 +201,8 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
   std::vector<PlannedPoint> plan;
   for (const PlannedPoint& p : whole) {
     if (r.methods.empty() || r.methods.back().name != p.method.name) r.methods.push_back(p.method);
-    if (p.index % static_cast<std::size_t>(options.shards) == static_cast<std::size_t>(options.shard)) plan.push_back(p);
+    if (p.index % static_cast<std::size_t>(options.shards) == static_cast<std::size_t>(options.shard))
+      plan.push_back(p);
   }
   r.points.resize(plan.size());
   for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -208,8 +211,9 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
     run_point(problem, plan[i].method, plan[i].spec, options.limits, options.weights, r.points[i], &series);
     if (!series.t.empty()) r.series.push_back(std::move(series));
     if (options.progress)
-      options.progress((options.timing.enabled ? 0.5 : 1.0) * static_cast<double>(i + 1) / static_cast<double>(plan.size()),
-                       plan[i].method.name);
+      options.progress(
+          (options.timing.enabled ? 0.5 : 1.0) * static_cast<double>(i + 1) / static_cast<double>(plan.size()),
+          plan[i].method.name);
   }
   r.problem = problem.info();  // a self-refined reference knows its uncertainty by now
   if (options.timing.enabled) time_points(problem, plan, options, r.points);

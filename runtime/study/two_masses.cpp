@@ -21,7 +21,8 @@ class TwoMasses final : public NetProblem {
     use_modes(0, {1, 2});
     measure_model();
     info_.x_scale = 0.1;
-    info_.v_scale = 0.01 * static_cast<double>(modes().frequencies()[1]) + 0.1 * static_cast<double>(modes().frequencies()[0]);
+    info_.v_scale =
+        0.01 * static_cast<double>(modes().frequencies()[1]) + 0.1 * static_cast<double>(modes().frequencies()[0]);
     info_.energy_scale = info_.energy_start;
     set_reference(ReferenceKind::closed, 15, 1e-15 * (1 + info_.frequency * info_.t_end), "two eigenmodes");
     info_.reference.rounding *= 20;  // positions near 2 m, motion of 0.1 m

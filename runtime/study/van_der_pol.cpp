@@ -39,7 +39,8 @@ class VanDerPol final : public OdeProblem {
     info_.frequency = 3 * mu_;
     equation_ = std::make_unique<Equation>(mu_);
     x0_ = Vec3(2, 0, 0);
-    set_reference(ReferenceKind::quad, 13, 1e-14, "extrapolation of order 20 in long double; agrees with the IVP Test Set");
+    set_reference(ReferenceKind::quad, 13, 1e-14,
+                  "extrapolation of order 20 in long double; agrees with the IVP Test Set");
     // creeping solutions attract each other: no rounding grows
     info_.reference.rounding = static_cast<double>(kEpsilon);
     exact_ = std::make_unique<OdeReference>(

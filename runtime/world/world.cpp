@@ -8,7 +8,8 @@ namespace feder {
 
 void check(const WorldDesc& d) {
   if (!is_finite(d.gravity)) throw SceneError("world.gravity: expected three finite numbers");
-  if (!(d.dt > 0 && d.dt <= 1)) throw SceneError("world.dt: expected a number above 0 and at most 1 s, got " + std::to_string(d.dt));
+  if (!(d.dt > 0 && d.dt <= 1))
+    throw SceneError("world.dt: expected a number above 0 and at most 1 s, got " + std::to_string(d.dt));
   if (d.substeps < 1 || d.substeps > 1000)
     throw SceneError("world.substeps: expected a whole number from 1 to 1000, got " + std::to_string(d.substeps));
   if (d.threads < 1 || d.threads > 64)
@@ -58,7 +59,8 @@ System& World::make_system(const SystemDescriptor& d) {
   for (const char* need : d.needs) {
     if (find_system(need)) continue;
     const SystemDescriptor* nd = find_descriptor(need);
-    if (!nd) throw SceneError(std::string("the module '") + d.name + "' needs '" + need + "', which this build leaves out");
+    if (!nd)
+      throw SceneError(std::string("the module '") + d.name + "' needs '" + need + "', which this build leaves out");
     make_system(*nd);
   }
   const auto it = desc_.systems.find(d.name);
@@ -140,7 +142,8 @@ void World::step() {
   stepping_ = false;
 }
 
-ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name, TagMask tags) {
+ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name,
+                          TagMask tags) {
   Arena& arena = store_.arena("forces");
   target.force = find_variant(force_kinds(), kind, "force kind").make(arena, options);
   options.check_all_read("force");

@@ -17,9 +17,11 @@ TEST_CASE("options report what was expected and what came", "[base]") {
   CHECK(p.integer("iterations", 1, 1, 100) == 10);
   CHECK(p.number("tolerance", 0.5) == 0.5);
   CHECK(p.text("solver", "") == "soft_step");
-  CHECK_THROWS_WITH(p.integer("iterations", 1, 1, 5), Catch::Contains("iterations") && Catch::Contains("5") && Catch::Contains("10"));
+  CHECK_THROWS_WITH(p.integer("iterations", 1, 1, 5),
+                    Catch::Contains("iterations") && Catch::Contains("5") && Catch::Contains("10"));
   CHECK_THROWS_WITH(p.number("solver", 1), Catch::Contains("expected a number, got a string"));
-  CHECK_THROWS_WITH(p.check_all_read("rigid"), Catch::Contains("tolerence") && Catch::Contains("did you mean 'tolerance'"));
+  CHECK_THROWS_WITH(p.check_all_read("rigid"),
+                    Catch::Contains("tolerence") && Catch::Contains("did you mean 'tolerance'"));
 }
 
 TEST_CASE("the nearest name is near", "[base]") {

@@ -29,7 +29,8 @@ TEST_CASE("own arc functions agree with the C library in all quadrants", "[base]
   CHECK(arc_tan2(0, 0) == 0);
   for (int i = 0; i <= 200; ++i) {
     const Real c = Real(-1) + Real(i) / 100;
-    CHECK(static_cast<double>(arc_cos(c)) == Approx(std::acos(static_cast<double>(c))).margin(1e-3 * std::sqrt(tolerance)));
+    CHECK(static_cast<double>(arc_cos(c)) ==
+          Approx(std::acos(static_cast<double>(c))).margin(1e-3 * std::sqrt(tolerance)));
   }
 }
 

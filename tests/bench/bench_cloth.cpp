@@ -128,13 +128,15 @@ int main(int argc, char** argv) {
         for (int i = 0; i < kSmallSteps; ++i) plain.step(Real(1) / 60 / kSmallSteps);
       e.least = std::min(e.least, static_cast<double>(clock_nanoseconds() - start));
     }
-  std::printf("sheet of %d x %d vertices, %.0f links, %.0f hinges, xpbd, %d small steps of 1/60 s, %s, least of %d\n", n, n, links,
-              hinges, kSmallSteps, kRealName, repeats);
+  std::printf("sheet of %d x %d vertices, %.0f links, %.0f hinges, xpbd, %d small steps of 1/60 s, %s, least of %d\n",
+              n, n, links, hinges, kSmallSteps, kRealName, repeats);
   for (const Entry& e : rows)
-    std::printf("  %-30s %7.3f ms/step  %7.3f ns per constraint and small step  %5.2f times the plain loop%s\n", e.name, e.least / 1e6,
-                e.least / kSmallSteps / e.constraints, rows[0].least / rows[0].constraints / (e.least / e.constraints),
+    std::printf("  %-30s %7.3f ms/step  %7.3f ns per constraint and small step  %5.2f times the plain loop%s\n", e.name,
+                e.least / 1e6, e.least / kSmallSteps / e.constraints,
+                rows[0].least / rows[0].constraints / (e.least / e.constraints),
                 e.whole && e.whole->world.allocations() != e.whole->allocations ? ", ALLOCATES" : "");
-  std::printf("  largest strain %.4f; hash %s\n", static_cast<double>(stretch.world.need<Cloth>().max_strain(stretch.id)),
+  std::printf("  largest strain %.4f; hash %s\n",
+              static_cast<double>(stretch.world.need<Cloth>().max_strain(stretch.id)),
               stretch.world.hash() == two.world.hash() && stretch.world.hash() == lanes.world.hash()
                   ? "the same for 1 and 2 threads and without AVX2"
                   : "DIFFERS between threads or kernels");

@@ -47,7 +47,8 @@ NetDesc lattice(std::size_t springs, Real damping) {
 
 // What it costs without layout, lanes or threads: the loop of a textbook over arrays of structures.
 struct PlainLoop {
-  explicit PlainLoop(const NetDesc& d) : x(d.points), v(d.points.size(), Vec3(0, 0, 0)), f(x.size()), springs(d.springs) {}
+  explicit PlainLoop(const NetDesc& d)
+      : x(d.points), v(d.points.size(), Vec3(0, 0, 0)), f(x.size()), springs(d.springs) {}
   void run() {
     for (Vec3& force : f) force = Vec3(0, Real(-0.981), 0);
     for (const SpringDesc& s : springs) {
@@ -133,8 +134,9 @@ void report(const char* title, std::size_t springs, double damping, int repeats)
               rows[2].least / rows[3].least, rows[4].least / rows[5].least);
   const std::uint64_t hash = step1.world.hash();
   std::printf("  hash after %d steps %016llx, %s\n\n", repeats + 1, static_cast<unsigned long long>(hash),
-              hash == step2.world.hash() && hash == step_plain.world.hash() ? "the same for 1 and 2 threads and without AVX2"
-                                                                            : "BUT OTHERS DIFFER");
+              hash == step2.world.hash() && hash == step_plain.world.hash()
+                  ? "the same for 1 and 2 threads and without AVX2"
+                  : "BUT OTHERS DIFFER");
 }
 
 }  // namespace
@@ -142,7 +144,8 @@ void report(const char* title, std::size_t springs, double damping, int repeats)
 int main(int argc, char** argv) {
   const auto springs = static_cast<std::size_t>(argc > 1 ? std::atol(argv[1]) : 100000);
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 300;
-  if (springs < 1 || springs > 50000000 || repeats < 1) return std::fputs("bench_springs [springs] [repeats]\n", stderr), 2;
+  if (springs < 1 || springs > 50000000 || repeats < 1)
+    return std::fputs("bench_springs [springs] [repeats]\n", stderr), 2;
   report("lattice", springs, 0, repeats);
   report("lattice with damping", springs, 0.5, repeats);
   return 0;

@@ -51,7 +51,8 @@ class Program {
   Outcome run(const std::string& arguments) const { return shell("'" FEDER_BINARY_DIR "/feder' " + arguments); }
 
   Outcome shell(const std::string& command) const {
-    const std::string text = "cd '" + folder_.string() + "' && S='" FEDER_SOURCE_DIR "/scenes'; " + command + " >.out 2>.err </dev/null";
+    const std::string text =
+        "cd '" + folder_.string() + "' && S='" FEDER_SOURCE_DIR "/scenes'; " + command + " >.out 2>.err </dev/null";
     const int status = std::system(text.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(".out"), read(".err")};
   }
@@ -71,9 +72,11 @@ inline std::string last_line(const std::string& text) {
 
 // A scene whose build and check are given; a falling ball otherwise.
 inline std::string scene(const std::string& build, const std::string& check = "expect(world:is_finite())") {
-  return "local feder = require 'feder'\nreturn feder.scene {\n  title = 'Probe', seconds = 0.5,\n  build = function(world, scene)\n" +
+  return "local feder = require 'feder'\nreturn feder.scene {\n  title = 'Probe', seconds = 0.5,\n  build = "
+         "function(world, scene)\n" +
          build + "\n  end,\n  check = function(world, scene, expect)\n" + check + "\n  end,\n}\n";
 }
-inline const char* const kBall = "scene.ball = world:body { name = 'ball', shape = feder.sphere(0.5), position = { 0, 3, 0 } }";
+inline const char* const kBall =
+    "scene.ball = world:body { name = 'ball', shape = feder.sphere(0.5), position = { 0, 3, 0 } }";
 
 }  // namespace feder::test

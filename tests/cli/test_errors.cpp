@@ -36,9 +36,10 @@ TEST_CASE("scene mistakes are one line with a place", "[cli][errors]") {
 
 TEST_CASE("a wrong solver name lists the known ones", "[cli][errors]") {
   const Program p;
-  p.write("solver.lua",
-          "local feder = require 'feder'\nreturn feder.scene {\n  world = { rigid = { solver = 'soft_stp' } },\n  build = "
-          "function(world)\n    world:body { shape = feder.sphere(1) }\n  end,\n}\n");
+  p.write(
+      "solver.lua",
+      "local feder = require 'feder'\nreturn feder.scene {\n  world = { rigid = { solver = 'soft_stp' } },\n  build = "
+      "function(world)\n    world:body { shape = feder.sphere(1) }\n  end,\n}\n");
   for (const char* arguments : {"run solver.lua", "run $S/rigid/tower.lua --world rigid.solver=soft_stp"}) {
     const Outcome o = p.run(arguments);
     CAPTURE(arguments, o.err);
@@ -70,9 +71,11 @@ TEST_CASE("an error in a handler is reported once and the run goes on", "[cli][e
 
 TEST_CASE("hostile values in a handler leave the run alive", "[cli][errors]") {
   const Program p;
-  p.write("update.lua",
-          "local feder = require 'feder'\nreturn feder.scene { seconds = 0.2, build = function(world, scene)\n  scene.b = world:body { "
-          "shape = feder.sphere(1) }\nend, update = function(world, scene)\n  scene.b:set_position(0 / 0, 0, 0)\nend }\n");
+  p.write(
+      "update.lua",
+      "local feder = require 'feder'\nreturn feder.scene { seconds = 0.2, build = function(world, scene)\n  scene.b = "
+      "world:body { "
+      "shape = feder.sphere(1) }\nend, update = function(world, scene)\n  scene.b:set_position(0 / 0, 0, 0)\nend }\n");
   const Outcome o = p.run("run update.lua --json");
   CHECK(o.status == 1);
   CHECK(o.err.find("update.lua:5: ") == 0);

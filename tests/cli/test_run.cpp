@@ -60,7 +60,9 @@ TEST_CASE("run prints a summary, or one JSON value with the promised keys", "[cl
 TEST_CASE("the same run gives the same hash, another seed or step another one", "[cli]") {
   const Program p;
   p.write("ball.lua", scene(kBall));
-  const auto hash = [&](const std::string& more) { return p.run("run ball.lua --json " + more).json()["hash"].get<std::string>(); };
+  const auto hash = [&](const std::string& more) {
+    return p.run("run ball.lua --json " + more).json()["hash"].get<std::string>();
+  };
   CHECK(hash("") == hash(""));
   CHECK(hash("") == hash("--threads 4"));
   CHECK(hash("") != hash("--world dt=1/120"));
@@ -87,8 +89,10 @@ TEST_CASE("a scene in YAML is the scene in Lua", "[cli]") {
 TEST_CASE("--set reaches feder.param", "[cli]") {
   const Program p;
   p.write("many.lua",
-          "local feder = require 'feder'\nlocal n = feder.param('n', 2, { min = 1, max = 9 })\nreturn feder.scene { seconds = 0.1, "
-          "build = function(world) for i = 1, n do world:body { shape = feder.sphere(0.1), position = { i, 0, 0 } } end end }\n");
+          "local feder = require 'feder'\nlocal n = feder.param('n', 2, { min = 1, max = 9 })\nreturn feder.scene { "
+          "seconds = 0.1, "
+          "build = function(world) for i = 1, n do world:body { shape = feder.sphere(0.1), position = { i, 0, 0 } } "
+          "end end }\n");
   CHECK(p.run("run many.lua --json").json()["bodies"] == 2);
   CHECK(p.run("run many.lua --json --set n=5").json()["bodies"] == 5);
   CHECK(p.run("run many.lua --set n=10").status != 0);
@@ -184,7 +188,8 @@ TEST_CASE("new writes a scene that passes its own check, and overwrites nothing"
 
 TEST_CASE("check finds mistakes without running", "[cli]") {
   const Program p;
-  p.write("good.lua", scene(std::string("-- feder.nothing and world:nothing in a comment\nprint('feder.none')\n") + kBall));
+  p.write("good.lua",
+          scene(std::string("-- feder.nothing and world:nothing in a comment\nprint('feder.none')\n") + kBall));
   CHECK(p.run("check good.lua").status == 0);
   CHECK(p.run("check good.lua").out.find("feder.none") == std::string::npos);
   p.write("syntax.lua", "local x = 1\nlocal y = = 2\n");

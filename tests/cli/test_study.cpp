@@ -13,11 +13,13 @@ const std::string kSmall = "study oscillator --methods rk4,explicit_euler --ladd
 
 TEST_CASE("study writes its files and a table", "[cli]") {
   const Program p;
-  const Outcome o = p.run("study oscillator --methods rk4,explicit_euler --ladder steps:50..200:x2 --repeat 1 --out d --markdown pick.md");
+  const Outcome o = p.run(
+      "study oscillator --methods rk4,explicit_euler --ladder steps:50..200:x2 --repeat 1 --out d --markdown pick.md");
   CHECK(o.status == 0);
   CHECK(o.err == "");
   CHECK(o.out.find("error below") != std::string::npos);
-  for (const char* file : {"report.json", "points.csv", "error_vs_time.svg", "error_vs_work.svg", "order.svg", "invariants.svg", "index.html"}) {
+  for (const char* file : {"report.json", "points.csv", "error_vs_time.svg", "error_vs_work.svg", "order.svg",
+                           "invariants.svg", "index.html"}) {
     CAPTURE(file);
     CHECK(p.read(std::string("d/") + file).size() > 100);
   }
@@ -56,11 +58,27 @@ TEST_CASE("wrong words of study end with status 2 and name what is known", "[cli
   CHECK(near.status == 2);
   CHECK(near.err.find("did you mean 'oscillator'?") != std::string::npos);
   CHECK(count_lines(near.err) == 1);
-  for (const char* wrong : {"", "a b", "oscillator --methods rk5", "oscillator --set stifness=2", "oscillator --set stiffness=-1", "oscillator --ladder h:0",
-                            "oscillator --ladder q:1..2:x2", "oscillator --error nothing", "oscillator --axis miles", "oscillator --budget time=3",
-                            "oscillator --budget force=0", "oscillator --shard 3", "oscillator --shard 4/3", "oscillator --shard a/b",
-                            "oscillator --gate cost", "oscillator --baseline none.csv --gate speed", "oscillator --repeat 0 --baseline none.csv",
-                            "--merge", "--merge none.json", "--suite none", "oscillator --no-such"}) {
+  for (const char* wrong : {"",
+                            "a b",
+                            "oscillator --methods rk5",
+                            "oscillator --set stifness=2",
+                            "oscillator --set stiffness=-1",
+                            "oscillator --ladder h:0",
+                            "oscillator --ladder q:1..2:x2",
+                            "oscillator --error nothing",
+                            "oscillator --axis miles",
+                            "oscillator --budget time=3",
+                            "oscillator --budget force=0",
+                            "oscillator --shard 3",
+                            "oscillator --shard 4/3",
+                            "oscillator --shard a/b",
+                            "oscillator --gate cost",
+                            "oscillator --baseline none.csv --gate speed",
+                            "oscillator --repeat 0 --baseline none.csv",
+                            "--merge",
+                            "--merge none.json",
+                            "--suite none",
+                            "oscillator --no-such"}) {
     CAPTURE(wrong);
     const Outcome o = p.run(std::string("study ") + wrong);
     CHECK(o.status == 2);
@@ -78,7 +96,8 @@ TEST_CASE("shards put together are the whole", "[cli]") {
     CAPTURE(file);
     CHECK(p.read(std::string("merged/") + file) == p.read(std::string("whole/") + file));
   }
-  auto whole = nlohmann::json::parse(p.read("whole/report.json")), merged = nlohmann::json::parse(p.read("merged/report.json"));
+  auto whole = nlohmann::json::parse(p.read("whole/report.json")),
+       merged = nlohmann::json::parse(p.read("merged/report.json"));
   for (const char* key : {"problem", "methods", "points", "fits", "front", "cost_to_accuracy", "series"}) {
     CAPTURE(key);
     CHECK(merged[key] == whole[key]);
@@ -88,7 +107,9 @@ TEST_CASE("shards put together are the whole", "[cli]") {
   CHECK(some.status == 0);
   CHECK(some.err.find("4 of 6 points") != std::string::npos);
   CHECK(p.run("study --merge part1/report.json part1/report.json").status == 2);
-  REQUIRE(p.run("study oscillator --methods rk4 --ladder steps:50..200:x2 --repeat 0 --set stiffness=2 --shard 2/3 --out other").status == 0);
+  REQUIRE(p.run("study oscillator --methods rk4 --ladder steps:50..200:x2 --repeat 0 --set stiffness=2 --shard 2/3 "
+                "--out other")
+              .status == 0);
   CHECK(p.run("study --merge part1/report.json other/report.json").status == 2);
 }
 

@@ -59,7 +59,8 @@ TEST_CASE("a scene states its error, its reference and its axes", "[cli]") {
 
 TEST_CASE("stated places at the end are the reference", "[cli]") {
   const Program p;
-  const auto r = study(p, spring_scene("study = { reference = { { 2, 0, 0 } }, axes = { dt = { 0.01 } } },"), "--methods rk4");
+  const auto r =
+      study(p, spring_scene("study = { reference = { { 2, 0, 0 } }, axes = { dt = { 0.01 } } },"), "--methods rk4");
   REQUIRE(r["points"].size() == 1);
   const double exact = 2 - (1 + 0.5 * std::cos(std::sqrt(30.0)));
   CHECK(r["points"][0]["err_end"].get<double>() == Approx(exact).margin(1e-4));

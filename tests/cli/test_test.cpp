@@ -9,7 +9,8 @@ namespace {
 void write_suite(const Program& p) {
   p.write("suite/good.lua", scene(kBall));
   p.write("suite/deep/also.lua", scene(kBall, "expect(true)\nexpect(1 < 2, 'numbers')"));
-  p.write("suite/plain_test.lua", "local feder = require 'feder'\nlocal w = feder.world {}\nw:step(3)\nassert(w:step_count() == 3)\n");
+  p.write("suite/plain_test.lua",
+          "local feder = require 'feder'\nlocal w = feder.world {}\nw:step(3)\nassert(w:step_count() == 3)\n");
   p.write("suite/module.lua", "error('a module is not run')\n");
   p.write("suite/materials/ice.yaml", "ice: { friction: 0.02 }\n");
 }
@@ -30,7 +31,8 @@ TEST_CASE("test runs scenes with a check and plain tests", "[cli][test]") {
 TEST_CASE("test counts failures, load errors and scenes without a check", "[cli][test]") {
   const Program p;
   write_suite(p);
-  p.write("suite/no_check.lua", "local feder = require 'feder'\nreturn feder.scene { seconds = 0.1, build = function() end }\n");
+  p.write("suite/no_check.lua",
+          "local feder = require 'feder'\nreturn feder.scene { seconds = 0.1, build = function() end }\n");
   CHECK(last_line(p.run("test suite").out) == "3 passed, 0 failed, 1 skipped");
   CHECK(p.run("test suite").status == 0);
 
@@ -51,7 +53,9 @@ TEST_CASE("test counts failures, load errors and scenes without a check", "[cli]
 
 TEST_CASE("scenes in YAML have checks too", "[cli][test]") {
   const Program p;
-  p.write("scene.yaml", "bodies:\n  - { name: a, shape: { sphere: 1 } }\nseconds: 0.1\ncheck: |\n  expect(world:find('a'))\n  expect(world:find('b'), 'no b')\n");
+  p.write("scene.yaml",
+          "bodies:\n  - { name: a, shape: { sphere: 1 } }\nseconds: 0.1\ncheck: |\n  expect(world:find('a'))\n  "
+          "expect(world:find('b'), 'no b')\n");
   const Outcome o = p.run("test scene.yaml");
   CAPTURE(o.out);
   CHECK(o.status == 1);
@@ -74,7 +78,8 @@ TEST_CASE("test says when nothing ran", "[cli][test]") {
 TEST_CASE("test writes JUnit, TAP and JSON", "[cli][test]") {
   const Program p;
   write_suite(p);
-  p.write("suite/wrong.lua", scene("print('\\1 <tag>') " + std::string(kBall), "expect(false, 'wrong <&> \"quoted\"')"));
+  p.write("suite/wrong.lua",
+          scene("print('\\1 <tag>') " + std::string(kBall), "expect(false, 'wrong <&> \"quoted\"')"));
   CHECK(p.run("test suite --junit out.xml").status == 1);
   p.write("parse.py",
           "import xml.etree.ElementTree as x\ns = x.parse('out.xml').getroot().find('testsuite')\n"

@@ -22,7 +22,8 @@ inline double volume(const Point& a, const Point& b, const Point& c, const Point
 // `flat`: volumes below it are rounding, m^3.
 inline bool crosses(const Point& p, const Point& q, const Point& a, const Point& b, const Point& c, double flat) {
   for (std::size_t k = 0; k < 3; ++k)
-    if (std::max(p[k], q[k]) < std::min({a[k], b[k], c[k]}) || std::min(p[k], q[k]) > std::max({a[k], b[k], c[k]})) return false;
+    if (std::max(p[k], q[k]) < std::min({a[k], b[k], c[k]}) || std::min(p[k], q[k]) > std::max({a[k], b[k], c[k]}))
+      return false;
   const double above = volume(a, b, c, p), below = volume(a, b, c, q);
   if (!(above > flat && below < -flat) && !(above < -flat && below > flat)) return false;
   const double u = volume(p, q, a, b), v = volume(p, q, b, c), w = volume(p, q, c, a);
@@ -38,7 +39,8 @@ struct Soup {
     std::vector<std::uint32_t> t;
     cloth.positions(id, x), cloth.triangles(id, t);
     const auto first = static_cast<std::uint32_t>(points.size());
-    for (const Vec3& p : x) points.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    for (const Vec3& p : x)
+      points.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
     for (const std::uint32_t v : t) triangles.push_back(first + v);
   }
 };
@@ -69,17 +71,21 @@ inline std::size_t count_crossings(const Soup& s) {
     for (int i = lo[0]; i <= hi[0]; ++i)
       for (int j = lo[1]; j <= hi[1]; ++j)
         for (int k = lo[2]; k <= hi[2]; ++k)
-          f((static_cast<std::int64_t>(i) * 73856093) ^ (static_cast<std::int64_t>(j) * 19349663) ^ (static_cast<std::int64_t>(k) * 83492791));
+          f((static_cast<std::int64_t>(i) * 73856093) ^ (static_cast<std::int64_t>(j) * 19349663) ^
+            (static_cast<std::int64_t>(k) * 83492791));
   };
   for (std::uint32_t t = 0; t < s.triangles.size(); t += 3)
-    each_cell({s.triangles[t], s.triangles[t + 1], s.triangles[t + 2]}, [&](std::int64_t key) { grid.push_back({key, t}); });
+    each_cell({s.triangles[t], s.triangles[t + 1], s.triangles[t + 2]}, [&](std::int64_t key) {
+      grid.push_back({key, t});
+    });
   std::sort(grid.begin(), grid.end());
   std::size_t found = 0;
   std::vector<std::uint32_t> near;
   for (const auto& [p, q] : edges) {
     near.clear();
     each_cell({p, q}, [&](std::int64_t key) {
-      for (auto at = std::lower_bound(grid.begin(), grid.end(), std::pair{key, 0u}); at != grid.end() && at->first == key; ++at)
+      for (auto at = std::lower_bound(grid.begin(), grid.end(), std::pair{key, 0u});
+           at != grid.end() && at->first == key; ++at)
         near.push_back(at->second);
     });
     std::sort(near.begin(), near.end());
@@ -87,7 +93,8 @@ inline std::size_t count_crossings(const Soup& s) {
     for (const std::uint32_t t : near) {
       const std::uint32_t* v = &s.triangles[t];
       if (v[0] == p || v[1] == p || v[2] == p || v[0] == q || v[1] == q || v[2] == q) continue;
-      found += crosses(s.points[p], s.points[q], s.points[v[0]], s.points[v[1]], s.points[v[2]], 1e-13 * cell * cell * cell);
+      found +=
+          crosses(s.points[p], s.points[q], s.points[v[0]], s.points[v[1]], s.points[v[2]], 1e-13 * cell * cell * cell);
     }
   }
   return found;

@@ -95,8 +95,8 @@ TEST_CASE("a clamped strip of 40 segments hangs as the elastica", "[cloth]") {
   elastica(gamma, drop, reach);
   const Vec3 tip = cloth.point(id, 40 + 41), root = cloth.point(id, 41);
   CAPTURE(gamma, cloth.substeps(id), w.energy().kinetic);
-  std::printf("cantilever Gamma %g: drop %.4f (elastica %.4f), reach %.4f (%.4f), %d small steps, %d steps to rest\n", gamma,
-              component(root - tip, 1), drop, component(tip - root, 0), reach, cloth.substeps(id), steps);
+  std::printf("cantilever Gamma %g: drop %.4f (elastica %.4f), reach %.4f (%.4f), %d small steps, %d steps to rest\n",
+              gamma, component(root - tip, 1), drop, component(tip - root, 0), reach, cloth.substeps(id), steps);
   CHECK(component(root - tip, 1) == Approx(drop).epsilon(0.05));
   CHECK(component(tip - root, 0) == Approx(reach).epsilon(0.05));
 }
@@ -120,10 +120,12 @@ TEST_CASE("a strip hung at both ends sags as the catenary", "[cloth]") {
   const double depth = std::sqrt(length * length - 1) / 2;
   for (std::size_t i = 0; i < 183; ++i) {
     const double s = static_cast<double>(i % 61) / 60;
-    cloth.set_point(id, i, Vec3(static_cast<Real>(s - 0.5), static_cast<Real>(depth * (std::fabs(2 * s - 1) - 1)), cloth.point(id, i)[2]));
+    cloth.set_point(
+        id, i,
+        Vec3(static_cast<Real>(s - 0.5), static_cast<Real>(depth * (std::fabs(2 * s - 1) - 1)), cloth.point(id, i)[2]));
   }
   const int steps = relax(w, id, 12);
-  std::printf("catenary length %g: sag %.5f (%.5f), %d small steps, %d steps to rest\n", length, -component(cloth.point(id, 61 + 30), 1),
-              sag, cloth.substeps(id), steps);
+  std::printf("catenary length %g: sag %.5f (%.5f), %d small steps, %d steps to rest\n", length,
+              -component(cloth.point(id, 61 + 30), 1), sag, cloth.substeps(id), steps);
   CHECK(-component(cloth.point(id, 61 + 30), 1) == Approx(sag).epsilon(0.02));
 }

@@ -39,7 +39,8 @@ TEST_CASE("bend springs have no stiffness at a flat rest state; hinges have", "[
   for (int k = 0; k < 3; ++k) {
     hinge[k] = drop_per_load("xpbd", load[k]);
     spring[k] = drop_per_load("mass_spring", load[k]);
-    std::printf("strip of 10 segments, load %g: drop/load %.4f with hinges, %.4f with springs\n", load[k], hinge[k], spring[k]);
+    std::printf("strip of 10 segments, load %g: drop/load %.4f with hinges, %.4f with springs\n", load[k], hinge[k],
+                spring[k]);
   }
   CHECK(hinge[2] < 1.3 * hinge[1]);
   CHECK(spring[1] > 1.8 * spring[0]);

@@ -60,8 +60,8 @@ TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses
       if (r.name == "cloth.clamped") clamped += r.value;
     }
   }
-  std::printf("folded sheet: %zu frames with crossings, at most %zu; guarded %g, clamped %g, stretch %.3f\n", frames, worst, guarded,
-              clamped, static_cast<double>(cloth.max_strain(id)));
+  std::printf("folded sheet: %zu frames with crossings, at most %zu; guarded %g, clamped %g, stretch %.3f\n", frames,
+              worst, guarded, clamped, static_cast<double>(cloth.max_strain(id)));
   CHECK(frames == 0);
   CHECK(w.is_finite());
   // it lies on itself: the upper layer has come down to the thickness and not through
@@ -118,10 +118,12 @@ TEST_CASE("two free cloths that collide exchange momentum and keep the sum", "[c
     Soup s;
     s.add(cloth, high), s.add(cloth, low);
     frames += count_crossings(s) > 0;
-    for (const Event& e : w.events().list()) begins += e.kind == EventKind::contact_begin, ends += e.kind == EventKind::contact_end;
+    for (const Event& e : w.events().list())
+      begins += e.kind == EventKind::contact_begin, ends += e.kind == EventKind::contact_end;
   }
   const Momentum after = w.momentum();
-  const double p = std::hypot(before.linear[1], before.linear[2]), l = std::hypot(before.angular[0], before.angular[1], before.angular[2]);
+  const double p = std::hypot(before.linear[1], before.linear[2]),
+               l = std::hypot(before.angular[0], before.angular[1], before.angular[2]);
   for (int k = 0; k < 3; ++k) {
     CAPTURE(k);
     CHECK(std::fabs(after.linear[k] - before.linear[k]) < 1e-4 * p);
@@ -131,7 +133,8 @@ TEST_CASE("two free cloths that collide exchange momentum and keep the sum", "[c
   CHECK(begins >= 1);
   CHECK(begins - ends <= 1);
   double passed = 0;
-  for (std::size_t i = 0; i < 81; ++i) passed += static_cast<double>(cloth.point_mass(low, i)) * component(cloth.velocity(low, i), 1);
+  for (std::size_t i = 0; i < 81; ++i)
+    passed += static_cast<double>(cloth.point_mass(low, i)) * component(cloth.velocity(low, i), 1);
   CHECK(passed < -0.05);  // of -0.4
 }
 

@@ -50,12 +50,25 @@ ClothDesc hung(const char* solver) {
 TEST_CASE("bad meshes are refused, and the place is named", "[cloth]") {
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 0, 1), e(1, 0, 1), up(0, 1, 0);
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
-  CHECK_THAT(refusal(mesh({a, b, Vec3(0, nan, 1)}, {0, 1, 2})), Catch::Contains("vertices[3]: expected finite numbers"));
-  CHECK_THAT(refusal(mesh({a, b, c}, {0, 1, 3})), Catch::Contains("triangles[1]: expected vertex numbers from 1 to 3, got 4"));
-  CHECK_THAT(refusal(mesh({a, b, Vec3(2, 0, 0)}, {0, 1, 2})), Catch::Contains("triangles[1]: expected a triangle with an area"));
+  CHECK_THAT(refusal(mesh({a, b, Vec3(0, nan, 1)}, {0, 1, 2})),
+             Catch::Contains("vertices[3]: expected finite numbers"));
+  CHECK_THAT(refusal(mesh({a, b, c}, {0, 1, 3})),
+             Catch::Contains("triangles[1]: expected vertex numbers from 1 to 3, got 4"));
+  CHECK_THAT(refusal(mesh({a, b, Vec3(2, 0, 0)}, {0, 1, 2})),
+             Catch::Contains("triangles[1]: expected a triangle with an area"));
   CHECK_THAT(refusal(mesh({a, b, c}, {0, 1, 1})), Catch::Contains("without one"));
-  CHECK_THAT(refusal(mesh({a, b, c, e, up}, {0, 1, 2, 1, 0, 3, 0, 1, 4})), Catch::Contains("the edge 1-2 belongs to more than two triangles (1 and 2, 3)"));
-  CHECK_THAT(refusal(mesh({a, b, c, e}, {0, 1, 2, 1, 2, 3, })), Catch::Contains("the edge 2-3 is run the same way by triangles 1 and 2"));
+  CHECK_THAT(refusal(mesh({a, b, c, e, up}, {0, 1, 2, 1, 0, 3, 0, 1, 4})),
+             Catch::Contains("the edge 1-2 belongs to more than two triangles (1 and 2, 3)"));
+  CHECK_THAT(refusal(mesh({a, b, c, e},
+                          {
+                              0,
+                              1,
+                              2,
+                              1,
+                              2,
+                              3,
+                          })),
+             Catch::Contains("the edge 2-3 is run the same way by triangles 1 and 2"));
   CHECK_THAT(refusal(mesh({a, b, c, e}, {0, 1, 2})), Catch::Contains("vertices[4]: belongs to no triangle"));
   CHECK_THAT(refusal(mesh({a, b, c}, {0, 1})), Catch::Contains("three vertex numbers each"));
   ClothDesc d = sheet(3, 3, 1, 1);
@@ -111,12 +124,15 @@ TEST_CASE("a free cloth keeps momentum and angular momentum", "[cloth]") {
   const ObjectId id = cloth.add_cloth(d);
   for (std::size_t i = 0; i < 81; ++i) {
     const Vec3 x = cloth.point(id, i);
-    cloth.set_velocity(id, i, Vec3(Real(0.4), Real(0.3), 0) + cross(Vec3(1, 2, Real(0.5)), x) + Real(0.3) * Vec3(0, std::sin(7 * x[0]), 0));
+    cloth.set_velocity(
+        id, i,
+        Vec3(Real(0.4), Real(0.3), 0) + cross(Vec3(1, 2, Real(0.5)), x) + Real(0.3) * Vec3(0, std::sin(7 * x[0]), 0));
   }
   const Momentum before = w.momentum();
   for (int k = 0; k < 240; ++k) w.step();
   const Momentum after = w.momentum();
-  const double p = std::hypot(before.linear[0], before.linear[1]), l = std::hypot(before.angular[0], before.angular[1], before.angular[2]);
+  const double p = std::hypot(before.linear[0], before.linear[1]),
+               l = std::hypot(before.angular[0], before.angular[1], before.angular[2]);
   for (int k = 0; k < 3; ++k) {
     CHECK(after.linear[k] == Approx(before.linear[k]).margin(p * 5000 * static_cast<double>(kEpsilon)));
     CHECK(after.angular[k] == Approx(before.angular[k]).margin(0.02 * l));
@@ -132,7 +148,8 @@ TEST_CASE("a cloth tears where it is stretched most; the mesh stays one, and mom
   d.stretch = 100;
   d.tear_strain = Real(0.2);  // halves that part at 6 m/s strain the middle by 6/sqrt(stretch/area_density) = 0.27
   const ObjectId id = cloth.add_cloth(d);
-  for (std::size_t i = 0; i < 81; ++i) cloth.set_velocity(id, i, Vec3(cloth.point(id, i)[0] > 0 ? Real(6) : Real(-6), 0, 0));
+  for (std::size_t i = 0; i < 81; ++i)
+    cloth.set_velocity(id, i, Vec3(cloth.point(id, i)[0] > 0 ? Real(6) : Real(-6), 0, 0));
   const Momentum before = w.momentum();
   std::size_t tears = 0;
   double mass = 0;

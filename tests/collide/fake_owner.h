@@ -23,7 +23,8 @@ struct FakeBody {
 
 class FakeWorld {
  public:
-  explicit FakeWorld(int threads = 1, const char* broad_phase = nullptr) : jobs(threads), scratch(store.arena("scratch")) {
+  explicit FakeWorld(int threads = 1, const char* broad_phase = nullptr)
+      : jobs(threads), scratch(store.arena("scratch")) {
     if (broad_phase) world_options.set("broad_phase", std::string(broad_phase));
     SystemSetup setup{store, objects, events, options, world_options, 3, finder, &structure_changed};
     collide = std::make_unique<Collide>(setup);
@@ -43,7 +44,8 @@ class FakeWorld {
 
   Colliders& c() { return collide->colliders(); }
 
-  std::uint32_t add(const std::vector<CompoundPart>& parts, const Pose& pose, ColliderMotion motion = ColliderMotion::dynamic) {
+  std::uint32_t add(const std::vector<CompoundPart>& parts, const Pose& pose,
+                    ColliderMotion motion = ColliderMotion::dynamic) {
     FakeBody body;
     body.pose = pose;
     body.object = objects.add(ObjectKind::body, static_cast<std::uint32_t>(bodies.size()), "", 0);

@@ -38,7 +38,8 @@ std::uint64_t run(FakeWorld& w, int steps) {
       w.bodies[b].pose.rotation = integrate_rotation(w.bodies[b].pose.rotation, random_point(rng, Real(0.001)));
     }
     w.step();
-    for (const Event& e : w.events.list()) h.add(e.kind), h.add(e.a.slot), h.add(e.b.slot), h.add(e.point), h.add(e.impulse);
+    for (const Event& e : w.events.list())
+      h.add(e.kind), h.add(e.a.slot), h.add(e.b.slot), h.add(e.point), h.add(e.impulse);
     w.collide->hash(h);
     for (const std::uint32_t slot : w.collide->contacts().active) {
       const Contact& contact = w.collide->contacts().slots[slot];
@@ -53,7 +54,8 @@ std::uint64_t run(FakeWorld& w, int steps) {
 TEST_CASE("restore then run equals run", "[collide][snapshot]") {
   FakeWorld w;
   w.add(make_plane(Vec3(0, 1, 0), 0), Vec3::Zero(), ColliderMotion::fixed);
-  for (int i = 0; i < 20; ++i) w.add(make_box(1, 1, 1), Vec3(Real(i % 5) * Real(1.001), Real(0.5) + Real(i / 5) * Real(0.999), 0));
+  for (int i = 0; i < 20; ++i)
+    w.add(make_box(1, 1, 1), Vec3(Real(i % 5) * Real(1.001), Real(0.5) + Real(i / 5) * Real(0.999), 0));
   w.add(make_sphere(2), Vec3(2, 2, 0), ColliderMotion::fixed);
   w.each(21, [&](std::uint32_t k) { w.c().sensor[k] = 1; });
   w.c().material[3] = w.collide->material("rubber");

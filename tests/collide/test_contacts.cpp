@@ -268,7 +268,8 @@ TEST_CASE("sensors see sleeping and fixed bodies, once per object", "[collide][s
   FakeWorld w;
   const std::uint32_t zone = w.add(make_box(4, 4, 4), Vec3::Zero(), ColliderMotion::fixed);
   w.each(zone, [&](std::uint32_t k) { w.c().sensor[k] = 1; });
-  const std::uint32_t sleeper = w.add({{make_sphere(Real(0.3)), {}}, {make_sphere(Real(0.3)), {Vec3(1, 0, 0), {}}}}, {});
+  const std::uint32_t sleeper =
+      w.add({{make_sphere(Real(0.3)), {}}, {make_sphere(Real(0.3)), {Vec3(1, 0, 0), {}}}}, {});
   w.each(sleeper, [&](std::uint32_t k) { w.c().awake[k] = 0; });
   const std::uint32_t wall = w.add(make_box(1, 1, 1), Vec3(0, 2, 0), ColliderMotion::fixed);
   w.step();
@@ -361,7 +362,8 @@ TEST_CASE("unknown choices name the known ones", "[collide]") {
 TEST_CASE("a step allocates nothing after warm-up", "[collide]") {
   FakeWorld w;
   ground(w);
-  for (int i = 0; i < 30; ++i) w.add(make_box(1, 1, 1), Vec3(Real(i % 6) * Real(0.99), Real(0.499) + Real(i / 6) * Real(0.99), 0));
+  for (int i = 0; i < 30; ++i)
+    w.add(make_box(1, 1, 1), Vec3(Real(i % 6) * Real(0.99), Real(0.499) + Real(i / 6) * Real(0.99), 0));
   const auto allocations = [&] {
     std::uint64_t sum = 0;
     for (const auto& arena : w.store.arenas()) sum += arena->allocations();

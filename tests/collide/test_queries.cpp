@@ -50,7 +50,8 @@ TEST_CASE("rays find what testing every shape finds", "[collide][query]") {
     for (std::uint32_t k = 0; k < w.c().size(); ++k) {
       RayHit hit;
       if (!visible(w, k, f)) continue;
-      if (!w.c().shape[k]->raycast(to_local(w.c().pose[k], origin), rotate_inverse(w.c().pose[k].rotation, ray), hit)) continue;
+      if (!w.c().shape[k]->raycast(to_local(w.c().pose[k], origin), rotate_inverse(w.c().pose[k].rotation, ray), hit))
+        continue;
       nearest = std::min(nearest, hit.fraction), ++count;
     }
     RaycastHit hit;
@@ -109,9 +110,11 @@ TEST_CASE("overlaps and casts find what testing every shape finds", "[collide][q
     Real nearest = 2;
     for (std::uint32_t k = 0; k < w.c().size(); ++k) {
       if (!visible(w, k, f)) continue;
-      if (shapes_overlap(w.collide->narrow(), *probe, pose, *w.c().shape[k], w.c().pose[k])) expected.insert(w.c().object[k]);
+      if (shapes_overlap(w.collide->narrow(), *probe, pose, *w.c().shape[k], w.c().pose[k]))
+        expected.insert(w.c().object[k]);
       CastHit cast;
-      if (shape_cast(*probe, pose, motion, *w.c().shape[k], w.c().pose[k], cast)) nearest = std::min(nearest, cast.fraction);
+      if (shape_cast(*probe, pose, motion, *w.c().shape[k], w.c().pose[k], cast))
+        nearest = std::min(nearest, cast.fraction);
     }
     std::vector<ObjectId> found;
     w.collide->overlap(*probe, pose, f, found);

@@ -129,7 +129,8 @@ void compare(FakeWorld& w, const Ledger& ledger, const std::vector<PairOfObjects
           PairCache cache;
           Manifold found[kMaxManifolds];
           Real least = 1;
-          const int n = w.collide->narrow().collide(*c.shape[i], c.pose[i], *c.shape[j], c.pose[j], Real(0.02), cache, found);
+          const int n =
+              w.collide->narrow().collide(*c.shape[i], c.pose[i], *c.shape[j], c.pose[j], Real(0.02), cache, found);
           for (int m = 0; m < n; ++m)
             for (int k = 0; k < found[m].count; ++k) least = std::min(least, found[m].points[k].separation);
           auto& table = c.sensor[i] || c.sensor[j] ? sensed : gap;

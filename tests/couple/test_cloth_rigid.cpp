@@ -30,7 +30,9 @@ BodyDesc solid(ShapePtr shape, Real mass, const Vec3& position) {
 
 const char* const kEdges[] = {"top", "bottom", "left", "right"};
 
-Vec3 vec(const double (&m)[3]) { return Vec3(static_cast<Real>(m[0]), static_cast<Real>(m[1]), static_cast<Real>(m[2])); }
+Vec3 vec(const double (&m)[3]) {
+  return Vec3(static_cast<Real>(m[0]), static_cast<Real>(m[1]), static_cast<Real>(m[2]));
+}
 
 }  // namespace
 
@@ -43,7 +45,9 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   World w(wd, kCatalog);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
-  BodyDesc hammer = solid(row == 0 ? make_sphere(Real(0.15)) : row == 1 ? make_box(Real(0.2), Real(0.3), Real(0.25)) : make_capsule(Real(0.08), Real(0.4)),
+  BodyDesc hammer = solid(row == 0   ? make_sphere(Real(0.15))
+                          : row == 1 ? make_box(Real(0.2), Real(0.3), Real(0.25))
+                                     : make_capsule(Real(0.08), Real(0.4)),
                           Real(0.3), Vec3(Real(0.07), Real(0.4), Real(0.05)));
   hammer.velocity = Vec3(0, -3, 0);
   hammer.angular_velocity = Vec3(2, 0, 5);
@@ -80,7 +84,8 @@ TEST_CASE("a small ball at 50 m/s does not pass a sheet, nor does a corner", "[c
   d.self_collision = self;
   for (const char* name : kEdges) d.pin_names.emplace_back(name);
   const ObjectId id = cloth.add_cloth(d);
-  BodyDesc b = solid(kind ? make_box(Real(0.06), Real(0.06), Real(0.06)) : make_sphere(Real(0.05)), Real(0.1), Vec3(Real(0.013), Real(0.8), Real(0.027)));
+  BodyDesc b = solid(kind ? make_box(Real(0.06), Real(0.06), Real(0.06)) : make_sphere(Real(0.05)), Real(0.1),
+                     Vec3(Real(0.013), Real(0.8), Real(0.027)));
   b.rotation = rotation_from_to(normalized_or(Vec3(1, 1, 1), Vec3(1, 0, 0)), Vec3(0, 1, 0));
   b.velocity = Vec3(0, static_cast<Real>(-speed), 0);
   const ObjectId body = rigid.add_body(b);
@@ -98,7 +103,8 @@ TEST_CASE("a small ball at 50 m/s does not pass a sheet, nor does a corner", "[c
   CHECK(w.is_finite());
 }
 
-TEST_CASE("a ball of 50 m/s takes a free sheet along: momentum passes both ways, nothing passes through", "[couple][cloth]") {
+TEST_CASE("a ball of 50 m/s takes a free sheet along: momentum passes both ways, nothing passes through",
+          "[couple][cloth]") {
   const bool self = GENERATE(false, true);
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
@@ -165,9 +171,14 @@ TEST_CASE("a cloth lies on every kind of body, none of its vertices inside", "[c
   World w(WorldDesc{}, kCatalog);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
-  const std::vector<Vec3> tetra = {Vec3(Real(-0.4), Real(-0.3), Real(-0.4)), Vec3(Real(0.4), Real(-0.3), Real(-0.4)), Vec3(0, Real(-0.3), Real(0.5)), Vec3(0, Real(0.3), 0)};
-  const ShapePtr shapes[] = {make_sphere(Real(0.3)), make_box(Real(0.5), Real(0.6), Real(0.5)), make_capsule(Real(0.25), Real(0.6)),
-                             make_cylinder(Real(0.3), Real(0.6)), make_cone(Real(0.4), Real(0.6)), make_hull(tetra)};
+  const std::vector<Vec3> tetra = {Vec3(Real(-0.4), Real(-0.3), Real(-0.4)), Vec3(Real(0.4), Real(-0.3), Real(-0.4)),
+                                   Vec3(0, Real(-0.3), Real(0.5)), Vec3(0, Real(0.3), 0)};
+  const ShapePtr shapes[] = {make_sphere(Real(0.3)),
+                             make_box(Real(0.5), Real(0.6), Real(0.5)),
+                             make_capsule(Real(0.25), Real(0.6)),
+                             make_cylinder(Real(0.3), Real(0.6)),
+                             make_cone(Real(0.4), Real(0.6)),
+                             make_hull(tetra)};
   BodyDesc b = solid(shapes[kind], 1, Vec3(0, 0, 0));
   b.type = BodyType::fixed;
   b.friction_static = b.friction_dynamic = 1;
@@ -186,7 +197,8 @@ TEST_CASE("a cloth lies on every kind of body, none of its vertices inside", "[c
     for (std::size_t i = 0; i < 625; ++i) {
       Manifold m[kMaxManifolds];
       PairCache cache;
-      if (narrow.collide(*point, {cloth.point(id, i), Quat{}}, *shapes[kind], rigid.pose(body), 0, cache, m) == 0) continue;
+      if (narrow.collide(*point, {cloth.point(id, i), Quat{}}, *shapes[kind], rigid.pose(body), 0, cache, m) == 0)
+        continue;
       if (m[0].count) deepest = std::max(deepest, -m[0].points[0].separation);
     }
   }
@@ -253,7 +265,8 @@ TEST_CASE("a kinematic body carries cloth; a cloth falling on a sleeper wakes it
   CHECK(cloth.point(id, 40)[1] == Approx(0.4 + 0.055).margin(0.01));
 }
 
-TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing, steps allocate nothing", "[couple][cloth]") {
+TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing, steps allocate nothing",
+          "[couple][cloth]") {
   std::uint64_t hash = 0;
   for (const int threads : {1, 2, 4}) {
     WorldDesc wd;
@@ -266,7 +279,9 @@ TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing
     d.self_collision = true;
     d.pin_names = {"top_left", "top_right", "bottom_left", "bottom_right"};
     cloth.add_cloth(d);
-    for (int i = 0; i < 4; ++i) rigid.add_body(solid(make_box(Real(0.15), Real(0.1), Real(0.15)), Real(0.1), Vec3(Real(0.2) * Real(i % 2), Real(0.2) + Real(0.15) * Real(i), Real(0.1))));
+    for (int i = 0; i < 4; ++i)
+      rigid.add_body(solid(make_box(Real(0.15), Real(0.1), Real(0.15)), Real(0.1),
+                           Vec3(Real(0.2) * Real(i % 2), Real(0.2) + Real(0.15) * Real(i), Real(0.1))));
     for (int k = 0; k < 80; ++k) w.step();
     const std::string image = w.snapshot();
     for (int k = 0; k < 20; ++k) w.step();

@@ -38,7 +38,8 @@ TEST_CASE("no particle passes a pinned sheet", "[couple][fluid][cloth]") {
   FluidDesc d;
   d.solver = solver;
   const ObjectId id = fluid.add_fluid(d);
-  fluid.fill(id, block(5, 5, 5, d.spacing, Vec3(Real(0.013), Real(0.3), Real(0.027))), Vec3(0, static_cast<Real>(-speed), 0));
+  fluid.fill(id, block(5, 5, 5, d.spacing, Vec3(Real(0.013), Real(0.3), Real(0.027))),
+             Vec3(0, static_cast<Real>(-speed), 0));
   std::vector<Vec3> x;
   int below = 0;
   for (int k = 0; k < 60; ++k) {
@@ -55,7 +56,8 @@ TEST_CASE("no particle passes a pinned sheet", "[couple][fluid][cloth]") {
   CHECK(w.is_finite());
 }
 
-TEST_CASE("a sheet in a free frame holds a pool: the frame feels the weight of water and cloth", "[couple][fluid][cloth]") {
+TEST_CASE("a sheet in a free frame holds a pool: the frame feels the weight of water and cloth",
+          "[couple][fluid][cloth]") {
   World w(WorldDesc{}, mixed_catalog());
   Rigid& rigid = w.need<Rigid>();
   Fluid& fluid = w.need<Fluid>();
@@ -102,7 +104,8 @@ TEST_CASE("a sheet in a free frame holds a pool: the frame feels the weight of w
   double lowest = 1;
   const double fallen = static_cast<double>(rigid.pose(frame).position[1]);
   for (const Vec3& q : x) lowest = std::fmin(lowest, static_cast<double>(q[1]) - fallen);
-  CAPTURE(water, weight, force, reaction, lowest, fallen, residual(w, "cloth.max_strain"), residual(w, "fluid.density_error_max"));
+  CAPTURE(water, weight, force, reaction, lowest, fallen, residual(w, "cloth.max_strain"),
+          residual(w, "fluid.density_error_max"));
   CHECK(std::fabs(reaction - weight) < 0.03 * weight);
   CHECK(force > 0.9 * water * 9.81);
   CHECK(lowest > -0.4);

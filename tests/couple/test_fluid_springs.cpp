@@ -44,7 +44,8 @@ TEST_CASE("a blob hits a free net: momentum and angular momentum are kept", "[co
   const ObjectId net = springs.add_net(mat(11, 1, 2, 400));
   check_blow(w, solver, "fluid_springs.impulse_mismatch", 0.1, [&] {
     Vec3 u = Vec3::Zero();
-    for (std::size_t i = 0; i < springs.point_count(net); ++i) u += springs.point_mass(net, i) * springs.velocity(net, i);
+    for (std::size_t i = 0; i < springs.point_count(net); ++i)
+      u += springs.point_mass(net, i) * springs.velocity(net, i);
     return u;
   });
 }
@@ -60,7 +61,8 @@ TEST_CASE("no particle passes the faces of a pinned net", "[couple][fluid][sprin
     if (std::fabs(x[0]) > Real(0.49) || std::fabs(x[2]) > Real(0.49)) springs.pin(net, i);
   }
   const ObjectId id = fluid.add_fluid(FluidDesc{});
-  fluid.fill(id, block(4, 4, 4, Real(0.05), Vec3(Real(0.013), Real(0.3), Real(0.027))), Vec3(0, static_cast<Real>(-speed), 0));
+  fluid.fill(id, block(4, 4, 4, Real(0.05), Vec3(Real(0.013), Real(0.3), Real(0.027))),
+             Vec3(0, static_cast<Real>(-speed), 0));
   std::vector<Vec3> x;
   int below = 0;
   for (int k = 0; k < 60; ++k) {

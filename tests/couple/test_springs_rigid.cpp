@@ -23,7 +23,9 @@ NetDesc sheet(std::uint32_t n, Real total_mass, Real stiffness, Real damping, Re
       d.points.push_back(Vec3(static_cast<Real>(i) * cell - Real(0.5), 0, static_cast<Real>(j) * cell - Real(0.5)));
       d.masses.push_back(total_mass / static_cast<Real>(n * n));
     }
-  const auto join = [&](std::uint32_t a, std::uint32_t b) { d.springs.push_back({a, b, stiffness, damping, -1, kInfinity}); };
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    d.springs.push_back({a, b, stiffness, damping, -1, kInfinity});
+  };
   for (std::uint32_t j = 0; j < n; ++j)
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint32_t at = j * n + i;

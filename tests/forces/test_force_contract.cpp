@@ -106,7 +106,8 @@ TEST_CASE("a force with a potential is its gradient at rest", "[forces][contract
       a.position[k] -= e, b.position[k] += e;
       const double width = static_cast<double>(b.position[k]) - static_cast<double>(a.position[k]);
       const double slope = -(force->potential(&b, 1) - force->potential(&a, 1)) / width;
-      CHECK(static_cast<double>(f[k]) == Approx(slope).epsilon(5e-3).margin(5e-3 * (1 + static_cast<double>(length(f)))));
+      CHECK(static_cast<double>(f[k]) ==
+            Approx(slope).epsilon(5e-3).margin(5e-3 * (1 + static_cast<double>(length(f)))));
     }
   }
 }

@@ -27,7 +27,8 @@ State ring_state(int n) {
   State s;
   for (int i = 0; i < n; ++i) {
     const double a = 6.283185307179586 * i / n;
-    s.x.push_back(Vec3(static_cast<Real>(std::cos(a)), static_cast<Real>(std::sin(a)), static_cast<Real>(0.1 * (i % 2))));
+    s.x.push_back(
+        Vec3(static_cast<Real>(std::cos(a)), static_cast<Real>(std::sin(a)), static_cast<Real>(0.1 * (i % 2))));
     s.v.push_back(Vec3(static_cast<Real>(i % 4) - 1, static_cast<Real>(i % 5) * Real(0.5), Real(0.3)));
   }
   return s;
@@ -52,7 +53,8 @@ TEST_CASE("integrators keep the momentum of a free system", "[integrate][contrac
   const double size = 8.0;  // sum of m |v| is about that
   for (int k = 0; k < 200; ++k) m->step(f, 0, Real(0.01), s.x, s.v);
   CHECK(static_cast<double>(length(momentum(false) - linear)) < (kFloat ? 2e-5 : 1e-9) * size);
-  if (m->info().symplectic) CHECK(static_cast<double>(length(momentum(true) - angular)) < (kFloat ? 5e-5 : 1e-9) * size);
+  if (m->info().symplectic)
+    CHECK(static_cast<double>(length(momentum(true) - angular)) < (kFloat ? 5e-5 : 1e-9) * size);
 }
 
 TEST_CASE("pinned points do not move", "[integrate][contract]") {

@@ -27,8 +27,14 @@ Problem oscillator_problem(const char* name, double k, double c, double t, int f
   const double w0 = std::sqrt(k), decay = c / 2, wd = std::sqrt(k - decay * decay);  // numerics 2.1
   const double e = std::exp(-decay * t);
   const double x = e * (std::cos(wd * t) + decay / wd * std::sin(wd * t)), v = -e * k / wd * std::sin(wd * t);
-  return {name, std::make_shared<SpringField>(oscillator(static_cast<Real>(k), static_cast<Real>(c))), {{Vec3(1, 0, 0)}, {Vec3(0, 0, 0)}}, t,
-          Vec3(static_cast<Real>(x), 0, 0), Vec3(static_cast<Real>(v), 0, 0), 1 / w0, first_steps};
+  return {name,
+          std::make_shared<SpringField>(oscillator(static_cast<Real>(k), static_cast<Real>(c))),
+          {{Vec3(1, 0, 0)}, {Vec3(0, 0, 0)}},
+          t,
+          Vec3(static_cast<Real>(x), 0, 0),
+          Vec3(static_cast<Real>(v), 0, 0),
+          1 / w0,
+          first_steps};
 }
 
 std::vector<Problem> problems(int order) {
@@ -44,8 +50,8 @@ std::vector<Problem> problems(int order) {
   // numerics 2.3: released at a right angle
   all.push_back({"pendulum", std::make_shared<PendulumField>(), {{Vec3(kPi / 2, 0, 0)}, {Vec3(0, 0, 0)}}, 10,
                  Vec3(Real(-0.94686245325590347), 0, 0), Vec3(Real(-1.0809554582362733), 0, 0), 1, 10});
-  // numerics 2.2: eccentricity 0.9, from pericentre. In 113 bits, errors of order 5 at t = 1 fall by 5 +- 0.1 below 1e-14
-  // only, which is rounding here; at t = 10 they do so from 1e-9 on.
+  // numerics 2.2: eccentricity 0.9, from pericentre. In 113 bits, errors of order 5 at t = 1 fall by 5 +- 0.1 below
+  // 1e-14 only, which is rounding here; at t = 10 they do so from 1e-9 on.
   const State start = {{Vec3(Real(0.1), 0, 0)}, {Vec3(0, Real(4.3588989435406736), 0)}};
   if (order > 4)
     all.push_back({"Kepler", std::make_shared<KeplerField>(), start, 10,

@@ -25,7 +25,8 @@ SpringField hung_chain(int links, Real stiffness, Real ratio) {
 
 State straight(int links) {
   State s;
-  for (int i = 0; i <= links; ++i) s.x.push_back(Vec3(Real(0.1) * static_cast<Real>(i), 0, 0)), s.v.push_back(Vec3(0, 0, 0));
+  for (int i = 0; i <= links; ++i)
+    s.x.push_back(Vec3(Real(0.1) * static_cast<Real>(i), 0, 0)), s.v.push_back(Vec3(0, 0, 0));
   return s;
 }
 

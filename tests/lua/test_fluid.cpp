@@ -34,7 +34,8 @@ TEST_CASE("velocities come from a function or a buffer", "[lua][fluid]") {
     print(water:velocities()[1])
     print(pcall(water.set_velocities, water, function() return 0/0 end))
     print(water:velocities()[1])
-  )") == "2.0\t1.0\t2.0\n7.0\nfalse\ttest.lua:9: fluid:set_velocities: velocity of particle 1: expected a finite number, got nan\n7.0\n");
+  )") == "2.0\t1.0\t2.0\n7.0\nfalse\ttest.lua:9: fluid:set_velocities: velocity of particle 1: expected a finite "
+         "number, got nan\n7.0\n");
 }
 
 TEST_CASE("emitters stop, start and end; drains count", "[lua][fluid]") {
@@ -73,13 +74,15 @@ TEST_CASE("a region says when the first particle comes and the last has left", "
 }
 
 TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lua][fluid]") {
-  CHECK(error_of("world:fluid{ spacing = 0 }").find("world:fluid.spacing: expected a number above 0, got 0") != std::string::npos);
+  CHECK(error_of("world:fluid{ spacing = 0 }").find("world:fluid.spacing: expected a number above 0, got 0") !=
+        std::string::npos);
   CHECK(error_of("world:fluid{ spacign = 1 }").find("did you mean 'spacing'?") != std::string::npos);
   CHECK(error_of("world:fluid{ solver = 'sph' }").find("known: pbf, wcsph") != std::string::npos);
   CHECK(error_of("world:fluid{ kernel = 'gauss' }").find("known: cubic, wendland, poly6_spiky") != std::string::npos);
   CHECK(error_of("world:fluid{ neighbors = 'octree' }").find("known: grid") != std::string::npos);
   CHECK(error_of("world:fluid{ viscosity = 1, kinematic_viscosity = 1 }").find("got both") != std::string::npos);
-  CHECK(error_of(kWater + "water:fill{}").find("expected box = {min, max} or shape =, got neither") != std::string::npos);
+  CHECK(error_of(kWater + "water:fill{}").find("expected box = {min, max} or shape =, got neither") !=
+        std::string::npos);
   CHECK(error_of(kWater + "water:emitter{ rate = 1e9 }").find("particles per second") != std::string::npos);
   CHECK(output_of("pcall(world.fluid, world, { spacing = -1 }) print(world:report().fluids)") == "0\n");
 }

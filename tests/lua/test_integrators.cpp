@@ -7,7 +7,8 @@ using namespace feder::test;
 
 namespace {
 
-const char* const kNet = "local net = world:net{ name = 'net', points = {{0,0,0},{1,0,0},{2,0,0}}, springs = {{1,2},{2,3}}, pins = {1}, ";
+const char* const kNet =
+    "local net = world:net{ name = 'net', points = {{0,0,0},{1,0,0},{2,0,0}}, springs = {{1,2},{2,3}}, pins = {1}, ";
 
 }  // namespace
 
@@ -26,7 +27,8 @@ TEST_CASE("every integrator runs a net from a script, and a restored run is the 
 }
 
 TEST_CASE("options of integrators", "[lua][integrate]") {
-  CHECK(output_of(std::string(kNet) + "integrator = 'rk45', integrator_options = { tolerance = 1e-3 } } world:step(5)") == "");
+  CHECK(output_of(std::string(kNet) +
+                  "integrator = 'rk45', integrator_options = { tolerance = 1e-3 } } world:step(5)") == "");
   CHECK_THAT(error_of(std::string(kNet) + "integrator = 'rk45', integrator_options = { tolerence = 1e-3 } }"),
              Catch::Contains("rk45: unknown option 'tolerence'; did you mean 'tolerance'?"));
   CHECK_THAT(error_of(std::string(kNet) + "integrator = 'rk45', integrator_options = { colour = 1 } }"),
@@ -35,7 +37,8 @@ TEST_CASE("options of integrators", "[lua][integrate]") {
              Catch::Contains("solver: expected 'auto', 'direct' or 'cg', got 'magic'"));
   CHECK_THAT(error_of(std::string(kNet) + "integrator = 'rk45', integrator_options = { tolerance = 2 } }"),
              Catch::Contains("tolerance: expected a number from"));
-  CHECK_THAT(error_of(std::string(kNet) + "integrator = 'rk5' }"), Catch::Contains("unknown integrator 'rk5'; known: "));
+  CHECK_THAT(error_of(std::string(kNet) + "integrator = 'rk5' }"),
+             Catch::Contains("unknown integrator 'rk5'; known: "));
 }
 
 TEST_CASE("a missed tolerance reaches the script as a warning", "[lua][integrate]") {

@@ -19,15 +19,18 @@ TEST_CASE("springs that only pull, and those that break, keep their options", "[
 
 TEST_CASE("a force acts on the points it is given", "[lua][nets]") {
   const std::string net = "local net = world:net{ points = {{0,0,0},{1,0,0},{2,0,0}}, masses = 2, gravity_scale = 0 } ";
-  const char* const show = "world:step(60) for i = 1, 3 do local x, y, z = net:velocity(i) print(('%.2f'):format(z)) end";
-  CHECK(output_of(net + "world:force{ kind = 'gravity', acceleration = {0,0,3}, on = net, points = {3, 1, 3} } " + show) ==
-        "3.00\n0.00\n3.00\n");
+  const char* const show =
+      "world:step(60) for i = 1, 3 do local x, y, z = net:velocity(i) print(('%.2f'):format(z)) end";
+  CHECK(output_of(net + "world:force{ kind = 'gravity', acceleration = {0,0,3}, on = net, points = {3, 1, 3} } " +
+                  show) == "3.00\n0.00\n3.00\n");
   CHECK(output_of(net + "world:force{ on = net, points = {2}, each = function() return 0, 0, 4 end } " + show) ==
         "0.00\n2.00\n0.00\n");
-  CHECK_THAT(error_of(net + "world:force{ kind = 'drag', points = {1} }"), Catch::Contains("points: expected on = a net"));
+  CHECK_THAT(error_of(net + "world:force{ kind = 'drag', points = {1} }"),
+             Catch::Contains("points: expected on = a net"));
   CHECK_THAT(error_of(net + "world:force{ kind = 'drag', on = net, points = {4} }"),
              Catch::Contains("points[1]: expected a whole number from 1 to 3, got 4"));
-  CHECK_THAT(error_of(net + "world:force{ kind = 'drag', on = net, points = {} }"), Catch::Contains("at least one point"));
+  CHECK_THAT(error_of(net + "world:force{ kind = 'drag', on = net, points = {} }"),
+             Catch::Contains("at least one point"));
 }
 
 TEST_CASE("a ball of tetrahedra is round, filled and well shaped", "[lua][nets]") {
@@ -82,7 +85,8 @@ TEST_CASE("advice names the limit, and what would do", "[lua][nets]") {
   // 2 sqrt(k/m) = 2000/s with 4 substeps of 1/240 s
   const std::string stiff = output_of(rope + "'symplectic_euler'" + show);
   CHECK_THAT(stiff, Catch::Contains("rope\tunstable\tsymplectic_euler\tsymplectic_euler\t19\t2.0\t8.3333\n"));
-  CHECK_THAT(stiff, Catch::Contains("net \"rope\" with symplectic_euler may blow up: h w up to 8.33, the limit is 2; 19 substeps"));
+  CHECK_THAT(stiff, Catch::Contains(
+                        "net \"rope\" with symplectic_euler may blow up: h w up to 8.33, the limit is 2; 19 substeps"));
   const std::string never = output_of(rope + "'explicit_euler'" + show);
   CHECK_THAT(never, Catch::Contains("rope\tnever stable\texplicit_euler\tsymplectic_euler\t19\t0.0\t8.3333\n"));
   const std::string implicit = output_of(rope + "'implicit_euler'" + show);

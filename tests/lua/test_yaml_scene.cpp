@@ -91,9 +91,11 @@ TEST_CASE("mistakes in a table are named", "[lua][yaml]") {
   CHECK_THAT(error_of_table("bodies = 5"), Catch::Contains("bodies: expected a list, got 5"));
   CHECK_THAT(error_of_table("bodies = { 5 }"), Catch::Contains("bodies: expected a list of tables, got 5"));
 #ifdef FEDER_HAS_FLUID
-  CHECK_THAT(error_of_table("fluids = { { spacin = 1 } }"), Catch::Contains("unknown option 'spacin'; did you mean 'spacing'?"));
+  CHECK_THAT(error_of_table("fluids = { { spacin = 1 } }"),
+             Catch::Contains("unknown option 'spacin'; did you mean 'spacing'?"));
 #else
-  CHECK_THAT(error_of_table("fluids = { {} }"), Catch::Contains("world:fluid: this build leaves out the module 'fluid'"));
+  CHECK_THAT(error_of_table("fluids = { {} }"),
+             Catch::Contains("world:fluid: this build leaves out the module 'fluid'"));
 #endif
   CHECK_THAT(error_of_table("world = { dt = -1 }"), Catch::Contains("world.dt: expected a number above 0"));
   CHECK_THAT(error_of_table("params = { h = { min = 1 } }"), Catch::Contains("params.h: expected value:"));

@@ -19,7 +19,9 @@ inline StudyPoint synthetic_point(const std::string& method, int order, int rung
   p.count.steps = 8 << rung;
   p.count.force_evals = order * (8 << rung);
   p.work = static_cast<double>(p.count.force_evals);
-  if (p.completed) p.err_end = error, p.err_traj_rms = error / 2, p.t_min_s = p.work * 1e-6, p.t_med_s = p.t_min_s * 1.25, p.t_p90_s = p.t_min_s * 1.5, p.n_rep = 5;
+  if (p.completed)
+    p.err_end = error, p.err_traj_rms = error / 2, p.t_min_s = p.work * 1e-6, p.t_med_s = p.t_min_s * 1.25,
+    p.t_p90_s = p.t_min_s * 1.5, p.n_rep = 5;
   if (p.completed && error < 3e-7) p.below_floor = true;
   if (!p.completed) p.reason = "left every bound", p.status_t_s = 0.5;
   return p;
@@ -32,11 +34,14 @@ inline StudyResult synthetic_study() {
   r.problem.name = "made_up";
   r.problem.summary = "a <made up> problem & its \"numbers\"";
   r.problem.family = "ode";
-  r.problem.params = {{"stiffness", "100", "1", "k, N/m", 0, 1e9, {}}, {"mode", "x", "x", "which", NAN, NAN, {"x", "y"}}};
+  r.problem.params = {{"stiffness", "100", "1", "k, N/m", 0, 1e9, {}},
+                      {"mode", "x", "x", "which", NAN, NAN, {"x", "y"}}};
   r.problem.t_end = 1;
   r.problem.energy_scale = 0.5;
   r.problem.reference = {ReferenceKind::closed, 15, 1e-7, 1e-8, "formula"};
-  r.methods = {{"first", "order 1", 1, 1, 0, false, false}, {kNasty, "order 2", 2, 2, 2, false, false}, {"fourth", "order 4", 4, 4, INFINITY, true, false}};
+  r.methods = {{"first", "order 1", 1, 1, 0, false, false},
+               {kNasty, "order 2", 2, 2, 2, false, false},
+               {"fourth", "order 4", 4, 4, INFINITY, true, false}};
   const PointStatus bad[] = {PointStatus::nan, PointStatus::refused, PointStatus::diverged};
   for (int m = 0; m < 3; ++m) {
     const MethodInfo& info = r.methods[static_cast<std::size_t>(m)];

@@ -86,7 +86,8 @@ TEST_CASE("every point becomes one mark, also those that failed or lie outside",
   Plot p;
   p.name = "probe";
   p.title = "points <&> marks";
-  const MarkKind kinds[] = {MarkKind::hollow, MarkKind::filled, MarkKind::uncertain, MarkKind::diverged, MarkKind::nan, MarkKind::refused, MarkKind::other};
+  const MarkKind kinds[] = {MarkKind::hollow, MarkKind::filled,  MarkKind::uncertain, MarkKind::diverged,
+                            MarkKind::nan,    MarkKind::refused, MarkKind::other};
   int in = 0, failed = 0;
   for (int m = 0; m < 20; ++m) {
     PlotSeries s{"m" + std::to_string(m), m, {}};
@@ -128,7 +129,8 @@ TEST_CASE("a heat map has a cell for each value, and lines over them", "[report]
   m.x = {"h, s", true, 0, 1, TickStyle::power};
   m.y = {"k, N/m", true, 0, 1, TickStyle::power};
   for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 4; ++k) m.cells.push_back({std::pow(10.0, -i), std::pow(10.0, k), i + k < 3 ? "stable" : "diverged", 1e-3, "cell <1>"});
+    for (int k = 0; k < 4; ++k)
+      m.cells.push_back({std::pow(10.0, -i), std::pow(10.0, k), i + k < 3 ? "stable" : "diverged", 1e-3, "cell <1>"});
   m.theory = {{1, 1}, {0.01, 1e3}};
   m.theory_label = "theory";
   const std::string svg = heat_map_svg(m);

@@ -54,7 +54,8 @@ TEST_CASE("a stability map becomes rows, drawings and a page", "[report]") {
     CHECK(xml_fault(f.svg) == "");
     CHECK(count_of(f.svg, "class=\"cell\"") == (f.file == "sheet.svg" ? 18 : 9));
   }
-  const std::vector<ExtremeRow> extreme = {{"mass <0>", "refused", "refused", "mass: expected", true}, {"b", "stands", "fell", "", false}};
+  const std::vector<ExtremeRow> extreme = {{"mass <0>", "refused", "refused", "mass: expected", true},
+                                           {"b", "stands", "fell", "", false}};
   const std::string page = stability_page(r, {}, figures, extreme);
   CHECK(xml_fault(page) == "");
   CHECK(page.find("mass &lt;0&gt;") != std::string::npos);
@@ -66,8 +67,8 @@ TEST_CASE("a stability map becomes rows, drawings and a page", "[report]") {
 TEST_CASE("stability.json has a row per cell with its keys", "[report]") {
   const Json json = Json::parse(to_text(stability_json(synthetic_map(), {})));
   CHECK(json["rows"].size() == 18);
-  for (const char* key : {"method", "axes", "verdict", "t_fail", "entity", "error", "energy_ratio", "constraint", "iters_mean", "iters_max",
-                          "predicted_limit", "observed_limit"}) {
+  for (const char* key : {"method", "axes", "verdict", "t_fail", "entity", "error", "energy_ratio", "constraint",
+                          "iters_mean", "iters_max", "predicted_limit", "observed_limit"}) {
     CAPTURE(key);
     CHECK(json["rows"][0].contains(key));
   }

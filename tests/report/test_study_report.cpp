@@ -94,7 +94,8 @@ TEST_CASE("report.json has its keys and comes back whole", "[report]") {
   context.machine = machine_info("0", "float");
   const Json json = Json::parse(to_text(study_json(r, context)));
   CHECK(json.at("schema") == "accuracy/1");
-  for (const char* key : {"run", "problem", "methods", "points", "fits", "front", "cost_to_accuracy", "gate"}) CHECK(json.contains(key));
+  for (const char* key : {"run", "problem", "methods", "points", "fits", "front", "cost_to_accuracy", "gate"})
+    CHECK(json.contains(key));
   for (const char* key : {"git", "tool", "date", "build", "machine"}) CHECK(json["run"].contains(key));
   for (const char* key : {"compiler", "flags", "real", "fma", "ftz"}) CHECK(json["run"]["build"].contains(key));
   for (const char* key : {"cpu", "cores", "os", "virtual", "load_before", "load_after", "timer_resolution_ns"})
@@ -102,9 +103,11 @@ TEST_CASE("report.json has its keys and comes back whole", "[report]") {
   for (const char* key : {"name", "params", "t_end", "dof", "x_scale", "v_scale", "E_scale", "chaotic", "reference"})
     CHECK(json["problem"].contains(key));
   for (const char* key : {"kind", "digits", "uncertainty", "source"}) CHECK(json["problem"]["reference"].contains(key));
-  for (const char* key : {"name", "order", "evals_per_step", "limit_hw", "implicit"}) CHECK(json["methods"][0].contains(key));
+  for (const char* key : {"name", "order", "evals_per_step", "limit_hw", "implicit"})
+    CHECK(json["methods"][0].contains(key));
   for (const char* key : {"method", "slope", "expected", "rms", "range"}) CHECK(json["fits"][0].contains(key));
-  for (const char* key : {"target", "method", "force_evals", "time_s"}) CHECK(json["cost_to_accuracy"][0].contains(key));
+  for (const char* key : {"target", "method", "force_evals", "time_s"})
+    CHECK(json["cost_to_accuracy"][0].contains(key));
   for (const char* key : {"baseline", "violations"}) CHECK(json["gate"].contains(key));
   CHECK(json["methods"][2]["limit_hw"] == "inf");
   // every column of points.csv is a key of a point, but the problem's name

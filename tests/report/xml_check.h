@@ -5,8 +5,8 @@
 
 namespace feder::test {
 
-// "" when every tag closes in order, attributes are quoted and '&' begins an entity; otherwise what is wrong. Tags that HTML
-// leaves open (meta, !DOCTYPE) are skipped; the text of <style> is not looked at.
+// "" when every tag closes in order, attributes are quoted and '&' begins an entity; otherwise what is wrong. Tags that
+// HTML leaves open (meta, !DOCTYPE) are skipped; the text of <style> is not looked at.
 inline std::string xml_fault(const std::string& text) {
   std::vector<std::string> open;
   for (std::size_t at = 0; at < text.size();) {
@@ -17,7 +17,8 @@ inline std::string xml_fault(const std::string& text) {
     const char c = text[at];
     if (c == '&') {
       const std::size_t end = text.find(';', at);
-      if (end == std::string::npos || end - at > 8) return "bare & at " + std::to_string(at) + ": " + text.substr(at, 20);
+      if (end == std::string::npos || end - at > 8)
+        return "bare & at " + std::to_string(at) + ": " + text.substr(at, 20);
       at = end + 1;
       continue;
     }
@@ -37,7 +38,8 @@ inline std::string xml_fault(const std::string& text) {
     const std::string name = tag.substr(0, tag.find_first_of(" \n/", tag[0] == '/' ? 1 : 0));
     if (tag[0] == '?' || tag[0] == '!' || name == "meta") continue;
     if (tag[0] == '/') {
-      if (open.empty() || "/" + open.back() != name) return "</" + name + " closes " + (open.empty() ? "nothing" : open.back());
+      if (open.empty() || "/" + open.back() != name)
+        return "</" + name + " closes " + (open.empty() ? "nothing" : open.back());
       open.pop_back();
     } else if (tag.back() != '/') {
       open.push_back(name);

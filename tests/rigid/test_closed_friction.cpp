@@ -137,7 +137,8 @@ TEST_CASE("rolling down an incline", "[rigid][closed]") {
     CAPTURE(mu);
     ClosedScene s(solver, 1.0 / 240, 4);
     s.rigid().add_body(ground_of(Real(mu), slope.normal));
-    BodyDesc d = body_of(cylinder ? make_cylinder(Real(r), 1) : make_sphere(Real(r)), Real(r) * slope.normal, 1, Real(mu));
+    BodyDesc d =
+        body_of(cylinder ? make_cylinder(Real(r), 1) : make_sphere(Real(r)), Real(r) * slope.normal, 1, Real(mu));
     if (cylinder) d.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
     const ObjectId body = s.rigid().add_body(d);
     s.run(1);
@@ -158,7 +159,8 @@ TEST_CASE("conveyor", "[rigid][closed]") {
   belt.type = BodyType::fixed;
   belt.surface_velocity = Vec3(Real(v), 0, 0);
   s.rigid().add_body(belt);
-  const ObjectId crate = s.rigid().add_body(body_of(make_box(Real(0.4), Real(0.2), Real(0.4)), Vec3(0, Real(0.1), 0), 2, Real(mu)));
+  const ObjectId crate =
+      s.rigid().add_body(body_of(make_box(Real(0.4), Real(0.2), Real(0.4)), Vec3(0, Real(0.1), 0), 2, Real(mu)));
   double reached = 0;
   for (int i = 0; i < 480; ++i) {
     s.world().step();

@@ -120,7 +120,8 @@ TEST_CASE("momentum and angular momentum last 10000 steps with joints and contac
   // a chain of boxes on balls, hinges, springs and welds; its ends and the spheres between knock into each other
   std::vector<ObjectId> link;
   for (int i = 0; i < 6; ++i) {
-    BodyDesc d = body_of(make_box(Real(0.4), Real(0.2), Real(0.3)), Vec3(Real(0.5) * Real(i), 0, 0), Real(1 + i % 3), Real(0.4));
+    BodyDesc d =
+        body_of(make_box(Real(0.4), Real(0.2), Real(0.3)), Vec3(Real(0.5) * Real(i), 0, 0), Real(1 + i % 3), Real(0.4));
     d.velocity = draw(rng, 1);
     d.angular_velocity = draw(rng, 1);
     link.push_back(rigid.add_body(d));

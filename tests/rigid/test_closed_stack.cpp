@@ -38,7 +38,8 @@ TEST_CASE("each level of a stack carries what is above it", "[rigid][closed]") {
   const double weight = 3 * kG * s.desc.dt;
   for (int i = 0; i < n; ++i) {
     CAPTURE(i);
-    CHECK(carried(s, stack[std::size_t(i)]) == Approx((n - i) * weight).epsilon(closed_tolerance(solver).stack_impulse));
+    CHECK(carried(s, stack[std::size_t(i)]) ==
+          Approx((n - i) * weight).epsilon(closed_tolerance(solver).stack_impulse));
     const Vec3 x = s.position(stack[std::size_t(i)]);
     const Real below = i ? s.position(stack[std::size_t(i) - 1])[1] : Real(-0.5);
     CHECK(x[1] - below == Approx(1).margin(closed_tolerance(solver).stack_drift));

@@ -33,7 +33,9 @@ void fill(ClosedScene& s) {
   ObjectId last;
   for (int i = 0; i <= 8; ++i) {
     ObjectId plank;
-    if (i < 8) plank = s.rigid().add_body(body_of(make_box(Real(0.45), Real(0.1), 1), Vec3(Real(-1.75 + 0.5 * i), Real(1.5), 0), 2, Real(0.5)));
+    if (i < 8)
+      plank = s.rigid().add_body(
+          body_of(make_box(Real(0.45), Real(0.1), 1), Vec3(Real(-1.75 + 0.5 * i), Real(1.5), 0), 2, Real(0.5)));
     JointDesc j;
     j.type = "hinge";
     j.a = last;

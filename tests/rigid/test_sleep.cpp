@@ -83,7 +83,8 @@ TEST_CASE("sleepers wake by touch, and the cause is told", "[rigid][sleep]") {
   CHECK(s.cause(tower[3]) == WakeCause::contact);
   CHECK(s.cause(tower[0]) == WakeCause::neighbor);
   bool by_ball = false;
-  for (const Event& e : s.world().events().list()) by_ball = by_ball || (e.kind == EventKind::wake && e.a == tower[3] && e.b == ball);
+  for (const Event& e : s.world().events().list())
+    by_ball = by_ball || (e.kind == EventKind::wake && e.a == tower[3] && e.b == ball);
   CHECK(by_ball);
   for (const ObjectId b : tower) CHECK(s.awake(b));
 }

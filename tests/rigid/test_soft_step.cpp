@@ -12,8 +12,10 @@ std::uint64_t heap_hash(const char* kernels) {
   s.desc.systems["rigid"].set("kernels", std::string(kernels));
   s.rigid().add_body(ground_of(Real(0.5)));
   for (int i = 0; i < 60; ++i) {
-    BodyDesc d = body_of(i % 3 ? make_box(1, Real(0.6), Real(0.8)) : make_sphere(Real(0.4)),
-                         Vec3(Real(i % 4) * Real(0.9), Real(0.7) + Real(i / 8) * Real(1.1), Real(i / 4 % 2) * Real(0.9)), 1 + Real(i % 5), Real(0.5));
+    BodyDesc d =
+        body_of(i % 3 ? make_box(1, Real(0.6), Real(0.8)) : make_sphere(Real(0.4)),
+                Vec3(Real(i % 4) * Real(0.9), Real(0.7) + Real(i / 8) * Real(1.1), Real(i / 4 % 2) * Real(0.9)),
+                1 + Real(i % 5), Real(0.5));
     d.restitution = i % 7 == 0 ? Real(0.5) : Real(0);
     d.rolling_friction = i % 3 ? Real(0) : Real(0.02);
     s.rigid().add_body(d);
@@ -34,7 +36,8 @@ TEST_CASE("soft step: more contacts on a body than there are colours", "[rigid][
   const ObjectId plate = s.rigid().add_body(body_of(make_box(40, 1, 40), Vec3(0, Real(0.5), 0), 1000, Real(0.5)));
   std::vector<ObjectId> crates;
   for (int i = 0; i < 100; ++i)
-    crates.push_back(s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(Real(i % 10) * 3 - 14, Real(1.5), Real(i / 10) * 3 - 14), 5, Real(0.5))));
+    crates.push_back(s.rigid().add_body(
+        body_of(make_box(1, 1, 1), Vec3(Real(i % 10) * 3 - 14, Real(1.5), Real(i / 10) * 3 - 14), 5, Real(0.5))));
   s.run(2);
   CHECK(static_cast<double>(s.position(plate)[1]) == Approx(0.5).margin(0.01));
   for (const ObjectId c : crates) REQUIRE(static_cast<double>(s.position(c)[1]) == Approx(1.5).margin(0.02));
@@ -64,7 +67,8 @@ TEST_CASE("soft step: a light chain holds a heavy ball", "[rigid][soft_step]") {
   Vec3 at = Vec3::Zero();
   for (int k = 0; k < 20; ++k) {
     const bool heavy = k == 19;
-    BodyDesc d = body_of(make_sphere(heavy ? Real(2) : Real(0.25)), Vec3(Real(0.5) * Real(k) + (heavy ? Real(1.75) : Real(0)), 0, 0), 0);
+    BodyDesc d = body_of(make_sphere(heavy ? Real(2) : Real(0.25)),
+                         Vec3(Real(0.5) * Real(k) + (heavy ? Real(1.75) : Real(0)), 0, 0), 0);
     d.mass = 0, d.density = 1000, d.mask = 0;
     if (k == 0) d.type = BodyType::fixed;
     const ObjectId id = s.rigid().add_body(d);

@@ -93,7 +93,8 @@ TEST_CASE("solver: a stack of ten stands", "[rigid][contract]") {
   CAPTURE(solver_name(row));
   s.rigid().add_body(ground_of(Real(0.6)));
   std::vector<ObjectId> ids;
-  for (int i = 0; i < 10; ++i) ids.push_back(s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, Real(0.5) + Real(i), 0), 1, Real(0.6))));
+  for (int i = 0; i < 10; ++i)
+    ids.push_back(s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, Real(0.5) + Real(i), 0), 1, Real(0.6))));
   s.run(5);
   for (int i = 0; i < 10; ++i) {
     const Vec3 p = s.position(ids[static_cast<std::size_t>(i)]);
@@ -129,7 +130,9 @@ TEST_CASE("solver: the same bits for one, two and four threads", "[rigid][contra
     for (int i = 0; i < 12; ++i)
       for (int k = 0; k < 12; ++k)
         for (int j = 0; j < 3; ++j)
-          s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(Real(1.02) * Real(i), Real(0.6) + Real(j) * Real(1.1), Real(1.02) * Real(k)), 1, Real(0.5)));
+          s.rigid().add_body(body_of(make_box(1, 1, 1),
+                                     Vec3(Real(1.02) * Real(i), Real(0.6) + Real(j) * Real(1.1), Real(1.02) * Real(k)),
+                                     1, Real(0.5)));
     for (int step = 0; step < 40; ++step) s.world().step();
     if (threads == 1) first = s.world().hash();
     CAPTURE(threads);

@@ -45,7 +45,8 @@ TEST_CASE("free fall is the symplectic Euler sum, whatever the substeps", "[rigi
   const int steps = 120;
   for (int i = 0; i < steps; ++i) s.world().step();
   const double h = s.h(), n = steps * substeps, t = n * h;
-  CHECK(static_cast<double>(s.position(id)[1]) == Approx(100 + 2 * t - 0.5 * kG * t * t - 0.5 * kG * h * t).epsilon(2e-5));
+  CHECK(static_cast<double>(s.position(id)[1]) ==
+        Approx(100 + 2 * t - 0.5 * kG * t * t - 0.5 * kG * h * t).epsilon(2e-5));
   CHECK(static_cast<double>(s.position(id)[0]) == Approx(3 * t).epsilon(1e-5));
   CHECK(static_cast<double>(s.velocity(id)[1]) == Approx(2 - kG * t).epsilon(1e-5));
 }
@@ -203,14 +204,16 @@ TEST_CASE("a body gone bad is stopped, named, and harms nobody", "[rigid][system
   ClosedScene s("soft_step");
   s.rigid().add_body(ground_of(Real(0.5)));
   std::vector<ObjectId> tower;
-  for (int i = 0; i < 5; ++i) tower.push_back(s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, Real(0.5) + Real(i), 0), 1, Real(0.5))));
+  for (int i = 0; i < 5; ++i)
+    tower.push_back(s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, Real(0.5) + Real(i), 0), 1, Real(0.5))));
   s.run(0.5);
   // the sum of two finite forces is not finite
   for (int k = 0; k < 2; ++k) s.rigid().apply_force(tower[2], Vec3(std::numeric_limits<Real>::max(), 0, 0), nullptr);
   s.world().step();
   bool warned = false;
   for (const Event& e : s.world().events().list())
-    if (e.kind == EventKind::warning && s.world().events().warning_code(e) == "non_finite" && e.a == tower[2]) warned = true;
+    if (e.kind == EventKind::warning && s.world().events().warning_code(e) == "non_finite" && e.a == tower[2])
+      warned = true;
   CHECK(warned);
   CHECK(s.world().is_finite());
   CHECK(s.rigid().bodies().type[s.rigid().index(tower[2])] == BodyType::fixed);
@@ -226,7 +229,8 @@ TEST_CASE("restore then run is run, bit for bit", "[rigid][system]") {
   s.rigid().add_body(ground_of(Real(0.5)));
   ObjectId last;
   for (int i = 0; i < 12; ++i) {
-    BodyDesc d = body_of(i % 2 ? make_sphere(Real(0.4)) : make_box(1, Real(0.5), Real(0.7)), Vec3(Real(0.1) * Real(i % 3), 1 + Real(i), 0), 1, Real(0.5));
+    BodyDesc d = body_of(i % 2 ? make_sphere(Real(0.4)) : make_box(1, Real(0.5), Real(0.7)),
+                         Vec3(Real(0.1) * Real(i % 3), 1 + Real(i), 0), 1, Real(0.5));
     d.restitution = Real(0.3);
     const ObjectId id = s.rigid().add_body(d);
     if (i == 5) {

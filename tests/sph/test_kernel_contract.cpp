@@ -149,7 +149,8 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
     rounded[i] = (m + 7) / 8 * 8;
   }
   SweepInput in;
-  in.points = points.data(), in.velocity = velocity.data(), in.neighbors = neighbors.data(), in.rounded = rounded.data();
+  in.points = points.data(), in.velocity = velocity.data(), in.neighbors = neighbors.data(),
+  in.rounded = rounded.data();
   in.stride = stride, in.inv_support = WideReal(1.25), in.soft = WideReal(1e-3), in.damping = WideReal(0.3);
 
   const auto run = [&](const Sweeps& s) {

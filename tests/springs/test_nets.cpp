@@ -18,7 +18,8 @@ Vec3 momentum_vector(World& w) {
 NetDesc tangle(int seed, const char* integrator) {
   NetDesc d = row_net(12, Real(0.5), Real(0.3), 400);
   for (std::uint32_t i = 0; i + 2 < 12; ++i) d.springs.push_back({i, i + 2, 100, Real(0.5), -1});
-  for (std::size_t i = 0; i < 12; ++i) d.points[i] += Vec3(0, static_cast<Real>(seed), Real(0.03) * static_cast<Real>(i % 3));
+  for (std::size_t i = 0; i < 12; ++i)
+    d.points[i] += Vec3(0, static_cast<Real>(seed), Real(0.03) * static_cast<Real>(i % 3));
   d.springs[3].break_strain = Real(0.05);
   d.damping = Real(0.1);
   d.integrator = integrator;

@@ -37,10 +37,14 @@ TEST_CASE("equal force evaluations on the oscillator give the printed errors", "
     int evals;  // per step
     double errors[3];
   };
-  const Row rows[] = {{"explicit_euler", 1, {5.2e-1, 4.3e-2, 4.2e-3}},  {"symplectic_euler", 1, {2.5e-2, 2.3e-3, 2.3e-4}},
-                      {"midpoint", 2, {4.6e-2, 4.6e-4, 4.6e-6}},        {"heun", 2, {4.6e-2, 4.6e-4, 4.6e-6}},
-                      {"rk2", 2, {4.6e-2, 4.6e-4, 4.6e-6}},             {"velocity_verlet", 1, {2.5e-3, 2.5e-5, 2.5e-7}},
-                      {"yoshida4", 3, {2.5e-3, 2.5e-7, 2.5e-11}},       {"rk4", 4, {1.0e-3, 1.0e-7, 1.0e-11}}};
+  const Row rows[] = {{"explicit_euler", 1, {5.2e-1, 4.3e-2, 4.2e-3}},
+                      {"symplectic_euler", 1, {2.5e-2, 2.3e-3, 2.3e-4}},
+                      {"midpoint", 2, {4.6e-2, 4.6e-4, 4.6e-6}},
+                      {"heun", 2, {4.6e-2, 4.6e-4, 4.6e-6}},
+                      {"rk2", 2, {4.6e-2, 4.6e-4, 4.6e-6}},
+                      {"velocity_verlet", 1, {2.5e-3, 2.5e-5, 2.5e-7}},
+                      {"yoshida4", 3, {2.5e-3, 2.5e-7, 2.5e-11}},
+                      {"rk4", 4, {1.0e-3, 1.0e-7, 1.0e-11}}};
   const auto problem = make_study_problem("oscillator", Params());
   const std::vector<MethodInfo> methods = problem->methods();
   int found = 0;
@@ -70,9 +74,10 @@ TEST_CASE("stiff chains: explicit methods fail and are told, implicit ones have 
     double tolerance;  // relative
   };
   // steps of one rounding in the table; solvers that stop early end elsewhere at 60 steps, and that is told as slow
-  const Row rows[] = {{"implicit_euler", 600, "ratio=1", 4.3e-2, 0.05},  {"implicit_euler", 6000, "ratio=1", 6.9e-3, 0.05},
-                      {"implicit_euler", 600, "ratio=1000", 2.7e-2, 0.1}, {"bdf2", 600, "ratio=1", 5.1e-4, 0.2},
-                      {"bdf2", 600, "ratio=1000", 4.4e-4, 0.2},          {"implicit_midpoint", 600, "ratio=1", 1.9e-4, 0.2}};
+  const Row rows[] = {
+      {"implicit_euler", 600, "ratio=1", 4.3e-2, 0.05},   {"implicit_euler", 6000, "ratio=1", 6.9e-3, 0.05},
+      {"implicit_euler", 600, "ratio=1000", 2.7e-2, 0.1}, {"bdf2", 600, "ratio=1", 5.1e-4, 0.2},
+      {"bdf2", 600, "ratio=1000", 4.4e-4, 0.2},           {"implicit_midpoint", 600, "ratio=1", 1.9e-4, 0.2}};
   for (const Row& row : rows) {
     const auto problem = chain("stiffness=1e8", row.ratio);
     const std::vector<MethodInfo> methods = problem->methods();

@@ -89,7 +89,8 @@ TEST_CASE("some method comes close to the reference, and closer with work", "[st
   double coarse = 1e300, fine = 1e300, rounded = 0;
   for (const MethodInfo& m : p->methods()) {
     const std::vector<RunSpec> ladder = p->ladder(m);
-    // one rung of each half: the finest take long. What the budget cuts off in the second half cannot count in the first
+    // one rung of each half: the finest take long. What the budget cuts off in the second half cannot count in the
+    // first
     const auto error_of = [&](std::size_t rung) {
       const StudyPoint point = run(*p, m, ladder[rung]);
       return point.status == PointStatus::ok ? point.err_end : 1e300;

@@ -32,7 +32,9 @@ class SpringWorld final : public SceneWorld {
   }
   World& world() override { return *world_; }
   void step() override { world_->step(); }
-  double own_error() override { return std::fabs(static_cast<double>(world_->need<Springs>().point(net_, 1)[0]) - exact_); }
+  double own_error() override {
+    return std::fabs(static_cast<double>(world_->need<Springs>().point(net_, 1)[0]) - exact_);
+  }
 
  private:
   std::unique_ptr<World> world_;

@@ -80,7 +80,8 @@ TEST_CASE("bodies at the corners of every map: no verdict is nan, failures have 
     ++problems;
     StabilityPlan p;
     p.problem = info.name;
-    p.x_values = {info.x.values.front(), info.x.values.back()}, p.y_values = {info.y.values.front(), info.y.values.back()};
+    p.x_values = {info.x.values.front(), info.x.values.back()},
+    p.y_values = {info.y.values.front(), info.y.values.back()};
     if (info.x.name == "h") p.x_values.front() = 1e-2;  // the shortest take long
     const StabilityResult r = run_stability(p);
     CHECK(r.maps.size() >= 2);

@@ -69,7 +69,8 @@ TEST_CASE("ladders are read, and refused with a reason", "[study]") {
   CHECK(h.values[2] == Approx(1e-3));
   CHECK(parse_ladder("iters:1..256:x2").values.size() == 9);
   CHECK(parse_ladder("steps:60,600").values[1] == 600);
-  for (const char* bad : {"", "h", "h:", "h:0", "h:1..2", "h:1..2:x1", "h:1..2:x", "k:1,2", "h:nan", "h:1e-300..1:x1.0001"}) {
+  for (const char* bad :
+       {"", "h", "h:", "h:0", "h:1..2", "h:1..2:x1", "h:1..2:x", "k:1,2", "h:nan", "h:1e-300..1:x1.0001"}) {
     CAPTURE(bad);
     CHECK_THROWS_AS(parse_ladder(bad), SceneError);
   }

@@ -48,7 +48,8 @@ inline view::LiveOptions live_options() {
 inline void run_to(view::LiveScene& live, std::uint64_t step) {
   live.stop_at(step);
   live.set_paused(false);
-  for (int i = 0; i < 100000 && (!live.stopped() || live.catching_up() || live.in_past()); ++i) live.tick(1.0 / 60, now());
+  for (int i = 0; i < 100000 && (!live.stopped() || live.catching_up() || live.in_past()); ++i)
+    live.tick(1.0 / 60, now());
   REQUIRE(live.world_step() == step);
 }
 

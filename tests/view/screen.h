@@ -24,7 +24,8 @@ class Process {
  public:
   Process() = default;
   // Starts a program; what it prints goes to `log`. `pass`: a descriptor that it inherits.
-  Process(const std::vector<std::string>& words, const std::string& log, const std::vector<std::string>& environment = {}) {
+  Process(const std::vector<std::string>& words, const std::string& log,
+          const std::vector<std::string>& environment = {}) {
     id_ = fork();
     if (id_ != 0) return;
     for (const std::string& e : environment) putenv(strdup(e.c_str()));
@@ -75,8 +76,16 @@ class Screen {
 
   // The viewer in a window of 800 x 600 at the corner of the screen.
   void view(const std::filesystem::path& scene, std::vector<std::string> more = {}) {
-    std::vector<std::string> words = {FEDER_BINARY_DIR "/feder", "view", scene.string(), "--size", "800x600", "--no-panels",
-                                      "--detail", "least", "--status", folder_ / "status.json"};
+    std::vector<std::string> words = {FEDER_BINARY_DIR "/feder",
+                                      "view",
+                                      scene.string(),
+                                      "--size",
+                                      "800x600",
+                                      "--no-panels",
+                                      "--detail",
+                                      "least",
+                                      "--status",
+                                      folder_ / "status.json"};
     words.insert(words.end(), more.begin(), more.end());
     std::filesystem::remove(folder_ / "status.json");
     viewer_ = Process(words, folder_ / "viewer.log", {"DISPLAY=" + display_});
@@ -110,7 +119,9 @@ class Screen {
   struct Shot {
     int width = 0, height = 0;
     std::vector<unsigned char> rgb;
-    const unsigned char* at(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))]; }
+    const unsigned char* at(int x, int y) const {
+      return &rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))];
+    }
   };
   Shot shot() const {
     // the X server keeps its screen in a file of the form XWD: numbers of 4 bytes, high byte first, then the pixels
@@ -164,7 +175,8 @@ inline double difference(const Screen::Shot& a, const Screen::Shot& b) {
 inline int count_color(const Screen::Shot& s, int r, int g, int b, int slack) {
   int count = 0;
   for (std::size_t i = 0; i < s.rgb.size(); i += 3)
-    count += std::abs(s.rgb[i] - r) <= slack && std::abs(s.rgb[i + 1] - g) <= slack && std::abs(s.rgb[i + 2] - b) <= slack;
+    count +=
+        std::abs(s.rgb[i] - r) <= slack && std::abs(s.rgb[i + 1] - g) <= slack && std::abs(s.rgb[i + 2] - b) <= slack;
   return count;
 }
 

@@ -41,7 +41,8 @@ TEST_CASE("above its memory the past is thinned out, the newest moments stay", "
     h.add(moment(i, 1000));
     REQUIRE(h.bytes() <= 101 * 1000);
     REQUIRE(h.first().step == 0);
-    for (std::uint64_t back = 0; back < std::min<std::uint64_t>(i, 29); ++back) REQUIRE(h.at(i - back).step == i - back);
+    for (std::uint64_t back = 0; back < std::min<std::uint64_t>(i, 29); ++back)
+      REQUIRE(h.at(i - back).step == i - back);
   }
   // even when not even those fit, some past is left
   History small(1000, 5000);

@@ -173,10 +173,10 @@ TEST_CASE("a broken file changes nothing but the message", "[view][live]") {
   LiveScene live(test::live_options());
   REQUIRE(live.open(file));
   test::run_to(live, 30);
-  const std::string broken = GENERATE(as<std::string>(), "local feder = require 'feder'\nreturn feder.scene { build = = }",
-                                      "local feder = require 'feder'\nreturn feder.scene { build = function() error('no') end }",
-                                      "local feder = require 'feder'\nlocal world = feder.world{}\nworld:step(3)",
-                                      "while true do\nend", "");
+  const std::string broken =
+      GENERATE(as<std::string>(), "local feder = require 'feder'\nreturn feder.scene { build = = }",
+               "local feder = require 'feder'\nreturn feder.scene { build = function() error('no') end }",
+               "local feder = require 'feder'\nlocal world = feder.world{}\nworld:step(3)", "while true do\nend", "");
   CAPTURE(broken);
   folder.write("busy.lua", broken);
   wait_for_reload(live, [&] { return !live.error().empty(); });

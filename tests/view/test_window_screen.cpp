@@ -68,7 +68,10 @@ TEST_CASE("an edited scene is on the screen at once, a broken one leaves the old
   REQUIRE(before.rgb.size() == 800 * 600 * 3);
   CHECK(test::difference(before, same) < 0.01);
 
-  folder.write("still.lua", still_scene("world:body { name = 'wall', type = 'static', shape = feder.box(4, 3, 0.2), position = { 0, 1.5, 1 } }"));
+  folder.write(
+      "still.lua",
+      still_scene(
+          "world:body { name = 'wall', type = 'static', shape = feder.box(4, 3, 0.2), position = { 0, 1.5, 1 } }"));
   REQUIRE(screen.wait([](const json& s) { return s.value("reloads", 0) == 1; }));
   CHECK(screen.status()["error"] == "");
   CHECK(screen.status()["objects"].contains("wall"));

@@ -54,17 +54,22 @@ std::string error_of(const std::string& text) {
 
 bool starts(const std::string& text, const std::string& head) { return text.compare(0, head.size(), head) == 0; }
 
-std::string nested(int depth) { return std::string(static_cast<std::size_t>(depth), '[') + std::string(static_cast<std::size_t>(depth), ']'); }
+std::string nested(int depth) {
+  return std::string(static_cast<std::size_t>(depth), '[') + std::string(static_cast<std::size_t>(depth), ']');
+}
 
 }  // namespace
 
 TEST_CASE("yaml scalars become Lua values", "[yaml]") {
-  CHECK(holds("a: 12\nb: -3\nc: 0x1f\nd: 0o17", "v.a == 12 and math.type(v.a) == 'integer' and v.b == -3 and v.c == 31 and v.d == 15"));
+  CHECK(holds("a: 12\nb: -3\nc: 0x1f\nd: 0o17",
+              "v.a == 12 and math.type(v.a) == 'integer' and v.b == -3 and v.c == 31 and v.d == 15"));
   CHECK(holds("a: 1.5\nb: -2e3\nc: .5\nd: +0.25", "v.a == 1.5 and v.b == -2000 and v.c == 0.5 and v.d == 0.25"));
   CHECK(holds("a: .inf\nb: -.inf\nc: .nan", "v.a == math.huge and v.b == -math.huge and v.c ~= v.c"));
   CHECK(holds("a: true\nb: False", "v.a == true and v.b == false"));
-  CHECK(holds("a: yes\nb: 1/60\nc: inf\nd: nan\ne: 1.2.3", "v.a == 'yes' and v.b == '1/60' and v.c == 'inf' and v.d == 'nan' and v.e == '1.2.3'"));
-  CHECK(holds("a: \"12\"\nb: 'true'\nc: !!str 5\nd: !!float 5", "v.a == '12' and v.b == 'true' and v.c == '5' and v.d == 5.0"));
+  CHECK(holds("a: yes\nb: 1/60\nc: inf\nd: nan\ne: 1.2.3",
+              "v.a == 'yes' and v.b == '1/60' and v.c == 'inf' and v.d == 'nan' and v.e == '1.2.3'"));
+  CHECK(holds("a: \"12\"\nb: 'true'\nc: !!str 5\nd: !!float 5",
+              "v.a == '12' and v.b == 'true' and v.c == '5' and v.d == 5.0"));
   CHECK(holds("a: ~\nb: null\nc:\nd: 1", "v.a == nil and v.b == nil and v.c == nil and v.d == 1"));
   CHECK(holds("1: one\n2: two", "v[1] == 'one' and v[2] == 'two'"));
   CHECK(holds("just text", "v == 'just text'"));
@@ -111,7 +116,8 @@ TEST_CASE("yaml bombs are refused", "[yaml]") {
   // nesting that only aliases make
   std::string deep = "a0: &a0 [[[[[[[[[[1]]]]]]]]]]\n";
   for (int i = 1; i < 9; ++i)
-    deep += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [[[[[[[[[*a" + std::to_string(i - 1) + "]]]]]]]]]\n";
+    deep +=
+        "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [[[[[[[[[*a" + std::to_string(i - 1) + "]]]]]]]]]\n";
   CHECK(error_of(deep).find("nested deeper than 64") != std::string::npos);
   CHECK_THROWS_AS(yaml::read("big.yaml", "abc", {.bytes = 2}), lua::ScriptError);
   CHECK_THROWS_AS(yaml::read("big.yaml", "[1, 2, 3]", {.nodes = 3}), lua::ScriptError);
@@ -124,7 +130,8 @@ TEST_CASE("yaml tables remember where they stood", "[yaml]") {
   lua_setglobal(lua.get(), "v");
   lua_getfield(lua.get(), LUA_REGISTRYINDEX, "feder.places");
   lua_setglobal(lua.get(), "places");
-  const int failed = luaL_dostring(lua.get(), "local p = places[v.bodies[1]]; return p.mass, p[true], places[v].bodies");
+  const int failed =
+      luaL_dostring(lua.get(), "local p = places[v.bodies[1]]; return p.mass, p[true], places[v].bodies");
   REQUIRE(failed == 0);
   CHECK(std::string(lua_tostring(lua.get(), -3)) == "file.yaml:4");
   CHECK(std::string(lua_tostring(lua.get(), -2)) == "file.yaml:3");
