@@ -30,9 +30,12 @@ struct Explained {
   const char* words;
 };
 constexpr Explained kExplained[] = {
-    {MarkKind::filled, "on the Pareto front"},  {MarkKind::hollow, "not on the front"},
-    {MarkKind::uncertain, "below the reference"}, {MarkKind::diverged, "diverged"},
-    {MarkKind::nan, "not a number"},            {MarkKind::refused, "refused"},
+    {MarkKind::filled, "on the Pareto front"},
+    {MarkKind::hollow, "not on the front"},
+    {MarkKind::uncertain, "below the reference"},
+    {MarkKind::diverged, "diverged"},
+    {MarkKind::nan, "not a number"},
+    {MarkKind::refused, "refused"},
     {MarkKind::other, "no measurement"},
 };
 
@@ -103,7 +106,7 @@ void draw_legend(Svg& svg, const Box& box, const Plot& p) {
     svg.text({box.left + 42, y}, e.words, {11.5, "start", kQuiet});
     y += kRow;
   }
-  if (p.front.size() > 1) {
+  if (std::any_of(p.fronts.begin(), p.fronts.end(), [](const auto& front) { return front.size() > 1; })) {
     svg.line({box.left, y - 4}, {box.left + 34, y - 4}, {"#b6c2cf", 7, "", 0.5});
     svg.text({box.left + 42, y}, "Pareto front", {11.5, "start", kQuiet});
     y += kRow;
@@ -114,15 +117,17 @@ void draw_legend(Svg& svg, const Box& box, const Plot& p) {
   }
 }
 
-void draw_front(Svg& svg, const Box& f, const Plot& p) {
-  if (p.front.size() < 2) return;
-  std::vector<XY> stair;
-  for (const XY& q : p.front) {
-    const XY at = place(f, p, q.x, q.y);
-    if (!stair.empty()) stair.push_back({at.x, stair.back().y});
-    stair.push_back(at);
+void draw_fronts(Svg& svg, const Box& f, const Plot& p) {
+  for (const std::vector<XY>& front : p.fronts) {
+    if (front.size() < 2) continue;
+    std::vector<XY> stair;
+    for (const XY& q : front) {
+      const XY at = place(f, p, q.x, q.y);
+      if (!stair.empty()) stair.push_back({at.x, stair.back().y});
+      stair.push_back(at);
+    }
+    svg.polyline(stair, {"#b6c2cf", 9, "", 0.5});
   }
-  svg.polyline(stair, {"#b6c2cf", 9, "", 0.5});
 }
 
 void draw_slopes(Svg& svg, const Box& f, const Plot& p) {
@@ -166,7 +171,7 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
     svg.line({f.left, y}, {f.right(), y}, {"#aab2bb", 1, "4 3"});
   }
   svg.begin_clip(f);
-  draw_front(svg, f, p);
+  draw_fronts(svg, f, p);
   for (const PlotLine& l : p.lines) {
     const XY ends[] = {place(f, p, l.from.x, l.from.y), place(f, p, l.to.x, l.to.y)};
     svg.polyline(ends, l.stroke);

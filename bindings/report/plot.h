@@ -42,7 +42,7 @@ struct Plot {
   std::string title, subtitle;
   Axis x, y;
   std::vector<PlotSeries> series;
-  std::vector<XY> front;         // Pareto points by growing x
+  std::vector<std::vector<XY>> fronts;  // Pareto points by growing x, of each setting
   double uncertain_below = 0;    // y; 0: no band
   std::string uncertain_label;
   std::vector<PlotLine> lines;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "report/figures.h"
 #include "report/xml.h"
@@ -17,10 +18,14 @@ bool measured(const StudyPoint& p, const ErrorNorm& norm) {
 
 MarkKind kind_of(const StudyResult& r, const StudyPoint& p, const ErrorNorm& norm, bool on_front) {
   switch (p.status) {
-    case PointStatus::diverged: return MarkKind::diverged;
-    case PointStatus::nan: return MarkKind::nan;
-    case PointStatus::refused: return MarkKind::refused;
-    default: break;
+    case PointStatus::diverged:
+      return MarkKind::diverged;
+    case PointStatus::nan:
+      return MarkKind::nan;
+    case PointStatus::refused:
+      return MarkKind::refused;
+    default:
+      break;
   }
   if (!measured(p, norm)) return MarkKind::other;
   if (p.below_floor && norm.ranks(r.problem) && !norm.more_is_better) return MarkKind::uncertain;
@@ -44,11 +49,7 @@ std::string point_title(const StudyResult& r, const StudyPoint& p, const ErrorNo
 }
 
 std::string reference_words(const StudyResult& r) {
-  const ReferenceInfo& ref = r.problem.reference;
-  static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
-  const std::string digits = ref.digits > 0 ? fmt::format(", {} digits", ref.digits) : "";
-  return fmt::format("reference: {}{}; t = {} s", kinds[static_cast<int>(ref.kind)], digits,
-                     number_text(r.problem.t_end, 6));
+  return fmt::format("reference: {}; t = {} s", reference_text(r.problem.reference), number_text(r.problem.t_end, 6));
 }
 
 // The runs of a method that a line joins: they differ in one thing only, the step or what is refined in its place. All
@@ -91,7 +92,9 @@ std::vector<Way> ways_of(const StudyResult& r, const std::string& method) {
   return ways;
 }
 
-double cut_high(double error) { return std::isfinite(error) ? std::min(error, 100.0) : error; }
+double cut_high(double error) {
+  return std::isfinite(error) ? std::min(error, 100.0) : error;
+}
 
 // Axis ends from the points that can be shown; an error of 0 gets no say.
 void fit_axes(Plot& plot, const std::string& x_label, bool seconds, const std::string& y_label, bool more_is_better) {
@@ -133,8 +136,10 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
       plot.series.push_back(series);
     }
   if (ranked) {
+    std::map<Settings, std::vector<XY>> fronts;
     for (const std::size_t k : by_time ? r.front_time : r.front_work)
-      plot.front.push_back({axis.value(r.points[k]), r.points[k].*norm.value});
+      fronts[r.points[k].settings].push_back({axis.value(r.points[k]), r.points[k].*norm.value});
+    for (auto& [settings, front] : fronts) plot.fronts.push_back(std::move(front));
     const double floor = r.problem.reference.floor();
     const bool near = !norm.more_is_better && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) {
       return measured(p, norm) && p.*norm.value < 30 * floor;
@@ -151,9 +156,9 @@ const StudyPoint* point_of(const StudyResult& r, const StudySeries& s) {
   return nullptr;
 }
 
-const OrderFit* fit_of(const StudyResult& r, const std::string& method) {
+const OrderFit* fit_of(const StudyResult& r, const std::string& method, const Settings& settings) {
   for (const OrderFit& f : r.fits)
-    if (f.method == method) return &f;
+    if (f.method == method && f.settings == settings) return &f;
   return nullptr;
 }
 
@@ -170,43 +175,45 @@ std::string axis_words(const std::string& axis) {
   return axis == "substeps" ? "substeps" : "step h, s";
 }
 
-// One small plot per method: its points over the rung, the fitted line, and a triangle with the expected slope.
+// The fitted line through the middle of its points, and below it a triangle half a decade wide with the expected slope.
+void draw_fit(Plot& plot, const OrderFit& fit, const PlotSeries& series) {
+  double sum_x = 0, sum_y = 0;
+  int used = 0;
+  for (const PlotPoint& p : series.points) {
+    const bool inside = p.x >= fit.lo * 0.999 && p.x <= fit.hi * 1.001;
+    if (inside && p.y > 0 && p.kind != MarkKind::uncertain) sum_x += std::log10(p.x), sum_y += std::log10(p.y), ++used;
+  }
+  if (used < 2 || !std::isfinite(fit.slope)) return;
+  const double cx = sum_x / used, cy = sum_y / used;
+  const auto line_y = [&](double x) { return std::pow(10.0, cy + fit.slope * (std::log10(x) - cx)); };
+  plot.lines.push_back({{fit.lo, line_y(fit.lo)}, {fit.hi, line_y(fit.hi)}, {kInk, 1.2, "3 2"}});
+  plot.subtitle += (plot.subtitle.empty() ? "fitted " : ", ") + fmt::format("{:.2f}", fit.slope);
+  if (!std::isfinite(fit.expected) || fit.expected <= 0 || !plot.slopes.empty()) return;
+  const double x0 = std::pow(10.0, cx - 0.25);
+  plot.slopes.push_back({{x0, line_y(x0) * std::pow(10.0, -1.2)}, fit.expected, number_text(fit.expected, 2)});
+}
+
+// One small plot per method: its points over the rung, with the order.
 Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& norm) {
-  const OrderFit* fit = fit_of(r, m.name);
-  const std::string axis = fit ? fit->axis : m.adaptive ? "tol" : "h";
+  std::string axis = m.adaptive ? "tol" : "h";
+  for (const OrderFit& f : r.fits)
+    if (f.method == m.name) axis = f.axis;
   Plot plot;
   plot.title = m.name;
-  double log_sum_x = 0, log_sum_y = 0;
-  int used = 0;
   bool any = false;
   for (const Way& way : ways_of(r, m.name)) {
     PlotSeries series{way.name, way.number, {}};
     for (const StudyPoint* p : way.points) {
       if (!measured(*p, norm)) continue;
-      const double x = rung_value(*p, axis), y = p->*norm.value;
-      series.points.push_back(
-          {x, y, 0, p->below_floor ? MarkKind::uncertain : MarkKind::hollow, point_title(r, *p, norm)});
+      const MarkKind kind = p->below_floor ? MarkKind::uncertain : MarkKind::hollow;
+      series.points.push_back({rung_value(*p, axis), p->*norm.value, 0, kind, point_title(r, *p, norm)});
       any = true;
-      if (!fit || !(x >= fit->lo * 0.999 && x <= fit->hi * 1.001) || !(y > 0) || p->below_floor) continue;
-      log_sum_x += std::log10(x), log_sum_y += std::log10(y), ++used;
     }
+    if (const OrderFit* fit = fit_of(r, m.name, way.points.front()->settings)) draw_fit(plot, *fit, series);
     plot.series.push_back(series);
   }
-  if (fit && used > 1 && std::isfinite(fit->slope)) {
-    const double cx = log_sum_x / used, cy = log_sum_y / used;
-    const auto line_y = [&](double x) { return std::pow(10.0, cy + fit->slope * (std::log10(x) - cx)); };
-    plot.lines.push_back({{fit->lo, line_y(fit->lo)}, {fit->hi, line_y(fit->hi)}, {kInk, 1.2, "3 2"}});
-    plot.subtitle = fmt::format("fitted {:.2f}", fit->slope);
-    if (std::isfinite(fit->expected) && fit->expected > 0) {
-      plot.subtitle += fmt::format(", expected {}", number_text(fit->expected, 2));
-      // below the line, in its middle, half a decade wide
-      const double x0 = std::pow(10.0, cx - 0.25), y0 = line_y(x0) * std::pow(10.0, -1.2);
-      plot.slopes.push_back({{x0, y0}, fit->expected, number_text(fit->expected, 2)});
-    }
-  } else {
-    plot.subtitle = used ? "too few points for an order" : "no run reached the end";
-    if (any) plot.subtitle = "no range that shows an order";
-  }
+  if (!plot.slopes.empty()) plot.subtitle += ", expected " + plot.slopes[0].label;
+  if (plot.subtitle.empty()) plot.subtitle = any ? "no range that shows an order" : "no run reached the end";
   plot.x.label = axis_words(axis);
   return plot;
 }

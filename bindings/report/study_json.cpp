@@ -166,7 +166,8 @@ Json derived_fits(const StudyResult& r) {
                    {"expected", value_of(f.expected)},
                    {"rms", value_of(f.rms)},
                    {"range", {value_of(f.lo), value_of(f.hi)}},
-                   {"points", f.points}});
+                   {"points", f.points},
+                   {"settings", f.settings}});
   return out;
 }
 

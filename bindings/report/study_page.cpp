@@ -54,9 +54,13 @@ void method_table(Page& page, const StudyResult& r) {
   page.heading("Methods");
   std::vector<std::vector<std::string>> rows;
   for (const MethodInfo& m : r.methods) {
-    std::string fitted = "–", best = "–", runs;
+    std::string fitted = "–", best = "–", runs, axis;
+    double low = NAN, high = NAN;
     for (const OrderFit& f : r.fits)
-      if (f.method == m.name && std::isfinite(f.slope)) fitted = fmt::format("{:.2f} ({})", f.slope, f.axis);
+      if (f.method == m.name && std::isfinite(f.slope))
+        low = std::fmin(low, f.slope), high = std::fmax(high, f.slope), axis = f.axis;
+    if (high - low > 0.005) fitted = fmt::format("{:.2f} to {:.2f} ({})", low, high, axis);
+    else if (std::isfinite(low)) fitted = fmt::format("{:.2f} ({})", low, axis);
     int ok = 0, all = 0;
     double least = INFINITY;
     for (const StudyPoint& p : r.points) {
@@ -90,9 +94,8 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
   const ProblemInfo& p = r.problem;
   page.heading("The problem and its reference");
   const ReferenceInfo& ref = p.reference;
-  static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
   std::vector<std::vector<std::string>> facts = {
-      {"reference", fmt::format("{}, {} digits: {}", kinds[static_cast<int>(ref.kind)], ref.digits, ref.source)},
+      {"reference", fmt::format("{}: {}", reference_text(ref), ref.source)},
       {"its uncertainty", number_text(ref.uncertainty, 2) + " of the end error; rounding to the scalar type makes " +
                               number_text(ref.rounding, 2)},
       {"simulated time", number_text(p.t_end, 6) + " s"},

@@ -108,7 +108,7 @@ std::string study_summary(const StudyResult& r, bool table_only) {
   if (table_only) return study_table(r);
   const ReferenceInfo& ref = r.problem.reference;
   std::string out = fmt::format("{}: {}\n", problem_label(r.problem), r.problem.summary);
-  out += fmt::format("  reference {}, {} digits; t = {} s; {} methods, {} runs\n\n", name_of(ref.kind), ref.digits,
+  out += fmt::format("  reference: {}; t = {} s; {} methods, {} runs\n\n", reference_text(ref),
                      number_text(r.problem.t_end, 6), r.methods.size(), r.points.size());
   out += study_table(r);
   const std::vector<std::string> lines = failed_methods(r);

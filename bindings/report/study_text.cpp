@@ -99,6 +99,12 @@ std::string points_csv(const StudyResult& r) {
   return out;
 }
 
+std::string reference_text(const ReferenceInfo& reference) {
+  static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
+  const std::string digits = reference.digits > 0 ? fmt::format(", {} digits", reference.digits) : "";
+  return kinds[static_cast<int>(reference.kind)] + digits;
+}
+
 std::string rung_text(const StudyPoint& p) {
   std::string out =
       std::isfinite(p.tol) && p.tol > 0 ? "tol = " + number_text(p.tol, 3) : "h = " + number_text(p.h_s, 4) + " s";

@@ -60,6 +60,9 @@ std::string file_name(const std::string& label);
 // "h = 0.01 s", "tol = 1e-6", with iterations and substeps where the rung sets them.
 std::string rung_text(const StudyPoint& p);
 
+// "published digits, 8 digits": what kind of reference, and how good.
+std::string reference_text(const ReferenceInfo& reference);
+
 // One row of the decision table: the cheapest way to an error.
 struct Decision {
   double target = 0;

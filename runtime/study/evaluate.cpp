@@ -1,3 +1,4 @@
+// Points of one setting of a scene are compared with each other only; another setting is another problem.
 // Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
 // Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
 // reference. They are read off the error along the run: that at t_end alone may vanish by luck of the phase, and does
@@ -14,8 +15,8 @@ namespace feder {
 namespace {
 
 constexpr double kTimeMargin = 0.9;
-constexpr double kStraight = 0.02;        // rms of log10(error) about the line
-constexpr double kSmall = 0.05;           // errors above it are not in the regime an order speaks of
+constexpr double kStraight = 0.02;  // rms of log10(error) about the line
+constexpr double kSmall = 0.05;     // errors above it are not in the regime an order speaks of
 constexpr std::size_t kFitPoints = 4;
 constexpr double kFinestTarget = 1e-11;
 
@@ -28,8 +29,7 @@ template <class Cost>
 std::vector<std::size_t> front(const StudyResult& r, Cost cost, double margin) {
   std::vector<std::size_t> all, out;
   for (std::size_t i = 0; i < r.points.size(); ++i)
-    if (counts(r.points[i]) && std::isfinite(cost(r.points[i])) &&
-        std::isfinite(ranking_error(r.problem, r.points[i])))
+    if (counts(r.points[i]) && std::isfinite(cost(r.points[i])) && std::isfinite(ranking_error(r.problem, r.points[i])))
       all.push_back(i);
   // below the floor of the reference nobody is better
   const auto error = [&](std::size_t i) {
@@ -39,7 +39,8 @@ std::vector<std::size_t> front(const StudyResult& r, Cost cost, double margin) {
     const double c = cost(r.points[i]), e = error(i);
     const bool beaten = std::any_of(all.begin(), all.end(), [&](std::size_t j) {
       const double cj = cost(r.points[j]), ej = error(j);
-      return j != i && cj <= margin * c && ej <= e && (cj < margin * c || ej < e);
+      return j != i && cj <= margin * c && ej <= e && (cj < margin * c || ej < e) &&
+             r.points[i].settings == r.points[j].settings;
     });
     if (!beaten) out.push_back(i);
   }
@@ -59,11 +60,25 @@ constexpr Axis kAxes[] = {
     {"iters", [](const StudyPoint& p) { return p.iters > 0 ? double(p.iters) : NAN; }},
 };
 
-// Points of one method, in the order of the plan.
-std::vector<const StudyPoint*> points_of(const StudyResult& r, const std::string& method) {
-  std::vector<const StudyPoint*> out;
-  for (const StudyPoint& p : r.points)
-    if (p.method == method) out.push_back(&p);
+// Points of one method with one setting, in the order of the plan.
+struct Case {
+  const MethodInfo* method;
+  Settings settings;
+  std::vector<const StudyPoint*> points;
+};
+
+std::vector<Case> cases_of(const StudyResult& r) {
+  std::vector<Case> out;
+  for (const MethodInfo& m : r.methods) {
+    const std::size_t first = out.size();
+    for (const StudyPoint& p : r.points) {
+      if (p.method != m.name) continue;
+      auto at = std::find_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                             [&](const Case& c) { return c.settings == p.settings; });
+      if (at == out.end()) at = out.insert(out.end(), {&m, p.settings, {}});
+      at->points.push_back(&p);
+    }
+  }
   return out;
 }
 
@@ -98,28 +113,35 @@ Line straight_stretch(const std::vector<double>& x, const std::vector<double>& y
   return best;
 }
 
-void fit_orders(StudyResult& r) {
-  for (const MethodInfo& m : r.methods) {
-    const auto all = points_of(r, m.name);
-    const Axis* axis = all.empty() ? nullptr : varying_axis(all);
+void fit_orders(StudyResult& r, const std::vector<Case>& cases) {
+  for (const Case& c : cases) {
+    const Axis* axis = varying_axis(c.points);
     if (!axis) continue;
     std::vector<double> x, y;
     const StudyPoint* before = nullptr;
-    for (const StudyPoint* p : all) {
+    for (const StudyPoint* p : c.points) {
       // a tolerance that changes nothing says nothing: the step given was short enough already
       const bool same = before && p->count.force_evals == before->count.force_evals && p->err_end == before->err_end;
       before = p;
       if (same) continue;
-      const double e = r.problem.chaotic ? ranking_error(r.problem, *p) : p->err_traj_rms;
+      const bool end_only = r.problem.chaotic || std::isnan(p->err_traj_rms);
+      const double e = end_only ? ranking_error(r.problem, *p) : p->err_traj_rms;
       if (!counts(*p) || p->below_floor || !(e > r.problem.reference.floor()) || !(e < kSmall)) continue;
       x.push_back(std::log10(axis->value(*p))), y.push_back(std::log10(e));
     }
     if (x.size() < 3) continue;
     std::size_t first = 0, count = 0;
     const Line line = straight_stretch(x, y, first, count);
-    OrderFit fit{m.name, axis->name, line.slope, NAN, line.rms, std::pow(10, x[first + count - 1]),
-                 std::pow(10, x[first]), static_cast<int>(count)};
-    if (fit.axis == "h" && m.order > 0) fit.expected = m.order;
+    OrderFit fit{c.method->name,
+                 axis->name,
+                 line.slope,
+                 NAN,
+                 line.rms,
+                 std::pow(10, x[first + count - 1]),
+                 std::pow(10, x[first]),
+                 static_cast<int>(count),
+                 c.settings};
+    if (fit.axis == "h" && c.method->order > 0) fit.expected = c.method->order;
     if (fit.axis == "tol") fit.expected = 1;
     if (fit.lo > fit.hi) std::swap(fit.lo, fit.hi);
     r.fits.push_back(std::move(fit));
@@ -133,10 +155,10 @@ double between(double e0, double e1, double a, double b, double target) {
   return std::exp(std::log(a) + s * (std::log(b) - std::log(a)));
 }
 
-// Cheapest crossing of the target on the method's own polyline, by work. False: it never gets there.
-bool reach(const StudyResult& r, const std::string& method, double target, CostToAccuracy& out) {
+// Cheapest crossing of the target on the case's own polyline, by work. False: it never gets there.
+bool reach(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
   std::vector<const StudyPoint*> own;
-  for (const StudyPoint* p : points_of(r, method))
+  for (const StudyPoint* p : c.points)
     if (counts(*p) && ranking_error(r.problem, *p) >= 0 && p->work > 0) own.push_back(p);
   std::stable_sort(own.begin(), own.end(), [](auto* a, auto* b) { return a->work < b->work; });
   const auto error = [&](const StudyPoint* p) {
@@ -147,21 +169,42 @@ bool reach(const StudyResult& r, const std::string& method, double target, CostT
     const StudyPoint *b = own[i], *a = i > 0 ? own[i - 1] : b;
     const double ea = error(a), eb = error(b);
     const auto at = [&](double x, double y) { return i > 0 ? between(ea, eb, x, y, target) : y; };
-    out = {target, method, at(a->h_s, b->h_s), at(a->tol, b->tol),
-           at(double(a->count.force_evals), double(b->count.force_evals)), at(a->work, b->work),
-           at(a->t_min_s, b->t_min_s), false, false};
+    out = {target,
+           c.method->name,
+           at(a->h_s, b->h_s),
+           at(a->tol, b->tol),
+           at(double(a->count.force_evals), double(b->count.force_evals)),
+           at(a->work, b->work),
+           at(a->t_min_s, b->t_min_s),
+           false,
+           false};
     return true;
   }
   return false;
 }
 
-void fill_costs(StudyResult& r) {
+// What the cases of one method, [first, last), need for the target: the dearest of them, if all get there.
+bool reach_all(const StudyResult& r, const Case* first, const Case* last, double target, CostToAccuracy& out) {
+  for (const Case* c = first; c != last; ++c) {
+    CostToAccuracy one;
+    if (!reach(r, *c, target, one)) return false;
+    const double time = std::fmax(c == first ? one.time_s : out.time_s, one.time_s);
+    if (c == first || one.work > out.work) out = std::move(one);
+    out.time_s = time;
+  }
+  return first != last;
+}
+
+void fill_costs(StudyResult& r, const std::vector<Case>& cases) {
   for (double target = 0.1; target > kFinestTarget && target > r.problem.reference.floor(); target /= 10) {
     const std::size_t first = r.cost_to_accuracy.size();
-    for (const MethodInfo& m : r.methods) {
-      CostToAccuracy c;
+    const Case* const end = cases.data() + cases.size();
+    for (const Case *c = cases.data(), *next = c; c != end; c = next) {
+      while (next != end && next->method == c->method) ++next;
+      CostToAccuracy cost;
       // 0.1, not 0.1 less rounding of the division
-      if (reach(r, m.name, std::pow(10, std::round(std::log10(target))), c)) r.cost_to_accuracy.push_back(std::move(c));
+      if (reach_all(r, c, next, std::pow(10, std::round(std::log10(target))), cost))
+        r.cost_to_accuracy.push_back(std::move(cost));
     }
     CostToAccuracy *work = nullptr, *time = nullptr;
     for (std::size_t i = first; i < r.cost_to_accuracy.size(); ++i) {
@@ -185,12 +228,15 @@ double ranking_error(const ProblemInfo& problem, const StudyPoint& p) {
 void evaluate(StudyResult& r) {
   r.fits.clear(), r.cost_to_accuracy.clear();
   for (StudyPoint& p : r.points) p.on_front_time = p.on_front_work = false;
-  r.front_time = front(r, [](const StudyPoint& p) { return p.t_min_s; }, kTimeMargin);
-  r.front_work = front(r, [](const StudyPoint& p) { return p.work; }, 1.0);
+  r.front_time = front(
+      r, [](const StudyPoint& p) { return p.t_min_s; }, kTimeMargin);
+  r.front_work = front(
+      r, [](const StudyPoint& p) { return p.work; }, 1.0);
   for (const std::size_t i : r.front_time) r.points[i].on_front_time = true;
   for (const std::size_t i : r.front_work) r.points[i].on_front_work = true;
-  fit_orders(r);
-  fill_costs(r);
+  const std::vector<Case> cases = cases_of(r);
+  fit_orders(r, cases);
+  fill_costs(r, cases);
 }
 
 StudyResult merge_shards(std::vector<StudyResult> shards) {

@@ -41,7 +41,7 @@ struct RunSpec {
   double tolerance = 0;   // adaptive methods; 0: their default
   int iterations = 0;     // of the solver; 0: its default
   int substeps = 0;       // of worlds; 0: the problem's default
-  std::vector<std::pair<std::string, std::string>> settings;  // parameters of a scene
+  Settings settings;
 };
 
 // A run in progress. Used as: start, then step() as often as the spec says, reading in between at will.

@@ -62,6 +62,8 @@ struct StudyCounters {
 enum class PointStatus : std::uint8_t { ok, diverged, nan, refused, slow };
 const char* name_of(PointStatus status);
 
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
 struct StudyPoint {
   std::size_t index = 0;               // in the whole plan, whatever shard ran it
   std::string method;
@@ -69,7 +71,7 @@ struct StudyPoint {
   // rung
   double h_s = 0, tol = NAN;           // step asked for; tolerance of adaptive methods
   int iters = -1, substeps = -1;
-  std::vector<std::pair<std::string, std::string>> settings;  // scene parameters of this rung
+  Settings settings;                   // scene parameters of this rung
   // outcome
   PointStatus status = PointStatus::ok;
   double status_t_s = NAN;             // when it went wrong
@@ -106,9 +108,11 @@ struct OrderFit {
   double slope = NAN, expected = NAN, rms = NAN;
   double lo = NAN, hi = NAN;           // range of the axis used
   int points = 0;
+  Settings settings;                   // of a scene; orders are fitted for each
 };
 
-// Cheapest way of one method to an error, log-log between two of its own points, never beyond them.
+// Cheapest way of one method to an error, log-log between two of its own points, never beyond them. Settings of a scene
+// are not the method's choice: it has to get there with each of them, and the dearest is named.
 struct CostToAccuracy {
   double target = 0;
   std::string method;

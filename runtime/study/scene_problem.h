@@ -58,7 +58,6 @@ class SceneProblem final : public StudyProblem {
     double kinetic = 0;               // largest
     std::string failure;              // of the run, empty when it reached the end
   };
-  using Settings = std::vector<std::pair<std::string, std::string>>;
   Refined run_refined(const std::string& method, int steps, const Settings& settings) const;
   const Refined& refined() const;
   void measure(const Refined& best, const Refined& other, int factor) const;

@@ -120,6 +120,32 @@ TEST_CASE("orders of synthetic points are found, floor and coarse rungs left out
   for (const CostToAccuracy& c : r.cost_to_accuracy) CHECK(c.target > r.problem.reference.floor());
 }
 
+TEST_CASE("settings of a scene are problems of their own: fronts and orders for each, costs of the dearest", "[study]") {
+  StudyResult r;
+  r.methods = {{"m", "", 2, 1, 0, false, false}};
+  for (const double scale : {1.0, 100.0})
+    for (int k = 1; k < 11; ++k) {
+      StudyPoint p;
+      p.index = r.points.size();
+      p.method = "m";
+      p.settings = {{"scale", scale == 1 ? "1" : "100"}};
+      p.h_s = std::pow(0.5, k), p.work = std::pow(2.0, k);
+      p.err_end = scale * p.h_s * p.h_s, p.completed = true;
+      r.points.push_back(p);
+    }
+  evaluate(r);
+  CHECK(r.front_work.size() == 20);
+  REQUIRE(r.fits.size() == 2);
+  for (const OrderFit& f : r.fits) CHECK(f.slope == Approx(2).margin(1e-9));
+  const auto cost = [&](double target) {
+    for (const CostToAccuracy& c : r.cost_to_accuracy)
+      if (std::fabs(c.target / target - 1) < 1e-6) return c.work;
+    return 0.0;
+  };
+  CHECK(cost(0.1) == Approx(std::sqrt(100 / 0.1)));
+  CHECK(cost(1e-5) == 0);  // the other setting does not get there
+}
+
 TEST_CASE("timing fills seconds and changes no error", "[study]") {
   const auto p = problem("oscillator");
   SweepOptions o = quick();
