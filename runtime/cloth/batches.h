@@ -16,7 +16,7 @@ class ClothBatches {
   void place(const ClothView& v);   // edges at the start of the step
   void start();                     // multipliers of a small step to zero
   void solve(const ClothView& v, Real h, bool hinges, StepContext& c);
-  void bend(const ClothView& v, Real h, StepContext& c);  // forces of hinges into `speed`
+  void bend(const ClothView& v, Real h, StepContext& c);  // forces of hinges over h into `speed`
   void damp(const ClothView& v, Real h, StepContext& c);
 
  private:

@@ -65,6 +65,7 @@ struct Cloth::Impl {
   Array<ClothRow> near_rows;       // of cloth against cloth
   int small_steps = 1;             // per substep, of all cloths
   bool any_active = false;
+  bool crowded = false;            // cloth touches cloth in this substep
   std::size_t force_count = 0;     // forces known when the rows were made
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();     // of the last step: a change wakes all

@@ -18,6 +18,7 @@ struct ClothView {
   std::uint32_t total = 0;              // with hidden ones; the last is the spare that empty lanes may point to
   std::uint64_t version = 0;            // changes with the mesh
   Real damping = 0;                     // s
+  bool crowded = false;                 // cloth touches cloth in this substep
   const Vec3* position = nullptr;       // at the start of the step, m
   const Vec3* rest = nullptr;           // unstrained, m
   Row4* moved = nullptr;                // displacement since then, m; w: inverse mass

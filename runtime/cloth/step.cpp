@@ -20,6 +20,7 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.points = s.points, v.total = s.total;
   v.version = s.version;
   v.damping = s.settings.damping;
+  v.crowded = crowded;
   v.position = vertices.position.data() + s.first;
   v.rest = vertices.rest.data() + s.first;
   v.moved = moved.data() + s.first;
@@ -186,6 +187,7 @@ void Cloth::Impl::solve(StepContext& c) {
     const Real part = h * static_cast<Real>(std::min(every, small_steps - k));
     if (near && k % every == 0)
       make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * h, part);
+    if (k == 0) crowded = near && !near_rows.empty();
     const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
     for (auto& s : sheets)
       if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);

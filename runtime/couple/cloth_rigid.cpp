@@ -8,6 +8,7 @@
 namespace feder {
 namespace {
 
+constexpr Real kReach = Real(1.6);      // thicknesses about the way of a vertex: rows are made up to 1.5 of them away
 constexpr Real kSupport = Real(0.3);   // cosine to gravity, from which on a contact carries
 constexpr Real kMostLoad = 50;         // times the cloth's mass: what lies on it may be carried by something below
 
@@ -189,7 +190,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     Aabb& b = box_[i];
     const Vec3 far = info.asleep || v.inv_mass[i] == 0 ? x : Vec3(x + c.dt * u + fall);
     b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
-    b.grow(info.thickness);
+    b.grow(kReach * info.thickness);
     all.include(b);
   }
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
@@ -210,7 +211,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     const std::uint32_t place = static_cast<std::uint32_t>(n);
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i)
       if (overlaps(box_[i], box) && !attached(i, body)) candidates_.push_back({place, k, i, 0});
-    if (!shape.convex() || info.asleep) continue;
+    if (info.asleep) continue;
     for (std::uint32_t t = 0; t < info.triangles.size() / 3; ++t) {
       const std::uint32_t* q = &info.triangles[3 * t];
       Aabb b = box_[info.first + q[0]];

@@ -14,14 +14,16 @@ namespace feder {
 namespace {
 
 constexpr Real kCastShare = Real(0.25);  // of the body's half size: faster passes are cast
+constexpr Real kWatch = 1;                // thicknesses: what is nearer gets a row, as strained cloth snaps by as much
 constexpr Real kCorner = Real(0.95);     // barycentric weight from which on a point is the corner's own
 
-void barycentric(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {
-  const Vec3 n = cross(b, c);
+// Weights of the point of the triangle 0, b, c nearest to p.
+void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {
+  const Vec3 n = cross(b, c), q = closest_on_triangle(p, Vec3(0, 0, 0), b, c);
   const Real nn = dot(n, n);
   if (!(nn > 0)) return void((w[0] = 1, w[1] = w[2] = 0));
-  w[1] = clamp(dot(n, cross(p, c)) / nn, 0, 1);
-  w[2] = clamp(dot(n, cross(b, p)) / nn, 0, 1 - w[1]);
+  w[1] = clamp(dot(n, cross(q, c)) / nn, 0, 1);
+  w[2] = clamp(dot(n, cross(b, q)) / nn, 0, 1 - w[1]);
   w[0] = 1 - w[1] - w[2];
 }
 
@@ -109,7 +111,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   }
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + Real(0.1) * info.thickness;
+  const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + kWatch * info.thickness;
   const int count = collide_.narrow().collide(ball, {x, Quat{}}, shape, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i) {
     if (m[i].count == 0) continue;
@@ -147,21 +149,22 @@ void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext&
     CastHit hit;
     if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
-      const Vec3 p = hit.point - hit.fraction * travel - a;
-      barycentric(p, b, e, weight);
+      nearest_weights(hit.point + radius * hit.normal - hit.fraction * travel - a, b, e, weight);
       if (closing > 0) add_row(k, at, v, weight, hit.normal, hit.fraction * closing, a + weight[1] * b + weight[2] * e);
       return;
     }
   }
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin = std::min(farthest, radius + smallest_[k.collider]) + Real(0.1) * info.thickness;
+  const Real margin = std::min(farthest, radius + smallest_[k.collider]) + kWatch * info.thickness;
   const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < m[i].count; ++j) {
-      barycentric(m[i].points[j].position - a, b, e, weight);
+      // from midway between the surfaces to the triangle: what pushes beside the normal would turn a ball
+      const ManifoldPoint& p = m[i].points[j];
+      nearest_weights(p.position - (radius + p.separation / 2) * m[i].normal - a, b, e, weight);
       if (std::max({weight[0], weight[1], weight[2]}) > kCorner) continue;
-      add_row(k, at, v, weight, -m[i].normal, m[i].points[j].separation, a + weight[1] * b + weight[2] * e);
+      add_row(k, at, v, weight, -m[i].normal, p.separation, a + weight[1] * b + weight[2] * e);
     }
 }
 

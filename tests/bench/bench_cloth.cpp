@@ -16,7 +16,7 @@ using namespace feder;
 
 namespace {
 
-constexpr int kSmallSteps = 20;
+constexpr int kSubsteps = 4, kSmallSteps = 20;
 const SystemDescriptor* const kCloth[] = {&Cloth::descriptor()};
 
 ClothDesc sheet(int n, bool bends, bool self) {
@@ -26,7 +26,7 @@ ClothDesc sheet(int n, bool bends, bool self) {
   d.stretch = 10000;
   d.bend = bends ? Real(1e-6) : Real(0);
   d.damping = 0;
-  d.substeps = kSmallSteps;
+  d.substeps = kSmallSteps / kSubsteps;
   d.self_collision = self;
   d.thickness = Real(0.3) / static_cast<Real>(n);
   d.pin_names = {"top"};
@@ -90,7 +90,7 @@ struct Whole {
   }
   static WorldDesc desc(int threads) {
     WorldDesc w;
-    w.threads = threads, w.substeps = 1, w.dt = 1.0 / 60, w.sleeping = false;
+    w.threads = threads, w.substeps = kSubsteps, w.dt = 1.0 / 60, w.sleeping = false;
     return w;
   }
   World world;

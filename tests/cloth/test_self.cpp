@@ -150,6 +150,7 @@ TEST_CASE("shreds that are caught in each other give up their stretch and their 
   d.tear_strain = Real(0.5);
   d.pins = {0, 9, 8};
   const ObjectId id = cloth.add_cloth(d);
+  const double height = w.energy().potential;
   // one vertex is torn away upwards, over 2 m, and let go
   Vec3 x = cloth.point(id, 8);
   for (int k = 0; k < 12; ++k) {
@@ -166,9 +167,10 @@ TEST_CASE("shreds that are caught in each other give up their stretch and their 
   }
   for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) mass += double(cloth.point_mass(id, i));
   CHECK(mass == Approx(0.2).epsilon(1e-3));
-  const double kinetic = w.energy().kinetic;
-  CAPTURE(speed, kinetic, w.energy().elastic);
+  // what falls off may fall as fast as it likes, from where it hung
+  const double thrown = w.energy().kinetic + w.energy().potential - height;
+  CAPTURE(speed, thrown, w.energy().kinetic, w.energy().elastic);
   CHECK(strain < 0.5);
   CHECK(w.energy().elastic < 5);
-  CHECK(kinetic < 0.5 * mass * 15 * 15);  // shreds in flight; the vertex was drawn at 10 to 30 m/s
+  CHECK(thrown < 0.5 * mass * 15 * 15);  // shreds in flight; the vertex was drawn at 10 to 30 m/s
 }
