@@ -9,9 +9,9 @@ local solver = feder.param("solver", "pbf", { choices = { "pbf", "wcsph" } })
 local a, depth, length = 1, 0.4, 3.2  -- column a x a, tank, m
 local wall = 0.2
 
--- front / a over t sqrt(g / a): Martin & Moyce, Phil. Trans. R. Soc. A 244 (1952), square column; their gate opened
--- within 0.1 to 0.2 of that time
-local gate = 0.1
+-- front / a over t sqrt(g / a): Martin & Moyce, Phil. Trans. R. Soc. A 244 (1952), square column. Their films start
+-- later than an instant release would by 0.1 to 0.2 of that time; tests/fluid/test_dam_break.cpp says why and by how much
+local delay = 0.124
 local measured = { { 0.80, 1.44 }, { 1.02, 1.67 }, { 1.34, 2.11 }, { 1.66, 2.56 }, { 1.97, 3.00 } }
 
 return feder.scene {
@@ -36,7 +36,7 @@ return feder.scene {
     for i = 1, #x, 3 do
       if x[i + 1] < 2 * spacing then front = math.max(front, x[i] + spacing / 2) end
     end
-    scene.run[#scene.run + 1] = { world:time() * math.sqrt(9.81 / a) + gate, front / a }
+    scene.run[#scene.run + 1] = { world:time() * math.sqrt(9.81 / a) + delay, front / a }
   end,
 
   check = function(world, scene, expect)
@@ -47,7 +47,7 @@ return feder.scene {
       expect(x[i] > 0 and x[i] < length and x[i + 1] > 0 and x[i + 2] > 0 and x[i + 2] < depth,
         ("particle %d is outside the tank at %.3f, %.3f, %.3f"):format((i + 2) // 3, x[i], x[i + 1], x[i + 2]))
     end
-    local tolerance = solver == "pbf" and 0.12 or 0.08
+    local tolerance = 0.08
     for _, m in ipairs(measured) do
       for k = 2, #scene.run do
         local p, q = scene.run[k - 1], scene.run[k]
