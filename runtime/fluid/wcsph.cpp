@@ -23,6 +23,11 @@ constexpr Real kSkin = Real(0.08);        // of the support: lists are kept unti
 // Where particles lie on each other, pressure grows no further: bounded forces, and a fluid that comes apart.
 constexpr Real kMostRatio = Real(1.5);
 
+// A wall throws nothing back faster than a pressure wave of the wanted compression moves the fluid, times this. What
+// hits a wall faster than steps resolve is stopped by the guard deep in the wall's pressure, as if it were compressed:
+// it would come back faster than it came, and raise the speed of sound, and come back faster still.
+constexpr Real kLeave = 1;
+
 class Wcsph final : public FluidSolver {
  public:
   void add_rows(StepPlan& plan) override {
@@ -171,13 +176,16 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c, Real h) {
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const bool damped = in.damping > 0;
+  const Real leave = kLeave * p.desc.compression * p.sound;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 a = factor * p.move[i].vec() + gravity;
       for (WallContact& k : p.contacts_of(i)) {
         const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
-        const Real push = p.x[i].w * p.table->at(d / p.support).slope / (p.support * density);
+        const Vec3 off = p.v[i].vec() - walls->bodies[walls->list[k.wall].body].velocity_at(p.x[i].vec()) + h * a;
+        const Real most = std::max(Real(0), (leave - dot(k.normal, off)) / h);
+        const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * density));
         a += push * k.normal;
         k.impulse = push * p.mass * h;
       }
