@@ -169,14 +169,19 @@ void FluidRigid::push_again(StepContext&) {
 
 void FluidRigid::keep_awake(StepContext&) {
   const Bodies& b = rigid_.bodies();
-  ObjectId fluid;
-  objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {
-    if (!fluid) fluid = id;
-  });
+  next_touching_.clear();
+  fluid_.list_touches(next_touching_);
   for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
     WallBody& w = walls_.bodies[n];
     const std::uint32_t i = body_[n];
-    if (w.dynamic && w.pressed > kWakeImpulse * b.mass[i]) rigid_.wake(b.object[i], WakeCause::fluid, fluid);
+    if (!w.dynamic || w.pressed <= kWakeImpulse * b.mass[i]) continue;
+    ObjectId fluid;
+    for (const FluidTouch& t : next_touching_)
+      if (!fluid && t.body == w.object) fluid = t.fluid;
+    objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {  // pressed in passing: no particle is beside it now
+      if (!fluid) fluid = id;
+    });
+    rigid_.wake(b.object[i], WakeCause::fluid, fluid);
   }
 }
 
@@ -226,11 +231,12 @@ void FluidRigid::report_sensors(StepContext& c) {
       const std::uint32_t n =
           fluid_.count_inside(id, *colliders_.shape[k], pose, colliders_.group[k], colliders_.mask[k]);
       if (n == 0) return;
-      if (!next_inside_.empty() && next_inside_.back().sensor == colliders_.object[k] &&
-          next_inside_.back().fluid == id)
-        next_inside_.back().count += n;  // parts of a compound
-      else
-        next_inside_.push_back({colliders_.object[k], id, n});
+      for (Inside& i : next_inside_) {  // parts of a compound
+        if (i.sensor != colliders_.object[k] || i.fluid != id) continue;
+        i.count += n;
+        return;
+      }
+      next_inside_.push_back({colliders_.object[k], id, n});
     });
   }
   const auto tell = [&](EventKind kind, const Inside& i, std::uint32_t count) {
