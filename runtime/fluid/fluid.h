@@ -26,9 +26,9 @@ struct FluidDesc {
   Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
   Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
   int iterations = 4;                     // pbf, per substep
-  Real compression = Real(0.01);          // wcsph: wanted, at the largest pressure
+  Real compression = 0;  // wanted: wcsph at the largest pressure, pbf on average; 0: wcsph 0.01, pbf 0.05
   Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
-  int max_substeps = 60;                  // wcsph: most of its own steps in a substep of the world
+  int max_substeps = 60;                  // most of its solver's own steps in a substep of the world
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;

@@ -51,6 +51,7 @@ struct FluidPool {
   std::uint32_t next_id = 0;
   Real last_h = 0;      // s, of the substep that left lambda
   Real sound = 0;       // wcsph: speed of sound of the last substep, m/s
+  Real too_dense = 0;   // pbf: s for which it has been denser than wanted
   std::uint64_t steps = 0;  // of its own, for reports
   bool frozen = false;  // quarantined
   bool fresh = false;   // filled since the last step

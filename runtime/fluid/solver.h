@@ -12,7 +12,7 @@ namespace feder {
 class FluidSolver {
  public:
   virtual ~FluidSolver() = default;
-  // Rows of the stage `advance` with ranks 24 to 28: before them new particles have come in and the walls are set,
+  // Rows of the stage `advance` with ranks 24 to 31: before them new particles have come in and the walls are set,
   // after them the velocities of the bodies are read; positions and velocities are those of the end of the substep.
   virtual void add_rows(StepPlan& plan) = 0;
   // Pa, from `ratio` and what the pool keeps; without what balances the cohesion.

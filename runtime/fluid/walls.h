@@ -12,6 +12,7 @@ namespace feder {
 struct WallBody {
   ObjectId object;
   Vec3 center = Vec3::Zero();       // centre of mass, world, at the start of the substep, m
+  Vec3 placed = Vec3::Zero();       // likewise, kept by drift, for rewind
   Vec3 velocity = Vec3::Zero();     // m/s
   Vec3 spin = Vec3::Zero();         // rad/s
   Vec3 inv_mass = Vec3::Zero();     // by world axis, 1/kg; zero: is not moved by the fluid
@@ -43,6 +44,7 @@ struct Wall {
   std::uint32_t group = 1, mask = 0xffffffffu;
   Pose local;  // in the centre-of-mass frame of the body
   Pose pose;   // now, world
+  Pose placed;  // kept by drift, for rewind
   Aabb box;    // of the pose, world
 };
 
@@ -58,8 +60,12 @@ struct FluidTouch {
 // Walls are sorted as the coupling adds them: always in the same order.
 struct Walls {
   explicit Walls(Arena& a) : list(&a), bodies(&a) {}
+  // Moves what moves, for solvers that take several steps in a substep; rewind: back to where it was placed.
+  void drift(Real seconds);
+  void rewind();
   Array<Wall> list;
   Array<WallBody> bodies;
+  bool drifted = false;
 };
 
 // A particle near a wall: the plane through the nearest point of the wall when the contact was made.

@@ -28,10 +28,14 @@ constexpr Real kMostRatio = Real(1.5);
 // it would come back faster than it came, and raise the speed of sound, and come back faster still.
 constexpr Real kLeave = 1;
 
+Real compression_of(const FluidPool& p) {
+  return p.desc.compression > 0 ? p.desc.compression : Real(0.01);
+}
+
 class Wcsph final : public FluidSolver {
  public:
   void add_rows(StepPlan& plan) override {
-    plan.add<&Wcsph::advance>(Stage::advance, When::each_substep, 25, "wcsph substeps", Fluid::kName, this);
+    plan.add<&Wcsph::advance>(Stage::advance, When::each_substep, 24, "wcsph substeps", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override { return tait(p, p.ratio[i]) - p.inward; }
 
@@ -64,18 +68,10 @@ void Wcsph::advance(StepContext& c) {
       refresh(p, c, stale);
       accelerate(p, c, plan.h);
       move(p, c, plan.h);
-      for (Wall& w : walls->list) {
-        const WallBody& b = walls->bodies[w.body];
-        if (b.velocity.isZero(0) && b.spin.isZero(0)) continue;
-        const Vec3 arm = w.pose.position - b.center;
-        w.pose.rotation = integrate_rotation(w.pose.rotation, plan.h * b.spin);
-        w.pose.position =
-            b.center + rotate(integrate_rotation(Quat::identity(), plan.h * b.spin), arm) + plan.h * b.velocity;
-        w.box = w.shape->bounds(w.pose);
-      }
-      for (WallBody& b : walls->bodies) b.center += plan.h * b.velocity;
+      walls->drift(plan.h);
       p.guard_walls(*walls);
     }
+    walls->rewind();  // for the other fluids
   }
 }
 
@@ -96,7 +92,7 @@ Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
   const Real speed = std::sqrt(speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
   const Real tension = p.inward / p.desc.density;
   const Real floor2 = std::max({speed2, wall_speed * wall_speed, gh, g * p.desc.spacing, nu * speed / height, tension});
-  Real sound = std::sqrt(floor2 / p.desc.compression);
+  Real sound = std::sqrt(floor2 / compression_of(p));
 
   // a body lighter than the particles that press on it swings faster than they do
   Real light = 1;
@@ -121,10 +117,10 @@ Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
         std::max((kCourant * length_unit / plan.h - others) / std::sqrt(light), Real(0.1) * sound / 10);
     if (!p.warned_budget) {
       p.warned_budget = true;
-      const Real squeezed = p.desc.compression * (sound / carried) * (sound / carried);
+      const Real squeezed = compression_of(p) * (sound / carried) * (sound / carried);
       c.events->warn("fluid_budget",
                      "wcsph needs " + std::to_string(static_cast<long long>(wanted)) +
-                         " steps of its own in a substep for a compression of " + std::to_string(p.desc.compression) +
+                         " steps of its own in a substep for a compression of " + std::to_string(compression_of(p)) +
                          ", max_substeps allows " + std::to_string(p.desc.max_substeps) +
                          ": expect a compression of about " + std::to_string(squeezed),
                      p.object);
@@ -176,7 +172,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c, Real h) {
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const bool damped = in.damping > 0;
-  const Real leave = kLeave * p.desc.compression * p.sound;
+  const Real leave = kLeave * compression_of(p) * p.sound;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
