@@ -48,7 +48,7 @@ void draw_row(Svg& svg, const Box& f, const RowChart::Row& row, const Axis& x, b
 }
 
 void draw_x_words(Svg& svg, const Box& f, const Axis& x) {
-  for (const Tick& t : x.ticks(std::max(2, static_cast<int>(f.width / 62))))
+  for (const Tick& t : x.ticks(std::max(2, static_cast<int>(f.width / 50))))
     if (!t.label.empty()) svg.text({f.left + f.width * x.at(t.value), f.bottom() + 14}, t.label, {10, "middle"});
 }
 
@@ -92,22 +92,24 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
   Svg svg(name, width, height, title);
   svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
   if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
+  const bool mixed =
+      std::any_of(plots.begin(), plots.end(), [&](const Plot& p) { return p.x.label != plots[0].x.label; });
   for (int k = 0; k < count; ++k) {
     const Plot& p = plots[static_cast<std::size_t>(k)];
     const int row = k / columns, column = k % columns;
     const Box f{left + column * cell_w, top + row * cell_h + 20, cell_w - 16, cell_h - 46};
     svg.text({f.left, f.top - 6}, words_cut(p.title, 12, f.width),
              {12, "start", curve_style(p.series.empty() ? 6 : p.series[0].number).color, true});
-    draw_axes(svg, f, p.x, p.y, 10, k + columns >= count, column == 0);
+    draw_axes(svg, f, p.x, p.y, 10, !mixed && k + columns >= count, column == 0);
     draw_curves(svg, f, p, 6.5);
     if (!p.subtitle.empty()) svg.text({f.right(), f.top - 6}, p.subtitle, {10.5, "end", kQuiet});
-    // a panel with an axis of its own says so
-    if (k + columns < count && p.x.label != plots[0].x.label) draw_x_words(svg, f, p.x);
-    if (p.x.label != plots[0].x.label)
-      svg.text({f.right() - 5, f.bottom() - 6}, p.x.label, {10.5, "end", kQuiet, false, 0, true});
+    // panels with axes of their own say so
+    if (!mixed) continue;
+    draw_x_words(svg, f, p.x);
+    svg.text({f.right() - 5, f.bottom() - 6}, p.x.label, {10.5, "end", kQuiet, false, 0, true});
   }
   if (count) {
-    svg.text({left + std::min(columns, count) * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});
+    if (!mixed) svg.text({left + std::min(columns, count) * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});
     svg.text({18, top + rows * cell_h / 2}, plots[0].y.label, {13, "middle", kInk, false, -90});
   }
   return svg.text(inline_page);

@@ -53,12 +53,19 @@ std::string reference_words(const StudyResult& r) {
 }
 
 // The runs of a method that a line joins: they differ in one thing only, the step or what is refined in its place. All
-// else that a study varies makes lines of their own.
+// else that a study varies makes lines of their own, and so does each part of a ladder that has several.
 struct Way {
   std::string name;
   int number = 0;  // of the curve style
   std::vector<const StudyPoint*> points;
+  std::string part;  // StudyPoint::way
 };
+
+std::string part_words(const std::string& part) {
+  if (part == "steps") return "shorter steps";
+  if (part == "iters") return "more iterations";
+  return part == "tol" ? "smaller tolerance" : "more " + part;
+}
 
 std::string beside_rung(const StudyPoint& p, bool steps_vary, bool substeps_vary) {
   std::string out;
@@ -81,14 +88,28 @@ std::vector<Way> ways_of(const StudyResult& r, const std::string& method) {
   std::vector<Way> ways;
   for (const StudyPoint& p : r.points) {
     if (p.method != method) continue;
-    const std::string name = method + beside_rung(p, steps_vary, substeps_vary);
+    const std::string name =
+        p.way.empty() ? method + beside_rung(p, steps_vary, substeps_vary) : method + ", " + part_words(p.way);
     auto at = std::find_if(ways.begin(), ways.end(), [&](const Way& w) { return w.name == name; });
-    if (at == ways.end()) at = ways.insert(ways.end(), {name, 0, {}});
+    if (at == ways.end()) at = ways.insert(ways.end(), {name, 0, {}, p.way});
     at->points.push_back(&p);
   }
   const int count = static_cast<int>(ways.size());
   if (count == 1) ways[0].name = method;
   for (int k = 0; k < count; ++k) ways[static_cast<std::size_t>(k)].number = number_of(r, method) * count + k;
+  return ways;
+}
+
+// Parts of a ladder get numbers beside those of the other methods' parts, of which there may be fewer.
+std::vector<Way> numbered_ways(const StudyResult& r, const std::string& method) {
+  std::vector<Way> ways = ways_of(r, method);
+  if (ways.empty() || ways[0].part.empty()) return ways;
+  int number = 0;
+  for (const MethodInfo& m : r.methods) {
+    if (m.name == method) break;
+    number += static_cast<int>(ways_of(r, m.name).size());
+  }
+  for (Way& way : ways) way.number = number++;
   return ways;
 }
 
@@ -126,7 +147,7 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
                                                                : "instructions");
   plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
   for (const MethodInfo& m : r.methods)
-    for (const Way& way : ways_of(r, m.name)) {
+    for (const Way& way : numbered_ways(r, m.name)) {
       PlotSeries series{way.name, way.number, {}};
       for (const StudyPoint* p : way.points) {
         const bool front = ranked && (by_time ? p->on_front_time : p->on_front_work);
@@ -156,9 +177,9 @@ const StudyPoint* point_of(const StudyResult& r, const StudySeries& s) {
   return nullptr;
 }
 
-const OrderFit* fit_of(const StudyResult& r, const std::string& method, const Settings& settings) {
+const OrderFit* fit_of(const StudyResult& r, const StudyPoint& p) {
   for (const OrderFit& f : r.fits)
-    if (f.method == method && f.settings == settings) return &f;
+    if (f.method == p.method && f.settings == p.settings && f.way == p.way) return &f;
   return nullptr;
 }
 
@@ -172,7 +193,7 @@ double rung_value(const StudyPoint& p, const std::string& axis) {
 std::string axis_words(const std::string& axis) {
   if (axis == "tol") return "tolerance";
   if (axis == "iters") return "iterations";
-  return axis == "substeps" ? "substeps" : "step h, s";
+  return axis == "h" ? "step h, s" : axis;
 }
 
 // The fitted line through the middle of its points, and below it a triangle half a decade wide with the expected slope.
@@ -193,15 +214,16 @@ void draw_fit(Plot& plot, const OrderFit& fit, const PlotSeries& series) {
   plot.slopes.push_back({{x0, line_y(x0) * std::pow(10.0, -1.2)}, fit.expected, number_text(fit.expected, 2)});
 }
 
-// One small plot per method: its points over the rung, with the order.
-Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& norm) {
-  std::string axis = m.adaptive ? "tol" : "h";
+// One small plot per method, or part of its ladder: its points over the rung, with the order.
+Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& part, const ErrorNorm& norm) {
+  std::string axis = part.empty() ? (m.adaptive ? "tol" : "h") : part == "steps" ? "h" : part;
   for (const OrderFit& f : r.fits)
-    if (f.method == m.name) axis = f.axis;
+    if (f.method == m.name && f.way == part) axis = f.axis;
   Plot plot;
   plot.title = m.name;
   bool any = false;
-  for (const Way& way : ways_of(r, m.name)) {
+  for (const Way& way : numbered_ways(r, m.name)) {
+    if (way.part != part) continue;
     PlotSeries series{way.name, way.number, {}};
     for (const StudyPoint* p : way.points) {
       if (!measured(*p, norm)) continue;
@@ -209,7 +231,7 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
       series.points.push_back({rung_value(*p, axis), p->*norm.value, 0, kind, point_title(r, *p, norm)});
       any = true;
     }
-    if (const OrderFit* fit = fit_of(r, m.name, way.points.front()->settings)) draw_fit(plot, *fit, series);
+    if (const OrderFit* fit = fit_of(r, *way.points.front())) draw_fit(plot, *fit, series);
     plot.series.push_back(series);
   }
   if (!plot.slopes.empty()) plot.subtitle += ", expected " + plot.slopes[0].label;
@@ -220,9 +242,18 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const ErrorNorm& nor
 
 std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_page) {
   std::vector<Plot> panels;
-  for (const MethodInfo& m : r.methods) panels.push_back(order_panel(r, m, norm));
-  std::stable_partition(panels.begin(), panels.end(),
-                        [&](const Plot& p) { return p.x.label == panels.front().x.label; });
+  for (const MethodInfo& m : r.methods) {
+    std::vector<std::string> parts;
+    for (const Way& way : ways_of(r, m.name))
+      if (std::find(parts.begin(), parts.end(), way.part) == parts.end()) parts.push_back(way.part);
+    for (const std::string& part : parts) panels.push_back(order_panel(r, m, part, norm));
+  }
+  // panels of one axis side by side
+  std::vector<std::string> labels;
+  for (const Plot& p : panels)
+    if (std::find(labels.begin(), labels.end(), p.x.label) == labels.end()) labels.push_back(p.x.label);
+  const auto place = [&](const Plot& p) { return std::find(labels.begin(), labels.end(), p.x.label); };
+  std::stable_sort(panels.begin(), panels.end(), [&](const Plot& a, const Plot& b) { return place(a) < place(b); });
   std::vector<double> ys;
   for (const Plot& p : panels)
     for (const PlotSeries& s : p.series)
@@ -234,7 +265,8 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
       if (o.x.label == p.x.label)
         for (const PlotSeries& s : o.series)
           for (const PlotPoint& q : s.points) xs.push_back(q.x);
-    p.x = fit_axis(p.x.label, true, xs, TickStyle::power);
+    const bool counted = p.x.label != axis_words("h") && p.x.label != axis_words("tol");
+    p.x = fit_axis(p.x.label, true, xs, counted ? TickStyle::plain : TickStyle::power);
     p.y = y;
   }
   return plot_sheet_svg("order", problem_label(r.problem) + ": order of each method",
@@ -344,7 +376,11 @@ std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& cont
     add_plot(*more, "force", fmt::format("error_vs_work_{}.svg", more->name),
              fmt::format("{} against work.", more->label));
   }
-  out.push_back({"order.svg", "Error against the step, one frame per method.", order_svg(r, norm, false),
+  const bool parts = std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return !p.way.empty(); });
+  out.push_back({"order.svg",
+                 parts ? "Error against what is refined, one frame for each method and way to refine."
+                       : "Error against the step, one frame per method.",
+                 order_svg(r, norm, false),
                  order_svg(r, norm, true)});
   const RowChart rows = invariants(r);
   if (!rows.rows.empty())

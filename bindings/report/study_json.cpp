@@ -69,7 +69,7 @@ template <class P, class V>
 void fields(P& p, V& v, const StudyPoint*) {
   v("index", p.index), v("method", p.method), v("order", p.order), v("h_s", p.h_s), v("tol", p.tol),
       v("iters", p.iters);
-  v("substeps", p.substeps), v("settings", p.settings), v("status", p.status), v("status_t_s", p.status_t_s),
+  v("substeps", p.substeps), v("settings", p.settings), v("way", p.way), v("status", p.status), v("status_t_s", p.status_t_s),
       v("reason", p.reason);
   v("completed", p.completed), v("below_floor", p.below_floor), v("steps", p.count.steps),
       v("rejected", p.count.rejected);
@@ -101,7 +101,7 @@ void fields(P& p, V& v, const ProblemInfo*) {
   v("name", p.name), v("summary", p.summary), v("family", p.family), v("t_end", p.t_end), v("dof", p.dof);
   v("x_scale", p.x_scale), v("v_scale", p.v_scale), v("E_scale", p.energy_scale), v("E_start", p.energy_start);
   v("frequency", p.frequency), v("chaotic", p.chaotic), v("conserves_momentum", p.conserves_momentum);
-  v("conserves_angular", p.conserves_angular), v("dense", p.dense);
+  v("conserves_angular", p.conserves_angular), v("dense", p.dense), v("own_measure", p.own_measure);
 }
 template <class P, class V>
 void fields(P& s, V& v, const StudySeries*) {
@@ -131,7 +131,8 @@ Json list(const std::vector<T>& values) {
 
 Json reference_json(const ReferenceInfo& r) {
   return {{"kind", name_of(r.kind)}, {"digits", r.digits}, {"uncertainty", value_of(r.uncertainty)},
-          {"rounding", value_of(r.rounding)}, {"floor", value_of(r.floor())}, {"source", r.source}};
+          {"rounding", value_of(r.rounding)}, {"floor", value_of(r.floor())},
+          {"resolution", value_of(r.resolution)}, {"source", r.source}};
 }
 
 ReferenceInfo read_reference(const Json& j) {
@@ -142,6 +143,7 @@ ReferenceInfo read_reference(const Json& j) {
   r.digits = j.value("digits", 15);
   if (j.contains("uncertainty")) read_value(j["uncertainty"], r.uncertainty);
   if (j.contains("rounding")) read_value(j["rounding"], r.rounding);
+  if (j.contains("resolution")) read_value(j["resolution"], r.resolution);
   r.source = j.value("source", "");
   return r;
 }

@@ -50,17 +50,26 @@ void decision_table(Page& page, const StudyResult& r) {
   page.table(columns, rows, marks);
 }
 
+// The orders of a method: of each part of its ladder, or the range over settings.
+std::string fitted_words(const StudyResult& r, const MethodInfo& m) {
+  std::string each, axis;
+  double low = NAN, high = NAN;
+  for (const OrderFit& f : r.fits) {
+    if (f.method != m.name || !std::isfinite(f.slope)) continue;
+    low = std::fmin(low, f.slope), high = std::fmax(high, f.slope), axis = f.axis;
+    if (!f.way.empty()) each += fmt::format("{}{:.2f} ({})", each.empty() ? "" : ", ", f.slope, f.axis);
+  }
+  if (!each.empty()) return each;
+  if (high - low > 0.005) return fmt::format("{:.2f} to {:.2f} ({})", low, high, axis);
+  return std::isfinite(low) ? fmt::format("{:.2f} ({})", low, axis) : "–";
+}
+
 void method_table(Page& page, const StudyResult& r) {
   page.heading("Methods");
   std::vector<std::vector<std::string>> rows;
   for (const MethodInfo& m : r.methods) {
-    std::string fitted = "–", best = "–", runs, axis;
-    double low = NAN, high = NAN;
-    for (const OrderFit& f : r.fits)
-      if (f.method == m.name && std::isfinite(f.slope))
-        low = std::fmin(low, f.slope), high = std::fmax(high, f.slope), axis = f.axis;
-    if (high - low > 0.005) fitted = fmt::format("{:.2f} to {:.2f} ({})", low, high, axis);
-    else if (std::isfinite(low)) fitted = fmt::format("{:.2f} ({})", low, axis);
+    std::string best = "–", runs;
+    const std::string fitted = fitted_words(r, m);
     int ok = 0, all = 0;
     double least = INFINITY;
     for (const StudyPoint& p : r.points) {
@@ -103,6 +112,9 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
       {"scales", fmt::format("length {}, speed {}, energy {}", number_text(p.x_scale, 4), number_text(p.v_scale, 4),
                              std::isfinite(p.energy_scale) ? number_text(p.energy_scale, 4) + " J" : "–")},
   };
+  if (ref.resolution > 0)
+    facts.push_back({"what the spacing leaves",
+                     "about " + number_text(ref.resolution, 2) + " of the end error, however short the steps"});
   if (p.frequency > 0)
     facts.push_back(
         {"fastest frequency", number_text(p.frequency, 5) + " 1/s (explicit methods need h below limit / frequency)"});
@@ -128,9 +140,10 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
 void definitions_part(Page& page, const StudyResult& r) {
   page.heading("What the numbers mean");
   page.definitions({
-      {"end error",
-       "Root mean square over the observed points of the distance to the reference at the end, divided by the length "
-       "scale."},
+      {"end error", r.problem.own_measure
+                        ? "The problem's own measure: " + r.problem.reference.source + "."
+                        : "Root mean square over the observed points of the distance to the reference at the end, "
+                          "divided by the length scale."},
       {"trajectory error",
        "The same at 257 equidistant times, between steps by cubic Hermite interpolation of position and velocity, so "
        "that it does not depend on the step count; root mean square and maximum."},
@@ -144,6 +157,9 @@ void definitions_part(Page& page, const StudyResult& r) {
        fmt::format(
            "Force evaluations, with {} for a Jacobian, {} for a step of conjugate gradients and {} for a direct solve.",
            number_text(r.weights.jacobian), number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve))},
+      {"evaluations of cloth and fluids",
+       "Of cloth a sweep over all constraints, or a small step of all springs; of fluids density and pressure of all "
+       "particles. The tolerance of a fluid is the compression it aims at."},
       {"run time",
        "A pass of its own without recording, methods interleaved; the least of the repeats is plotted, the whisker "
        "ends at the 90th percentile. Noisy: median above 1.15 times the least."},

@@ -54,6 +54,7 @@ class Pbf final : public FluidSolver {
     const Real r2 = p.ratio[i] * p.ratio[i];
     return -r2 * p.lambda[i] / (p.last_h * p.last_h * p.volume) - p.inward;
   }
+  bool iterates() const override { return true; }
 
  private:
   void own_steps(StepContext& c);

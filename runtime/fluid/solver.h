@@ -17,6 +17,9 @@ class FluidSolver {
   virtual void add_rows(StepPlan& plan) = 0;
   // Pa, from `ratio` and what the pool keeps; without what balances the cohesion.
   virtual Real pressure(const FluidPool& p, std::uint32_t i) const = 0;
+  // Does a substep solve for the pressure in `iterations`, with `stiffness`? Others derive both from `compression`, and
+  // take up to `max_substeps` steps of their own.
+  virtual bool iterates() const { return false; }
 
   std::vector<FluidPool*> pools;
   Walls* walls = nullptr;

@@ -44,7 +44,7 @@ class Catenary final : public ClothProblem {
     ProblemOptions o(given, info_);
     const int n = o.integer("links", 40, 4, 200, "along the strip, an even number");
     const double length = o.number("length", 1.5, 1.05, 10, "m, the ends are 1 m apart");
-    const double stretch = o.number("stiffness", 1e4, 1, 1e8, "N/m, stretch");
+    const double stretch = o.number("stiffness", 2000, 1, 1e8, "N/m, stretch");
     info_.t_end = o.number("t_end", 1, 0.1, 60, "s");
     if (n % 2) throw SceneError("links: expected an even number, got " + std::to_string(n));
     const double link = length / n, width = 2 * link;

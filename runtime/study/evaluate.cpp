@@ -113,8 +113,20 @@ Line straight_stretch(const std::vector<double>& x, const std::vector<double>& y
   return best;
 }
 
-void fit_orders(StudyResult& r, const std::vector<Case>& cases) {
-  for (const Case& c : cases) {
+// The parts of the ladder of a case.
+std::vector<Case> parts_of(const Case& c) {
+  std::vector<Case> out;
+  for (const StudyPoint* p : c.points) {
+    auto at = std::find_if(out.begin(), out.end(), [&](const Case& o) { return o.points.front()->way == p->way; });
+    if (at == out.end()) at = out.insert(out.end(), {c.method, c.settings, {}});
+    at->points.push_back(p);
+  }
+  return out;
+}
+
+void fit_orders(StudyResult& r, const std::vector<Case>& parts) {
+  const double floor = std::max(r.problem.reference.floor(), r.problem.reference.resolution);
+  for (const Case& c : parts) {
     const Axis* axis = varying_axis(c.points);
     if (!axis) continue;
     std::vector<double> x, y;
@@ -124,9 +136,9 @@ void fit_orders(StudyResult& r, const std::vector<Case>& cases) {
       const bool same = before && p->count.force_evals == before->count.force_evals && p->err_end == before->err_end;
       before = p;
       if (same) continue;
-      const bool end_only = r.problem.chaotic || std::isnan(p->err_traj_rms);
+      const bool end_only = r.problem.chaotic || r.problem.own_measure || std::isnan(p->err_traj_rms);
       const double e = end_only ? ranking_error(r.problem, *p) : p->err_traj_rms;
-      if (!counts(*p) || p->below_floor || !(e > r.problem.reference.floor()) || !(e < kSmall)) continue;
+      if (!counts(*p) || p->below_floor || !(e > floor) || !(e < kSmall)) continue;
       x.push_back(std::log10(axis->value(*p))), y.push_back(std::log10(e));
     }
     if (x.size() < 3) continue;
@@ -140,7 +152,8 @@ void fit_orders(StudyResult& r, const std::vector<Case>& cases) {
                  std::pow(10, x[first + count - 1]),
                  std::pow(10, x[first]),
                  static_cast<int>(count),
-                 c.settings};
+                 c.settings,
+                 c.points.front()->way};
     if (fit.axis == "h" && c.method->order > 0) fit.expected = c.method->order;
     if (fit.axis == "tol") fit.expected = 1;
     if (fit.lo > fit.hi) std::swap(fit.lo, fit.hi);
@@ -155,8 +168,8 @@ double between(double e0, double e1, double a, double b, double target) {
   return std::exp(std::log(a) + s * (std::log(b) - std::log(a)));
 }
 
-// Cheapest crossing of the target on the case's own polyline, by work. False: it never gets there.
-bool reach(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
+// Cheapest crossing of the target on the polyline of one part of a ladder, by work. False: it never gets there.
+bool reach_by(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
   std::vector<const StudyPoint*> own;
   for (const StudyPoint* p : c.points)
     if (counts(*p) && ranking_error(r.problem, *p) >= 0 && p->work > 0) own.push_back(p);
@@ -181,6 +194,20 @@ bool reach(const StudyResult& r, const Case& c, double target, CostToAccuracy& o
     return true;
   }
   return false;
+}
+
+// The cheapest of its parts.
+bool reach(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
+  bool any = false;
+  for (const Case& part : parts_of(c)) {
+    CostToAccuracy one;
+    if (!reach_by(r, part, target, one)) continue;
+    const double time = std::fmin(any ? out.time_s : one.time_s, one.time_s);
+    if (!any || one.work < out.work) out = std::move(one);
+    out.time_s = time;
+    any = true;
+  }
+  return any;
 }
 
 // What the cases of one method, [first, last), need for the target: the dearest of them, if all get there.
@@ -235,7 +262,10 @@ void evaluate(StudyResult& r) {
   for (const std::size_t i : r.front_time) r.points[i].on_front_time = true;
   for (const std::size_t i : r.front_work) r.points[i].on_front_work = true;
   const std::vector<Case> cases = cases_of(r);
-  fit_orders(r, cases);
+  std::vector<Case> parts;
+  for (const Case& c : cases)
+    for (Case& part : parts_of(c)) parts.push_back(std::move(part));
+  fit_orders(r, parts);
   fill_costs(r, cases);
 }
 

@@ -16,16 +16,17 @@ struct ExtremeOutcome {
 };
 
 struct ExtremeCase {
-  const char* system;    // "springs", "rigid", "cloth", "world"
-  const char* name;
+  const char* system;    // "springs", "rigid", "cloth", "fluid", "world"
+  std::string name;
   const char* expected;  // one sentence
   bool slow;             // takes more than about a second
-  ExtremeOutcome (*run)();
+  std::function<ExtremeOutcome()> run;
 };
 
 std::span<const ExtremeCase> extreme_spring_cases();
 std::span<const ExtremeCase> extreme_rigid_cases();
-std::span<const ExtremeCase> extreme_cloth_cases();  // where cloth is built
+std::vector<ExtremeCase> extreme_cloth_cases();  // where cloth is built; with each of its solvers
+std::vector<ExtremeCase> extreme_fluid_cases();  // likewise
 std::vector<ExtremeCase> extreme_cases();  // all
 
 // Runs `act`, which must throw a SceneError that contains `word`, and asks `hash` before and after.

@@ -213,7 +213,10 @@ std::vector<ExtremeCase> extreme_cases() {
   for (const auto cases : {extreme_spring_cases(), extreme_rigid_cases()})
     all.insert(all.end(), cases.begin(), cases.end());
 #ifdef FEDER_HAS_CLOTH
-  all.insert(all.end(), extreme_cloth_cases().begin(), extreme_cloth_cases().end());
+  for (ExtremeCase& c : extreme_cloth_cases()) all.push_back(std::move(c));
+#endif
+#ifdef FEDER_HAS_FLUID
+  for (ExtremeCase& c : extreme_fluid_cases()) all.push_back(std::move(c));
 #endif
   return all;
 }

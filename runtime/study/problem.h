@@ -38,10 +38,11 @@ struct Invariants {
 struct RunSpec {
   std::string method;
   int steps = 0;          // of t_end / steps each; adaptive methods divide them further
-  double tolerance = 0;   // adaptive methods; 0: their default
+  double tolerance = 0;   // adaptive methods, and fluids: the compression aimed at; 0: their default
   int iterations = 0;     // of the solver; 0: its default
   int substeps = 0;       // of worlds; 0: the problem's default
   Settings settings;
+  std::string way = {};   // what this part of a ladder refines: "substeps", "steps" ...; empty: it has one part
 };
 
 // A run in progress. Used as: start, then step() as often as the spec says, reading in between at will.
@@ -54,6 +55,7 @@ class StudyRun {
   virtual StudyCounters counters() const = 0;
   virtual std::size_t bytes() const { return 0; }         // of the systems that take part
   virtual bool gave_up() const { return false; }          // the library holds a non-finite object back
+  virtual std::string warning() const { return {}; }      // what the library warned of so far, in words
   virtual double event_error() const { return NAN; }      // s, of the event the problem is about; NaN: none so far
   virtual double own_error() const { return NAN; }        // a scene's own measure at t_end: stands for err_end
 };

@@ -23,6 +23,7 @@ struct ReferenceInfo {
   double uncertainty = 0;    // of err_end: of the reference itself
   double rounding = 0;       // of err_end: what one rounding of the step size or of a force to Real does by t_end
   std::string source;        // formula, paper, or how it was computed
+  double resolution = 0;     // of err_end: what the spacing of particles leaves, however short the steps; 0: nothing
   // Below this an error says nothing about the method.
   double floor() const { return 3 * (uncertainty > rounding ? uncertainty : rounding); }
 };
@@ -39,6 +40,7 @@ struct ProblemInfo {
   double frequency = 0;              // fastest angular frequency, 1/s; 0: not known
   bool chaotic = false;              // err_horizon_s counts instead of err_end
   bool conserves_momentum = false, conserves_angular = false;
+  bool own_measure = false;          // err_end is the problem's own measure, told in the reference's source
   bool dense = true;                 // false: errors along the run are taken at the steps, not interpolated between
   ReferenceInfo reference;
 };
@@ -72,10 +74,11 @@ struct StudyPoint {
   double h_s = 0, tol = NAN;           // step asked for; tolerance of adaptive methods
   int iters = -1, substeps = -1;
   Settings settings;                   // scene parameters of this rung
+  std::string way;                     // RunSpec::way
   // outcome
   PointStatus status = PointStatus::ok;
   double status_t_s = NAN;             // when it went wrong
-  std::string reason;                  // in words; empty when ok
+  std::string reason;                  // in words, with what the run warned of; empty when ok and not warned
   bool completed = false;              // reached t_end
   bool below_floor = false;            // err_end is below ReferenceInfo::floor(): no fits, no fronts beyond it
   StudyCounters count;
@@ -109,6 +112,7 @@ struct OrderFit {
   double lo = NAN, hi = NAN;           // range of the axis used
   int points = 0;
   Settings settings;                   // of a scene; orders are fitted for each
+  std::string way = {};                // of the points, likewise
 };
 
 // Cheapest way of one method to an error, log-log between two of its own points, never beyond them. Settings of a scene

@@ -186,6 +186,7 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
   point.iters = spec.iterations > 0 ? spec.iterations : -1;
   point.substeps = spec.substeps > 0 ? spec.substeps : -1;
   point.settings = spec.settings;
+  point.way = spec.way;
   std::unique_ptr<StudyRun> run;
   try {
     run = problem.start(spec);
@@ -214,6 +215,8 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
   const auto solves = static_cast<double>(std::max<std::int64_t>(1, point.count.linear_solves));
   if (point.status == PointStatus::ok && static_cast<double>(point.count.unconverged) > kSlowShare * solves)
     watch.fail(PointStatus::slow, NAN, "solver missed its tolerance");
+  if (const std::string warned = run->warning(); !warned.empty())
+    point.reason += (point.reason.empty() ? "warned: " : "; warned: ") + warned;
 }
 
 }  // namespace feder

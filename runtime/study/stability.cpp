@@ -89,6 +89,9 @@ StabilityResult run_stability(const StabilityPlan& plan) {
 #ifdef FEDER_HAS_CLOTH
   if (is_cloth_stability(plan.problem)) return run_cloth_stability(plan);
 #endif
+#ifdef FEDER_HAS_FLUID
+  if (is_fluid_stability(plan.problem)) return run_fluid_stability(plan);
+#endif
   const auto problem = make_problem(plan.problem);
   std::vector<StabilityMethod> methods;
   for (const std::string& name : plan.methods) methods.push_back(find_method(*problem, name));
@@ -106,6 +109,9 @@ std::vector<StabilityProblemInfo> stability_problem_infos() {
     for (const StabilityProblemRow& row : rows) out.push_back(row.make()->info());
 #ifdef FEDER_HAS_CLOTH
   for (const StabilityProblemInfo& info : cloth_stability_infos()) out.push_back(info);
+#endif
+#ifdef FEDER_HAS_FLUID
+  for (const StabilityProblemInfo& info : fluid_stability_infos()) out.push_back(info);
 #endif
   return out;
 }

@@ -79,4 +79,9 @@ std::vector<StabilityProblemInfo> cloth_stability_infos();
 bool is_cloth_stability(std::string_view problem);
 StabilityResult run_cloth_stability(const StabilityPlan& plan);
 
+// Maps of fluids likewise.
+std::vector<StabilityProblemInfo> fluid_stability_infos();
+bool is_fluid_stability(std::string_view problem);
+StabilityResult run_fluid_stability(const StabilityPlan& plan);
+
 }  // namespace feder
