@@ -6,6 +6,7 @@
 // thousands of particles on one spot.
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "fluid/impl.h"
 
@@ -85,6 +86,11 @@ void Fluid::Impl::relax(StepContext& c) {
       std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
       p.find_contacts(*c.jobs, walls, 0, c.gravity, true);
       const Real most = excess_of(p, *c.jobs);
+      if (round == 0 && most > kHopeless)
+        c.events->warn("fluid_crowded",
+                       objects.describe(p.object) + ": new particles lie on each other, " +
+                           std::to_string(static_cast<long long>(most)) + " times too dense: they burst",
+                       p.object);
       if (most <= kAllowed || (round == 0 && most > kHopeless)) break;
       if (most < Real(0.95) * best) best = most, since = 0;
       make_way(p, *c.jobs);
