@@ -98,7 +98,7 @@ struct StabilityProblemInfo {
   std::string name, summary;
   StabilityAxis x, y;
   bool bisects = false;                // limits are known and can be bisected
-  std::string family = "net";          // or "rigid": run by integrators, or by rigid solvers
+  std::string family = "net";          // run by integrators; "rigid", "cloth", "fluid": by their solvers
 };
 std::vector<StabilityProblemInfo> stability_problem_infos();
 

@@ -50,16 +50,18 @@ ClothDesc square(const std::string& solver, double stiffness) {
   return d;
 }
 
-// x = stretch stiffness, y = mass of the bar at the lower border by that of the sheet.
-ClothCell hung(const std::string& solver, double x, double y) {
+// A bar of `y` times the mass of the sheet at its lower border; x = stretch stiffness; `iterations` in each substep of
+// the world, which is a small step then; 0: as the library chooses.
+ClothCell hang(std::unique_ptr<World> world, const std::string& solver, double x, double y, int iterations) {
   ClothCell c;
-  c.world = make_world(60);
+  c.world = std::move(world);
   Cloth& cloth = c.world->need<Cloth>();
   Rigid& rigid = c.world->need<Rigid>();
   ClothDesc d = square(solver, x);
   d.self_collision = false;
   d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
   d.pin_names = {"top"};
+  if (iterations > 0) d.max_substeps = 1, d.solver_options.set("iterations", static_cast<double>(iterations));
   c.cloth = cloth.add_cloth(d);
   const double mass = static_cast<double>(d.area_density) * y;
   const double strain = (mass + 0.5 * static_cast<double>(d.area_density)) * kGravity / x;
@@ -80,6 +82,9 @@ ClothCell hung(const std::string& solver, double x, double y) {
   };
   return c;
 }
+
+// x = stretch stiffness, y = mass of the bar by that of the sheet.
+ClothCell hung(const std::string& solver, double x, double y) { return hang(make_world(60), solver, x, y, 0); }
 
 // x = stretch stiffness, y = steps a second. It must not pass the ball, nor stretch where its material would not.
 ClothCell draped(const std::string& solver, double x, double y) {
@@ -108,21 +113,47 @@ ClothCell draped(const std::string& solver, double x, double y) {
   return c;
 }
 
+// x = substeps, y = iterations, for solvers that have them: a bar of ten times the mass on a stiff sheet.
+ClothCell swept(const std::string& solver, double x, double y) {
+  WorldDesc d;
+  d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
+  d.substeps = static_cast<int>(x);
+  d.sleeping = false;
+  return hang(std::make_unique<World>(d, kCatalog), solver, 1e4, 10, static_cast<int>(y));
+}
+
+bool takes_iterations(const std::string& solver) {
+  Arena unused("stability");
+  Params options;
+  options.set("iterations", 2.0);
+  try {
+    find_variant(cloth_solvers(), solver, "cloth solver").make(unused, options);
+    options.check_all_read(solver);
+  } catch (const SceneError&) {
+    return false;
+  }
+  return true;
+}
+
 struct ClothMapRow {
   StabilityProblemInfo info;
   ClothCell (*make)(const std::string& solver, double x, double y);
+  bool iterates = false;  // only for solvers that take iterations
 };
 
 const std::vector<ClothMapRow>& rows() {
+  static const StabilityAxis stiffness = {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6), {1, 1e3, 1e6}};
   static const std::vector<ClothMapRow> table = {
-      {{"hanging_sheet", "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s",
-        {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6)},
-        {"ratio", "mass ratio", "", true, decades(0, 4)}, false},
+      {{"hanging_sheet", "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s", stiffness,
+        {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}}, false, "cloth"},
        &hung},
-      {{"drape", "a sheet of 10 x 10 cells falls on a ball",
-        {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6)},
-        {"rate", "steps per second", "1/s", false, {15, 30, 60, 120, 240}}, false},
-       &draped}};
+      {{"drape", "a sheet of 10 x 10 cells falls on a ball", stiffness,
+        {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}}, false, "cloth"},
+       &draped},
+      {{"sheet_substeps", "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
+        {"substeps", "substeps", "", true, {1, 2, 4, 8, 16, 32, 64}, {1, 8, 64}},
+        {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}}, false, "cloth"},
+       &swept, true}};
   return table;
 }
 
@@ -185,12 +216,14 @@ StabilityResult run_cloth_stability(const StabilityPlan& plan) {
   const ClothMapRow& row = *find_row(plan.problem);
   std::vector<std::string> methods = plan.methods;
   if (methods.empty())
-    for (const Variant<ClothSolver>& v : cloth_solvers()) methods.push_back(v.name);
+    for (const Variant<ClothSolver>& v : cloth_solvers())
+      if (!row.iterates || takes_iterations(v.name)) methods.push_back(v.name);
   StabilityResult result;
   result.thresholds = plan.thresholds;
   result.real = kRealName;
   for (const std::string& m : methods) {
     find_variant(cloth_solvers(), m, "cloth solver");
+    if (row.iterates && !takes_iterations(m)) throw SceneError(m + " takes no iterations: " + row.info.name + " needs them");
     StabilityMap map;
     map.problem = row.info.name, map.method = m;
     map.x = row.info.x, map.y = row.info.y;

@@ -1,6 +1,6 @@
 // Stability maps of fluids, by solver: a column that stands, softer and stiffer, and a beam, lighter and heavier than
-// the fluid, each at several rates of steps. What a solver cannot hold at its budget it says in a warning, which is the
-// entity of the cell.
+// the fluid, each at several rates of steps; and the column with few and many substeps, and little and much to spend in
+// each. What a solver cannot hold at its budget it says in a warning, which is the entity of the cell.
 #include <algorithm>
 #include <cmath>
 
@@ -14,13 +14,14 @@ namespace feder {
 namespace {
 
 constexpr double kGravity = 9.81, kSpacing = 1.0 / 16, kTank = 1, kLevel = 0.5;  // m
-constexpr double kSeconds = 2;
+constexpr double kDensity = 1000, kSeconds = 2;
+constexpr int kSubsteps = 4;
 constexpr double kBeam = 0.25;  // m, side of the beam
 
 struct FluidCell {
   std::unique_ptr<World> world;
   ObjectId water, body;
-  double ratio = NAN;  // of the beam's density to the fluid's
+  double low = NAN, high = NAN;  // where it belongs, m: the fluid's middle, or the beam's lower side
 };
 
 std::vector<double> decades(int lo, int hi) {
@@ -29,13 +30,19 @@ std::vector<double> decades(int lo, int hi) {
   return out;
 }
 
-FluidCell tank(const std::string& solver, double rate, double stiffness) {
+bool iterates(const std::string& solver) {
+  Arena unused("stability");
+  return find_variant(fluid_solvers(), solver, "fluid solver").make(unused, Params())->iterates();
+}
+
+FluidCell tank(FluidDesc f, double rate, int substeps) {
   static const SystemDescriptor* const catalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Fluid::descriptor(),
                                                     &FluidRigid::descriptor()};
   WorldDesc d;
   d.dimension = 2;
   d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
   d.dt = 1 / rate;
+  d.substeps = substeps;
   d.sleeping = false;
   FluidCell c;
   c.world = std::make_unique<World>(d, catalog);
@@ -45,10 +52,7 @@ FluidCell tank(const std::string& solver, double rate, double stiffness) {
     wall.shape = make_plane(n, n[0] < 0 ? static_cast<Real>(-kTank) : Real(0));
     c.world->need<Rigid>().add_body(wall);
   }
-  FluidDesc f;
-  f.solver = solver;
   f.spacing = static_cast<Real>(kSpacing);
-  f.stiffness = static_cast<Real>(stiffness);
   c.water = c.world->need<Fluid>().add_fluid(f);
   return c;
 }
@@ -64,24 +68,46 @@ void fill(FluidCell& c, double under) {
   c.world->need<Fluid>().fill(c.water, points, Vec3::Zero());
 }
 
-// x = bulk modulus of pbf (wcsph derives its own), y = steps a second.
+// x = bulk modulus, y = steps a second. Under its own weight rho g (Y - y) = K ln(1 + p/K) of p = K (rho'/rho - 1): the
+// middle is at 1/a - Y/(a H), Y = ln(1 + a H)/a, a = rho g/K. A solver that has its stiffness from a wanted compression
+// is asked for the one at the ground, and may be stiffer.
 FluidCell column(const std::string& solver, double x, double y) {
-  FluidCell c = tank(solver, y, x);
+  const double a = kDensity * kGravity / x, squeezed = std::clamp(a * kLevel, 1e-4, 0.2);
+  FluidDesc f;
+  f.solver = solver;
+  f.stiffness = static_cast<Real>(x), f.compression = static_cast<Real>(squeezed);
+  FluidCell c = tank(f, y, kSubsteps);
   fill(c, kLevel);
+  c.low = c.high = a * kLevel > 1e-3 ? 1 / a - std::log1p(a * kLevel) / (a * a * kLevel) : kLevel / 2;
+  if (!iterates(solver)) c.low = (1 - squeezed) * kLevel / 2, c.high = kLevel / 2;
   return c;
 }
 
 // x = density ratio, y = steps a second.
 FluidCell floating(const std::string& solver, double x, double y) {
-  FluidCell c = tank(solver, y, 0);
+  FluidDesc f;
+  f.solver = solver;
+  FluidCell c = tank(f, y, kSubsteps);
   const double under = kLevel - std::min(x, 1.0) * kBeam;
   fill(c, under);
   BodyDesc b;
   b.shape = make_box(static_cast<Real>(kBeam), static_cast<Real>(kBeam), 1)->section();
-  b.density = static_cast<Real>(1000 * x);
+  b.density = static_cast<Real>(kDensity * x);
   b.position = Vec3(static_cast<Real>(kTank / 2), static_cast<Real>(under + kBeam / 2), 0);
   c.body = c.world->need<Rigid>().add_body(b);
-  c.ratio = x;
+  // the surface is known to a spacing; one as dense as the fluid may be anywhere in it
+  c.low = x < 1 ? under - kSpacing : 0, c.high = x > 1 ? 0.2 * kSpacing : under + kSpacing;
+  return c;
+}
+
+// x = substeps, y = iterations, or steps of its own at most, in each.
+FluidCell spent(const std::string& solver, double x, double y) {
+  FluidDesc f;
+  f.solver = solver;
+  f.iterations = f.max_substeps = static_cast<int>(y);
+  FluidCell c = tank(f, 60, static_cast<int>(x));
+  fill(c, kLevel);
+  c.low = c.high = kLevel / 2;
   return c;
 }
 
@@ -92,15 +118,19 @@ struct FluidMapRow {
 
 const std::vector<FluidMapRow>& rows() {
   static const std::vector<double> rates = {15, 30, 60, 120, 240};
+  static const StabilityAxis rate = {"rate", "steps per second", "1/s", true, rates, {15, 60, 240}};
   static const std::vector<FluidMapRow> table = {
-      {{"water_column", "half a metre of fluid stands in a tank for 2 s",
-        {"stiffness", "bulk modulus (pbf)", "Pa", true, decades(0, 6)},
-        {"rate", "steps per second", "1/s", true, rates}, false},
+      {{"water_column", "half a metre of fluid stands in a tank for 2 s, four substeps",
+        {"stiffness", "bulk modulus", "Pa", true, decades(0, 8), {1, 1e4, 1e8}}, rate, false, "fluid"},
        &column},
-      {{"floating", "a beam floats in a tank, or sinks",
-        {"ratio", "density ratio", "", true, decades(-2, 2)},
-        {"rate", "steps per second", "1/s", true, rates}, false},
-       &floating}};
+      {{"floating", "a beam floats in a tank, or sinks, four substeps",
+        {"ratio", "density ratio", "", true, decades(-2, 2), decades(-2, 2)}, rate, false, "fluid"},
+       &floating},
+      {{"water_substeps", "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
+        {"substeps", "substeps", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
+        {"spent", "iterations, or own steps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
+        false, "fluid"},
+       &spent}};
   return table;
 }
 
@@ -112,17 +142,15 @@ const FluidMapRow* find_row(std::string_view name) {
 
 // Of the end state: how far the fluid's middle, or the beam, is from where it belongs, by the level.
 double error_of(FluidCell& c) {
-  std::vector<Vec3> x;
-  c.world->need<Fluid>().positions(c.water, x);
+  double at = 0;
   if (c.body) {
-    const double bottom = static_cast<double>(c.world->need<Rigid>().pose(c.body).position[1]) - kBeam / 2;
-    const double want = c.ratio < 1 ? kLevel - c.ratio * kBeam : 0;
-    // known to a spacing
-    return std::max(0.0, std::fabs(bottom - want) - (c.ratio < 1 ? kSpacing : 0.2 * kSpacing)) / kLevel;
+    at = static_cast<double>(c.world->need<Rigid>().pose(c.body).position[1]) - kBeam / 2;
+  } else {
+    std::vector<Vec3> x;
+    c.world->need<Fluid>().positions(c.water, x);
+    for (const Vec3& p : x) at += static_cast<double>(p[1]) / static_cast<double>(x.size());
   }
-  double mean = 0;
-  for (const Vec3& p : x) mean += static_cast<double>(p[1]) / static_cast<double>(x.size());
-  return std::fabs(mean - kLevel / 2) / kLevel;
+  return std::max({0.0, c.low - at, at - c.high}) / kLevel;
 }
 
 double total(World& w) {
@@ -135,7 +163,7 @@ StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double
   cell.x = x, cell.y = y;
   FluidCell c = row.make(solver, x, y);
   World& w = *c.world;
-  const double start = total(w), scale = 1000 * kTank * kLevel * kGravity * kLevel;
+  const double start = total(w), scale = kDensity * kTank * kLevel * kGravity * kLevel;
   const int steps = static_cast<int>(std::lround(kSeconds / w.desc().dt));
   double most = 0, late = 0, second = 0;
   for (int k = 0; k < steps; ++k) {

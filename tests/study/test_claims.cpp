@@ -31,7 +31,7 @@ std::unique_ptr<StudyProblem> chain(const char* stiffness, const char* ratio) {
 
 }  // namespace
 
-TEST_CASE("equal force evaluations on the oscillator give the printed errors", "[study]") {
+TEST_CASE("equal force evaluations on the oscillator give the printed errors", "[study][claims]") {
   struct Row {
     const char* name;
     int evals;  // per step
@@ -65,7 +65,7 @@ TEST_CASE("equal force evaluations on the oscillator give the printed errors", "
   CHECK(found >= 4);
 }
 
-TEST_CASE("stiff chains: explicit methods fail and are told, implicit ones have the printed errors", "[study]") {
+TEST_CASE("stiff chains: explicit methods fail and are told, implicit ones have the printed errors", "[study][claims]") {
   struct Row {
     const char* name;
     int steps;

@@ -97,6 +97,25 @@ TEST_CASE("bodies at the corners of every map: no verdict is nan, failures have 
   CHECK(problems >= 6);
 }
 
+TEST_CASE("cloth and fluids at the corners of every map: nothing is nan, nothing diverges in silence",
+          "[study][stability]") {
+  for (const StabilityProblemInfo& info : stability_problem_infos()) {
+    if (info.family != "cloth" && info.family != "fluid") continue;
+    StabilityPlan p;
+    p.problem = info.name;
+    p.x_values = {info.x.values.front(), info.x.values.back()},
+    p.y_values = {info.y.values.front(), info.y.values.back()};
+    if (info.y.name == "rate") p.y_values = {30, 60};  // the many short steps take long
+    for (const StabilityMap& m : run_stability(p).maps)
+      for (const StabilityCell& c : m.cells) {
+        CAPTURE(m.problem, m.method, c.x, c.y, name_of(c.verdict), c.entity, c.error, c.energy_ratio);
+        CHECK(c.verdict != Verdict::nan);
+        if (c.verdict != Verdict::diverged && c.verdict != Verdict::growing) continue;
+        CHECK(c.entity.find(info.family) != std::string::npos);
+      }
+  }
+}
+
 TEST_CASE("a box a million times heavier presses its support in: inaccurate, not stable", "[study][stability]") {
   StabilityPlan p;
   p.problem = "heavy", p.x_values = {1.0 / 60}, p.y_values = {1, 1e6};
