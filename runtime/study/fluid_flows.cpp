@@ -248,7 +248,7 @@ class Droplet final : public FluidProblem {
     count_ = static_cast<int>(std::lround(kPi * kRadius * kRadius / (spacing_ * spacing_)));
     info_.dof = 2 * count_;
     // the formula is that of small swings: the next term is of the order of the square of the stretch
-    scales(1, frequency_ * kStretch, ReferenceKind::closed, kStretch * kStretch, 2,
+    scales(1, frequency_ * kStretch, ReferenceKind::closed, kStretch * kStretch, 4,
            "half a period pi / w between two passages through the circle, w^2 = 6 sigma / (rho R^3), relative");
   }
   Vec3 gravity() const override { return Vec3(0, 0, 0); }
@@ -290,7 +290,7 @@ class Droplet final : public FluidProblem {
 
  private:
   static constexpr double kPi = 3.14159265358979323846;
-  static constexpr double kRadius = 0.5, kStretch = 0.1;  // m, of the radius
+  static constexpr double kRadius = 0.5, kStretch = 0.15;  // m, of the radius
   double longer(const FluidScene& s) const {
     double xx = 0, yy = 0;
     for (const Vec3& p : s.positions) {

@@ -111,7 +111,7 @@ TEST_CASE("cloth and fluids at the corners of every map: nothing is nan, nothing
         CAPTURE(m.problem, m.method, c.x, c.y, name_of(c.verdict), c.entity, c.error, c.energy_ratio);
         CHECK(c.verdict != Verdict::nan);
         if (c.verdict != Verdict::diverged && c.verdict != Verdict::growing) continue;
-        CHECK(c.entity.find(info.family) != std::string::npos);
+        CHECK(c.entity.find('#') != std::string::npos);  // as objects without a name are called
       }
   }
 }
