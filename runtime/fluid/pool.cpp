@@ -79,8 +79,11 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
 
 // Kirkwood & Buff 1949 for particles spread evenly up to a sharp surface, n of them in a unit of space, that pull with
 // F(r): sigma = n^2/3 int r^3 F dr in 2D, pi/8 n^2 int r^4 F dr in 3D; the pull inwards is pi/2 n^2 int r^2 F dr and
-// 2 pi/3 n^2 int r^3 F dr. Particles do not lie evenly at a surface: drops of wcsph in 2D swing as with 0.6 of that
-// tension, so it is divided by it. With pbf they swing 1.7 times too fast and lose the swing in one period.
+// 2 pi/3 n^2 int r^3 F dr. Particles do not lie evenly at a surface: drops of wcsph swing as with 0.6 of that tension
+// in 2D and about 0.27 in 3D (5 to 8 spacings across a radius, widely scattered), so it is divided by it:
+// tests/fluid/test_droplet.cpp. The pull inwards is some 5 sigma/d, and R/d times 5 what makes a drop round: the particles are pressed together like
+// sand, and where nothing keeps them warm (pbf damps, artificial viscosity does) they yield late. With pbf drops become
+// round, with a first swing up to 1.7 times too fast, and do not swing on.
 void FluidPool::find_cohesion() {
   const double sigma = desc.surface_tension, r = support,
                n2 = 1 / (static_cast<double>(volume) * static_cast<double>(volume));
@@ -89,8 +92,8 @@ void FluidPool::find_cohesion() {
       dimension == 2 ? n2 / 3 * r4 * cohesion_moment(3) : n2 * pi / 8 * r4 * r * cohesion_moment(4);
   const double unit_pressure =
       dimension == 2 ? n2 * pi / 2 * r * r * r * cohesion_moment(2) : n2 * 2 * pi / 3 * r4 * cohesion_moment(3);
-  constexpr double kMeasured = 0.6;
-  const double force = sigma / (kMeasured * unit_tension);
+  const double measured = dimension == 2 ? 0.6 : 0.27;
+  const double force = sigma / (measured * unit_tension);
   cohesion = static_cast<Real>(force);
   inward = static_cast<Real>(force * unit_pressure);
 }
