@@ -61,6 +61,15 @@ std::string cell_title(const StabilityMap& m, const StabilityCell& c) {
   return text;
 }
 
+// Counts and rates are labelled where the cells are.
+Axis cell_axis(const StabilityAxis& a) {
+  Axis out{axis_label(a), a.logarithmic, 0, 1, a.logarithmic ? TickStyle::power : TickStyle::plain, {}};
+  const auto counted = [](double v) { return v == std::round(v) && v >= 1 && v <= 999; };
+  if (a.logarithmic && a.values.size() <= 10 && std::all_of(a.values.begin(), a.values.end(), counted))
+    for (const double v : a.values) out.fixed.push_back({v, number_text(v, 3)});
+  return out;
+}
+
 HeatMap heat_map(const StabilityMap& m, bool small) {
   HeatMap h;
   h.name = "map_" + m.method;
@@ -70,8 +79,7 @@ HeatMap heat_map(const StabilityMap& m, bool small) {
         fmt::format("{} on {}: {} % of the cells stable", m.method, m.problem, number_text(100 * m.stable_share, 3));
     h.subtitle = verdict_shares(m);
   }
-  h.x = {axis_label(m.x), m.x.logarithmic, 0, 1, m.x.logarithmic ? TickStyle::power : TickStyle::plain};
-  h.y = {axis_label(m.y), m.y.logarithmic, 0, 1, m.y.logarithmic ? TickStyle::power : TickStyle::plain};
+  h.x = cell_axis(m.x), h.y = cell_axis(m.y);
   for (const StabilityCell& c : m.cells) h.cells.push_back({c.x, c.y, name_of(c.verdict), c.error, cell_title(m, c)});
   for (const StabilityLimit& l : m.limits) {
     if (std::isfinite(l.predicted) && (!m.x.logarithmic || l.predicted > 0)) h.theory.push_back({l.predicted, l.y});

@@ -1,6 +1,6 @@
-// A square sheet falls on a ball and drapes over it. No closed form: folds buckle, and have many equilibria, so only the
-// height of the sheet's middle is compared (as good as its potential energy), against the same run with many small steps.
-// What two finer runs of the first solver, and one of the others, differ by is the uncertainty.
+// A square sheet falls on a ball and drapes over it. No closed form: folds buckle, and have many equilibria, so only
+// the height of the sheet's middle is compared (as good as its potential energy), against the same run with many small
+// steps. What two finer runs of the first solver, and one of the others, differ by is the uncertainty.
 #include <algorithm>
 
 #include "cloth/solver.h"
@@ -64,7 +64,8 @@ class Drape final : public ClothProblem {
   static constexpr double kStart = kBall + 0.05;  // m
   static constexpr int kFine = 128;               // substeps of the reference
   static constexpr const char* kSource =
-      "mean height over the last quarter, by the side; self-refined with 4 times the substeps of the finest run, against "
+      "mean height over the last quarter, by the side; self-refined with 4 times the substeps of the finest run, "
+      "against "
       "half as many and another solver";
 
   // Mean over the last quarter: it swings.

@@ -33,7 +33,8 @@ class ClothProblem : public StudyProblem {
   ClothDesc desc_;
   std::vector<double> rest_;  // three per vertex, m; empty: as the desc says, and the energy is not kept
   std::vector<double> pull_;  // force of a script on each vertex, downwards, N; empty: none
-  std::vector<int> substeps_; // of the world, 60 steps a second: one small step each (mass_spring: as many as it needs)
+  std::vector<int>
+      substeps_;  // of the world, 60 steps a second: one small step each (mass_spring: as many as it needs)
 };
 
 }  // namespace feder

@@ -35,7 +35,8 @@ ExtremeOutcome refused_cloth(const char* word, F&& spoil) {
   w.need<Cloth>().add_cloth(small_sheet(1000));
   ClothDesc d = small_sheet(1000);
   spoil(d);
-  return expect_refusal(word, [&] { w.need<Cloth>().add_cloth(d); }, [&] { return w.hash(); });
+  return expect_refusal(
+      word, [&] { w.need<Cloth>().add_cloth(d); }, [&] { return w.hash(); });
 }
 
 double total(const World& w) {
@@ -57,8 +58,8 @@ struct Warned {
   std::string words() const { return last.empty() ? "" : "; warned: " + last; }
 };
 
-// Weightless, thrown about by `spoil`: it must come back to its shape, and no energy may come from nowhere. A cloth that
-// is held back because its numbers overflowed must say so.
+// Weightless, thrown about by `spoil`: it must come back to its shape, and no energy may come from nowhere. A cloth
+// that is held back because its numbers overflowed must say so.
 template <class F>
 ExtremeOutcome comes_back(const std::string& solver, double stiffness, F&& spoil) {
   World w(restless(0), kCatalog);
@@ -125,8 +126,7 @@ ExtremeOutcome heavy_bar(const std::string& solver, double ratio) {
   }
   if (cloth.quarantined(id)) return {warned.named, Verdict::diverged, "held where it was" + warned.words()};
   const bool held = longest < 1.2, good = w.is_finite() && (held || warned.named) && longest < 3;
-  return {good, good && held ? Verdict::stable : Verdict::inaccurate,
-          labelled("longest, m", longest) + warned.words()};
+  return {good, good && held ? Verdict::stable : Verdict::inaccurate, labelled("longest, m", longest) + warned.words()};
 }
 
 const ExtremeCase kRefused[] = {

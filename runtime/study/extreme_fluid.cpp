@@ -67,9 +67,13 @@ struct FluidScene {
     return sum / static_cast<double>(positions.size());
   }
   ExtremeOutcome outcome(bool good, const std::string& detail) {
-    return {good, good ? Verdict::stable : world->is_finite() ? Verdict::inaccurate : Verdict::nan,
+    return {good,
+            good                 ? Verdict::stable
+            : world->is_finite() ? Verdict::inaccurate
+                                 : Verdict::nan,
             detail + ", " + labelled("fastest, m/s", fastest) +
-                (beyond() > 0 ? ", " + labelled("beyond the walls, m", beyond()) : "") + (warned.empty() ? "" : "; warned: " + warned)};
+                (beyond() > 0 ? ", " + labelled("beyond the walls, m", beyond()) : "") +
+                (warned.empty() ? "" : "; warned: " + warned)};
   }
 
   std::unique_ptr<World> world;
@@ -96,7 +100,8 @@ ExtremeOutcome refused_fluid(const char* word, F&& spoil) {
   s.fill(block(4, 4));
   FluidDesc d = s.desc;
   spoil(d);
-  return expect_refusal(word, [&] { s.fluid().add_fluid(d); }, [&] { return s.world->hash(); });
+  return expect_refusal(
+      word, [&] { s.fluid().add_fluid(d); }, [&] { return s.world->hash(); });
 }
 
 // They have no direction to part in but the one of a fixed rule.
@@ -205,7 +210,8 @@ const Run kRuns[] = {
     {"one particle 100 tanks away", "falls freely, the others stand", 100, &stray},
     {"all particles at random", "settle, no energy from nowhere", 200, &all_random},
     {"a beam of 1e-2 of its density", "floats", 1e-2, &beam},
-    {"a beam of 1e2 times its density", "lies on the floor; what it traps is at most a fifth of a spacing in it", 1e2, &beam},
+    {"a beam of 1e2 times its density", "lies on the floor; what it traps is at most a fifth of a spacing in it", 1e2,
+     &beam},
     {"bulk modulus of 1 Pa", "falls together, or stays as stiff as it can", 1, &soft},
     {"compression of 1e-4 in one step of its own", "held, or a warning says what to expect", 1, &poor},
 };

@@ -23,7 +23,8 @@ class Hydrostatic final : public FluidProblem {
            "pressure rho g (H - y), rms over four depths by rho g H");
   }
   void build(FluidScene& s, FluidDesc d) const override {
-    add_wall(*s.world, Vec3(0, 1, 0), 0), add_wall(*s.world, Vec3(1, 0, 0), 0), add_wall(*s.world, Vec3(-1, 0, 0), -kWidth);
+    add_wall(*s.world, Vec3(0, 1, 0), 0), add_wall(*s.world, Vec3(1, 0, 0), 0),
+        add_wall(*s.world, Vec3(-1, 0, 0), -kWidth);
     s.water = s.fluid->add_fluid(d);
     add_water(s, kWidth, 1, 0, 0);
   }
@@ -99,8 +100,8 @@ class DamBreak final : public FluidProblem {
 
  private:
   static constexpr double kGate = 0.1;
-  static constexpr double kTable[][2] = {{0, 1}, {0.62, 1.22}, {0.80, 1.44}, {1.02, 1.67}, {1.19, 1.89}, {1.34, 2.11},
-                                         {1.50, 2.33}, {1.66, 2.56}, {1.81, 2.78}, {1.97, 3.00}};
+  static constexpr double kTable[][2] = {{0, 1},       {0.62, 1.22}, {0.80, 1.44}, {1.02, 1.67}, {1.19, 1.89},
+                                         {1.34, 2.11}, {1.50, 2.33}, {1.66, 2.56}, {1.81, 2.78}, {1.97, 3.00}};
   static double measured(double scaled) {
     const int n = static_cast<int>(std::size(kTable));
     int k = 1;
@@ -153,7 +154,9 @@ class Draught final : public FluidProblem {
   void after_step(FluidScene& s) const override {
     if (s.world->time() < 0.75 * info_.t_end) return;
     Real left = 0, right = 0;
-    if (!s.fluid->height_at(s.water, Real(0.2), 0, left) || !s.fluid->height_at(s.water, static_cast<Real>(kTank - 0.2), 0, right)) return;
+    if (!s.fluid->height_at(s.water, Real(0.2), 0, left) ||
+        !s.fluid->height_at(s.water, static_cast<Real>(kTank - 0.2), 0, right))
+      return;
     const double bottom = static_cast<double>(s.world->need<Rigid>().pose(s.body).position[1]) - kHigh / 2;
     if (s.kept.empty()) s.kept.assign(2, 0);
     s.kept[0] += share_ < 1 ? static_cast<double>(left + right) / 2 - bottom : bottom;
@@ -187,9 +190,7 @@ class Poiseuille final : public FluidProblem {
     s.water = s.fluid->add_fluid(d);
     add_water(s, kLong, 1, 0, 0);
   }
-  void observe(const FluidScene& s, Observation& out) const override {
-    out.x = {band(s, 0.5), band(s, 0.25), 0};
-  }
+  void observe(const FluidScene& s, Observation& out) const override { out.x = {band(s, 0.5), band(s, 0.25), 0}; }
   void reference(double t, Observation& out) const override {
     out.x = {mean_of(0.5, t), mean_of(0.25, t), 0};
     out.v.clear();
@@ -305,15 +306,26 @@ class Droplet final : public FluidProblem {
 
 template <class T>
 Variant<StudyProblem> row(const char* name, const char* summary) {
-  return {name, summary, [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<T>(p); }};
+  return {name, summary,
+          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<T>(p); }};
 }
 
 }  // namespace
 
-Variant<StudyProblem> study_hydrostatic() { return row<Hydrostatic>("hydrostatic", "a column of fluid at rest: its pressure"); }
-Variant<StudyProblem> study_dam_break() { return row<DamBreak>("dam_break", "a square column collapses: its front"); }
-Variant<StudyProblem> study_draught() { return row<Draught>("draught", "a beam floats: how deep"); }
-Variant<StudyProblem> study_poiseuille() { return row<Poiseuille>("poiseuille", "a flow between plates starts: its profile"); }
-Variant<StudyProblem> study_droplet() { return row<Droplet>("droplet", "a drop swings about its round shape: its period"); }
+Variant<StudyProblem> study_hydrostatic() {
+  return row<Hydrostatic>("hydrostatic", "a column of fluid at rest: its pressure");
+}
+Variant<StudyProblem> study_dam_break() {
+  return row<DamBreak>("dam_break", "a square column collapses: its front");
+}
+Variant<StudyProblem> study_draught() {
+  return row<Draught>("draught", "a beam floats: how deep");
+}
+Variant<StudyProblem> study_poiseuille() {
+  return row<Poiseuille>("poiseuille", "a flow between plates starts: its profile");
+}
+Variant<StudyProblem> study_droplet() {
+  return row<Droplet>("droplet", "a drop swings about its round shape: its period");
+}
 
 }  // namespace feder

@@ -20,7 +20,8 @@ bool iterates(const std::string& solver) {
 
 class FluidRun final : public StudyRun {
  public:
-  FluidRun(const FluidProblem& problem, const RunSpec& spec) : problem_(problem), world_(describe(problem, spec), catalog()) {
+  FluidRun(const FluidProblem& problem, const RunSpec& spec)
+      : problem_(problem), world_(describe(problem, spec), catalog()) {
     scene_.world = &world_;
     scene_.fluid = &world_.need<Fluid>();
     FluidDesc d;
@@ -95,7 +96,8 @@ class FluidRun final : public StudyRun {
 
 std::vector<MethodInfo> FluidProblem::methods() const {
   std::vector<MethodInfo> all;
-  for (const Variant<FluidSolver>& row : fluid_solvers()) all.push_back({row.name, row.summary, 0, 1, NAN, false, false});
+  for (const Variant<FluidSolver>& row : fluid_solvers())
+    all.push_back({row.name, row.summary, 0, 1, NAN, false, false});
   return all;
 }
 
@@ -109,12 +111,15 @@ std::vector<RunSpec> FluidProblem::ladder(const MethodInfo& method) const {
   if (iterates(method.name)) {
     for (const int n : {1, 2, 4, 8, 16}) rungs.push_back({method.name, steps(1), 0, n, kSubsteps, {}, "iters"});
   } else {
-    for (const double c : {0.1, 0.03, 0.01, 0.003}) rungs.push_back({method.name, steps(1), c, 0, kSubsteps, {}, "tol"});
+    for (const double c : {0.1, 0.03, 0.01, 0.003})
+      rungs.push_back({method.name, steps(1), c, 0, kSubsteps, {}, "tol"});
   }
   return rungs;
 }
 
-std::unique_ptr<StudyRun> FluidProblem::start(const RunSpec& spec) const { return std::make_unique<FluidRun>(*this, spec); }
+std::unique_ptr<StudyRun> FluidProblem::start(const RunSpec& spec) const {
+  return std::make_unique<FluidRun>(*this, spec);
+}
 
 void FluidProblem::common(ProblemOptions& o, int per_length, double t_end) {
   const int n = o.integer("particles", per_length, 5, 400, "across the length that the problem is about");
@@ -145,7 +150,8 @@ void FluidProblem::add_water(FluidScene& s, double width, double height, double 
   std::vector<Vec3> points;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i)
-      points.push_back(Vec3(static_cast<Real>(x + (i + 0.5) * width / nx), static_cast<Real>(y + (j + 0.5) * height / ny), 0));
+      points.push_back(
+          Vec3(static_cast<Real>(x + (i + 0.5) * width / nx), static_cast<Real>(y + (j + 0.5) * height / ny), 0));
   s.fluid->fill(s.water, points, Vec3::Zero());
 }
 

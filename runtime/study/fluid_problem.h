@@ -49,10 +49,10 @@ class FluidProblem : public StudyProblem {
   static void add_water(FluidScene& s, double width, double height, double x, double y);
 
   friend class FluidRun;
-  double spacing_ = 0.05;     // m
-  double stiffness_ = 0;      // bulk modulus, Pa; 0: as stiff as the solver can
-  double compression_ = 0.01; // that solvers without iterations aim at
-  int rate_ = 60;             // steps a second of the ladder
+  double spacing_ = 0.05;      // m
+  double stiffness_ = 0;       // bulk modulus, Pa; 0: as stiff as the solver can
+  double compression_ = 0.01;  // that solvers without iterations aim at
+  int rate_ = 60;              // steps a second of the ladder
 };
 
 }  // namespace feder

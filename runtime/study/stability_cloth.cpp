@@ -20,8 +20,8 @@ struct ClothCell {
   std::unique_ptr<World> world;
   ObjectId cloth, body;
   double seconds = 2;
-  double energy = 1;               // J, scale
-  double length = 1;               // m, that the cloth may reach
+  double energy = 1;  // J, scale
+  double length = 1;  // m, that the cloth may reach
   // Of the end state, by the length; NaN: not judged.
   double (*error)(ClothCell&) = nullptr;
   double expected = NAN;
@@ -84,7 +84,9 @@ ClothCell hang(std::unique_ptr<World> world, const std::string& solver, double x
 }
 
 // x = stretch stiffness, y = mass of the bar by that of the sheet.
-ClothCell hung(const std::string& solver, double x, double y) { return hang(make_world(60), solver, x, y, 0); }
+ClothCell hung(const std::string& solver, double x, double y) {
+  return hang(make_world(60), solver, x, y, 0);
+}
 
 // x = stretch stiffness, y = steps a second. It must not pass the ball, nor stretch where its material would not.
 ClothCell draped(const std::string& solver, double x, double y) {
@@ -144,16 +146,28 @@ struct ClothMapRow {
 const std::vector<ClothMapRow>& rows() {
   static const StabilityAxis stiffness = {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6), {1, 1e3, 1e6}};
   static const std::vector<ClothMapRow> table = {
-      {{"hanging_sheet", "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s", stiffness,
-        {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}}, false, "cloth"},
+      {{"hanging_sheet",
+        "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s",
+        stiffness,
+        {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}},
+        false,
+        "cloth"},
        &hung},
-      {{"drape", "a sheet of 10 x 10 cells falls on a ball", stiffness,
-        {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}}, false, "cloth"},
+      {{"drape",
+        "a sheet of 10 x 10 cells falls on a ball",
+        stiffness,
+        {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}},
+        false,
+        "cloth"},
        &draped},
-      {{"sheet_substeps", "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
+      {{"sheet_substeps",
+        "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
         {"substeps", "substeps", "", true, {1, 2, 4, 8, 16, 32, 64}, {1, 8, 64}},
-        {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}}, false, "cloth"},
-       &swept, true}};
+        {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}},
+        false,
+        "cloth"},
+       &swept,
+       true}};
   return table;
 }
 
@@ -185,8 +199,10 @@ StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double
       if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
     const double gained = total(w) - start;
     most = std::max(most, gained);
-    if (4 * k >= 3 * steps) late = std::max(late, gained);
-    else if (4 * k >= steps && 2 * k < steps) second = std::max(second, gained);
+    if (4 * k >= 3 * steps)
+      late = std::max(late, gained);
+    else if (4 * k >= steps && 2 * k < steps)
+      second = std::max(second, gained);
     const bool finite = w.is_finite();
     if (finite && std::isfinite(gained) && gained < limits.energy * c.energy) continue;
     // as for nets: the overflow of an explicit method, which was warned of, is divergence
@@ -197,14 +213,18 @@ StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double
   cell.energy_ratio = most / c.energy;
   if (cell.verdict != Verdict::stable) return cell;
   if (!std::isnan(c.expected)) cell.error = c.error(c) / c.length;
-  if (late > limits.growth * second && late > (limits.growth_start - 1) * c.energy) cell.verdict = Verdict::growing;
-  else if (cell.error > limits.inaccurate) cell.verdict = Verdict::inaccurate;
+  if (late > limits.growth * second && late > (limits.growth_start - 1) * c.energy)
+    cell.verdict = Verdict::growing;
+  else if (cell.error > limits.inaccurate)
+    cell.verdict = Verdict::inaccurate;
   return cell;
 }
 
 }  // namespace
 
-bool is_cloth_stability(std::string_view problem) { return find_row(problem) != nullptr; }
+bool is_cloth_stability(std::string_view problem) {
+  return find_row(problem) != nullptr;
+}
 
 std::vector<StabilityProblemInfo> cloth_stability_infos() {
   std::vector<StabilityProblemInfo> out;
@@ -223,7 +243,8 @@ StabilityResult run_cloth_stability(const StabilityPlan& plan) {
   result.real = kRealName;
   for (const std::string& m : methods) {
     find_variant(cloth_solvers(), m, "cloth solver");
-    if (row.iterates && !takes_iterations(m)) throw SceneError(m + " takes no iterations: " + row.info.name + " needs them");
+    if (row.iterates && !takes_iterations(m))
+      throw SceneError(m + " takes no iterations: " + row.info.name + " needs them");
     StabilityMap map;
     map.problem = row.info.name, map.method = m;
     map.x = row.info.x, map.y = row.info.y;

@@ -120,16 +120,26 @@ const std::vector<FluidMapRow>& rows() {
   static const std::vector<double> rates = {15, 30, 60, 120, 240};
   static const StabilityAxis rate = {"rate", "steps per second", "1/s", true, rates, {15, 60, 240}};
   static const std::vector<FluidMapRow> table = {
-      {{"water_column", "half a metre of fluid stands in a tank for 2 s, four substeps",
-        {"stiffness", "bulk modulus", "Pa", true, decades(0, 8), {1, 1e4, 1e8}}, rate, false, "fluid"},
+      {{"water_column",
+        "half a metre of fluid stands in a tank for 2 s, four substeps",
+        {"stiffness", "bulk modulus", "Pa", true, decades(0, 8), {1, 1e4, 1e8}},
+        rate,
+        false,
+        "fluid"},
        &column},
-      {{"floating", "a beam floats in a tank, or sinks, four substeps",
-        {"ratio", "density ratio", "", true, decades(-2, 2), decades(-2, 2)}, rate, false, "fluid"},
+      {{"floating",
+        "a beam floats in a tank, or sinks, four substeps",
+        {"ratio", "density ratio", "", true, decades(-2, 2), decades(-2, 2)},
+        rate,
+        false,
+        "fluid"},
        &floating},
-      {{"water_substeps", "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
+      {{"water_substeps",
+        "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
         {"substeps", "substeps", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
         {"spent", "iterations, or own steps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
-        false, "fluid"},
+        false,
+        "fluid"},
        &spent}};
   return table;
 }
@@ -158,7 +168,8 @@ double total(World& w) {
   return e.kinetic + e.potential + e.elastic;
 }
 
-StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double x, double y, const StabilityThresholds& limits) {
+StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double x, double y,
+                       const StabilityThresholds& limits) {
   StabilityCell cell;
   cell.x = x, cell.y = y;
   FluidCell c = row.make(solver, x, y);
@@ -172,8 +183,10 @@ StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double
       if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
     const double gained = total(w) - start;
     most = std::max(most, gained);
-    if (4 * k >= 3 * steps) late = std::max(late, gained);
-    else if (4 * k >= steps && 2 * k < steps) second = std::max(second, gained);
+    if (4 * k >= 3 * steps)
+      late = std::max(late, gained);
+    else if (4 * k >= steps && 2 * k < steps)
+      second = std::max(second, gained);
     const bool finite = w.is_finite();
     if (finite && std::isfinite(gained) && gained < limits.energy * scale) continue;
     cell.verdict = finite ? Verdict::diverged : Verdict::nan;
@@ -183,14 +196,18 @@ StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double
   cell.energy_ratio = most / scale;
   if (cell.verdict != Verdict::stable) return cell;
   cell.error = error_of(c);
-  if (late > limits.growth * second && late > (limits.growth_start - 1) * scale) cell.verdict = Verdict::growing;
-  else if (cell.error > limits.inaccurate) cell.verdict = Verdict::inaccurate;
+  if (late > limits.growth * second && late > (limits.growth_start - 1) * scale)
+    cell.verdict = Verdict::growing;
+  else if (cell.error > limits.inaccurate)
+    cell.verdict = Verdict::inaccurate;
   return cell;
 }
 
 }  // namespace
 
-bool is_fluid_stability(std::string_view problem) { return find_row(problem) != nullptr; }
+bool is_fluid_stability(std::string_view problem) {
+  return find_row(problem) != nullptr;
+}
 
 std::vector<StabilityProblemInfo> fluid_stability_infos() {
   std::vector<StabilityProblemInfo> out;

@@ -17,8 +17,9 @@ import tempfile
 # worst first, as in study/stability.h
 ORDER = ["nan", "diverged", "growing", "stuck", "damped", "inaccurate", "slow", "refused", "stable"]
 KEY = ("problem", "method", "x", "y")
-# nets by every integrator, bodies by every rigid solver; cloth has tests of its own and takes longer
-PROBLEMS = "oscillator chain swinging_chain stack heavy size far bullet spin".split()
+# nets by every integrator, bodies, cloth and fluids by every solver of theirs
+PROBLEMS = ("oscillator chain swinging_chain stack heavy size far bullet spin "
+            "hanging_sheet drape sheet_substeps water_column floating water_substeps").split()
 
 
 def baseline(real):

@@ -65,7 +65,8 @@ TEST_CASE("equal force evaluations on the oscillator give the printed errors", "
   CHECK(found >= 4);
 }
 
-TEST_CASE("stiff chains: explicit methods fail and are told, implicit ones have the printed errors", "[study][claims]") {
+TEST_CASE("stiff chains: explicit methods fail and are told, implicit ones have the printed errors",
+          "[study][claims]") {
   struct Row {
     const char* name;
     int steps;
