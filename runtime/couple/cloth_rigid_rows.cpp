@@ -41,7 +41,9 @@ void ClothRigid::make_rows(StepContext& c) {
 // Where things pass each other fast, rows are made anew several times in a substep: the cloth wraps what strikes it.
 void ClothRigid::refresh_rows(StepContext& c, int done, int count) {
   if (!(hurry_ > 1)) return;
-  const int parts = std::min(count, static_cast<int>(2 * hurry_) + 1), every = count / parts;
+  // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
+  const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_));
+  const int parts = std::min(count, hurried + 1), every = count / parts;
   if (done % every != 0) return;
   collect(c);
   std::erase_if(cloth_.contact_rows(), [](const ClothRow& r) { return r.touch != kNone; });  // those of fluids stay
