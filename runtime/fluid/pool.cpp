@@ -142,8 +142,8 @@ void FluidPool::remove_marked(const Array<std::uint8_t>& gone) {
   put_sentinel();
 }
 
-void FluidPool::sort_by_cell() {
-  const bool identity = grid.sort({&x[0].x, 4 * std::size_t(count)}, support, order);
+void FluidPool::sort_by_cell(Real skin) {
+  const bool identity = grid.sort({&x[0].x, 4 * std::size_t(count)}, support + skin, order);
   if (identity) return;
   const auto reorder4 = [&](Array<Row4Real>& a) {
     for (std::uint32_t k = 0; k < count; ++k) swap4[k] = a[order[k]];

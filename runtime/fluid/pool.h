@@ -86,8 +86,9 @@ struct FluidPool {
   void find_cohesion();
   void put_sentinel();
 
-  // Sorts the particles (and `start`) by cell.
-  void sort_by_cell();
+  // Sorts the particles (and `start`) by the cells in which find_neighbors looks with the same skin: what comes in
+  // another order is searched one by one.
+  void sort_by_cell(Real skin = 0);
   void find_neighbors(JobPool& jobs, Real skin);
   SweepInput sweep_input() const;
   std::span<const WallContact> contacts_of(std::uint32_t i) const {

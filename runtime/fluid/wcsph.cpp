@@ -145,7 +145,7 @@ void Wcsph::refresh(FluidPool& p, StepContext& c, bool& stale) {
   bool moving = stale;  // planes of walls at rest hold as long as the lists
   for (const WallBody& b : walls->bodies) moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.spin.isZero(0);
   if (stale) {
-    p.sort_by_cell();
+    p.sort_by_cell(skin);
     p.find_neighbors(*c.jobs, skin);
     std::copy(p.x.begin(), p.x.begin() + p.count, p.swap4.begin());
     stale = false;
