@@ -60,7 +60,7 @@ class Explain final : public Command {
     static constexpr std::pair<std::string_view, const char*> units[] = {
         {"rigid", "bodies"},          {"collide", "colliders"},      {"springs", "points"},
         {"cloth", "vertices"},        {"fluid", "particles"},        {"springs_rigid", "points that meet bodies"},
-        {"cloth_rigid", "touchings"}, {"fluid_rigid", "walls"},      {"fluid_cloth", "particles at cloth"},
+        {"cloth_cloth", "touchings"}, {"cloth_rigid", "touchings"}, {"fluid_rigid", "walls"},      {"fluid_cloth", "particles at cloth"},
         {"fluid_springs", "faces that meet fluid"}};
     for (const auto& [system, unit] : units)
       if (system == name) return unit;

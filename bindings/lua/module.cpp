@@ -1,6 +1,7 @@
 // The module "feder", the classes without a world, and the list of all functions.
 #include "couple/springs_rigid.h"
 #ifdef FEDER_HAS_CLOTH
+#include "couple/cloth_cloth.h"
 #include "couple/cloth_rigid.h"
 #endif
 #ifdef FEDER_HAS_FLUID
@@ -117,6 +118,7 @@ Catalog catalog() {
 #ifdef FEDER_HAS_CLOTH
       &Cloth::descriptor(),
 #ifdef FEDER_HAS_COUPLE
+      &ClothCloth::descriptor(),
       &ClothRigid::descriptor(),
 #endif
 #endif

@@ -114,8 +114,8 @@ Cloth::Impl::Impl(SystemSetup& s)
       held_with(&arena),
       zones(&arena),
       wished(&arena),
-      touching(&arena),
-      touching_now(&arena) {}
+      between(&arena),
+      near_sheet(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
@@ -234,18 +234,6 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
   Impl& m = *impl_;
   const std::uint32_t place = m.objects.index(id);
   const std::uint32_t first = m.sheets[place]->first, count = m.sheets[place]->total;
-  for (const std::uint64_t k : m.touching) {
-    const auto a = static_cast<std::uint32_t>(k >> 32), b = static_cast<std::uint32_t>(k);
-    if (a != id.slot && b != id.slot) continue;
-    Event end;
-    end.kind = EventKind::contact_end;
-    for (const auto& s : m.sheets) {
-      if (s->object.slot == a) end.a = s->object;
-      if (s->object.slot == b) end.b = s->object;
-    }
-    m.events.add_pending(end);
-  }
-  std::erase_if(m.touching, [&](std::uint64_t k) { return k >> 32 == id.slot || (k & 0xffffffffu) == id.slot; });
   // later vertices, sheets and attachments move down
   ClothVertices::each_array(m.vertices, [&](auto& array) {
     array.erase(array.begin() + first, array.begin() + first + count);
@@ -258,7 +246,7 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
     m.sheets[k]->first -= count;
     m.objects.set_index(m.sheets[k]->object, k);
   }
-  m.rows.clear(), m.holds.clear(), m.pairs.clear();
+  m.rows.clear(), m.holds.clear(), m.pairs.clear(), m.between.clear();
   m.pairs_stale = true;
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;

@@ -145,6 +145,7 @@ class Cloth final : public System {
     std::uint32_t group = 1, mask = 0xffffffffu;
     bool asleep = false;
     bool moving = false;                         // awake, and not calm
+    Real strike = 0;                             // m/s, of what comes at it in this step
   };
   std::size_t cloth_count() const;
   Info info(std::size_t n) const;                // 0 .. cloth_count()-1, in the order the cloths were made
@@ -168,6 +169,18 @@ class Cloth final : public System {
   // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its
   // speed beside that of the cloth, m/s.
   void set_impact(std::size_t n, Real acceleration, Real speed);
+  // Two cloths that may touch each other in this step. Listed before the first substep by the coupling of cloths
+  // (couple/cloth_cloth.h), without which there are none; the small steps solve their contacts together with those of
+  // a cloth with itself, and note what they did.
+  struct Between {
+    std::uint32_t a = 0, b = 0;        // places in the order of info()
+    Real speed = 0;                    // closing, of the contact that pushed most, m/s
+    Real impulse = 0, strongest = 0;   // sum of sizes of a step and the largest of a part of it, N s
+    std::uint32_t index = 0;           // of a vertex of `a` there, within its cloth
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from a to b
+    double given[2][3] = {};           // momentum that vertices of the two really got, those held included, N s
+  };
+  Array<Between>& between();
   void push(std::uint32_t vertex, const Vec3& impulse);  // after the small steps of a substep, N s
 
  private:

@@ -181,13 +181,14 @@ Cloth::Info Cloth::info(std::size_t n) const {
   const Sheet& s = *impl_->sheets[n];
   return {s.object, s.first, s.points, {s.mesh.triangles.data(), s.mesh.triangles.size()}, s.settings.thickness,
           s.settings.friction, s.solver->relaxation(), s.settings.group, s.settings.mask, !s.active(),
-          s.active() && s.state.calm_steps == 0};
+          s.active() && s.state.calm_steps == 0, s.strike};
 }
 
 const ClothVertices& Cloth::vertices() const { return impl_->vertices; }
 std::span<const Row4> Cloth::moved() const { return {impl_->moved.data(), impl_->moved.size()}; }
 std::span<const Row4> Cloth::speed() const { return {impl_->speed.data(), impl_->speed.size()}; }
 Array<ClothRow>& Cloth::contact_rows() { return impl_->rows; }
+Array<Cloth::Between>& Cloth::between() { return impl_->between; }
 Array<ClothHold>& Cloth::holds() { return impl_->holds; }
 Vec3 Cloth::mover_shift(std::uint32_t m) const { return impl_->mover_shift[m]; }
 Vec3 Cloth::mover_turn(std::uint32_t m) const { return impl_->mover_turn[m]; }

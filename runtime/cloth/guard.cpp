@@ -173,35 +173,4 @@ void Cloth::Impl::guard(Real part) {
   if (!good) hold_back(part);
 }
 
-// Begin and end of contact between cloths.
-void Cloth::Impl::report_near(StepContext& c) {
-  const auto both = [&](std::uint64_t pair, Event& e) {
-    for (const auto& s : sheets) {
-      if (s->object.slot == pair >> 32) e.a = s->object;
-      if (s->object.slot == (pair & 0xffffffffu)) e.b = s->object;
-    }
-    return e.a && e.b;
-  };
-  for (const NearTouch& t : touching_now) {
-    if (std::find(touching.begin(), touching.end(), t.pair) != touching.end()) continue;
-    Event e;
-    if (!both(t.pair, e)) continue;
-    e.kind = EventKind::contact_begin;
-    e.point = t.point, e.normal = t.normal, e.index = t.index;
-    c.events->add(e);
-    if (!c.events->wanted(EventKind::hit)) continue;
-    e.kind = EventKind::hit, e.speed = t.speed, e.impulse = t.impulse;
-    c.events->add(e);
-  }
-  for (const std::uint64_t pair : touching) {
-    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; }))
-      continue;
-    Event end;
-    end.kind = EventKind::contact_end;
-    if (both(pair, end)) c.events->add(end);
-  }
-  touching.clear();
-  for (const NearTouch& t : touching_now) touching.push_back(t.pair);
-}
-
 }  // namespace feder

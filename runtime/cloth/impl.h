@@ -17,6 +17,7 @@ struct NearPair {
   Real thickness = 0;            // wanted distance, m; less where they are closer at rest
   Vec3 normal = Vec3::Zero();    // of this part, from the second feature to the first
   Real distance = 0;             // at its start, m
+  std::uint32_t between = kNone;  // of two cloths
   Real idle = 0;                 // s since the search, for which it cannot come close
   std::uint32_t live = 0;        // 1: it may come close in this part
 };
@@ -28,14 +29,6 @@ struct Zone {
   Real share = 1;                // of the way it would go with that velocity
   Real freedom = 1;              // of its vertices' motion beside it
   bool held = false;             // a pinned vertex is in it
-};
-
-// Two cloths that touched in this step.
-struct NearTouch {
-  std::uint64_t pair = 0;        // slots of the two
-  std::uint32_t index = 0;       // of a vertex there, within its cloth
-  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from the first to the second
-  Real speed = 0, impulse = 0;   // m/s, N s
 };
 
 struct Cloth::Impl {
@@ -85,8 +78,8 @@ struct Cloth::Impl {
   Array<std::uint32_t> held_with;              // by vertex: one of its group, or kNone: not held
   Array<Zone> zones;                           // by lowest vertex
   Array<Row4> wished;                          // displacements before the zones were made
-  Array<std::uint64_t> touching;               // pairs of sheets in contact, as reported
-  Array<NearTouch> touching_now;
+  Array<Between> between;                      // cloths that may touch each other
+  Array<std::uint32_t> near_sheet;             // by vertex: place of its cloth
   std::uint64_t guarded = 0, clamped = 0;      // corrections of the last step
   bool pairs_stale = true;                     // motion is not what it was at the search
 
@@ -128,7 +121,7 @@ struct Cloth::Impl {
 
   // near.cpp: pairs that may come close in this step, and their rows
   bool near_wanted() const;
-  bool may_touch(const Sheet& a, const Sheet& b) const;
+  std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
   Sheet& sheet_of(std::uint32_t vertex) const { return *sheets[objects.index(vertices.cloth[vertex])]; }
   Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
   // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s.
@@ -139,6 +132,7 @@ struct Cloth::Impl {
   void make_near_rows(Real time, Real part);
   int near_parts(StepContext& c) const;        // of a substep
   void collect_near();
+  void account(const ClothRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
   // guard.cpp: no pair crosses within a part
   void guard(Real part);
   Vec3 astray(std::uint32_t vertex) const;     // beside the motion foreseen at the search, m
@@ -148,7 +142,6 @@ struct Cloth::Impl {
   std::uint32_t held_root(std::uint32_t vertex);
   void move_zones(Real part);
   Real freedom(const NearPair& p);
-  void report_near(StepContext& c);
 };
 
 }  // namespace feder

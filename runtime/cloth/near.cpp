@@ -70,17 +70,16 @@ Vec3 gap_vector(const std::uint32_t* v, bool edges, Place&& place, Real (&weight
 
 }  // namespace
 
-bool Cloth::Impl::may_touch(const Sheet& a, const Sheet& b) const {
-  if (!a.active() && !b.active()) return false;
-  if (&a == &b) return a.settings.self_collision != 0;
-  return (a.settings.group & b.settings.mask) && (b.settings.group & a.settings.mask);
+std::uint32_t Cloth::Impl::between_of(std::uint32_t a, std::uint32_t b) const {
+  for (std::uint32_t k = 0; k < between.size(); ++k)
+    if ((between[k].a == a && between[k].b == b) || (between[k].a == b && between[k].b == a)) return k;
+  return kNone;
 }
 
 bool Cloth::Impl::near_wanted() const {
-  for (std::size_t i = 0; i < sheets.size(); ++i)
-    for (std::size_t j = i; j < sheets.size(); ++j)
-      if (may_touch(*sheets[i], *sheets[j])) return true;
-  return false;
+  for (const auto& s : sheets)
+    if (s->active() && s->settings.self_collision) return true;
+  return !between.empty();
 }
 
 // Vertices, triangles and edges of the cloths that take part, with the boxes they may move in.
@@ -97,13 +96,16 @@ void Cloth::Impl::list_features(Real time, Real part) {
   drift = free ? Vec3(drift / mass) : Vec3(0, 0, 0);
   vertex_box.resize(vertices.size()), found_place.resize(vertices.size()), found_speed.resize(vertices.size());
   stray.resize(vertices.size());
-  for (auto& s : sheets) {
-    bool takes_part = false;
-    for (auto& o : sheets) takes_part = takes_part || may_touch(*s, *o);
+  near_sheet.resize(vertices.size());
+  for (std::uint32_t n = 0; n < sheets.size(); ++n) {
+    const auto& s = sheets[n];
+    bool takes_part = s->active() && s->settings.self_collision;
+    for (const Between& k : between) takes_part = takes_part || k.a == n || k.b == n;
     if (!takes_part) continue;
     const Real half = Real(0.5) * s->settings.thickness;
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
       near_vertex.push_back(i);
+      near_sheet[i] = n;
       found_place[i] = place(i);
       found_speed[i] = moved[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
       const Vec3 beside = found_speed[i] - drift, far = found_place[i] + time * beside;
@@ -130,8 +132,10 @@ void Cloth::Impl::list_features(Real time, Real part) {
 
 // Keeps the pair unless it is farther apart than it can close in `time`.
 void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
-  const Sheet &a = sheet_of(v[0]), &b = sheet_of(v[3]);
-  if (!may_touch(a, b)) return;
+  const std::uint32_t place_a = near_sheet[v[0]], place_b = near_sheet[v[3]];
+  const Sheet &a = *sheets[place_a], &b = *sheets[place_b];
+  const std::uint32_t both = place_a == place_b ? kNone : between_of(place_a, place_b);
+  if (place_a == place_b ? !a.active() || !a.settings.self_collision : both == kNone) return;
   Real weight[4];
   const Vec3 gap = gap_vector(v, edges, [&](std::uint32_t i) { return found_place[i]; }, weight);
   const Real distance = length(gap), wanted = Real(0.5) * (a.settings.thickness + b.settings.thickness);
@@ -149,6 +153,7 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   NearPair p;
   std::copy(v, v + 4, p.v);
   p.edges = edges;
+  p.between = both;
   p.thickness = wanted;
   p.idle = free > 0 ? free / closing : Real(0);
   if (&a == &b) {
@@ -223,27 +228,37 @@ void Cloth::Impl::make_near_rows(Real time, Real part) {
     std::copy(weight, weight + 4, r.weight);
     r.normal = p.normal;
     r.offset = p.distance - p.thickness - dot(p.normal, d);
-    const Sheet &a = sheet_of(p.v[0]), &b = sheet_of(p.v[3]);
+    const Sheet &a = *sheets[near_sheet[p.v[0]]], &b = *sheets[near_sheet[p.v[3]]];
+    r.touch = p.between;
     r.friction = std::sqrt(a.settings.friction * b.settings.friction);
     r.relaxation = std::min(a.solver->relaxation(), b.solver->relaxation());
     near_rows.push_back(r);
   }
 }
 
-// Which cloths touched, for their events. Self-contact has none.
+// What the rows between two cloths did. Self-contact has no events.
 void Cloth::Impl::collect_near() {
   for (const ClothRow& r : near_rows) {
-    if (r.impulse == 0) continue;
-    const Sheet &a = sheet_of(r.vertex[0]), &b = sheet_of(r.vertex[3]);
-    if (&a == &b) continue;
-    const bool turned = a.object.slot > b.object.slot;
-    const std::uint64_t low = turned ? b.object.slot : a.object.slot, high = turned ? a.object.slot : b.object.slot;
-    const std::uint64_t pair = low << 32 | high;
-    if (std::any_of(touching_now.begin(), touching_now.end(), [&](const NearTouch& t) { return t.pair == pair; }))
-      continue;
-    touching_now.push_back(
-        {pair, r.vertex[0] - a.first, place(r.vertex[0]), turned ? r.normal : Vec3(-r.normal), r.approach, r.impulse});
+    if (r.touch == kNone || r.impulse == 0) continue;
+    Between& k = between[r.touch];
+    k.impulse += r.impulse;
+    if (!(r.impulse > k.strongest)) continue;
+    k.strongest = r.impulse, k.speed = r.approach;
+    const bool turned = near_sheet[r.vertex[0]] != k.a;
+    const std::uint32_t at = r.vertex[turned ? 3 : 0];
+    k.index = at - sheets[k.a]->first, k.point = place(at), k.normal = turned ? r.normal : Vec3(-r.normal);
   }
+}
+
+// Momentum that vertex k of a row between two cloths got: by what it really changed, or, when held, by what the pin
+// took.
+void Cloth::Impl::account(const ClothRow& r, int k, const Vec3& change, const Vec3& wanted, Real h) {
+  Between& pair = between[r.touch];
+  const std::uint32_t i = r.vertex[k];
+  double(&to)[3] = pair.given[near_sheet[i] == pair.a ? 0 : 1];
+  const bool held = moved[i].w == 0;
+  const double scale = (held ? 1.0 : static_cast<double>(vertices.mass[i])) / static_cast<double>(h);
+  for (int j = 0; j < 3; ++j) to[j] += scale * static_cast<double>(held ? wanted[j] : change[j]);
 }
 
 }  // namespace feder

@@ -62,6 +62,7 @@ void Cloth::Impl::solve_holds(Real h) {
 }
 
 void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
+  const bool two_cloths = &list == &near_rows;
   for (ClothRow& r : list) {
     Vec3 d = Vec3::Zero(), change = Vec3::Zero();
     Real weight = 0;
@@ -99,7 +100,9 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
       Row4& x = moved[r.vertex[k]];
+      const Vec3 was = x.vec();
       x.add((x.w * r.weight[k]) * total);
+      if (two_cloths && r.touch != kNone) account(r, k, x.vec() - was, r.weight[k] * total, h);
     }
     push_mover(r.mover, r.arm, -total, h);
   }
@@ -136,8 +139,13 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
     if (!(parting > 0) || !(along > 0)) continue;
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;
-    for (int k = 0; k < 4; ++k)
-      if (r.weight[k] != 0) speed[r.vertex[k]].add((-moved[r.vertex[k]].w * r.weight[k] * impulse) * r.normal);
+    for (int k = 0; k < 4; ++k) {
+      if (r.weight[k] == 0) continue;
+      Row4& v = speed[r.vertex[k]];
+      const Vec3 was = v.vec(), push = (-r.weight[k] * impulse) * r.normal;
+      v.add(moved[r.vertex[k]].w * push);
+      if (&list == &near_rows && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
+    }
     if (r.mover == 0) continue;
     // velocities only: the displacement stands
     const MoverMass& mass = movers->mass[r.mover];

@@ -61,7 +61,6 @@ void Cloth::hash(Hash& h) const {
 void Cloth::save(Writer& w) const {
   ClothVertices::each_array(impl_->vertices, [&](const auto& array) { w.list(array); });
   w.list(impl_->attachments);
-  w.list(impl_->touching);
   w.add(static_cast<std::uint64_t>(impl_->force_count));
   w.add(static_cast<std::uint64_t>(impl_->sheets.size()));
   for (const auto& s : impl_->sheets) {
@@ -81,7 +80,6 @@ void Cloth::load(Reader& r) {
   Impl& m = *impl_;
   ClothVertices::each_array(m.vertices, [&](auto& array) { r.list(array); });
   r.list(m.attachments);
-  r.list(m.touching);
   m.force_count = read<std::uint64_t>(r);
   m.gravity_known = false;
   const auto count = read<std::uint64_t>(r);
@@ -100,7 +98,7 @@ void Cloth::load(Reader& r) {
     r.list(s->mesh.ghosts);
     m.sheets.push_back(std::move(s));
   }
-  m.rows.clear(), m.holds.clear(), m.pairs.clear();
+  m.rows.clear(), m.holds.clear(), m.pairs.clear(), m.between.clear();
   m.pairs_stale = true;
   *m.structure_changed = true;
 }

@@ -143,6 +143,7 @@ void Cloth::Impl::prepare(StepContext& c) {
     for (auto& s : sheets) wake(*s, WakeCause::force, {});
   gravity = c.gravity, gravity_known = true;
   guarded = clamped = 0;
+  between.clear();
   for (auto& s : sheets) {
     any_active = any_active || s->active();
     s->bad_vertex = kNone;
@@ -169,7 +170,7 @@ void Cloth::Impl::prepare(StepContext& c) {
     if (s->active()) s->solver->prepare(view(*s), c);
   }
   pairs_stale = true;
-  pairs.clear(), near_rows.clear(), touching_now.clear();
+  pairs.clear(), near_rows.clear();
 }
 
 void Cloth::Impl::solve(StepContext& c) {
@@ -241,7 +242,6 @@ void Cloth::Impl::commit(StepContext& c) {
       }
     }
     quarantine(c);
-    report_near(c);
     tear(c);
   }
   update_sleep(c);

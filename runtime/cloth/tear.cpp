@@ -142,7 +142,7 @@ void Cloth::Impl::tear(StepContext& c) {
   }
   if (!torn) return;
   // numbers of vertices have changed: what points to them is made anew in the next step
-  rows.clear(), holds.clear(), near_rows.clear(), pairs.clear(), touching_now.clear();
+  rows.clear(), holds.clear(), near_rows.clear(), pairs.clear(), between.clear();
   *structure_changed = true;
 }
 
