@@ -114,6 +114,7 @@ Cloth::Impl::Impl(SystemSetup& s)
       held_with(&arena),
       zones(&arena),
       wished(&arena),
+      swapped(&arena),
       between(&arena),
       near_sheet(&arena) {}
 

@@ -19,19 +19,18 @@ constexpr Real kSearched = Real(0.999);  // of the way that the search allows
 // Where a vertex is, beside where it was foreseen to be.
 Vec3 Cloth::Impl::astray(std::uint32_t i) const { return place(i) - found_place[i] - since_found * found_speed[i]; }
 
-// A vertex that strayed farther than the search allowed goes no farther in this part. The search is made anew when one
-// has used a quarter of a thickness, or is about to: held back in the next part it must still be where it may.
-void Cloth::Impl::keep_near_path(Real part) {
+// Is every vertex where the search allowed it to be? The search is made anew for the next part when one has used most
+// of that, or is about to.
+bool Cloth::Impl::near_path(Real part) {
+  bool good = true;
   for (const std::uint32_t i : near_vertex) {
     if (moved[i].w == 0) continue;
-    const Vec3 off = astray(i);
-    const Real far = length(off), faster = length(Vec3(speed[i].vec() - found_speed[i]));
-    const Real most = Real(0.25) * sheet_of(i).settings.thickness;
+    const Real far = length(astray(i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
+    const Real most = Real(0.75) * kStray * sheets[near_sheet[i]]->settings.thickness;
     pairs_stale = pairs_stale || far > most || part * faster > most;
-    if (!(far > stray[i])) continue;
-    ++clamped;
-    moved[i].add((kSearched * stray[i] / far - 1) * off);
+    good = good && !(far > stray[i]);
   }
+  return good;
 }
 
 // Are the features apart along the normal? With `push`, moves those that are not.
@@ -161,16 +160,43 @@ Real Cloth::Impl::freedom(const NearPair& p) {
   return share;
 }
 
+// Searches this part anew, from where it began, along the ways that vertices really went: some left those that the
+// search ahead foresaw, or are to be held back, which asks for more pairs.
+void Cloth::Impl::widen(Real part) {
+  wished.assign(moved.begin(), moved.end());
+  for (const std::uint32_t i : near_vertex) {
+    if (moved[i].w == 0) continue;
+    swapped.push_back(speed[i]);
+    speed[i].set((moved[i].vec() - guard_start[i].vec()) / part);
+    moved[i].set(guard_start[i].vec());
+  }
+  find_pairs(part, true);
+  for (NearPair& p : pairs) {
+    Real weight[4];
+    measure(p, weight);
+    p.live = 1;
+  }
+  std::size_t n = 0;
+  for (const std::uint32_t i : near_vertex)
+    if (moved[i].w != 0) moved[i] = wished[i], speed[i] = swapped[n++];
+  swapped.clear();
+  since_found = part;
+  pairs_stale = true;
+  ++widened;
+}
+
 void Cloth::Impl::guard(Real part) {
   since_found += part;
-  keep_near_path(part);
+  bool wide = !near_path(part);
+  if (wide) widen(part);
   bool good = false;
   for (int pass = 0; pass < kPasses && !good; ++pass) {
     good = true;
     for (NearPair& p : pairs) good = separate(p, part, true) && good;
   }
-  for (const std::uint32_t i : near_vertex) good = good && !(length(astray(i)) > stray[i]);
-  if (!good) hold_back(part);
+  if (good && near_path(part)) return;
+  if (!wide) widen(part);
+  hold_back(part);
 }
 
 }  // namespace feder

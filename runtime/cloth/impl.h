@@ -10,6 +10,8 @@
 
 namespace feder {
 
+constexpr Real kStray = Real(0.25);  // thicknesses, by which a vertex may leave the way that a search foresaw
+
 // Two features that may come close in this step: a vertex and a triangle, or two edges.
 struct NearPair {
   std::uint32_t v[4] = {};       // vertex and the triangle's three; or two and two
@@ -78,10 +80,12 @@ struct Cloth::Impl {
   Array<std::uint32_t> held_with;              // by vertex: one of its group, or kNone: not held
   Array<Zone> zones;                           // by lowest vertex
   Array<Row4> wished;                          // displacements before the zones were made
+  Array<Row4> swapped;                         // speeds while the guard searches
   Array<Between> between;                      // cloths that may touch each other
   Array<std::uint32_t> near_sheet;             // by vertex: place of its cloth
-  std::uint64_t guarded = 0, clamped = 0;      // corrections of the last step
+  std::uint64_t guarded = 0, widened = 0;      // corrections and second searches of the last step
   bool pairs_stale = true;                     // motion is not what it was at the search
+  bool trees_stale = true;                     // of this step there are none
 
   Sheet& sheet(ObjectId id) const { return *sheets[objects.index(id)]; }
   std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none
@@ -124,9 +128,10 @@ struct Cloth::Impl {
   std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
   Sheet& sheet_of(std::uint32_t vertex) const { return *sheets[objects.index(vertices.cloth[vertex])]; }
   Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
-  // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s.
-  void find_pairs(Real time, Real part);
-  void list_features(Real time, Real part);
+  // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: vertices may stay
+  // behind.
+  void find_pairs(Real time, bool held);
+  void list_features(Real time, bool held);
   void add_pair(const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;
   void make_near_rows(Real time, Real part);
@@ -136,8 +141,9 @@ struct Cloth::Impl {
   // guard.cpp: no pair crosses within a part
   void guard(Real part);
   Vec3 astray(std::uint32_t vertex) const;     // beside the motion foreseen at the search, m
-  void keep_near_path(Real part);
+  bool near_path(Real part);
   bool separate(NearPair& p, Real h, bool push);
+  void widen(Real part);
   void hold_back(Real part);
   std::uint32_t held_root(std::uint32_t vertex);
   void move_zones(Real part);

@@ -1,10 +1,10 @@
 // Cloth against cloth, itself included: vertices near triangles and edges near edges. A search foresees uniform motion
 // for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could come
-// close then, from trees of swept boxes. The guard (guard.cpp) holds vertices to that, and asks for a new search before
-// one needs more: usually there is one search per step, and one per substep while cloth is being stopped. In each
-// substep the closest points of candidates give rows that keep the thickness. Normals and weights stay as they are
-// through a substep, or a part of one where something fast strikes; that no pair crosses meanwhile is the guard's. A
-// pair that is closer than the thickness at rest keeps to its rest distance.
+// close then, from trees of swept boxes. The guard (guard.cpp) asks for a new search before a vertex needs more, and
+// makes one along the ways really gone when one did: usually there is one search per step, and one per substep while
+// cloth is being stopped. In each substep the closest points of candidates give rows that keep the thickness. Normals
+// and weights stay as they are through a substep, or a part of one where something fast strikes; that no pair crosses
+// meanwhile is the guard's. A pair that is closer than the thickness at rest keeps to its rest distance.
 #include <algorithm>
 #include <cmath>
 
@@ -83,7 +83,7 @@ bool Cloth::Impl::near_wanted() const {
 }
 
 // Vertices, triangles and edges of the cloths that take part, with the boxes they may move in.
-void Cloth::Impl::list_features(Real time, Real part) {
+void Cloth::Impl::list_features(Real time, bool held) {
   near_vertex.clear(), near_triangle.clear(), near_edge.clear();
   drift = Vec3::Zero();
   Real mass = 0;
@@ -109,8 +109,8 @@ void Cloth::Impl::list_features(Real time, Real part) {
       found_place[i] = place(i);
       found_speed[i] = moved[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
       const Vec3 beside = found_speed[i] - drift, far = found_place[i] + time * beside;
-      // when the guard holds it back to the drift it strays by part |beside| more
-      stray[i] = moved[i].w != 0 ? half + part * length(beside) : Real(0);
+      // what the guard holds back to the drift strays by all of its way
+      stray[i] = moved[i].w == 0 ? Real(0) : kStray * s->settings.thickness + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
       b.grow(stray[i] + Real(1.1) * half);
@@ -164,13 +164,18 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   pairs.push_back(p);
 }
 
-void Cloth::Impl::find_pairs(Real time, Real part) {
+void Cloth::Impl::find_pairs(Real time, bool held) {
   pairs_stale = false;
   since_found = 0;
   pairs.clear();
-  list_features(time, part);
-  triangle_tree.build({triangle_box.data(), triangle_box.size()});
-  edge_tree.build({edge_box.data(), edge_box.size()});
+  list_features(time, held);
+  // trees of the step's first search serve the others too, but not the next step: the order of pairs must follow from
+  // the state at the start of a step
+  const std::span<const Aabb> triangle_boxes(triangle_box.data(), triangle_box.size()),
+      edge_boxes(edge_box.data(), edge_box.size());
+  trees_stale ? triangle_tree.build(triangle_boxes) : triangle_tree.refit(triangle_boxes);
+  trees_stale ? edge_tree.build(edge_boxes) : edge_tree.refit(edge_boxes);
+  trees_stale = false;
   for (const std::uint32_t i : near_vertex) {
     found.clear();
     triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
@@ -213,7 +218,7 @@ int Cloth::Impl::near_parts(StepContext& c) const {
 void Cloth::Impl::make_near_rows(Real time, Real part) {
   near_rows.clear();
   guard_start.assign(moved.begin(), moved.end());
-  if (pairs_stale) find_pairs(time, part);
+  if (pairs_stale) find_pairs(time, false);
   for (NearPair& p : pairs) {
     p.live = since_found + part >= p.idle;
     if (!p.live) continue;

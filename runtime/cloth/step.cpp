@@ -142,7 +142,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   if (gravity_known && gravity != c.gravity)
     for (auto& s : sheets) wake(*s, WakeCause::force, {});
   gravity = c.gravity, gravity_known = true;
-  guarded = clamped = 0;
+  guarded = widened = 0;
   between.clear();
   for (auto& s : sheets) {
     any_active = any_active || s->active();
@@ -169,7 +169,7 @@ void Cloth::Impl::prepare(StepContext& c) {
     gather(*s, h);
     if (s->active()) s->solver->prepare(view(*s), c);
   }
-  pairs_stale = true;
+  pairs_stale = trees_stale = true;
   pairs.clear(), near_rows.clear();
 }
 

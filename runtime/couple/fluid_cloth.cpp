@@ -3,9 +3,9 @@
 // its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
 // read back, and none may be on the other side of a triangle it was before.
 // Sheets do not hold fluid back along their surface (no friction, no wetting).
-// Kept between calls: what pressed on whom, for waking. Weak spot: a pool of N layers presses its first layer into the
-// sheet by about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows
-// single drops in jerks.
+// Kept between calls: what pressed on whom, for waking, and who touches whom, for the events. Weak
+// spot: a pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out
+// again; a cloth far lighter than a single particle follows single drops in jerks.
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>
@@ -32,9 +32,12 @@ FluidCloth::FluidCloth(SystemSetup& s)
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
       movers_(s.store.need<Movers>(kName)),
       systems_(s.systems),
+      objects_(s.objects),
+      events_(s.events),
       faces_(s.store.arena(kName)),
       guests_(&s.store.arena(kName)),
-      pressed_(&s.store.arena(kName)) {
+      pressed_(&s.store.arena(kName)),
+      touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
   cloth_.set_movers(&movers_);
 }
@@ -45,6 +48,7 @@ std::size_t FluidCloth::count() const {
 
 void FluidCloth::add_rows(StepPlan& plan) {
   drop_rows();
+  sync();
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   using F = FluidCloth;
   plan.add<&F::wake>(Stage::advance, When::before_substeps, 11, "wake sheets", kName, this);
@@ -88,6 +92,7 @@ void FluidCloth::wake(StepContext& c) {
     }
     if (touched) cloth_.wake(s.object, WakeCause::fluid, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
   }
+  for (Touch& t : touches_) t.count = t.now = 0, t.last = kNone, t.impulse = t.speed = t.strongest = 0;
   pressed_.clear();
   for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0});
   mismatch_ = given_ = force_ = 0;
@@ -155,7 +160,9 @@ void FluidCloth::read_back(StepContext& c) {
     while (guests_[at].mover != r.mover) ++at;
     const Real net = r.impulse - r.returned;
     guests_[at].pushed -= net * r.normal;
-    Pressed& to = pressed_[faces_.surfaces[faces_.contacts[contact++].surface].place];
+    const FaceContact& k = faces_.contacts[contact++];
+    if (net > 0) note(k, net, r.approach, -r.normal);
+    Pressed& to = pressed_[faces_.surfaces[k.surface].place];
     to.all += std::abs(net);
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
@@ -175,6 +182,7 @@ void FluidCloth::read_back(StepContext& c) {
   const auto now = [&](std::uint32_t i) { return Vec3(cloth_.vertices().position[i] + cloth_.moved()[i].vec()); };
   faces_.follow(fluid_, now);
   faces_.guard(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { hold_back(k, hit, c); });
+  end_substep();
 }
 
 // A particle that passed a face, or is too near to it, goes back to where it was caught; the velocities towards each
@@ -194,6 +202,7 @@ void FluidCloth::hold_back(const FaceContact& k, const FaceHit& hit, StepContext
   const Vec3 impulse = (closing / response) * hit.normal;
   p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
   for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -hit.weight[i] * impulse);
+  note(k, length(impulse), closing, hit.normal);
   Pressed& to = pressed_[faces_.surfaces[k.surface].place];
   to.all += length(impulse);
   if (length(c.gravity) > 0) to.along -= dot(impulse, c.gravity) / length(c.gravity);
@@ -214,6 +223,67 @@ void FluidCloth::finish(StepContext& c) {
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
     cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, kMostLoad * own));
   }
+  report(c);
+}
+
+// A contact with a fluid or a cloth that is gone ends.
+void FluidCloth::sync() {
+  const auto gone = [&](const Touch& t) { return !objects_.alive(t.cloth) || !objects_.alive(t.fluid); };
+  for (Touch& t : touches_)
+    if (gone(t)) t.count = 0, events_.add_pending(event(EventKind::contact_end, t));
+  std::erase_if(touches_, gone);
+}
+
+// A particle pushed a cloth. Contacts come by pool and particle.
+void FluidCloth::note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal) {
+  const ObjectId cloth = faces_.surfaces[k.surface].object, fluid = fluid_of(k.pool);
+  std::size_t at = 0;
+  while (at < touches_.size() && (touches_[at].cloth != cloth || touches_[at].fluid != fluid)) ++at;
+  if (at == touches_.size()) {
+    Touch fresh;
+    fresh.cloth = cloth, fresh.fluid = fluid;
+    at = 0;
+    while (at < touches_.size() &&
+           (touches_[at].cloth != cloth ? touches_[at].cloth < cloth : touches_[at].fluid < fluid))
+      ++at;
+    touches_.insert(touches_.begin() + static_cast<std::ptrdiff_t>(at), fresh);
+  }
+  Touch& t = touches_[at];
+  if (t.last != k.particle) t.last = k.particle, ++t.now;
+  t.impulse += impulse;
+  t.speed = std::max(t.speed, speed);
+  if (!(impulse > t.strongest)) return;
+  t.strongest = impulse, t.normal = normal;
+  t.point = fluid_.pool_at(k.pool).x[k.particle].vec();
+}
+
+void FluidCloth::end_substep() {
+  for (Touch& t : touches_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
+}
+
+Event FluidCloth::event(EventKind kind, const Touch& t) {
+  Event e;
+  e.kind = kind;
+  e.a = t.cloth, e.b = t.fluid, e.index = t.count;
+  e.point = t.point, e.normal = t.normal;
+  e.speed = t.speed, e.impulse = t.impulse;
+  return e;
+}
+
+// A fluid touches a cloth from its first particle that pushes to its last; the event tells how many there are.
+void FluidCloth::report(StepContext& c) {
+  for (Touch& t : touches_) {
+    if (t.count > 0 && !t.begun) {
+      c.events->add(event(EventKind::contact_begin, t));
+      if (c.events->wanted(EventKind::hit)) c.events->add(event(EventKind::hit, t));
+    } else if (t.count > 0 && c.events->wanted(EventKind::contact_stay)) {
+      c.events->add(event(EventKind::contact_stay, t));
+    } else if (t.count == 0 && t.begun) {
+      c.events->add(event(EventKind::contact_end, t));
+    }
+    t.begun = t.count > 0;
+  }
+  std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
 }
 
 void FluidCloth::residuals(std::vector<Residual>& out) const {

@@ -16,8 +16,8 @@ class FluidCloth final : public System {
   void add_rows(StepPlan& plan) override;
   std::size_t count() const override;  // particles that touch cloth
   void hash(Hash&) const override {}   // what it keeps follows from the two systems
-  void save(Writer& w) const override { w.list(pressed_); }
-  void load(Reader& r) override { r.list(pressed_); }
+  void save(Writer& w) const override { w.list(pressed_), w.list(touches_); }
+  void load(Reader& r) override { r.list(pressed_), r.list(touches_); }
   void residuals(std::vector<Residual>& out) const override;  // fluid_cloth.impulse_mismatch, .force_n
 
  private:
@@ -26,6 +26,17 @@ class FluidCloth final : public System {
     ObjectId cloth;
     Real along = 0;  // impulse along gravity, N s
     Real all = 0;    // sum of the sizes of the impulses, N s
+  };
+  // A cloth and a fluid that meet: from the first particle that pushes to the last.
+  struct Touch {
+    ObjectId cloth, fluid;
+    std::uint32_t begun = 0;     // reported
+    std::uint32_t count = 0;     // particles that pushed, at most in a substep of this step; 0: none touch
+    std::uint32_t now = 0, last = kNone;  // in this substep; the particle that was counted last
+    Real impulse = 0;            // of this step, N s
+    Real speed = 0;              // closing, the largest, m/s
+    Real strongest = 0;          // N s
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
   // A particle that stands among the movers for the length of the cloth's row.
   struct Guest {
@@ -46,14 +57,22 @@ class FluidCloth final : public System {
   void drop_rows();
   void hold_back(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
+  void sync();
+  void note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
+  void end_substep();
+  void report(StepContext& c);
+  static Event event(EventKind kind, const Touch& t);
 
   Fluid& fluid_;
   Cloth& cloth_;
   Movers& movers_;
   SystemFinder& systems_;
+  Objects& objects_;
+  Events& events_;
   FluidFaces faces_;
   Array<Guest> guests_;
   Array<Pressed> pressed_;           // by cloth
+  Array<Touch> touches_;             // in the order of the objects
   std::uint32_t own_movers_ = 0;     // how many there were without the guests
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
   double force_ = 0;                 // N, of the last step, along gravity

@@ -18,8 +18,8 @@ namespace feder {
 inline Catalog mixed_catalog() {
   static const SystemDescriptor* const list[] = {
       &Collide::descriptor(), &Rigid::descriptor(),      &Springs::descriptor(),    &SpringsRigid::descriptor(),
-      &Cloth::descriptor(),   &ClothCloth::descriptor(), &ClothRigid::descriptor(), &Fluid::descriptor(),      &FluidRigid::descriptor(),
-      &FluidCloth::descriptor(), &FluidSprings::descriptor()};
+      &Cloth::descriptor(),   &ClothCloth::descriptor(), &ClothRigid::descriptor(), &Fluid::descriptor(),
+      &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor()};
   return list;
 }
 
@@ -51,6 +51,31 @@ inline ClothDesc square(std::uint32_t n, Real size, bool pinned) {
   d.nx = d.ny = n;
   d.self_collision = false;
   if (pinned) d.pin_names = {"top", "bottom", "left", "right"};
+  return d;
+}
+
+// A square of n x n points in the xz plane.
+inline NetDesc mat(std::uint32_t n, Real size, Real mass, Real stiffness) {
+  NetDesc d;
+  const Real cell = size / static_cast<Real>(n - 1);
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i)
+      d.points.push_back(Vec3(cell * static_cast<Real>(i) - size / 2, 0, cell * static_cast<Real>(j) - size / 2));
+  d.masses.assign(d.points.size(), mass / static_cast<Real>(d.points.size()));
+  const auto spring = [&](std::uint32_t a, std::uint32_t b) {
+    SpringDesc s;
+    s.i = a, s.j = b, s.stiffness = stiffness, s.damping = Real(0.002) * stiffness;
+    d.springs.push_back(s);
+  };
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t k = j * n + i;
+      if (i + 1 < n) spring(k, k + 1);
+      if (j + 1 < n) spring(k, k + n);
+      if (i + 1 == n || j + 1 == n) continue;
+      spring(k, k + n + 1), spring(k + 1, k + n);
+      d.faces.insert(d.faces.end(), {k, k + 1, k + n, k + 1, k + n + 1, k + n});
+    }
   return d;
 }
 

@@ -134,3 +134,71 @@ TEST_CASE("fluid that comes wakes a sleeping sheet, and says so", "[couple][flui
   CHECK(step > 30);  // it falls for 0.63 s
   CHECK(step < 42);
 }
+
+TEST_CASE("fluid and cloth: contacts begin and end in pairs, one per fluid and cloth", "[couple][fluid][cloth]") {
+  const bool destroyed = GENERATE(false, true);
+  WorldDesc wd;
+  wd.gravity = Vec3(0, 0, 0);
+  wd.sleeping = false;
+  World w(wd, mixed_catalog());
+  Cloth& cloth = w.need<Cloth>();
+  Fluid& fluid = w.need<Fluid>();
+  const ObjectId sheet = cloth.add_cloth(square(9, 1, true));
+  const ObjectId id = fluid.add_fluid(FluidDesc{});
+  fluid.fill(id, block(3, 3, 3, Real(0.05), Vec3(0, Real(0.3), 0)), Vec3(0, -3, 0));
+  int begins = 0, ends = 0;
+  std::uint32_t most = 0;
+  for (int k = 0; k < 120; ++k) {
+    w.step();
+    for (const Event& e : w.events().list()) {
+      if (e.kind != EventKind::contact_begin && e.kind != EventKind::contact_end) continue;
+      CHECK(e.a == sheet);
+      CHECK(e.b == id);
+      const bool begin = e.kind == EventKind::contact_begin;
+      ++(begin ? begins : ends);
+      CHECK((begins == ends || begins == ends + 1));
+      CHECK(begin == (e.index > 0));
+      most = std::max(most, e.index);
+      CHECK((!begin || e.normal[1] > Real(0.5)));
+    }
+    if (destroyed && begins > 0 && cloth.cloth_count() > 0) cloth.destroy_cloth(sheet, "");
+  }
+  CAPTURE(destroyed, begins, ends, most);
+  CHECK(begins >= 1);
+  CHECK(begins == ends);  // it bounced off, or the sheet is gone
+  CHECK(most <= 27);
+}
+
+TEST_CASE("fluid on cloth and on nets: the same for any number of threads, and steps allocate nothing",
+          "[couple][fluid][cloth]") {
+  const bool net = GENERATE(false, true);
+  std::uint64_t hash = 0;
+  for (const int threads : {1, 2, 4}) {
+    WorldDesc wd;
+    wd.threads = threads;
+    wd.sleeping = false;
+    World w(wd, mixed_catalog());
+    Fluid& fluid = w.need<Fluid>();
+    if (net) {
+      Springs& springs = w.need<Springs>();
+      const ObjectId mesh = springs.add_net(mat(11, 1, 10, 4000));
+      for (std::size_t i = 0; i < springs.point_count(mesh); ++i) {
+        const Vec3 x = springs.point(mesh, i);
+        if (std::fabs(x[0]) > Real(0.49) || std::fabs(x[2]) > Real(0.49)) springs.pin(mesh, i);
+      }
+    } else {
+      w.need<Cloth>().add_cloth(square(11, 1, true));
+    }
+    const ObjectId id = fluid.add_fluid(FluidDesc{});
+    fluid.fill(id, block(6, 4, 6, Real(0.05), Vec3(0, Real(0.15), 0)), Vec3::Zero());
+    for (int k = 0; k < (net ? 150 : 300); ++k) w.step();  // it has come to lie there
+    const std::uint64_t allocations = w.allocations();
+    for (int k = 0; k < 20; ++k) w.step();
+    const std::uint64_t end = w.hash();
+    CAPTURE(net, threads);
+    CHECK(residual(w, net ? "fluid_springs.impulse_ns" : "fluid_cloth.force_n") > 0);
+    CHECK(w.allocations() == allocations);
+    if (threads == 1) hash = end;
+    CHECK(end == hash);
+  }
+}
