@@ -37,6 +37,12 @@ class Reader {
   void get(T& x) {
     take(&x, sizeof(T));
   }
+  template <class T>
+  T get() {
+    T x{};
+    get(x);
+    return x;
+  }
   template <class Container>
   void list(Container& v) {
     using T = typename Container::value_type;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/archive.h"
+
 namespace feder {
 namespace {
 
@@ -75,6 +77,35 @@ Vec3 Params::vector(std::string_view key, const Vec3& fallback) const {
     out[static_cast<Eigen::Index>(i)] = static_cast<Real>(d);
   }
   return out;
+}
+
+void Params::save(Writer& w) const {
+  w.add(static_cast<std::uint64_t>(values_.size()));
+  for (const auto& [key, value] : values_) {
+    w.text(key);
+    w.add(static_cast<std::uint8_t>(value.index()));
+    if (const bool* b = std::get_if<bool>(&value)) w.add(*b);
+    if (const double* d = std::get_if<double>(&value)) w.add(*d);
+    if (const auto* s = std::get_if<std::string>(&value)) w.text(*s);
+    if (const auto* l = std::get_if<std::vector<double>>(&value)) w.list(*l);
+  }
+}
+
+void Params::load(Reader& r) {
+  values_.clear();
+  std::uint64_t count = 0;
+  r.get(count);
+  for (std::uint64_t k = 0; k < count; ++k) {
+    std::string key;
+    std::uint8_t kind = 0;
+    r.text(key), r.get(kind);
+    Value& value = values_[key];
+    if (kind == 0) r.get(value.emplace<bool>());
+    else if (kind == 1) r.get(value.emplace<double>());
+    else if (kind == 2) r.text(value.emplace<std::string>());
+    else if (kind == 3) r.list(value.emplace<std::vector<double>>());
+    else throw SceneError("snapshot: truncated or of another build");
+  }
 }
 
 void Params::check_all_read(std::string_view owner) const {

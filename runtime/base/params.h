@@ -13,6 +13,9 @@
 
 namespace feder {
 
+class Writer;
+class Reader;
+
 class Params {
  public:
   using Value = std::variant<bool, double, std::string, std::vector<double>>;
@@ -29,6 +32,9 @@ class Params {
   std::string text(std::string_view key, std::string fallback) const;
   // Three finite numbers.
   Vec3 vector(std::string_view key, const Vec3& fallback) const;
+
+  void save(Writer& w) const;
+  void load(Reader& r);  // in place of what is there
 
   // SceneError when a key was given that nobody asked for. `owner` is named in the message.
   void check_all_read(std::string_view owner) const;

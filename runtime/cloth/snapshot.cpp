@@ -2,47 +2,6 @@
 #include "cloth/impl.h"
 
 namespace feder {
-namespace {
-
-void save_params(Writer& w, const Params& p) {
-  w.add(static_cast<std::uint64_t>(p.values().size()));
-  for (const auto& [key, value] : p.values()) {
-    w.text(key);
-    w.add(static_cast<std::uint8_t>(value.index()));
-    if (const bool* b = std::get_if<bool>(&value)) w.add(*b);
-    if (const double* d = std::get_if<double>(&value)) w.add(*d);
-    if (const auto* s = std::get_if<std::string>(&value)) w.text(*s);
-    if (const auto* l = std::get_if<std::vector<double>>(&value)) w.list(*l);
-  }
-}
-
-template <class T>
-T read(Reader& r) {
-  T x{};
-  r.get(x);
-  return x;
-}
-
-Params load_params(Reader& r) {
-  Params p;
-  const auto count = read<std::uint64_t>(r);
-  for (std::uint64_t k = 0; k < count; ++k) {
-    std::string key, text;
-    std::vector<double> list;
-    r.text(key);
-    switch (read<std::uint8_t>(r)) {
-      case 0: p.set(key, read<bool>(r)); break;
-      case 1: p.set(key, read<double>(r)); break;
-      case 2: r.text(text), p.set(key, text); break;
-      case 3: r.list(list), p.set(key, list); break;
-      default: throw SceneError("snapshot: truncated or of another build");
-    }
-  }
-  return p;
-}
-
-}  // namespace
-
 void Cloth::hash(Hash& h) const {
   const ClothVertices& p = impl_->vertices;
   for (std::uint32_t i = 0; i < p.size(); ++i) {
@@ -69,7 +28,7 @@ void Cloth::save(Writer& w) const {
     w.add(s->state);
     w.add(s->mass), w.add(s->mesh.grid);
     w.text(s->solver_name);
-    save_params(w, s->solver_options);
+    s->solver_options.save(w);
     s->solver->save(w);
     w.list(s->mesh.triangles), w.list(s->mesh.edges), w.list(s->mesh.links), w.list(s->mesh.hinges);
     w.list(s->mesh.ghosts);
@@ -80,9 +39,9 @@ void Cloth::load(Reader& r) {
   Impl& m = *impl_;
   ClothVertices::each_array(m.vertices, [&](auto& array) { r.list(array); });
   r.list(m.attachments);
-  m.force_count = read<std::uint64_t>(r);
+  m.force_count = r.get<std::uint64_t>();
   m.gravity_known = false;
-  const auto count = read<std::uint64_t>(r);
+  const auto count = r.get<std::uint64_t>();
   m.sheets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {
     auto s = std::make_unique<Sheet>(m.arena);
@@ -92,7 +51,9 @@ void Cloth::load(Reader& r) {
     r.get(s->mass), r.get(s->mesh.grid);
     std::string name;
     r.text(name);
-    m.attach_solver(*s, name, load_params(r));
+    Params options;
+    options.load(r);
+    m.attach_solver(*s, name, options);
     s->solver->load(r);
     r.list(s->mesh.triangles), r.list(s->mesh.edges), r.list(s->mesh.links), r.list(s->mesh.hinges);
     r.list(s->mesh.ghosts);

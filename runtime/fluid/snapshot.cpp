@@ -5,13 +5,6 @@
 namespace feder {
 namespace {
 
-template <class T>
-T read(Reader& r) {
-  T x{};
-  r.get(x);
-  return x;
-}
-
 // Everything of a description but its words.
 template <class D, class F>
 void each_number(D& d, F&& f) {
@@ -62,7 +55,7 @@ void Fluid::save(Writer& w) const {
 void Fluid::load(Reader& r) {
   Impl& m = *impl_;
   m.pools.clear();
-  const auto pools = read<std::uint64_t>(r);
+  const auto pools = r.get<std::uint64_t>();
   for (std::uint64_t k = 0; k < pools; ++k) {
     FluidDesc d;
     each_number(d, [&](auto& x) { r.get(x); });

@@ -9,29 +9,16 @@ namespace {
 constexpr double kReach[] = {0, 0.5};
 constexpr double kCoupling[] = {0, 0, 0.5, 0};
 constexpr double kWeights[] = {0, 1};
-
-class Midpoint final : public Integrator {
- public:
-  explicit Midpoint(Arena& a) : Integrator(a), stages_(a, {2, kReach, kCoupling, kWeights}) {}
-
-  IntegratorInfo info() const override {
-    static constexpr double kPolynomial[] = {1, 1, 0.5};
-    return {.order = 2, .stability_limit = 0, .evals_per_step = 2, .stability_polynomial = kPolynomial};
-  }
-
-  void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
-    stages_.step(field, t, h, x, v, stats);
-  }
-
- private:
-  RungeKutta stages_;
-};
+constexpr double kPolynomial[] = {1, 1, 0.5};
 
 }  // namespace
 
 Variant<Integrator> integrate_midpoint() {
   return {"midpoint", "order 2, the slope at half the step; unstable on undamped springs in the long run",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<Midpoint>(a); }};
+          [](Arena& a, const Params&) {
+            return tableau_method(a, {2, kReach, kCoupling, kWeights},
+                                  {.order = 2, .evals_per_step = 2, .stability_polynomial = kPolynomial});
+          }};
 }
 
 }  // namespace feder

@@ -42,4 +42,23 @@ class RungeKutta {
   Array<Vec3> slope_x_, slope_v_;  // by stage, then point
 };
 
+// An explicit method that is nothing but its tableau.
+class TableauMethod final : public Integrator {
+ public:
+  TableauMethod(Arena& a, const Tableau& t, const IntegratorInfo& info) : Integrator(a), stages_(a, t), info_(info) {}
+
+  IntegratorInfo info() const override { return info_; }
+  void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
+    stages_.step(field, t, h, x, v, stats);
+  }
+
+ private:
+  RungeKutta stages_;
+  IntegratorInfo info_;
+};
+
+inline std::unique_ptr<Integrator> tableau_method(Arena& a, const Tableau& t, const IntegratorInfo& info) {
+  return std::make_unique<TableauMethod>(a, t, info);
+}
+
 }  // namespace feder

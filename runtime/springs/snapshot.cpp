@@ -3,47 +3,6 @@
 #include "springs/impl.h"
 
 namespace feder {
-namespace {
-
-void save_params(Writer& w, const Params& p) {
-  w.add(static_cast<std::uint64_t>(p.values().size()));
-  for (const auto& [key, value] : p.values()) {
-    w.text(key);
-    w.add(static_cast<std::uint8_t>(value.index()));
-    if (const bool* b = std::get_if<bool>(&value)) w.add(*b);
-    if (const double* d = std::get_if<double>(&value)) w.add(*d);
-    if (const auto* s = std::get_if<std::string>(&value)) w.text(*s);
-    if (const auto* l = std::get_if<std::vector<double>>(&value)) w.list(*l);
-  }
-}
-
-template <class T>
-T read(Reader& r) {
-  T x{};
-  r.get(x);
-  return x;
-}
-
-Params load_params(Reader& r) {
-  Params p;
-  const auto count = read<std::uint64_t>(r);
-  for (std::uint64_t k = 0; k < count; ++k) {
-    std::string key, text;
-    std::vector<double> list;
-    r.text(key);
-    switch (read<std::uint8_t>(r)) {
-      case 0: p.set(key, read<bool>(r)); break;
-      case 1: p.set(key, read<double>(r)); break;
-      case 2: r.text(text), p.set(key, text); break;
-      case 3: r.list(list), p.set(key, list); break;
-      default: throw SceneError("snapshot: truncated or of another build");
-    }
-  }
-  return p;
-}
-
-}  // namespace
-
 void Springs::hash(Hash& h) const {
   const Particles& p = impl_->particles;
   for (std::uint32_t i = 0; i < p.size(); ++i) {
@@ -72,7 +31,7 @@ void Springs::save(Writer& w) const {
     w.add(n->can_break), w.add(n->frozen), w.add(n->warned_stiff), w.add(n->warned_unconverged);
     w.add(n->warned_coincident), w.add(n->coincident), w.add(n->checked_step), w.add(n->frequency), w.add(n->decay);
     w.text(n->integrator_name);
-    save_params(w, n->integrator_options);
+    n->integrator_options.save(w);
     w.add(n->integrator->stats);
     w.list(n->integrator->memory.points), w.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](const auto& array) { w.list(array); });
@@ -84,7 +43,7 @@ void Springs::load(Reader& r) {
   Impl& m = *impl_;
   Particles::each_array(m.particles, [&](auto& array) { r.list(array); });
   r.list(m.attachments);
-  const auto count = read<std::uint64_t>(r);
+  const auto count = r.get<std::uint64_t>();
   m.nets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {
     auto n = m.make_net();
@@ -93,7 +52,9 @@ void Springs::load(Reader& r) {
     r.get(n->warned_coincident), r.get(n->coincident), r.get(n->checked_step), r.get(n->frequency), r.get(n->decay);
     std::string name;
     r.text(name);
-    m.attach_integrator(*n, name, load_params(r));
+    Params options;
+    options.load(r);
+    m.attach_integrator(*n, name, options);
     r.get(n->integrator->stats);
     r.list(n->integrator->memory.points), r.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](auto& array) { r.list(array); });
