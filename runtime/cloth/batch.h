@@ -31,6 +31,7 @@ struct ClothPass {
   WideReal inv_h2;        // 1/h^2 of the small step
   WideReal h;             // s, of the small step
   WideReal damping_time;  // damping x h of the substep, s^2
+  bool again;             // a further sweep of this small step: multipliers go on; else they begin at zero
 };
 
 struct ClothKernels {

@@ -99,11 +99,6 @@ void ClothBatches::place(const ClothView& v) {
       for (int i = 0; i < kLanes; ++i) put(b.base[k], i, v.position[b.v[k + 1][i]] - v.position[b.v[0][i]]);
 }
 
-void ClothBatches::start() {
-  for (LinkBatch& b : links_) b.multiplier = {};
-  for (HingeBatch& b : hinges_) b.multiplier = {};
-}
-
 void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c) {
   for (const Color& color : colors)
     c.jobs->for_blocks(color.last - color.first, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -113,19 +108,19 @@ void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass
     });
 }
 
-void ClothBatches::solve(const ClothView& v, Real h, bool hinges, StepContext& c) {
-  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 1 / (h * h), h, 0};
+void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c) {
+  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 1 / (h * h), h, 0, again};
   run(kernels_->links, link_colors_, pass, c);
   if (hinges) run(kernels_->hinges, hinge_colors_, pass, c);
 }
 
 void ClothBatches::bend(const ClothView& v, Real h, StepContext& c) {
-  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 1 / (h * h), h, 0};
+  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 1 / (h * h), h, 0, false};
   run(kernels_->bend_hinges, hinge_colors_, pass, c);
 }
 
 void ClothBatches::damp(const ClothView& v, Real h, StepContext& c) {
-  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 0, h, v.damping * h};
+  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 0, h, v.damping * h, false};
   run(kernels_->damp_links, link_colors_, pass, c);
   run(kernels_->damp_hinges, hinge_colors_, pass, c);
 }

@@ -14,8 +14,7 @@ class ClothBatches {
   // Colours and batches for this mesh; nothing when its version is known.
   void build(const ClothView& v);
   void place(const ClothView& v);   // edges at the start of the step
-  void start();                     // multipliers of a small step to zero
-  void solve(const ClothView& v, Real h, bool hinges, StepContext& c);
+  void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a small step
   void bend(const ClothView& v, Real h, StepContext& c);  // forces of hinges over h into `speed`
   void damp(const ClothView& v, Real h, StepContext& c);
 

@@ -68,7 +68,8 @@ void solve_links(const ClothPass& p) {
     LinkBatch& c = p.links[i];
     Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
     const Lanes3 e = load(c.base) + (b.v - a.v);
-    const Lanes size = square_root(dot(e, e)), alpha = load(c.compliance) * inv_h2, old = load(c.multiplier);
+    const Lanes size = square_root(dot(e, e)), alpha = load(c.compliance) * inv_h2;
+    const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
     const Lanes change = (load(c.rest) - size - alpha * old) * reciprocal_or_zero(a.w + b.w + alpha);
     store(c.multiplier, old + change);
     const Lanes3 push = e * (change * reciprocal_or_zero(size));
@@ -149,7 +150,7 @@ void solve_hinges(const ClothPass& p) {
     HingeBatch& c = p.hinges[i];
     HingeRows r = gather_hinge(p, c);
     const HingeShape s = hinge_shape(r);
-    const Lanes alpha = load(c.compliance) * inv_h2, old = load(c.multiplier);
+    const Lanes alpha = load(c.compliance) * inv_h2, old = p.again ? load(c.multiplier) : zero;
     const Lanes change = (zero - bent(c, s) - alpha * old) * reciprocal_or_zero(s.weight + alpha);
     store(c.multiplier, old + change);
     for (int k = 0; k < 4; ++k) {

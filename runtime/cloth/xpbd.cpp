@@ -46,8 +46,7 @@ class Xpbd final : public ClothSolver {
         v.moved[i].add(h * v.speed[i].vec());
       }
     });
-    batches_.start();
-    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft, c);
+    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft, k > 0, c);
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {
