@@ -8,7 +8,9 @@
 // inside the fluid's iterations, as on bodies, either moves the sheet away from under the fluid or, with the sheet
 // held, exchanges impulses explicitly, which diverges as soon as the fluid is heavier: Causin, Gerbeau & Nobile 2005.)
 // The side is that of the substep's start, contacts and guard look along the way since. Weak spot: where particles come
-// with several spacings in a substep and fold the faces over each other, one in a hundred finds a gap.
+// with several spacings in a substep and fold the faces over each other, some find a gap: of 1500 in a jet on a pinned
+// sheet of 0.2 kg/m2 with cells of three spacings, 1 to 3 at 20 to 30 m/s and 11 to 41 at 40 to 80 m/s; none up to
+// 50 m/s at 0.5 kg/m2.
 #pragma once
 #include "bounds/box_tree.h"
 #include "fluid/fluid.h"

@@ -262,11 +262,12 @@ TEST_CASE("threads and kernels change nothing, and stepping allocates nothing", 
 }
 
 TEST_CASE("extremes: never a number that is not finite, never silence", "[cloth]") {
-  const double stretch = GENERATE(1.0, 1e6);
-  const double bend = GENERATE(0.0, 1.0);
+  const double stretch = GENERATE(1.0, 1e3, 1e6);
+  const double bend = GENERATE(0.0, 1e-3, 1.0);
   const int kind = GENERATE(0, 1, 2);
   const bool self = GENERATE(false, true);  // what is tangled cannot come back through itself
   CAPTURE(stretch, bend, kind, self);
+  if (self && (stretch == 1e3 || bend == 1e-3)) return;  // slow: the corners only
   WorldDesc wd;
   wd.sleeping = false;
   World w(wd, kClothOnly);
