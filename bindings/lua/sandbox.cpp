@@ -64,7 +64,7 @@ int math_random(lua_State* L) {
   Rng& rng = state(L).random();
   switch (lua_gettop(L)) {
     case 0:
-      lua_pushnumber(L, rng.unit());
+      lua_pushnumber(L, rng.unit53());
       return 1;
     case 1: {
       const lua_Integer hi = luaL_checkinteger(L, 1);

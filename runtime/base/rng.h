@@ -18,7 +18,12 @@ class Rng {
     const auto turn = static_cast<std::uint32_t>(old >> 59);
     return shifted >> turn | shifted << ((32 - turn) & 31);
   }
-  double unit() { return (next() >> 5) * (1.0 / 134217728.0); }  // [0, 1), 27 bits
+  double unit() { return (next() >> 5) * (1.0 / 134217728.0); }  // [0, 1), 27 bits: enough for a float
+  // [0, 1), all 53 bits of a double's mantissa, from two draws.
+  double unit53() {
+    const double high = static_cast<double>(next() >> 5), low = static_cast<double>(next() >> 6);
+    return (high * 67108864.0 + low) * (1.0 / 9007199254740992.0);
+  }
   Real uniform(Real lo, Real hi) { return lo + (hi - lo) * static_cast<Real>(unit()); }
 
  private:

@@ -85,6 +85,12 @@ TEST_CASE("sort is stable and random numbers repeat", "[lua][sandbox]") {
   CHECK_THAT(error_of("math.random(2, 1)"), Catch::Contains("expected lo at most hi"));
 }
 
+TEST_CASE("random numbers have all the bits of a double", "[lua][sandbox]") {
+  // or-ed together, enough draws show every bit below 1 that they can have
+  CHECK(output_of("local bits = 0 for i = 1, 400 do local x = math.random() assert(x >= 0 and x < 1) "
+                  "bits = bits | math.tointeger(x * 2^53) end print(string.format('%x', bits))") == "1fffffffffffff\n");
+}
+
 TEST_CASE("nothing outlives its instruction budget", "[lua][sandbox]") {
   const char* const attacks[] = {
       "while true do end",
