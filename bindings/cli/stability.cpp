@@ -175,7 +175,7 @@ class Stability final : public Command {
     std::fputs((options.json ? report::to_text(json) : report::extreme_table(rows)).c_str(), stdout);
     if (!options.json && !options.quiet)
       fmt::print("  {} of {} as expected\n", rows.size() - static_cast<std::size_t>(failed), rows.size());
-    return failed ? kGateFailed : kPass;
+    return failed ? kFailed : kPass;
   }
 
   std::string problem_, methods_, suite_, axes_, x_, y_, out_;

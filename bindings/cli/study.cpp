@@ -6,9 +6,11 @@
 #include <cstdio>
 
 #include "cli/command.h"
+#include "cli/point_log.h"
 #include "cli/progress.h"
 #include "cli/study_parts.h"
 #include "report/gate.h"
+#include "report/study_identity.h"
 #include "report/study_page.h"
 #include "study/evaluate.h"
 
@@ -37,12 +39,13 @@ class Study final : public Command {
     a.text("--shard", shard_, "I/N: run only every N-th point, I from 1 to N (0 is N). With GNU parallel: "
                               "parallel feder study oscillator --shard {}/8 --out part{} ::: 1 2 3 4 5 6 7 8; "
                               "feder study --merge part*/report.json --out whole");
-    a.flag("--merge", merge_, "put the reports of shards together");
-    a.text("--baseline", baseline_, "a points.csv or report.json to compare with; exit status 3 when it differs");
+    a.flag("--resume", resume_, "go on with a study that was stopped: points in OUT/points.jsonl are not run again");
+    a.flag("--merge", merge_, "put the reports of shards together; exit status 1 for holes and foreign shards");
+    a.text("--baseline", baseline_, "a points.csv or report.json to compare with; exit status 1 when it differs");
     a.text("--gate", gate_, "what --baseline compares: cost,error (default), size");
     a.flag("--list", list_, "list problems, parameters and references");
-    a.text("--suite", suite_, "run a suite of problems; exit status 4 when a run diverges that must not");
-    a.text("--out", out_, "folder for report.json, points.csv, *.svg and index.html");
+    a.text("--suite", suite_, "run a suite of problems; exit status 1 when a run diverges that must not");
+    a.text("--out", out_, "folder for report.json, points.csv, *.svg and index.html; points.jsonl grows as points finish");
     a.text("--markdown", markdown_, "write the picture's link and the table of the cheapest methods as Markdown");
     a.text("--picture", picture_, "the picture's link in the Markdown (default: error_vs_work.svg in --out)");
   }
@@ -54,13 +57,14 @@ class Study final : public Command {
     if (!suite_.empty()) return run_suite(options);
     if (words_.size() != 1)
       throw Failure(kUsage, "feder study: expected one PROBLEM or scene (feder study --list names them)");
+    if (resume_ && out_.empty()) throw Failure(kUsage, "feder study: --resume needs the --out of the stopped study");
     StudyContext context = new_context(options);
     const auto problem = open_problem(words_[0], options);
-    StudyResult result = sweep(*problem, options, methods_, ladders_);
+    StudyResult result = sweep(*problem, options, methods_, ladders_, context, out_);
     context.machine.load_after = report::load_now();
     gate({&result, 1}, context);
     finish(result, context, out_, options);
-    return violated(context) ? kGateFailed : kPass;
+    return violated(context) ? kFailed : kPass;
   }
 
  private:
@@ -101,6 +105,8 @@ class Study final : public Command {
     if (repeat_ != kRepeats) differs("--repeat", std::to_string(repeat_));
     differs("--shard", shard_);
     for (const std::string& w : options.world) differs("--world", w);
+    differs("--dt", options.dt);
+    if (options.threads > 0) differs("--threads", std::to_string(options.threads));
     return c;
   }
 
@@ -116,6 +122,8 @@ class Study final : public Command {
     };
     for (const std::string& s : options.set) option("--set", s);
     for (const std::string& s : options.world) option("--world", s);
+    option("--dt", options.dt);
+    if (options.threads > 0) option("--threads", std::to_string(options.threads));
     option("--suite", suite_), option("--methods", methods_);
     for (const std::string& l : ladders_) option("--ladder", l);
     option("--budget", budget_), option("--error", errors_), option("--axis", axes_), option("--shard", shard_),
@@ -125,9 +133,27 @@ class Study final : public Command {
     return out;
   }
 
+  // What was asked for besides the plan, and where it runs.
+  Provenance provenance(const Options& options, const StudyContext& context, const std::string& scene) const {
+    Provenance p;
+    const auto add = [&](const std::string& word) { p.overrides += (p.overrides.empty() ? "" : "; ") + word; };
+    for (const std::string& s : options.set) add(s);
+    for (const std::string& w : options.world) add(w);
+    if (!options.dt.empty()) add("dt=" + options.dt);
+    if (!options.seed.empty()) add("seed=" + options.seed);
+    if (!budget_.empty()) add("budget " + budget_);
+    p.real = context.machine.real, p.git = context.machine.git, p.tool = context.machine.tool;
+    p.build = context.machine.compiler + " " + context.machine.flags;
+    if (is_scene_file(scene)) p.scene_hash = report::file_hash(scene);
+    return p;
+  }
+
+  // `log_folder`: where finished points go; empty for nowhere.
   StudyResult sweep(const StudyProblem& problem, const Options& options, const std::string& methods,
-                    const std::vector<std::string>& ladders) const {
+                    const std::vector<std::string>& ladders, const StudyContext& context,
+                    const std::string& log_folder) const {
     SweepOptions o;
+    o.machine = context.machine.cpu;
     Progress bar(!options.quiet && !options.json);
     o.progress = [&](double done, const std::string& where) {
       if (bar.due()) bar.show(done, where);
@@ -140,7 +166,21 @@ class Study final : public Command {
     if (!shard_.empty()) read_shard(o);
     try {
       for (const std::string& ladder : ladders) o.ladders.push_back(parse_ladder(ladder));
-      return run_sweep(problem, o);
+      StudyResult known;
+      known.problem = problem.info();
+      known.provenance = provenance(options, context, words_.empty() ? "" : words_[0]);
+      const std::vector<PlannedPoint> plan = plan_sweep(problem, o);
+      known.provenance.plan_hash = report::plan_hash(plan);
+      known.planned = plan.size();
+      std::optional<PointLog> log;
+      if (!log_folder.empty()) {
+        log.emplace(log_folder, report::identity_json(known), resume_);
+        if (resume_ && !options.quiet) fmt::print(stderr, "feder study: {} points are there\n", log->restored());
+        log->attach(o);
+      }
+      StudyResult result = run_sweep(problem, o);
+      result.provenance = known.provenance;
+      return result;
     } catch (const SceneError& e) {
       throw Failure(kUsage, fmt::format("feder study {}: {}", problem.info().name, e.what()));
     }
@@ -172,29 +212,10 @@ class Study final : public Command {
   int merge(const Options& options) const {
     if (words_.empty()) throw Failure(kUsage, "feder study: --merge expects the report.json files of shards");
     StudyContext context = new_context(options);
-    std::vector<StudyResult> shards;
-    for (const std::string& file : words_) {
-      try {
-        const report::Json json = report::read_json(file);
-        shards.push_back(report::study_from_json(json));
-        // measured there, not here
-        if (shards.size() == 1) context.machine = report::machine_from_json(json.at("run"));
-      } catch (const std::runtime_error& e) {
-        const std::string what = e.what();
-        throw Failure(kUsage, what.starts_with(file) ? what : file + ": " + what);
-      }
-    }
-    StudyResult whole;
-    try {
-      whole = merge_shards(std::move(shards));
-    } catch (const SceneError& e) {
-      throw Failure(kUsage, fmt::format("feder study: {}", e.what()));
-    }
-    if (whole.points.size() < whole.planned)
-      fmt::print(stderr, "feder study: {} of {} points: some shards are missing\n", whole.points.size(), whole.planned);
+    StudyResult whole = merge_reports(words_, context.machine);
     gate({&whole, 1}, context);
     finish(whole, context, out_, options);
-    return violated(context) ? kGateFailed : kPass;
+    return violated(context) ? kFailed : kPass;
   }
 
   int run_suite(const Options& options) {
@@ -205,7 +226,9 @@ class Study final : public Command {
     for (const SuiteRow& row : suite_rows(suite_)) {
       const auto problem = open_problem(row.problem, row.set);
       const std::string methods = fmt::format("{}", fmt::join(row.methods, ","));
-      all.push_back(sweep(*problem, options, methods, row.ladders));
+      Options of_row = options;
+      of_row.set = row.set;
+      all.push_back(sweep(*problem, of_row, methods, row.ladders, context, ""));
       const StudyResult& r = all.back();
       for (const StudyPoint& p : r.points) {
         const auto& may = row.may_diverge;
@@ -224,7 +247,7 @@ class Study final : public Command {
     gate(all, context);
     std::string csv = report::csv_header() + "\n";
     for (const StudyResult& r : all)
-      for (const StudyPoint& p : r.points) csv += report::csv_row(report::problem_label(r.problem), p) + "\n";
+      for (const StudyPoint& p : r.points) csv += report::csv_row(report::problem_label(r.problem), r, p) + "\n";
     if (!out_.empty()) {
       report::write_text(out_ + "/points.csv", csv);
       report::write_text(out_ + "/index.html", report::suite_page(suite_, all, context));
@@ -236,7 +259,7 @@ class Study final : public Command {
           stdout);
     for (const std::string& line : broken) fmt::print(stderr, "{}\n", line);
     print_violations(context);
-    return violated(context) ? kGateFailed : broken.empty() ? kPass : kRunDiverged;
+    return violated(context) || !broken.empty() ? kFailed : kPass;
   }
 
   void gate(std::span<const StudyResult> results, StudyContext& context) const {
@@ -252,7 +275,7 @@ class Study final : public Command {
     for (const StudyResult& r : results)
       for (const StudyPoint& p : r.points) {
         csv += report::csv_row(
-                   results.size() > 1 || !suite_.empty() ? report::problem_label(r.problem) : r.problem.name, p) +
+                   results.size() > 1 || !suite_.empty() ? report::problem_label(r.problem) : r.problem.name, r, p) +
                "\n";
         floors.push_back(r.problem.reference.floor());
       }
@@ -300,7 +323,7 @@ class Study final : public Command {
   std::vector<std::string> words_, ladders_;
   std::string methods_, budget_, errors_, axes_, shard_, baseline_, gate_, suite_, out_, markdown_, picture_;
   int repeat_ = kRepeats;
-  bool merge_ = false, list_ = false;
+  bool merge_ = false, list_ = false, resume_ = false;
 };
 
 }  // namespace

@@ -6,12 +6,10 @@
 
 #include "cli/options.h"
 #include "report/json.h"
+#include "report/machine.h"
 #include "study/sweep.h"
 
 namespace feder::cli {
-
-// Exit statuses of study and stability besides those of command.h (numerics.md 1.1).
-inline constexpr int kGateFailed = 3, kRunDiverged = 4;
 
 // "a,b" as words; "" as none.
 std::vector<std::string> split_list(const std::string& text);
@@ -24,6 +22,10 @@ std::unique_ptr<StudyProblem> open_problem(const std::string& name, const std::v
 
 // A .lua or .yaml scene as a problem. Failure says what is wrong with it.
 std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options);
+
+// The whole of which the files are shards, and the machine of the first. Failure (1) names a shard of another study, a
+// report that was altered, or the shards that are missing; usage: what cannot be read or came twice.
+StudyResult merge_reports(const std::vector<std::string>& files, report::MachineInfo& machine);
 
 std::string problem_list_text();
 report::Json problem_list_json();

@@ -165,6 +165,7 @@ std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options&
     scene.summary = script.title();
     scene.t_end = script.seconds();
     scene.dt = probe.world().desc().dt;
+    scene.threads = probe.world().desc().threads;
     scene.params = listed(script.params());
     scene.has_error = study.has_error;
     scene.error_source = "the error the scene measures itself, at t_end";

@@ -30,6 +30,7 @@ std::string key(const CsvRow& row) {
   for (const char* rung : {"h_s", "tol", "iters", "substeps"})
     // a rounding of the step size on another machine is no other point
     if (!cell(row, rung).empty()) out += fmt::format(" {}={}", rung, number_text(number(cell(row, rung)), 6));
+  if (!cell(row, "settings").empty()) out += " " + cell(row, "settings");
   return out;
 }
 

@@ -45,7 +45,7 @@ std::string point_title(const StudyResult& r, const StudyPoint& p, const ErrorNo
   text += fmt::format(", {} force evaluations", p.count.force_evals);
   if (std::isfinite(p.t_min_s)) text += fmt::format(", {} s", number_text(p.t_min_s, 4));
   if (!p.reason.empty()) text += "\n" + p.reason;
-  return text + "\n" + csv_row(r.problem.name, p);
+  return text + "\n" + csv_row(r.problem.name, r, p);
 }
 
 std::string reference_words(const StudyResult& r) {
@@ -315,7 +315,8 @@ RowChart invariants(const StudyResult& r) {
 
 const ErrorNorm& plotted_norm(const StudyResult& r, const StudyContext& context) {
   std::vector<std::string> names = context.errors;
-  if (names.empty() && r.problem.chaotic) names.emplace_back("horizon");
+  // what points are ranked by comes first
+  if (names.empty()) names.emplace_back(r.problem.chaotic ? "horizon" : r.problem.own_measure ? "end" : "traj");
   for (const char* more : {"end", "traj", "orient", "event", "energy", "constraint"}) names.emplace_back(more);
   for (const std::string& name : names) {
     const ErrorNorm* norm = find_norm(name);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "report/study_figures.h"
+#include "report/study_identity.h"
 
 namespace feder::report {
 namespace {
@@ -69,7 +70,7 @@ template <class P, class V>
 void fields(P& p, V& v, const StudyPoint*) {
   v("index", p.index), v("method", p.method), v("order", p.order), v("h_s", p.h_s), v("tol", p.tol),
       v("iters", p.iters);
-  v("substeps", p.substeps), v("settings", p.settings), v("way", p.way),
+  v("substeps", p.substeps), v("settings", p.settings), v("way", p.way), v("machine", p.machine),
       v("status", p.status), v("status_t_s", p.status_t_s),
       v("reason", p.reason);
   v("completed", p.completed), v("below_floor", p.below_floor), v("steps", p.count.steps),
@@ -103,6 +104,7 @@ void fields(P& p, V& v, const ProblemInfo*) {
   v("x_scale", p.x_scale), v("v_scale", p.v_scale), v("E_scale", p.energy_scale), v("E_start", p.energy_start);
   v("frequency", p.frequency), v("chaotic", p.chaotic), v("conserves_momentum", p.conserves_momentum);
   v("conserves_angular", p.conserves_angular), v("dense", p.dense), v("own_measure", p.own_measure);
+  v("threads", p.threads);
 }
 template <class P, class V>
 void fields(P& s, V& v, const StudySeries*) {
@@ -149,6 +151,20 @@ ReferenceInfo read_reference(const Json& j) {
   return r;
 }
 
+Json problem_json(const ProblemInfo& p) {
+  Json out = written(p);
+  out["params"] = list(p.params);
+  out["reference"] = reference_json(p.reference);
+  return out;
+}
+
+ProblemInfo read_problem(const Json& j) {
+  ProblemInfo p = read<ProblemInfo>(j);
+  for (const Json& param : j.at("params")) p.params.push_back(read<ProblemParam>(param));
+  p.reference = read_reference(j.at("reference"));
+  return p;
+}
+
 // A series keeps 6 digits: it is drawn, not computed with.
 Json series_json(const StudySeries& s) {
   StudySeries rounded = s;
@@ -186,9 +202,6 @@ Json derived_costs(const StudyResult& r) {
 }  // namespace
 
 Json study_json(const StudyResult& r, const StudyContext& context) {
-  Json problem = written(r.problem);
-  problem["params"] = list(r.problem.params);
-  problem["reference"] = reference_json(r.problem.reference);
   Json series = Json::array(), front_time = Json::array(), front_work = Json::array();
   // a part keeps all curves, because only the whole knows which ones are drawn
   if (r.points.size() < r.planned)
@@ -198,10 +211,11 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
   for (const std::size_t k : r.front_time) front_time.push_back(r.points[k].index);
   for (const std::size_t k : r.front_work) front_work.push_back(r.points[k].index);
   return {{"schema", "accuracy/1"},
+          {"study", identity_json(r)},
           {"run", machine_json(context.machine)},
           {"command", context.command},
           {"settings", context.settings},
-          {"problem", problem},
+          {"problem", problem_json(r.problem)},
           {"methods", list(r.methods)},
           {"plan", {{"points", r.planned}, {"shard", r.shard}, {"shards", r.shards}}},
           {"weights",
@@ -221,15 +235,14 @@ StudyResult study_from_json(const Json& j) {
     throw std::runtime_error("expected the schema accuracy/1");
   try {
     StudyResult r;
-    r.problem = read<ProblemInfo>(j.at("problem"));
-    for (const Json& p : j.at("problem").at("params")) r.problem.params.push_back(read<ProblemParam>(p));
-    r.problem.reference = read_reference(j.at("problem").at("reference"));
+    r.problem = read_problem(j.at("problem"));
     for (const Json& m : j.at("methods")) r.methods.push_back(read<MethodInfo>(m));
     const Json& plan = j.at("plan");
     r.planned = plan.at("points").get<std::size_t>();
     r.shard = plan.at("shard").get<int>();
     r.shards = plan.at("shards").get<int>();
     const Json& w = j.at("weights");
+    read_identity(j.value("study", Json::object()), r.provenance);
     r.weights = {w.at("jacobian").get<double>(), w.at("cg_iteration").get<double>(),
                  w.at("direct_solve").get<double>()};
     for (const Json& p : j.at("points")) r.points.push_back(read<StudyPoint>(p));
@@ -238,6 +251,19 @@ StudyResult study_from_json(const Json& j) {
     return r;
   } catch (const Json::exception& e) {
     throw std::runtime_error(std::string("no report of a study: ") + e.what());
+  }
+}
+
+Json finished_json(const FinishedPoint& f, const ProblemInfo& problem) {
+  return {{"point", written(f.point)}, {"series", written(f.series)}, {"problem", problem_json(problem)}};
+}
+
+FinishedPoint finished_from_json(const Json& j, ProblemInfo& problem) {
+  try {
+    problem = read_problem(j.at("problem"));
+    return {read<StudyPoint>(j.at("point")), read<StudySeries>(j.at("series"))};
+  } catch (const Json::exception& e) {
+    throw std::runtime_error(std::string("no point of a study: ") + e.what());
   }
 }
 

@@ -49,7 +49,8 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 bool ErrorNorm::ranks(const ProblemInfo& problem) const {
-  return value == (problem.chaotic ? &StudyPoint::err_horizon_s : &StudyPoint::err_end);
+  if (problem.chaotic) return value == &StudyPoint::err_horizon_s;
+  return value == (problem.own_measure ? &StudyPoint::err_end : &StudyPoint::err_traj_rms);
 }
 
 const ErrorNorm* find_norm(const std::string& name) {
@@ -76,10 +77,16 @@ std::string csv_header() {
          "cg_iters,sweeps,instr,t_min_s,t_med_s,t_p90_s,n_rep,noisy,rtf,err_end,err_traj_rms,err_traj_max,err_energy_"
          "max,"
          "err_energy_drift_per_s,err_mom,err_angmom,err_constraint,err_event_s,mescd,peak_bytes,on_front_time,on_front_"
-         "work";
+         "work,settings,overrides,threads,real,git,scene_hash,machine";
 }
 
-std::string csv_row(const std::string& problem, const StudyPoint& p) {
+std::string settings_text(const Settings& settings) {
+  std::string out;
+  for (const auto& [name, value] : settings) out += (out.empty() ? "" : "; ") + name + "=" + value;
+  return out;
+}
+
+std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p) {
   std::string row = quoted(problem);
   const auto add = [&](const std::string& text) { row += "," + text; };
   const auto numbers = [&](auto... values) { (add(cell(values)), ...); };
@@ -90,12 +97,17 @@ std::string csv_row(const std::string& problem, const StudyPoint& p) {
           p.count.cg_iters, p.count.sweeps, p.instr, p.t_min_s, p.t_med_s, p.t_p90_s, p.n_rep, p.noisy, p.rtf,
           p.err_end, p.err_traj_rms, p.err_traj_max, p.err_energy_max, p.err_energy_drift_per_s, p.err_mom,
           p.err_angmom, p.err_constraint, p.err_event_s, p.mescd, p.peak_bytes, p.on_front_time, p.on_front_work);
+  add(quoted(settings_text(p.settings)));
+  const Provenance& from = r.provenance;
+  add(quoted(from.overrides));
+  numbers(r.problem.threads);
+  for (const std::string* text : {&from.real, &from.git, &from.scene_hash, &p.machine}) add(quoted(*text));
   return row;
 }
 
 std::string points_csv(const StudyResult& r) {
   std::string out = csv_header() + "\n";
-  for (const StudyPoint& p : r.points) out += csv_row(r.problem.name, p) + "\n";
+  for (const StudyPoint& p : r.points) out += csv_row(r.problem.name, r, p) + "\n";
   return out;
 }
 

@@ -5,7 +5,7 @@
 
 #include "report/json.h"
 #include "report/machine.h"
-#include "study/result.h"
+#include "study/sweep.h"
 
 namespace feder::report {
 
@@ -42,13 +42,19 @@ struct CostAxis {
 };
 const CostAxis* find_axis(const std::string& name);
 
+std::string settings_text(const Settings& settings);  // "angle=20; mu=0.3"
 std::string csv_header();
-std::string csv_row(const std::string& problem, const StudyPoint& p);
+// `problem` as the row names it.
+std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p);
 std::string points_csv(const StudyResult& r);
 
 Json study_json(const StudyResult& r, const StudyContext& context);
 // The result that study_json wrote. std::runtime_error "what is missing".
 StudyResult study_from_json(const Json& json);
+
+// A point as it is kept while a study runs, with what the problem knew of itself by then; and back.
+Json finished_json(const FinishedPoint& point, const ProblemInfo& problem);
+FinishedPoint finished_from_json(const Json& json, ProblemInfo& problem);
 
 // The value of a parameter for a reader: "1e8" for 1e+08.
 std::string value_text(const std::string& value);

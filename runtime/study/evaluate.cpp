@@ -1,8 +1,9 @@
 // Points of one setting of a scene are compared with each other only; another setting is another problem.
+// Points are ranked by their error along the run: the error at t_end alone may vanish by luck of the phase. An error is
+// reached where all finer points of the same ladder have it too, for the same reason.
 // Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
 // Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
-// reference. They are read off the error along the run: that at t_end alone may vanish by luck of the phase, and does
-// for symplectic methods after whole periods.
+// reference.
 #include "study/evaluate.h"
 
 #include <algorithm>
@@ -136,8 +137,7 @@ void fit_orders(StudyResult& r, const std::vector<Case>& parts) {
       const bool same = before && p->count.force_evals == before->count.force_evals && p->err_end == before->err_end;
       before = p;
       if (same) continue;
-      const bool end_only = r.problem.chaotic || r.problem.own_measure || std::isnan(p->err_traj_rms);
-      const double e = end_only ? ranking_error(r.problem, *p) : p->err_traj_rms;
+      const double e = ranking_error(r.problem, *p);
       if (!counts(*p) || p->below_floor || !(e > floor) || !(e < kSmall)) continue;
       x.push_back(std::log10(axis->value(*p))), y.push_back(std::log10(e));
     }
@@ -168,20 +168,23 @@ double between(double e0, double e1, double a, double b, double target) {
   return std::exp(std::log(a) + s * (std::log(b) - std::log(a)));
 }
 
-// Cheapest crossing of the target on the polyline of one part of a ladder, by work. False: it never gets there.
+// Cheapest crossing of the target on the polyline of one part of a ladder, by work, behind which no finer point is above
+// the target or failed. False: it never gets there.
 bool reach_by(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
   std::vector<const StudyPoint*> own;
   for (const StudyPoint* p : c.points)
-    if (counts(*p) && ranking_error(r.problem, *p) >= 0 && p->work > 0) own.push_back(p);
+    if (p->status != PointStatus::refused && p->work > 0) own.push_back(p);
   std::stable_sort(own.begin(), own.end(), [](auto* a, auto* b) { return a->work < b->work; });
   const auto error = [&](const StudyPoint* p) {
-    return std::max(ranking_error(r.problem, *p), r.problem.reference.floor());
+    const double e = ranking_error(r.problem, *p);
+    return counts(*p) && e >= 0 ? std::max(e, r.problem.reference.floor()) : INFINITY;
   };
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    if (error(own[i]) > target) continue;
+  std::size_t i = own.size();
+  while (i > 0 && error(own[i - 1]) <= target) --i;
+  if (i < own.size()) {
     const StudyPoint *b = own[i], *a = i > 0 ? own[i - 1] : b;
     const double ea = error(a), eb = error(b);
-    const auto at = [&](double x, double y) { return i > 0 ? between(ea, eb, x, y, target) : y; };
+    const auto at = [&](double x, double y) { return i > 0 && std::isfinite(ea) ? between(ea, eb, x, y, target) : y; };
     out = {target,
            c.method->name,
            at(a->h_s, b->h_s),
@@ -249,7 +252,7 @@ void fill_costs(StudyResult& r, const std::vector<Case>& cases) {
 double ranking_error(const ProblemInfo& problem, const StudyPoint& p) {
   // chaos: how much of the run was beyond the horizon
   if (problem.chaotic) return std::isnan(p.err_horizon_s) ? NAN : 1 - p.err_horizon_s / problem.t_end;
-  return p.err_end;
+  return problem.own_measure || std::isnan(p.err_traj_rms) ? p.err_end : p.err_traj_rms;
 }
 
 void evaluate(StudyResult& r) {

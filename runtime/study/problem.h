@@ -58,6 +58,7 @@ class StudyRun {
   virtual std::string warning() const { return {}; }      // what the library warned of so far, in words
   virtual double event_error() const { return NAN; }      // s, of the event the problem is about; NaN: none so far
   virtual double own_error() const { return NAN; }        // a scene's own measure at t_end: stands for err_end
+  virtual bool measures_itself() const { return false; }  // own_error() must be a number at t_end
 };
 
 class StudyProblem {

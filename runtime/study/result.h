@@ -41,6 +41,7 @@ struct ProblemInfo {
   bool chaotic = false;              // err_horizon_s counts instead of err_end
   bool conserves_momentum = false, conserves_angular = false;
   bool own_measure = false;          // err_end is the problem's own measure, told in the reference's source
+  int threads = 1;                   // that worlds of the problem step with
   bool dense = true;                 // false: errors along the run are taken at the steps, not interpolated between
   ReferenceInfo reference;
 };
@@ -75,6 +76,7 @@ struct StudyPoint {
   int iters = -1, substeps = -1;
   Settings settings;                   // scene parameters of this rung
   std::string way;                     // RunSpec::way
+  std::string machine;                 // processor that ran it; shards of one study may have different ones
   // outcome
   PointStatus status = PointStatus::ok;
   double status_t_s = NAN;             // when it went wrong
@@ -130,11 +132,21 @@ struct StudySeries {
   std::vector<double> t, err, energy, momentum, angmom;  // err scaled; the others relative to their scale and start
 };
 
+// What all points of a study have in common besides the problem: reports of shards go together when this is equal.
+struct Provenance {
+  std::string overrides;               // --set, --world, --dt, --seed, --budget as given: "stiffness=2; dt=1/30"
+  std::string real, git, tool;         // float or double; commit; program and version
+  std::string build;                   // compiler and flags
+  std::string scene_hash;              // of the scene's file; empty for built-in problems
+  std::string plan_hash;               // of all points planned: methods, rungs, settings
+};
+
 struct StudyResult {
   ProblemInfo problem;
   std::vector<MethodInfo> methods;
   std::size_t planned = 0;             // points of the whole plan
   int shard = 0, shards = 1;
+  Provenance provenance;
   WorkWeights weights;
   std::vector<StudyPoint> points;      // by index
   std::vector<StudySeries> series;

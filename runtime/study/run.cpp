@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "study/evaluate.h"
 #include "study/norms.h"
 
 namespace feder {
@@ -92,10 +93,12 @@ class Watch {
       point_.err_orient_rad = largest_angle(now_.q, reference_.q);
       point_.mescd = correct_digits(now_, reference_, info_.x_scale, info_.v_scale);
       point_.err_event_s = run.event_error();
+      if (run.measures_itself() && !std::isfinite(run.own_error()) && point_.status == PointStatus::ok)
+        fail(PointStatus::nan, info_.t_end, "the scene's own error is no number");
       if (std::isfinite(run.own_error())) point_.err_end = run.own_error();
       if (std::isnan(point_.err_horizon_s)) point_.err_horizon_s = info_.t_end;
       if (energy_t_.size() > 2) point_.err_energy_drift_per_s = fit_line(energy_t_, energy_).slope;
-      point_.below_floor = point_.err_end < info_.reference.floor();
+      point_.below_floor = ranking_error(info_, point_) < info_.reference.floor();
     }
     if (momentum_scale_ > 0) point_.err_mom /= momentum_scale_;
     if (angular_scale_ > 0) point_.err_angmom /= angular_scale_;

@@ -53,6 +53,7 @@ class SceneRun final : public StudyRun {
   std::size_t bytes() const override { return scene_->world().bytes(); }
   bool gave_up() const override { return !scene_->world().is_finite(); }
   double own_error() const override { return error_; }
+  bool measures_itself() const override { return has_error_; }
 
  private:
   std::unique_ptr<SceneWorld> scene_;
@@ -106,6 +107,9 @@ SceneProblem::SceneProblem(SceneDescription description) : scene_(std::move(desc
     set_reference(ReferenceKind::closed, 0, 0, "values the scene states for t_end");
   else
     set_reference(ReferenceKind::self, 0, 0, "self-refined");
+  // what is known at t_end alone, or measured by the scene, has no error along the run
+  info_.own_measure = scene_.has_error || !scene_.reference.empty();
+  info_.threads = scene_.threads;
   info_.reference.rounding = static_cast<double>(kEpsilon);
 }
 

@@ -22,6 +22,7 @@ struct SceneDescription {
   std::string name, summary;
   double t_end = 1;
   double dt = 1.0 / 60;                           // the scene's own step, s
+  int threads = 1;                                // worker threads of its world
   std::vector<MethodInfo> methods;                // the first is the scene's own
   std::vector<int> steps;                         // of the ladder; empty: about dt, from 2 dt to dt/8
   std::vector<int> substeps;                      // likewise; empty: the scene's own

@@ -205,17 +205,29 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
       plan.push_back(p);
   }
   r.points.resize(plan.size());
+  bool any_run = false;
   for (std::size_t i = 0; i < plan.size(); ++i) {
-    StudySeries series;
-    r.points[i].index = series.point = plan[i].index;
-    run_point(problem, plan[i].method, plan[i].spec, options.limits, options.weights, r.points[i], &series);
-    if (!series.t.empty()) r.series.push_back(std::move(series));
+    FinishedPoint now;
+    const auto before = std::find_if(options.done.begin(), options.done.end(),
+                                     [&](const FinishedPoint& d) { return d.point.index == plan[i].index; });
+    if (before != options.done.end()) {
+      now = *before;
+    } else {
+      now.point.index = now.series.point = plan[i].index;
+      now.point.machine = options.machine;
+      run_point(problem, plan[i].method, plan[i].spec, options.limits, options.weights, now.point, &now.series);
+      any_run = true;
+      if (options.finished) options.finished(now, problem.info());
+    }
+    r.points[i] = std::move(now.point);
+    if (!now.series.t.empty()) r.series.push_back(std::move(now.series));
     if (options.progress)
       options.progress(
           (options.timing.enabled ? 0.5 : 1.0) * static_cast<double>(i + 1) / static_cast<double>(plan.size()),
           plan[i].method.name);
   }
-  r.problem = problem.info();  // a self-refined reference knows its uncertainty by now
+  // a self-refined reference knows its uncertainty by now
+  r.problem = any_run || !options.learned ? problem.info() : *options.learned;
   if (options.timing.enabled) time_points(problem, plan, options, r.points);
   evaluate(r);
   return r;

@@ -3,6 +3,7 @@
 // the shard that runs it, so results of shards merge to the whole.
 #pragma once
 #include <functional>
+#include <optional>
 
 #include "study/problem.h"
 #include "study/run.h"
@@ -22,6 +23,12 @@ struct Ladder {
   std::vector<double> values;
 };
 
+// A point of the error pass and its curves.
+struct FinishedPoint {
+  StudyPoint point;
+  StudySeries series;
+};
+
 struct SweepOptions {
   std::vector<std::string> methods;  // empty: all
   std::vector<Ladder> ladders;       // empty: the problem's own; several axes: all combinations
@@ -29,6 +36,13 @@ struct SweepOptions {
   TimingOptions timing;
   WorkWeights weights;
   int shard = 0, shards = 1;         // points with index % shards == shard
+  std::string machine;               // written into each point that is run here
+  // Points of the same study that ran before it was stopped: taken over instead of run. Timed anew with the others.
+  std::vector<FinishedPoint> done;
+  // The problem as the last of them knew it (references of scenes are learned in runs); used when nothing is left to run.
+  std::optional<ProblemInfo> learned;
+  // Called with each point that was run, as soon as its errors are known; may be empty.
+  std::function<void(const FinishedPoint&, const ProblemInfo&)> finished;
   // Called between points with what is done, from 0 to 1, and where; may be empty.
   std::function<void(double done, const std::string& where)> progress;
 };

@@ -10,8 +10,8 @@ local a, depth, length = 1, 0.4, 3.2  -- column a x a, tank, m
 local wall = 0.2
 
 -- front / a over t sqrt(g / a): Martin & Moyce, Phil. Trans. R. Soc. A 244 (1952), square column. Their films start
--- later than an instant release would by 0.1 to 0.2 of that time; tests/fluid/test_dam_break.cpp says why and by how much
-local delay = 0.124
+-- later than an instant release would: tests/fluid/test_dam_break.cpp says why and by how much
+local delay = fluid.diaphragm_delay
 local measured = { { 0.80, 1.44 }, { 1.02, 1.67 }, { 1.34, 2.11 }, { 1.66, 2.56 }, { 1.97, 3.00 } }
 
 return feder.scene {

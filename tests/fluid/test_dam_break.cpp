@@ -13,8 +13,10 @@
 //   wcsph    10 to 13 / 0 to 5                 7 to 12 / -2 to 3    3 to 7 / -1 to 2
 //   pbf      11 to 14 / 0 to 6                 7 to 13 / -1 to 4    3 to 6 / -1 to 1
 #include <cmath>
+#include <fstream>
 
 #include "fluid/tank.h"
+#include "study/martin_moyce.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -22,7 +24,7 @@ using namespace feder;
 namespace {
 
 constexpr double kG = 9.81;
-constexpr double kDelay = 0.124;  // 0.175 / sqrt 2
+constexpr double kDelay = kDiaphragmDelay;
 
 struct Column {
   explicit Column(const std::string& solver) : world(fluid_world(2), fluid_catalog()) {
@@ -60,6 +62,16 @@ void released(double x, double y, double& ax, double& ay) {
 }
 
 }  // namespace
+
+TEST_CASE("scenes, studies and tests shift the films of the dam break by one number", "[fluid][analytic]") {
+  std::ifstream file(FEDER_SOURCE_DIR "/scripts/feder/fluid.lua");
+  const std::string name = "fluid.diaphragm_delay = ";
+  std::string line;
+  while (std::getline(file, line) && line.compare(0, name.size(), name) != 0) {}
+  REQUIRE(line.size() > name.size());
+  CHECK(std::stod(line.substr(name.size())) == kDelay);
+  CHECK(std::fabs(kDelay - 0.175 / std::sqrt(2.0)) < 1e-3);
+}
 
 TEST_CASE("a column that is let go starts as potential theory says", "[fluid][closed]") {
   const std::string solver = GENERATE("pbf", "wcsph");

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "report/gate.h"
+#include "report/study_identity.h"
 #include "report/study_page.h"
 #include "report/synthetic.h"
 #include "report/xml_check.h"
@@ -80,7 +81,7 @@ TEST_CASE("points.csv has its columns", "[report]") {
   const StudyResult r = synthetic_study();
   const auto rows = read_csv(points_csv(r));
   REQUIRE(rows.size() == r.points.size());
-  CHECK(rows[0].size() == 36);
+  CHECK(rows[0].size() == 43);
   CHECK(rows[5].at("method") == feder::test::kNasty);
   CHECK(rows[5].at("status") == "nan");
   CHECK(rows[5].at("err_end") == "");
@@ -110,11 +111,14 @@ TEST_CASE("report.json has its keys and comes back whole", "[report]") {
     CHECK(json["cost_to_accuracy"][0].contains(key));
   for (const char* key : {"baseline", "violations"}) CHECK(json["gate"].contains(key));
   CHECK(json["methods"][2]["limit_hw"] == "inf");
-  // every column of points.csv is a key of a point, but the problem's name
+  for (const char* key : {"hash", "overrides", "threads", "real", "git", "scene_hash", "plan_hash"})
+    CHECK(json["study"].contains(key));
+  CHECK(altered_fields(json) == std::vector<std::string>{"run.git", "run.tool", "run.build.real"});  // none was given
+  // every column of points.csv is a key of a point, but the problem's name and what all points have in common
   std::istringstream header(csv_header());
   for (std::string column; std::getline(header, column, ',');) {
     CAPTURE(column);
-    if (column != "problem") CHECK(json["points"][0].contains(column));
+    if (column != "problem") CHECK((json["points"][0].contains(column) || json["study"].contains(column)));
   }
   StudyResult back = study_from_json(json);
   evaluate(back);

@@ -120,6 +120,36 @@ TEST_CASE("orders of synthetic points are found, floor and coarse rungs left out
   for (const CostToAccuracy& c : r.cost_to_accuracy) CHECK(c.target > r.problem.reference.floor());
 }
 
+TEST_CASE("a winner is ranked along its run and holds at every finer step", "[study]") {
+  StudyResult r;
+  r.methods = {{"lucky", "", 2, 1, 0, false, false}, {"steady", "", 2, 1, 0, false, false}};
+  const auto add = [&](const char* method, int k, double end, double along, PointStatus status = PointStatus::ok) {
+    StudyPoint p;
+    p.index = r.points.size();
+    p.method = method, p.status = status;
+    p.h_s = std::pow(0.5, k), p.work = std::pow(2.0, k);
+    p.err_end = end, p.err_traj_rms = along, p.completed = status == PointStatus::ok;
+    r.points.push_back(p);
+  };
+  // small at one instant, small along one run, and above the target again where the steps are finer
+  add("lucky", 1, 1e-9, 3e-2), add("lucky", 2, 1e-3, 1e-3), add("lucky", 3, 2e-2, 2e-2), add("lucky", 4, 5e-3, 5e-3);
+  add("steady", 1, 1, 5e-2), add("steady", 5, 1, 4e-3), add("steady", 6, 1, 4e-4), add("steady", 7, 1, 3e-4);
+  const auto winner = [&](double target) -> std::string {
+    evaluate(r);
+    for (const CostToAccuracy& c : r.cost_to_accuracy)
+      if (std::fabs(c.target / target - 1) < 1e-6 && c.cheapest_work) return c.method;
+    return "";
+  };
+  CHECK(winner(0.1) == "lucky");
+  CHECK(winner(1e-2) == "lucky");  // from its fourth point on
+  CHECK(winner(1e-3) == "steady");
+  for (const CostToAccuracy& c : r.cost_to_accuracy)
+    if (c.method == "lucky" && std::fabs(c.target - 1e-2) < 1e-9) CHECK(c.work > 8);
+  // a finer run that fails takes the claim away
+  add("steady", 8, NAN, NAN, PointStatus::diverged);
+  CHECK(winner(1e-3).empty());
+}
+
 TEST_CASE("settings of a scene are problems of their own: fronts and orders for each, costs of the dearest", "[study]") {
   StudyResult r;
   r.methods = {{"m", "", 2, 1, 0, false, false}};

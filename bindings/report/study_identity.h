@@ -1,0 +1,27 @@
+// Which study a report belongs to: shards and stopped runs go together only when every field is equal.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/json.h"
+#include "study/sweep.h"
+
+namespace feder::report {
+
+// The hash of all planned points, of a shard or not: method, rung and settings of each.
+std::string plan_hash(const std::vector<PlannedPoint>& plan);
+// Of a file's bytes. std::runtime_error when it cannot be read.
+std::string file_hash(const std::string& file);
+
+// The key `study` of a report: {hash, problem, params, t_end, threads, overrides, real, git, tool, build, scene_hash,
+// plan_hash, points}. `hash` is that of all other fields (FNV-1a, 16 hex digits).
+Json identity_json(const StudyResult& r);
+void read_identity(const Json& json, Provenance& out);
+
+// What the identity says against the other parts of the same report (they are written twice): the names of fields that
+// were altered. Empty when all is well.
+std::vector<std::string> altered_fields(const Json& report);
+// "real is double, expected float" for each field in which the two keys `study` differ.
+std::vector<std::string> identity_differences(const Json& expected, const Json& found);
+
+}  // namespace feder::report
