@@ -18,9 +18,11 @@ inline constexpr Real kSpeculativePart = Real(0.1);       // of the smaller shap
 inline constexpr Real kTouchBegin = Real(1) / 40;         // of the margin
 inline constexpr Real kTouchEnd = Real(1) / 10;           // of the margin
 inline constexpr Real kRecycleDistance = Real(1) / 8;     // of the margin
-// Normal and arms stay as they were in the world, so a pair that turns together must be tested again: 0.01 rad tilts
-// the friction cone by less than a hundredth of the load.
+// Arms stay as they were in the world, so a pair that turns together must be tested again: 0.01 rad shifts what a
+// point carries by a hundredth. The normal turns along from a smaller angle on: it decides who slides on a slope, and
+// 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
 inline constexpr Real kRecycleAngle = Real(0.01);         // rad
+inline constexpr Real kTurnNormal = Real(1e-4);           // rad
 inline constexpr Real kSlowestHit = Real(0.05);           // m/s; slower begins are no hits
 
 // One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
@@ -53,6 +55,7 @@ struct ContactMemory {
   Vec3 between = Vec3::Zero();  // from centre of mass a to b, m
   Quat rotation_a, rotation_b;
   Real base[kMaxContactPoints] = {0, 0, 0, 0};  // separations, m
+  Vec3 normal = Vec3::Zero();
 };
 
 // Begin and end are counted per pair of objects: a compound on a mesh is one touching.
@@ -103,7 +106,7 @@ struct Exclusion {
 
 static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
 static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
-static_assert(sizeof(ContactMemory) == 16 + 17 * sizeof(Real));
+static_assert(sizeof(ContactMemory) == 16 + 20 * sizeof(Real));
 static_assert(sizeof(Transition) == 32 + 8 * sizeof(Real));
 static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
 

@@ -18,6 +18,30 @@ Vec3 small_rotation(const Quat& from, const Quat& to) {
   return twice * d.vec();
 }
 
+// The rotation that two bodies share: nothing beside one that did not turn.
+Vec3 common_turn(const Vec3& a, const Vec3& b) {
+  Vec3 out = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (a[k] * b[k] > 0) out[k] = std::fabs(a[k]) < std::fabs(b[k]) ? a[k] : b[k];
+  return out;
+}
+
+// Friction carries over as a vector where the normal, and the tangents with it, turned.
+void carry_friction(const Contact& from, Contact& to) {
+  Vec3 s1, s2, t1, t2;
+  tangent_frame(from.normal, s1, s2);
+  tangent_frame(to.normal, t1, t2);
+  const Vec3 friction = s1 * from.tangent_impulse[0] + s2 * from.tangent_impulse[1];
+  to.tangent_impulse[0] = dot(friction, t1), to.tangent_impulse[1] = dot(friction, t2);
+}
+
+// `base` turned by `turn`, right to second order.
+void turn_normal(Contact& contact, const Vec3& base, const Vec3& turn) {
+  const Contact before = contact;
+  contact.normal = normalized_or(base + cross(turn, base), base);
+  carry_friction(before, contact);
+}
+
 bool same(const Quat& p, const Quat& q) { return p.x == q.x && p.y == q.y && p.z == q.z && p.w == q.w; }
 
 // The old point that a new one continues: same feature, else the nearest unused one within `limit`.
@@ -121,10 +145,13 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Real moved = length(shift) + length(turn_b - turn_a) * m.reach;
   if (!(moved < kRecycleDistance * m.margin)) return false;
 
+  const Vec3 common = common_turn(turn_a, turn_b);
+  const bool turned = dot(common, common) > kTurnNormal * kTurnNormal;
   for (const ContactEntry& e : group) {
     Contact& contact = contacts->slots[e.slot];
     const Real* base = memory[e.slot].base;
     contact.fresh = 0;
+    if (turned && contact.point_count) turn_normal(contact, memory[e.slot].normal, common);
     for (int k = 0; k < contact.point_count; ++k) {
       ContactPoint& p = contact.points[k];
       const Vec3 slip = apart + cross(turn_b, p.arm_b) - cross(turn_a, p.arm_a);
@@ -160,7 +187,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   ContactMemory& mem = memory[e.slot];
   contact.fresh = 1;
   contact.point_count = static_cast<std::uint8_t>(m.count);
-  contact.normal = m.normal;
+  contact.normal = mem.normal = m.normal;
   contact.tangent_impulse[0] = contact.tangent_impulse[1] = contact.twist_impulse = 0;
   contact.rolling_impulse = Vec3::Zero();
   const Contact* ancestor = nullptr;
@@ -181,12 +208,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
       if (!ancestor && from >= o.points && from < o.points + kMaxContactPoints) ancestor = &o;
   }
   if (!ancestor) return;
-  // friction carries over as a vector: the tangents turned with the normal
-  Vec3 s1, s2, t1, t2;
-  tangent_frame(ancestor->normal, s1, s2);
-  tangent_frame(contact.normal, t1, t2);
-  const Vec3 friction = s1 * ancestor->tangent_impulse[0] + s2 * ancestor->tangent_impulse[1];
-  contact.tangent_impulse[0] = dot(friction, t1), contact.tangent_impulse[1] = dot(friction, t2);
+  carry_friction(*ancestor, contact);
   contact.twist_impulse = ancestor->twist_impulse;
   contact.rolling_impulse = ancestor->rolling_impulse;
 }

@@ -16,11 +16,11 @@ using namespace lanes;
 
 constexpr int kStride = 16;  // numbers per mover
 constexpr unsigned kColdRounds = 4;        // what lands flat settles within 1e-3 of its rotation-free answer
+constexpr unsigned kLoadRounds = 16;       // a cube whose load comes at once: 0.6 of the rest is left by each
+constexpr WideReal kLoadPart = 0.02f;      // of the static limit: friction that changes by less is settled
+constexpr WideReal kLightPart = 0.2f;      // of the static limit: less friction is not worth rounds (a rod needs 1/4)
+constexpr WideReal kSlip = 2;              // times the static limit: what would stop a manifold that slides
 constexpr WideReal kColdSpeed = 0.001f;    // m/s; a contact without warm start that closes faster is landing
-
-struct Bodies8 {
-  Lanes3 v, w;
-};
 
 // Symmetric matrix times vector.
 [[gnu::always_inline]] inline Lanes3 times(const Lane8* m, const Lanes3& a) {
@@ -285,12 +285,11 @@ template <bool kBiased>
     speed[j] = point_speed(q, along, angular(s.a), angular(s.b));
     apart[j] = point_speed(q, load(q.separation) + moved, s.turned_a, s.turned_b);
   }
+  Lanes stiffness[kBatchPoints];
+  for (unsigned j = 0; j < count; ++j) stiffness[j] = reciprocal_or_zero(load(c.point[j].mass));
   Lanes sum = zero, held = zero;
   Lanes3 turn_a{}, turn_b{};
-  // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it
-  const unsigned visits = 2 * count * c.rounds;
-  for (unsigned visit = 0; visit < visits; ++visit) {
-    const unsigned r = visit % (2 * count), j = r < count ? r : 2 * count - 1 - r;
+  const auto visit = [&](unsigned j) __attribute__((always_inline)) {
     BatchPoint& q = c.point[j];
     const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
     const Lanes old = load(q.impulse);
@@ -305,13 +304,19 @@ template <bool kBiased>
     const Lanes now = max(wanted, zero);
     const Lanes change = now - old;
     store(q.impulse, now);
-    if (visit + count >= visits) held += now;
     sum += change;
     turn_a = turn_a + load(q.turn_a) * change;
     turn_b = turn_b + load(q.turn_b) * change;
     for (unsigned k = 0; k < count; ++k)
-      speed[k] += (k == j ? reciprocal_or_zero(load(q.mass)) : load(c.coupling[kPair[j][k]])) * change;
+      speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
+  };
+  // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it
+  for (unsigned round = 0; round < c.rounds; ++round) {
+    for (unsigned j = 0; j < count; ++j) visit(j);
+    for (unsigned j = count; j-- > 0;) visit(j);
   }
+  // the sum in the order of the last visits
+  for (unsigned j = count; j-- > 0;) held += load(c.point[j].impulse);
   push(c, s, n * sum, turn_a, turn_b);
   return held;
 }
@@ -353,8 +358,12 @@ void solve_batches(const ContactPass& p) {
   push(c, s, Lanes3{}, change, change);
 }
 
-// Holds while the impulse stays in the static cone; otherwise slides with the dynamic one.
-[[gnu::always_inline]] inline void relax_friction(ContactBatch& c, Lanes held, Sides& s) {
+// Coulomb friction of a manifold as a whole. An impulse beyond the static cone is cut to it; one that misses by the
+// factor kSlip is that of a manifold in motion, which slides with the dynamic cone. In between lies slip of less than
+// (kSlip - 1) mu_s g h, which static friction brakes: what is left of impulses that arrived late, from normals not yet
+// solved or from neighbours, is no motion. Returns whether load arrives at something that cannot move: friction that
+// matters, and may hold, still changes. Between movers the neighbours are no better known than that.
+[[gnu::always_inline]] inline bool relax_friction(ContactBatch& c, Lanes held, Sides& s) {
   const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
   const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
   const Lanes3 v = linear(s.b) + cross(angular(s.b), rb) - linear(s.a) - cross(angular(s.a), ra);
@@ -362,15 +371,19 @@ void solve_batches(const ContactPass& p) {
   const Lanes old1 = load(c.tangent_impulse[0]), old2 = load(c.tangent_impulse[1]);
   const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
   Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
-  const Lanes size = square_root(now1 * now1 + now2 * now2);
-  const LaneMask slides = size > load(c.friction_static) * held;
-  const Lanes scale =
-      select(slides, load(c.friction_dynamic) * held / select(slides, size, all_lanes(1)), all_lanes(1));
+  const Lanes size = square_root(now1 * now1 + now2 * now2), limit = load(c.friction_static) * held;
+  const LaneMask beyond = size > limit, slides = size > all_lanes(kSlip) * limit;
+  const Lanes cone = select(slides, load(c.friction_dynamic) * held, limit);
+  const Lanes scale = select(beyond, cone / select(beyond, size, all_lanes(1)), all_lanes(1));
   now1 = now1 * scale, now2 = now2 * scale;
   store(c.tangent_impulse[0], now1);
   store(c.tangent_impulse[1], now2);
-  const Lanes3 change = t1 * (now1 - old1) + t2 * (now2 - old2);
+  const Lanes d1 = now1 - old1, d2 = now2 - old2;
+  const Lanes3 change = t1 * d1 + t2 * d2;
   push(c, s, change, cross(ra, change), cross(rb, change));
+  const Lanes most = max(max(d1, -d1), max(d2, -d2));
+  return any((most > all_lanes(kLoadPart) * limit) & (size > all_lanes(kLightPart) * limit) & ~slides &
+             (load(c.against_fixed) > zero_lanes()));
 }
 
 void relax_batches(const ContactPass& p) {
@@ -380,10 +393,13 @@ void relax_batches(const ContactPass& p) {
     Sides s;
     gather_velocity(p, c, s);
     gather_displacement(p, c, s);
-    const Lanes held = solve_normals<false>(p, c, s);
-    if (side.rolls) relax_rolling(c, side, held, s);
-    relax_twist(c, s);
-    relax_friction(c, held, s);
+    // load that comes at once: friction turns the bodies, which shifts the normal impulses, which limit friction
+    for (unsigned round = 0; round < kLoadRounds; ++round) {
+      const Lanes held = solve_normals<false>(p, c, s);
+      if (side.rolls) relax_rolling(c, side, held, s);
+      relax_twist(c, s);
+      if (!relax_friction(c, held, s)) break;
+    }
     write_back(p, c, s);
     for (unsigned j = 0; j < c.points; ++j) store(side.total[j], load(side.total[j]) + load(c.point[j].impulse));
   }

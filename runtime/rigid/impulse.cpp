@@ -2,6 +2,7 @@
 // SIGGRAPH 1997 notes; Mirtich 1996; Gauss-Southwell instead of Gauss-Seidel). Each substep, per island:
 //   speeds      a heap of contacts and joints keyed by what is wrong with their relative speed; the worst is solved in
 //               closed form, and only what shares a body with it is keyed again;
+//   slip        manifolds that static friction did not hold slide with the dynamic one: speeds again;
 //   drift       bodies travel; what straight motion opened in joints is closed again, in position and speed;
 //   positions   a heap keyed by penetration and joint error; the deepest is moved apart by the least motion, in
 //               proportion to inverse mass and inertia; velocities stay.
@@ -19,6 +20,8 @@ namespace {
 
 // m or rad: an error of 1e-7 at h = 1/240 is 2e-5 m/s, the tolerance of speeds.
 constexpr Real kDriftTolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-6);
+
+constexpr int kSlipRounds = 4;  // a contact that lets go may let its neighbours go
 
 class ImpulseSolver final : public RigidSolver {
  public:
@@ -56,6 +59,7 @@ class ImpulseSolver final : public RigidSolver {
   void correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
   Real position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
   void correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
+  bool judge_slip(const ImpulseScene& s, const Island& island);
   template <auto Error, auto Fix>
   void worst_first(const SolverInput& in, const ImpulseScene& s, const Island& island, Real tolerance);
 
@@ -362,11 +366,25 @@ void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, co
   }
 }
 
+// Whether contacts of the island begin to slide: then their speeds are not solved yet.
+bool ImpulseSolver::judge_slip(const ImpulseScene& s, const Island& island) {
+  bool some = false;
+  for (std::uint32_t place = island.first; place < island.last; ++place) {
+    const std::uint32_t node = order_[place];
+    if (node >= contacts_.size() || !begins_to_slide(contacts_[node], s)) continue;
+    contacts_[node].slides = some = true;
+  }
+  return some;
+}
+
 void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   const ImpulseScene s = scene(in, c);
   start_substep(in, s);
   for (const Island& island : islands_)
-    worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);
+    for (int round = 0;; ++round) {
+      worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);
+      if (round == kSlipRounds || !judge_slip(s, island)) break;
+    }
   travel(*in.movers, s);
   if (!joints_.empty())
     for (const Island& island : islands_)

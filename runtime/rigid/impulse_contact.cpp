@@ -1,12 +1,14 @@
 // One contact of the impulse solver. The answer for a point is the closed form of collision response with friction
 // (Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, ch. 3; Millington, "Game Physics Engine
 // Development", 2nd ed., ch. 15): with K = the relative velocity per impulse, the impulse K^-1 (wanted - v) stops the
-// point fully; inside the static cone it is used as it is, outside the impulse is p (n + mu_d d), d against the slip,
+// point fully; inside the friction cone it is used as it is, outside the impulse is p (n + mu d), d against the slip,
 // with p from the wanted normal speed. A manifold's points are swept until they agree, so that a face that lands flat
-// rises flat. Impacts faster than the rest speed bounce: their impulse is final and acts at the moment of contact
-// inside the substep, which makes a bounce between free flights exact. Slower contacts are at rest: no restitution,
-// and their impulses are kept from substep to substep and may be taken back while they still push. Weak spot:
-// friction impulses are kept between steps as one sum per manifold.
+// rises flat. Whether mu is static or dynamic is judged for the manifold as a whole and once the speeds are solved
+// with the static one: impulses on their way there leave the cone of a contact that will hold. Impacts faster than the
+// rest speed bounce: their impulse is final and acts at the moment of contact inside the substep, which makes a bounce
+// between free flights exact. Slower contacts are at rest: no restitution, and their impulses are kept from substep to
+// substep and may be taken back while they still push. Weak spot: friction impulses are kept between steps as one sum
+// per manifold.
 #include <algorithm>
 
 #include "rigid/impulse_parts.h"
@@ -47,28 +49,29 @@ Vec3 wanted_impulse(const ImpulseContact& c, const ImpulsePoint& p, const Vec3& 
   if (!(k_normal > 0)) return Vec3::Zero();
   // normal speed that is missing when this point has no impulse at all
   const Real missing = p.target - speed + dot(response, p.impulse);
-  if (c.friction_static <= 0 && c.friction_dynamic <= 0) return n * std::max(missing / k_normal, Real(0));
+  const Real mu = c.slides ? c.friction_dynamic : c.friction_static;
+  if (mu <= 0) return n * std::max(missing / k_normal, Real(0));
 
-  // static: the full stop
+  // inside the cone: the full stop
   const Vec3 stop = p.impulse + p.k_inverse * (p.target * n - v);
   const Real stop_normal = dot(n, stop);
   const Vec3 stop_tangent = stop - stop_normal * n;
-  if (stop_normal >= 0 && length(stop_tangent) <= c.friction_static * stop_normal) return stop;
+  if (stop_normal >= 0 && length(stop_tangent) <= mu * stop_normal) return stop;
 
-  // dynamic: against the slip, or a stop when less than full friction already stops it
+  // outside: against the slip, or a stop when less than full friction already stops it
   const Vec3 slip = v - speed * n;
   const Real soft = 2 / (p.k.trace() - k_normal);
   const Vec3 along = p.impulse - dot(n, p.impulse) * n - soft * slip;
   const Real along_size = length(along);
   const Vec3 d = normalized_or(along, Vec3::Zero());
-  Real k_slide = k_normal + c.friction_dynamic * dot(response, d);
+  Real k_slide = k_normal + mu * dot(response, d);
   if (k_slide < Real(0.05) * k_normal) k_slide = k_normal;  // a jam (Painleve): friction that would need its own push
   const Real push = missing / k_slide;
   if (!(push > 0)) return Vec3::Zero();
-  if (c.friction_dynamic * push <= along_size) return push * (n + c.friction_dynamic * d);
+  if (mu * push <= along_size) return push * (n + mu * d);
   const Real stop_push = (missing - dot(response, along)) / k_normal;
   if (!(stop_push > 0)) return Vec3::Zero();
-  return stop_push * n + d * std::min(along_size, c.friction_dynamic * stop_push);
+  return stop_push * n + d * std::min(along_size, mu * stop_push);
 }
 
 Vec3 wanted_rolling(const ImpulseContact& c, const ImpulseScene& s) {
@@ -105,6 +108,26 @@ Real rounding(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene
   return 4 * kEpsilon *
          (length(a.velocity) + length(b.velocity) + length(a.angular_velocity) * length(p.arm_a) +
           length(b.angular_velocity) * length(p.arm_b));
+}
+
+// Slip of the points by their share of the pressure, m/s, and the slip that full static friction stops in a substep.
+struct Slip {
+  Real speed, limit;
+};
+
+Slip slip_of(const ImpulseContact& c, const ImpulseScene& s) {
+  Real pressure = 0, sum = 0;
+  for (int i = 0; i < c.count; ++i) {
+    const ImpulsePoint& p = c.points[i];
+    const Real push = std::max(dot(c.normal, p.impulse) + p.bounced, Real(0));
+    const Vec3 v = point_velocity(c, p, s) - c.surface_velocity;
+    pressure += push;
+    sum += push * length(Vec3(v - dot(c.normal, v) * c.normal));
+  }
+  Real inv_mass = 0;
+  for (const std::uint32_t i : {c.a, c.b})
+    if (s.body[i].movable) inv_mass += s.mass[i].inv_mass;
+  return {pressure > 0 ? sum / pressure : Real(0), c.friction_static * pressure * inv_mass};
 }
 
 // Normal speed of a point after a resting contact: it may use up the gap that is left.
@@ -228,6 +251,7 @@ void store_contact(const ImpulseContact& c, Contact& to) {
 
 void start_contact(ImpulseContact& c, const ImpulseScene& s) {
   const ImpulseBody &a = s.body[c.a], &b = s.body[c.b];
+  c.slides = false;
   for (int i = 0; i < c.count; ++i) {
     ImpulsePoint& p = c.points[i];
     p.separation = separation_now(c, p, s);
@@ -267,9 +291,20 @@ void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real toleranc
   c.rolling = Vec3::Zero();
   const MoverState before_a = s.state[c.a], before_b = s.state[c.b];
   sweep_points(c, s, tolerance);
+  if (begins_to_slide(c, s)) {
+    c.slides = true;
+    sweep_points(c, s, tolerance);
+  }
   if (!s.body[c.a].movable) act_late(c.b, before_b, late, s);
   if (!s.body[c.b].movable) act_late(c.a, before_a, late, s);
   settle(c, s);
+}
+
+// Less slip than this is what iterations left over: static friction takes it in the next substep.
+bool begins_to_slide(const ImpulseContact& c, const ImpulseScene& s) {
+  if (c.slides || !(c.friction_dynamic < c.friction_static)) return false;
+  const Slip slip = slip_of(c, s);
+  return slip.speed > slip.limit;
 }
 
 Real contact_depth(const ImpulseContact& c, const ImpulseScene& s) {

@@ -56,6 +56,7 @@ struct ImpulseContact {
   Vec3 normal = Vec3::Zero();            // a to b
   Vec3 surface_velocity = Vec3::Zero();
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
+  bool slides = false;                   // judged: the dynamic cone holds, else the static one
   ImpulsePoint points[kMaxContactPoints];
   Vec3 rolling = Vec3::Zero();           // accumulated rolling impulse on b, N m s
 };
@@ -66,6 +67,7 @@ void store_contact(const ImpulseContact& c, Contact& to);
 void start_contact(ImpulseContact& c, const ImpulseScene& s);        // gaps and targets; applies what was kept
 Real contact_speed_error(const ImpulseContact& c, const ImpulseScene& s);  // m/s: what solving it would change
 void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real tolerance);
+bool begins_to_slide(const ImpulseContact& c, const ImpulseScene& s);  // to be asked when speeds are solved
 Real contact_depth(const ImpulseContact& c, const ImpulseScene& s);  // beyond the slop, m
 void push_contact_apart(const ImpulseContact& c, const ImpulseScene& s);
 
