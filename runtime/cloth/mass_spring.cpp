@@ -6,7 +6,8 @@
 // has no bending stiffness at all: the tip of a clamped strip of 10 segments drops by 0.82, 7.2, 47 m per load for
 // loads of 1, 0.1, 0.01 (hinges: 0.42, 0.50, 0.50; tests/cloth/test_mass_spring.cpp); and explicit integrators need
 // small steps below a part of 1/w of the stiffest link. Heun is unstable for any undamped oscillator, by (h w)^4/8 per
-// step: it lives on the damping. Kept between steps: springs of the mesh.
+// step: it lives on the damping. Where nobody named an integrator, one that no stiffness makes unstable takes over
+// where the default would need more than kLeastCap small steps. Kept between steps: springs of the mesh.
 #include <algorithm>
 #include <cmath>
 
@@ -20,6 +21,9 @@ constexpr double kReach = 0.5;        // of the stability limit
 // h w for methods without one: Heun grows by e^(z^4/8) a step, which weak damping does not shed at larger z
 constexpr double kGrowingReach = 0.1;
 constexpr double kLeastCap = 256;
+constexpr double kSlack = 1.001;      // for rounding of the chosen number of small steps
+constexpr double kStiffSteps = 4;     // small steps of the one that takes over: contacts want some
+constexpr const char* kStiffMethod = "implicit_euler";
 const Vec3 kNoDirection = Vec3(1, 0, 0);
 
 struct Spring {
@@ -27,10 +31,14 @@ struct Spring {
   Real rest, stiffness;
 };
 
-std::string default_integrator() {
+bool has_integrator(std::string_view name) {
   for (const Variant<Integrator>& v : integrators())
-    if (std::string_view(v.name) == "heun") return "heun";
-  return "velocity_verlet";  // where Heun is left out
+    if (name == v.name) return true;
+  return false;
+}
+
+std::string default_integrator() {
+  return has_integrator("heun") ? "heun" : "velocity_verlet";  // where Heun is left out
 }
 
 // One point under g = 1: what a method makes of free fall.
@@ -72,25 +80,29 @@ class MassSpring final : public ClothSolver, private ForceField {
   MassSpring(Arena& a, const Params& p)
       : batches_(a), springs_(&a), x_(&a), v_(&a), inv_mass_(&a), view_{} {
     const std::string name = p.text("integrator", default_integrator());
-    Params none;
-    const Variant<Integrator>& method = find_variant(integrators(), name, "integrator");
-    lead_ = measured_lead(*method.make(a, none));
-    integrator_ = method.make(a, none);
+    take(a, name, explicit_);
+    if (!p.has("integrator") && has_integrator(kStiffMethod)) take(a, kStiffMethod, stiff_);
   }
 
   void prepare(const ClothView& v, StepContext&) override {
-    build(v);
+    bool same = !build(v);
     batches_.build(v);
     batches_.place(v);
+    same = same && inv_mass_.size() == v.points;
     inv_mass_.resize(v.points);
-    for (std::uint32_t i = 0; i < v.points; ++i) inv_mass_[i] = v.moved[i].w;
+    for (std::uint32_t i = 0; i < v.points; ++i) {
+      same = same && inv_mass_[i] == v.moved[i].w;
+      inv_mass_[i] = v.moved[i].w;
+    }
+    if (!same) fastest_ = fastest(v);
   }
 
   void advance(const ClothView& v, double t, Real h, StepContext&) override {
     view_ = v;
+    Method& method = at(h);
     x_.resize(v.points), v_.resize(v.points);
     for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.moved[i].vec(), v_[i] = v.speed[i].vec();
-    integrator_->step(*this, t, h, {x_.data(), v.points}, {v_.data(), v.points});
+    method.integrator->step(*this, t, h, {x_.data(), v.points}, {v_.data(), v.points});
     for (std::uint32_t i = 0; i < v.total; ++i) {
       if (i < v.points && v.moved[i].w != 0) v.moved[i].set(x_[i]), v.speed[i].set(v_[i]);
       v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 1};
@@ -101,29 +113,61 @@ class MassSpring final : public ClothSolver, private ForceField {
     if (v.damping > 0) batches_.damp(v, h, c);
   }
 
-  // Gershgorin: w^2 <= the largest sum of what a vertex's springs add to its row.
   double wanted_substeps(const ClothView& v, Real h) const override {
+    return std::sqrt(fastest(v)) * double(h) / reach();
+  }
+  double substeps_beyond(double cap) const override { return stiff_.integrator ? kStiffSteps : cap; }
+
+  void save(Writer& w) const override {
+    for (const Method* m : {&explicit_, &stiff_})
+      if (m->integrator) w.list(m->integrator->memory.points), w.list(m->integrator->memory.numbers);
+  }
+  void load(Reader& r) override {
+    for (Method* m : {&explicit_, &stiff_})
+      if (m->integrator) r.list(m->integrator->memory.points), r.list(m->integrator->memory.numbers);
+  }
+  Real lead(Real h) const override { return takes_over(h) ? stiff_.lead : explicit_.lead; }
+  Real relaxation() const override { return Real(0.25); }
+  bool sheds_strain() const override { return false; }
+  double least_cap() const override { return kLeastCap; }
+  const char* beyond_cap() const override {
+    return stiff_.integrator ? "is moved by implicit_euler, which damps fast motion; soften it, or take xpbd"
+                             : "may be unstable; soften it, or take implicit_euler or xpbd";
+  }
+
+ private:
+  struct Method {
+    std::unique_ptr<Integrator> integrator;
+    Real lead = 0;
+  };
+  static void take(Arena& a, const std::string& name, Method& method) {
+    Params none;
+    const Variant<Integrator>& row = find_variant(integrators(), name, "integrator");
+    method.lead = measured_lead(*row.make(a, none));
+    method.integrator = row.make(a, none);
+  }
+  // The largest h times the fastest angular frequency at which the method is used.
+  double reach() const {
+    const double limit = explicit_.integrator->info().stability_limit;
+    return limit > 0 ? kReach * limit : kGrowingReach;
+  }
+  bool takes_over(Real h) const {
+    return stiff_.integrator && std::sqrt(fastest_) * double(h) > kSlack * reach();
+  }
+  Method& at(Real h) { return takes_over(h) ? stiff_ : explicit_; }
+
+  // A bound of w^2 of the fastest mode, 1/s^2: the largest sum of what a vertex's springs add to its row (Gershgorin).
+  static double fastest(const ClothView& v) {
     std::vector<double> stiff(v.points, 0);
-    double fastest = 0;
+    double most = 0;
     each_spring(v, [&](const Spring& s) {
       stiff[s.i] += double(s.stiffness) * (v.moved[s.j].w != 0 ? 2 : 1);
       stiff[s.j] += double(s.stiffness) * (v.moved[s.i].w != 0 ? 2 : 1);
     });
-    for (std::uint32_t i = 0; i < v.points; ++i) fastest = std::max(fastest, stiff[i] * double(v.moved[i].w));
-    const double limit = integrator_->info().stability_limit;
-    const double reach = limit > 0 ? kReach * limit : kGrowingReach;
-    return std::sqrt(fastest) * double(h) / reach;
+    for (std::uint32_t i = 0; i < v.points; ++i) most = std::max(most, stiff[i] * double(v.moved[i].w));
+    return most;
   }
 
-  void save(Writer& w) const override { w.list(integrator_->memory.points), w.list(integrator_->memory.numbers); }
-  void load(Reader& r) override { r.list(integrator_->memory.points), r.list(integrator_->memory.numbers); }
-  Real lead() const override { return lead_; }
-  Real relaxation() const override { return Real(0.25); }
-  bool sheds_strain() const override { return false; }
-  double least_cap() const override { return kLeastCap; }
-  const char* beyond_cap() const override { return "may be unstable; soften it, or take implicit_euler or xpbd"; }
-
- private:
   template <class F>
   static void each_spring(const ClothView& v, F&& f) {
     for (const ClothLink& l : v.mesh->links) f(Spring{l.a, l.b, l.rest, l.stiffness});
@@ -137,11 +181,12 @@ class MassSpring final : public ClothSolver, private ForceField {
     }
   }
 
-  void build(const ClothView& v) {
-    if (version_ == v.version) return;
+  bool build(const ClothView& v) {  // false: nothing changed
+    if (version_ == v.version) return false;
     version_ = v.version;
     springs_.clear();
     each_spring(v, [&](const Spring& s) { springs_.push_back(s); });
+    return true;
   }
 
   Vec3 edge(const Spring& s, std::span<const Vec3> x) const {
@@ -191,9 +236,9 @@ class MassSpring final : public ClothSolver, private ForceField {
   Array<Vec3> x_, v_;
   Array<Real> inv_mass_;
   ClothView view_;
-  Real lead_ = 0;
+  Method explicit_, stiff_;  // as named, or the default; what takes over from the default: may be none
+  double fastest_ = 0;       // bound of w^2, 1/s^2
   std::uint64_t version_ = ~std::uint64_t(0);
-  std::unique_ptr<Integrator> integrator_;
 };
 
 }  // namespace

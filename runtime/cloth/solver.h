@@ -43,14 +43,15 @@ class ClothSolver {
   // shape and the pins alone, so that a restored cloth gets the same answer.
   virtual double wanted_substeps(const ClothView& cloth, Real h) const = 0;
   // By how many small steps the velocity it works with leads the true one in free fall: x after n small steps h is
-  // x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it.
-  virtual Real lead() const { return Real(0.5); }
+  // x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it. After prepare.
+  virtual Real lead(Real /*h*/) const { return Real(0.5); }
   // What it remembers between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}
   virtual Real relaxation() const { return 1; }  // of contact corrections
   virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
   virtual double least_cap() const { return 1; }      // small steps that `max_substeps` cannot forbid
+  virtual double substeps_beyond(double cap) const { return cap; }  // small steps where it wants more than the cap
   virtual const char* beyond_cap() const { return "stretches or bends more than its stiffness says"; }
 };
 

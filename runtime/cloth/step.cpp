@@ -118,6 +118,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
                            ": it " + s.solver->beyond_cap(),
                        s.object);
       }
+      if (wanted > cap) wanted = s.solver->substeps_beyond(cap);
       s.state.substeps = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
     }
     small_steps = std::max(small_steps, static_cast<int>(s.state.substeps));
@@ -126,7 +127,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
 
 // Work arrays of the step. A sleeping or frozen cloth cannot be moved.
 void Cloth::Impl::gather(Sheet& s, Real h) {
-  const Vec3 ahead = s.solver->lead() * h * s.flight();
+  const Vec3 ahead = s.solver->lead(h) * h * s.flight();
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
     const Real w = s.active() ? vertices.inv_mass[i] : Real(0);
     const Vec3 u = w != 0 ? Vec3(vertices.velocity[i] - ahead) : Vec3(0, 0, 0);
@@ -166,8 +167,8 @@ void Cloth::Impl::prepare(StepContext& c) {
       s->state.fresh = 0;
       if (!s->any_pin) s->set_flight(c.gravity * s->settings.gravity_scale);
     }
-    gather(*s, h);
     if (s->active()) s->solver->prepare(view(*s), c);
+    gather(*s, h);
   }
   pairs_stale = trees_stale = true;
   pairs.clear(), near_rows.clear();
@@ -225,7 +226,7 @@ void Cloth::Impl::commit(StepContext& c) {
       if (r.impulse > 0) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
     for (auto& s : sheets) {
       if (!s->active()) continue;
-      const Vec3 ahead = s->solver->lead() * h * s->flight();
+      const Vec3 ahead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;
         const Vec3 x = vertices.position[i] + moved[i].vec(), v = speed[i].vec() + ahead;
