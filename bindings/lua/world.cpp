@@ -169,6 +169,10 @@ int world_report(lua_State* L) {
   lua_newtable(L);
   for (const auto& arena : w.store().arenas()) count_field(L, arena->name().c_str(), arena->bytes());
   lua_setfield(L, -2, "blocks");
+  lua_newtable(L);
+  for (const Residual& x : w.residuals())
+    if (x.name == "cloth.row_updates") count_field(L, "cloth_row_updates", static_cast<std::size_t>(x.value));
+  lua_setfield(L, -2, "counts");
   count_field(L, "bytes", w.bytes());
   count_field(L, "bodies", w.objects().count(ObjectKind::body));
   count_field(L, "joints", w.objects().count(ObjectKind::joint));
@@ -259,7 +263,7 @@ const Method kWorldMethods[] = {
     {"snapshot", guard<world_snapshot>, "world:snapshot() -> string", "the state; without timers, tasks and handlers"},
     {"restore", guard<world_restore>, "world:restore(snapshot) -> self", "back to a snapshot of this world"},
     {"report", guard<world_report>, "world:report() -> table",
-     "systems, absent, plan (ms per step), blocks (bytes), counts"},
+     "systems, absent, plan (ms per step), blocks (bytes), counts (work of the last step: counts.cloth_row_updates)"},
     {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag"},
     {"find", guard<world_find>, "world:find(name) -> object", "the first with that name, or nil"},
     {"close", guard<world_close>, "world:close()", "frees the world; its handles are errors from then on"},

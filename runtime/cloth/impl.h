@@ -84,6 +84,7 @@ struct Cloth::Impl {
   Array<Between> between;                      // cloths that may touch each other
   Array<std::uint32_t> near_sheet;             // by vertex: place of its cloth
   std::uint64_t guarded = 0, widened = 0;      // corrections and second searches of the last step
+  std::uint64_t row_updates = 0;               // of the last step: links, hinges, contacts and holds by small steps
   bool pairs_stale = true;                     // motion is not what it was at the search
   bool trees_stale = true;                     // of this step there are none
 

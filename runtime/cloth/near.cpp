@@ -16,6 +16,7 @@ namespace {
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, where that is below the thickness
 constexpr Real kNear = Real(1.1);       // thicknesses, from which on a pair matters
 constexpr int kMostParts = 64;
+constexpr Real kFreeShare = Real(0.05);  // of the weights, up to which a pair is its pinned vertices' own
 
 // Closest point of the triangle to p by barycentric weights (Ericson, Real-Time Collision Detection, 5.1.5).
 void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
@@ -225,7 +226,13 @@ void Cloth::Impl::make_near_rows(Real time, Real part) {
     Real weight[4];
     measure(p, weight);
     Vec3 u = Vec3::Zero(), d = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) u += weight[k] * speed[p.v[k]].vec(), d += weight[k] * moved[p.v[k]].vec();
+    Real held = 0;
+    for (int k = 0; k < 4; ++k) {
+      const Row4& x = moved[p.v[k]];
+      u += weight[k] * speed[p.v[k]].vec(), d += weight[k] * x.vec();
+      if (x.w == 0) held += std::abs(weight[k]);
+    }
+    if (held > 2 * (1 - kFreeShare)) continue;
     const Real closing = std::max(-dot(u, p.normal), Real(0));
     if (p.distance > kNear * p.thickness + 2 * part * closing) continue;
     ClothRow r;

@@ -62,6 +62,7 @@ void Cloth::residuals(std::vector<Residual>& out) const {
   }
   out.push_back({"cloth.max_strain", strain});
   out.push_back({"cloth.small_steps", static_cast<double>(impl_->small_steps)});
+  out.push_back({"cloth.row_updates", static_cast<double>(impl_->row_updates)});
   out.push_back({"cloth.guarded", static_cast<double>(impl_->guarded)});
   out.push_back({"cloth.widened", static_cast<double>(impl_->widened)});
   out.push_back({"cloth.sleeping", sleeping});

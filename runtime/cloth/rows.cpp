@@ -2,6 +2,8 @@
 // vertices apart, or off a mover, which gets the opposite impulse at the same moment; friction likewise (a cone, by
 // displacement). Collisions are fully plastic: what a push would throw back is taken out again.
 // Overlap that was there before is undone at kPushSpeed at most, so it cannot explode.
+// A row near pinned vertices has little hold on the free ones: to move a point that takes a share b of a vertex by d,
+// the vertex goes d/b. It goes kMaxMotion d at most, so that what pins make impossible stays undone and does not grow.
 // Rows run in their makers' order, on one thread.
 #include <algorithm>
 #include <cmath>
@@ -11,7 +13,22 @@
 namespace feder {
 namespace {
 constexpr Real kPushSpeed = 1;  // m/s
-}
+// Times the correction that a row asks for, which one of its vertices may go; of free vertices of a mesh, whose masses
+// differ by up to 1:6, none would go more than 1.9 (the largest of 6 a/(6 a^2 + (1 - a)^2)).
+constexpr Real kMaxMotion = 2;
+
+// Sum of w weight^2 of a row, 1/kg, and the largest w |weight|.
+struct RowResponse {
+  Real sum = 0, largest = 0;
+  void add(Real inv_mass, Real weight) {
+    const Real motion = inv_mass * std::abs(weight);
+    sum += motion * std::abs(weight);
+    largest = std::max(largest, motion);
+  }
+  // With that of the mover: by what a correction or change of velocity is divided.
+  Real with(Real mover) const { return std::max(sum + mover, largest / kMaxMotion); }
+};
+}  // namespace
 
 Vec3 Cloth::Impl::mover_displacement(std::uint32_t m, const Vec3& arm) const {
   return mover_shift[m] + cross(mover_turn[m], arm);
@@ -65,14 +82,14 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
   const bool two_cloths = &list == &near_rows;
   for (ClothRow& r : list) {
     Vec3 d = Vec3::Zero(), change = Vec3::Zero();
-    Real weight = 0;
+    RowResponse response;
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
       const Row4& x = moved[r.vertex[k]];
       d += r.weight[k] * x.vec();
       change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
       if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * speed[r.vertex[k]].vec();
-      weight += x.w * r.weight[k] * r.weight[k];
+      response.add(x.w, r.weight[k]);
     }
     const Real gap = r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm));
     if (!(gap < 0)) continue;
@@ -81,7 +98,7 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
     }
     const Real closing = dot(r.normal, change);
-    const Real along = weight + mover_response(r.mover, r.arm, r.normal);
+    const Real along = response.with(mover_response(r.mover, r.arm, r.normal));
     if (!(along > 0)) continue;
     const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
     const Real push = r.relaxation * need / along;  // kg m
@@ -94,7 +111,7 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
     const Real slid = length(sliding);
     if (r.friction > 0 && slid > 0) {
       const Vec3 t = sliding / slid;
-      const Real across = weight + mover_response(r.mover, r.arm, t);
+      const Real across = response.with(mover_response(r.mover, r.arm, t));
       total -= std::min(r.friction * push, slid / across) * t;
     }
     for (int k = 0; k < 4; ++k) {
@@ -123,19 +140,19 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
   for (ClothRow& r : list) {
     if (r.impulse == 0) continue;
     Vec3 d = Vec3::Zero(), u = Vec3::Zero();
-    Real weight = 0;
+    RowResponse response;
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
       d += r.weight[k] * moved[r.vertex[k]].vec();
       u += r.weight[k] * speed[r.vertex[k]].vec();
-      weight += moved[r.vertex[k]].w * r.weight[k] * r.weight[k];
+      response.add(moved[r.vertex[k]].w, r.weight[k]);
     }
     if (r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm)) > Real(1e-3) * h) continue;
     if (r.mover != 0) {
       const MoverState& m = movers->state[r.mover];
       u -= m.velocity + cross(m.angular_velocity, r.arm);
     }
-    const Real parting = dot(r.normal, u), along = weight + mover_response(r.mover, r.arm, r.normal);
+    const Real parting = dot(r.normal, u), along = response.with(mover_response(r.mover, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;

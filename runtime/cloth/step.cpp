@@ -143,7 +143,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   if (gravity_known && gravity != c.gravity)
     for (auto& s : sheets) wake(*s, WakeCause::force, {});
   gravity = c.gravity, gravity_known = true;
-  guarded = widened = 0;
+  guarded = widened = row_updates = 0;
   between.clear();
   for (auto& s : sheets) {
     any_active = any_active || s->active();
@@ -183,6 +183,9 @@ void Cloth::Impl::solve(StepContext& c) {
   add_forces(c);
   const bool near = near_wanted();
   const int parts = near ? near_parts(c) : 1, every = (small_steps + parts - 1) / parts;
+  std::size_t own_rows = 0;
+  for (const auto& s : sheets)
+    if (s->active()) own_rows += s->mesh.links.size() + s->mesh.hinges.size();
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   for (int k = 0; k < small_steps; ++k) {
     if (k > 0 && owner->on_small_step) owner->on_small_step(owner->on_small_step_self, c, k, small_steps);
@@ -194,6 +197,7 @@ void Cloth::Impl::solve(StepContext& c) {
     for (auto& s : sheets)
       if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);
     advance_movers(h);
+    row_updates += own_rows + holds.size() + near_rows.size() + rows.size();
     if (touches) {
       solve_holds(h);
       solve_rows(near_rows, h);

@@ -1,15 +1,19 @@
 // Structure of the coupling, candidates of a step, attachments, and what is asked and told. The contact rows are made
 // in cloth_rigid_rows.cpp.
-// Kept between steps: which cloth touches which body, for the events.
+// Kept between steps: which cloth touches which body, for the events, and which pins were warned of.
 #include "couple/cloth_rigid.h"
 
 #include <algorithm>
+#include <cstdio>
+
+#include "couple/cloth_triangle.h"
 
 namespace feder {
 namespace {
 
 constexpr Real kReach = Real(1.6);      // thicknesses about the way of a vertex: rows are made up to 1.5 of them away
 constexpr Real kSupport = Real(0.3);   // cosine to gravity, from which on a contact carries
+constexpr Real kInside = Real(0.1);    // thicknesses: pins less deep inside a shape lie on its surface
 constexpr Real kMostLoad = 50;         // times the cloth's mass: what lies on it may be carried by something below
 
 }  // namespace
@@ -34,7 +38,10 @@ ClothRigid::ClothRigid(SystemSetup& s)
       candidates_(&s.store.arena(kName)),
       touches_(&s.store.arena(kName)),
       box_(&s.store.arena(kName)),
-      smallest_(&s.store.arena(kName)) {
+      smallest_(&s.store.arena(kName)),
+      pin_depth_(&s.store.arena(kName)),
+      deep_pins_(&s.store.arena(kName)),
+      warned_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
   cloth_.on_small_step = [](void* self, StepContext& c, int done, int count) {
     static_cast<ClothRigid*>(self)->refresh_rows(c, done, count);
@@ -75,6 +82,9 @@ void ClothRigid::sync() {
     events_.add_pending(e);
   }
   std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.cloth); });
+  std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.cloth); });
+  candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
+  hurry_ = 0;
   vertex_shapes_.clear();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n)
     vertex_shapes_.push_back(make_sphere(Real(0.5) * cloth_.info(n).thickness));
@@ -180,6 +190,41 @@ void ClothRigid::find_candidates(StepContext& c) {
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) candidates_of(n, c);
 }
 
+// A pin inside a shape asks for what cannot be. Said once for a cloth and a body, with the deepest pin.
+void ClothRigid::warn_of_pins(const Cloth::Info& cloth, std::uint32_t k, StepContext& c) {
+  const ClothVertices& v = cloth_.vertices();
+  const ObjectId body = colliders_.object[k];
+  for (const Warned& w : warned_)
+    if (w.cloth == cloth.object && w.body == body) return;
+  Real deepest = 0;
+  int count = 0;
+  std::uint32_t vertex = 0;
+  for (std::uint32_t i = cloth.first; i < cloth.first + cloth.count; ++i) {
+    if (v.inv_mass[i] != 0 || !overlaps(box_[i], colliders_.box[k]) || attached(i, body)) continue;
+    Vec3 normal;
+    const Real depth =
+        -colliders_.shape[k]->distance(to_local(colliders_.pose[k], v.position[i]), cloth.thickness, normal);
+    count += depth > kInside * cloth.thickness;
+    if (depth > deepest) deepest = depth, vertex = i - cloth.first;
+  }
+  if (count == 0) return;
+  warned_.push_back({cloth.object, body});
+  char millimetres[32];
+  std::snprintf(millimetres, sizeof millimetres, "%.3g mm", static_cast<double>(1000 * deepest));
+  const std::string others = count > 1 ? " (the deepest of " + std::to_string(count) + ")" : "";
+  c.events->warn("pinned_inside",
+                 objects_.describe(cloth.object) + " vertex " + std::to_string(vertex + 1) + others + " is pinned " +
+                     millimetres + " inside " + objects_.describe(body) +
+                     ", which cannot push it out: pin it outside, attach it to the body, or let the two not collide",
+                 cloth.object);
+}
+
+bool ClothRigid::may_touch(const Cloth::Info& cloth, std::uint32_t k) const {
+  return colliders_.motion[k] != ColliderMotion::none && !colliders_.sensor[k] &&
+         colliders_.owner[k] == ObjectKind::body && (colliders_.group[k] & cloth.mask) != 0 &&
+         (cloth.group & colliders_.mask[k]) != 0;
+}
+
 void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
   const Cloth::Info info = cloth_.info(n);
   const ClothVertices& v = cloth_.vertices();
@@ -194,9 +239,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     all.include(b);
   }
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body)
-      continue;
-    if (!(colliders_.group[k] & info.mask) || !(info.group & colliders_.mask[k])) continue;
+    if (!may_touch(info, k)) continue;
     // a fast body draws cloth in from beside its path
     Aabb box = reach_of(k, c);
     if (colliders_.motion[k] != ColliderMotion::fixed) box.grow(Real(0.3) * c.dt * length(colliders_.velocity[k]));
@@ -207,6 +250,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     const Aabb own = shape.bounds(Pose{});
     const Vec3 half = Real(0.5) * (own.hi - own.lo);
     smallest_[k] = shape.convex() ? half.minCoeff() : Real(0);
+    if (!info.asleep && colliders_.motion[k] != ColliderMotion::dynamic) warn_of_pins(info, k, c);
     const ObjectId body = colliders_.object[k];
     const std::uint32_t place = static_cast<std::uint32_t>(n);
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i)
@@ -246,13 +290,10 @@ void ClothRigid::make_holds() {
 
 // What the rows of this substep did.
 void ClothRigid::collect(StepContext& c) {
-  deepest_ = 0;
   const Real g = length(c.gravity);
   for (const ClothRow& r : cloth_.contact_rows()) {
     if (r.touch == kNone) continue;
     Touch& t = touches_[r.touch];
-    Vec3 d = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) d += r.weight[k] * cloth_.moved()[r.vertex[k]].vec();
     if (!(r.impulse > 0)) continue;
     t.seen = 1;
     t.impulse += r.impulse;
@@ -332,14 +373,48 @@ void ClothRigid::hash(Hash& h) const {
   for (const Touch& t : touches_) h.add(t.cloth.slot), h.add(t.body.slot);
 }
 
-void ClothRigid::save(Writer& w) const { w.list(touches_); }
+void ClothRigid::save(Writer& w) const { w.list(touches_), w.list(warned_); }
 
 void ClothRigid::load(Reader& r) {
-  r.list(touches_);
+  r.list(touches_), r.list(warned_);
+  candidates_.clear();
+  hurry_ = 0;
   cloth_.contact_rows().clear();
   cloth_.holds().clear();
 }
 
+// How deep the cloth, half its thickness included, is in a collider: by the distances of vertices, and where something
+// pokes between them by the narrow phase.
+Real ClothRigid::penetration(const Cloth::Info& cloth, std::uint32_t k, const Pose& pose) const {
+  const ClothVertices& v = cloth_.vertices();
+  const Shape& shape = *colliders_.shape[k];
+  const Real radius = Real(0.5) * cloth.thickness;
+  const ObjectId body = colliders_.object[k];
+  Aabb box = shape.bounds(pose);
+  box.grow(radius);
+  Real deepest = 0;
+  Vec3 normal;
+  for (std::uint32_t i = cloth.first; i < cloth.first + cloth.count; ++i)
+    if (overlaps(box, Aabb{v.position[i], v.position[i]}) && !attached(i, body))
+      deepest = std::max(deepest, radius - shape.distance(to_local(pose, v.position[i]), radius, normal));
+  for (std::size_t t = 0; t + 2 < cloth.triangles.size(); t += 3) {
+    const std::uint32_t at[3] = {cloth.first + cloth.triangles[t], cloth.first + cloth.triangles[t + 1],
+                                 cloth.first + cloth.triangles[t + 2]};
+    const Vec3 a = v.position[at[0]];
+    const ClothTriangle triangle(v.position[at[1]] - a, v.position[at[2]] - a, radius);
+    if (!overlaps(box, triangle.bounds({a, Quat{}})) || attached(at[0], body) || attached(at[1], body) ||
+        attached(at[2], body))
+      continue;
+    Manifold m[kMaxManifolds];
+    PairCache cache;
+    const int count = collide_.narrow().collide(triangle, {a, Quat{}}, shape, pose, 0, cache, m);
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < m[i].count; ++j) deepest = std::max(deepest, -m[i].points[j].separation);
+  }
+  return deepest;
+}
+
+// Of the state as it is, so that it holds whatever the rows of the last substep knew.
 void ClothRigid::residuals(std::vector<Residual>& out) const {
   const Bodies& b = rigid_.bodies();
   double worst = 0;
@@ -349,7 +424,15 @@ void ClothRigid::residuals(std::vector<Residual>& out) const {
     worst = std::max(worst, static_cast<double>(length(cloth_.vertices().position[a.vertex] - anchor)));
   }
   if (!cloth_.attachments().empty()) out.push_back({"cloth_rigid.attachment_error_m", worst});
-  out.push_back({"cloth_rigid.penetration_m", static_cast<double>(deepest_)});
+  Real deepest = 0;
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
+    const Cloth::Info info = cloth_.info(n);
+    for (std::uint32_t k = 0; k < colliders_.size(); ++k)
+      if (may_touch(info, k))
+        deepest = std::max(
+            deepest, penetration(info, k, b.com_pose(colliders_.owner_index[k]) * colliders_.local[k]));
+  }
+  out.push_back({"cloth_rigid.penetration_m", static_cast<double>(deepest)});
 }
 
 }  // namespace feder

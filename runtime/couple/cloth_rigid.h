@@ -65,6 +65,10 @@ class ClothRigid final : public System {
   Aabb reach_of(std::uint32_t collider, StepContext& c) const;
   void candidates_of(std::size_t n, StepContext& c);
   void make_holds();
+  void measure_pin(const Candidate& k, const Place& at, Real radius);
+  void warn_of_pins(const Cloth::Info& cloth, std::uint32_t collider, StepContext& c);
+  bool may_touch(const Cloth::Info& cloth, std::uint32_t collider) const;
+  Real penetration(const Cloth::Info& cloth, std::uint32_t collider, const Pose& pose) const;
   Place place(std::uint32_t collider) const;
   void vertex_rows(const Candidate& k, const Place& at, StepContext& c);
   void triangle_rows(const Candidate& k, const Place& at, StepContext& c);
@@ -91,7 +95,13 @@ class ClothRigid final : public System {
   Real horizon_ = 0;             // s, for which rows are made
   Real hurry_ = 0;               // the largest travel in a substep over what a row stands
   bool refreshing_ = false;      // between small steps
-  Real deepest_ = 0;             // penetration of the last substep, m
+  Array<Real> pin_depth_;        // by vertex: of pins in the collider whose rows are being made, m
+  Array<std::uint32_t> deep_pins_;  // those where it is not 0
+  // Pairs whose warning of pins inside was sent.
+  struct Warned {
+    ObjectId cloth, body;
+  };
+  Array<Warned> warned_;
 };
 
 }  // namespace feder

@@ -4,6 +4,8 @@
 // What would pass more than part of the body's size in the substep is cast along its relative motion instead: the
 // normal is then that of the moment of impact, so nothing slips through, and nothing beside the path is caught.
 // A row acts at the cloth's point on both sides, so linear and angular momentum pass on exactly.
+// A pin that lies within half the thickness of a shape, or inside it, cannot be pushed out: triangles at it may be as
+// deep as the line from its depth to that of corners outside, and a point that is all but pinned gives no row.
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +18,7 @@ namespace {
 constexpr Real kCastShare = Real(0.25);  // of the body's half size: faster passes are cast
 constexpr Real kWatch = 1;                // thicknesses: what is nearer gets a row, as strained cloth snaps by as much
 constexpr Real kCorner = Real(0.95);     // barycentric weight from which on a point is the corner's own
+constexpr Real kFreeShare = Real(0.05);   // weight of free corners up to which a point is the pinned ones' own
 
 // Weights of the point of the triangle 0, b, c nearest to p.
 void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {
@@ -57,12 +60,28 @@ void ClothRigid::refresh_rows(StepContext& c, int done, int count) {
 
 void ClothRigid::fill_rows(StepContext& c) {
   hurry_ = 0;
-  std::uint32_t collider = kNone;
+  std::uint32_t collider = kNone, cloth = kNone;
   Place at;
+  pin_depth_.assign(cloth_.vertices().size(), 0);
+  deep_pins_.clear();
   for (const Candidate& k : candidates_) {
-    if (k.collider != collider) collider = k.collider, at = place(collider);
+    if (k.collider != collider || k.cloth != cloth) {
+      collider = k.collider, cloth = k.cloth, at = place(collider);
+      for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
+      deep_pins_.clear();
+    }
     k.triangle ? triangle_rows(k, at, c) : vertex_rows(k, at, c);
   }
+}
+
+// How deep a pin is in what does not give way either, half the thickness included. Its triangles come after it.
+void ClothRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
+  Vec3 normal;
+  const Vec3 x = to_local(at.pose, vertex_place(k.index));
+  const Real depth = radius - colliders_.shape[k.collider]->distance(x, radius, normal);
+  if (!(depth > 0)) return;
+  pin_depth_[k.index] = depth;
+  deep_pins_.push_back(k.index);
 }
 
 // `normal` from the body to the cloth; `gap` beyond the thickness now; `point` on the cloth.
@@ -71,9 +90,18 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
   const Cloth::Info info = cloth_.info(k.cloth);
   ClothRow r;
   Vec3 d = Vec3::Zero();
+  Real free = 0;
   for (int i = 0; i < 3; ++i) {
+    const Row4& x = cloth_.moved()[v[i]];
     r.vertex[i] = v[i], r.weight[i] = weight[i];
-    d += weight[i] * cloth_.moved()[v[i]].vec();
+    d += weight[i] * x.vec();
+    if (x.w != 0) free += weight[i];
+    if (k.triangle) gap += weight[i] * pin_depth_[v[i]];
+  }
+  if (free < kFreeShare) {
+    if (at.solver == 0) return;  // nothing here can move
+    for (int i = 0; i < 3; ++i)
+      if (cloth_.moved()[v[i]].w != 0) r.weight[i] = 0;
   }
   r.vertex[3] = v[0];
   r.normal = normal;
@@ -87,7 +115,6 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
     r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
   r.touch = touch_of(info.object, colliders_.object[k.collider]);
-  if (gap < 0) deepest_ = std::max(deepest_, -gap);
   cloth_.contact_rows().push_back(r);
 }
 
@@ -96,6 +123,8 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const Real radius = Real(0.5) * info.thickness;
   const Shape& ball = *vertex_shapes_[k.cloth];
   const Vec3 x = vertex_place(k.index);
+  if (!info.asleep && cloth_.moved()[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
+    return measure_pin(k, at, radius);
   const Vec3 u = cloth_.speed()[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
   const Vec3 travel = horizon_ * u + (horizon_ * horizon_) * c.gravity;
   const Real reach = length(travel);

@@ -1,6 +1,6 @@
-// Stability maps of cloth, by solver: a sheet hung by its border with a body at the other, and a sheet that falls on a
-// ball. Nobody gives small steps: the library chooses them, and says in a warning where its cap ends that (then a wrong
-// answer comes with that warning as the entity).
+// Stability maps of cloth, by solver: a sheet hung by its border with a body at the other, a sheet that falls on a
+// ball, and a sail pinned beside, on and inside shapes. Nobody gives small steps: the library chooses them, and says in
+// a warning where its cap ends that (then a wrong answer comes with that warning as the entity).
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +25,8 @@ struct ClothCell {
   // Of the end state, by the length; NaN: not judged.
   double (*error)(ClothCell&) = nullptr;
   double expected = NAN;
+  double most_work = 0, mean_work = 0;  // row updates of a step
+  ShapePtr shape;                       // that must keep free vertices out
 };
 
 std::vector<double> decades(int lo, int hi) {
@@ -124,6 +126,65 @@ ClothCell swept(const std::string& solver, double x, double y) {
   return hang(std::make_unique<World>(d, kCatalog), solver, 1e4, 10, static_cast<int>(y));
 }
 
+// Shapes of the map of pinned sheets, by number, with +x as the normal at x = 0.1.
+ShapePtr mast(int kind) {
+  const Real r = Real(0.1);
+  switch (kind) {
+    case 1: return make_sphere(r);
+    case 2: return make_box(2 * r, 2, 2 * r);
+    case 3: return make_capsule(r, 2);
+    case 4: return make_cylinder(r, 2);
+    case 5: return make_cone(2 * r, 2);
+    case 6: {
+      const Vec3 corners[] = {Vec3(-r, -1, 0), Vec3(r, -1, -r), Vec3(r, -1, r), Vec3(-r, 1, 0),
+                              Vec3(r, 1, -r), Vec3(r, 1, r)};
+      return make_hull(corners);
+    }
+    case 7: return make_plane(Vec3(1, 0, 0), r);
+    default: {
+      const Vec3 corners[] = {Vec3(r, -1, -1), Vec3(r, -1, 1), Vec3(r, 1, 1), Vec3(r, 1, -1)};
+      const std::uint32_t faces[] = {0, 2, 1, 0, 3, 2};
+      return make_mesh(corners, faces);
+    }
+  }
+}
+
+// x = gap from the shape's surface to the pinned border, mm; y = shape. A vertex that is free must not lie inside, and
+// no step may take more than five times the work of the mean.
+ClothCell pinned(const std::string& solver, double x, double y) {
+  ClothCell c;
+  c.world = make_world(60);
+  c.seconds = 1;
+  BodyDesc b;
+  b.type = BodyType::fixed;
+  b.shape = c.shape = mast(static_cast<int>(y));
+  c.body = c.world->need<Rigid>().add_body(b);
+  ClothDesc d = square(solver, 8000);
+  d.self_collision = false;
+  d.area_density = Real(0.4), d.thickness = Real(0.012);
+  d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
+  d.pose.position = Vec3(static_cast<Real>(0.6 + 0.001 * x), 0, 0);
+  d.pin_names = {"left"};
+  c.cloth = c.world->need<Cloth>().add_cloth(d);
+  Params wind;
+  wind.set("velocity", std::vector<double>{3, 0, -9});
+  ForceEntry all;
+  all.all = true;
+  c.world->add_force("wind", wind, std::move(all), "", 0);
+  c.energy = 0.5 * static_cast<double>(d.area_density) * 9.5 * 9.5;  // of the sheet at the speed of the wind
+  c.expected = 0;
+  c.error = [](ClothCell& e) {
+    const Cloth& cloth = e.world->need<Cloth>();
+    double deepest = e.most_work > 5 * e.mean_work ? 1 : 0;
+    Vec3 normal;
+    for (std::size_t i = 0; i < cloth.vertex_count(e.cloth); ++i)
+      if (!cloth.pinned(e.cloth, i))
+        deepest = std::max(deepest, -static_cast<double>(e.shape->distance(cloth.point(e.cloth, i), 1, normal)));
+    return deepest > 0.002 ? deepest + 0.1 : 0;
+  };
+  return c;
+}
+
 bool takes_iterations(const std::string& solver) {
   Arena unused("stability");
   Params options;
@@ -160,6 +221,14 @@ const std::vector<ClothMapRow>& rows() {
         false,
         "cloth"},
        &draped},
+      {{"pinned_gap",
+        "a sail of 10 x 10 cells pinned beside, on and in a shape, in wind of 9.5 m/s, 60 steps/s",
+        {"gap", "gap", "mm", false, {-20, -10, -5, -2, 0, 2, 5, 10, 20}, {-20, -5, 0, 5}},
+        {"shape", "1 sphere, 2 box, 3 capsule, 4 cylinder, 5 cone, 6 hull, 7 plane, 8 mesh", "", false,
+         {1, 2, 3, 4, 5, 6, 7, 8}, {1, 2, 3, 4, 5, 6, 7, 8}},
+        false,
+        "cloth"},
+       &pinned},
       {{"sheet_substeps",
         "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
         {"substeps", "substeps", "", true, {1, 2, 4, 8, 16, 32, 64}, {1, 8, 64}},
@@ -182,6 +251,12 @@ double total(World& w) {
   return e.kinetic + e.potential + e.elastic;
 }
 
+double row_updates(const World& w) {
+  for (const Residual& r : w.residuals())
+    if (r.name == "cloth.row_updates") return r.value;
+  return 0;
+}
+
 StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double x, double y,
                        const StabilityThresholds& limits) {
   StabilityCell cell;
@@ -195,6 +270,8 @@ StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double
   double most = 0, late = 0, second = 0;
   for (int k = 0; k < steps; ++k) {
     w.step();
+    const double work = row_updates(w);
+    c.most_work = std::max(c.most_work, work), c.mean_work += work / steps;
     for (const Event& e : w.events().list())
       if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
     const double gained = total(w) - start;
