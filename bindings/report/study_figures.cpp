@@ -45,7 +45,7 @@ std::string point_title(const StudyResult& r, const StudyPoint& p, const ErrorNo
   text += fmt::format(", {} force evaluations", p.count.force_evals);
   if (std::isfinite(p.t_min_s)) text += fmt::format(", {} s", number_text(p.t_min_s, 4));
   if (!p.reason.empty()) text += "\n" + p.reason;
-  return text + "\n" + csv_row(r.problem.name, r, p);
+  return text + "\n" + csv_measured(r.problem.name, p);
 }
 
 std::string reference_words(const StudyResult& r) {

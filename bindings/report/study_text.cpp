@@ -86,7 +86,7 @@ std::string settings_text(const Settings& settings) {
   return out;
 }
 
-std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p) {
+std::string csv_measured(const std::string& problem, const StudyPoint& p) {
   std::string row = quoted(problem);
   const auto add = [&](const std::string& text) { row += "," + text; };
   const auto numbers = [&](auto... values) { (add(cell(values)), ...); };
@@ -98,9 +98,15 @@ std::string csv_row(const std::string& problem, const StudyResult& r, const Stud
           p.err_end, p.err_traj_rms, p.err_traj_max, p.err_energy_max, p.err_energy_drift_per_s, p.err_mom,
           p.err_angmom, p.err_constraint, p.err_event_s, p.mescd, p.peak_bytes, p.on_front_time, p.on_front_work);
   add(quoted(settings_text(p.settings)));
+  return row;
+}
+
+std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p) {
+  std::string row = csv_measured(problem, p);
+  const auto add = [&](const std::string& text) { row += "," + text; };
   const Provenance& from = r.provenance;
   add(quoted(from.overrides));
-  numbers(r.problem.threads);
+  add(cell(r.problem.threads));
   for (const std::string* text : {&from.real, &from.git, &from.scene_hash, &p.machine}) add(quoted(*text));
   return row;
 }

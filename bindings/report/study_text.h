@@ -44,7 +44,8 @@ const CostAxis* find_axis(const std::string& name);
 
 std::string settings_text(const Settings& settings);  // "angle=20; mu=0.3"
 std::string csv_header();
-// `problem` as the row names it.
+// `problem` as the row names it. The row without what all points of a study have in common; the whole row.
+std::string csv_measured(const std::string& problem, const StudyPoint& p);
 std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p);
 std::string points_csv(const StudyResult& r);
 

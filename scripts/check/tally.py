@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Adds up a test run for scripts/test: tally.py FOLDER. Prints what failed and then one closing line.
+"""Adds up a test run for scripts/test: tally.py FOLDER SECONDS. Prints the slowest suites, what the whole took (SECONDS
+ago it began), what failed, and then one closing line.
 
 FOLDER holds the JUnit files of ctest (a Catch2 program counts with its test cases, any other test as one), the output
 of `feder test` in scenes.txt, and lines "name passed|failed|skipped" of other steps in the file `steps`.
@@ -12,6 +13,8 @@ import xml.etree.ElementTree as xml
 ALL_PASSED = re.compile(r"All tests passed \(\d+ assertions? in (\d+) test cases?\)")
 SOME_FAILED = re.compile(r"^test cases:\s*(\d+) \|(.*)$", re.M)
 CLOSING = re.compile(r"^(\d+) passed, (\d+) failed, (\d+) skipped$", re.M)
+
+SLOWEST = 5
 
 
 class Tally:
@@ -45,7 +48,15 @@ def add_ctest_case(tally, preset, case):
         tally.add(max(0, total - failed), failed, 0, name)
 
 
-def main(folder):
+def print_slowest(reports, seconds):
+    suites = [(float(case.get("time") or 0), f"{report.stem}: {case.get('name')}")
+              for report in reports for case in xml.parse(report).getroot().iter("testcase")]
+    slowest = sorted(suites, reverse=True)[:SLOWEST]
+    print("slowest: " + ", ".join(f"{name} {time:.0f} s" for time, name in slowest))
+    print(f"total: {seconds / 60:.1f} min, with building and installing")
+
+
+def main(folder, seconds):
     tally = Tally()
     reports = sorted(folder.glob("*.xml"))
     for report in reports:
@@ -64,6 +75,7 @@ def main(folder):
         tally.add(*map(int, closing[-1]), "scenes")
     else:
         tally.add(0, 1, 0, "scenes (feder test did not finish)")
+    print_slowest(reports, seconds)
     if tally.names:
         print("failed: " + ", ".join(tally.names))
     print(f"{tally.passed} passed, {tally.failed} failed, {tally.skipped} skipped")
@@ -71,4 +83,4 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1])))
+    sys.exit(main(pathlib.Path(sys.argv[1]), float(sys.argv[2])))
