@@ -59,7 +59,7 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     FluidPool& p = fluid.pool_at(n);
     if (p.count == 0 || p.frozen) continue;
-    if (p.origin.size() < p.x.size()) p.origin.resize(p.x.size());
+    p.keep_origins();
     const bool first = p.screened != number;  // of the couplings that do this
     p.screened = number;
     const Real rest = p.desc.spacing / 2;
@@ -97,7 +97,7 @@ void FluidFaces::find(Fluid& fluid) {
   tree_.refit({box_.data(), box_.size()});
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     FluidPool& p = fluid.pool_at(n);
-    if (p.count == 0 || p.frozen || p.origin.size() <= p.count) continue;
+    if (p.count == 0 || p.frozen || p.origin.empty()) continue;
     const Real slack = kSlack * p.desc.spacing, half = p.desc.spacing / 2;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       const Vec3 from = p.origin[i].vec(), to = p.x[i].vec();

@@ -149,6 +149,9 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
         const Vec3 at = first + p.desc.spacing * vec3(static_cast<Real>(x), static_cast<Real>(y), static_cast<Real>(z));
         Vec3 n;
         if (shape.distance(at, p.desc.spacing, n) < 0) points.push_back(to_world(pose, at));
+        if (p.count + points.size() > p.desc.max_particles)
+          throw SceneError("fluid: fill: expected at most max_particles = " + std::to_string(p.desc.max_particles) +
+                           ", the shape holds more, beside " + std::to_string(p.count) + " that are there");
       }
   return fill(id, points, velocity);
 }

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cast.h"
 #include "fluid/solver.h"
 
 namespace feder {
@@ -63,7 +64,7 @@ void add_viscosity(FluidPool& p, Walls& walls, Real h, StepContext& c) {
     p.warned_viscosity = true;
     c.events->warn("fluid_viscosity",
                    "viscosity " + std::to_string(p.desc.viscosity) + " Pa s needs " +
-                       std::to_string(static_cast<long long>(wanted)) + " rounds in a step, " +
+                       std::to_string(whole_count(wanted)) + " rounds in a step, " +
                        std::to_string(kMostRounds) +
                        " are done: the fluid is thinner than asked for; take a larger spacing or more substeps",
                    p.object);

@@ -105,10 +105,15 @@ void FluidPool::grow(std::uint32_t wanted) {
   for (auto* array : {&x, &v, &start, &move, &extra, &swap4}) array->resize(room + 1);
   for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &swap1}) array->resize(room);
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
+  if (!origin.empty()) origin.resize(room + 1);
   contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
   lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
   put_sentinel();
+}
+
+void FluidPool::keep_origins() {
+  if (origin.empty()) origin.resize(x.size());
 }
 
 void FluidPool::put_sentinel() {

@@ -59,7 +59,7 @@ struct FluidPool {
 
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
   Array<Real> screen;           // what these add to density over density at rest
-  Array<Row4Real> origin;       // m, where the particle began the substep; empty without such a coupling
+  Array<Row4Real> origin;       // m, where the particle began the substep; empty until such a coupling asks for it
   std::uint64_t screened = 0;   // number of the substep for which both were set
 
   // Work.
@@ -80,7 +80,8 @@ struct FluidPool {
   std::uint32_t worst = 0;                // bit 0: something is not finite
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
-  void grow(std::uint32_t wanted);                       // outside steps
+  void grow(std::uint32_t wanted);                       // outside steps; all arrays by particle
+  void keep_origins();                                   // origin is there from now on, and grows with the others
   void add(const Vec3& position, const Vec3& velocity);  // there is room
   void remove_marked(const Array<std::uint8_t>& gone);   // keeps the order
   void find_cohesion();

@@ -63,8 +63,12 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   e.direction = normalized_or(d.direction, vec3(0, -1, 0));
   e.speed = d.speed, e.radius = d.radius, e.rate = d.rate, e.limit = d.limit;
   const FluidPool& p = m.pool(fluid);
-  const double sites = static_cast<double>(m.sites(e, p).size());
-  need(sites < 1e6, "radius", "a nozzle of fewer than a million particles", sites);
+  // its lattice is walked below: not before its size is known to be small
+  const double across = static_cast<double>(d.radius) / static_cast<double>(p.desc.spacing);
+  const double about = p.dimension == 2 ? 2 * across + 1 : 3.14159265 * across * across + 1;
+  const std::string limit = "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
+  need(about <= 1.1 * p.desc.max_particles + 10, "radius", limit.c_str(), static_cast<double>(d.radius));
+  need(m.sites(e, p).size() <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
     throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +
                      " particles per second, what a jet of this speed and radius holds, got " + std::to_string(d.rate));

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cast.h"
 #include "fluid/solver.h"
 
 namespace feder {
@@ -119,7 +120,7 @@ Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
       p.warned_budget = true;
       const Real squeezed = compression_of(p) * (sound / carried) * (sound / carried);
       c.events->warn("fluid_budget",
-                     "wcsph needs " + std::to_string(static_cast<long long>(wanted)) +
+                     "wcsph needs " + std::to_string(whole_count(wanted)) +
                          " steps of its own in a substep for a compression of " + std::to_string(compression_of(p)) +
                          ", max_substeps allows " + std::to_string(p.desc.max_substeps) +
                          ": expect a compression of about " + std::to_string(squeezed),

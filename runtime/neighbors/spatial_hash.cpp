@@ -5,6 +5,7 @@
 // dense; no advantage but for points in several clouds far apart.
 #include <cmath>
 
+#include "base/cast.h"
 #include "neighbors/rows.h"
 
 namespace feder {
@@ -57,8 +58,8 @@ class SpatialHash final : public NeighborSearch {
 
  private:
   static Cell cell(Real x, double inv) {
-    const double t = std::floor(static_cast<double>(x) * inv);
-    return static_cast<Cell>(t < -1e15 ? -1e15 : t > 1e15 ? 1e15 : t);
+    constexpr Cell kRim = 1000000000000000;
+    return clamped_cast<Cell>(std::floor(static_cast<double>(x) * inv), -kRim, kRim);
   }
   std::size_t bucket(const Cell* c) const {
     const std::uint64_t h = static_cast<std::uint64_t>(c[0]) * 0x9e3779b97f4a7c15ull ^

@@ -2,6 +2,7 @@
 // questions and for breaking. A side that cannot move is handed to the solver as the world.
 #include <cmath>
 
+#include "base/cast.h"
 #include "rigid/impl.h"
 
 namespace feder {
@@ -138,9 +139,9 @@ void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
   if (!(a > 0) || !(b > 0)) return;
   const Real ratio = a > b ? a / b : b / a;
   if (ratio <= kRatioPerSubstep * static_cast<Real>(c.substeps)) return;
-  const int enough = static_cast<int>(std::ceil(ratio / kRatioPerSubstep));
+  const long long enough = whole_count(std::ceil(ratio / kRatioPerSubstep));
   events.warn("mass_ratio",
-              objects.describe(r.object) + " joins masses of ratio " + std::to_string(static_cast<long long>(ratio)) +
+              objects.describe(r.object) + " joins masses of ratio " + std::to_string(whole_count(ratio)) +
                   "; " + std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) +
                   " would hold it",
               r.object);

@@ -31,7 +31,7 @@ class WallTable {
   // s in [-1, 1]; beyond 1 nothing, below -1 as at -1.
   WallSample at(WideReal s) const {
     const WideReal t = (s + 1) * (kCells / 2);
-    const int i = t <= 0 ? 0 : t >= kCells - 1 ? kCells - 1 : static_cast<int>(t);
+    const int i = !(t > 0) ? 0 : t >= kCells - 1 ? kCells - 1 : static_cast<int>(t);  // NaN: the first
     const WideReal f = t <= 0 ? 0 : t >= kCells ? 1 : t - static_cast<WideReal>(i);
     const WallSample &a = samples_[i], &b = samples_[i + 1];
     return {a.value + f * (b.value - a.value), a.slope + f * (b.slope - a.slope), a.share + f * (b.share - a.share),

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/cast.h"
 #include "springs/impl.h"
 
 namespace feder {
@@ -42,7 +43,7 @@ void Springs::Impl::check_stiffness(StepContext& c) {
     }
     const double needed = std::ceil(reach * c.substeps / info.stability_limit);
     message += " may be unstable: h w reaches " + std::to_string(reach) + ", its limit is " +
-               std::to_string(info.stability_limit) + "; " + std::to_string(static_cast<long long>(needed)) +
+               std::to_string(info.stability_limit) + "; " + std::to_string(whole_count(needed)) +
                " substeps or implicit_euler are safe";
   }
   if (!message.empty()) c.events->warn("stiff", message);

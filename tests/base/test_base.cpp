@@ -1,6 +1,8 @@
 // Options, memory, threads and random numbers.
+#include <limits>
 #include <numeric>
 
+#include "base/cast.h"
 #include "base/arena.h"
 #include "base/jobs.h"
 #include "base/params.h"
@@ -8,6 +10,17 @@
 #include "support/catch.h"
 
 using namespace feder;
+
+TEST_CASE("numbers become integers within bounds, whatever they are", "[base]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  CHECK(clamped_cast(2.9, 0, 7) == 2);
+  CHECK(clamped_cast(-2.9, -7, 7) == -2);
+  for (const double low : {nan, -infinity, -1e300, -8.0}) CHECK(clamped_cast(low, -7, 7) == -7);
+  for (const double high : {infinity, 1e300, 7.0, 8.0}) CHECK(clamped_cast(high, -7, 7) == 7);
+  CHECK(whole_count(1e30) == std::numeric_limits<long long>::max());
+  CHECK(whole_count(nan) == 0);
+  CHECK(whole_count(3e9) == 3000000000ll);
+}
 
 TEST_CASE("options report what was expected and what came", "[base]") {
   Params p;

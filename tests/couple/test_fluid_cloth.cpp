@@ -202,3 +202,24 @@ TEST_CASE("fluid on cloth and on nets: the same for any number of threads; on ne
     CHECK(end == hash);
   }
 }
+
+TEST_CASE("water that is filled after the sheet it knew is gone has room for all it keeps", "[couple][fluid][cloth]") {
+  World w(WorldDesc{}, mixed_catalog());
+  Fluid& fluid = w.need<Fluid>();
+  Cloth& cloth = w.need<Cloth>();
+  FluidDesc d;
+  d.spacing = Real(0.1), d.max_particles = 5000;
+  const ObjectId pool = fluid.add_fluid(d), sheet = cloth.add_cloth(square(5, 1, true));
+  fluid.fill(pool, block(2, 2, 2, d.spacing, Vec3(0, Real(0.3), 0)), Vec3::Zero());
+  w.step();
+  cloth.destroy_cloth(sheet, "test");
+  fluid.fill(pool, block(12, 12, 12, d.spacing, Vec3(2, 1, 0)), Vec3::Zero());
+  for (int k = 0; k < 5; ++k) w.step();
+  CHECK(w.is_finite());
+  // another sheet finds them all
+  cloth.add_cloth(square(5, 1, true));
+  fluid.fill(pool, block(10, 10, 10, d.spacing, Vec3(4, 1, 0)), Vec3::Zero());
+  for (int k = 0; k < 5; ++k) w.step();
+  CHECK(w.is_finite());
+  CHECK(fluid.particle_count(pool) == 8 + 1728 + 1000);
+}

@@ -144,7 +144,7 @@ TEST_CASE("bad input is refused and changes nothing", "[fluid]") {
   bad = {}, bad.solver = "magic";
   CHECK_THROWS_WITH(f.add_fluid(bad), Catch::Contains("known: "));
   FluidDesc d;
-  d.max_particles = 10;
+  d.max_particles = 50;
   const ObjectId id = f.add_fluid(d);
   const Vec3 nowhere[] = {vec3(0, 0, 0), vec3(0, std::nanf(""), 0)};
   CHECK_THROWS_AS(f.fill(id, nowhere, Vec3::Zero()), SceneError);
@@ -158,6 +158,12 @@ TEST_CASE("bad input is refused and changes nothing", "[fluid]") {
   CHECK_THROWS_AS(f.add_emitter(id, e), SceneError);
   e = {}, e.rate = Real(1e9);
   CHECK_THROWS_WITH(f.add_emitter(id, e), Catch::Contains("particles per second"));
+  // more particles across the nozzle than the fluid may have; lattices that no int counts
+  for (const Real radius : {Real(10), Real(1000), Real(1e8), Real(1e30)}) {
+    e.rate = 0, e.radius = radius;
+    CHECK_THROWS_WITH(f.add_emitter(id, e), Catch::Contains("max_particles"));
+  }
+  CHECK_THROWS_WITH(f.fill(id, *make_box(20, 20, 20), Pose{}, Vec3::Zero()), Catch::Contains("max_particles"));
   w.step();
   CHECK(w.is_finite());
 }
