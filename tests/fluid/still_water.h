@@ -1,0 +1,79 @@
+// A column of still water, eight spacings wide: what it does that still water does not.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/tank.h"
+
+namespace feder {
+
+struct StillWater {
+  int dimension = 2, layers = 25, iterations = 4, substeps = 4;
+  double spacing = 0.0125;  // m
+  double seconds = 10, calm = 2;  // s; after `calm` nobody may be fast
+  std::string solver = "pbf";
+};
+
+struct StillWaterResult {
+  double top = 0;        // largest height of a particle, by H + 2 d
+  double speed = 0;      // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep)
+  double burst = -1;     // s, when either first went beyond; -1: never
+  double warned = -1;    // s, of the first warning
+  double excess = 0;     // mean over particles and the last half of the time of max(0, density ratio - 1)
+  double per_step = 0;   // inner substeps in a substep of the world, mean
+  bool burst_unwarned() const { return burst >= 0 && (warned < 0 || warned > burst); }
+};
+
+// Stops where it bursts.
+inline StillWaterResult run_still_water(const StillWater& s) {
+  constexpr double g = 9.81;
+  WorldDesc desc = fluid_world(s.dimension);
+  desc.dt = 1.0 / 60, desc.substeps = s.substeps;
+  World w(desc, fluid_catalog());
+  const double height = s.layers * s.spacing, width = 8 * s.spacing;
+  add_tank(w, vec3(static_cast<Real>(width), 0, static_cast<Real>(width)));
+  FluidDesc d;
+  d.solver = s.solver, d.spacing = static_cast<Real>(s.spacing), d.iterations = s.iterations;
+  Fluid& f = w.need<Fluid>();
+  const ObjectId id = f.add_fluid(d);
+  std::vector<Vec3> points;
+  for (int y = 0; y < s.layers; ++y)
+    for (int x = 0; x < 8; ++x)
+      for (int z = 0; z < (s.dimension == 2 ? 1 : 8); ++z) {
+        const Real e = static_cast<Real>(s.spacing);
+        points.push_back(e * vec3(static_cast<Real>(x) + Real(0.5), static_cast<Real>(y) + Real(0.5),
+                                  s.dimension == 2 ? Real(0) : static_cast<Real>(z) + Real(0.5)));
+      }
+  f.fill(id, points, Vec3::Zero());
+  StillWaterResult r;
+  const int steps = static_cast<int>(s.seconds * 60 + 0.5);
+  std::vector<Vec3> v;
+  std::uint64_t own = 0;
+  for (int k = 0; k < steps; ++k) {
+    w.step();
+    for (const Event& e : w.events().list())
+      if (e.kind == EventKind::warning && r.warned < 0) r.warned = w.time();
+    double top = 0, speed = 0;
+    for (const Vec3& x : places(w, id)) top = std::max(top, std::isfinite(x[1]) ? static_cast<double>(x[1]) : 1e9);
+    f.velocities(id, v);
+    for (const Vec3& u : v) speed = std::max(speed, static_cast<double>(length(u)));
+    const std::uint64_t taken = f.own_steps(id) - own;
+    own += taken;
+    const double h = desc.dt / static_cast<double>(std::max<std::uint64_t>(taken, 1));
+    r.top = std::max(r.top, top / (height + 2 * s.spacing));
+    if (k >= s.calm * 60) r.speed = std::max(r.speed, speed / std::max(0.2 * std::sqrt(g * height), 2 * g * h));
+    if (2 * k >= steps) {
+      double mean = 0, most = 0;
+      f.density_error(id, mean, most);
+      r.excess += mean / (steps / 2);
+    }
+    if (r.top > 1 || r.speed > 1 || !w.is_finite() || f.particle_count(id) != points.size()) {
+      r.burst = w.time();
+      break;
+    }
+  }
+  r.per_step = static_cast<double>(own) / (60 * w.time() * s.substeps);
+  return r;
+}
+
+}  // namespace feder

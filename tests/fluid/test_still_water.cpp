@@ -1,0 +1,107 @@
+// Still water stays still: columns eight spacings wide over layers, spacing, iterations and substeps. No particle
+// above H + 2 d; after 2 s nobody faster than 0.2 sqrt(g H), or than what gravity gives in two inner substeps; no
+// warning where nobody chose extremes; more iterations never leave more compression. The whole map runs with
+// scripts/test --all.
+#include "fluid/still_water.h"
+#include "support/catch.h"
+
+using namespace feder;
+
+namespace {
+
+struct Cell {
+  const char* name;
+  int dimension, layers, iterations, substeps;
+  double spacing;
+};
+
+const Cell kCells[] = {
+    {"8 layers of 1 mm", 2, 8, 4, 4, 0.001},
+    {"8 layers of 6 mm", 2, 8, 4, 4, 0.006},
+    {"8 layers of 12.5 mm", 2, 8, 4, 4, 0.0125},
+    {"8 layers of 5 cm", 2, 8, 4, 4, 0.05},
+    {"8 layers of 10 cm", 2, 8, 4, 4, 0.1},
+    {"25 layers of 1 mm", 2, 25, 4, 4, 0.001},
+    {"25 layers of 6 mm", 2, 25, 4, 4, 0.006},
+    {"25 layers of 12.5 mm", 2, 25, 4, 4, 0.0125},
+    {"25 layers of 5 cm", 2, 25, 4, 4, 0.05},
+    {"25 layers of 10 cm", 2, 25, 4, 4, 0.1},
+    {"40 layers of 12.5 mm", 2, 40, 4, 4, 0.0125},
+    {"50 layers of 6 mm", 2, 50, 4, 4, 0.006},
+    {"61 layers of 2.5 cm, 8 iterations", 2, 61, 8, 4, 0.025},
+    {"60 layers of 5 cm", 2, 60, 4, 4, 0.05},
+    {"25 layers of 6 mm, 1 iteration", 2, 25, 1, 4, 0.006},
+    {"25 layers of 6 mm, 8 iterations", 2, 25, 8, 4, 0.006},
+    {"25 layers of 6 mm, 32 iterations", 2, 25, 32, 4, 0.006},
+    {"43 layers of 12.5 mm, 8 iterations", 2, 43, 8, 4, 0.0125},
+    {"25 layers of 5 cm, 1 iteration, 1 substep", 2, 25, 1, 1, 0.05},
+    {"25 layers of 5 cm, 1 substep", 2, 25, 4, 1, 0.05},
+    {"25 layers of 6 mm, 1 substep", 2, 25, 4, 1, 0.006},
+    {"8 layers of 1 mm, 16 substeps", 2, 8, 4, 16, 0.001},
+    {"in space, 8 layers of 5 cm", 3, 8, 4, 4, 0.05},
+    {"in space, a glass: 20 layers of 6 mm", 3, 20, 4, 4, 0.006},
+};
+
+StillWaterResult still(int dimension, int layers, double spacing, int iterations, int substeps, double seconds,
+                       double calm = 2) {
+  StillWater s;
+  s.dimension = dimension, s.layers = layers, s.iterations = iterations, s.substeps = substeps;
+  s.spacing = spacing, s.seconds = seconds, s.calm = calm;
+  return run_still_water(s);
+}
+
+}  // namespace
+
+TEST_CASE("still water stays still", "[fluid][still]") {
+  for (const Cell& c : kCells) {
+    if (!kLarge && (c.dimension == 3 || c.layers > 25 || c.iterations > 8)) continue;
+    const StillWaterResult r = still(c.dimension, c.layers, c.spacing, c.iterations, c.substeps, 2.5 * kShare);
+    CAPTURE(c.name, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+    CHECK(r.burst < 0);
+    CHECK(r.warned < 0);
+  }
+}
+
+TEST_CASE("more iterations never leave more compression", "[fluid][still]") {
+  double last = 1;
+  for (int n = 1; n <= (kLarge ? 32 : 8); n *= 2) {
+    const StillWaterResult r = still(2, 25, 0.05, n, 4, 1.5 * kShare);
+    CAPTURE(n, r.excess, last, r.per_step);
+    CHECK(r.burst < 0);
+    if (kFull) CHECK(r.excess <= 1.1 * last);
+    last = r.excess;
+  }
+  if (kFull) CHECK(last < 0.002);
+}
+
+TEST_CASE("pbf says before it bursts that its steps do not carry the column", "[fluid][still]") {
+  const StillWaterResult r = still(2, 100, 0.001, 1, 1, 0.05);
+  CHECK(r.warned > 0);
+  CHECK_FALSE(r.burst_unwarned());
+}
+
+TEST_CASE("the map of still water", "[fluid][.][map]") {
+  for (const int layers : {8, 25, 50, 100, 200})
+    for (const double spacing : {0.001, 0.006, 0.0125, 0.05, 0.1})
+      for (const int substeps : {1, 4, 16}) {
+        for (const int iterations : {1, 4, 8, 32}) {
+          // single particles go on finding their places by falling 2 cm (a fifth of a spacing) for three seconds
+          const double calm = layers == 8 && spacing == 0.1 && substeps == 16 ? 3 : 2;
+          const StillWaterResult r = still(2, layers, spacing, iterations, substeps, 10, calm);
+          CAPTURE(layers, spacing, substeps, iterations, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+          CHECK_FALSE(r.burst_unwarned());
+          if (iterations == 4 && substeps == 4 && layers <= 60 && spacing >= 0.005) CHECK(r.warned < 0);
+          if (iterations == 1 || r.burst >= 0) continue;
+          const StillWaterResult half = still(2, layers, spacing, iterations / 2, substeps, 2);
+          CAPTURE(half.excess);
+          if (half.burst < 0) CHECK(r.excess <= 1.1 * half.excess + 1e-5);  // rounding, which is what 32 leave
+        }
+      }
+  for (const int layers : {8, 25, 50})
+    for (const double spacing : {0.006, 0.0125, 0.05, 0.1}) {
+      const StillWaterResult r = still(3, layers, spacing, 4, 4, 10);
+      CAPTURE(layers, spacing, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+      CHECK(r.burst < 0);
+      CHECK(r.warned < 0);
+    }
+}
