@@ -1,6 +1,8 @@
 // Stability maps of fluids, by solver: a column that stands, softer and stiffer, and a beam, lighter and heavier than
-// the fluid, each at several rates of steps; and the column with few and many substeps, and little and much to spend in
-// each. What a solver cannot hold at its budget it says in a warning, which is the entity of the cell.
+// the fluid, each at several rates of steps; the column with few and many substeps, and little and much to spend in
+// each; and narrow columns, fine and coarse, shallow and deep, with few and many iterations: what throws particles
+// above its level has diverged. What a solver cannot hold at its budget it says in a warning, which is the entity of
+// the cell.
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +24,8 @@ struct FluidCell {
   std::unique_ptr<World> world;
   ObjectId water, body;
   double low = NAN, high = NAN;  // where it belongs, m: the fluid's middle, or the beam's lower side
+  double level = kLevel, width = kTank;  // m
+  double highest = INFINITY;             // m, no particle may be higher
 };
 
 std::vector<double> decades(int lo, int hi) {
@@ -35,7 +39,7 @@ bool iterates(const std::string& solver) {
   return find_variant(fluid_solvers(), solver, "fluid solver").make(unused, Params())->iterates();
 }
 
-FluidCell tank(FluidDesc f, double rate, int substeps) {
+FluidCell tank(FluidDesc f, double rate, int substeps, double width = kTank, double spacing = kSpacing) {
   static const SystemDescriptor* const catalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Fluid::descriptor(),
                                                     &FluidRigid::descriptor()};
   WorldDesc d;
@@ -49,10 +53,10 @@ FluidCell tank(FluidDesc f, double rate, int substeps) {
   for (const Vec3& n : {Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0)}) {
     BodyDesc wall;
     wall.type = BodyType::fixed;
-    wall.shape = make_plane(n, n[0] < 0 ? static_cast<Real>(-kTank) : Real(0));
+    wall.shape = make_plane(n, n[0] < 0 ? static_cast<Real>(-width) : Real(0));
     c.world->need<Rigid>().add_body(wall);
   }
-  f.spacing = static_cast<Real>(kSpacing);
+  f.spacing = static_cast<Real>(spacing);
   c.water = c.world->need<Fluid>().add_fluid(f);
   return c;
 }
@@ -111,6 +115,36 @@ FluidCell spent(const std::string& solver, double x, double y) {
   return c;
 }
 
+// A column eight spacings wide, 60 steps a second, four substeps.
+FluidCell narrow(FluidDesc f, double spacing, double layers) {
+  constexpr int kWide = 8;
+  FluidCell c = tank(f, 60, kSubsteps, kWide * spacing, spacing);
+  std::vector<Vec3> points;
+  for (int y = 0; y < static_cast<int>(layers); ++y)
+    for (int x = 0; x < kWide; ++x)
+      points.push_back(static_cast<Real>(spacing) *
+                       Vec3(static_cast<Real>(x) + Real(0.5), static_cast<Real>(y) + Real(0.5), 0));
+  c.world->need<Fluid>().fill(c.water, points, Vec3::Zero());
+  c.level = layers * spacing, c.width = kWide * spacing;
+  c.highest = c.level + 2 * spacing;
+  c.low = c.high = c.level / 2;
+  return c;
+}
+
+// x = spacing, y = layers.
+FluidCell depth(const std::string& solver, double x, double y) {
+  FluidDesc f;
+  f.solver = solver;
+  return narrow(f, x, y);
+}
+
+// x = iterations, y = layers, of 6 mm: a solver that does not iterate takes its own count of steps.
+FluidCell iterations(const std::string& solver, double x, double y) {
+  FluidDesc f;
+  f.solver = solver, f.iterations = static_cast<int>(x);
+  return narrow(f, 0.006, y);
+}
+
 struct FluidMapRow {
   StabilityProblemInfo info;
   FluidCell (*make)(const std::string& solver, double x, double y);
@@ -140,7 +174,21 @@ const std::vector<FluidMapRow>& rows() {
         {"spent", "iterations, or own steps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
         false,
         "fluid"},
-       &spent}};
+       &spent},
+      {{"water_depth",
+        "a column eight spacings wide stands for 2 s, 60 steps/s, four substeps",
+        {"spacing", "spacing", "m", true, {0.001, 0.003, 0.006, 0.0125, 0.025, 0.05, 0.1}, {0.001, 0.006, 0.05}},
+        {"layers", "layers", "", true, {8, 25, 50, 100, 200}, {8, 25}},
+        false,
+        "fluid"},
+       &depth},
+      {{"water_iterations",
+        "a column of 6 mm, eight spacings wide, stands for 2 s, 60 steps/s, four substeps",
+        {"iterations", "iterations", "", true, {1, 2, 4, 8, 16, 32}, {1, 4, 32}},
+        {"layers", "layers", "", true, {8, 25, 50, 100, 200}, {8, 25}},
+        false,
+        "fluid"},
+       &iterations}};
   return table;
 }
 
@@ -160,7 +208,17 @@ double error_of(FluidCell& c) {
     c.world->need<Fluid>().positions(c.water, x);
     for (const Vec3& p : x) at += static_cast<double>(p[1]) / static_cast<double>(x.size());
   }
-  return std::max({0.0, c.low - at, at - c.high}) / kLevel;
+  return std::max({0.0, c.low - at, at - c.high}) / c.level;
+}
+
+// Did a particle leave upwards?
+bool thrown(FluidCell& c) {
+  if (!(c.highest < INFINITY)) return false;
+  std::vector<Vec3> x;
+  c.world->need<Fluid>().positions(c.water, x);
+  for (const Vec3& p : x)
+    if (static_cast<double>(p[1]) > c.highest) return true;
+  return false;
 }
 
 double total(World& w) {
@@ -174,7 +232,7 @@ StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double
   cell.x = x, cell.y = y;
   FluidCell c = row.make(solver, x, y);
   World& w = *c.world;
-  const double start = total(w), scale = kDensity * kTank * kLevel * kGravity * kLevel;
+  const double start = total(w), scale = kDensity * c.width * c.level * kGravity * c.level;
   const int steps = static_cast<int>(std::lround(kSeconds / w.desc().dt));
   double most = 0, late = 0, second = 0;
   for (int k = 0; k < steps; ++k) {
@@ -188,7 +246,7 @@ StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double
     else if (4 * k >= steps && 2 * k < steps)
       second = std::max(second, gained);
     const bool finite = w.is_finite();
-    if (finite && std::isfinite(gained) && gained < limits.energy * scale) continue;
+    if (finite && std::isfinite(gained) && gained < limits.energy * scale && !thrown(c)) continue;
     cell.verdict = finite ? Verdict::diverged : Verdict::nan;
     cell.t_fail = w.time();
     break;

@@ -19,7 +19,8 @@ ORDER = ["nan", "diverged", "growing", "stuck", "damped", "inaccurate", "slow", 
 KEY = ("problem", "method", "x", "y")
 # nets by every integrator, bodies, cloth and fluids by every solver of theirs
 PROBLEMS = ("oscillator chain swinging_chain stack heavy size far bullet spin "
-            "hanging_sheet drape pinned_gap sheet_substeps water_column floating water_substeps").split()
+            "hanging_sheet drape pinned_gap sheet_substeps water_column floating water_substeps "
+            "water_depth water_iterations").split()
 
 
 def baseline(real):
