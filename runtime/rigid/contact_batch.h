@@ -70,6 +70,7 @@ struct ContactPass {
   SoftFactors soft, soft_fixed;  // between movers; against something that cannot move
   WideReal push_speed;           // largest speed at which overlap is undone, m/s
   WideReal bounce_speed;         // slower approaches do not bounce, m/s
+  unsigned odd;                  // 1 in every second substep
 };
 
 struct ContactKernels {

@@ -289,7 +289,7 @@ template <bool kBiased>
   for (unsigned j = 0; j < count; ++j) stiffness[j] = reciprocal_or_zero(load(c.point[j].mass));
   Lanes sum = zero, held = zero;
   Lanes3 turn_a{}, turn_b{};
-  const auto visit = [&](unsigned j) __attribute__((always_inline)) {
+  const auto visit = [&](unsigned j, unsigned known) __attribute__((always_inline)) {
     BatchPoint& q = c.point[j];
     const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
     const Lanes old = load(q.impulse);
@@ -307,13 +307,24 @@ template <bool kBiased>
     sum += change;
     turn_a = turn_a + load(q.turn_a) * change;
     turn_b = turn_b + load(q.turn_b) * change;
-    for (unsigned k = 0; k < count; ++k)
+    for (unsigned k = 0; k < known; ++k)
       speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
   };
-  // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it
-  for (unsigned round = 0; round < c.rounds; ++round) {
-    for (unsigned j = 0; j < count; ++j) visit(j);
-    for (unsigned j = count; j-- > 0;) visit(j);
+  // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it. What is
+  // left points from the first corner to the opposite one: passes begin at them in turn, so that it cancels
+  const unsigned half = (kBiased == (p.odd != 0)) ? count / 2 : 0;
+  const auto sweep = [&](unsigned known) __attribute__((always_inline)) {
+    for (unsigned round = 0; round < c.rounds; ++round) {
+      for (unsigned j = half; j < known; ++j) visit(j, known);
+      for (unsigned j = 0; j < half; ++j) visit(j, known);
+      for (unsigned j = half; j-- > 0;) visit(j, known);
+      for (unsigned j = known; j-- > half;) visit(j, known);
+    }
+  };
+  if (count == kBatchPoints) {
+    sweep(kBatchPoints);  // faces: loops of known length
+  } else {
+    sweep(count);
   }
   // the sum in the order of the last visits
   for (unsigned j = count; j-- > 0;) held += load(c.point[j].impulse);

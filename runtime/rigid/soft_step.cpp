@@ -202,6 +202,7 @@ ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
   p.soft_fixed = soft_factors(2 * hertz, contact_damping_ / 2, c.h);
   p.push_speed = push_speed_;
   p.bounce_speed = bounce_speed_;
+  p.odd = static_cast<unsigned>(c.substep) & 1u;
   return p;
 }
 
