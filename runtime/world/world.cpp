@@ -196,7 +196,9 @@ std::vector<Residual> World::residuals() const {
 bool World::is_finite() const {
   for (const Present& p : systems_)
     if (!p.system->finite()) return false;
-  return true;
+  // numbers that are finite one by one may have an energy that is not
+  const Energy e = energy();
+  return std::isfinite(e.kinetic) && std::isfinite(e.potential) && std::isfinite(e.elastic);
 }
 
 std::uint64_t World::hash() const {

@@ -1,4 +1,6 @@
 // The world with systems made up for the test: plan order, systems on demand, couplings, snapshots, absence.
+#include <limits>
+
 #include "support/catch.h"
 #include "world/world.h"
 
@@ -28,6 +30,10 @@ class Fake final : public System {
     plan.add<&Fake::bounds>(Stage::bounds, When::each_substep, 10, "bounds", kName, this);
   }
   std::size_t count() const override { return counts_.values.size(); }
+  // numbers that are finite, and an energy that is not
+  Energy energy(const Vec3&) const override {
+    return {counts_.values[0] == 99 ? std::numeric_limits<double>::infinity() : 0, 0, 0};
+  }
   void hash(Hash& h) const override {
     for (const double v : counts_.values) h.add(v);
   }
@@ -76,6 +82,17 @@ TEST_CASE("a world without systems has a plan of its own two rows and no system 
   CHECK(world.absent().size() == 4);
   CHECK(world.step_count() == 1);
   CHECK(world.time() == Approx(1.0 / 60));
+}
+
+TEST_CASE("a world whose energy is not finite is not finite", "[world]") {
+  WorldDesc d = two_substeps();
+  World calm(d, kCatalog);
+  calm.need<Fake<0>>();
+  CHECK(calm.is_finite());
+  d.systems["alpha"].set("start", 99.0);
+  World wild(d, kCatalog);
+  wild.need<Fake<0>>();
+  CHECK_FALSE(wild.is_finite());
 }
 
 TEST_CASE("rows run by stage, cadence and rank; a coupling appears with its partners", "[world]") {
