@@ -1,6 +1,13 @@
-// Workers spin for a short while between rounds (a step has hundreds of short rounds), then sleep on a condition
-// variable. Blocks are claimed from one counter per worker, the own one first.
+// Staged loops on threads that may come late. A stage is published as (epoch, what to run); a worker takes a block by
+// compare-exchange on a word that holds the epoch and the number of blocks left of a share, so that a thread that slept
+// through the end of a stage fails. The last block of a stage opens the next; only taken blocks are waited for.
+// Workers spin for some microseconds, offer their core, then sleep: on a busy machine spinning would take the time
+// from the thread that steps.
 #include "base/jobs.h"
+
+#include <algorithm>
+
+#include "base/assert.h"
 
 #if defined(__x86_64__) || defined(__i386__)
 #include <immintrin.h>
@@ -9,7 +16,9 @@
 namespace feder {
 namespace {
 
-constexpr int kSpins = 4000;  // about 40 us of waiting before a worker goes to sleep
+constexpr int kWorkerSpins = 200;   // some 5 us
+constexpr int kWorkerYields = 50;   // some 20 us when nobody else wants the core
+constexpr int kCallerSpins = 1000;  // some 25 us: the blocks it waits for are being run
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -19,71 +28,190 @@ void relax() {
 #endif
 }
 
+template <class Ready>
+bool spin(int spins, int yields, Ready&& ready) {
+  for (int i = 0; i < spins + yields; ++i) {
+    if (ready()) return true;
+    if (i < spins) relax(); else std::this_thread::yield();
+  }
+  return ready();
+}
+
+void run_serial(std::span<const JobPool::Stage> stages) {
+  for (const JobPool::Stage& s : stages) {
+    for (std::uint32_t first = s.first; first < s.last;) {
+      const std::uint32_t last = s.last - first > s.grain.items ? first + s.grain.items : s.last;
+      s.function(s.body, first, last, 0);
+      first = last;
+    }
+  }
+}
+
 }  // namespace
 
-JobPool::JobPool(int threads) : shares_(new Share[static_cast<std::size_t>(threads > 1 ? threads : 1)]) {
-  for (int i = 1; i < threads; ++i) workers_.emplace_back([this, i] { work(i); });
+JobPool::JobPool(int threads)
+    : shares_(new Share[static_cast<std::size_t>(std::max(threads, 1))]), threads_(std::max(threads, 1)) {
+  for (int i = 1; i < threads_; ++i) workers_.emplace_back([this, i] { work(i); });
 }
+
+JobPool::JobPool(const JobHost& host)
+    : shares_(new Share[static_cast<std::size_t>(std::max(host.threads, 1))]), threads_(std::max(host.threads, 1)),
+      host_(host), idle_(threads_ - 1) {}
 
 JobPool::~JobPool() {
   {
     std::lock_guard lock(mutex_);
     stop_.store(true);
-    round_.fetch_add(1);
   }
-  wake_.notify_all();
+  wake_workers_.notify_all();
   for (std::thread& t : workers_) t.join();
 }
 
-void JobPool::claim_blocks(int worker) {
-  const int all = threads();
-  for (int k = 0; k < all; ++k) {
-    Share& share = shares_[static_cast<std::size_t>((worker + k) % all)];
-    for (;;) {
-      const std::uint32_t block = share.next.fetch_add(1, std::memory_order_relaxed);
-      if (block >= share.end) break;
-      const std::uint64_t first = std::uint64_t(block) * grain_, last = first + grain_;
-      function_(body_, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last < count_ ? last : count_),
-                worker);
+// What is read of the stage belongs to `epoch` whenever a take succeeds: the next stage is written only after the block
+// that was taken is done. True when a block was run.
+bool JobPool::take_blocks(std::uint64_t epoch, int worker) {
+  const std::uint64_t first = first_.load(std::memory_order_relaxed), last = last_.load(std::memory_order_relaxed);
+  const std::uint64_t items = items_.load(std::memory_order_relaxed), blocks = blocks_.load(std::memory_order_relaxed);
+  const auto function = function_.load(std::memory_order_relaxed);
+  void* const body = body_.load(std::memory_order_relaxed);
+  const auto all = static_cast<std::uint64_t>(threads_);
+  bool any = false;
+  for (std::uint64_t k = 0; k < all; ++k) {
+    const std::uint64_t s = (static_cast<std::uint64_t>(worker) + k) % all, end = blocks * (s + 1) / all;
+    std::atomic<std::uint64_t>& word = shares_[s].left;
+    std::uint64_t left = word.load(std::memory_order_acquire);
+    while (left >> kLeftBits == epoch && (left & kLeftMask) != 0) {
+      if (!word.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel, std::memory_order_acquire)) continue;
+      const std::uint64_t from = first + (end - (left & kLeftMask)) * items;
+      function(body, static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(std::min(from + items, last)), worker);
+      any = true;
+      if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == blocks) {
+        next_stage();
+        return true;
+      }
+      left = word.load(std::memory_order_acquire);
     }
+  }
+  return any;
+}
+
+// By one thread at a time: the caller at the start of a loop, then who did the last block of a stage.
+void JobPool::open(const Stage& stage) {
+  const std::uint64_t blocks = stage.blocks(), all = static_cast<std::uint64_t>(threads_);
+  FEDER_ASSERT(blocks <= kLeftMask);
+  const std::uint64_t epoch = epoch_.load(std::memory_order_relaxed) + 1;
+  first_.store(stage.first, std::memory_order_relaxed), last_.store(stage.last, std::memory_order_relaxed);
+  items_.store(stage.grain.items, std::memory_order_relaxed);
+  blocks_.store(static_cast<std::uint32_t>(blocks), std::memory_order_relaxed);
+  function_.store(stage.function, std::memory_order_relaxed), body_.store(stage.body, std::memory_order_relaxed);
+  done_.store(0, std::memory_order_relaxed);
+  const auto wanted = static_cast<int>(std::min<std::uint64_t>(blocks - 1, static_cast<std::uint64_t>(helpers_)));
+  for (std::uint64_t s = 0; s < all; ++s)
+    shares_[s].left.store(epoch << kLeftBits | (blocks * (s + 1) / all - blocks * s / all), std::memory_order_release);
+  epoch_.store(epoch);
+  wake(wanted);  // by now others may have ended the stage, and the loop: nothing of it is read any more
+}
+
+void JobPool::next_stage() {
+  do ++stage_;
+  while (stage_ < stage_count_ && stages_[stage_].blocks() == 0);
+  if (stage_ < stage_count_) {
+    open(stages_[stage_]);
+    return;
+  }
+  finished_.store(true);
+  if (!caller_asleep_.load()) return;
+  std::lock_guard lock(mutex_);
+  wake_caller_.notify_one();
+}
+
+// So many as are wanted and not awake yet. Who goes to sleep counts itself idle before it looks at the epoch a last
+// time, so either it is counted here or it sees the new epoch.
+void JobPool::wake(int wanted) {
+  if (caller_asleep_.load()) {
+    std::lock_guard lock(mutex_);
+    wake_caller_.notify_one();
+  }
+  const int missing = wanted - (threads_ - 1 - idle_.load());
+  if (missing <= 0) return;
+  if (host_.call) {
+    host_.call(host_.user, missing);
+    return;
+  }
+  if (workers_.empty()) return;
+  std::lock_guard lock(mutex_);
+  const int called = std::min(missing, idle_.load());
+  if (called <= 0) return;
+  idle_.fetch_sub(called);
+  calls_ += called;
+  for (int i = 0; i < called; ++i) wake_workers_.notify_one();
+}
+
+void JobPool::run_stages(std::span<const Stage> stages) {
+  if (threads_ == 1) return run_serial(stages);
+  std::uint64_t work = 0, widest = 0;
+  for (const Stage& s : stages) work += s.work(), widest = std::max<std::uint64_t>(widest, s.blocks());
+  if (work < kForkWork || widest < 2) return run_serial(stages);
+  FEDER_ASSERT(finished_.load());  // not re-entrant
+  ++forks_;
+  helpers_ = static_cast<int>(std::min({static_cast<std::uint64_t>(threads_), widest, work / kHelpWork})) - 1;
+  stages_ = stages.data(), stage_count_ = stages.size(), stage_ = 0;
+  while (stages_[stage_].blocks() == 0) ++stage_;
+  finished_.store(false, std::memory_order_relaxed);
+  open(stages_[stage_]);
+  for (;;) {
+    const std::uint64_t epoch = epoch_.load(std::memory_order_acquire);
+    if (take_blocks(epoch, 0)) continue;
+    if (finished_.load(std::memory_order_acquire)) return;
+    sleep_caller(epoch);
   }
 }
 
-void JobPool::run(std::uint32_t count, std::uint32_t grain, Function function, void* body) {
-  count_ = count, grain_ = grain, function_ = function, body_ = body;
-  const std::uint64_t blocks = (std::uint64_t(count) + grain - 1) / grain, all = static_cast<std::uint64_t>(threads());
-  for (std::uint64_t w = 0; w < all; ++w) {
-    shares_[w].next.store(static_cast<std::uint32_t>(blocks * w / all), std::memory_order_relaxed);
-    shares_[w].end = static_cast<std::uint32_t>(blocks * (w + 1) / all);
-  }
-  busy_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
+// Until the loop is done or its next stage is open.
+void JobPool::sleep_caller(std::uint64_t epoch) {
+  const auto ready = [&] { return finished_.load() || epoch_.load() != epoch; };
+  if (spin(kCallerSpins, 0, ready)) return;
+  caller_asleep_.store(true);
   {
-    std::lock_guard lock(mutex_);
-    round_.fetch_add(1, std::memory_order_release);
+    std::unique_lock lock(mutex_);
+    wake_caller_.wait(lock, ready);
   }
-  wake_.notify_all();
-  claim_blocks(0);
-  for (int spins = 0; busy_.load(std::memory_order_acquire) != 0; ++spins) {
-    if (spins < kSpins) relax(); else std::this_thread::yield();
-  }
+  caller_asleep_.store(false);
 }
 
 void JobPool::work(int worker) {
-  std::uint64_t seen = 0;
   for (;;) {
-    for (int spins = 0; round_.load(std::memory_order_acquire) == seen; ++spins) {
-      if (spins < kSpins) {
-        relax();
+    const std::uint64_t epoch = epoch_.load();
+    if (take_blocks(epoch, worker)) continue;
+    const auto news = [&] { return epoch_.load(std::memory_order_acquire) != epoch || stop_.load(); };
+    if (!spin(kWorkerSpins, kWorkerYields, news)) {
+      std::unique_lock lock(mutex_);
+      idle_.fetch_add(1);
+      if (epoch_.load() != epoch) {
+        idle_.fetch_sub(1);
         continue;
       }
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return round_.load(std::memory_order_acquire) != seen; });
+      wake_workers_.wait(lock, [&] { return calls_ > 0 || stop_.load(); });
+      if (calls_ > 0) --calls_;
     }
-    seen = round_.load(std::memory_order_acquire);
     if (stop_.load()) return;
-    claim_blocks(worker);
-    busy_.fetch_sub(1, std::memory_order_release);
   }
+}
+
+bool JobPool::help(int worker) {
+  FEDER_ASSERT(worker > 0 && worker < threads_);
+  idle_.fetch_sub(1);
+  bool any = false;
+  for (;;) {
+    const std::uint64_t epoch = epoch_.load();
+    if (take_blocks(epoch, worker)) {
+      any = true;
+      continue;
+    }
+    if (!spin(kWorkerSpins, kWorkerYields, [&] { return epoch_.load(std::memory_order_acquire) != epoch; })) break;
+  }
+  idle_.fetch_add(1);
+  return any;
 }
 
 }  // namespace feder

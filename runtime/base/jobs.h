@@ -1,10 +1,18 @@
 // A pool of worker threads. Work is cut into blocks by index only, so what is computed never depends on the number
-// of threads: a body writes to places that belong to its own indices and merges happen in index order afterwards.
+// of threads. Contract of every loop here, checked by tests/base/test_jobs.cpp:
+//  - each block is run exactly once, by whoever takes it; blocks of one stage do not see each other's writes;
+//  - a body writes to places that belong to its own indices. A result per block goes to slot first / grain, and the
+//    caller merges the slots in this order afterwards: the same bits for any number of threads;
+//  - blocks and forks are functions of counts and of estimates that callers state (JobGrain), never of a clock;
+//  - nobody waits for a thread that holds no block. A worker that never got a core costs nothing, and one that woke
+//    late takes nothing of a later stage: it joins by a compare-exchange that carries the epoch (the stage's number);
+//  - no allocation, and not re-entrant: a body starts no loop of the same pool.
 #pragma once
 #include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -12,52 +20,124 @@
 
 namespace feder {
 
+// How a loop is cut, and what it costs: items of a block, and what a full block takes on a common processor. An
+// estimate within a factor of three will do; it decides only whether waking others is worth it.
+struct JobGrain {
+  std::uint32_t items;
+  std::uint32_t block_ns = 10'000;  // ns
+  constexpr JobGrain(std::uint32_t n, std::uint32_t ns = 10'000) : items(n), block_ns(ns) {}
+};
+
+// Threads that a host has already (an engine's task system), in place of own ones. They help, they are not relied on:
+//  - `call` asks for up to `helpers` calls of JobPool::help(worker), on any threads, soon; it comes from the thread
+//    that runs a loop or from one that helps, must not block and must not call help() itself;
+//  - help() may come late, more often than asked or never: results are the same, the caller then does all itself;
+//  - worker is in [1, threads) and belongs to one thread at a time; all calls have returned before the pool ends.
+struct JobHost {
+  int threads = 1;  // with the one that calls the loops
+  void (*call)(void* user, int helpers) = nullptr;
+  void* user = nullptr;
+};
+
 class JobPool {
  public:
   explicit JobPool(int threads = 1);  // total number including the caller; at least 1
+  explicit JobPool(const JobHost& host);
   ~JobPool();
   JobPool(const JobPool&) = delete;
   JobPool& operator=(const JobPool&) = delete;
 
-  int threads() const { return static_cast<int>(workers_.size()) + 1; }
+  int threads() const { return threads_; }
+  std::uint64_t forks() const { return forks_; }  // loops so far that asked others: the same in every run of a scene
 
-  // Calls body(first, last, worker) for blocks of at most `grain` indices that cover [0, count); worker is in
-  // [0, threads()). Returns when all are done. No allocation. Not re-entrant.
-  template <class Body>
-  void for_blocks(std::uint32_t count, std::uint32_t grain, Body&& body) {
-    if (count == 0) return;
-    if (workers_.empty() || count <= grain) {
-      for (std::uint32_t i = 0; i < count; i += grain) body(i, i + grain < count ? i + grain : count, 0);
-      return;
-    }
-    run(count, grain, [](void* b, std::uint32_t first, std::uint32_t last, int worker) {
-      (*static_cast<std::remove_reference_t<Body>*>(b))(first, last, worker);
-    }, const_cast<void*>(static_cast<const void*>(&body)));
-  }
+  // One stage of a staged loop: body(first, last, worker) for blocks that cover [first, last). Made by stage();
+  // refers to the body, which must outlive the loop.
+  struct Stage {
+    std::uint32_t first = 0, last = 0;
+    JobGrain grain{1};
+    void (*function)(void* body, std::uint32_t first, std::uint32_t last, int worker) = nullptr;
+    void* body = nullptr;
 
- private:
-  using Function = void (*)(void*, std::uint32_t first, std::uint32_t last, int worker);
-  void run(std::uint32_t count, std::uint32_t grain, Function function, void* body);
-  void work(int worker);
-  void claim_blocks(int worker);
-
-  // The blocks that a worker takes first: neighbours, and the same ones in every round of a size, so that what it wrote
-  // in one round is still in its cache in the next. Those who are done take from the others.
-  struct alignas(64) Share {
-    std::atomic<std::uint32_t> next{0};
-    std::uint32_t end = 0;
+    std::uint32_t blocks() const { return (last - first) / grain.items + ((last - first) % grain.items != 0); }
+    std::uint64_t work() const { return std::uint64_t(last - first) * grain.block_ns / grain.items; }  // ns
   };
 
-  std::unique_ptr<Share[]> shares_;  // by worker
+  template <class Body>
+  static Stage stage(std::uint32_t first, std::uint32_t last, JobGrain grain, Body& body) {
+    return {first, last, grain, [](void* b, std::uint32_t from, std::uint32_t to, int worker) {
+      (*static_cast<Body*>(b))(from, to, worker);
+    }, const_cast<void*>(static_cast<const void*>(&body))};
+  }
+
+  // Stage after stage: the next begins when all blocks of the one before are done, and is opened by the thread that did
+  // the last of them, so that a loop goes on while its caller has no core. Threads stay with the loop from stage to
+  // stage: one fork for all colours, passes and iterations of a substep. Returns when all are done.
+  void run_stages(std::span<const Stage> stages);
+
+  // The loop of one stage: body(first, last, worker) for blocks of `grain` that cover [0, count); worker is in
+  // [0, threads()). Returns when all are done.
+  template <class Body>
+  void for_blocks(std::uint32_t count, JobGrain grain, Body&& body) {
+    if (threads_ > 1 && std::uint64_t(count) * grain.block_ns >= kForkWork * grain.items && count > grain.items) {
+      const Stage all = stage(0, count, grain, body);
+      run_stages({&all, 1});
+      return;
+    }
+    for (std::uint32_t i = 0; i < count;) {
+      const std::uint32_t last = count - i > grain.items ? i + grain.items : count;
+      body(i, last, 0);
+      i = last;
+    }
+  }
+
+  // For a JobHost's threads: takes blocks while there are any, and returns when there have been none for some
+  // microseconds. True when it did something.
+  bool help(int worker);
+
+ private:
+  // Below this a fork costs more than it brings: a thread takes some microseconds to wake.
+  static constexpr std::uint64_t kForkWork = 40'000;  // ns
+  static constexpr std::uint64_t kHelpWork = 20'000;  // ns, for each that is woken
+
+  // The blocks that a worker takes first: neighbours, and the same ones in every stage of a size, so that what it wrote
+  // in one is still in its cache in the next. Those who are done take from the others.
+  struct alignas(64) Share {
+    std::atomic<std::uint64_t> left{0};  // epoch << kLeftBits | blocks not yet taken
+  };
+  static constexpr int kLeftBits = 24;
+  static constexpr std::uint64_t kLeftMask = (std::uint64_t(1) << kLeftBits) - 1;
+
+  void work(int worker);
+  bool take_blocks(std::uint64_t epoch, int worker);
+  void open(const Stage& stage);
+  void next_stage();
+  void wake(int wanted);
+  void sleep_caller(std::uint64_t epoch);
+
+  // the stage that is open; atomic because a worker that comes late may read while the next is written
+  std::atomic<std::uint64_t> epoch_{0};  // of the open stage; raised by open(), never reused
+  std::atomic<std::uint32_t> first_{0}, last_{0}, items_{1}, blocks_{0};
+  std::atomic<decltype(Stage::function)> function_{nullptr};
+  std::atomic<void*> body_{nullptr};
+  std::unique_ptr<Share[]> shares_;               // by worker
+  alignas(64) std::atomic<std::uint32_t> done_{0};  // blocks of the open stage
+  std::atomic<bool> finished_{true};              // all stages of the loop
+
+  // of the loop; read and written only by who opens its stages
+  const Stage* stages_ = nullptr;
+  std::size_t stage_ = 0, stage_count_ = 0;
+  int helpers_ = 0;  // worth waking
+  std::uint64_t forks_ = 0;
+
+  int threads_ = 1;
+  JobHost host_;
   std::vector<std::thread> workers_;
   std::mutex mutex_;
-  std::condition_variable wake_;
-  std::atomic<std::uint64_t> round_{0};  // raised by run(); workers spin on it, then sleep
-  std::atomic<int> busy_{0};
+  std::condition_variable wake_workers_, wake_caller_;
+  std::atomic<int> idle_{0};  // workers that sleep and were not called yet; of a host: those not in help()
+  int calls_ = 0;             // workers called that have not woken yet; guarded by the mutex
+  std::atomic<bool> caller_asleep_{false};
   std::atomic<bool> stop_{false};
-  std::uint32_t count_ = 0, grain_ = 1;
-  Function function_ = nullptr;
-  void* body_ = nullptr;
 };
 
 }  // namespace feder

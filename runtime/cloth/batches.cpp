@@ -7,7 +7,7 @@
 
 namespace feder {
 namespace {
-constexpr unsigned kGrain = 64;  // batches per job: some ten microseconds
+constexpr JobGrain kGrain{32, 3'000};  // batches per job
 constexpr std::uint32_t kColors = 64;
 
 std::uint32_t direction(const ClothLink& l) { return l.b - l.a; }
@@ -100,12 +100,25 @@ void ClothBatches::place(const ClothView& v) {
 }
 
 void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c) {
-  for (const Color& color : colors)
-    c.jobs->for_blocks(color.last - color.first, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      ClothPass part = pass;
-      part.first = color.first + first, part.last = color.first + last;
-      kernel(part);
-    });
+  if (colors.empty()) return;
+  if (c.jobs->threads() == 1) {  // batches lie in the order of their colours
+    pass.first = colors.front().first, pass.last = colors.back().last;
+    kernel(pass);
+    return;
+  }
+  const auto sweep = [&](std::uint32_t first, std::uint32_t last, int) {
+    ClothPass part = pass;
+    part.first = first, part.last = last;
+    kernel(part);
+  };
+  // colour after colour is one loop; those beyond kStages follow in loops of their own
+  std::size_t count = 0;
+  for (const Color& color : colors) {
+    stages_[count++] = JobPool::stage(color.first, color.last, kGrain, sweep);
+    if (count < kStages && &color != &colors.back()) continue;
+    c.jobs->run_stages({stages_, count});
+    count = 0;
+  }
 }
 
 void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c) {

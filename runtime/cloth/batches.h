@@ -23,6 +23,7 @@ class ClothBatches {
   struct Color {
     unsigned first, last;  // batches
   };
+  static constexpr std::size_t kStages = 64;
   void run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c);
   template <class Elements, class Points>
   std::uint32_t color(const Elements& elements, std::uint32_t total, Points&& points);
@@ -32,6 +33,7 @@ class ClothBatches {
   Array<LinkBatch> links_;
   Array<HingeBatch> hinges_;
   Array<Color> link_colors_, hinge_colors_;
+  JobPool::Stage stages_[kStages];  // of the pass that runs: its colours
   Array<std::uint64_t> used_;       // by vertex: colours taken
   Array<std::uint32_t> color_, order_;  // by element; the order they are coloured in
 };

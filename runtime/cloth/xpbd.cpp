@@ -20,7 +20,7 @@ namespace {
 constexpr double kBendShare = 0.1;       // wanted h^2 k sum w |gradient|^2 of the stiffest hinge
 constexpr double kSoftHinge = 0.12;      // the largest at which hinges may push all at once
 constexpr int kTogether = 9;             // small steps that one push of soft hinges may stand for, odd
-constexpr std::uint32_t kGrain = 1024;   // vertices per job
+constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
 
 class Xpbd final : public ClothSolver {
  public:

@@ -209,7 +209,7 @@ void Pbf::judge(StepContext& c) {
 void Pbf::predict(StepContext& c) {
   each([&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
-    c.jobs->for_blocks(p.count, 4 * kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
         p.start[i] = p.x[i];
         const Vec3 v = p.v[i].vec() + kick;
@@ -331,7 +331,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
       p.move[i].set(inv_mass * move);
     }
   });
-  c.jobs->for_blocks(p.count, 4 * kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     // velocities by what the particles were moved, not by where they are: equal and opposite to the last bit nearly,
     // wherever the origin lies
     for (std::uint32_t i = first; i < last; ++i) {

@@ -112,6 +112,7 @@ struct FluidPool {
   bool meets(const Wall& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
 };
 
-inline constexpr std::uint32_t kFluidGrain = 512;  // particles per job
+// particles per job, where each looks at its neighbours and where not
+inline constexpr JobGrain kFluidGrain{512, 30'000}, kParticleGrain{2048, 8'000};
 
 }  // namespace feder

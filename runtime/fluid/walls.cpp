@@ -102,7 +102,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, con
       if (d < reach) f(w, d, local, n_local);
     }
   };
-  constexpr std::uint32_t kRun = 64;  // particles that share a list of walls
+  constexpr JobGrain kRun{64, 3'000};  // particles that share a list of walls
 
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
     NearWalls near;

@@ -43,7 +43,7 @@ class ForceField {
 // body(first, last) for runs of points that cover [0, count), on the field's threads. Points must not see each other.
 template <class Body>
 void for_points(const ForceField& field, std::size_t count, Body&& body) {
-  constexpr std::uint32_t kGrain = 1024;  // a microsecond or more
+  constexpr JobGrain kGrain{1024, 4'000};
   const auto n = static_cast<std::uint32_t>(count);
   if (JobPool* jobs = field.jobs())
     jobs->for_blocks(n, kGrain, [&](std::uint32_t first, std::uint32_t last, int) { body(first, last); });

@@ -31,7 +31,8 @@ inline bool keep_of_crowd(std::uint32_t i, std::uint32_t j, std::uint32_t crowd)
 // offers them in ascending order.
 template <class Find>
 void fill_rows(std::uint32_t count, JobPool& jobs, NeighborLists& lists, bool sorted, Find&& find) {
-  constexpr std::uint32_t kGrain = 256, kMost = NeighborLists::kMost;
+  constexpr JobGrain kGrain{256, 80'000}, kPadGrain{1024, 5'000};
+  constexpr std::uint32_t kMost = NeighborLists::kMost;
   if (lists.count.size() < count) lists.count.resize(count), lists.rounded.resize(count);
   std::uint32_t most = 0;
   for (;;) {
@@ -81,7 +82,7 @@ void fill_rows(std::uint32_t count, JobPool& jobs, NeighborLists& lists, bool so
     });
     for (std::uint32_t i = 0; i < count; ++i) lists.count[i] = lists.rounded[i];
   }
-  jobs.for_blocks(count, 4 * kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  jobs.for_blocks(count, kPadGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) {
       const std::uint32_t n = lists.count[i], whole = (n + 7) / 8 * 8;
       std::fill(lists.index.data() + std::size_t(i) * lists.stride + n,

@@ -10,7 +10,7 @@
 namespace feder {
 namespace {
 
-constexpr std::uint32_t kGrain = 256;  // bodies per job
+constexpr JobGrain kGrain{256, 8'000};  // bodies per job
 constexpr int kSpinRounds = 3;
 
 Vec3 spin_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {

@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kColors = 64;
 constexpr int kFixedColor = 48;          // colours from here on hold contacts against what cannot move: solved last
-constexpr std::uint32_t kBatchGrain = 8; // batches per job: 64 contacts, some microseconds
-constexpr std::uint32_t kMoverGrain = 512;
+// batches and bodies per job
+constexpr JobGrain kSolveGrain{8, 2'500}, kFillGrain{8, 5'000}, kStoreGrain{8, 1'000}, kMoverGrain{512, 3'000};
 
 static_assert(std::is_same_v<WideReal, Real>);
 static_assert(kBatchPoints == kMaxContactPoints);
@@ -77,6 +77,7 @@ class SoftStep final : public RigidSolver {
   Real* joint_change_ = nullptr;    // what joints did in this substep; null without joints
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
   std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0
+  JobPool::Stage stages_[kColors];               // of the pass that runs: its colours
   bool bounces_ = false;
   Vec3 gravity_ = Vec3::Zero();
 };
@@ -209,17 +210,21 @@ ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
 void SoftStep::run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c) {
   if (batch_count_ == 0) return;
   ContactPass p = pass(in, c);
-  p.first = 0, p.last = overflow_count_;
-  if (overflow_count_) kernel(p);
-  for (int k = 0; k < kColors; ++k) {
-    const std::uint32_t first = color_first_[k], count = color_first_[k + 1] - first;
-    if (count == 0) continue;
-    c.jobs->for_blocks(count, kBatchGrain, [&p, first, kernel](std::uint32_t from, std::uint32_t to, int) {
-      ContactPass part = p;
-      part.first = first + from, part.last = first + to;
-      kernel(part);
-    });
-  }
+  // batches lie in the order of their colours: alone, one thread does all in one go
+  const bool alone = c.jobs->threads() == 1;
+  p.first = 0, p.last = alone ? batch_count_ : overflow_count_;
+  if (p.last) kernel(p);
+  if (alone) return;
+  const auto solve = [&p, kernel](std::uint32_t from, std::uint32_t to, int) {
+    ContactPass part = p;
+    part.first = from, part.last = to;
+    kernel(part);
+  };
+  std::size_t count = 0;
+  for (int k = 0; k < kColors; ++k)
+    if (color_first_[k] < color_first_[k + 1])
+      stages_[count++] = JobPool::stage(color_first_[k], color_first_[k + 1], kSolveGrain, solve);
+  c.jobs->run_stages({stages_, count});
 }
 
 void SoftStep::prepare(const SolverInput& in, StepContext& c) {
@@ -245,7 +250,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   batches_ = c.scratch->take<ContactBatch>(batch_count_);
   sides_ = c.scratch->take<BatchSide>(batch_count_);
   const ContactPass p = pass(in, c);
-  c.jobs->for_blocks(batch_count_, kBatchGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  c.jobs->for_blocks(batch_count_, kFillGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) fill(*in.contacts, *in.colliders, movers, i);
     ContactPass part = p;
     part.first = first, part.last = last;
@@ -347,7 +352,7 @@ void SoftStep::finish(const SolverInput& in, StepContext& c) {
   // several rounds, so that bodies that bounce together do not overshoot
   if (bounces_)
     for (int round = 0; round < bounce_rounds_; ++round) run(kernels_->restitution, in, c);
-  c.jobs->for_blocks(batch_count_, kBatchGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  c.jobs->for_blocks(batch_count_, kStoreGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) store_batch(*in.contacts, i);
   });
 }

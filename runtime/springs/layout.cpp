@@ -87,7 +87,7 @@ unsigned SpringLayout::add_forces(std::uint32_t first, std::uint32_t last) {
 }
 
 bool SpringLayout::find_snapped(std::span<const Vec3> x, const SpringArrays& s, JobPool* jobs) {
-  blocks(jobs, slices(), kGrain, [&](std::uint32_t first, std::uint32_t last) {
+  blocks(jobs, slices(), kPackGrain, [&](std::uint32_t first, std::uint32_t last) {
     const auto count = static_cast<std::uint32_t>(x.size());
     for (std::uint32_t i = first * kLanes; i < std::min(last * kLanes, count); ++i) position_[i] = row_of(x[i]);
   });

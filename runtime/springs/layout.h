@@ -38,8 +38,8 @@ class SpringLayout {
   struct alignas(4 * sizeof(Real)) PointRow {
     Real x = 0, y = 0, z = 0, unused = 0;
   };
-  static constexpr std::uint32_t kGrain = 32;        // slices per job: 256 points, some ten microseconds
-  static constexpr std::uint32_t kSnapGrain = 256;   // groups of eight springs per job
+  // slices of eight points per job, and groups of eight springs
+  static constexpr JobGrain kPackGrain{32, 2'500}, kForceGrain{32, 15'000}, kSnapGrain{256, 4'000};
 
   std::uint32_t slices() const { return static_cast<std::uint32_t>(force_.size()); }
   static PointRow row_of(const Vec3& a) { return {a[0], a[1], a[2], 0}; }
@@ -47,7 +47,7 @@ class SpringLayout {
   unsigned add_forces(std::uint32_t first, std::uint32_t last);
 
   template <class Body>
-  static void blocks(JobPool* jobs, std::uint32_t count, std::uint32_t grain, Body&& body) {
+  static void blocks(JobPool* jobs, std::uint32_t count, JobGrain grain, Body&& body) {
     if (jobs)
       jobs->for_blocks(count, grain, [&](std::uint32_t first, std::uint32_t last, int) { body(first, last); });
     else if (count > 0)
@@ -69,7 +69,7 @@ unsigned SpringLayout::eval(std::span<const Vec3> x, std::span<const Vec3> v, Jo
                             std::span<Vec3> force) {
   const auto count = static_cast<std::uint32_t>(x.size());
   const auto end_of = [&](std::uint32_t slice) { return slice * kLanes < count ? slice * kLanes : count; };
-  blocks(jobs, slices(), kGrain, [&](std::uint32_t first, std::uint32_t last) {
+  blocks(jobs, slices(), kPackGrain, [&](std::uint32_t first, std::uint32_t last) {
     pack(x, v, first * kLanes, end_of(last));
     for (std::uint32_t i = first * kLanes; i < end_of(last); ++i) {
       const Vec3 f = outside(i);
@@ -78,7 +78,7 @@ unsigned SpringLayout::eval(std::span<const Vec3> x, std::span<const Vec3> v, Jo
     }
   });
   std::atomic<unsigned> found{0};
-  blocks(jobs, slices(), kGrain, [&](std::uint32_t first, std::uint32_t last) {
+  blocks(jobs, slices(), kForceGrain, [&](std::uint32_t first, std::uint32_t last) {
     if (const unsigned here = add_forces(first, last)) found.fetch_add(here, std::memory_order_relaxed);
     for (std::uint32_t i = first * kLanes; i < end_of(last); ++i) {
       const Lane8x3& from = force_[i / kLanes];

@@ -118,7 +118,7 @@ std::uint32_t Net::find_non_finite(JobPool* jobs) const {
   };
   if (jobs) {
     std::atomic<bool> bad{false};
-    jobs->for_blocks(points, 1024, [&](std::uint32_t first, std::uint32_t last, int) {
+    jobs->for_blocks(points, {1024, 2'000}, [&](std::uint32_t first, std::uint32_t last, int) {
       if (!good(first, last)) bad.store(true, std::memory_order_relaxed);
     });
     if (!bad.load(std::memory_order_relaxed)) return kNone;

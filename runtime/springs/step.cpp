@@ -8,7 +8,8 @@
 
 namespace feder {
 namespace {
-constexpr std::uint32_t kPointGrain = 2048;  // points per job where little is done to each
+constexpr JobGrain kPointGrain{2048, 1'000};  // points per job where little is done to each
+constexpr std::uint32_t kPartWork = 8;        // ns, for a point or spring of a net
 
 JobPool* threads_of(const StepContext& c) { return c.jobs->threads() > 1 ? c.jobs : nullptr; }
 }  // namespace
@@ -60,7 +61,11 @@ void Springs::Impl::integrate(StepContext& c) {
   // large nets one after another with all threads each, small ones side by side
   for (auto& n : nets)
     if (n->wide()) run(*n, threads_of(c));
-  c.jobs->for_blocks(static_cast<std::uint32_t>(nets.size()), 1, [&](std::uint32_t first, std::uint32_t last, int) {
+  const auto count = static_cast<std::uint32_t>(nets.size());
+  std::uint32_t parts = 0;
+  for (auto& n : nets)
+    if (!n->wide()) parts += n->springs.size() + n->points;
+  c.jobs->for_blocks(count, {1, parts / std::max(count, 1u) * kPartWork}, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t k = first; k < last; ++k)
       if (!nets[k]->wide()) run(*nets[k], nullptr);
   });
