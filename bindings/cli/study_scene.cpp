@@ -104,7 +104,8 @@ MethodPlace find_methods(const std::string& file, lua::Script& script, SceneDesc
     place.world_key = "rigid.solver";
     const auto& systems = world.desc().systems;
     const auto rigid = systems.find("rigid");
-    const std::string own = rigid == systems.end() ? "soft_step" : rigid->second.text("solver", "soft_step");
+    const std::string first = default_variant(rigid_solvers(), "soft_step");
+    const std::string own = rigid == systems.end() ? first : rigid->second.text("solver", first);
     for (const auto& row : rigid_solvers()) names.push_back(row.name);
     std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
   }

@@ -113,7 +113,7 @@ void draw_world_options(Desk& desk) {
     ImGui::SetNextItemWidth(-1);
   };
   if (live.world().find<Rigid>()) {
-    std::string solver = rigid_solvers().empty() ? "" : rigid_solvers()[0].name;
+    std::string solver = default_variant(rigid_solvers(), "soft_step");
     const auto options = d.systems.find("rigid");
     if (options != d.systems.end()) solver = options->second.text("solver", solver);
     row("solver");

@@ -1,4 +1,8 @@
 # feder view: the window and its panels. Left out, with a message, where GLFW or Dear ImGui are missing.
+feder_left_out(left_out window)
+if(left_out OR NOT TARGET feder_live)
+  return()
+endif()
 pkg_check_modules(FEDER_GLFW QUIET IMPORTED_TARGET glfw3)
 pkg_check_modules(FEDER_PANELS QUIET IMPORTED_TARGET imgui)
 if(NOT TARGET feder_view OR NOT TARGET feder_report OR NOT FEDER_GLFW_FOUND OR NOT FEDER_PANELS_FOUND)

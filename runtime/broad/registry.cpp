@@ -7,10 +7,10 @@ using Row = Variant<BroadPhase>;
 #include "broad_declare.inc"
 
 std::span<const Variant<BroadPhase>> broad_phases() {
-  static const Variant<BroadPhase> table[] = {
+  static const std::initializer_list<Variant<BroadPhase>> table = {
 #include "broad_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

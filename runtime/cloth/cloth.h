@@ -15,6 +15,8 @@ namespace feder {
 
 struct Movers;
 
+std::string default_cloth_solver();
+
 struct ClothDesc {
   std::string name;
   TagMask tags = 0;
@@ -43,7 +45,7 @@ struct ClothDesc {
   int substeps = 0;
   Real stretch_error = Real(0.01);   // strain that the solver may leave beside the material's
   int max_substeps = 64;             // where the choice ends, with a warning
-  std::string solver = "xpbd";
+  std::string solver = default_cloth_solver();  // xpbd, or the first of this build
   Params solver_options;
   // Names: "top_left" "top_right" "bottom_left" "bottom_right" "top" "bottom" "left" "right", each with "_clamped"
   // when the slope is held too (sheets only); and vertex numbers from 0.

@@ -31,14 +31,11 @@ struct Spring {
   Real rest, stiffness;
 };
 
-bool has_integrator(std::string_view name) {
-  for (const Variant<Integrator>& v : integrators())
-    if (name == v.name) return true;
-  return false;
-}
+bool has_integrator(std::string_view name) { return default_variant(integrators(), name) == name; }
 
 std::string default_integrator() {
-  return has_integrator("heun") ? "heun" : "velocity_verlet";  // where Heun is left out
+  if (!has_integrator("heun") && has_integrator("velocity_verlet")) return "velocity_verlet";
+  return default_variant(integrators(), "heun");
 }
 
 // One point under g = 1: what a method makes of free fall.

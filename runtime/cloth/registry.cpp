@@ -1,3 +1,4 @@
+#include "cloth/cloth.h"
 #include "cloth/solver.h"
 
 namespace feder {
@@ -5,10 +6,12 @@ using Row = Variant<ClothSolver>;
 #include "cloth_declare.inc"
 
 std::span<const Variant<ClothSolver>> cloth_solvers() {
-  static const Row rows[] = {
+  static const std::initializer_list<Row> rows = {
 #include "cloth_rows.inc"
   };
-  return rows;
+  return {rows.begin(), rows.size()};
 }
+
+std::string default_cloth_solver() { return default_variant(cloth_solvers(), "xpbd"); }
 
 }  // namespace feder

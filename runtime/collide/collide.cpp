@@ -24,7 +24,7 @@ Collide::Impl::Impl(SystemSetup& setup, Collide& owner)
       transitions(motion.get_allocator()),
       stays(motion.get_allocator()),
       exclusions(motion.get_allocator()) {
-  const std::string name = setup.world.text("broad_phase", "tree");
+  const std::string name = setup.world.text("broad_phase", default_variant(broad_phases(), "tree"));
   broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
 }
 
@@ -92,6 +92,15 @@ void Collide::include(ObjectId a, ObjectId b) {
   Colliders& c = *impl_->colliders;
   for (std::uint32_t i = 0; i < c.size(); ++i)
     if (c.motion[i] != ColliderMotion::none && c.object[i] == a) c.changed.push_back(i);
+}
+
+void Collide::check_shape(const Shape& shape) const {
+  if (impl_->narrow.complete()) return;
+  const Colliders& c = *impl_->colliders;
+  for (std::uint32_t k = 0; k < c.size(); ++k)
+    if (c.motion[k] != ColliderMotion::none && impl_->narrow.lacks(shape, *c.shape[k]))
+      throw SceneError(std::string("body.shape: this build has no test for ") + shape.kind() + " with " +
+                       c.shape[k]->kind());
 }
 
 std::uint16_t Collide::material(std::string_view name) {

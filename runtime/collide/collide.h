@@ -49,6 +49,7 @@ class Collide final : public System, public ContactService {
   void exclude(ObjectId a, ObjectId b) override;
   void include(ObjectId a, ObjectId b) override;
   void forget(std::uint32_t collider) override;
+  void check_shape(const Shape& shape) const override;
   std::uint16_t material(std::string_view name) override;
   void set_material_pair(const MaterialPair& pair);
 

@@ -12,10 +12,10 @@ using Row = JointKind;
 
 std::span<const JointKind> joint_kinds() {
   using namespace joints;
-  static const JointKind table[] = {
+  static const std::initializer_list<JointKind> table = {
 #include "constrain_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

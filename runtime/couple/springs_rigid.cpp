@@ -90,11 +90,13 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
   if (!collides) return;
   std::uint32_t& k = particles_.collider[i];
   if (k == kNone) {
-    k = colliders_.add();
     // the points of a net share one shape
     const std::uint32_t first = particles_.collider[net.first];
-    const bool share = first != kNone && first != k && particles_.radius[net.first] == particles_.radius[i];
-    colliders_.shapes[k] = share ? colliders_.shapes[first] : make_sphere(particles_.radius[i]);
+    const bool share = first != kNone && particles_.radius[net.first] == particles_.radius[i];
+    const ShapePtr ball = share ? colliders_.shapes[first] : make_sphere(particles_.radius[i]);
+    collide_.check_shape(*ball);
+    k = colliders_.add();
+    colliders_.shapes[k] = ball;
     colliders_.shape[k] = colliders_.shapes[k].get();
     colliders_.motion[k] = ColliderMotion::dynamic;
     colliders_.owner[k] = ObjectKind::net;

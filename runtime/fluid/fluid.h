@@ -13,6 +13,11 @@ namespace feder {
 
 struct FluidPool;
 
+// pbf, cubic and grid, or the first of this build where they are left out.
+std::string default_fluid_solver();
+std::string default_fluid_kernel();
+std::string default_fluid_neighbors();
+
 struct FluidDesc {
   std::string name;
   TagMask tags = 0;
@@ -20,9 +25,9 @@ struct FluidDesc {
   Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
   Real viscosity = 0;         // dynamic, Pa s; walls do not slip when above 0
   Real surface_tension = 0;   // N/m
-  std::string solver = "pbf";
-  std::string kernel = "cubic";
-  std::string neighbors = "grid";
+  std::string solver = default_fluid_solver();
+  std::string kernel = default_fluid_kernel();
+  std::string neighbors = default_fluid_neighbors();
   Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
   Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
   int iterations = 4;                     // pbf, per substep

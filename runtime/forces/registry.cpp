@@ -7,10 +7,10 @@ using Row = Variant<Force>;
 #include "forces_declare.inc"
 
 std::span<const Variant<Force>> force_kinds() {
-  static const Variant<Force> table[] = {
+  static const std::initializer_list<Variant<Force>> table = {
 #include "forces_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

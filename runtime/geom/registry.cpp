@@ -10,10 +10,10 @@ using Row = ShapeKind;
 #include "geom_declare.inc"
 
 std::span<const ShapeKind> shape_kinds() {
-  static const ShapeKind table[] = {
+  static const std::initializer_list<ShapeKind> table = {
 #include "geom_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 int shape_kind_id(const char* name) {

@@ -7,10 +7,10 @@ using Row = Variant<Integrator>;
 #include "integrate_declare.inc"
 
 std::span<const Variant<Integrator>> integrators() {
-  static const Variant<Integrator> table[] = {
+  static const std::initializer_list<Variant<Integrator>> table = {
 #include "integrate_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

@@ -11,14 +11,14 @@ namespace {
 
 struct KindTraits {
   const char* name;
-  bool convex, planar;
+  bool convex, planar, whole;  // whole: one collider, not the parts of a compound
 };
 
 std::vector<KindTraits> kind_traits() {
   std::vector<KindTraits> traits;
   for (const ShapeKind& kind : shape_kinds()) {
     const ShapePtr sample = kind.samples().front();
-    traits.push_back({kind.name, sample->convex(), sample->planar()});
+    traits.push_back({kind.name, sample->convex(), sample->planar(), compound_parts(*sample).empty()});
   }
   return traits;
 }
@@ -36,16 +36,22 @@ int precision(const PairRow& row) {
   return int(!family(row.kind_a)) + int(!family(row.kind_b));
 }
 
+bool should_touch(const KindTraits& a, const KindTraits& b) {
+  if (!a.whole || !b.whole) return false;
+  if (a.convex && b.convex) return a.planar == b.planar;
+  return a.convex || b.convex;
+}
+
 }  // namespace
 
-NarrowPhase::NarrowPhase(const std::string& algorithm) {
+NarrowPhase::NarrowPhase(const std::string& algorithm, std::span<const PairRow> tests) {
   if (algorithm != "auto" && algorithm != "gjk")
     throw SceneError("unknown narrow phase '" + algorithm + "'; known: auto, gjk");
   const std::vector<KindTraits> kinds = kind_traits();
   kinds_ = static_cast<int>(kinds.size());
   table_.resize(kinds.size() * kinds.size());
   for (int wanted = 0; wanted <= 2; ++wanted) {
-    for (const PairRow& row : pair_tests()) {
+    for (const PairRow& row : tests) {
       if (precision(row) != wanted) continue;
       for (std::size_t i = 0; i < kinds.size(); ++i) {
         for (std::size_t j = 0; j < kinds.size(); ++j) {
@@ -54,13 +60,24 @@ NarrowPhase::NarrowPhase(const std::string& algorithm) {
           if (both_convex && kinds[i].planar != kinds[j].planar) continue;
           // flat sections have no volume for EPA: they keep their own tests
           if (algorithm == "gjk" && wanted == 2 && both_convex && !kinds[i].planar) continue;
-          table_[i * kinds.size() + j] = {row.test, false};
+          table_[i * kinds.size() + j] = {row.test, false, false};
           const bool same_family = matches(row.kind_a, kinds[j]) && matches(row.kind_b, kinds[i]);
-          if (i != j && !same_family) table_[j * kinds.size() + i] = {row.test, true};
+          if (i != j && !same_family) table_[j * kinds.size() + i] = {row.test, true, false};
         }
       }
     }
   }
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    for (std::size_t j = 0; j < kinds.size(); ++j) {
+      Entry& entry = table_[i * kinds.size() + j];
+      entry.lacking = !entry.test && should_touch(kinds[i], kinds[j]);
+      complete_ = complete_ && !entry.lacking;
+    }
+  }
+}
+
+bool NarrowPhase::lacks(const Shape& a, const Shape& b) const {
+  return table_[static_cast<std::size_t>(a.kind_id() * kinds_ + b.kind_id())].lacking;
 }
 
 int NarrowPhase::collide(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin,

@@ -7,10 +7,10 @@ using Row = PairRow;
 #include "narrow_declare.inc"
 
 std::span<const PairRow> pair_tests() {
-  static const PairRow table[] = {
+  static const std::initializer_list<PairRow> table = {
 #include "narrow_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

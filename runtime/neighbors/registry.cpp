@@ -7,10 +7,10 @@ using Row = Variant<NeighborSearch>;
 #include "neighbors_declare.inc"
 
 std::span<const Variant<NeighborSearch>> neighbor_searches() {
-  static const Variant<NeighborSearch> table[] = {
+  static const std::initializer_list<Variant<NeighborSearch>> table = {
 #include "neighbors_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

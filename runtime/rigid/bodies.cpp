@@ -125,6 +125,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
             mass);
   }
   if (d.type == BodyType::free) throw SceneError("body.type: expected static, kinematic or dynamic");
+  for (const CompoundPart& p : parts) collide.check_shape(*p.shape);
   // from here on nothing fails
   const std::uint32_t i = bodies.add();
   if (volume.size() < bodies.size()) {

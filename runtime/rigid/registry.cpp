@@ -11,10 +11,10 @@ using Row = Variant<RigidSolver>;
 #include "rigid_declare.inc"
 
 std::span<const Variant<RigidSolver>> rigid_solvers() {
-  static const Variant<RigidSolver> table[] = {
+  static const std::initializer_list<Variant<RigidSolver>> table = {
 #include "rigid_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 }  // namespace feder

@@ -17,7 +17,8 @@ Rigid::Impl::Impl(SystemSetup& s)
       movers(s.store.need<Movers>(kName)),
       dimension(s.dimension),
       structure_changed(s.structure_changed),
-      solver(find_variant(rigid_solvers(), s.options.text("solver", "soft_step"), "rigid solver")
+      solver(find_variant(rigid_solvers(), s.options.text("solver", default_variant(rigid_solvers(), "soft_step")),
+                          "rigid solver")
                  .make(s.store.arena(kName), s.options)),
       volume(&s.store.arena(kName)),
       area(&s.store.arena(kName)),

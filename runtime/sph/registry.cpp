@@ -7,10 +7,10 @@ using Row = Kernel;
 #include "sph_declare.inc"
 
 std::span<const Kernel> kernels() {
-  static const Kernel table[] = {
+  static const std::initializer_list<Kernel> table = {
 #include "sph_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 const Sweeps& sweeps_of(const Kernel& k) {

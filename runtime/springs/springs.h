@@ -28,7 +28,7 @@ struct NetDesc {
   std::vector<Real> masses;      // one per point, kg, > 0
   std::vector<SpringDesc> springs;
   std::vector<std::uint32_t> faces;  // triangles, three point numbers each: what fluids cannot pass
-  std::string integrator = "symplectic_euler";
+  std::string integrator = default_variant(integrators(), "symplectic_euler");
   Params integrator_options;
   Real damping = 0;              // drag on every point, 1/s (force = -damping m v)
   Real radius = 0;               // m; > 0: points collide with rigid bodies

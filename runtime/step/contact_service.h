@@ -3,6 +3,7 @@
 #pragma once
 #include <string_view>
 
+#include "geom/shape.h"
 #include "state/objects.h"
 
 namespace feder {
@@ -19,6 +20,9 @@ class ContactService {
   // A collider is about to go, to be switched to another filter or type, or to be teleported: its contacts are
   // removed now, and their end events queued.
   virtual void forget(std::uint32_t collider) = 0;
+
+  // SceneError when this build has no test for the shape with one that is there already. Before its collider is added.
+  virtual void check_shape(const Shape& shape) const = 0;
 
   // The number of a named material, made on first use. Number 0 is "no material".
   virtual std::uint16_t material(std::string_view name) = 0;

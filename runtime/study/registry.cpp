@@ -10,10 +10,10 @@ using Row = Variant<StudyProblem>;
 #include "study_declare.inc"
 
 std::span<const Variant<StudyProblem>> study_problems() {
-  static const Variant<StudyProblem> table[] = {
+  static const std::initializer_list<Variant<StudyProblem>> table = {
 #include "study_rows.inc"
   };
-  return table;
+  return {table.begin(), table.size()};
 }
 
 std::unique_ptr<StudyProblem> make_study_problem(std::string_view name, const Params& options) {

@@ -6,6 +6,7 @@
 # generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
 
 include(${CMAKE_CURRENT_LIST_DIR}/pch.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/without.cmake)
 find_program(FEDER_CCACHE ccache)
 if(FEDER_CCACHE AND NOT FEDER_PCH AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${FEDER_CCACHE})
@@ -59,6 +60,7 @@ endfunction()
 
 function(feder_module name)
   cmake_parse_arguments(M "" "ROOT" "SOURCES;NEEDS" ${ARGN})
+  feder_known(${name})
   feder_left_out(left_out ${name})
   if(left_out)
     return()
@@ -79,6 +81,7 @@ function(feder_module name)
     target_link_libraries(${target} PUBLIC feder_${need})
   endforeach()
   set_property(GLOBAL APPEND PROPERTY FEDER_MODULES ${name})
+  set_property(GLOBAL PROPERTY FEDER_NEEDS_${name} ${M_NEEDS})
   set_property(GLOBAL PROPERTY FEDER_DECLARE_${name} "")
   set_property(GLOBAL PROPERTY FEDER_ROWS_${name} "")
   file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}_declare.inc
@@ -89,8 +92,14 @@ endfunction()
 
 function(feder_variant module name)
   cmake_parse_arguments(V "" "FILE" "" ${ARGN})
+  feder_known(${module}.${name})
   feder_left_out(module_out ${module})
   feder_left_out(variant_out ${module}.${name})
+  if(variant_out AND NOT module_out)
+    # for those who say so when it is asked for, as geom/absent.cpp
+    string(TOUPPER "FEDER_WITHOUT_${module}_${name}" definition)
+    target_compile_definitions(feder_${module} PRIVATE ${definition})
+  endif()
   if(module_out OR variant_out)
     return()
   endif()
