@@ -105,7 +105,7 @@ void FluidSprings::push_apart(const FaceContact& k) {
   p.x[k.particle].set(p.x[k.particle].vec() + (push / p.mass) * n);
   for (int i = 0; i < 3; ++i) {
     const std::uint32_t v = k.vertex[i];
-    points_.position[v] -= (push * k.weight[i] * points_.inv_mass[v]) * n;
+    points_.move(v, (-push * k.weight[i] * points_.inv_mass[v]) * n);
   }
 }
 

@@ -208,10 +208,8 @@ void SpringsRigid::read_back(StepContext& c) {
     const MoverState& s = movers_.state[k.solver];
     particles_.velocity[i] = s.velocity;
     const Vec3 pushed = s.moved - k.given_moved - c.h * k.given;
-    if (k.added > 0 || k.attached)
-      particles_.position[i] = movers_.mass[k.solver].center + s.moved;
-    else
-      particles_.position[i] += pushed;
+    if (k.added > 0 || k.attached) particles_.place(i, movers_.mass[k.solver].center);
+    particles_.move(i, k.added > 0 || k.attached ? s.moved : pushed);
   }
 }
 

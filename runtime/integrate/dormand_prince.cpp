@@ -25,14 +25,14 @@ constexpr double kDense[] = {-12715105075.0 / 11282082432, 0, 87487479700.0 / 32
 
 DormandPrince::DormandPrince(Arena& a) : stages_(a, {kStages, kReach, kCoupling, kWeights}) {}
 
-void DormandPrince::start(ForceField& field, double t, std::span<const Vec3> x, std::span<const Vec3> v,
-                          IntegratorStats& stats) {
-  stages_.evaluate(field, t, 0, x, v, 0, 1, stats);
+void DormandPrince::start(ForceField& field, double t, std::span<const Vec3> x, std::span<const Vec3> low,
+                          std::span<const Vec3> v, IntegratorStats& stats) {
+  stages_.evaluate(field, t, 0, x, low, v, 0, 1, stats);
 }
 
-double DormandPrince::attempt(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> v,
-                              double absolute, double relative, IntegratorStats& stats) {
-  stages_.evaluate(field, t, h, x, v, 1, kStages, stats);
+double DormandPrince::attempt(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> low,
+                              std::span<const Vec3> v, double absolute, double relative, IntegratorStats& stats) {
+  stages_.evaluate(field, t, h, x, low, v, 1, kStages, stats);
   const std::span<const Real> inv_mass = field.inv_mass();
   const std::span<const Vec3> x1 = end_x(), v1 = end_v();
   double sum = 0;

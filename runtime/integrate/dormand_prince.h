@@ -10,12 +10,14 @@ class DormandPrince {
   explicit DormandPrince(Arena& a);
 
   // The slope at (x, v), for a first step from there.
-  void start(ForceField& field, double t, std::span<const Vec3> x, std::span<const Vec3> v, IntegratorStats& stats);
-  // Tries a step of h from (x, v), whose slope is known; its end is in end_x() and end_v(). Returns the error estimate:
-  // root mean square over the free points of error / (absolute + relative |state|), of x and of v.
-  double attempt(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> v,
-                 double absolute, double relative, IntegratorStats& stats);
+  void start(ForceField& field, double t, std::span<const Vec3> x, std::span<const Vec3> low, std::span<const Vec3> v,
+             IntegratorStats& stats);
+  // Tries a step of h from (x + low, v), whose slope is known; its end is in end_x() + end_low() and end_v(). Returns
+  // the error estimate: root mean square over the free points of error / (absolute + relative |state|), of x and of v.
+  double attempt(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> low,
+                 std::span<const Vec3> v, double absolute, double relative, IntegratorStats& stats);
   std::span<const Vec3> end_x() const { return stages_.last_x(); }
+  std::span<const Vec3> end_low() const { return stages_.last_low(); }
   std::span<const Vec3> end_v() const { return stages_.last_v(); }
   // The state at t + theta h of the last attempt from (x, v), 0 <= theta <= 1. Before accept().
   void interpolate(double theta, Real h, std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> x_out,

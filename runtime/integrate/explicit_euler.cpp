@@ -21,9 +21,10 @@ class ExplicitEuler final : public Integrator {
     field.eval(x, v, t, force_);
     ++stats.force_evals;
     const std::span<const Real> inv_mass = field.inv_mass();
+    const std::span<Vec3> low = low_of(field);
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (inv_mass[i] == 0) continue;
-      x[i] += h * v[i];
+      add_compensated(x[i], low[i], h * v[i]);
       v[i] += (h * inv_mass[i]) * force_[i];
     }
   }

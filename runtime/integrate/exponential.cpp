@@ -16,7 +16,7 @@ class Exponential final : public Integrator {
  public:
   Exponential(Arena& a, const Params& p)
       : Integrator(a), max_parts_(p.integer("max_parts", 256, 1, 1000000)), k_(a), d_(a), force_(&a), after_(&a),
-        x_(&a), v_(&a), b_x_(&a), b_v_(&a), ramp_(&a), flow_(a) {}
+        x_(&a), v_(&a), b_x_(&a), b_v_(&a), ramp_(&a), dx_(&a), flow_(a) {}
 
   IntegratorInfo info() const override {
     return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 2, .implicit = true,
@@ -41,8 +41,10 @@ class Exponential final : public Integrator {
     const LinearSystem system{&k_, &d_, field.mass(), inv_mass};
     const double whole = h;
     bool met = flow_.solve(system, whole, b_x_, b_v_, {}, max_parts_);
+    const std::span<Vec3> low = low_of(field);
+    dx_.assign(flow_.x().begin(), flow_.x().end());
     for (std::size_t i = 0; i < n; ++i) {
-      x_[i] = x[i] + flow_.x()[i].cast<Real>();
+      x_[i] = x[i] + (low[i] + dx_[i].cast<Real>());
       v_[i] = v[i] + flow_.v()[i].cast<Real>();
     }
 
@@ -59,7 +61,7 @@ class Exponential final : public Integrator {
     stats.linear_solves += 2;
     if (!met) ++stats.unconverged;
     for (std::size_t i = 0; i < n; ++i) {
-      x[i] = x_[i] + flow_.x()[i].cast<Real>();
+      add_compensated(x[i], low[i], (dx_[i] + flow_.x()[i]).cast<Real>());
       v[i] = v_[i] + flow_.v()[i].cast<Real>();
     }
   }
@@ -68,7 +70,7 @@ class Exponential final : public Integrator {
   int max_parts_;
   BlockSparse k_, d_;
   Array<Vec3> force_, after_, x_, v_;
-  Array<Vec3d> b_x_, b_v_, ramp_;
+  Array<Vec3d> b_x_, b_v_, ramp_, dx_;
   LinearFlow flow_;
   FieldPattern pattern_;
 };

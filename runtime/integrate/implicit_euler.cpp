@@ -18,8 +18,9 @@ class ImplicitEuler final : public Integrator {
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     x_.assign(x.begin(), x.end());
     v_.assign(v.begin(), v.end());
-    stage_.solve(field, {t + static_cast<double>(h), h, x_, x_, v_}, v, stats);
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += h * v[i];  // pinned points have v = 0 and dv = 0
+    const std::span<Vec3> low = low_of(field);
+    stage_.solve(field, {t + static_cast<double>(h), h, x_, low, v_}, v, stats);
+    drift(field, h, v, x, low);
   }
 
  private:

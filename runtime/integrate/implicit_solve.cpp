@@ -1,5 +1,5 @@
-// The first solve of a stage is that of Baraff & Witkin 1998, linearised where the step starts: A dv = r + g K (x_star
-// + g v - x_linear), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would look
+// The first solve of a stage is that of Baraff & Witkin 1998, linearised where the step starts: A dv = r + g K (x_past
+// + g v), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would look
 // compressed there and buckle). Newton steps from the state it reaches follow until the residual is gone, because a
 // stiff chain that swings far in one step overshoots along its tangents; `iterations = 1` leaves them out. The force
 // field hands over negative semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko 2002), so A
@@ -112,7 +112,7 @@ void ImplicitStage::evaluate(ForceField& field, const StageProblem& p, std::span
                              IntegratorStats& stats) {
   const std::span<const Real> inv_mass = field.inv_mass();
   for (std::size_t i = 0; i < v.size(); ++i)
-    x_new_[i] = inv_mass[i] == 0 ? p.x_star[i] : Vec3(p.x_star[i] + p.g * v[i]);
+    x_new_[i] = inv_mass[i] == 0 ? p.x[i] : Vec3(p.x[i] + (p.x_past[i] + p.g * v[i]));
   field.eval(x_new_, v, p.t, force_);
   ++stats.force_evals;
   set_residual(field, p, v);
@@ -120,13 +120,13 @@ void ImplicitStage::evaluate(ForceField& field, const StageProblem& p, std::span
 
 bool ImplicitStage::first_direction(ForceField& field, const StageProblem& p, std::span<const Vec3> v,
                                     IntegratorStats& stats) {
-  field.eval(p.x_linear, v, p.t, force_);
+  field.eval(p.x, v, p.t, force_);
   ++stats.force_evals;
   set_residual(field, p, v);
-  matrix_.assemble(field, p.t, p.g, p.x_linear, v, stats);
+  matrix_.assemble(field, p.t, p.g, p.x, v, stats);
   const std::span<const Real> inv_mass = field.inv_mass();
   for (std::size_t i = 0; i < v.size(); ++i)
-    x_new_[i] = inv_mass[i] == 0 ? Vec3(0, 0, 0) : Vec3(p.x_star[i] - p.x_linear[i] + p.g * v[i]);
+    x_new_[i] = inv_mass[i] == 0 ? Vec3(0, 0, 0) : Vec3(p.x_past[i] + p.g * v[i]);
   matrix_.multiply_stiffness(x_new_, product_);
   for (std::size_t i = 0; i < v.size(); ++i)
     if (inv_mass[i] != 0) residual_[i] += p.g * product_[i].cast<Real>();
@@ -166,7 +166,7 @@ bool ImplicitStage::direction_is_rounding(const StageProblem& p) const {
   Real update = 0, size = 0;
   for (std::size_t i = 0; i < dv_.size(); ++i) {
     update = std::max(update, dv_[i].cwiseAbs().maxCoeff());
-    size = std::max(size, p.x_linear[i].cwiseAbs().maxCoeff());
+    size = std::max(size, p.x[i].cwiseAbs().maxCoeff());
   }
   return p.g * update <= std::max(Real(4) * kEpsilon * size, kNothing);
 }

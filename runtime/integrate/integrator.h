@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/arena.h"
+#include "base/compensated.h"
 #include "base/jobs.h"
 #include "base/registry.h"
 #include "base/params.h"
@@ -36,6 +37,9 @@ class ForceField {
   virtual void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) = 0;
   virtual void pattern(std::vector<BlockIndex>& blocks) const = 0;  // off-diagonal blocks (i < j)
   virtual std::uint64_t pattern_version() const = 0;                // changes when the pattern does
+  // The low parts of the positions, m: state beside x, zero at first, that integrators keep (base/compensated.h). Empty:
+  // the owner has none, and positions are what x holds.
+  virtual std::span<Vec3> position_low() { return {}; }
   // Threads for loops over points (for_points below); null: there are none to share.
   virtual JobPool* jobs() const { return nullptr; }
 };
@@ -49,6 +53,28 @@ void for_points(const ForceField& field, std::size_t count, Body&& body) {
     jobs->for_blocks(n, kGrain, [&](std::uint32_t first, std::uint32_t last, int) { body(first, last); });
   else
     body(std::uint32_t{0}, n);
+}
+
+// x += h v for the free points, compensated.
+inline void drift(const ForceField& field, Real h, std::span<const Vec3> v, std::span<Vec3> x, std::span<Vec3> low) {
+  const Real* const inv_mass = field.inv_mass().data();
+  for_points(field, x.size(), [&](std::uint32_t first, std::uint32_t last) {
+    std::uint32_t i = first;
+    const auto one = [&] {
+      if (inv_mass[i] != 0) add_compensated(x[i], low[i], h * v[i]);
+      ++i;
+    };
+    while (i + 4 <= last) {
+      const Real* const m = inv_mass + i;
+      if ((m[0] != 0) & (m[1] != 0) & (m[2] != 0) & (m[3] != 0)) {
+        add_compensated<12>(x[i].data(), low[i].data(), v[i].data(), h);
+        i += 4;
+      } else {
+        for (int k = 0; k < 4; ++k) one();
+      }
+    }
+    while (i < last) one();
+  });
 }
 
 struct IntegratorInfo {
@@ -84,13 +110,25 @@ struct IntegratorMemory {
 // No allocation after the first step of a size.
 class Integrator {
  public:
-  explicit Integrator(Arena& a) : memory(a) {}
+  explicit Integrator(Arena& a) : memory(a), low_(&a) {}
   virtual ~Integrator() = default;
   virtual IntegratorInfo info() const = 0;
   // Advances x and v by h from time t, in place.
   virtual void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) = 0;
   IntegratorStats stats;
   IntegratorMemory memory;
+
+ protected:
+  // The field's low parts of positions; zeros where it has none.
+  std::span<Vec3> low_of(ForceField& field) {
+    const std::span<Vec3> own = field.position_low();
+    if (!own.empty()) return own;
+    low_.assign(field.count(), Vec3(0, 0, 0));
+    return low_;
+  }
+
+ private:
+  Array<Vec3> low_;
 };
 
 std::span<const Variant<Integrator>> integrators();

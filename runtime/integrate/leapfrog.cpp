@@ -18,7 +18,8 @@ class Leapfrog final : public Integrator {
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
-    drift(field, h / 2, x, v);
+    const std::span<Vec3> low = low_of(field);
+    drift(field, h / 2, v, x, low);
     const double middle = t + static_cast<double>(h) / 2;
     if (!field.damped())
       kick_.apply(field, middle, h, x, v, stats);
@@ -26,16 +27,10 @@ class Leapfrog final : public Integrator {
       kick_.apply_implicit(field, middle, h, Real(0.5), x, v, stats);
     else
       kick_.apply_corrected(field, middle, h, Real(0.5), x, v, stats);
-    drift(field, h / 2, x, v);
+    drift(field, h / 2, v, x, low);
   }
 
  private:
-  static void drift(ForceField& field, Real h, std::span<Vec3> x, std::span<const Vec3> v) {
-    const std::span<const Real> inv_mass = field.inv_mass();
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (inv_mass[i] != 0) x[i] += h * v[i];
-  }
-
   DampedKick kick_;
 };
 

@@ -40,8 +40,9 @@ class Rk4 final : public Integrator {
         v_[i] = v[i] + next * slope_v;
       }
     }
+    const std::span<Vec3> low = low_of(field);
     for (std::size_t i = 0; i < n; ++i) {
-      x[i] += h * x_sum_[i];
+      add_compensated(x[i], low[i], h * x_sum_[i]);
       v[i] += h * v_sum_[i];
     }
   }

@@ -45,7 +45,8 @@ class Rk45 final : public Integrator {
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
-    pair_.start(field, t, x, v, stats);
+    const std::span<Vec3> low = low_of(field);
+    pair_.start(field, t, x, low, v, stats);
     const double whole = h;
     int tries = 0;
     double done = 0, next = whole, error_before = 1;
@@ -56,9 +57,9 @@ class Rk45 final : public Integrator {
                                                         : rest / std::max(1, max_steps_ + 1 - tries);
       double size = std::min(std::max(next, smallest), rest);
       if (rest - size < 0.01 * size) size = rest;  // no crumbs
-      const double error = adaptive_ ? pair_.attempt(field, t + done, static_cast<Real>(size), x, v, absolute_,
-                                                     tolerance_, stats)
-                                     : whole_step(field, t, h, x, v);
+      const double error = adaptive_ ? pair_.attempt(field, t + done, static_cast<Real>(size), x, low, v,
+                                                     absolute_, tolerance_, stats)
+                                     : whole_step(field, t, h, x, low, v);
       const bool good = error <= 1, stuck = size <= smallest;
       if (!good && !stuck) {
         ++stats.rejected;
@@ -67,6 +68,7 @@ class Rk45 final : public Integrator {
       }
       missed = missed || !good;
       std::copy(pair_.end_x().begin(), pair_.end_x().end(), x.begin());
+      std::copy(pair_.end_low().begin(), pair_.end_low().end(), low.begin());
       std::copy(pair_.end_v().begin(), pair_.end_v().end(), v.begin());
       pair_.accept();
       ++stats.substeps;
@@ -79,8 +81,9 @@ class Rk45 final : public Integrator {
   }
 
  private:
-  double whole_step(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> v) {
-    pair_.attempt(field, t, h, x, v, 1, 0, stats);
+  double whole_step(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> low,
+                    std::span<const Vec3> v) {
+    pair_.attempt(field, t, h, x, low, v, 1, 0, stats);
     return 0;
   }
   static double clamped(double error) { return error <= 1e12 ? std::max(error, 1e-12) : 1e12; }

@@ -52,8 +52,9 @@ class Ros2 final : public Integrator {
     }
     solved = solve_stage(field, g, kv2_) && solved;
     if (!solved) ++stats.unconverged;
+    const std::span<Vec3> low = low_of(field);
     for (std::size_t i = 0; i < n; ++i) {
-      x[i] += h * (Real(1.5) * kx1_[i] + Real(0.5) * (right_x_[i] + g * kv2_[i]));
+      add_compensated(x[i], low[i], h * (Real(1.5) * kx1_[i] + Real(0.5) * (right_x_[i] + g * kv2_[i])));
       v[i] += h * (Real(1.5) * kv1_[i] + Real(0.5) * kv2_[i]);
     }
   }

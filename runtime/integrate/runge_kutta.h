@@ -15,30 +15,32 @@ struct Tableau {
 class RungeKutta {
  public:
   static constexpr int kMostStages = 8;
-  RungeKutta(Arena& a, const Tableau& t) : tableau_(t), force_(&a), x_(&a), v_(&a), slope_x_(&a), slope_v_(&a) {}
+  RungeKutta(Arena& a, const Tableau& t) : tableau_(t), force_(&a), x_(&a), low_(&a), v_(&a), slope_x_(&a), slope_v_(&a) {}
 
-  // The slopes of stages first .. last-1 from (x, v); those before `first` are there already. The state at which the
-  // last one was evaluated stays readable below. Pinned points have no slope.
-  void evaluate(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> v, int first,
-                int last, IntegratorStats& stats);
-  // x += h sum w_s slope_s, v likewise.
-  void advance(Real h, const double* weights, std::span<Vec3> x, std::span<Vec3> v) const;
+  // The slopes of stages first .. last-1 from (x + low, v); those before `first` are there already. The state at which
+  // the last one was evaluated stays readable below. Pinned points have no slope.
+  void evaluate(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> low,
+                std::span<const Vec3> v, int first, int last, IntegratorStats& stats);
+  // x + low += h sum w_s slope_s, v likewise.
+  void advance(Real h, const double* weights, std::span<Vec3> x, std::span<Vec3> low, std::span<Vec3> v) const;
   // One step with the tableau's weights.
-  void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v, IntegratorStats& stats) {
-    evaluate(field, t, h, x, v, 0, tableau_.stages, stats);
-    advance(h, tableau_.weights, x, v);
+  void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> low, std::span<Vec3> v,
+            IntegratorStats& stats) {
+    evaluate(field, t, h, x, low, v, 0, tableau_.stages, stats);
+    advance(h, tableau_.weights, x, low, v);
   }
 
   std::span<const Vec3> last_x() const { return x_; }
+  std::span<const Vec3> last_low() const { return low_; }
   std::span<const Vec3> last_v() const { return v_; }
   std::span<Vec3> slope_x(int s) { return {slope_x_.data() + static_cast<std::size_t>(s) * x_.size(), x_.size()}; }
   std::span<Vec3> slope_v(int s) { return {slope_v_.data() + static_cast<std::size_t>(s) * x_.size(), x_.size()}; }
 
  private:
-  void add(Real h, const double* weights, int stages, std::span<Vec3> x, std::span<Vec3> v) const;
+  void add(Real h, const double* weights, int stages, std::span<Vec3> x, std::span<Vec3> low, std::span<Vec3> v) const;
 
   Tableau tableau_;
-  Array<Vec3> force_, x_, v_;
+  Array<Vec3> force_, x_, low_, v_;
   Array<Vec3> slope_x_, slope_v_;  // by stage, then point
 };
 
@@ -49,7 +51,7 @@ class TableauMethod final : public Integrator {
 
   IntegratorInfo info() const override { return info_; }
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
-    stages_.step(field, t, h, x, v, stats);
+    stages_.step(field, t, h, x, low_of(field), v, stats);
   }
 
  private:

@@ -33,11 +33,7 @@ class SymplecticEuler final : public Integrator {
       kick_.apply_implicit(field, t, h, 1, x, v, stats);
     else
       kick_.apply(field, t, h, x, v, stats);
-    const std::span<const Real> inv_mass = field.inv_mass();
-    for_points(field, x.size(), [&](std::uint32_t first, std::uint32_t last) {
-      for (std::uint32_t i = first; i < last; ++i)
-        if (inv_mass[i] != 0) x[i] += h * v[i];
-    });
+    drift(field, h, v, x, low_of(field));
   }
 
  private:

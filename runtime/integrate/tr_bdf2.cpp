@@ -16,7 +16,7 @@ constexpr double kStart = (1 - kGamma) * (1 - kGamma) / (kGamma * (2 - kGamma));
 class TrBdf2 final : public Integrator {
  public:
   TrBdf2(Arena& a, const Params& p)
-      : Integrator(a), force_(&a), x_(&a), v_(&a), x_star_(&a), v_star_(&a), stage_(a, p) {}
+      : Integrator(a), force_(&a), x_(&a), v_(&a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
     return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 5, .implicit = true,
@@ -27,7 +27,8 @@ class TrBdf2 final : public Integrator {
     const std::size_t n = x.size();
     const Real g = static_cast<Real>(kGamma / 2) * h;
     const std::span<const Real> inv_mass = field.inv_mass();
-    force_.resize(n), x_star_.resize(n), v_star_.resize(n);
+    const std::span<Vec3> low = low_of(field);
+    force_.resize(n), dx_.resize(n), x_past_.resize(n), v_star_.resize(n);
     x_.assign(x.begin(), x.end());
     v_.assign(v.begin(), v.end());
 
@@ -35,26 +36,30 @@ class TrBdf2 final : public Integrator {
     field.eval(x, v, t, force_);
     ++stats.force_evals;
     for (std::size_t i = 0; i < n; ++i) {
-      x_star_[i] = x_[i] + g * v_[i];
+      x_past_[i] = low[i] + g * v_[i];
       v_star_[i] = v_[i] + (g * inv_mass[i]) * force_[i];
     }
-    stage_.solve(field, {t + kGamma * static_cast<double>(h), g, x_, x_star_, v_star_}, v, stats);
-    for (std::size_t i = 0; i < n; ++i) x[i] = x_star_[i] + g * v[i];  // pinned points have v = 0
+    stage_.solve(field, {t + kGamma * static_cast<double>(h), g, x_, x_past_, v_star_}, v, stats);
+    for (std::size_t i = 0; i < n; ++i) {
+      dx_[i] = g * (v_[i] + v[i]);  // pinned points have v = 0
+      add_compensated(x[i], low[i], dx_[i]);
+    }
 
     // BDF2 from start and middle
     for (std::size_t i = 0; i < n; ++i) {
-      x_star_[i] = x[i] + static_cast<Real>(kStart) * (x[i] - x_[i]);
+      dx_[i] *= static_cast<Real>(kStart);
+      x_past_[i] = low[i] + dx_[i];
       v_star_[i] = v[i] + static_cast<Real>(kStart) * (v[i] - v_[i]);
     }
     x_.assign(x.begin(), x.end());
-    stage_.solve(field, {t + static_cast<double>(h), g, x_, x_star_, v_star_}, v, stats);
-    for (std::size_t i = 0; i < n; ++i) x[i] = x_star_[i] + g * v[i];
+    stage_.solve(field, {t + static_cast<double>(h), g, x_, x_past_, v_star_}, v, stats);
+    for (std::size_t i = 0; i < n; ++i) add_compensated(x[i], low[i], dx_[i] + g * v[i]);
   }
 
  private:
   static_assert(kMiddle - kStart > 1 - 1e-15 && kMiddle - kStart < 1 + 1e-15);
 
-  Array<Vec3> force_, x_, v_, x_star_, v_star_;
+  Array<Vec3> force_, x_, v_, dx_, x_past_, v_star_;
   ImplicitStage stage_;
 };
 

@@ -20,11 +20,7 @@ class VelocityVerlet final : public Integrator {
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     const Real half = h / 2;
     kick_.apply(field, t, half, x, v, stats);
-    const std::span<const Real> inv_mass = field.inv_mass();
-    for_points(field, x.size(), [&](std::uint32_t first, std::uint32_t last) {
-      for (std::uint32_t i = first; i < last; ++i)
-        if (inv_mass[i] != 0) x[i] += h * v[i];
-    });
+    drift(field, h, v, x, low_of(field));
     const double end = t + static_cast<double>(h);
     if (!field.damped())
       kick_.apply(field, end, half, x, v, stats);

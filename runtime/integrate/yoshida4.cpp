@@ -59,13 +59,12 @@ class Yoshida4 final : public Integrator {
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     static constexpr double kShares[] = {kOuter, kInner, kOuter};
-    const std::span<const Real> inv_mass = field.inv_mass();
+    const std::span<Vec3> low = low_of(field);
     double at = t;
     for (const double share : kShares) {
       const Real part = static_cast<Real>(share) * h;
       kick(field, at, part / 2, x, v);
-      for (std::size_t i = 0; i < x.size(); ++i)
-        if (inv_mass[i] != 0) x[i] += part * v[i];
+      drift(field, part, v, x, low);
       at += share * static_cast<double>(h);
       kick(field, at, part / 2, x, v);
     }

@@ -108,6 +108,7 @@ class Net final : public ForceField {
   void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override;
   void pattern(std::vector<BlockIndex>& blocks) const override;
   std::uint64_t pattern_version() const override { return version; }
+  std::span<Vec3> position_low() override { return {particles_.position_low.data() + first, points}; }
   JobPool* jobs() const override { return jobs_; }
 
  private:

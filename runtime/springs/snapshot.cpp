@@ -6,7 +6,7 @@ namespace feder {
 void Springs::hash(Hash& h) const {
   const Particles& p = impl_->particles;
   for (std::uint32_t i = 0; i < p.size(); ++i) {
-    h.add(p.position[i]), h.add(p.velocity[i]), h.add(p.script_force[i]);
+    h.add(p.position[i]), h.add(p.position_low[i]), h.add(p.velocity[i]), h.add(p.script_force[i]);
     h.add(p.mass[i]), h.add(p.inv_mass[i]);
   }
   for (const auto& n : impl_->nets) {

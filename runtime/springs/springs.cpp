@@ -87,7 +87,8 @@ ObjectId Springs::add_net(const NetDesc& desc) {
   Particles::each_array(p, [&](auto& array) { array.resize(size); });
   for (std::uint32_t i = 0; i < n->points; ++i) {
     const std::uint32_t at = n->first + i;
-    p.position[at] = p.start[at] = desc.points[i];
+    p.place(at, desc.points[i]);
+    p.start[at] = desc.points[i];
     p.velocity[at] = desc.velocities.empty() ? Vec3(0, 0, 0) : desc.velocities[i];
     p.mass[at] = p.inertia[at] = desc.masses[i];
     p.inv_mass[at] = 1 / desc.masses[i];
@@ -134,7 +135,7 @@ bool Springs::pinned(ObjectId id, std::size_t i) const { return impl_->particles
 void Springs::set_point(ObjectId id, std::size_t i, const Vec3& x) {
   const std::uint32_t at = impl_->point(id, i);
   if (!is_finite(x)) throw SceneError("set_point: expected three finite numbers");
-  impl_->particles.position[at] = x;
+  impl_->particles.place(at, x);
 }
 
 void Springs::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {

@@ -117,7 +117,7 @@ void Springs::Impl::quarantine(StepContext& c) {
     if (n->bad_point == kNone || n->frozen) continue;
     n->frozen = true;
     for (std::uint32_t i = n->first; i < n->first + n->points; ++i) {
-      particles.position[i] = particles.start[i];
+      particles.place(i, particles.start[i]);
       particles.velocity[i] = Vec3::Zero();
       particles.inv_mass[i] = 0;
     }

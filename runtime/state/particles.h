@@ -1,6 +1,7 @@
 // Mass points as plain arrays: the points of all nets one after another (a net owns a run of indices).
 #pragma once
 #include "base/arena.h"
+#include "base/compensated.h"
 #include "base/math.h"
 #include "state/objects.h"
 
@@ -8,10 +9,11 @@ namespace feder {
 
 struct Particles {
   explicit Particles(Arena& a)
-      : position(&a), velocity(&a), start(&a), mass(&a), inertia(&a), inv_mass(&a), radius(&a), net(&a),
+      : position(&a), position_low(&a), velocity(&a), start(&a), mass(&a), inertia(&a), inv_mass(&a), radius(&a), net(&a),
         script_force(&a), collider(&a), mover(&a) {}
 
   Array<Vec3> position;            // m, world
+  Array<Vec3> position_low;        // what rounding left of it (base/compensated.h), m
   Array<Vec3> velocity;            // m/s
   Array<Vec3> start;               // position at the start of the step, m
   Array<Real> mass;                // kg
@@ -24,10 +26,14 @@ struct Particles {
   Array<std::uint32_t> mover;      // in Movers, likewise
   std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
 
+  // Whoever changes a position does it by one of these.
+  void place(std::uint32_t i, const Vec3& x) { position[i] = x, position_low[i] = Vec3::Zero(); }
+  void move(std::uint32_t i, const Vec3& d) { add_compensated(position[i], position_low[i], d); }
+
   // Calls f(array) for every array, always in the same order: for growing, erasing, saving and loading.
   template <class P, class F>
   static void each_array(P& p, F&& f) {
-    f(p.position), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius), f(p.net),
+    f(p.position), f(p.position_low), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius), f(p.net),
         f(p.script_force);
     f(p.collider), f(p.mover);
   }

@@ -37,10 +37,12 @@ class PointField final : public ForceField {
   void jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) override;
   void pattern(std::vector<BlockIndex>&) const override {}
   std::uint64_t pattern_version() const override { return 1; }
+  std::span<Vec3> position_low() override { return {&low_, 1}; }
 
  private:
   const PointEquation& equation_;
   Real mass_, inv_mass_;
+  Vec3 low_ = Vec3::Zero();
 };
 
 class OdeProblem : public StudyProblem {

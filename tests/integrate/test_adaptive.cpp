@@ -68,9 +68,9 @@ TEST_CASE("dense output is of order 4 inside a step", "[integrate]") {
     DormandPrince pair(arena);
     Oscillator f(1, 0);
     IntegratorStats stats;
-    const Vec3 x(1, 0, 0), v(0, 0, 0);
-    pair.start(f, 0, {&x, 1}, {&v, 1}, stats);
-    pair.attempt(f, 0, h, {&x, 1}, {&v, 1}, 1, 1, stats);
+    const Vec3 x(1, 0, 0), low(0, 0, 0), v(0, 0, 0);
+    pair.start(f, 0, {&x, 1}, {&low, 1}, {&v, 1}, stats);
+    pair.attempt(f, 0, h, {&x, 1}, {&low, 1}, {&v, 1}, 1, 1, stats);
     double worst = 0;
     for (int k = 0; k <= 10; ++k) {
       const double theta = k / 10.0;
