@@ -1,4 +1,4 @@
-// world:force: kinds of the runtime, or a Lua function that is asked before each step.
+// world:force: kinds of the runtime, formulas, or a Lua function that is asked before each step or at every stage.
 #include "lua/force.h"
 
 #include <algorithm>
@@ -162,21 +162,83 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
   for (const std::string& w : words) target.tags |= record.world->objects().tag_bit(w);
 }
 
+ForceEntry entry_of(const ScriptForce& f) {
+  ForceEntry entry;
+  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
+  return entry;
+}
+
 int add_script_force(Options& o, WorldRecord& record, std::string name, TagMask tags) {
   lua_State* L = o.L();
   ScriptForce f;
   read_target(o, record, f);
-  o.push("each", LUA_TFUNCTION, "a function");
+  bool stages = false;
+  o.flag("stages", stages);
+  o.push("each", LUA_TFUNCTION, "a function, or formulas in quotes");
   o.finish();
   f.profile = state(L).profile_slot(L, -1);
   f.function = keep(L, record, -1);
   lua_pop(L, 1);
-  ForceEntry entry;
-  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
+  ForceEntry entry = entry_of(f);
+  if (stages) entry.force = make_stage_force(record, f.function, f.profile);
   f.object = record.world->add_force(std::move(entry), std::move(name), tags);
-  record.forces.list.push_back(f);
   push_handle(L, record, f.object);
+  if (!stages) record.forces.list.push_back(std::move(f));
   return 1;
+}
+
+// params = { k = 100, ... }: what formulas name beside the variables.
+void read_formula_params(Options& o, Params& options) {
+  if (!o.push("params", LUA_TTABLE, "a table of numbers")) return;
+  lua_State* L = o.L();
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+    if (lua_type(L, -2) != LUA_TSTRING) o.raise("params", "expected names, got the key " + describe(L, -2));
+    const std::string name = lua_tostring(L, -2);
+    if (name == "x" || name == "y" || name == "z")
+      o.raise("params", "expected a name that is no variable or function, got '" + name + "'");
+    options.set(name, check_number(L, -1, o.path("params") + "." + name));
+  }
+  lua_pop(L, 1);
+}
+
+// each = "formula" (along x) or { "formula", "formula", "formula" }.
+int add_formula_force(Options& o, WorldRecord& record, std::string name, TagMask tags) {
+  lua_State* L = o.L();
+  static const char* const axes[] = {"x", "y", "z"};
+  Params options;
+  o.push_any("each");
+  const bool list = lua_type(L, -1) == LUA_TTABLE;
+  const lua_Integer count = list ? static_cast<lua_Integer>(lua_rawlen(L, -1)) : 1;
+  if (count < 1 || count > 3) o.raise("each", "expected one to three formulas, got " + std::to_string(count));
+  for (int k = 0; k < count; ++k) {
+    if (list) lua_rawgeti(L, -1, k + 1);
+    if (lua_type(L, -1) == LUA_TNUMBER) options.set(axes[k], print_number(lua_tonumber(L, -1)));
+    else if (lua_type(L, -1) == LUA_TSTRING) options.set(axes[k], std::string(lua_tostring(L, -1)));
+    else o.raise("each", "expected formulas in quotes, got " + describe(L, -1));
+    if (list) lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+  read_formula_params(o, options);
+  ForceEntry target;
+  read_target(o, record, target);
+  bool stages = true;
+  if (o.flag("stages", stages) && !stages) o.raise("stages", "expected true: formulas are evaluated at every stage");
+  o.finish();
+  try {
+    push_handle(L, record, record.world->add_force("expression", options, std::move(target), std::move(name), tags));
+  } catch (const SceneError& e) {
+    o.raise("each", e.what());
+  }
+  return 1;
+}
+
+// between = net: its points attract each other.
+void read_between(Options& o, WorldRecord& record, ForceEntry& target, Params& options) {
+  if (o.has("on") || o.has("position")) o.raise("between", "expected neither on nor position beside it");
+  if (!object_option(o, "between", record, target.target) ||
+      record.world->objects().kind(target.target) != ObjectKind::net)
+    o.raise("between", "expected a net");
+  options.set("between", true);
 }
 
 // The entry of a force; null when the world has none.
@@ -243,12 +305,18 @@ int world_force(lua_State* L) {
   std::string name, kind;
   o.text("name", name);
   const bool has_kind = o.text("kind", kind), has_each = o.has("each");
-  if (has_kind == has_each) o.raise(nullptr, "expected either kind = \"...\" or each = function");
+  if (has_kind == has_each) o.raise(nullptr, "expected either kind = \"...\" or each = function or formulas");
   const TagMask tags = tag_option(o, r);
-  if (has_each) return add_script_force(o, r, std::move(name), tags);
+  if (has_each) {
+    o.push_any("each");
+    const bool function = lua_type(L, -1) == LUA_TFUNCTION;
+    lua_pop(L, 1);
+    return (function ? add_script_force : add_formula_force)(o, r, std::move(name), tags);
+  }
   ForceEntry target;
-  read_target(o, r, target);
   Params options;
+  if (o.has("between")) read_between(o, r, target, options);
+  else read_target(o, r, target);
   o.rest(options);
   push_handle(L, r, r.world->add_force(kind, options, std::move(target), std::move(name), tags));
   return 1;

@@ -274,11 +274,18 @@ void close_world(lua_State* L, WorldRecord& record) {
   record.world.reset();
 }
 
+// A force with stages = true is asked in the middle of a step.
+static void check_not_asked(lua_State* L, const WorldRecord& r) {
+  if (r.read_only && !answers_in_step(function_name(L)))
+    fail_here(L, "the world is read-only while a force with stages = true is asked");
+}
+
 WorldRecord& check_world(lua_State* L) {
   const auto* block = static_cast<const WorldBlock*>(self_block(L));
   if (!block) wrong_self(L, "world");
   WorldRecord* r = record_of(L, block->world);
   if (!r || !r->world) fail_here(L, "the world is closed");
+  check_not_asked(L, *r);
   return *r;
 }
 
@@ -287,6 +294,7 @@ Self check_self(lua_State* L) {
   WorldRecord* r = record_of(L, h.world);
   if (h.dead || !r || !r->world || !r->world->objects().alive(h.id))
     fail_dead(L, 1, h, std::string(function_name(L)) + ": ");
+  check_not_asked(L, *r);
   return {*r, *r->world, h.id};
 }
 

@@ -170,8 +170,8 @@ int net_spring(lua_State* L) {
 int net_spring_limits(lua_State* L) {
   const Net n = net(L);
   const SpringDesc s = n.springs.spring(n.self.id, spring_argument(L, n));
-  lua_pushnumber(L, s.break_strain), lua_pushboolean(L, s.tension_only);
-  return 2;
+  lua_pushnumber(L, s.break_strain), lua_pushboolean(L, s.tension_only), lua_pushinteger(L, s.power);
+  return 3;
 }
 
 int net_positions(lua_State* L) {
@@ -197,12 +197,12 @@ const Method kNetMethods[] = {
      "to a point of the body frame; to where it is when left out"},
     {"detach", guard<net_detach>, "net:detach(i) -> self", "ends an attachment"},
     {"add_spring", guard<net_add_spring>,
-     "net:add_spring(i, j, { stiffness =, damping =, rest_length =, break_strain =, tension_only = }) -> k",
+     "net:add_spring(i, j, { stiffness =, damping =, rest_length =, break_strain =, tension_only =, power = }) -> k",
      "the new spring's number"},
     {"remove_spring", guard<net_remove_spring>, "net:remove_spring(k) -> self", "the others keep their numbers"},
     {"spring", guard<net_spring>, "net:spring(k) -> i, j, stiffness, damping, rest_length", "N/m, N s/m, m"},
-    {"spring_limits", guard<net_spring_limits>, "net:spring_limits(k) -> break_strain, tension_only",
-     "elongation / rest length where it breaks; does it only pull?"},
+    {"spring_limits", guard<net_spring_limits>, "net:spring_limits(k) -> break_strain, tension_only, power",
+     "elongation / rest length where it breaks; does it only pull? power of the elongation in its force"},
     {"strain", guard<net_strain>, "net:strain([k]) -> number",
      "elongation / rest length; the largest when k is left out"},
     {"positions", guard<net_positions>, "net:positions([buffer]) -> buffer",

@@ -71,13 +71,15 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
       s.rest_length = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
     else if (key == "break_strain")
       s.break_strain = static_cast<Real>(check_number(L, -1, what + "." + key, kPositive));
+    else if (key == "power")
+      s.power = static_cast<int>(check_integer(L, -1, what + "." + key, 1, 9));
     else if (key == "tension_only") {
       if (lua_type(L, -1) != LUA_TBOOLEAN)
         fail(L, what + "." + key + ": expected true or false, got " + describe(L, -1));
       s.tension_only = lua_toboolean(L, -1) != 0;
     } else {
       const std::string near = nearest_name(key, {"i", "j", "stiffness", "damping", "rest_length", "break_strain",
-                                               "tension_only"});
+                                               "tension_only", "power"});
       fail(L, what + ": unknown option " + describe(L, -2) + (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
   }
@@ -90,6 +92,8 @@ void read_springs(Options& o, NetDesc& desc) {
   o.real("spring_damping", defaults.damping, kNotNegative);
   o.real("break_strain", defaults.break_strain, kPositive);
   o.flag("tension_only", defaults.tension_only);
+  std::int64_t power = 1;
+  if (o.integer("power", power, 1, 9)) defaults.power = static_cast<int>(power);
   if (!o.push("springs", LUA_TTABLE, "a list of {i, j, stiffness =, ...}")) return;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);

@@ -57,7 +57,9 @@ void run_step(lua_State* L, WorldRecord& record) {
   const Busy busy(record);
   const int top = lua_gettop(L);
   apply_script_forces(L, record);
+  begin_stages(L, record);
   record.world->step();
+  end_stages(L, record);
   run_timers(L, record);
   dispatch_events(L, record);
   run_tasks(L, record);

@@ -239,7 +239,8 @@ const Method kWorldMethods[] = {
     {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
      "sensor_enter and sensor_leave events"},
     {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force",
-     "or each = function(x,y,z, vx,vy,vz, mass, t) return fx, fy, fz end"},
+     "or each = \"-k*x^3\" | { fx, fy, fz } in x y z vx vy vz m t and params = { k = .. }, or each = function(x,y,z, "
+     "vx,vy,vz, mass, t) return fx, fy, fz end, asked once per step unless stages = true"},
     {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
      "a sheet or a triangle mesh; see section 6"},
     {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",

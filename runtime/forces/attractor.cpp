@@ -2,31 +2,15 @@
 // s = sqrt(|d|^2 + softening^2) (Plummer softening; 0 by default: the pure law). power -2 is Newtonian gravity with
 // strength = G M, power 1 a spring per mass. Without softening a point exactly at the centre feels nothing.
 // Potential m strength s^(power+1)/(power+1), or m strength ln s for power -1.
+// With `between` every pair of the points attracts instead, by the force strength m_a m_b s^power (power -2: Newton's
+// law with strength = G), equal and opposite to the last bit; the cost grows with the square of the points.
 // Powers are computed here and not by the C library, whose last digit differs between machines: whole and half
-// powers by multiplication and square root, others by exp(p ln s) in double.
+// powers by multiplication of square roots, others by exp(p ln s) in double.
+#include "base/functions.h"
 #include "forces/force.h"
 
 namespace feder {
 namespace {
-
-// ln x = e ln 2 + 2 atanh((m-1)/(m+1)) with x = m 2^e, m in [sqrt(1/2), sqrt 2).
-double natural_log(double x) {
-  int e = 0;
-  double m = std::frexp(x, &e);
-  if (m < 0.70710678118654752) m *= 2, --e;
-  const double z = (m - 1) / (m + 1), zz = z * z;
-  double sum = 0;
-  for (int k = 23; k >= 1; k -= 2) sum = sum * zz + 1.0 / k;  // |z| < 0.172: the next term is below 1e-18
-  return e * 0.69314718055994531 + 2 * z * sum;
-}
-
-double exponential(double x) {
-  const double n = std::floor(x / 0.69314718055994531 + 0.5);
-  const double r = x - n * 0.69314718055994531;  // |r| < 0.35
-  double sum = 1;
-  for (int k = 16; k >= 1; --k) sum = 1 + sum * r / k;
-  return std::ldexp(sum, static_cast<int>(n));
-}
 
 double power_of(double s, double p) {
   const double twice = 2 * p;
@@ -41,9 +25,10 @@ class Attractor final : public Force {
  public:
   explicit Attractor(const Params& p)
       : position_(p.vector("position", Vec3(0, 0, 0))), strength_(p.number("strength", 1, -1e30, 1e30)),
-        power_(p.number("power", -2, -16, 16)), softening_(p.number("softening", 0, 0, 1e9)) {}
+        power_(p.number("power", -2, -16, 16)), softening_(p.number("softening", 0, 0, 1e9)), between_(p.flag("between", false)) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
+    if (between_) return add_pairs(points, count, out);
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3 d = position_ - points[i].position;
       const double s = softened(d);
@@ -55,12 +40,25 @@ class Attractor final : public Force {
   double potential(const MassPoint* points, std::size_t count) const override {
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      const double s = softened(position_ - points[i].position);
-      if (!(s > 0)) continue;
-      const double u = power_ == -1 ? natural_log(s) : power_of(s, power_ + 1) / (power_ + 1);
-      sum += static_cast<double>(points[i].mass) * strength_ * u;
+      const double mass = static_cast<double>(points[i].mass) * strength_;
+      if (!between_) sum += mass * per_mass(softened(position_ - points[i].position));
+      for (std::size_t j = i + 1; between_ && j < count; ++j)
+        sum += mass * static_cast<double>(points[j].mass) * per_mass(softened(points[j].position - points[i].position));
     }
     return sum;
+  }
+  // d(s^(p-1) d)/dx = -s^(p-1) 1 - (p-1) s^(p-3) d d^T
+  bool derivative(const MassPoint* points, std::size_t count, double, bool by_velocity, Mat3* out) const override {
+    if (by_velocity) return true;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!between_) add_derivative(position_ - points[i].position, static_cast<double>(points[i].mass), out[i]);
+      for (std::size_t j = i + 1; between_ && j < count; ++j) {
+        const double masses = static_cast<double>(points[i].mass) * static_cast<double>(points[j].mass);
+        const Vec3 d = points[j].position - points[i].position;
+        add_derivative(d, masses, out[i]), add_derivative(d, masses, out[j]);
+      }
+    }
+    return true;
   }
   bool depends_on_velocity() const override { return false; }
 
@@ -70,16 +68,41 @@ class Attractor final : public Force {
     return std::sqrt(x * x + y * y + z * z + softening_ * softening_);
   }
 
+  double per_mass(double s) const {
+    if (!(s > 0)) return 0;
+    return power_ == -1 ? natural_log(s) : power_of(s, power_ + 1) / (power_ + 1);
+  }
+  void add_derivative(const Vec3& d, double mass, Mat3& out) const {
+    const double s = softened(d);
+    if (!(s > 0)) return;
+    const double across = mass * strength_ * power_of(s, power_ - 1), along = (power_ - 1) * across / (s * s);
+    out -= static_cast<Real>(along) * d * d.transpose();
+    out.diagonal().array() -= static_cast<Real>(across);
+  }
+  void add_pairs(const MassPoint* points, std::size_t count, Vec3* out) const {
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = i + 1; j < count; ++j) {
+        const Vec3 d = points[j].position - points[i].position;
+        const double s = softened(d);
+        if (!(s > 0)) continue;
+        const double masses = static_cast<double>(points[i].mass) * static_cast<double>(points[j].mass);
+        const Vec3 f = static_cast<Real>(masses * strength_ * power_of(s, power_ - 1)) * d;
+        out[i] += f;
+        out[j] -= f;
+      }
+  }
+
   Vec3 position_;     // m
-  double strength_;   // m/s^2 at s = 1 m
+  double strength_;   // m/s^2 at s = 1 m; between points N/kg^2 there
   double power_;
   double softening_;  // m
+  bool between_;
 };
 
 }  // namespace
 
 Variant<Force> forces_attractor() {
-  return {"attractor", "acceleration strength r^power towards position; softening in m",
+  return {"attractor", "acceleration strength r^power towards position, or between the points of a net; softening in m",
           [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Attractor>(p); }};
 }
 

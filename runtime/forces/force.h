@@ -28,6 +28,14 @@ class Force {
   virtual double potential(const MassPoint*, std::size_t) const { return 0; }
   // False spares methods with implicit damping the derivative by the velocity.
   virtual bool depends_on_velocity() const { return true; }
+  // Adds df/dx (or df/dv) of each point alone to `out`, N/m (N s/m), as it is. False: not known; differences are taken.
+  virtual bool derivative(const MassPoint*, std::size_t, double /*time*/, bool /*by_velocity*/, Mat3*) const {
+    return false;
+  }
+  // How often so far an evaluation had no value and counted as 0; the world warns of the first (`force_domain`).
+  virtual std::uint64_t faults() const { return 0; }
+  // May only be asked on the thread that steps the world (it runs a script).
+  virtual bool on_stepping_thread() const { return false; }
   // True for forces that press on surfaces: owners of triangles ask for one square metre held across the flow and
   // turn the answer by the triangle's normal.
   virtual bool on_area() const { return false; }
@@ -44,6 +52,7 @@ struct ForceEntry {
   ObjectId target;           // or on one object
   std::vector<std::uint32_t> points = {};  // of `target`, a net: on these only, ascending; empty: on all
   bool enabled = true;
+  bool warned = false;       // of a value that does not exist
 };
 
 // The block: a world's forces in the order they were made.
@@ -52,9 +61,12 @@ struct Forces {
   std::vector<ForceEntry> list;
 };
 
-// Does the force act on that object?
-inline bool acts_on(const ForceEntry& f, ObjectId object, TagMask tags) {
-  return f.enabled && f.force && (f.all || (f.tags & tags) != 0 || f.target == object);
+// Is the force meant for that object, whoever evaluates it?
+inline bool aims_at(const ForceEntry& f, ObjectId object, TagMask tags) {
+  return f.enabled && (f.all || (f.tags & tags) != 0 || f.target == object);
 }
+
+// Does the force act on that object when its owner asks?
+inline bool acts_on(const ForceEntry& f, ObjectId object, TagMask tags) { return f.force && aims_at(f, object, tags); }
 
 }  // namespace feder

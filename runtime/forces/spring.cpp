@@ -21,6 +21,21 @@ class AnchorSpring final : public Force {
       out[i] -= (stiffness_ * (r - rest_length_) + damping_ * dot(points[i].velocity, n)) * n;
     }
   }
+  bool derivative(const MassPoint* points, std::size_t count, double, bool by_velocity, Mat3* out) const override {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 d = points[i].position - position_;
+      const Real r = length(d);
+      const Vec3 n = normalized_or(d, Vec3(1, 0, 0));
+      if (by_velocity) {
+        out[i] -= damping_ * n * n.transpose();
+        continue;
+      }
+      const Real across = rest_length_ == 0 ? stiffness_ : r > 0 ? stiffness_ * (1 - rest_length_ / r) : Real(0);
+      out[i] -= (stiffness_ - across) * n * n.transpose();
+      out[i].diagonal().array() -= across;
+    }
+    return true;
+  }
   double potential(const MassPoint* points, std::size_t count) const override {
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) {

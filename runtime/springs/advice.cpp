@@ -2,7 +2,7 @@
 // Stability: no eigenvalue of M^-1 K exceeds max_i (1/m_i) sum_j |K_ij| <= max_i 2 sum_k k_ik / m_i (Gershgorin 1931;
 // numerics 2.4), so h sqrt of that against the method's limit on x'' = -w^2 x decides. It is an upper bound, exact for
 // long chains: a net beyond it may still be stable, one below it is, as long as its springs stay near their rest
-// lengths or stretched, and force generators are soft.
+// lengths or stretched. Force generators that tell their derivative add it as it is now; scripts tell none.
 // Error: a method of order p reproduces exp(i h w) up to (h w)^p, so a step errs by about z^(p+1)/(p+1)! with z = h w
 // (first missing term of the series; Hairer, Norsett & Wanner, Solving ODEs I, II.3), and the 2 pi/z steps of a period
 // add to 2 pi z^p / (p+1)!. Symplectic Euler is conjugate to Stoermer-Verlet (Hairer, Lubich & Wanner, Geometric
@@ -59,7 +59,8 @@ NetAdvice Springs::advice(ObjectId id, double dt, int substeps) const {
   a.integrator = n.integrator_name;
   a.method = n.integrator->info();
   a.h = dt / substeps;
-  n.bounds(a.frequency, a.decay);
+  n.prepare(Vec3(0, 0, 0), impl_->store.find<Forces>(), impl_->objects.tags(id));
+  n.bounds(a.frequency, a.decay, true);
   a.reach = reach_of(a.method, a.h, a.frequency, a.decay);
   const double limit = a.method.stability_limit;
   a.stable = !beyond_limit(a.method, a.reach);

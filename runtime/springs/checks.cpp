@@ -8,6 +8,7 @@ namespace feder {
 namespace {
 
 constexpr std::size_t kMaxPoints = 1u << 28;
+constexpr int kMaxPower = 9;
 
 std::string number(double x) {
   char text[32];
@@ -29,7 +30,8 @@ std::string place(const char* list, std::size_t i) { return std::string(list) + 
 
 void check_spring(const SpringDesc& s, std::size_t points, std::size_t k, const std::string& owner) {
   const bool plain = s.i < points && s.j < points && s.i != s.j && s.stiffness >= 0 && is_finite(s.stiffness) &&
-                     s.damping >= 0 && is_finite(s.damping) && is_finite(s.rest_length) && s.break_strain > 0;
+                     s.damping >= 0 && is_finite(s.damping) && is_finite(s.rest_length) && s.break_strain > 0 &&
+                     s.power >= 1 && s.power <= kMaxPower;
   if (plain) return;
   const Check need{owner};
   const std::string what = place("springs", k);
@@ -40,6 +42,7 @@ void check_spring(const SpringDesc& s, std::size_t points, std::size_t k, const 
   need(s.damping >= 0 && is_finite(s.damping), what + ".damping", "a finite number, 0 or more", s.damping);
   need(is_finite(s.rest_length), what + ".rest_length", "a finite number", s.rest_length);
   need(s.break_strain > 0, what + ".break_strain", "a number above 0", s.break_strain);
+  need(s.power >= 1 && s.power <= kMaxPower, what + ".power", "a whole number from 1 to 9", s.power);
 }
 
 Real rest_length_of(const SpringDesc& s, const Vec3& a, const Vec3& b, std::size_t k, const std::string& owner) {

@@ -52,6 +52,7 @@ struct Springs::Impl {
   void finish(StepContext& c);
 
   void check_stiffness(StepContext& c);
+  void warn_held_forces(const Forces& forces, Events& events);
   void break_springs(Net& n, Events& events);
   void warn_coincident(Net& n, Events& events);
   void quarantine(StepContext& c);

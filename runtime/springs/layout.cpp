@@ -17,13 +17,14 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   place_.assign(std::size_t{2} * s.size(), 0);
 
   // springs of each point, then rows of each slice
-  bool damped = false, slack = false;
+  bool damped = false, slack = false, power = false;
   std::vector<std::uint32_t> degree(slice_count * kLanes, 0);
   for (std::uint32_t k = 0; k < s.size(); ++k) {
     if (!s.alive[k]) continue;
     ++degree[s.i[k]], ++degree[s.j[k]];
     damped = damped || s.damping[k] > 0;
     slack = slack || s.tension_only[k];
+    power = power || s.power[k] != 1;
   }
   row_begin_.assign(slice_count + 1, 0);
   for (std::uint32_t c = 0; c < slice_count; ++c)
@@ -33,6 +34,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   rows_.assign(row_count, SpringRow{});
   damping_.assign(damped ? row_count : 0, Lane8{});
   slack_.assign(slack ? row_count : 0, Lane8{});
+  power_.assign(power ? row_count : 0, Lane8{});
   velocity_.assign(damped ? slice_count * kLanes : 0, PointRow{});
 
   std::fill(degree.begin(), degree.end(), 0);  // from here on: rows filled
@@ -46,6 +48,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
       rows_[row].other[lane] = other;
       if (damped) damping_[row].v[lane] = s.damping[k];
       if (slack) slack_[row].v[lane] = s.tension_only[k];
+      if (power) power_[row].v[lane] = s.power[k];
       place_[std::size_t{2} * k + static_cast<std::size_t>(end)] = row * kLanes + lane;
     }
   }
@@ -81,6 +84,7 @@ unsigned SpringLayout::add_forces(std::uint32_t first, std::uint32_t last) {
   p.rows = rows_.data();
   p.damping = damped() ? damping_.data() : nullptr;
   p.slack = slack_.empty() ? nullptr : slack_.data();
+  p.power = power_.empty() ? nullptr : power_.data();
   p.force = force_.data();
   p.first = first, p.last = last;
   return kernels_->add_forces(p);

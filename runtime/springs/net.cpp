@@ -2,7 +2,7 @@
 //   tension = stiffness (len - rest_length) + damping (v_b - v_a).n
 // equal and opposite (springs/spring_kernel.h); one that only pulls has none below its rest length and never pushes.
 // Derivatives for implicit methods: K = -k [n n^T + max(0, 1 - rest/len)(1 - n n^T)], the indefinite part of a
-// compressed spring dropped (Choi & Ko 2002), D = -c n n^T; generators by differences.
+// compressed spring dropped (Choi & Ko 2002), D = -c n n^T; generators by what they tell, or by differences.
 // Kept between calls: work arrays.
 #include "springs/net.h"
 
@@ -70,7 +70,7 @@ void SpringArrays::add(const SpringDesc& s, Real rest) {
   rest_length.push_back(rest), break_strain.push_back(s.break_strain);
   const Real longest = rest * (1 + s.break_strain);
   limit.push_back(s.break_strain < kInfinity ? longest * longest : kInfinity);
-  alive.push_back(1), tension_only.push_back(s.tension_only);
+  alive.push_back(1), tension_only.push_back(s.tension_only), power.push_back(static_cast<std::uint8_t>(s.power));
 }
 
 void SpringArrays::remove(std::uint32_t k) {
@@ -93,12 +93,13 @@ void Net::prepare(const Vec3& gravity, const Forces* forces, TagMask tags) {
   gravity_ = gravity * settings.gravity_scale;
   acting_.clear();
   damped_ = settings.damping > 0;
-  generators_damp_ = false;
+  generators_damp_ = on_stepping_thread = false;
   if (forces)
     for (const ForceEntry& f : forces->list)
       if (acts_on(f, object, tags)) {
         acting_.push_back(&f);
         generators_damp_ = generators_damp_ || f.force->depends_on_velocity();
+        on_stepping_thread = on_stepping_thread || f.force->on_stepping_thread();
       }
   damped_ = damped_ || generators_damp_ || layout.damped();
 }
@@ -139,7 +140,7 @@ void Net::eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::
   coincident += layout.eval(x, v, jobs_, outside, force) / 2;
   if (acting_.empty()) return;
   fill_points(x, v);
-  add_generators(t, force.data());
+  for (const ForceEntry* f : acting_) add_generator(*f, t, force.data());
 }
 
 std::size_t Net::pick_points(const ForceEntry& f) {
@@ -148,17 +149,12 @@ std::size_t Net::pick_points(const ForceEntry& f) {
   return some_.size();
 }
 
-void Net::add_generators(double t, Vec3* out) {
-  for (const ForceEntry* f : acting_) {
-    if (f->points.empty()) {
-      f->force->add(points_.data(), points, t, out);
-      continue;
-    }
-    const std::size_t count = pick_points(*f);
-    some_force_.assign(count, Vec3(0, 0, 0));
-    f->force->add(some_.data(), count, t, some_force_.data());
-    for (std::size_t k = 0; k < count; ++k) out[f->points[k]] += some_force_[k];
-  }
+void Net::add_generator(const ForceEntry& f, double t, Vec3* out) {
+  if (f.points.empty()) return f.force->add(points_.data(), points, t, out);
+  const std::size_t count = pick_points(f);
+  some_force_.assign(count, Vec3(0, 0, 0));
+  f.force->add(some_.data(), count, t, some_force_.data());
+  for (std::size_t k = 0; k < count; ++k) out[f.points[k]] += some_force_[k];
 }
 
 void Net::fill_points(std::span<const Vec3> x, std::span<const Vec3> v) {
@@ -171,8 +167,8 @@ void Net::fill_points(std::span<const Vec3> x, std::span<const Vec3> v) {
 
 bool Net::limp(std::uint32_t k, double len, double rate) const {
   const double stretch = len - static_cast<double>(springs.rest_length[k]);
-  return springs.tension_only[k] && (stretch <= 0 || static_cast<double>(springs.stiffness[k]) * stretch +
-                                                             static_cast<double>(springs.damping[k]) * rate < 0);
+  return springs.tension_only[k] &&
+         (stretch <= 0 || springs.tension(k, stretch) + static_cast<double>(springs.damping[k]) * rate < 0);
 }
 
 void Net::pattern(std::vector<BlockIndex>& blocks) const {
@@ -206,8 +202,8 @@ void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, B
     const std::uint32_t i = springs.i[s], j = springs.j[s];
     const Direction at = direction(x, i, j);
     if (limp(s, at.len, rate(v, i, j, at.n))) continue;
-    const double rest = springs.rest_length[s], stiff = springs.stiffness[s];
-    const double across = rest == 0 ? stiff : at.len > rest ? stiff * (1 - rest / at.len) : 0;
+    const double rest = springs.rest_length[s], stretch = at.len - rest, stiff = springs.slope(s, stretch);
+    const double across = rest == 0 ? stiff / springs.power[s] : at.len > rest ? springs.tension(s, stretch) / at.len : 0;
     Mat3d block = along(at.n, stiff - across);
     block.diagonal().array() += across;
     k.diagonal[i] -= block;
@@ -219,41 +215,70 @@ void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, B
 
 void Net::add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity,
                                BlockSparse& out) {
-  bool any = false;
+  bool any = false, unknown = false;
   for (const ForceEntry* f : acting_) any = any || !by_velocity || f->force->depends_on_velocity();
   if (!any) return;
   fill_points(x, v);
+  derivative_.assign(points, Mat3::Zero());
+  for (const ForceEntry* f : acting_)
+    if ((!by_velocity || f->force->depends_on_velocity()) && !add_known_derivative(*f, t, by_velocity)) unknown = true;
+  if (unknown) add_differences(x, v, t, by_velocity);
+  for (std::uint32_t i = 0; i < points; ++i) out.diagonal[i] += negative_part(derivative_[i]);
+}
+
+// What the generator tells of its derivative. False: nothing.
+bool Net::add_known_derivative(const ForceEntry& f, double t, bool by_velocity) {
+  if (f.points.empty()) return f.force->derivative(points_.data(), points, t, by_velocity, derivative_.data());
+  const std::size_t count = pick_points(f);
+  some_derivative_.assign(count, Mat3::Zero());
+  if (!f.force->derivative(some_.data(), count, t, by_velocity, some_derivative_.data())) return false;
+  for (std::size_t k = 0; k < count; ++k) derivative_[f.points[k]] += some_derivative_[k];
+  return true;
+}
+
+// Of the generators that do not tell theirs, by central differences: each of them sees each point alone.
+void Net::add_differences(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity) {
   const auto shift = [&](std::uint32_t i) { return (1 + (by_velocity ? v[i] : x[i]).cwiseAbs().maxCoeff()) / 1024; };
-  // forces with all points moved by side * shift along the axis: a generator sees each point alone
   const auto forces = [&](int axis, Real side, Array<Vec3>& f) {
     for (std::uint32_t i = 0; i < points; ++i) {
       points_[i].position = x[i], points_[i].velocity = v[i];
       (by_velocity ? points_[i].velocity : points_[i].position)[axis] += side * shift(i);
     }
     f.assign(points, Vec3(0, 0, 0));
-    add_generators(t, f.data());
+    for (const ForceEntry* g : acting_)
+      if (!g->force->derivative(nullptr, 0, t, by_velocity, nullptr)) add_generator(*g, t, f.data());
   };
-  derivative_.resize(points);
   for (int axis = 0; axis < 3; ++axis) {
     forces(axis, -1, below_);
     forces(axis, 1, above_);
     for (std::uint32_t i = 0; i < points; ++i)
-      derivative_[i].col(axis) = (above_[i] - below_[i]) / (2 * shift(i));
+      derivative_[i].col(axis) += (above_[i] - below_[i]) / (2 * shift(i));
   }
-  for (std::uint32_t i = 0; i < points; ++i) out.diagonal[i] += negative_part(derivative_[i]);
 }
 
-void Net::bounds(double& frequency, double& decay) {
+void Net::bounds(double& frequency, double& decay, bool with_generators, double time) {
   // row sums of M^-1 K: what a point's springs add to its own row, and to the columns of free neighbours
   row_stiffness_.assign(points, 0);
   row_damping_.assign(points, 0);
   Array<double>&stiff = row_stiffness_, &damp = row_damping_;
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     const std::uint32_t ends[2] = {springs.i[k], springs.j[k]};
+    const double slope = springs.power[k] == 1 ? static_cast<double>(springs.stiffness[k])
+                                               : springs.slope(k, static_cast<double>(length_of(k)) -
+                                                                      static_cast<double>(springs.rest_length[k]));
     for (int e = 0; e < 2; ++e) {
       const double rows = particles_.inv_mass[first + ends[1 - e]] != 0 ? 2 : 1;
-      stiff[ends[e]] += rows * static_cast<double>(springs.stiffness[k]);
+      stiff[ends[e]] += rows * slope;
       damp[ends[e]] += rows * static_cast<double>(springs.damping[k]);
+    }
+  }
+  if (with_generators && !acting_.empty()) {
+    fill_points(positions(), velocities());
+    for (const bool by_velocity : {false, true}) {
+      derivative_.assign(points, Mat3::Zero());
+      for (const ForceEntry* f : acting_) add_known_derivative(*f, time, by_velocity);
+      for (std::uint32_t i = 0; i < points; ++i)
+        (by_velocity ? damp : stiff)[i] += static_cast<double>(derivative_[i].cwiseAbs().rowwise().sum().maxCoeff());
     }
   }
   double w2 = 0, rate = 0;
@@ -287,7 +312,7 @@ Energy Net::energy() {
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     const double stretch = static_cast<double>(length_of(k)) - static_cast<double>(springs.rest_length[k]);
     if (springs.tension_only[k] && stretch < 0) continue;
-    e.elastic += 0.5 * static_cast<double>(springs.stiffness[k]) * stretch * stretch;
+    e.elastic += springs.tension(k, stretch) * stretch / (springs.power[k] + 1);
   }
   if (acting_.empty()) return e;
   fill_points(x, v);

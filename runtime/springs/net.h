@@ -12,7 +12,7 @@ namespace feder {
 struct SpringArrays {
   explicit SpringArrays(Arena& a)
       : i(&a), j(&a), stiffness(&a), damping(&a), rest_length(&a), break_strain(&a), limit(&a), alive(&a),
-        tension_only(&a) {}
+        tension_only(&a), power(&a) {}
   Array<std::uint32_t> i, j;
   Array<Real> stiffness;     // N/m
   Array<Real> damping;       // N s/m
@@ -21,6 +21,7 @@ struct SpringArrays {
   Array<Real> limit;         // squared length at which it snaps, m^2
   Array<std::uint8_t> alive;
   Array<std::uint8_t> tension_only;
+  Array<std::uint8_t> power;   // of the extension; 1: linear
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(i.size()); }
   void add(const SpringDesc& s, Real rest);
@@ -29,7 +30,15 @@ struct SpringArrays {
   template <class S, class F>
   static void each_array(S& s, F&& f) {
     f(s.i), f(s.j), f(s.stiffness), f(s.damping), f(s.rest_length), f(s.break_strain), f(s.limit);
-    f(s.alive), f(s.tension_only);
+    f(s.alive), f(s.tension_only), f(s.power);
+  }
+  // Force along the spring, N, and its slope, N/m, at an extension (negative: compressed); without damping.
+  double tension(std::uint32_t k, double stretch) const { return stiffness_at(k, stretch, power[k]) * stretch; }
+  double slope(std::uint32_t k, double stretch) const { return power[k] * stiffness_at(k, stretch, power[k]); }
+  double stiffness_at(std::uint32_t k, double stretch, int p) const {
+    double s = stiffness[k];
+    for (; p > 1; --p) s *= std::fabs(stretch);
+    return s;
   }
 };
 
@@ -56,6 +65,7 @@ class Net final : public ForceField {
         below_(&a),
         above_(&a),
         derivative_(&a),
+        some_derivative_(&a),
         row_stiffness_(&a),
         row_damping_(&a) {}
 
@@ -70,12 +80,15 @@ class Net final : public ForceField {
   std::unique_ptr<Integrator> integrator;
   std::uint64_t version = 0;            // of the spring pattern
   bool can_break = false;               // some spring has a finite break strain
+  bool has_power = false;               // some spring is not linear
   bool frozen = false;                  // quarantined
-  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false;
+  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false,
+       warned_held = false;
   std::uint64_t coincident = 0;         // times a spring's ends were at one spot, so that a rule gave its direction
   Real checked_step = 0;                // s, substep the stiffness was checked for; 0: has to be
   Real frequency = 0, decay = 0;        // bounds() when the step was checked
   std::uint32_t bad_point = kNone;      // found non-finite in this step
+  bool on_stepping_thread = false;      // a generator of this step runs a script
   bool snapped = false;                 // some spring is longer than it bears, found in this substep
 
   // Worth spreading over threads?
@@ -87,8 +100,9 @@ class Net final : public ForceField {
   void remove_spring(std::uint32_t k);
   // First non-finite point of the net, or kNone. `jobs` as above.
   std::uint32_t find_non_finite(JobPool* jobs = nullptr) const;
-  // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s.
-  void bounds(double& frequency, double& decay);
+  // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s. Springs with a power and generators
+  // count as they are now; those after prepare() only, and those that do not tell their derivative not at all.
+  void bounds(double& frequency, double& decay, bool with_generators = false, double time = 0);
   Energy energy();
   Real length_of(std::uint32_t k) const;
   Real strain(std::uint32_t k) const;
@@ -116,13 +130,15 @@ class Net final : public ForceField {
 
   // Is the spring slack, of those that only pull? `rate`: of its length, m/s.
   bool limp(std::uint32_t k, double len, double rate) const;
-  // What the generators do to points_, added to `out`.
-  void add_generators(double t, Vec3* out);
+  // What a generator does to points_, added to `out`.
+  void add_generator(const ForceEntry& f, double t, Vec3* out);
   std::size_t pick_points(const ForceEntry& f);
   void fill_points(std::span<const Vec3> x, std::span<const Vec3> v);
-  // Adds the generators' derivative by position or velocity to the diagonal, by differences, negative part only.
+  // Adds the generators' derivative by position or velocity to the diagonal, negative part only.
   void add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity,
                             BlockSparse& out);
+  bool add_known_derivative(const ForceEntry& f, double t, bool by_velocity);
+  void add_differences(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity);
 
   Particles& particles_;
   JobPool* jobs_ = nullptr;      // while integrating
@@ -135,7 +151,7 @@ class Net final : public ForceField {
   Array<MassPoint> some_;        // for those that act on some points only
   Array<Vec3> some_force_;
   Array<Vec3> below_, above_;    // their forces, for differences
-  Array<Mat3> derivative_;
+  Array<Mat3> derivative_, some_derivative_;
   Array<double> row_stiffness_, row_damping_;  // sums of bounds()
 };
 

@@ -16,6 +16,7 @@ void Springs::hash(Hash& h) const {
     for (const double d : n->integrator->memory.numbers) h.add(d);
     for (std::uint32_t k = 0; k < n->springs.size(); ++k) {
       h.add(n->springs.i[k]), h.add(n->springs.j[k]), h.add(n->springs.alive[k]), h.add(n->springs.tension_only[k]);
+      h.add(n->springs.power[k]);
       h.add(n->springs.stiffness[k]), h.add(n->springs.damping[k]), h.add(n->springs.rest_length[k]);
     }
   }
@@ -28,7 +29,8 @@ void Springs::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(impl_->nets.size()));
   for (const auto& n : impl_->nets) {
     w.add(n->object), w.add(n->first), w.add(n->points), w.add(n->settings);
-    w.add(n->can_break), w.add(n->frozen), w.add(n->warned_stiff), w.add(n->warned_unconverged);
+    w.add(n->can_break), w.add(n->has_power), w.add(n->warned_held);
+    w.add(n->frozen), w.add(n->warned_stiff), w.add(n->warned_unconverged);
     w.add(n->warned_coincident), w.add(n->coincident), w.add(n->checked_step), w.add(n->frequency), w.add(n->decay);
     w.text(n->integrator_name);
     n->integrator_options.save(w);
@@ -48,7 +50,8 @@ void Springs::load(Reader& r) {
   for (std::uint64_t k = 0; k < count; ++k) {
     auto n = m.make_net();
     r.get(n->object), r.get(n->first), r.get(n->points), r.get(n->settings);
-    r.get(n->can_break), r.get(n->frozen), r.get(n->warned_stiff), r.get(n->warned_unconverged);
+    r.get(n->can_break), r.get(n->has_power), r.get(n->warned_held);
+    r.get(n->frozen), r.get(n->warned_stiff), r.get(n->warned_unconverged);
     r.get(n->warned_coincident), r.get(n->coincident), r.get(n->checked_step), r.get(n->frequency), r.get(n->decay);
     std::string name;
     r.text(name);

@@ -21,6 +21,7 @@ struct SpringPass {
   const SpringRow* rows = nullptr;
   const Lane8* damping = nullptr;       // by row, N s/m; null: no spring damps
   const Lane8* slack = nullptr;         // by row, 1: pulls only; null: none of them
+  const Lane8* power = nullptr;         // by row, of the extension; null: all are linear
   Lane8x3* force = nullptr;             // by slice, added to, N
   unsigned first = 0, last = 0;         // slices
 };

@@ -3,6 +3,7 @@
 //
 // With d = x_other - x, len = |d|, u = v_other - v a spring pulls its point with
 //   f = d (tension / len),  tension = stiffness (len - rest_length) + damping (u.d) / len.
+// With a power p the first part is stiffness |e|^(p-1) e, e = len - rest_length, by products.
 // Every operation is symmetric under d -> -d, u -> -u: both ends get the same number with opposite signs, and momentum
 // is exact to rounding. A spring without length pulls along x, from the lower point number to the higher.
 // One division and one square root per spring end, no estimates of either (rsqrt differs between processors).
@@ -28,7 +29,7 @@ using namespace lanes;
   return found;
 }
 
-template <bool kDamped, bool kSlack>
+template <bool kDamped, bool kSlack, bool kPower>
 [[gnu::always_inline]] inline unsigned add_slice(const SpringPass& p, unsigned slice) {
   const Lanes zero = zero_lanes(), one = all_lanes(1);
   unsigned own[kLanes], found = 0;
@@ -54,6 +55,14 @@ template <bool kDamped, bool kSlack>
     const Lanes inverse = one / divisor;
     const Lanes stretch = length - load(row.rest_length);
     Lanes tension = load(row.stiffness) * stretch;
+    if constexpr (kPower) {
+      const Lanes size = max(stretch, zero - stretch), power = load(p.power[r]);
+      Lanes done = one;
+      for (LaneMask more = power > done; any(more); more = power > done) {
+        tension = select(more, tension * size, tension);
+        done += one;
+      }
+    }
     if constexpr (kDamped) {
       const Lanes3 u = load_points(p.velocity, row.other) - v;
       tension += load(p.damping[r]) * (dot(u, d) * inverse);
@@ -69,16 +78,21 @@ template <bool kDamped, bool kSlack>
   return found;
 }
 
-template <bool kDamped, bool kSlack>
+template <bool kDamped, bool kSlack, bool kPower>
 unsigned add_slices(const SpringPass& p) {
   unsigned found = 0;
-  for (unsigned s = p.first; s < p.last; ++s) found += add_slice<kDamped, kSlack>(p, s);
+  for (unsigned s = p.first; s < p.last; ++s) found += add_slice<kDamped, kSlack, kPower>(p, s);
   return found;
 }
 
+template <bool kPower>
+unsigned add_forces_of(const SpringPass& p) {
+  if (p.damping) return p.slack ? add_slices<true, true, kPower>(p) : add_slices<true, false, kPower>(p);
+  return p.slack ? add_slices<false, true, kPower>(p) : add_slices<false, false, kPower>(p);
+}
+
 unsigned add_forces(const SpringPass& p) {
-  if (p.damping) return p.slack ? add_slices<true, true>(p) : add_slices<true, false>(p);
-  return p.slack ? add_slices<false, true>(p) : add_slices<false, false>(p);
+  return p.power ? add_forces_of<true>(p) : add_forces_of<false>(p);
 }
 
 unsigned find_snapped(const SnapPass& p) {

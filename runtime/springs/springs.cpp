@@ -76,6 +76,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
     const SpringDesc& s = desc.springs[k];
     n->springs.add(s, rest_length_of(s, desc.points[s.i], desc.points[s.j], k, owner));
     n->can_break = n->can_break || s.break_strain < kInfinity;
+    n->has_power = n->has_power || s.power != 1;
   }
 
   // nothing can fail any more
@@ -172,6 +173,7 @@ std::size_t Springs::add_spring(ObjectId id, const SpringDesc& spring) {
   const Array<Vec3>& x = impl_->particles.position;
   n.springs.add(spring, rest_length_of(spring, x[n.first + spring.i], x[n.first + spring.j], n.springs.size(), owner));
   n.can_break = n.can_break || spring.break_strain < kInfinity;
+  n.has_power = n.has_power || spring.power != 1;
   ++n.version;
   n.checked_step = 0;
   return n.springs.size() - 1;
@@ -187,7 +189,7 @@ SpringDesc Springs::spring(ObjectId id, std::size_t k) const {
   const SpringArrays& s = impl_->net(id).springs;
   const std::uint32_t at = impl_->spring(id, k);
   return {s.i[at], s.j[at], s.stiffness[at], s.damping[at], s.rest_length[at], s.break_strain[at],
-          s.tension_only[at] != 0};
+          s.tension_only[at] != 0, s.power[at]};
 }
 
 SpringView Springs::springs(ObjectId id) const {

@@ -18,6 +18,7 @@ struct SpringDesc {
   Real rest_length = -1;         // m; < 0: distance as built
   Real break_strain = kInfinity; // elongation / rest length; snaps with an event
   bool tension_only = false;     // a string: slack below its rest length, and never pushes
+  int power = 1;                 // force = stiffness |extension|^power towards the rest length; 1 to 9, N/m^power
 };
 
 struct NetDesc {

@@ -21,16 +21,37 @@ void Springs::Impl::remember(StepContext& c) {
   });
   const Forces* forces = store.find<Forces>();
   for (auto& n : nets) n->prepare(c.gravity, forces, objects.tags(n->object));
+  if (forces) warn_held_forces(*forces, *c.events);
   check_stiffness(c);
+}
+
+// A force that a script gives once per step is constant in it: a method of higher order has order 1 then, and an
+// implicit one does not see the force's stiffness.
+void Springs::Impl::warn_held_forces(const Forces& forces, Events& events) {
+  for (auto& n : nets) {
+    if (n->warned_held) continue;
+    const IntegratorInfo info = n->integrator->info();
+    if (info.order == 1 && !info.implicit) continue;
+    for (const ForceEntry& f : forces.list) {
+      if (f.force || !aims_at(f, n->object, objects.tags(n->object))) continue;
+      n->warned_held = true;
+      std::string message = objects.describe(f.object) + " is asked once before each step and held through it: with it " +
+                            objects.describe(n->object) + " moves with order 1";
+      if (info.order > 1) message += ", not " + std::to_string(info.order) + " of " + n->integrator_name;
+      if (info.implicit) message += ", and " + n->integrator_name + " does not see how stiff it is";
+      events.warn("frozen_force", message + "; give each as a formula in quotes, or stages = true", f.object);
+      break;
+    }
+  }
 }
 
 void Springs::Impl::check_stiffness(StepContext& c) {
   std::string message;
   for (auto& n : nets) {
-    if (n->checked_step == c.h) continue;
+    if (n->checked_step == c.h && !n->has_power) continue;
     n->checked_step = c.h;
     double frequency = 0, decay = 0;
-    n->bounds(frequency, decay);
+    n->bounds(frequency, decay, true, c.time);
     n->frequency = static_cast<Real>(frequency), n->decay = static_cast<Real>(decay);
     const IntegratorInfo info = n->integrator->info();
     if (n->warned_stiff) continue;
@@ -60,14 +81,14 @@ void Springs::Impl::integrate(StepContext& c) {
   };
   // large nets one after another with all threads each, small ones side by side
   for (auto& n : nets)
-    if (n->wide()) run(*n, threads_of(c));
+    if (n->wide() || n->on_stepping_thread) run(*n, n->wide() ? threads_of(c) : nullptr);
   const auto count = static_cast<std::uint32_t>(nets.size());
   std::uint32_t parts = 0;
   for (auto& n : nets)
-    if (!n->wide()) parts += n->springs.size() + n->points;
+    if (!n->wide() && !n->on_stepping_thread) parts += n->springs.size() + n->points;
   c.jobs->for_blocks(count, {1, parts / std::max(count, 1u) * kPartWork}, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t k = first; k < last; ++k)
-      if (!nets[k]->wide()) run(*nets[k], nullptr);
+      if (!nets[k]->wide() && !nets[k]->on_stepping_thread) run(*nets[k], nullptr);
   });
   quarantine(c);
   for (auto& n : nets) {
@@ -86,7 +107,7 @@ void Springs::Impl::break_springs(Net& n, Events& events) {
       e.kind = EventKind::spring_break;
       e.a = n.object;
       e.index = k;
-      e.force = s.stiffness[k] * n.strain(k) * s.rest_length[k];
+      e.force = static_cast<Real>(s.tension(k, static_cast<double>(n.strain(k) * s.rest_length[k])));
       e.point = Real(0.5) * (particles.position[n.first + s.i[k]] + particles.position[n.first + s.j[k]]);
       events.add(e);
       n.remove_spring(k);  // the bounds of frequency and decay stay true: they only become smaller

@@ -101,9 +101,21 @@ void World::begin_step(void* self, StepContext&) {
 void World::finish_step(void* self, StepContext& c) {
   World& w = *static_cast<World*>(self);
   if (w.events_.wanted(EventKind::step)) w.events_.add(Event{});
+  w.warn_of_forces();
   w.events_.finish();
   w.time_ = static_cast<double>(c.step + 1) * w.desc_.dt;
   ++w.steps_;
+}
+
+void World::warn_of_forces() {
+  Forces* forces = store_.find<Forces>();
+  if (!forces) return;
+  for (ForceEntry& f : forces->list) {
+    if (f.warned || !f.force || f.force->faults() == 0) continue;
+    f.warned = true;
+    events_.warn("force_domain", objects_.describe(f.object) + " had no value at some point (division by zero, root or "
+                 "logarithm of a negative number, overflow) and counted as 0 there; guard it with max or min", f.object);
+  }
 }
 
 void World::rebuild_plan() {

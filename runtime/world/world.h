@@ -91,6 +91,7 @@ class World final : private SystemFinder {
   static void begin_step(void* self, StepContext& context);
   static void finish_step(void* self, StepContext& context);
   void load_image(std::string_view image);
+  void warn_of_forces();
 
   WorldDesc desc_;
   Catalog catalog_;

@@ -31,6 +31,11 @@ Params sample_options(const char* kind) {
     p.set("rest_length", 1.0);
   }
   if (!std::strcmp(kind, "buoyancy")) p.set("height", 0.5);
+  if (!std::strcmp(kind, "expression")) {
+    p.set("x", std::string("-k*x + m*sin(t)*y"));
+    p.set("y", std::string("-0.3*vy*abs(vx)"));
+    p.set("k", 4.0);
+  }
   return p;
 }
 
@@ -197,4 +202,24 @@ TEST_CASE("force options are checked", "[forces]") {
   q.set("strenght", 2.0);
   CHECK_THROWS_WITH(make("attractor", q), Catch::Contains("strength"));
   CHECK_THROWS_WITH(make("atractor", Params()), Catch::Contains("attractor"));
+}
+
+TEST_CASE("derivatives that a force tells agree with differences", "[forces][contract]") {
+  const int row = GENERATE(range(0, static_cast<int>(force_kinds().size())));
+  const auto& kind = force_kinds()[static_cast<std::size_t>(row)];
+  const bool by_velocity = GENERATE(false, true);
+  CAPTURE(kind.name, by_velocity);
+  const auto force = make(kind.name, sample_options(kind.name));
+  const double h = sizeof(Real) == 4 ? 1e-2 : 1e-5;
+  for (const MassPoint& p : some_points(5)) {
+    Mat3 told = Mat3::Zero();
+    if (!force->derivative(&p, 1, 0.7, by_velocity, &told)) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      MassPoint above = p, below = p;
+      (by_velocity ? above.velocity : above.position)[axis] += static_cast<Real>(h);
+      (by_velocity ? below.velocity : below.position)[axis] -= static_cast<Real>(h);
+      const Vec3 slope = (force_on(*force, above, 0.7) - force_on(*force, below, 0.7)) / static_cast<Real>(2 * h);
+      CHECK(length(slope - told.col(axis)) <= Real(2e-2) * (1 + length(slope)));
+    }
+  }
 }

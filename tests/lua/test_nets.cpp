@@ -12,7 +12,7 @@ TEST_CASE("springs that only pull, and those that break, keep their options", "[
     print(net:spring_limits(2))
     local k = net:add_spring(1, 3, { stiffness = 5, tension_only = true })
     print(k, net:spring_limits(k))
-  )") == "inf\ttrue\n0.25\tfalse\n3\tinf\ttrue\n");
+  )") == "inf\ttrue\t1\n0.25\tfalse\t1\n3\tinf\ttrue\t1\n");
   CHECK_THAT(error_of("world:net{ points = {{0,0,0},{1,0,0}}, springs = {{1,2, tension_only = 1}} }"),
              Catch::Contains("springs[1].tension_only: expected true or false, got 1"));
 }
