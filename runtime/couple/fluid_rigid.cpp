@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+#include "fluid/pool.h"
+
 namespace feder {
 namespace {
 
@@ -61,6 +63,7 @@ void FluidRigid::add_rows(StepPlan& plan) {
   using F = FluidRigid;
   plan.add<&F::collect>(Stage::advance, When::before_substeps, 32, "list walls", kName, this);
   plan.add<&F::set_walls>(Stage::advance, When::each_substep, 23, "place walls", kName, this);
+  plan.add<&F::weigh>(Stage::advance, When::each_substep, 32, "weigh impulses", kName, this);
   plan.add<&F::push_bodies>(Stage::advance, When::each_substep, 35, "push bodies", kName, this);
   plan.add<&F::move_walls>(Stage::solve, When::each_substep, 39, "move walls", kName, this);
   plan.add<&F::push_again>(Stage::solve, When::each_substep, 41, "push bodies after guard", kName, this);
@@ -101,6 +104,7 @@ void FluidRigid::list_walls() {
 
 void FluidRigid::place_walls(bool between_steps) {
   const Bodies& b = rigid_.bodies();
+  walls_.weighed = false;
   for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
     WallBody& w = walls_.bodies[n];
     const std::uint32_t i = body_[n];
@@ -119,6 +123,7 @@ void FluidRigid::place_walls(bool between_steps) {
     w.center = m.center + s.moved;
     w.velocity = s.velocity, w.spin = s.angular_velocity;
     w.inv_mass = m.inv_mass_axes, w.inv_inertia = m.inv_inertia;
+    walls_.weighed = walls_.weighed || w.dynamic;
   }
   for (Wall& w : walls_.list) {
     const std::uint32_t i = body_[w.body], at = walls_.bodies[w.body].mover;
@@ -138,32 +143,75 @@ void FluidRigid::give_velocities() {
 
 void FluidRigid::collect(StepContext&) {
   list_walls();
-  mismatch_ = given_ = 0;
+  mismatch_ = given_ = pushed_ = 0;
   fluid_.clear_touches();
 }
 
 void FluidRigid::set_walls(StepContext&) {
   place_walls(false);
+  if (walls_.weighed) weigh_fluids(before_);
 }
 
-// What the bodies gained must be what the fluid gave them: the rest is rounding.
-void FluidRigid::push_bodies(StepContext&) {
-  for (const WallBody& w : walls_.bodies) {
-    if (w.mover == 0 || !w.dynamic) continue;
-    const MoverMass& m = movers_.mass[w.mover];
-    const Vec3 gain = w.velocity - movers_.state[w.mover].velocity;
-    for (int k = 0; k < 3; ++k)
-      if (m.inv_mass_axes[k] > 0)
-        mismatch_ = std::max(mismatch_, std::abs(static_cast<double>(gain[k] / m.inv_mass_axes[k] - w.impulse[k])));
-    given_ += static_cast<double>(length(w.impulse));
+void FluidRigid::weigh_fluids(double (&sum)[3]) const {
+  for (double& k : sum) k = 0;
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
+    const FluidPool& p = fluid_.pool_at(n);
+    double own[3] = {0, 0, 0};
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      own[0] += static_cast<double>(p.v[i].x);
+      own[1] += static_cast<double>(p.v[i].y);
+      own[2] += static_cast<double>(p.v[i].z);
+    }
+    for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(p.mass) * own[k];
   }
+}
+
+// Two states against each other: the velocities of all particles before and after, and those of the bodies. What stands
+// fast, or is held along an axis, has no velocity to tell: there it is the sum of the impulses it took.
+void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
+  if (!walls_.weighed) return;
+  double after[3], gained[3] = {0, 0, 0};
+  weigh_fluids(after);
+  for (const WallBody& w : walls_.bodies) {
+    const bool moves = w.dynamic && w.mover != 0;
+    for (int k = 0; k < 3; ++k) {
+      const Real inv_mass = moves ? movers_.mass[w.mover].inv_mass_axes[k] : Real(0);
+      gained[k] += inv_mass > 0
+                       ? static_cast<double>(w.velocity[k] - movers_.state[w.mover].velocity[k]) / inv_mass
+                       : static_cast<double>(w.impulse[k]);
+    }
+    given_ += static_cast<double>(length(w.impulse));
+    if (moves) pushed_ += static_cast<double>(length(w.impulse));
+  }
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
+    const FluidPool& p = fluid_.pool_at(n);
+    if (p.frozen) continue;
+    const double weight = static_cast<double>(p.desc.gravity_scale) * p.mass * p.count;
+    for (int k = 0; k < 3; ++k) gained[k] -= weight * static_cast<double>(gravity_seconds[k]);
+  }
+  double off = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double d = after[k] - before_[k] + gained[k];
+    off += d * d;
+  }
+  mismatch_ = std::max(mismatch_, std::sqrt(off));
+}
+
+// Right behind the fluid's own passes: couplings with nets and sheets change velocities of particles, too.
+void FluidRigid::weigh(StepContext& c) {
+  compare_impulses(c.h * c.gravity);
+}
+
+void FluidRigid::push_bodies(StepContext&) {
   give_velocities();
 }
 
 void FluidRigid::move_walls(StepContext&) {
   place_walls(false);
+  if (walls_.weighed) weigh_fluids(before_);
 }
 void FluidRigid::push_again(StepContext&) {
+  compare_impulses(Vec3::Zero());
   give_velocities();
 }
 
@@ -264,6 +312,7 @@ void FluidRigid::hash(Hash& h) const {
 
 void FluidRigid::residuals(std::vector<Residual>& out) const {
   out.push_back({"fluid_rigid.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
+  out.push_back({"fluid_rigid.impulse_ns", pushed_});
 }
 
 }  // namespace feder

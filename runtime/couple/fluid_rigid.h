@@ -21,7 +21,7 @@ class FluidRigid final : public System {
   void hash(Hash& h) const override;
   void save(Writer& w) const override { w.list(inside_), w.list(touching_); }
   void load(Reader& r) override { r.list(inside_), r.list(touching_); }
-  void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch
+  void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch, .impulse_ns
 
  private:
   // Particles of a fluid in a sensor at the end of the last step.
@@ -32,10 +32,14 @@ class FluidRigid final : public System {
   void list_walls();                   // all colliders of bodies that fluids may meet
   void place_walls(bool before_step);  // poses and velocities as the movers have them
   void give_velocities();              // back to the movers
+  void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
+  // What the fluids lost since `before_`, aside from what gravity gave in g h m/s, against what the bodies gained.
+  void compare_impulses(const Vec3& gravity_seconds);
 
   // Rows.
   void collect(StepContext& c);
   void set_walls(StepContext& c);
+  void weigh(StepContext& c);
   void push_bodies(StepContext& c);
   void move_walls(StepContext& c);
   void push_again(StepContext& c);
@@ -55,7 +59,9 @@ class FluidRigid final : public System {
   Array<std::uint32_t> place_;                  // of a body in Walls::bodies, kNone
   Array<Inside> inside_, next_inside_;          // in the order of colliders, then fluids; none with a count of 0
   Array<FluidTouch> touching_, next_touching_;  // by fluid, then body
-  double mismatch_ = 0, given_ = 0;             // N s, of the last step
+  double before_[3] = {0, 0, 0};                // momentum of the fluids when the walls were placed, kg m/s
+  double mismatch_ = 0, given_ = 0;             // N s, of the last step: largest of a substep, and sum
+  double pushed_ = 0;                           // N s, on bodies that move
 };
 
 }  // namespace feder

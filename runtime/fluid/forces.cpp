@@ -50,7 +50,10 @@ void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
       const Real rate = h * nu * p.table->at(std::max(s, Real(0))).friction / (std::max(s, Real(0.05)) * r2);
       const Vec3 change = -(rate / (1 + rate)) * along;  // implicit: never turns round
       p.v[i].set(p.v[i].vec() + change);
-      if (b.dynamic) b.push(at, -p.mass * change);
+      if (b.dynamic)
+        b.push(at, -p.mass * change);
+      else
+        b.impulse -= p.mass * change;
     }
 }
 

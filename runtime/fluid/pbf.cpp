@@ -343,6 +343,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
     const WallContact& k = p.contacts[at];
     walls->bodies[walls->list[k.wall].body].push(p.start[k.particle].vec(), -k.impulse * k.normal);
   }
+  if (walls->weighed) p.weigh_fixed(*walls);
 }
 
 void Pbf::rub(StepContext& c) {

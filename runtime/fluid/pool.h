@@ -106,6 +106,7 @@ struct FluidPool {
   void find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out);
   void note_touches(const Walls& walls);
   void share_bodies(Walls& walls);  // counts the particles that touch each body
+  void weigh_fixed(Walls& walls) const;  // adds the impulses of this iteration to the walls that do not move
   // Keeps every particle outside every wall: swept from where its contact was made. Velocities towards the wall end.
   void guard_walls(Walls& walls);
 

@@ -175,6 +175,14 @@ void FluidPool::note_touches(const Walls& walls) {
   }
 }
 
+void FluidPool::weigh_fixed(Walls& walls) const {
+  for (std::uint32_t k = 0; k < contact_first[count]; ++k) {
+    const WallContact& c = contacts[k];
+    WallBody& b = walls.bodies[walls.list[c.wall].body];
+    if (!b.dynamic) b.impulse -= c.impulse * c.normal;
+  }
+}
+
 void FluidPool::share_bodies(Walls& walls) {
   for (const std::uint32_t k : dynamic_contacts) {
     const WallContact& c = contacts[k];
@@ -222,7 +230,10 @@ void FluidPool::guard_walls(Walls& walls) {
         const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
         const Vec3 p = (-closing * share * mass) * n;
         v[i].set(v[i].vec() + p / mass);
-        if (b.dynamic) b.push(x[i].vec(), -p);
+        if (b.dynamic)
+          b.push(x[i].vec(), -p);
+        else
+          b.impulse -= p;
       }
     }
   }

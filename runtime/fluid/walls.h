@@ -20,7 +20,8 @@ struct WallBody {
   std::uint32_t mover = 0;          // in Movers, for the coupling
   bool dynamic = false;
   Real touching = 0;            // sum of the weights by which particles press on it, 1/m
-  Vec3 impulse = Vec3::Zero();  // given by the fluid since the walls were filled, N s
+  Vec3 impulse = Vec3::Zero();  // given by the fluid since the walls were filled, N s; of what the fluid does not move
+                                // only where Walls::weighed
   Real pressed = 0;             // sum of the sizes of the impulses in this step, N s
 
   Vec3 velocity_at(const Vec3& x) const { return velocity + cross(spin, x - center); }
@@ -66,6 +67,7 @@ struct Walls {
   Array<Wall> list;
   Array<WallBody> bodies;
   bool drifted = false;
+  bool weighed = false;  // the coupling wants to know what all walls took, also those that do not move
 };
 
 // A particle near a wall: the plane through the nearest point of the wall when the contact was made.

@@ -193,6 +193,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c, Real h) {
     const WallContact& k = p.contacts[at];
     walls->bodies[walls->list[k.wall].body].push(p.x[k.particle].vec(), -k.impulse * k.normal);
   }
+  if (walls->weighed) p.weigh_fixed(*walls);
 }
 
 void Wcsph::move(FluidPool& p, StepContext& c, Real h) {
