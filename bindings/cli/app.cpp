@@ -7,6 +7,7 @@
 
 #include "base/params.h"
 #include "cli/command.h"
+#include "cli/stop.h"
 
 namespace feder::cli {
 namespace {
@@ -59,6 +60,7 @@ int run_command(const Row& row, int argc, char* argv[]) {
   } catch (const std::invalid_argument& e) {
     throw Failure(kUsage, fmt::format("feder {}: {}", row.name, e.what()));
   }
+  const TimeLimit time(timeout_seconds(options, 0), 0);
   return command->run(options);
 }
 

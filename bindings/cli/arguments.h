@@ -17,6 +17,7 @@ class Arguments {
 
   // Names are "--seconds" or "--quiet,-q"; a word without dashes is a positional argument.
   void flag(const std::string& name, bool& value, const std::string& help);
+  void hidden_flag(const std::string& name, bool& value);  // not in the help
   void text(const std::string& name, std::string& value, const std::string& help);
   void whole(const std::string& name, int& value, int lowest, int highest, const std::string& help);
   void list(const std::string& name, std::vector<std::string>& value, const std::string& help);  // name may be repeated

@@ -7,6 +7,7 @@
 #include "base/profile.h"
 #include "cli/command.h"
 #include "cli/session.h"
+#include "cli/stop.h"
 #include "cli/summary.h"
 
 namespace feder::cli {
@@ -37,6 +38,7 @@ class Bench final : public Command {
 
   int run(const Options& options) override {
     host_options(options);
+    const StopSignals signals;
     report::Json before = report::Json::array();
     if (!compare_.empty()) before = read_before();
     report::Json all = report::Json::array();
@@ -75,8 +77,9 @@ class Bench final : public Command {
       World& world = *session.world();
       world.reset_profile();
       const std::uint64_t start = clock_nanoseconds();
-      for (int k = 0; k < steps_; ++k) session.script().step();
+      for (int k = 0; k < steps_ && session.goes_on(); ++k) session.script().step();
       m.runs.push_back(static_cast<double>(clock_nanoseconds() - start) * 1e-6 / steps_);
+      session.need_to_go_on();
       if (i + 1 < runs_) continue;
       m.title = session.title();
       m.hash = hash_text(world.hash());

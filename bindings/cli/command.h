@@ -11,7 +11,8 @@
 namespace feder::cli {
 
 // Exit statuses of every command.
-inline constexpr int kPass = 0, kFailed = 1, kUsage = 2, kLoadError = 3, kNothingRan = 5, kInterrupted = 130;
+inline constexpr int kPass = 0, kFailed = 1, kUsage = 2, kLoadError = 3, kBudget = 4, kNothingRan = 5,
+                     kInterrupted = 130, kTerminated = 143;
 
 // Ends a command: what() goes to stderr as one line ("file:line: message" where a place is known).
 class Failure : public std::runtime_error {

@@ -34,7 +34,11 @@ class Explain final : public Command {
     if (session.is_scene()) {
       session.step();  // the first one fills caches and makes room
       world->reset_profile();
-      for (int i = 0; i < steps_; ++i) session.step();
+      for (int i = 0; i < steps_; ++i) {
+        session.need_to_go_on();
+        session.step();
+      }
+      session.need_to_go_on();
       steps = static_cast<std::uint64_t>(steps_);
     }
     std::fputs((options.json ? report::to_text(json(session, steps)) : text(session, steps)).c_str(), stdout);

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "cli/command.h"
+#include "cli/stop.h"
 #ifdef FEDER_HAS_YAML
 #include "yaml/yaml.h"
 #endif
@@ -54,6 +56,9 @@ void declare(Arguments& a, Options& o) {
   a.list("--world", o.world, "KEY=VALUE: dt, substeps, rigid.solver ... (may be repeated)");
   a.text("--dt", o.dt, "seconds per step, for example 1/240");
   a.whole("--threads", o.threads, 1, 64, "worker threads");
+  a.text("--limit", o.limit, "Lua instructions per call into a script, 4 times as many in build() (default 1e8; 0: any)");
+  a.text("--memory", o.memory, "bytes of Lua memory (default 1 GiB)");
+  a.text("--timeout", o.timeout, "seconds of processor time; exit status 4 (default: any; test: 60 per file)");
 }
 
 lua::HostOptions host_options(const Options& o) {
@@ -73,10 +78,23 @@ lua::HostOptions host_options(const Options& o) {
       throw Failure(kUsage, fmt::format("--seed: expected a whole number >= 0, got '{}'", o.seed));
     host.has_seed = true;
   }
+  if (!o.limit.empty()) {
+    const double limit = read_number(o.limit, "--limit");
+    // a limit that is never reached keeps scripts interruptible
+    host.instruction_limit = limit < 1 || limit > 1e18 ? std::uint64_t(1) << 62 : static_cast<std::uint64_t>(limit);
+  }
+  if (!o.memory.empty())
+    host.memory_limit = static_cast<std::size_t>(std::min(read_number(o.memory, "--memory"), 1e18));
+  timeout_seconds(o, 0);
+  host.stop = &stop_flag();
 #ifdef FEDER_HAS_YAML
   host.load_yaml = yaml::push;
 #endif
   return host;
+}
+
+double timeout_seconds(const Options& o, double otherwise) {
+  return o.timeout.empty() ? otherwise : read_number(o.timeout, "--timeout");
 }
 
 double read_number(const std::string& text, const std::string& option) {

@@ -1,4 +1,4 @@
-// What every command takes: --json, --quiet, --seed, --set, --world, --dt, --threads.
+// What every command takes: --json, --quiet, --seed, --set, --world, --dt, --threads, --limit, --memory, --timeout.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +13,7 @@ namespace feder::cli {
 struct Options {
   bool json = false, quiet = false;
   std::string seed, dt;             // as given; empty when not given
+  std::string limit, memory, timeout;
   int threads = 0;                  // 0: what the scene says
   std::vector<std::string> set, world;  // NAME=VALUE
 };
@@ -21,6 +22,9 @@ void declare(Arguments& arguments, Options& options);
 
 // The options as the script host takes them. Failure (usage) for what cannot be read.
 lua::HostOptions host_options(const Options& options);
+
+// --timeout in s; `otherwise` when it is not given.
+double timeout_seconds(const Options& options, double otherwise);
 
 // "3", "0.5", "1/240": a finite number >= 0. Failure (usage) naming the option.
 double read_number(const std::string& text, const std::string& option);

@@ -41,7 +41,11 @@ void run_to(Session& session, double seconds) {
   if (!session.world()) throw Failure(kFailed, session.file() + ": this script makes no world");
   if (!session.is_scene()) return;
   const std::uint64_t steps = session.steps_for(seconds);
-  while (session.world()->step_count() < steps) session.step();
+  while (session.world()->step_count() < steps) {
+    session.need_to_go_on();
+    session.step();
+  }
+  session.need_to_go_on();
 }
 
 view::Image take_picture(view::Studio& studio, Session& session, const PictureWish& wish) {

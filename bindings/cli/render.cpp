@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "cli/picture.h"
 #include "cli/scene_files.h"
+#include "cli/stop.h"
 #include "report/json.h"
 
 namespace feder::cli {
@@ -34,6 +35,7 @@ class Render final : public Command {
     host_options(options);  // complain about the options before anything runs
     const std::vector<std::string> files = scene_files(scenes_);
     if (files.empty()) throw Failure(kNothingRan, "feder render: no scenes in " + scenes_[0]);
+    const StopSignals signals;
     try {
       if (files.size() > 1 || fs::is_directory(scenes_[0])) return sheet(files, wish, options);
       if (out_.ends_with(".png")) return still(files[0], wish, options);

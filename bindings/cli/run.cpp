@@ -1,34 +1,17 @@
 // feder run: a scene or a plain script without a window.
 #include <fmt/format.h>
 
-#include <csignal>
+#include <algorithm>
 #include <cstdio>
 
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/session.h"
+#include "cli/stop.h"
 #include "cli/summary.h"
 
 namespace feder::cli {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-// While it lives, the first ctrl-C ends the run and its summary is still printed; the second one kills.
-class Interrupt {
- public:
-  Interrupt() {
-    interrupted = 0;
-    struct sigaction action = {};
-    action.sa_handler = [](int) { interrupted = 1; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &before_);
-  }
-  ~Interrupt() { sigaction(SIGINT, &before_, nullptr); }
-
- private:
-  struct sigaction before_ = {};
-};
 
 class Run final : public Command {
  public:
@@ -52,19 +35,42 @@ class Run final : public Command {
       std::fflush(stdout);
       fmt::print(stderr, "{}\n", line);
     });
-    session.load(scene_);
-    if (session.is_scene()) step_scene(session, wanted, options);
-    return finish(session, options);
+    const StopSignals signals;
+    int status = load(session);
+    if (session.is_scene() && status == kPass) step_scene(session, wanted, options);
+    if (status == kPass) status = say_end(session);
+    return finish(session, options, status);
   }
 
  private:
+  // A plain script that was stopped has a world to sum up; other failures go on.
+  int load(Session& session) {
+    try {
+      session.load(scene_);
+    } catch (const Failure& e) {
+      if (e.status() < kBudget || session.is_scene() || !session.world()) throw;
+      std::fflush(stdout);
+      fmt::print(stderr, "{}\n", e.what());
+      return e.status();
+    }
+    return kPass;
+  }
+
+  // Why the steps ended early, unless a handler's error has said it.
+  int say_end(Session& session) const {
+    const auto& errors = session.script().handler_errors();
+    const bool said = std::any_of(errors.begin(), errors.end(), [](const auto& e) { return e.limit != lua::Limit::none; });
+    const int status = session.end_status();
+    if (status != kPass && !said) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
+    return status;
+  }
+
   void step_scene(Session& session, double wanted, const Options& options) {
     const double own = session.script().seconds();
     const double seconds = wanted >= 0 ? wanted : own > 0 ? own : 10;
     const std::uint64_t steps = session.steps_for(seconds);
-    const Interrupt guard;
     Progress progress(!options.quiet);
-    for (std::uint64_t i = 0; i < steps && !interrupted; ++i) {
+    for (std::uint64_t i = 0; i < steps && session.goes_on(); ++i) {
       session.step();
       const double time = session.world()->time();
       if (progress.due())
@@ -72,11 +78,13 @@ class Run final : public Command {
     }
   }
 
-  int finish(Session& session, const Options& options) {
+  // `status`: of what ended the run early, or kPass.
+  int finish(Session& session, const Options& options, int status) {
     lua::CheckResult result;
-    if (check_ && !interrupted) result = run_check(session);
+    if (check_ && status == kPass) result = run_check(session);
+    if (result.limit != lua::Limit::none) status = limit_status(result.limit);
     Summary summary = summarize(session);
-    summary.interrupted = interrupted != 0;
+    summary.interrupted = status != kPass;
     if (options.json) {
       report::Json json = summary_json(summary);
       if (check_) json["check"] = check_json(result);
@@ -88,8 +96,14 @@ class Run final : public Command {
     std::fflush(stdout);
     for (const auto& failure : result.failures) fmt::print(stderr, "{}: {}\n", failure.where, failure.message);
     if (!summary.finite) fmt::print(stderr, "{}: the state is not finite\n", scene_);
-    if (summary.interrupted) return kInterrupted;
-    return summary.finite && summary.handler_errors.empty() && result.failures.empty() ? kPass : kFailed;
+    bool held = false;  // what was not finite has been stopped
+    for (const Warning& w : summary.warnings) {
+      if (w.code != "non_finite") continue;
+      fmt::print(stderr, "{}: not finite on the way ({} x): {}\n", scene_, w.count, w.message);
+      held = true;
+    }
+    if (status != kPass) return status;
+    return summary.finite && !held && summary.handler_errors.empty() && result.failures.empty() ? kPass : kFailed;
   }
 
   lua::CheckResult run_check(Session& session) {
@@ -97,6 +111,8 @@ class Run final : public Command {
       lua::CheckResult result = session.script().check();
       if (!result.has_check) throw Failure(kFailed, scene_ + ": --check: this scene has no check");
       return result;
+    } catch (const lua::LimitError& e) {
+      throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
     } catch (const lua::ScriptError& e) {
       throw Failure(kFailed, e.what());
     }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/profile.h"
+#include "cli/stop.h"
 #ifdef FEDER_HAS_YAML
 #include "yaml/yaml.h"
 #endif
@@ -14,8 +15,31 @@
 namespace feder::cli {
 
 std::string error_text(const lua::HandlerError& error) {
-  if (error.where.empty() || error.message.starts_with(error.where + ":")) return error.message;
-  return error.where + ": " + error.message;
+  const std::string message = limit_text(error.message, error.limit);
+  if (error.where.empty() || message.starts_with(error.where + ":")) return message;
+  return error.where + ": " + message;
+}
+
+std::string limit_text(const std::string& message, lua::Limit limit) {
+  switch (limit) {
+    case lua::Limit::instructions:
+    case lua::Limit::time:
+      return message + "; --limit N allows more";
+    case lua::Limit::memory:
+      return message + "; --memory BYTES allows more";
+    case lua::Limit::interrupted: {
+      std::string text = message;
+      const std::string word = "interrupted";
+      if (text.ends_with(word)) text.replace(text.size() - word.size(), word.size(), stop_text());
+      return text;
+    }
+    default:
+      return message;
+  }
+}
+
+int limit_status(lua::Limit limit) {
+  return limit == lua::Limit::interrupted && stop_reason() != StopReason::none ? stop_status() : kBudget;
 }
 
 bool is_yaml(const std::string& file) { return file.ends_with(".yaml") || file.ends_with(".yml"); }
@@ -25,6 +49,11 @@ std::string read_text(const std::string& file) {
   if (!std::filesystem::exists(file, ignored)) throw Failure(kLoadError, file + ": no such file");
   if (std::filesystem::is_directory(file, ignored))
     throw Failure(kLoadError, file + ": expected a scene, got a folder");
+  if (!std::filesystem::is_regular_file(file, ignored))
+    throw Failure(kLoadError, file + ": expected a scene, got a device or a pipe");
+  constexpr std::uintmax_t kLargest = 64;  // MB, as for files that scripts load
+  if (std::filesystem::file_size(file, ignored) > kLargest << 20)
+    throw Failure(kLoadError, fmt::format("{}: larger than {} MB", file, kLargest));
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
@@ -50,7 +79,11 @@ void check_syntax(const std::string& file, const lua::HostOptions& host) {
 }
 
 Session::Session(lua::HostOptions host, std::function<void(const std::string&)> report) : report_(std::move(report)) {
-  script_ = std::make_unique<lua::Script>(std::move(host));
+  try {
+    script_ = std::make_unique<lua::Script>(std::move(host));
+  } catch (const lua::ScriptError& e) {
+    throw Failure(kBudget, limit_text(e.what(), lua::Limit::memory));
+  }
   script_->on_step([this](World& world) { after_step(world); });
 }
 
@@ -62,6 +95,10 @@ void Session::load(const std::string& file) {
     script_->load_file(file);
     status = kLoadError;
     if (script_->is_scene()) script_->build();
+  } catch (const lua::LimitError& e) {
+    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
+  } catch (const lua::OptionError& e) {
+    throw Failure(kUsage, e.what());
   } catch (const lua::ScriptError& e) {
     throw Failure(status, e.what());
   } catch (const SceneError& e) {
@@ -76,7 +113,25 @@ std::string Session::title() const {
 }
 
 std::uint64_t Session::steps_for(double seconds) {
-  return static_cast<std::uint64_t>(std::llround(seconds / world()->desc().dt));
+  constexpr double kMaxSteps = 1e9;
+  const double dt = world()->desc().dt;
+  if (!(seconds / dt <= kMaxSteps))
+    throw Failure(kUsage, fmt::format("{}: expected at most {:g} s, a billion steps, got {:g} s", file_, kMaxSteps * dt,
+                                      seconds));
+  return static_cast<std::uint64_t>(std::llround(seconds / dt));
+}
+
+bool Session::goes_on() const { return limit_error_ == kNone && !stop_flag(); }
+
+int Session::end_status() const {
+  if (limit_error_ != kNone) return limit_status(script_->handler_errors()[limit_error_].limit);
+  return stop_status();
+}
+
+void Session::need_to_go_on() const {
+  if (goes_on()) return;
+  if (limit_error_ != kNone) throw Failure(end_status(), error_text(script_->handler_errors()[limit_error_]));
+  throw Failure(end_status(), fmt::format("{}: {}", file_, stop_text()));
 }
 
 void Session::step() {
@@ -114,8 +169,10 @@ void Session::after_step(World& world) {
 
 void Session::report_errors() {
   const auto& errors = script_->handler_errors();
-  for (; reported_errors_ < errors.size(); ++reported_errors_)
+  for (; reported_errors_ < errors.size(); ++reported_errors_) {
+    if (errors[reported_errors_].limit != lua::Limit::none && limit_error_ == kNone) limit_error_ = reported_errors_;
     if (report_) report_(error_text(errors[reported_errors_]));
+  }
 }
 
 }  // namespace feder::cli

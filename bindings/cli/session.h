@@ -22,7 +22,8 @@ class Session {
   Session(lua::HostOptions host, std::function<void(const std::string&)> report);
 
   // Reads and compiles the file, runs it and, for a scene, builds its world. Failure: kLoadError when the file cannot
-  // be read, compiled or built, kFailed when a script fails while it runs.
+  // be read, compiled or built, kFailed when a script fails while it runs, kUsage for values of --set and --world that
+  // it does not take, kBudget at a limit, kInterrupted and kTerminated.
   void load(const std::string& file);
 
   const std::string& file() const { return file_; }
@@ -30,10 +31,15 @@ class Session {
   lua::Script& script() { return *script_; }
   World* world() { return script_->world(); }
   std::string title() const;  // of the scene, or the file's name
-  // Steps that make `seconds` of this world.
+  // Steps that make `seconds` of this world. Failure (usage) above a billion.
   std::uint64_t steps_for(double seconds);
   // One step of a scene; its wall time is counted.
   void step();
+  // False once a limit ended a handler, or the command has to end.
+  bool goes_on() const;
+  // The status and line of that; Failure when it does not go on.
+  int end_status() const;
+  void need_to_go_on() const;
 
   std::uint64_t steps() const { return steps_; }          // of the scene, or of all worlds of a plain script
   double step_milliseconds() const;                       // wall time per step; handlers included for scenes
@@ -47,13 +53,17 @@ class Session {
   std::function<void(const std::string&)> report_;
   std::unique_ptr<lua::Script> script_;
   std::vector<Warning> warnings_;
-  std::size_t reported_errors_ = 0;
+  std::size_t reported_errors_ = 0, limit_error_ = kNone;
+  static constexpr std::size_t kNone = ~std::size_t(0);
   std::uint64_t steps_ = 0;
   std::uint64_t nanoseconds_ = 0;  // in step()
 };
 
 // "file:line: message" of a handler error.
 std::string error_text(const lua::HandlerError& error);
+// What a script that ended at a limit says, and with which status the command ends.
+std::string limit_text(const std::string& message, lua::Limit limit);
+int limit_status(lua::Limit limit);
 
 // Compiles without running. Failure (kLoadError) "file:line: message".
 void check_syntax(const std::string& file, const lua::HostOptions& host);

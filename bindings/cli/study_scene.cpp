@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cli/command.h"
+#include "cli/session.h"
 #include "cli/study_parts.h"
 #include "integrate/integrator.h"
 #include "rigid/rigid.h"
@@ -27,6 +28,10 @@ class ScriptWorld final : public SceneWorld {
     try {
       script_.load_file(file);
       script_.build();
+    } catch (const lua::LimitError& e) {
+      throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
+    } catch (const lua::OptionError& e) {
+      throw Failure(kUsage, e.what());
     } catch (const lua::ScriptError& e) {
       throw SceneError(e.what());
     }
@@ -41,6 +46,8 @@ class ScriptWorld final : public SceneWorld {
     if (!has_error_) return NAN;
     try {
       return script_.study_error();
+    } catch (const lua::LimitError& e) {
+      throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
     } catch (const lua::ScriptError& e) {
       throw SceneError(e.what());
     }
@@ -51,6 +58,7 @@ class ScriptWorld final : public SceneWorld {
   void need_no_errors() {
     if (script_.handler_errors().empty()) return;
     const lua::HandlerError& e = script_.handler_errors().front();
+    if (e.limit != lua::Limit::none) throw Failure(limit_status(e.limit), error_text(e));
     throw SceneError(e.where + ": " + e.message);
   }
 
@@ -182,6 +190,8 @@ std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options&
     return std::make_unique<SceneProblem>(std::move(scene));
   } catch (const SceneError& e) {
     throw Failure(kLoadError, e.what());
+  } catch (const lua::LimitError& e) {
+    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
   } catch (const lua::ScriptError& e) {
     throw Failure(kLoadError, e.what());
   }

@@ -1,15 +1,17 @@
-// feder test: scenes with a check and *_test.lua scripts, each in a Lua state and world of its own.
+// feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
-#include "base/profile.h"
 #include "cli/command.h"
+#include "cli/isolate.h"
 #include "cli/session.h"
-#include "report/test_report.h"
+#include "cli/stop.h"
+#include "cli/test_file.h"
 
 namespace feder::cli {
 namespace {
@@ -17,11 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using report::TestResult;
 using report::TestStatus;
-
-bool is_plain_test(const std::string& file) {
-  const std::string stem = fs::path(file).stem().string();
-  return file.ends_with(".lua") && (stem.ends_with("_test") || stem.starts_with("test_"));
-}
 
 // Folders also hold modules and material tables: a file counts when its text looks like a scene's.
 bool looks_like_test(const std::string& file) {
@@ -51,59 +48,6 @@ std::vector<std::string> discover(const std::vector<std::string>& paths) {
   return files;
 }
 
-// "scene.lua:12: message" taken apart again.
-report::TestFailure failure_from(const std::string& text, const std::string& file) {
-  std::size_t at = text.starts_with(file) ? file.size() : text.find(':');
-  if (at == std::string::npos || at >= text.size() || text[at] != ':') return {"", text};
-  const std::size_t end = text.find_first_not_of("0123456789", at + 1);
-  if (end == at + 1 || end == std::string::npos || text.compare(end, 2, ": ") != 0) return {"", text};
-  return {text.substr(0, end), text.substr(end + 2)};
-}
-
-void step_and_check(Session& session, TestResult& result) {
-  const double own = session.script().seconds();
-  const std::uint64_t steps = session.steps_for(own > 0 ? own : 10);
-  for (std::uint64_t i = 0; i < steps; ++i) session.step();
-  const lua::CheckResult check = session.script().check();
-  result.checks = check.passed;
-  for (const auto& f : check.failures) result.failures.push_back({f.where, f.message});
-  if (!session.world()->is_finite()) result.failures.push_back({"", "the state is not finite at the end"});
-  if (!check.has_check) {
-    result.status = TestStatus::skipped;
-    result.notice = "has no check";
-  }
-}
-
-TestResult run_test(const std::string& file, const Options& options) {
-  TestResult result;
-  result.name = file;
-  const std::uint64_t start = clock_nanoseconds();
-  try {
-    lua::HostOptions host = host_options(options);
-    host.print = [&result](std::string_view text) { result.output += text; };
-    Session session(std::move(host), nullptr);
-    session.load(file);
-    if (session.is_scene()) {
-      step_and_check(session, result);
-    } else if (!is_plain_test(file)) {
-      result.status = TestStatus::skipped;
-      result.notice = "is neither a scene nor a *_test.lua";
-    }
-    for (const auto& e : session.script().handler_errors())
-      result.failures.push_back(
-          {e.where, fmt::format("{} ({} x, in a handler)", failure_from(error_text(e), file).message, e.count)});
-  } catch (const Failure& e) {
-    // a plain test fails by its error; whatever else does not get as far as its first step was not loaded
-    result.loaded = e.status() == kFailed && is_plain_test(file);
-    result.failures.push_back(failure_from(e.what(), file));
-  } catch (const std::exception& e) {
-    result.failures.push_back(failure_from(e.what(), file));
-  }
-  if (!result.failures.empty()) result.status = TestStatus::failed;
-  result.seconds = static_cast<double>(clock_nanoseconds() - start) * 1e-9;
-  return result;
-}
-
 class Test final : public Command {
  public:
   void declare(Arguments& a) override {
@@ -111,6 +55,9 @@ class Test final : public Command {
     a.text("--filter", filter_, "only files whose path contains this text");
     a.text("--junit", junit_, "also write the results as JUnit XML to this file");
     a.flag("--tap", tap_, "print TAP version 13");
+    a.flag("--isolate,!--no-isolate", isolate_,
+           "run the tests in a process of their own, so that a crash is one failed test (default when CI is set)");
+    a.hidden_flag("--worker", worker_);
   }
 
   int run(const Options& options) override {
@@ -120,15 +67,51 @@ class Test final : public Command {
     std::vector<std::string> files = discover(paths_);
     std::erase_if(files, [&](const std::string& f) { return f.find(filter_) == std::string::npos; });
     const bool lines = !tap_ && !options.json;
+    const StopSignals signals;
+    if (worker_) return work(files, options);
     std::vector<TestResult> results;
-    for (const std::string& file : files) {
-      results.push_back(run_test(file, options));
+    const auto take = [&](TestResult result) {
+      results.push_back(std::move(result));
       if (lines) print(results.back(), options.quiet);
+    };
+    if (isolate_) {
+      run_isolated(files, worker_arguments(options), take);
+    } else {
+      for (const std::string& file : files) {
+        if (stop_flag() && stop_reason() != StopReason::timeout) break;
+        take(run_test(file, options));
+      }
     }
-    return finish(results, options);
+    const bool stopped = stop_reason() == StopReason::interrupt || stop_reason() == StopReason::terminate;
+    if (stopped) fmt::print(stderr, "feder test: interrupted, {} of {} tests ran\n", results.size(), files.size());
+    const int status = finish(results, options);
+    return stopped ? stop_status() : status;
   }
 
  private:
+  // The child of an isolated run.
+  static int work(const std::vector<std::string>& files, const Options& options) {
+    for (const std::string& file : files) {
+      send_line({{"start", file}});
+      send_line(report::result_to_json(run_test(file, options)));
+      if (stop_flag() && stop_reason() != StopReason::timeout) return stop_status();
+    }
+    return kPass;
+  }
+
+  static std::vector<std::string> worker_arguments(const Options& o) {
+    std::vector<std::string> words;
+    const auto option = [&](const char* name, const std::string& value) {
+      if (!value.empty()) words.insert(words.end(), {name, value});
+    };
+    option("--seed", o.seed), option("--dt", o.dt), option("--limit", o.limit), option("--memory", o.memory);
+    option("--timeout", o.timeout);
+    if (o.threads > 0) option("--threads", std::to_string(o.threads));
+    for (const std::string& s : o.set) option("--set", s);
+    for (const std::string& w : o.world) option("--world", w);
+    return words;
+  }
+
   static void print(const TestResult& r, bool quiet) {
     const bool failed = r.status == TestStatus::failed;
     if (quiet && !failed) return;
@@ -159,6 +142,7 @@ class Test final : public Command {
       fmt::print("{}{} passed, {} failed, {} skipped\n", tap_ ? "# " : "", counts.passed, counts.failed,
                  counts.skipped);
     }
+    if (std::any_of(results.begin(), results.end(), [](const TestResult& r) { return r.exceeded; })) return kBudget;
     const bool unloaded = std::any_of(results.begin(), results.end(), [](const TestResult& r) { return !r.loaded; });
     if (unloaded) return kLoadError;
     if (counts.failed) return kFailed;
@@ -172,7 +156,8 @@ class Test final : public Command {
 
   std::vector<std::string> paths_;
   std::string filter_, junit_;
-  bool tap_ = false;
+  bool tap_ = false, worker_ = false;
+  bool isolate_ = std::getenv("CI") != nullptr;
 };
 
 }  // namespace

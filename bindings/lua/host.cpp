@@ -17,6 +17,12 @@ int step_world(lua_State* L) {
   return 0;
 }
 
+[[noreturn]] void raise(State& state, const Failure& failure) {
+  if (failure.limit != Limit::none) throw LimitError(failure.text(), failure.limit);
+  if (state.wrong_option) throw OptionError(failure.text());
+  throw ScriptError(failure.text());
+}
+
 }  // namespace
 
 struct Script::Impl {
@@ -32,7 +38,7 @@ struct Script::Impl {
     });
     lua_pushlightuserdata(L, &body);
     Failure failure;
-    if (!state.call(L, 1, 0, failure)) throw ScriptError(failure.text());
+    if (!state.call(L, 1, 0, failure)) raise(state, failure);
   }
 
   void run(std::string_view text, const std::string& name) {
@@ -141,7 +147,7 @@ void Script::build() {
   const Impl::InPhase phase(s, Phase::building);
   lua_pushcfunction(s.L, guard<build_scene>);
   Failure failure;
-  if (!s.call(s.L, 0, 0, failure)) throw ScriptError(failure.text());
+  if (!s.call(s.L, 0, 0, failure)) raise(s, failure);
 }
 
 World* Script::world() {
@@ -209,6 +215,10 @@ std::string Script::run_string(std::string_view text, const std::string& chunk) 
 
 void Script::set_instruction_limit(std::uint64_t per_call) {
   impl_->state.options.instruction_limit = per_call;
+}
+
+void Script::interrupt() {
+  impl_->state.interrupted = true;
 }
 
 void Script::on_step(std::function<void(World&)> callback) {

@@ -1,6 +1,7 @@
 // A script in its own Lua state: the C++ face of the Lua binding, used by the feder program, tests and embedders.
 // Hides Lua completely. Errors are ScriptError with "file:line: message"; nothing a script does ends the process.
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -23,6 +24,26 @@ class ScriptError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The limits of HostOptions. A script cannot catch one: it is raised again after every pcall, xpcall and coroutine
+// until the outermost call from the host has ended. The script can be called again.
+enum class Limit { none, instructions, time, memory, output, interrupted };
+
+// A call from the host ended at a limit.
+class LimitError : public ScriptError {
+ public:
+  LimitError(const std::string& what, Limit limit) : ScriptError(what), limit_(limit) {}
+  Limit limit() const { return limit_; }
+
+ private:
+  Limit limit_;
+};
+
+// HostOptions::set or ::world holds a name or value that the script does not take: a mistake of whoever started it.
+class OptionError : public ScriptError {
+ public:
+  using ScriptError::ScriptError;
+};
+
 struct HostOptions {
   std::vector<std::filesystem::path> library_roots;   // folders that `require` may read besides the scene's (scripts/)
   std::map<std::string, std::string> set;             // --set NAME=VALUE: values for feder.param
@@ -30,8 +51,17 @@ struct HostOptions {
   bool has_seed = false;
   std::uint64_t seed = 1;
   std::function<void(std::string_view)> print;        // output of print(); stdout when empty
-  std::size_t memory_limit = std::size_t(1) << 30;    // bytes of Lua memory
-  std::uint64_t instruction_limit = 0;                // per call into Lua; 0 = none
+  std::size_t memory_limit = std::size_t(1) << 30;    // bytes of Lua memory; the size of a world is not limited
+  std::uint64_t output_limit = std::uint64_t(256) << 20;  // bytes that print() may write in all; 0: none
+  // Lua instructions per call from the host, four times as many in build(). Each handler, timer, task and force function
+  // of a step is a call of its own; a plain script is one call. C functions are charged by the length of what they work
+  // on, a caught error as 500, a step by a plain script as 100. What few instructions make slow (comparing long strings,
+  // passing many arguments) ends when the call has taken 1 s and 100 ns per allowed instruction of processor time in
+  // Lua, about ten times the usual. 0: no limit, no count (loops run up to twice as fast), and interrupts are noticed
+  // between calls only.
+  std::uint64_t instruction_limit = 100'000'000;
+  // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
+  const std::atomic<bool>* stop = nullptr;
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see yaml/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml;
@@ -50,6 +80,7 @@ struct HandlerError {
   std::string where;    // file:line
   std::string message;
   std::uint64_t count = 0;
+  Limit limit = Limit::none;  // that ended it
 };
 
 // One failed expect() of a scene's check.
@@ -61,6 +92,7 @@ struct CheckResult {
   bool has_check = false;
   int passed = 0;
   std::vector<CheckFailure> failures;
+  Limit limit = Limit::none;  // that ended it
 };
 
 // What a scene says about being studied: study = { reference =, error =, axes =, method = }.
@@ -134,6 +166,9 @@ class Script {
   std::string run_string(std::string_view text, const std::string& chunk_name = "console");
   // From the next call on; takes effect only when the script was made with a limit.
   void set_instruction_limit(std::uint64_t per_call);
+  // May be called from any thread and from a signal handler. What the script runs ends with Limit::interrupted within
+  // some microseconds of Lua, and so does every later call; a running step of the world ends first. It is for good.
+  void interrupt();
 
   // Called after every step of any world (plain scripts included): progress, recording.
   void on_step(std::function<void(World&)> callback);

@@ -80,7 +80,7 @@ lua_Integer push_keys(lua_State* L, int table) {
     lua_pushvalue(L, -2);
     lua_rawseti(L, list, k.at);
   }
-  charge(L, keys.size());
+  charge(L, 4 * keys.size());
   if (sorted) return static_cast<lua_Integer>(keys.size());
   std::sort(keys.begin(), keys.end(), less);
   lua_createtable(L, static_cast<int>(keys.size()), 0);
@@ -156,21 +156,23 @@ int ordered_next(lua_State* L) {
   return 2;
 }
 
+constexpr lua_Integer kMaxLength = 50000000;  // of lists
+
 // Merge sort: stable, n log n comparisons whatever the comparison says.
 int stable_sort(lua_State* L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   const lua_Integer count = luaL_len(L, 1);
-  if (count > 50000000) fail(L, "table.sort: expected at most 50 million values, got " + std::to_string(count));
+  if (count > kMaxLength) fail(L, "table.sort: expected at most 50 million values, got " + std::to_string(count));
   const bool custom = !lua_isnoneornil(L, 2);
   if (custom) luaL_checktype(L, 2, LUA_TFUNCTION);
   lua_settop(L, 2);
   lua_newtable(L);
   for (lua_Integer i = 1; i <= count; ++i) lua_geti(L, 1, i), lua_rawseti(L, 3, i);
-  charge(L, count > 0 ? static_cast<std::uint64_t>(count) : 0);
   const auto before = [&](int a, int b) {
     if (custom) lua_pushvalue(L, 2);
     lua_rawgeti(L, 3, a), lua_rawgeti(L, 3, b);
     if (!custom) {
+      if (lua_type(L, -1) == LUA_TSTRING && lua_rawlen(L, -1) > 64) charge(L, lua_rawlen(L, -1) / 16);
       const bool yes = lua_compare(L, -2, -1, LUA_OPLT);
       lua_pop(L, 2);
       return yes;
@@ -183,7 +185,9 @@ int stable_sort(lua_State* L) {
   const int n = static_cast<int>(std::max<lua_Integer>(count, 0));
   std::vector<int> order(static_cast<std::size_t>(n)), merged(order.size());
   for (int i = 0; i < n; ++i) order[static_cast<std::size_t>(i)] = i + 1;
+  charge(L, order.size());
   for (std::size_t width = 1; width < order.size(); width *= 2) {
+    charge(L, 4 * order.size());
     for (std::size_t lo = 0; lo < order.size(); lo += 2 * width) {
       const std::size_t mid = std::min(lo + width, order.size()), hi = std::min(lo + 2 * width, order.size());
       std::size_t a = lo, b = mid;
@@ -198,28 +202,49 @@ int stable_sort(lua_State* L) {
   return 0;
 }
 
-// insert, remove, move and concat walk as far as lengths say: lengths must be believable.
+// How many integers from..to holds; 0 when none.
+std::uint64_t count_between(lua_Integer from, lua_Integer to) {
+  return to < from ? 0 : static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from) + 1;
+}
+
+// The list at 1 is as long as it says it is: at most 50 million values.
+void check_length(lua_State* L, const char* name) {
+  if (lua_type(L, 1) != LUA_TTABLE || luaL_getmetafield(L, 1, "__len") == LUA_TNIL) return;
+  lua_pop(L, 1);
+  if (luaL_len(L, 1) > kMaxLength) fail(L, std::string("table.") + name + ": the list is too long");
+}
+
+// Charges the values from argument `first` (default `from`) to argument `first` + 1 (default the length).
+void charge_range(lua_State* L, const char* name, int first, bool list) {
+  if (list) check_length(L, name);
+  const bool given = lua_isinteger(L, first + 1);
+  const lua_Integer from = lua_isinteger(L, first) ? lua_tointeger(L, first) : 1;
+  const lua_Integer to = given ? lua_tointeger(L, first + 1)
+                               : lua_type(L, 1) == LUA_TTABLE ? static_cast<lua_Integer>(lua_rawlen(L, 1)) : 0;
+  const std::uint64_t count = count_between(from, to);
+  if (count > static_cast<std::uint64_t>(kMaxLength))
+    fail(L, std::string("table.") + name + ": expected at most 50 million values");
+  charge(L, count);
+}
+
+// insert, remove, move, concat and unpack walk as far as lengths and arguments say: what they walk over is charged, then
+// the library's function runs in this one's place, so that its errors are those of stock Lua.
+enum class Walk { shift, move, range };
+template <Walk kWalk>
 int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
-  constexpr lua_Integer kMost = 50000000;
-  if (lua_type(L, 1) == LUA_TTABLE && luaL_getmetafield(L, 1, "__len") != LUA_TNIL) {
-    lua_pop(L, 1);
-    if (luaL_len(L, 1) > kMost)
-      fail(L, std::string("table.") + lua_tostring(L, lua_upvalueindex(2)) + ": the list is too long");
+  const char* const name = lua_tostring(L, lua_upvalueindex(2));
+  if constexpr (kWalk == Walk::move) {
+    charge_range(L, name, 2, false);
+  } else if constexpr (kWalk == Walk::range) {
+    charge_range(L, name, name[0] == 'c' ? 3 : 2, true);
+  } else {
+    check_length(L, name);
+    // the values behind the place move
+    const int least = name[0] == 'i' ? 3 : 2;
+    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && lua_isinteger(L, 2))
+      charge(L, count_between(lua_tointeger(L, 2), static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
   }
-  const std::string_view name = lua_tostring(L, lua_upvalueindex(2));
-  if (name == "move") {
-    const lua_Integer from = luaL_checkinteger(L, 2), to = luaL_checkinteger(L, 3);
-    if (to >= from &&
-        static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from) > static_cast<std::uint64_t>(kMost))
-      fail(L, "table.move: expected at most 50 million values");
-    if (to >= from) charge(L, static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from));
-  } else if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= (name == "insert" ? 3 : name == "remove" ? 2 : 1)) {
-    charge(L, lua_rawlen(L, 1) / 16);
-  }
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_insert(L, 1);
-  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
-  return lua_gettop(L);
+  return lua_tocfunction(L, lua_upvalueindex(1))(L);
 }
 
 }  // namespace
@@ -230,11 +255,16 @@ void open_ordered(lua_State* L) {
   lua_getglobal(L, "table");
   lua_pushcfunction(L, guard<stable_sort>);
   lua_setfield(L, -2, "sort");
-  for (const char* name : {"insert", "remove", "move", "concat"}) {
-    lua_getfield(L, -1, name);
-    lua_pushstring(L, name);
-    lua_pushcclosure(L, guard<bounded_list>, 2);
-    lua_setfield(L, -2, name);
+  static constexpr luaL_Reg kWalks[] = {{"insert", guard<bounded_list<Walk::shift>>},
+                                        {"remove", guard<bounded_list<Walk::shift>>},
+                                        {"move", guard<bounded_list<Walk::move>>},
+                                        {"concat", guard<bounded_list<Walk::range>>},
+                                        {"unpack", guard<bounded_list<Walk::range>>}};
+  for (const luaL_Reg& walk : kWalks) {
+    lua_getfield(L, -1, walk.name);
+    lua_pushstring(L, walk.name);
+    lua_pushcclosure(L, walk.func, 2);
+    lua_setfield(L, -2, walk.name);
   }
   lua_pop(L, 1);
 }

@@ -122,10 +122,14 @@ int feder_param(lua_State* L) {
   if (s.phase != Phase::loading)
     fail_here(L, "parameters are declared while the file loads, not in build() or later; got '" + name + "'");
   const auto set = s.options.set.find(name);
-  if (set == s.options.set.end())
+  if (set == s.options.set.end()) {
     lua_pushvalue(L, 2);
-  else
+  } else {
+    // what fails from here to there is the value's fault
+    s.wrong_option = true;
     push_override(L, p, set->second);
+    s.wrong_option = false;
+  }
   p.value = value_text(L, -1);
   lua_pushvalue(L, -1);
   lua_setfield(L, -3, name.c_str());
@@ -139,7 +143,7 @@ void check_set_names(const State& s) {
   for (const auto& [name, value] : s.options.set) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
-    throw ScriptError("--set " + name + "=" + value + ": unknown parameter '" + name + "'" +
+    throw OptionError("--set " + name + "=" + value + ": unknown parameter '" + name + "'" +
                       (near.empty() ? "" : "; did you mean '" + near + "'?") +
                       (known.empty() ? "; the script has none" : "; known: " + join(known)));
   }

@@ -1,14 +1,18 @@
-// What runs other functions or code: pcall, xpcall, coroutine, load, setmetatable. An exhausted instruction budget
-// passes through all of them; text becomes code only as source.
+// What runs other functions or code: pcall, xpcall, coroutine, load, setmetatable. A limit that was reached passes
+// through all of them; text becomes code only as source.
 #include "lua/library.h"
 #include "lua/sandbox.h"
 
 namespace feder::lua {
 namespace {
 
+constexpr std::uint64_t kErrorCost = 500;  // instructions: unwinding to a pcall takes as long
+
 int finish_pcall(lua_State* L, int status, lua_KContext) {
+  State& s = state(L);
+  s.check_limits(L, status);
   if (status == LUA_OK || status == LUA_YIELD) return lua_gettop(L);
-  if (is_budget_error(L, -1)) raise_budget_error(L);
+  s.spend(L, kErrorCost);
   lua_pushboolean(L, 0);
   lua_insert(L, -2);
   return 2;
@@ -21,22 +25,27 @@ int safe_pcall(lua_State* L) {
   return finish_pcall(L, lua_pcallk(L, lua_gettop(L) - 2, LUA_MULTRET, 0, 0, finish_pcall), 0);
 }
 
-int finish_handler(lua_State* L, int, lua_KContext) {  // stack: handler, its results
+int finish_handler(lua_State* L, int status, lua_KContext) {  // stack: handler, its results | handler, error
+  State& s = state(L);
+  s.check_limits(L, status);
+  if (status != LUA_OK && status != LUA_YIELD) s.spend(L, kErrorCost);
   lua_pushboolean(L, 0);
   lua_replace(L, 1);
   return lua_gettop(L);
 }
 
-// The handler runs after the stack has been unwound: in the place of the error it would run outside every limit.
+// The handler runs after the stack has been unwound: in the place of the error it would run outside every limit. An
+// error in it is the result, as in stock Lua.
 int finish_xpcall(lua_State* L, int status, lua_KContext) {  // stack: handler, true, results | handler, ..., error
+  State& s = state(L);
+  s.check_limits(L, status);
   if (status == LUA_OK || status == LUA_YIELD) return lua_gettop(L) - 1;
-  if (is_budget_error(L, -1)) raise_budget_error(L);
+  s.spend(L, kErrorCost);
   lua_replace(L, 2);
   lua_settop(L, 2);
   lua_pushvalue(L, 1);
   lua_insert(L, 2);  // handler, handler, error
-  lua_callk(L, 1, LUA_MULTRET, 0, finish_handler);
-  return finish_handler(L, LUA_OK, 0);
+  return finish_handler(L, lua_pcallk(L, 1, LUA_MULTRET, 0, 0, finish_handler), 0);
 }
 
 int safe_xpcall(lua_State* L) {
@@ -99,13 +108,17 @@ int safe_load(lua_State* L) {
   return 1;
 }
 
-// coroutine.resume, close: (true, ...) or (false, error); a spent budget goes on.
+// coroutine.resume, close: (true, ...) or (false, error); a limit that was reached goes on. The library's function runs
+// in this one's place, so that nesting costs no level of the C stack and errors name the caller.
 int safe_resume(lua_State* L) {  // upvalue 1: the library's function
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_insert(L, 1);
-  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
-  if (lua_gettop(L) >= 2 && is_budget_error(L, 2)) raise_budget_error(L);
-  return lua_gettop(L);
+  lua_State* thread = lua_tothread(L, 1);
+  const lua_CFunction original = lua_tocfunction(L, lua_upvalueindex(1));
+  const int results = original(L);
+  State& s = state(L);
+  const bool no_memory = thread && lua_status(thread) == LUA_ERRMEM;
+  if (no_memory && s.limit == Limit::none) s.memory_place = place(thread);
+  s.check_limits(L, no_memory ? LUA_ERRMEM : LUA_OK);
+  return results;
 }
 
 }  // namespace

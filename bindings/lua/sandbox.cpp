@@ -24,7 +24,10 @@ int lua_print(lua_State* L) {
     if ((static_cast<unsigned char>(c) < 32 && c != '\t' && c != '\n') || c == 127) c = '?';
   line += '\n';
   charge(L, line.size());
-  state(L).print(line);
+  State& s = state(L);
+  s.printed += line.size();
+  if (s.options.output_limit > 0 && s.printed > s.options.output_limit) s.trip(L, Limit::output);
+  s.print(line);
   return 0;
 }
 

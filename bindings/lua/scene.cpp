@@ -204,7 +204,10 @@ CheckResult run_check(lua_State* L) {
   lua_pushlightuserdata(L, &result);
   lua_pushcclosure(L, expect, 1);
   Failure failure;
-  if (!st.call(L, 3, 0, failure)) result.failures.push_back({failure.where, failure.message});
+  if (!st.call(L, 3, 0, failure)) {
+    result.failures.push_back({failure.where, failure.message});
+    result.limit = failure.limit;
+  }
   return result;
 }
 

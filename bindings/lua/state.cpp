@@ -6,16 +6,21 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 #include "base/params.h"
+#include "base/profile.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
 
 namespace feder::lua {
 namespace {
 
-constexpr int kHookSlice = 1000;  // instructions between two looks at the budget
-const char kBudgetSentinel = 0;
+constexpr int kHookSlice = 1000;  // instructions between two looks at the limits
+constexpr double kSecondsPerInstruction = 1e-7;  // of processor time, about ten times the usual
+constexpr std::size_t kLongBlock = 512;          // bytes; making and copying longer ones is charged
+constexpr int kBytesPerUnit = 16;
+const char kLimitSentinel = 0;  // the error value on the way out of a limit
 
 void* allocate(void* self, void* block, std::size_t old_size, std::size_t new_size) {
   State& s = *static_cast<State*>(self);
@@ -25,7 +30,14 @@ void* allocate(void* self, void* block, std::size_t old_size, std::size_t new_si
     s.memory_used -= old_size;
     return nullptr;
   }
-  if (new_size > old_size && s.memory_used + (new_size - old_size) > s.options.memory_limit) return nullptr;
+  if (new_size > old_size && s.memory_used + (new_size - old_size) > s.options.memory_limit) {
+    // Lua collects garbage and asks again; only the second refusal is an error, without a place of its own
+    if (s.L) s.memory_place = place(s.L);
+    return nullptr;
+  }
+  // concatenation, buffers and growing tables are long work of one instruction; the next hook sees the charge
+  if (new_size > old_size && new_size >= kLongBlock)
+    s.budget -= std::min<std::uint64_t>(s.budget, new_size / kBytesPerUnit);
   void* moved = std::realloc(block, new_size);
   if (moved) s.memory_used += new_size - old_size;
   return moved;
@@ -36,28 +48,42 @@ int panic(lua_State* L) {
   return 0;
 }
 
-void budget_hook(lua_State* L, lua_Debug*) {
+void limit_hook(lua_State* L, lua_Debug*) {
   State& s = state(L);
-  const std::uint64_t slice = std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit);
-  if (s.tripped || s.budget < slice) raise_budget_error(L);
-  s.budget -= slice;
+  s.spend(L, std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit));
+  const std::uint64_t now = clock_nanoseconds();
+  if (s.lua_start > 0 && now - s.last_look < 100'000'000) return;
+  const double time = State::thread_seconds();
+  if (s.lua_start <= 0) s.lua_start = time;
+  s.last_look = now;
+  if (time - s.lua_start > 1 + kSecondsPerInstruction * static_cast<double>(s.allowed_instructions()))
+    s.trip(L, Limit::time);
+}
+
+// What an error value says: its text, or what its __tostring answers.
+std::string error_text(lua_State* L, int index) {
+  if (lua_type(L, index) == LUA_TSTRING || lua_type(L, index) == LUA_TNUMBER) {
+    lua_pushvalue(L, index);
+    std::size_t size = 0;
+    const char* text = lua_tolstring(L, -1, &size);
+    std::string copy(text, size);
+    lua_pop(L, 1);
+    return copy;
+  }
+  const int top = lua_gettop(L);
+  std::string text;
+  if (luaL_getmetafield(L, index, "__tostring") != LUA_TNIL) {
+    lua_pushvalue(L, index);
+    if (lua_pcall(L, 1, 1, 0) == LUA_OK && lua_type(L, -1) == LUA_TSTRING) text = lua_tostring(L, -1);
+  }
+  lua_settop(L, top);
+  return text.empty() ? "error object is " + describe(L, index) : text;
 }
 
 // Message handler of State::call: the error becomes text with a place while the stack still stands.
 int on_error(lua_State* L) {
-  if (is_budget_error(L, 1)) {
-    const std::string at = place(L, 1);
-    const std::string text = "instruction limit of " + std::to_string(state(L).options.instruction_limit) + " reached";
-    lua_pushstring(L, (at.empty() ? text : at + ": " + text).c_str());
-    return 1;
-  }
-  std::string text;
-  if (lua_type(L, 1) == LUA_TSTRING || lua_type(L, 1) == LUA_TNUMBER) {
-    lua_pushvalue(L, 1);
-    text = lua_tostring(L, -1);
-  } else {
-    text = "error object is " + describe(L, 1);
-  }
+  if (state(L).limit != Limit::none) return 1;
+  std::string text = error_text(L, 1);
   if (split_place(text).where.empty()) {
     const std::string at = place(L, 1);
     if (!at.empty()) text = at + ": " + text;
@@ -110,7 +136,7 @@ State::State(HostOptions o) : options(std::move(o)), rng(options.has_seed ? opti
   *static_cast<State**>(lua_getextraspace(L)) = this;
   lua_atpanic(L, &panic);
   if (options.instruction_limit > 0)
-    lua_sethook(L, &budget_hook, LUA_MASKCOUNT,
+    lua_sethook(L, &limit_hook, LUA_MASKCOUNT,
                 static_cast<int>(std::min<std::uint64_t>(kHookSlice, options.instruction_limit)));
   lua_pushcfunction(L, &open_sandbox);
   Failure failure;
@@ -125,47 +151,121 @@ State::~State() {
   worlds.clear();
 }
 
+std::uint64_t State::allowed_instructions() const {
+  const std::uint64_t n = options.instruction_limit, most = ~std::uint64_t(0) / kBuildFactor;
+  return phase == Phase::building && n < most ? n * kBuildFactor : n;
+}
+
+void State::begin_call() {
+  budget = allowed_instructions();
+  limit = Limit::none;
+  limit_place.clear();
+  lua_start = 0;
+}
+
 bool State::call(lua_State* on, int args, int results, Failure& failure, bool outer) {
-  if (depth == 0) budget = options.instruction_limit, tripped = false;
-  depth += !outer;
   const int base = lua_gettop(on) - args;
+  if (depth == 0) {
+    begin_call();
+    if (stopped() && ids_ref != 0) {  // the libraries are opened in any case
+      lua_settop(on, base - 1);
+      failure = {"", "interrupted", Limit::interrupted};
+      return false;
+    }
+  }
+  depth += !outer;
   lua_pushcfunction(on, &on_error);
   lua_insert(on, base);
   const int status = lua_pcall(on, args, results, base);
   depth -= !outer;
   lua_remove(on, base);
-  if (status == LUA_OK) return true;
-  std::size_t size = 0;
-  const char* text = lua_type(on, -1) == LUA_TSTRING ? lua_tolstring(on, -1, &size) : nullptr;
-  failure = split_place(one_line(text ? std::string(text, size) : "error without a message"));
+  if (status == LUA_OK && limit == Limit::none) return true;
+  if (status == LUA_OK) lua_pop(on, results), lua_pushnil(on);
+  take_failure(on, on, status, failure);
   lua_pop(on, 1);
-  if (tripped && depth > 0) raise_budget_error(on);
-  tripped = false;
+  limit = Limit::none;
   return false;
 }
 
 bool State::resume(lua_State* thread, lua_State* from, int args, bool& yielded, Failure& failure) {
-  if (depth == 0) budget = options.instruction_limit, tripped = false;
+  if (depth == 0) begin_call();
   ++depth;
   int results = 0;
   const int status = lua_resume(thread, from, args, &results);
   --depth;
   yielded = status == LUA_YIELD;
-  if (status == LUA_OK || yielded) {
+  if ((status == LUA_OK || yielded) && limit == Limit::none) {
     lua_pop(thread, results);
     return true;
   }
-  if (is_budget_error(thread, -1)) {
-    failure = {place(thread), "instruction limit of " + std::to_string(options.instruction_limit) + " reached"};
-  } else {
-    const char* text = lua_type(thread, -1) == LUA_TSTRING ? lua_tostring(thread, -1) : nullptr;
-    failure = split_place(one_line(text ? text : "error object is " + describe(thread, -1)));
-    if (failure.where.empty()) failure.where = place(thread);
-  }
+  if (status == LUA_ERRMEM) memory_place = place(thread);
+  if (status == LUA_OK || yielded) lua_pushnil(thread);
+  const std::string at = place(thread);
+  take_failure(thread, nullptr, status, failure);
+  if (failure.where.empty()) failure.where = at;
   lua_resetthread(thread);
-  if (tripped && depth > 0) raise_budget_error(from);
-  tripped = false;
+  if (limit != Limit::none && depth > 0) raise_limit(from);
+  limit = Limit::none;
   return false;
+}
+
+void State::take_failure(lua_State* on, lua_State* outer, int status, Failure& failure) {
+  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_place = memory_place;
+  if (limit == Limit::none) {
+    failure = split_place(one_line(error_text(on, -1)));
+    return;
+  }
+  failure = {limit_place, limit_text(), limit};
+  if (depth > 0 && outer) raise_limit(outer);
+}
+
+void State::spend(lua_State* on, std::uint64_t units) {
+  if (limit != Limit::none) raise_limit(on);
+  if (stopped()) trip(on, Limit::interrupted);
+  if (options.instruction_limit == 0) return;
+  if (budget < units) trip(on, Limit::instructions);
+  budget -= units;
+}
+
+void State::trip(lua_State* on, Limit reached) {
+  limit = reached;
+  limit_place = place(on);
+  raise_limit(on);
+}
+
+void State::raise_limit(lua_State* on) {
+  lua_pushlightuserdata(on, const_cast<char*>(&kLimitSentinel));
+  lua_error(on);
+  std::abort();  // lua_error does not return
+}
+
+void State::check_limits(lua_State* on, int status) {
+  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_place = memory_place;
+  if (limit != Limit::none) raise_limit(on);
+}
+
+std::string State::limit_text() const {
+  switch (limit) {
+    case Limit::instructions:
+      return "instruction limit of " + std::to_string(allowed_instructions()) + " reached";
+    case Limit::time:
+      return "time limit reached: few instructions that take long";
+    case Limit::memory:
+      return "not enough memory: the limit is " + std::to_string(options.memory_limit) + " bytes";
+    case Limit::output:
+      return "output limit reached: print wrote more than " + std::to_string(options.output_limit) + " bytes";
+    case Limit::interrupted:
+      return "interrupted";
+    case Limit::none:
+      break;
+  }
+  return {};
+}
+
+double State::thread_seconds() {
+  timespec t = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 void State::report(const Failure& failure) {
@@ -176,7 +276,7 @@ void State::report(const Failure& failure) {
       return;
     }
   }
-  errors.push_back({failure.where, failure.message, 1});
+  errors.push_back({failure.where, failure.message, 1, failure.limit});
 }
 
 void State::print(std::string_view text) const {
@@ -306,21 +406,8 @@ Failure split_place(std::string_view text) {
   return {"", std::string(text)};
 }
 
-bool is_budget_error(lua_State* L, int index) {
-  return lua_type(L, index) == LUA_TLIGHTUSERDATA && lua_touserdata(L, index) == &kBudgetSentinel;
-}
-
-void raise_budget_error(lua_State* L) {
-  state(L).tripped = true;
-  lua_pushlightuserdata(L, const_cast<char*>(&kBudgetSentinel));
-  lua_error(L);
-}
-
 void charge(lua_State* L, std::uint64_t units) {
-  State& s = state(L);
-  if (s.options.instruction_limit == 0) return;
-  if (s.tripped || s.budget < units) raise_budget_error(L);
-  s.budget -= units;
+  state(L).spend(L, units);
 }
 
 std::string join(std::span<const std::string> words) {

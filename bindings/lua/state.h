@@ -6,6 +6,7 @@
 #include <lua.h>
 #include <lualib.h>
 
+#include <atomic>
 #include <memory>
 #include <new>
 #include <span>
@@ -44,6 +45,7 @@ enum class Phase { loading, idle, building, running, checking };
 struct Failure {
   std::string where;    // file:line, may be empty
   std::string message;  // one line
+  Limit limit = Limit::none;
   std::string text() const { return where.empty() ? message : where + ": " + message; }
 };
 
@@ -62,20 +64,43 @@ struct SceneState {
 };
 
 struct State {
+  static constexpr std::uint64_t kBuildFactor = 4;
+
   explicit State(HostOptions o);
   ~State();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
   // Calls the function below `args` arguments on the stack. False: the error is in `failure`, the stack holds no
-  // results. An exhausted instruction budget of an outer call is raised again, so nothing can swallow it.
+  // results. A limit that is reached inside an outer call is raised again, so nothing can swallow it.
   // An `outer` call is the frame around a whole step: the budget is that of each call inside it.
   bool call(lua_State* on, int args, int results, Failure& failure, bool outer = false);
   // The same for a coroutine with `args` arguments on its stack; it may yield. True: ended or yielded.
   bool resume(lua_State* thread, lua_State* from, int args, bool& yielded, Failure& failure);
+  // The error of a call that ended with `status`, on top of the stack; a limit of an outer call is raised again.
+  void take_failure(lua_State* on, lua_State* outer, int status, Failure& failure);
+  void begin_call();
   // An error in a handler, timer, task or update(): counted by place.
   void report(const Failure& failure);
   void print(std::string_view text) const;
+  // Takes `units` instructions off the budget of the outermost call; raises a limit that is reached, or was.
+  void spend(lua_State* on, std::uint64_t units);
+  // Raises the limit now and after every protected call.
+  [[noreturn]] void trip(lua_State* on, Limit limit);
+  [[noreturn]] void raise_limit(lua_State* on);
+  // After protected code with this status: a limit reached meanwhile is raised again, lack of memory becomes one.
+  void check_limits(lua_State* on, int status);
+  std::string limit_text() const;
+  std::uint64_t allowed_instructions() const;  // per call; build() may take kBuildFactor times as many
+  bool stopped() const { return interrupted || (options.stop && *options.stop); }
+  // Processor time of the world's own work, which no limit of Lua covers.
+  template <class F>
+  void outside_lua(F&& work) {
+    const double before = lua_start > 0 && depth > 0 ? thread_seconds() : 0;
+    work();
+    if (before > 0) lua_start += thread_seconds() - before;
+  }
+  static double thread_seconds();  // processor time of this thread
   // The slot of handler_profile for the function at `index`.
   std::size_t profile_slot(lua_State* on, int index);
   Rng& random();  // of the current world; before the first world, the state's own
@@ -84,7 +109,14 @@ struct State {
   lua_State* L = nullptr;
   std::size_t memory_used = 0;      // bytes
   std::uint64_t budget = 0;         // instructions left of the outermost call
-  bool tripped = false;             // the budget is spent: every hook raises until the outermost call has ended
+  Limit limit = Limit::none;        // reached: every hook raises until the outermost call has ended
+  std::string limit_place;          // file:line where it was reached
+  std::string memory_place;         // where the allocator last refused
+  double lua_start = 0;             // s of thread_seconds at the first hook of the outermost call; 0: none yet
+  std::uint64_t last_look = 0;      // ns, wall clock of the last look at thread_seconds
+  std::uint64_t printed = 0;        // bytes
+  std::atomic<bool> interrupted = false;
+  bool wrong_option = false;        // the error on its way is one of HostOptions::set or ::world
   int depth = 0;                    // calls from the host into Lua, nested
   int class_ref[kClassCount] = {};  // metatables
   int worlds_ref = 0;               // weak table: world id -> world userdata
@@ -132,9 +164,6 @@ std::string describe(lua_State* L, int index);
 std::string print_number(double x);
 // Splits "file:line: message"; where stays empty when the text has no place.
 Failure split_place(std::string_view text);
-// Value of the budget error: compares equal only to itself, no script can hold it.
-bool is_budget_error(lua_State* L, int index);
-void raise_budget_error(lua_State* L);
 // Takes `units` instructions off the budget, for C functions that work long.
 void charge(lua_State* L, std::uint64_t units);
 std::string join(std::span<const std::string> words);

@@ -58,7 +58,7 @@ void run_step(lua_State* L, WorldRecord& record) {
   const int top = lua_gettop(L);
   apply_script_forces(L, record);
   begin_stages(L, record);
-  record.world->step();
+  state(L).outside_lua([&] { record.world->step(); });
   end_stages(L, record);
   run_timers(L, record);
   dispatch_events(L, record);

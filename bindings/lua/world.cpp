@@ -18,6 +18,7 @@ int world_step(lua_State* L) {
   if (s.phase == Phase::building || s.phase == Phase::checking || (s.is_scene && s.phase != Phase::loading))
     fail_here(L, "a scene does not step worlds; the host steps it (only plain scripts step)");
   for (std::int64_t i = 0; i < n; ++i) {
+    charge(L, 100);
     run_step(L, r);
     if (s.on_step) s.on_step(*r.world);
   }

@@ -235,9 +235,14 @@ WorldSettings read_world_options(lua_State* L, int index, const std::string& own
   }
   o.finish();
   if (overrides && s.options.has_seed) w.desc.seed = s.options.seed;
-  if (overrides)
+  if (overrides && !s.options.world.empty()) {
+    // the script's own options hold: what fails now is the fault of an override
+    try_options(w);
+    s.wrong_option = true;
     for (const auto& [key, text] : s.options.world) apply_override(w, key, text);
+  }
   try_options(w);
+  s.wrong_option = false;
   return w;
 }
 

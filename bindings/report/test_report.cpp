@@ -39,6 +39,15 @@ void junit_case(const TestResult& r, std::string& out) {
   out += "  </testcase>\n";
 }
 
+Json row_json(const TestResult& r) {
+  Json failures = Json::array();
+  for (const TestFailure& f : r.failures) failures.push_back({{"where", f.where}, {"message", f.message}});
+  Json row = {{"name", r.name}, {"status", status_name(r.status)}, {"seconds", r.seconds}, {"checks", r.checks}};
+  if (!r.notice.empty()) row["notice"] = r.notice;
+  row["failures"] = failures;
+  return row;
+}
+
 }  // namespace
 
 const char* status_name(TestStatus status) {
@@ -89,15 +98,27 @@ std::string tap_text(const std::vector<TestResult>& results) {
 Json test_json(const std::vector<TestResult>& results) {
   const TestCounts c = count(results);
   Json tests = Json::array();
-  for (const TestResult& r : results) {
-    Json failures = Json::array();
-    for (const TestFailure& f : r.failures) failures.push_back({{"where", f.where}, {"message", f.message}});
-    Json row = {{"name", r.name}, {"status", status_name(r.status)}, {"seconds", r.seconds}, {"checks", r.checks}};
-    if (!r.notice.empty()) row["notice"] = r.notice;
-    row["failures"] = failures;
-    tests.push_back(row);
-  }
+  for (const TestResult& r : results) tests.push_back(row_json(r));
   return {{"passed", c.passed}, {"failed", c.failed}, {"skipped", c.skipped}, {"tests", tests}};
+}
+
+Json result_to_json(const TestResult& r) {
+  Json row = row_json(r);
+  row["output"] = r.output, row["loaded"] = r.loaded, row["exceeded"] = r.exceeded;
+  return row;
+}
+
+TestResult result_from_json(const Json& json) {
+  TestResult r;
+  r.name = json.at("name");
+  const std::string status = json.at("status");
+  for (const TestStatus s : {TestStatus::passed, TestStatus::failed, TestStatus::skipped})
+    if (status == status_name(s)) r.status = s;
+  r.seconds = json.at("seconds"), r.checks = json.at("checks");
+  r.notice = json.value("notice", ""), r.output = json.at("output");
+  r.loaded = json.at("loaded"), r.exceeded = json.at("exceeded");
+  for (const Json& f : json.at("failures")) r.failures.push_back({f.at("where"), f.at("message")});
+  return r;
 }
 
 }  // namespace feder::report

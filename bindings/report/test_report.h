@@ -23,6 +23,7 @@ struct TestResult {
   std::string notice;  // why it was skipped
   std::string output;  // what the script printed
   bool loaded = true;  // false: the file could not be loaded
+  bool exceeded = false;  // a limit ended it
   std::vector<TestFailure> failures;
 };
 
@@ -34,5 +35,8 @@ TestCounts count(const std::vector<TestResult>& results);
 std::string junit_text(const std::vector<TestResult>& results);
 std::string tap_text(const std::vector<TestResult>& results);  // version 13
 Json test_json(const std::vector<TestResult>& results);
+// One result between two processes.
+Json result_to_json(const TestResult& result);
+TestResult result_from_json(const Json& json);
 
 }  // namespace feder::report

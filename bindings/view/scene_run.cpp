@@ -7,7 +7,6 @@ namespace feder::view {
 std::unique_ptr<SceneRun> SceneRun::make(const Recipe& recipe, LoadFailure& failure) {
   std::unique_ptr<SceneRun> run(new SceneRun);
   lua::HostOptions host = recipe.host;
-  host.instruction_limit = recipe.build_instructions;
   failure = {};
   try {
     run->script_ = std::make_unique<lua::Script>(std::move(host));
@@ -18,7 +17,6 @@ std::unique_ptr<SceneRun> SceneRun::make(const Recipe& recipe, LoadFailure& fail
     run->script_->build();
     run->start_ = named_states(run->world());
     if (recipe.kept) run->kept_ = apply_kept(run->world(), *recipe.kept);
-    run->script_->set_instruction_limit(recipe.step_instructions);
     return run;
   } catch (const std::exception& e) {
     failure.message = e.what();

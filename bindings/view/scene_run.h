@@ -18,8 +18,6 @@ struct Recipe {
   std::filesystem::path file;
   lua::HostOptions host;                       // set and world hold what the user changed
   std::shared_ptr<const KeptState> kept;       // of the scene before, when the world goes on
-  std::uint64_t build_instructions = 400'000'000;  // limits: about 2 s and 0.5 s of an endless loop
-  std::uint64_t step_instructions = 100'000'000;
 };
 
 // What somebody does to a running scene between two steps. Errors are exceptions.
