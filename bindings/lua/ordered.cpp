@@ -1,7 +1,7 @@
 // pairs, next and table.sort with an order that is the same in every run. Lua's own order of keys depends on addresses
 // and on a seed that is drawn per process; its sort draws pivots from the clock.
 // Order of keys: numbers by size, strings by bytes, false, true, objects of worlds by age, then all else by the number
-// that tostring shows. Cost: pairs sorts the keys once, n log n; lists skip the sort. next(t, key) looks at all keys.
+// that tostring shows. Cost: pairs sorts the keys once, n log n; lists skip the sort.
 #include <algorithm>
 
 #include "lua/records.h"
@@ -127,32 +127,123 @@ int ordered_pairs(lua_State* L) {
   return 3;
 }
 
+const char kWalks = 0;  // registry key of a weak table: table -> its walk
+
+// What next remembers of a table: a list {keys, place of each key, first place that may be alive, stale}.
+enum WalkField : int { kKeys = 1, kPlaces, kFirst, kStale };
+
+lua_Integer get_integer(lua_State* L, int table, int field) {
+  lua_rawgeti(L, table, field);
+  const lua_Integer x = lua_tointeger(L, -1);
+  lua_pop(L, 1);
+  return x;
+}
+
+void set_integer(lua_State* L, int table, int field, lua_Integer x) {
+  lua_pushinteger(L, x);
+  lua_rawseti(L, table, field);
+}
+
+// Fills the walk at `walk` with the sorted keys of the table at 1 that `missing` accepts, behind those it has.
+template <class F>
+void list_keys(lua_State* L, int walk, F&& missing) {
+  lua_rawgeti(L, walk, kKeys), lua_rawgeti(L, walk, kPlaces);
+  const int keys = lua_gettop(L) - 1, places = keys + 1;
+  push_keys(L, 1);
+  auto n = static_cast<lua_Integer>(lua_rawlen(L, keys));
+  for (lua_Integer i = 1; lua_rawgeti(L, places + 1, i) != LUA_TNIL; ++i) {
+    if (missing(places)) {
+      lua_pushvalue(L, -1);
+      lua_rawseti(L, keys, ++n);
+      lua_pushvalue(L, -1);
+      lua_pushinteger(L, n);
+      lua_rawset(L, places);
+    }
+    lua_pop(L, 1);
+  }
+  lua_settop(L, keys - 1);
+}
+
+// A new walk at index `walk` of the stack, and in the registry.
+void start_walk(lua_State* L, int walks, int walk) {
+  lua_createtable(L, 4, 0);
+  lua_newtable(L), lua_rawseti(L, -2, kKeys);
+  lua_newtable(L), lua_rawseti(L, -2, kPlaces);
+  lua_replace(L, walk);
+  set_integer(L, walk, kFirst, 1), set_integer(L, walk, kStale, 0);
+  list_keys(L, walk, [](int) { return true; });
+  lua_pushvalue(L, 1), lua_pushvalue(L, walk);
+  lua_rawset(L, walks);
+}
+
+// Pushes the first key from place `at` on that has a value, and the value; its place, or 0 behind the last.
+lua_Integer push_alive(lua_State* L, int walk, lua_Integer at) {
+  lua_rawgeti(L, walk, kKeys);
+  const int keys = lua_gettop(L);
+  for (; lua_rawgeti(L, keys, at) != LUA_TNIL; ++at) {
+    lua_pushvalue(L, -1);
+    if (lua_rawget(L, 1) != LUA_TNIL) {
+      lua_remove(L, keys);
+      return at;
+    }
+    lua_settop(L, keys);
+  }
+  lua_settop(L, keys - 1);
+  return 0;
+}
+
+// next in the order of pairs, in constant time on average: the keys are sorted when a table is first asked for, and
+// again when a walk from the start finds that keys came in. Keys that came in since the last listing come last.
 int ordered_next(lua_State* L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   lua_settop(L, 2);
+  lua_rawgetp(L, LUA_REGISTRYINDEX, &kWalks);  // 3
+  lua_pushvalue(L, 1);
+  const bool known = lua_rawget(L, 3) != LUA_TNIL;  // 4: the walk
   const bool first = lua_isnil(L, 2);
-  const Key after = first ? Key{} : read_key(L, 2);
-  bool found = false;
-  Key best;
-  lua_pushnil(L);
-  lua_pushnil(L);  // 3: best key, 4: value
-  std::uint64_t looked = 0;
-  for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1), ++looked) {
-    const Key k = read_key(L, -2);
-    if ((!first && !less(after, k)) || (found && !less(k, best))) continue;
-    found = true, best = k;
-    lua_pushvalue(L, -2);
-    lua_replace(L, 3);
-    lua_pushvalue(L, -1);
-    lua_replace(L, 4);
+  if (!known || (first && get_integer(L, 4, kStale) != 0)) start_walk(L, 3, 4);
+  lua_Integer at = get_integer(L, 4, kFirst);
+  if (!first) {
+    const auto place_of_key = [L] {
+      lua_rawgeti(L, 4, kPlaces);
+      lua_pushvalue(L, 2);
+      lua_rawget(L, -2);
+      const lua_Integer place = lua_tointeger(L, -1);
+      lua_pop(L, 2);
+      return place;
+    };
+    lua_Integer place = place_of_key();
+    if (place == 0) {
+      lua_pushvalue(L, 2);
+      if (lua_rawget(L, 1) == LUA_TNIL) return luaL_error(L, "invalid key to 'next'");
+      start_walk(L, 3, 4);
+      place = place_of_key();
+    }
+    at = place + 1;
   }
-  charge(L, looked);
-  if (!found) {
+  lua_settop(L, 4);
+  lua_Integer found = push_alive(L, 4, at);
+  if (found == 0) {
+    // behind the last: what is alive and not in the list, or before its first place, has come in meanwhile
+    const lua_Integer before = get_integer(L, 4, kFirst);
+    lua_rawgeti(L, 4, kKeys);
+    const auto end = static_cast<lua_Integer>(lua_rawlen(L, -1));
+    lua_pop(L, 1);
+    list_keys(L, 4, [L, before](int places) {
+      lua_pushvalue(L, -1);
+      lua_rawget(L, places);
+      const lua_Integer place = lua_tointeger(L, -1);
+      lua_pop(L, 1);
+      return place < before;
+    });
+    found = push_alive(L, 4, end + 1);
+    if (found != 0) set_integer(L, 4, kStale, 1);
+  }
+  if (found == 0) {
     lua_pushnil(L);
     return 1;
   }
-  lua_pushvalue(L, 3);
-  lua_pushvalue(L, 4);
+  if (first) set_integer(L, 4, kFirst, found);
   return 2;
 }
 
@@ -164,7 +255,7 @@ int stable_sort(lua_State* L) {
   const lua_Integer count = luaL_len(L, 1);
   if (count > kMaxLength) fail(L, "table.sort: expected at most 50 million values, got " + std::to_string(count));
   const bool custom = !lua_isnoneornil(L, 2);
-  if (custom) luaL_checktype(L, 2, LUA_TFUNCTION);
+  if (custom && count > 1) luaL_checktype(L, 2, LUA_TFUNCTION);
   lua_settop(L, 2);
   lua_newtable(L);
   for (lua_Integer i = 1; i <= count; ++i) lua_geti(L, 1, i), lua_rawseti(L, 3, i);
@@ -198,6 +289,9 @@ int stable_sort(lua_State* L) {
     }
     order.swap(merged);
   }
+  // sorted by a consistent order, no value belongs before the one in front of it
+  for (std::size_t i = 1; custom && i < order.size(); ++i)
+    if (before(order[i], order[i - 1])) return luaL_error(L, "invalid order function for sorting");
   for (int i = 0; i < n; ++i) lua_rawgeti(L, 3, order[static_cast<std::size_t>(i)]), lua_seti(L, 1, i + 1);
   return 0;
 }
@@ -217,10 +311,10 @@ void check_length(lua_State* L, const char* name) {
 // Charges the values from argument `first` (default `from`) to argument `first` + 1 (default the length).
 void charge_range(lua_State* L, const char* name, int first, bool list) {
   if (list) check_length(L, name);
-  const bool given = lua_isinteger(L, first + 1);
-  const lua_Integer from = lua_isinteger(L, first) ? lua_tointeger(L, first) : 1;
-  const lua_Integer to = given ? lua_tointeger(L, first + 1)
-                               : lua_type(L, 1) == LUA_TTABLE ? static_cast<lua_Integer>(lua_rawlen(L, 1)) : 0;
+  int has_from = 0, has_to = 0;
+  lua_Integer from = lua_tointegerx(L, first, &has_from), to = lua_tointegerx(L, first + 1, &has_to);
+  if (!has_from) from = 1;
+  if (!has_to) to = lua_type(L, 1) == LUA_TTABLE ? static_cast<lua_Integer>(lua_rawlen(L, 1)) : 0;
   const std::uint64_t count = count_between(from, to);
   if (count > static_cast<std::uint64_t>(kMaxLength))
     fail(L, std::string("table.") + name + ": expected at most 50 million values");
@@ -241,8 +335,10 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
     check_length(L, name);
     // the values behind the place move
     const int least = name[0] == 'i' ? 3 : 2;
-    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && lua_isinteger(L, 2))
-      charge(L, count_between(lua_tointeger(L, 2), static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
+    int has_place = 0;
+    const lua_Integer place = lua_tointegerx(L, 2, &has_place);
+    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && has_place && place > 0)
+      charge(L, count_between(place, static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
   }
   return lua_tocfunction(L, lua_upvalueindex(1))(L);
 }
@@ -252,6 +348,12 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
 void open_ordered(lua_State* L) {
   lua_register(L, "pairs", guard<ordered_pairs>);
   lua_register(L, "next", guard<ordered_next>);
+  lua_newtable(L);
+  lua_createtable(L, 0, 1);
+  lua_pushstring(L, "k");
+  lua_setfield(L, -2, "__mode");
+  lua_setmetatable(L, -2);
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &kWalks);
   lua_getglobal(L, "table");
   lua_pushcfunction(L, guard<stable_sort>);
   lua_setfield(L, -2, "sort");

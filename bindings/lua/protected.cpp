@@ -62,8 +62,8 @@ int safe_xpcall(lua_State* L) {
 
 int safe_setmetatable(lua_State* L) {
   luaL_checktype(L, 1, LUA_TTABLE);
-  if (!lua_isnil(L, 2)) luaL_checktype(L, 2, LUA_TTABLE);
-  if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL) fail(L, "setmetatable: the metatable is protected");
+  luaL_argexpected(L, lua_isnil(L, 2) || lua_istable(L, 2), 2, "nil or table");
+  if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL) luaL_error(L, "cannot change a protected metatable");
   if (lua_istable(L, 2)) {
     lua_pushstring(L, "__gc");
     if (lua_rawget(L, 2) != LUA_TNIL) fail(L, "setmetatable: __gc is not available to scripts");
@@ -73,34 +73,60 @@ int safe_setmetatable(lua_State* L) {
   return 1;
 }
 
+// The text that the reader function at 1 gives, piece by piece. False: its error is on the stack.
+bool read_pieces(lua_State* L, std::string& text) {
+  State& s = state(L);
+  for (;;) {
+    lua_pushvalue(L, 1);
+    const int status = lua_pcall(L, 0, 1, 0);
+    s.check_limits(L, status);
+    if (status != LUA_OK) return false;
+    if (lua_isnil(L, -1)) break;
+    std::size_t size = 0;
+    const char* const piece = lua_tolstring(L, -1, &size);
+    if (!piece) {
+      luaL_where(L, 1);
+      lua_pushstring(L, "reader function must return a string");
+      lua_concat(L, 2);
+      return false;
+    }
+    if (size == 0) break;
+    text.append(piece, size);
+    lua_pop(L, 1);
+    charge(L, size);
+    if (text.size() > (std::size_t(64) << 20)) fail(L, "load: more than 64 MB of text");
+  }
+  lua_pop(L, 1);
+  return true;
+}
+
+int load_failed(lua_State* L) {  // the error is on top
+  luaL_pushfail(L);
+  lua_insert(L, -2);
+  return 2;
+}
+
 // load(text | function, [name], [mode], [environment]): source text only.
 int safe_load(lua_State* L) {
   lua_settop(L, lua_gettop(L) > 4 ? 4 : lua_gettop(L));
   const bool has_environment = lua_gettop(L) == 4;
+  const std::string mode = luaL_optstring(L, 3, "bt");
+  std::size_t size = 0;
+  const char* const given = lua_tolstring(L, 1, &size);
   std::string text;
-  if (lua_type(L, 1) == LUA_TFUNCTION) {
-    for (;;) {
-      lua_pushvalue(L, 1);
-      lua_call(L, 0, 1);
-      std::size_t size = 0;
-      const char* piece = lua_type(L, -1) == LUA_TSTRING ? lua_tolstring(L, -1, &size) : nullptr;
-      if (size > 0) text.append(piece, size);
-      lua_pop(L, 1);
-      if (size == 0) break;
-      if (text.size() > (std::size_t(64) << 20)) fail(L, "load: more than 64 MB of text");
-    }
-  } else {
-    std::size_t size = 0;
-    const char* given = luaL_checklstring(L, 1, &size);
+  if (given) {
     text.assign(given, size);
+    charge(L, size);
+  } else {
+    luaL_checktype(L, 1, LUA_TFUNCTION);
   }
-  charge(L, text.size());
-  const std::string name = luaL_optstring(L, 2, lua_type(L, 1) == LUA_TFUNCTION ? "=(load)" : text.c_str());
-  if (luaL_loadbufferx(L, text.data(), text.size(), name.c_str(), "t") != LUA_OK) {
-    lua_pushnil(L);
-    lua_insert(L, -2);
-    return 2;
+  const std::string name = luaL_optstring(L, 2, given ? given : "=(load)");
+  if (!given && !read_pieces(L, text)) return load_failed(L);
+  if (mode.find('t') == std::string::npos && !text.starts_with("\27")) {
+    lua_pushfstring(L, "attempt to load a text chunk (mode is '%s')", mode.c_str());
+    return load_failed(L);
   }
+  if (luaL_loadbufferx(L, text.data(), text.size(), name.c_str(), "t") != LUA_OK) return load_failed(L);
   if (has_environment) {
     lua_pushvalue(L, 4);
     if (!lua_setupvalue(L, -2, 1)) lua_pop(L, 1);

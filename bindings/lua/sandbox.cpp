@@ -1,8 +1,9 @@
 #include "lua/sandbox.h"
 
 #include <cmath>
+#include <cstring>
 
-#include "base/math.h"
+#include "base/trig.h"
 #include "lua/objects.h"
 
 namespace feder::lua {
@@ -37,15 +38,38 @@ int lua_tostring_safe(lua_State* L) {
   return 1;
 }
 
+// A full collection when asked; the pace of the collector is the host's, and what changes it does nothing.
 int lua_collectgarbage(lua_State* L) {
-  const std::string what = luaL_optstring(L, 1, "collect");
-  if (what == "count") {
-    lua_pushinteger(L, static_cast<lua_Integer>(state(L).memory_used / 1024));
-    return 1;
+  static const char* const kWhat[] = {"collect",    "count",       "stop",       "restart",     "step",
+                                      "isrunning",  "generational", "incremental", "setpause", "setstepmul", nullptr};
+  const int what = luaL_checkoption(L, 1, "collect", kWhat);
+  State& s = state(L);
+  switch (what) {
+    case 0:
+      charge(L, s.memory_used / 16);
+      lua_gc(L, LUA_GCCOLLECT, 0);
+      lua_pushinteger(L, 0);
+      break;
+    case 1:
+      lua_pushinteger(L, static_cast<lua_Integer>(s.memory_used / 1024));
+      break;
+    case 4:  // a cycle has ended: a loop until it has ends too
+    case 5:
+      lua_pushboolean(L, 1);
+      break;
+    case 6:
+    case 7:
+      lua_pushstring(L, "incremental");
+      break;
+    case 8:
+      lua_pushinteger(L, 200);
+      break;
+    case 9:
+      lua_pushinteger(L, 100);
+      break;
+    default:
+      lua_pushinteger(L, 0);
   }
-  // the host collects; a script that asks for it loses nothing
-  if (what != "collect") fail(L, "collectgarbage: expected \"count\", got " + describe(L, 1));
-  lua_pushinteger(L, 0);
   return 1;
 }
 
@@ -71,6 +95,10 @@ int math_random(lua_State* L) {
       return 1;
     case 1: {
       const lua_Integer hi = luaL_checkinteger(L, 1);
+      if (hi == 0) {  // all bits
+        lua_pushinteger(L, random_between(rng, LUA_MININTEGER, LUA_MAXINTEGER));
+        return 1;
+      }
       if (hi < 1) fail(L, "math.random: expected a whole number of at least 1, got " + describe(L, 1));
       lua_pushinteger(L, random_between(rng, 1, hi));
       return 1;
@@ -86,23 +114,34 @@ int math_random(lua_State* L) {
   }
 }
 
+// randomseed(): the next seed that the generator itself gives, so runs repeat; randomseed(x [, y]): all bits of both.
+// Returns the two integers that give the same sequence again.
 int math_randomseed(lua_State* L) {
-  if (lua_type(L, 1) != LUA_TNUMBER) fail(L, "math.randomseed: expected a number, got " + describe(L, 1));
-  const lua_Number x = lua_tonumber(L, 1);
-  if (!std::isfinite(x)) fail(L, "math.randomseed: expected a finite number, got " + describe(L, 1));
-  int whole = 0;
-  const lua_Integer i = lua_tointegerx(L, 1, &whole);
-  state(L).random() = Rng(whole ? static_cast<std::uint64_t>(i)
-                                : static_cast<std::uint64_t>(static_cast<std::int64_t>(std::fmod(x, 9e15) * 1024)));
-  return 0;
+  Rng& rng = state(L).random();
+  lua_Integer seed = 0, stream = 0;
+  if (lua_isnone(L, 1)) {
+    seed = random_between(rng, LUA_MININTEGER, LUA_MAXINTEGER);
+    stream = random_between(rng, 1, LUA_MAXINTEGER);
+  } else {
+    const lua_Number x = luaL_checknumber(L, 1);
+    if (!std::isfinite(x)) fail(L, "math.randomseed: expected a finite number, got " + describe(L, 1));
+    int whole = 0;
+    seed = lua_tointegerx(L, 1, &whole);
+    if (!whole) std::memcpy(&seed, &x, sizeof seed);
+    stream = luaL_optinteger(L, 2, 0);
+  }
+  // without a second number, the sequences of Rng(seed)
+  constexpr std::uint64_t kStream = 54;
+  rng = Rng(static_cast<std::uint64_t>(seed), kStream ^ static_cast<std::uint64_t>(stream));
+  lua_pushinteger(L, seed);
+  lua_pushinteger(L, stream);
+  return 2;
 }
 
-// The runtime's own sine: the same on every machine.
+// The runtime's own: the same on every machine.
 template <double (*F)(double)>
 int math_wave(lua_State* L) {
-  double x = luaL_checknumber(L, 1);
-  if (std::abs(x) > 1e5) x = std::fmod(x, 6.283185307179586476925);
-  lua_pushnumber(L, std::isfinite(x) ? F(x) : std::nan(""));
+  lua_pushnumber(L, F(luaL_checknumber(L, 1)));
   return 1;
 }
 
@@ -203,8 +242,9 @@ int open_sandbox(lua_State* L) {
   set_field(L, "string", "dump", nullptr);
   set_field(L, "math", "random", guard<math_random>);
   set_field(L, "math", "randomseed", guard<math_randomseed>);
-  set_field(L, "math", "sin", math_wave<sin_cos_sin>);
-  set_field(L, "math", "cos", math_wave<sin_cos_cos>);
+  set_field(L, "math", "sin", math_wave<sine>);
+  set_field(L, "math", "cos", math_wave<cosine>);
+  set_field(L, "math", "tan", math_wave<tangent>);
   lua_register(L, "print", guard<lua_print>);
   lua_register(L, "tostring", guard<lua_tostring_safe>);
   lua_register(L, "collectgarbage", guard<lua_collectgarbage>);
@@ -212,6 +252,11 @@ int open_sandbox(lua_State* L) {
   s.worlds_ref = make_weak_table(L, "v");
   s.ids_ref = make_weak_table(L, "k");
   lua_newtable(L);
+  // files written for stock Lua begin with local string = require "string"
+  for (const char* name : {"_G", "table", "string", "math", "utf8", "coroutine"}) {
+    lua_getglobal(L, name);
+    lua_setfield(L, -2, name);
+  }
   s.modules_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   lua_newtable(L);
   s.params_ref = luaL_ref(L, LUA_REGISTRYINDEX);

@@ -120,15 +120,15 @@ int feder_scene(lua_State* L) {
 
 bool take_scene(lua_State* L, const std::string& file) {
   SceneState& s = scene(L);
+  if (lua_type(L, -1) != LUA_TTABLE && s.last == LUA_NOREF) return false;  // a plain script, whatever it returns
   if (lua_isnil(L, -1)) {
-    if (s.last == LUA_NOREF) return false;
     lua_pushstring(
         L, (s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'").c_str());
     lua_error(L);
   }
   if (lua_type(L, -1) != LUA_TTABLE) {
     lua_pushstring(
-        L, (file + ": expected a scene (return feder.scene { ... }) or nothing, got " + describe(L, -1)).c_str());
+        L, (s.where + ": expected the file to return the scene made here, got " + describe(L, -1)).c_str());
     lua_error(L);
   }
   const std::string where = s.where;

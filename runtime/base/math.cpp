@@ -2,42 +2,18 @@
 // double so that the float build is correctly rounded nearly always and every machine agrees bit for bit.
 #include "base/math.h"
 
+#include "base/trig.h"
+
 namespace feder {
 namespace {
 
 constexpr double kHalfPiHigh = 1.57079632679489655800e+00;  // pi/2 rounded to double
 constexpr double kHalfPiLow = 6.12323399573676603587e-17;   // pi/2 - kHalfPiHigh
 
-double taylor_sin(double r) {
-  const double z = r * r;
-  double s = 1.0 / 355687428096000.0;  // 1/17!
-  s = 1.0 / 1307674368000.0 - z * s;   // 1/15!
-  s = 1.0 / 6227020800.0 - z * s;
-  s = 1.0 / 39916800.0 - z * s;
-  s = 1.0 / 362880.0 - z * s;
-  s = 1.0 / 5040.0 - z * s;
-  s = 1.0 / 120.0 - z * s;
-  s = 1.0 / 6.0 - z * s;
-  return r - r * z * s;
-}
-
-double taylor_cos(double r) {
-  const double z = r * r;
-  double c = 1.0 / 20922789888000.0;  // 1/16!
-  c = 1.0 / 87178291200.0 - z * c;    // 1/14!
-  c = 1.0 / 479001600.0 - z * c;
-  c = 1.0 / 3628800.0 - z * c;
-  c = 1.0 / 40320.0 - z * c;
-  c = 1.0 / 720.0 - z * c;
-  c = 1.0 / 24.0 - z * c;
-  c = 0.5 - z * c;
-  return 1.0 - z * c;
-}
-
 void sin_cos_double(double x, double& s, double& c) {
   const double k = std::floor(x / kHalfPiHigh + 0.5);
   const double r = (x - k * kHalfPiHigh) - k * kHalfPiLow;  // |r| <= pi/4
-  const double sr = taylor_sin(r), cr = taylor_cos(r);
+  const double sr = taylor_sine(r), cr = taylor_cosine(r);
   const double quadrant = k - 4.0 * std::floor(k / 4.0);
   if (quadrant == 0.0) {
     s = sr, c = cr;

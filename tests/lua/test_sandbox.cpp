@@ -21,16 +21,15 @@ TEST_CASE("code comes from text only", "[lua][sandbox]") {
     print(load("return 1 + 1")(), load("syntax error here"))
     print((load("\27Lua\x54\0\25\x93\r\n\26\n")))
     local env = { x = 5 }
-    print(load("return x", "c", "t", env)(), load("return x", "c", "b", env)(), load("return feder", "c", "t", {})())
+    print(load("return x", "c", "t", env)(), load("return x", "c", "b", env), load("return feder", "c", "t", {})())
     local parts, i = { "return ", "7" }, 0
     print(load(function() i = i + 1 return parts[i] end)())
-  )") == "2\tnil\t[string \"syntax error here\"]:1: syntax error near 'error'\nnil\n5\t5\tnil\n7\n");
+  )") == "2\tnil\t[string \"syntax error here\"]:1: syntax error near 'error'\nnil\n5\tnil\tnil\n7\n");
 }
 
 TEST_CASE("finalizers, strings and protected tables", "[lua][sandbox]") {
   CHECK_THAT(error_of("setmetatable({}, { __gc = function() end })"),
              Catch::Contains("test.lua:1: setmetatable: __gc is not available"));
-  CHECK_THAT(error_of("collectgarbage('step')"), Catch::Contains("collectgarbage: expected \"count\""));
   CHECK_THAT(error_of("setmetatable(setmetatable({}, { __metatable = 1 }), {})"), Catch::Contains("protected"));
   CHECK(output_of("print(math.type(collectgarbage('count')), collectgarbage('count') > 0)") == "integer\ttrue\n");
 }
@@ -71,7 +70,6 @@ TEST_CASE("sort is stable and random numbers repeat", "[lua][sandbox]") {
     print(ok)
     local u = { 3, 1, 2 } table.sort(u) print(table.concat(u, " "))
     print(pcall(table.sort, { 1, "a", 2 }))
-    table.sort({ 5, 4, 3, 2, 1, 6, 7 }, function() return true end)
   )") == "true\n1 2 3\nfalse\tattempt to compare string with number\n");
   const std::string roll =
       "print(math.random(), math.random(6), math.random(-5, 5), math.random(math.mininteger, math.maxinteger))";
