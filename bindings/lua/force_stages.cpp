@@ -24,6 +24,7 @@ class StageForce final : public Force {
     // a budget of its own, taken from that of the call that steps: its error must not unwind the step
     const int depth = std::exchange(s.depth, 0);
     const std::uint64_t left = s.budget;
+    const double start = s.lua_start;
     record_.read_only = true;
     for (std::size_t i = 0; i < count; ++i) {
       Failure failure;
@@ -34,7 +35,7 @@ class StageForce final : public Force {
     }
     record_.read_only = false;
     s.depth = depth;
-    if (depth > 0) s.budget = left;
+    if (depth > 0) s.budget = left, s.lua_start = start;
   }
   bool on_stepping_thread() const override { return true; }
 
