@@ -180,6 +180,7 @@ class Study final : public Command {
       }
       StudyResult result = run_sweep(problem, o);
       result.provenance = known.provenance;
+      report::round_series(result);
       return result;
     } catch (const SceneError& e) {
       throw Failure(kUsage, fmt::format("feder study {}: {}", problem.info().name, e.what()));

@@ -165,16 +165,6 @@ ProblemInfo read_problem(const Json& j) {
   return p;
 }
 
-// A series keeps 6 digits: it is drawn, not computed with.
-Json series_json(const StudySeries& s) {
-  StudySeries rounded = s;
-  const auto round = [](std::vector<double>& values) {
-    for (double& v : values)
-      if (std::isfinite(v)) v = std::stod(fmt::format("{:.6g}", v));
-  };
-  round(rounded.t), round(rounded.err), round(rounded.energy), round(rounded.momentum), round(rounded.angmom);
-  return written(rounded);
-}
 
 Json derived_fits(const StudyResult& r) {
   Json out = Json::array();
@@ -205,9 +195,9 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
   Json series = Json::array(), front_time = Json::array(), front_work = Json::array();
   // a part keeps all curves, because only the whole knows which ones are drawn
   if (r.points.size() < r.planned)
-    for (const StudySeries& s : r.series) series.push_back(series_json(s));
+    for (const StudySeries& s : r.series) series.push_back(written(s));
   else
-    for (const StudySeries* s : drawn_series(r)) series.push_back(series_json(*s));
+    for (const StudySeries* s : drawn_series(r)) series.push_back(written(*s));
   for (const std::size_t k : r.front_time) front_time.push_back(r.points[k].index);
   for (const std::size_t k : r.front_work) front_work.push_back(r.points[k].index);
   return {{"schema", "accuracy/1"},
@@ -252,6 +242,14 @@ StudyResult study_from_json(const Json& j) {
   } catch (const Json::exception& e) {
     throw std::runtime_error(std::string("no report of a study: ") + e.what());
   }
+}
+
+void round_series(StudyResult& r) {
+  const auto round = [](std::vector<double>& values) {
+    for (double& v : values)
+      if (std::isfinite(v)) v = std::stod(fmt::format("{:.6g}", v));
+  };
+  for (StudySeries& s : r.series) round(s.t), round(s.err), round(s.energy), round(s.momentum), round(s.angmom);
 }
 
 Json finished_json(const FinishedPoint& f, const ProblemInfo& problem) {

@@ -53,6 +53,10 @@ Json study_json(const StudyResult& r, const StudyContext& context);
 // The result that study_json wrote. std::runtime_error "what is missing".
 StudyResult study_from_json(const Json& json);
 
+// Curves are drawn, not computed with: 6 digits of them are kept, in reports and before they are drawn, so that shards
+// put together draw what the whole does.
+void round_series(StudyResult& r);
+
 // A point as it is kept while a study runs, with what the problem knew of itself by then; and back.
 Json finished_json(const FinishedPoint& point, const ProblemInfo& problem);
 FinishedPoint finished_from_json(const Json& json, ProblemInfo& problem);

@@ -224,7 +224,7 @@ TEST_CASE("a step of fluid and bodies takes nothing from the heap", "[couple][fl
     b.position = Vec3(Real(0.15) + Real(0.15) * static_cast<Real>(k), Real(0.5), Real(0.3));
     rigid.add_body(b);
   }
-  for (int k = 0; k < 40; ++k) w.step();
+  for (int k = 0; k < 80; ++k) w.step();
   const std::uint64_t before = w.allocations();
   const std::size_t heap_before = heap_calls;
   for (int k = 0; k < 20; ++k) w.step();

@@ -74,7 +74,7 @@ TEST_CASE("a full jet has the density of the fluid", "[fluid]") {
   CHECK(static_cast<double>(f.particle_count(id)) == Approx(9 * 0.5 * 3 / 0.05).margin(10));
   double mean = 0, most = 0;
   f.density_error(id, mean, most);
-  CHECK(most < 0.02);
+  CHECK(most < 0.04);  // pbf aims at 0.05
 }
 
 TEST_CASE("fluids begin and end contacts with bodies and hit them", "[fluid]") {
