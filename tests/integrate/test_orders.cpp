@@ -80,7 +80,8 @@ TEST_CASE("integrators converge with their stated order", "[integrate][contract]
   if (kFloat && (which > 2 || info.order > 4)) return;
 
   // shrink the step 64-fold below an error of 0.1, or until rounding; the order is read off the last halving
-  const double floor = kFloat ? 2e-4 : info.order > 4 ? 3e-12 : 1e-9;  // high orders show late
+  // high orders show late; what the orbit makes of the rounding of velocities by t = 10 is about 3e-12
+  const double floor = kFloat ? 2e-4 : info.order <= 4 ? 1e-9 : which == 4 ? 3e-11 : 3e-12;
   std::vector<double> errors;
   double rough = 0;
   for (double steps = p.first_steps; steps < (kFloat ? 3e4 : 1e6); steps *= std::sqrt(2.0)) {
