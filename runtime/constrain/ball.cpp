@@ -6,7 +6,7 @@
 namespace feder::joints {
 namespace {
 
-void fill(const JointInput& in, RowWriter& out) { fill_point_rows(world_frames(in), out.block(3)); }
+void fill(const JointInput& in, RowWriter& out) { fill_point_rows(world_anchors(in), in, out.block(3)); }
 
 }  // namespace
 

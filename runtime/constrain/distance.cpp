@@ -8,6 +8,15 @@
 namespace feder::joints {
 namespace {
 
+// (|gap + h rate| - |gap|)/h - line . rate, with the rate of straight motion in the last term.
+Real bend_of_length(const WorldAnchors& f, const JointInput& in, Real now, const Vec3& line) {
+  const BodyMotion &a = *in.motion_a, &b = *in.motion_b;
+  const Vec3 straight = b.velocity + cross(b.spin, f.arm_b) - a.velocity - cross(a.spin, f.arm_a);
+  const Vec3 step = in.h * (straight + bend_of_gap(f, in));
+  const Real sum = now + length(Vec3(f.gap + step));
+  return sum > 0 ? (2 * dot(f.gap, step) + dot(step, step)) / (sum * in.h) - dot(line, straight) : 0;
+}
+
 void fill(const JointInput& in, RowWriter& out) {
   const WorldFrames f = world_frames(in);
   const JointOptions& o = in.joint->options;
@@ -19,6 +28,7 @@ void fill(const JointInput& in, RowWriter& out) {
     Row& row = *out.block(1);
     fill_point_row(f, line, row);
     row.value = now - o.rest_length;
+    if (in.motion_a) row.bend = bend_of_length(f, in, now, line);
     row.hertz = o.spring_hertz;
     row.damping_ratio = o.spring_damping;
   }
@@ -37,7 +47,7 @@ void fill(const JointInput& in, RowWriter& out) {
   }
 }
 
-Real coordinate(const JointInput& in) { return length(world_frames(in).gap); }
+Real coordinate(const JointInput& in) { return length(world_anchors(in).gap); }
 
 }  // namespace
 

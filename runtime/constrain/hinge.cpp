@@ -47,7 +47,7 @@ void fill(const JointInput& in, RowWriter& out) {
 
   // point and direction of the axis
   Row* rows = out.block(5);
-  fill_point_rows(f, rows);
+  fill_point_rows(f, in, rows);
   for (int k = 1; k <= 2; ++k) {
     const Vec3 side = f.axes_a.col(k);
     fill_angle_row(cross(x_b, side), rows[2 + k]);

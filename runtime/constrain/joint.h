@@ -1,7 +1,8 @@
 // Joints: each kind is one file that fills rows (value, Jacobian, softness, bounds); it knows no solver, and a
 // solver knows no kinds. One feder_variant(constrain <kind>) line each. Contract, checked for every kind by
-// tests/constrain/test_joint_contract.cpp: Jacobians match finite differences of the value, the row count of given
-// options never changes, equal and opposite impulses (momentum), both solvers hold the joint.
+// tests/constrain/test_joint_contract.cpp: Jacobians match finite differences of the value, `bend` of stiff
+// equalities between points matches what is left of a difference over h, the row count of given options never changes,
+// equal and opposite impulses (momentum), both solvers hold the joint.
 #pragma once
 #include <span>
 
@@ -31,11 +32,24 @@ struct JointShape {
   JointOptions options;
 };
 
-// Poses of the centres of mass now (world: identity), and the solver indices.
+// Motion of a body in the coming substep, for Row::bend.
+struct BodyMotion {
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s, rad/s
+  Mat3 bend = Mat3::Zero();                           // m/s of an anchor, by its arm in m: see bend_matrix
+};
+
+// What the turn of an arm by h w adds to the straight motion with angular velocity `start` for a time h, over h:
+//   h (1 - cos x)/x^2 w x (w x arm) + (sin x / x - 1) w x arm + (w - start) x arm,  x = h |w|  (Rodrigues),
+// with factors that are right to x^2 and stay bounded.
+Mat3 bend_matrix(const Vec3& start, const Vec3& w, Real h);
+
+// Poses of the centres of mass now (world: identity), the solver indices, and motions where Row::bend is wanted.
 struct JointInput {
   const JointShape* joint = nullptr;
   Pose a, b;
   std::uint32_t mover_a = 0, mover_b = 0;
+  const BodyMotion *motion_a = nullptr, *motion_b = nullptr;  // both or none
+  Real h = 0;                                                 // s, length of the substep
 };
 
 // Collects the rows of one joint. `block(n)` opens a block of n rows that are solved together.

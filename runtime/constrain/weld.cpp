@@ -40,7 +40,7 @@ void fill(const JointInput& in, RowWriter& out) {
   const Mat3 rate = rate_matrix(theta) * f.axes_a.transpose();
 
   Row* rows = out.block(6);
-  fill_point_rows(f, rows);
+  fill_point_rows(f, in, rows);
   for (int k = 0; k < 3; ++k) {
     Row& row = rows[3 + k];
     row.angular_b = rate.row(k).transpose();

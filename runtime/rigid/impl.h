@@ -76,6 +76,10 @@ struct Rigid::Impl {
   void refresh_joint(std::uint32_t j);
   void refresh_joints_of(std::uint32_t body);
   void activate_joints(StepContext& c);
+  void load_inertia(std::uint32_t body);
+  JointedBody* uneven_mover(std::uint32_t mover) {
+    return mover < jointed.size() && jointed[mover].uneven ? &jointed[mover] : nullptr;
+  }
   void check_mass_ratio(std::uint32_t j, StepContext& c);
   void break_joints(StepContext& c);
   JointInput joint_input(std::uint32_t j) const;
@@ -119,6 +123,7 @@ struct Rigid::Impl {
   Array<Vec3> applied_force, applied_torque;  // by place, N and N m
   Array<Vec3> angular_momentum;       // by place, of bodies that spin, N m s
   Array<Vec3> given_spin;             // what the velocity row left there, rad/s
+  Array<JointedBody> jointed;         // by solver index; empty without joints
   Array<std::uint8_t> bad;            // by place: not finite
   Array<MassPoint> points;            // for force generators
   Array<Vec3> point_force;

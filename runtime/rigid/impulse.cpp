@@ -37,7 +37,8 @@ class ImpulseSolver final : public RigidSolver {
   };
 
   ImpulseScene scene(const SolverInput& in, const StepContext& c);
-  void load_bodies(const Movers& movers);
+  void load_bodies(const SolverInput& in);
+  void turn_inertias(const ImpulseScene& s);
   void load_contacts(const SolverInput& in, const ImpulseScene& s);
   void load_joints(const SolverInput& in);
   void find_islands();
@@ -88,13 +89,15 @@ ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
       factors_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
       body_places_(&a), heap_(a) {}
 
-void ImpulseSolver::load_bodies(const Movers& movers) {
+void ImpulseSolver::load_bodies(const SolverInput& in) {
+  const Movers& movers = *in.movers;
   bodies_.resize(movers.state.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const MoverMass& m = movers.mass[i];
     ImpulseBody& b = bodies_[i];
     b = ImpulseBody{};
     b.inv_inertia = m.inv_inertia;
+    b.uneven = in.uneven(static_cast<std::uint32_t>(i));
     b.movable = i > 0 && (m.inv_mass > 0 || m.inv_inertia.trace() > 0);
     b.last_velocity = movers.state[i].velocity;
     b.last_spin = movers.state[i].angular_velocity;
@@ -210,7 +213,7 @@ ImpulseScene ImpulseSolver::scene(const SolverInput& in, const StepContext& c) {
 
 void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
   capped_ = 0;
-  load_bodies(*in.movers);
+  load_bodies(in);
   load_contacts(in, scene(in, c));
   load_joints(in);
   find_islands();
@@ -254,6 +257,16 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   }
 }
 
+// What joints feel of uneven bodies, at the rotations now; the turns of this substep count from here.
+void ImpulseSolver::turn_inertias(const ImpulseScene& s) {
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    ImpulseBody& b = bodies_[i];
+    b.substep_rotation = s.state[i].rotation;
+    b.substep_turn = b.correction = Vec3::Zero();
+    if (b.uneven) b.uneven->axes = jointed_axes(*b.uneven, s.state[i].rotation);
+  }
+}
+
 void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
@@ -261,6 +274,7 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
     b.force_spin = s.state[i].angular_velocity - b.last_spin;
     b.late_move = b.late_turn = Vec3::Zero();
   }
+  if (!joints_.empty()) turn_inertias(s);
   for (ImpulseContact& c : contacts_) start_contact(c, s);
   start_joints(in, s);
 }
@@ -268,8 +282,9 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
 void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
   for (std::size_t i = 1; i < movers.state.size(); ++i) {
     MoverState& m = s.state[i];
-    const ImpulseBody& b = bodies_[i];
-    const Vec3 turn = s.h * m.angular_velocity + b.late_turn;
+    ImpulseBody& b = bodies_[i];
+    const Vec3 turn = free_turn(s, static_cast<std::uint32_t>(i));
+    b.substep_turn = turn;
     m.moved += s.h * m.velocity + b.late_move;
     m.turned += turn;
     m.rotation = integrate_rotation(m.rotation, turn);
@@ -386,14 +401,17 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
       if (round == kSlipRounds || !judge_slip(s, island)) break;
     }
   travel(*in.movers, s);
-  if (!joints_.empty())
+  if (!joints_.empty()) {
     for (const Island& island : islands_)
       worst_first<&ImpulseSolver::drift_error, &ImpulseSolver::correct_drift>(in, s, island, kDriftTolerance);
+    turn_inertias(s);
+  }
   for (const Island& island : islands_)
     worst_first<&ImpulseSolver::position_error, &ImpulseSolver::correct_position>(in, s, island, slop_ / 10);
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     bodies_[i].last_velocity = s.state[i].velocity;
     bodies_[i].last_spin = s.state[i].angular_velocity;
+    if (bodies_[i].uneven) bodies_[i].uneven->correction = bodies_[i].correction;
   }
   for (const ImpulseContact& contact : contacts_) {
     Contact& to = in.contacts->slots[contact.slot];

@@ -24,10 +24,10 @@ Real response(const Row& i, const Row& j, std::uint32_t a, std::uint32_t b, cons
   Real w = 0;
   if (s.body[a].movable)
     w += dot(i.linear, s.mass[a].inv_mass_axes.cwiseProduct(j.linear)) +
-         dot(i.angular_a, s.body[a].inv_inertia * j.angular_a);
+         dot(i.angular_a, joint_response(s.body[a], j.angular_a));
   if (s.body[b].movable)
     w += dot(i.linear, s.mass[b].inv_mass_axes.cwiseProduct(j.linear)) +
-         dot(i.angular_b, s.body[b].inv_inertia * j.angular_b);
+         dot(i.angular_b, joint_response(s.body[b], j.angular_b));
   return w;
 }
 
@@ -90,8 +90,8 @@ void shift_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, c
     moment_a += move[i] * rows[i].angular_a;
     moment_b += move[i] * rows[i].angular_b;
   }
-  shift(s, a, -linear, moment_a);
-  shift(s, b, linear, moment_b);
+  shift_joint(s, a, -linear, moment_a);
+  shift_joint(s, b, linear, moment_b);
 }
 
 }  // namespace
@@ -118,16 +118,27 @@ void factor_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, 
   factor(out.factor, count, out.inv_d);
 }
 
-void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
-                 const ImpulseScene& s) {
-  Vec3 linear = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+namespace {
+
+template <auto Push>
+void push_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
+                const ImpulseScene& s) {
+  Vec3 linear = Vec3::Zero();
+  Vec3d moment_a = Vec3d::Zero(), moment_b = Vec3d::Zero();
   for (int i = 0; i < count; ++i) {
     linear += impulse[i] * rows[i].linear;
-    moment_a += impulse[i] * rows[i].angular_a;
-    moment_b += impulse[i] * rows[i].angular_b;
+    moment_a += static_cast<double>(impulse[i]) * rows[i].angular_a.cast<double>();
+    moment_b += static_cast<double>(impulse[i]) * rows[i].angular_b.cast<double>();
   }
-  push(s, a, -linear, moment_a);
-  push(s, b, linear, moment_b);
+  Push(s, a, -linear, moment_a);
+  Push(s, b, linear, moment_b);
+}
+
+}  // namespace
+
+void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
+                 const ImpulseScene& s) {
+  push_block<&push_joint>(rows, count, a, b, impulse, s);
 }
 
 Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
@@ -189,12 +200,11 @@ void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a,
   Real move[6];
   for (int i = 0; i < count; ++i) move[i] = clamp(-drift(start[i], now[i]), -kMaxTurn, kMaxTurn);
   solve(block.factor, block.inv_d, count, move);
-  shift_block(start, count, a, b, move, s);
   for (int i = 0; i < count; ++i) {
     move[i] /= s.h;
     impulse[i] += move[i];
   }
-  apply_block(start, count, a, b, move, s);
+  push_block<&push_back>(start, count, a, b, move, s);
 }
 
 }  // namespace feder

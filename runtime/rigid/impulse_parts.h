@@ -7,10 +7,14 @@ namespace feder {
 
 // Per mover, beside MoverState and MoverMass.
 struct ImpulseBody {
-  Mat3 inv_inertia = Mat3::Zero();                                // world, at the start of the step
+  Mat3 inv_inertia = Mat3::Zero();                                // world, at the start of the step: contacts
+  JointedBody* uneven = nullptr;                                  // for joints, whose inertia turns with the body
   Vec3 last_velocity = Vec3::Zero(), last_spin = Vec3::Zero();    // when the last substep ended
   Vec3 force_velocity = Vec3::Zero(), force_spin = Vec3::Zero();  // gained from forces in this substep
   Vec3 late_move = Vec3::Zero(), late_turn = Vec3::Zero();        // of impacts inside the substep, m and rad
+  Quat substep_rotation;                                          // when the substep began, and by how much joints
+  Vec3 substep_turn = Vec3::Zero();                               // and motion have turned it since, rad
+  Vec3 correction = Vec3::Zero();                                 // turn of the position pass, rad
   bool movable = false;
 };
 
@@ -30,13 +34,66 @@ inline void push(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, con
   s.state[i].angular_velocity += s.body[i].inv_inertia * moment;
 }
 
+// What the moment of a joint changes the angular velocity by.
+inline Vec3 joint_response(const ImpulseBody& b, const Vec3& moment) {
+  return b.uneven ? jointed_response(*b.uneven, moment) : Vec3(b.inv_inertia * moment);
+}
+
+// Impulse of a joint.
+inline void push_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3d& moment) {
+  ImpulseBody& b = s.body[i];
+  if (!b.movable) return;
+  s.state[i].velocity += s.mass[i].inv_mass_axes.cwiseProduct(linear);
+  if (b.uneven)
+    push_jointed(*b.uneven, moment, s.state[i]);
+  else
+    s.state[i].angular_velocity += b.inv_inertia * moment.cast<Real>();
+}
+
+// The turn of the substep so far, rad: uneven bodies turn freely with the momentum they have.
+inline Vec3 free_turn(const ImpulseScene& s, std::uint32_t i) {
+  const ImpulseBody& b = s.body[i];
+  const Vec3 spin =
+      b.uneven ? jointed_mean_spin(*b.uneven, jointed_momentum(*b.uneven, s.state[i], s.mass[i]), s.h)
+               : s.state[i].angular_velocity;
+  return s.h * spin + b.late_turn;
+}
+
 // The same for positions: `linear` in kg m, `moment` in kg m^2.
 inline void shift(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3& moment) {
-  if (!s.body[i].movable) return;
-  const Vec3 turn = s.body[i].inv_inertia * moment;
+  ImpulseBody& b = s.body[i];
+  if (!b.movable) return;
+  const Vec3 turn = b.inv_inertia * moment;
   s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
   s.state[i].turned += turn;
-  s.state[i].rotation = integrate_rotation(s.state[i].rotation, turn);
+  b.correction += turn;
+  b.substep_rotation = s.state[i].rotation = integrate_rotation(s.state[i].rotation, turn);
+  b.substep_turn = Vec3::Zero();
+}
+
+// The same for joints: one turn from the start of the substep, because turns one after another do not add up.
+inline void turn_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& turn) {
+  ImpulseBody& b = s.body[i];
+  s.state[i].turned += turn - b.substep_turn;
+  b.substep_turn = turn;
+  s.state[i].rotation = integrate_rotation(b.substep_rotation, turn);
+}
+
+inline void shift_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3& moment) {
+  ImpulseBody& b = s.body[i];
+  if (!b.movable) return;
+  const Vec3 turn = joint_response(b, moment);
+  s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
+  b.correction += turn;
+  turn_joint(s, i, b.substep_turn + turn);
+}
+
+// Impulse of a joint after bodies have travelled, as if it had been there before.
+inline void push_back(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3d& moment) {
+  if (!s.body[i].movable) return;
+  push_joint(s, i, linear, moment);
+  s.state[i].moved += s.h * s.mass[i].inv_mass_axes.cwiseProduct(linear);
+  turn_joint(s, i, free_turn(s, i));
 }
 
 struct ImpulsePoint {

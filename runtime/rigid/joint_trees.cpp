@@ -46,17 +46,21 @@ bool moves(const MoverMass& m) { return m.inv_mass > 0; }
 bool stiff(const Row& r) { return r.lower == -kInfinity && r.upper == kInfinity && r.hertz == 0; }
 
 // Mass matrix, packed. A locked axis gets a mass beyond all others.
-void mass_matrix(const MoverMass& m, double inertia_scale, double* out) {
+void mass_matrix(const MoverMass& m, const JointedBody* uneven, const Mat3& inv_inertia, double* out) {
   const double heavy = 1e9 / static_cast<double>(m.inv_mass);
   for (int i = 0; i < 21; ++i) out[i] = 0;
   for (int k = 0; k < 3; ++k) {
     const double inv = static_cast<double>(m.inv_mass_axes[k]);
     out[k * (k + 1) / 2 + k] = inv > 0 ? 1 / inv : heavy;
   }
+  if (uneven) {
+    for (int k = 3; k < 6; ++k) out[k * (k + 1) / 2 + k] = 1 / (uneven->inv_moments[k - 3] * uneven->share[k - 3]);
+    return;
+  }
   double inv[3][3], largest = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      inv[i][j] = 0.5 * inertia_scale * static_cast<double>(m.inv_inertia(i, j) + m.inv_inertia(j, i));
+      inv[i][j] = 0.5 * static_cast<double>(inv_inertia(i, j) + inv_inertia(j, i));
   for (int i = 0; i < 3; ++i) largest = inv[i][i] > largest ? inv[i][i] : largest;
   for (int i = 0; i < 3; ++i) inv[i][i] += inv[i][i] > 0 ? 0 : (largest > 0 ? 1e-9 * largest : 1e-9 / heavy);
   double c[3][3];
@@ -71,13 +75,24 @@ void mass_matrix(const MoverMass& m, double inertia_scale, double* out) {
     for (int j = 0; j <= i; ++j) out[(i + 3) * (i + 4) / 2 + j + 3] = c[i][j] / det;
 }
 
-void jacobian(const Row& row, bool side_a, double* out) {
+// In the world, or for an uneven body with the turn in its principal axes.
+void jacobian(const Row& row, bool side_a, const JointedBody* uneven, double* out) {
   const Vec3& turn = side_a ? row.angular_a : row.angular_b;
+  const Vec3d local = uneven ? uneven->in_axes(turn) : Vec3d(turn.cast<double>());
   const double sign = side_a ? -1 : 1;
   for (int k = 0; k < 3; ++k) {
     out[k] = sign * static_cast<double>(row.linear[k]);
-    out[k + 3] = static_cast<double>(turn[k]);
+    out[k + 3] = local[k];
   }
+}
+
+// A row's compliance through one body alone.
+double compliance(const Row& row, const Vec3& turn, const MoverMass& m, const JointedBody* uneven,
+                  const Mat3& inv_inertia) {
+  const double straight = static_cast<double>(dot(row.linear, Vec3(m.inv_mass_axes.cwiseProduct(row.linear))));
+  if (!uneven) return straight + static_cast<double>(dot(turn, Vec3(inv_inertia * turn)));
+  const Vec3d local = uneven->in_axes(turn);
+  return straight + local.dot(uneven->felt().cwiseProduct(local));
 }
 
 }  // namespace
@@ -124,9 +139,10 @@ void JointTrees::accept_trees() {
     link.root = find_root(link.mover_a ? link.mover_a : link.mover_b);
     ++count_[link.root];
   }
-  // one link alone is exact as a block of rows
+  // one link alone too: the softened rows of a block would leave a share of what the last impulses do in the new pose,
+  // which is a spin about the long axis of a slender body
   for (Link& link : links_)
-    if (cyclic_[link.root] || count_[link.root] < 2 || (!link.mover_a && !link.mover_b)) link.root = kNone;
+    if (cyclic_[link.root] || (!link.mover_a && !link.mover_b)) link.root = kNone;
 }
 
 void JointTrees::grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link) {
@@ -213,11 +229,14 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   response_.resize(nodes_.size() * 6);
 }
 
-void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Movers& movers) {
+void JointTrees::factor_node(Node& node, std::span<const Row> rows, const SolverInput& in,
+                             std::span<const Mat3> inv_inertia) {
+  const JointedBody* own = node.leaf ? nullptr : in.uneven(node.mover);
+  const JointedBody* up = node.parent == kNone ? nullptr : in.uneven(nodes_[node.parent].mover);
   for (int i = 0; i < node.rows; ++i) {
     const Row& row = rows[links_[node.link].row[i]];
-    jacobian(row, node.body_is_a, node.own[i]);
-    jacobian(row, !node.body_is_a, node.up[i]);
+    jacobian(row, node.body_is_a, own, node.own[i]);
+    jacobian(row, !node.body_is_a, up, node.up[i]);
   }
   if (!node.leaf) factorize(node.inertia, 6);
   // Y = own A^-1 own^T + g
@@ -230,16 +249,11 @@ void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Movers
       solve_factors(node.inertia, 6, node.weight[i]);
       for (int j = 0; j <= i; ++j) y[j] = dot6(node.weight[i], node.own[j]);
     }
-    // the row's compliance through the bodies alone
-    double own = 0;
     const Row& row = rows[links_[node.link].row[i]];
-    const auto side = [&](const MoverMass& m, const Vec3& turn) {
-      own += static_cast<double>(dot(row.linear, Vec3(m.inv_mass_axes.cwiseProduct(row.linear))) +
-                                 dot(turn, Vec3(m.inv_inertia * turn)));
-    };
-    side(movers.mass[links_[node.link].mover_a], row.angular_a);
-    side(movers.mass[links_[node.link].mover_b], row.angular_b);
-    y[i] = (node.leaf ? 0 : y[i]) + kCompliance * own + 1e-30;
+    const std::uint32_t a = links_[node.link].mover_a, b = links_[node.link].mover_b;
+    const double alone = compliance(row, row.angular_a, in.movers->mass[a], in.uneven(a), inv_inertia[a]) +
+                         compliance(row, row.angular_b, in.movers->mass[b], in.uneven(b), inv_inertia[b]);
+    y[i] = (node.leaf ? 0 : y[i]) + kCompliance * alone + 1e-30;
   }
   factorize(node.stiffness, node.rows);
   if (node.parent == kNone) return;
@@ -254,10 +268,11 @@ void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Movers
   }
 }
 
-void JointTrees::factor(std::span<const Row> rows, const Movers& movers, std::span<const Real> inertia_scale) {
+void JointTrees::factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia) {
   for (Node& node : nodes_)
-    if (!node.leaf) mass_matrix(movers.mass[node.mover], static_cast<double>(inertia_scale[node.mover]), node.inertia);
-  for (std::size_t i = nodes_.size(); i-- > 0;) factor_node(nodes_[i], rows, movers);
+    if (!node.leaf)
+      mass_matrix(in.movers->mass[node.mover], in.uneven(node.mover), inv_inertia[node.mover], node.inertia);
+  for (std::size_t i = nodes_.size(); i-- > 0;) factor_node(nodes_[i], rows, in, inv_inertia);
 }
 
 void JointTrees::solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias,

@@ -17,8 +17,8 @@ class JointTrees {
   bool empty() const { return nodes_.empty(); }
   bool direct(std::size_t block) const { return direct_[block] != 0; }
 
-  // Once per substep. `inertia_scale`: factor on the inverse inertia, by mover.
-  void factor(std::span<const Row> rows, const Movers& movers, std::span<const Real> inertia_scale);
+  // Once per substep. `inv_inertia`: of even bodies now, world, by mover; uneven ones are solved in principal axes.
+  void factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
   // Impulses that make J v = -bias for all rows of the trees together, added to `step` by row.
   void solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias, std::span<Real> step);
 
@@ -54,7 +54,7 @@ class JointTrees {
   void accept_trees();
   void order_nodes(std::size_t mover_count);
   void grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link);
-  void factor_node(Node& node, std::span<const Row> rows, const Movers& movers);
+  void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
 
   Array<Link> links_;
   Array<Node> nodes_;   // parents before children

@@ -1,5 +1,6 @@
 // Joints as the rigid system keeps them: frames from world anchors, options a kind has no use for refused, forces for
 // questions and for breaking. A side that cannot move is handed to the solver as the world.
+#include <algorithm>
 #include <cmath>
 
 #include "base/cast.h"
@@ -127,8 +128,31 @@ void Rigid::Impl::activate_joints(StepContext& c) {
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     joints[j].active = r.alive && (moves(r.body_a) || moves(r.body_b));
-    if (joints[j].active && !r.mass_checked) check_mass_ratio(j, c);
+    if (!joints[j].active) continue;
+    load_inertia(r.body_a), load_inertia(r.body_b);
+    if (!r.mass_checked) check_mass_ratio(j, c);
   }
+}
+
+// The principal moments of an uneven body, for joints whose inertia turns with the body.
+void Rigid::Impl::load_inertia(std::uint32_t body) {
+  if (body == kNone || !spins[body] || bodies.type[body] != BodyType::dynamic) return;
+  const std::uint32_t index = movers.solver[bodies.mover[body]];
+  if (jointed.empty()) jointed.assign(movers.state.size(), JointedBody{});
+  JointedBody& to = jointed[index];
+  if (to.uneven) return;
+  to.given_spin = movers.state[index].angular_velocity;
+  to.momentum = angular_momentum[index - 1].cast<double>();
+  const Mat3& inv = bodies.inv_inertia[body];
+  to.uneven = true;
+  to.inv_moments = inv.diagonal().cast<double>();
+  const Real aside = std::max({std::abs(inv(0, 1)), std::abs(inv(0, 2)), std::abs(inv(1, 2))});
+  if (!(aside > 0)) return;
+  Mat3 axes;
+  Vec3 values;
+  eigen_symmetric(inv, values, axes);
+  to.inv_moments = values.cast<double>();
+  to.principal = from_matrix(axes);
 }
 
 void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {

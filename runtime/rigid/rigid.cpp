@@ -38,6 +38,7 @@ Rigid::Impl::Impl(SystemSetup& s)
       applied_torque(&s.store.arena(kName)),
       angular_momentum(&s.store.arena(kName)),
       given_spin(&s.store.arena(kName)),
+      jointed(&s.store.arena(kName)),
       bad(&s.store.arena(kName)),
       points(&s.store.arena(kName)),
       point_force(&s.store.arena(kName)),

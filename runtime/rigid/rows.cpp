@@ -75,6 +75,7 @@ void Rigid::Impl::gather(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   movers.reset();
   movers.resize(count);
+  jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), given_spin.resize(count), bad.resize(count);
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -157,6 +158,9 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
     s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
     for (int k = 0; k < 3; ++k)
       if (bodies.lock[i] & (kLockRx << k)) s.angular_velocity[k] = 0;
+  } else if (JointedBody* j = uneven_mover(p + 1)) {
+    const Vec3d l = carried_momentum(*j, s, m) + (c.h * applied_torque[p]).cast<double>();
+    start_jointed(*j, l * static_cast<double>(brake), c.h, s);
   } else {
     const Vec3 pushed = s.angular_velocity - given_spin[p];
     Vec3& l = angular_momentum[p];
@@ -173,7 +177,9 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   s.velocity = s.angular_velocity = given_spin[p] = angular_momentum[p] = Vec3::Zero();
 }
 
-SolverInput Rigid::Impl::input() { return {&contacts, &colliders, &movers, {joints.data(), joints.size()}}; }
+SolverInput Rigid::Impl::input() {
+  return {&contacts, &colliders, &movers, {joints.data(), joints.size()}, {jointed.data(), jointed.size()}};
+}
 
 void Rigid::Impl::prepare(StepContext& c) {
   SolverInput in = input();
@@ -227,10 +233,14 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
   bodies.velocity[i] = s.velocity;
   bodies.angular_velocity[i] = s.angular_velocity;
   if (!spins[i]) return;
-  const Vec3 pushed = s.angular_velocity - given_spin[p];
   Vec3& l = kept_momentum[i];
-  l = angular_momentum[p];
-  if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
+  if (const JointedBody* j = uneven_mover(p + 1)) {
+    l = carried_momentum(*j, s, movers.mass[p + 1]).cast<Real>();
+  } else {
+    const Vec3 pushed = s.angular_velocity - given_spin[p];
+    l = angular_momentum[p];
+    if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
+  }
   bodies.angular_velocity[i] = kept_spin[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
 }
 

@@ -18,36 +18,71 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
 
 bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && trees_.direct(block); }
 
-// Tension in a joint is a spring against rotation: a body of inertia I between pulls p/h at arms r swings with
-// omega^2 = sum p r / (h I), and above 2/h the substep cannot follow. There (and only there) joints see a larger
-// inertia (Andrews et al., "Geometric Stiffness for Real-time Constrained Multibody Dynamics", 2017).
+// Tension in a joint is a spring against rotation: about an axis with inertia I, pulls p/h at arms r (of length q
+// across that axis) swing with omega^2 = sum p q^2 / (r h I) at most, and above 2/h the substep cannot follow. There
+// (and only there) joints see a larger inertia (Andrews et al., "Geometric Stiffness for Real-time Constrained
+// Multibody Dynamics", 2017).
 void SoftJoints::stabilize(const SolverInput& in, Real h) {
-  const Movers& movers = *in.movers;
-  strain_.assign(movers.state.size(), Real(0));
+  strain_.assign(in.movers->state.size(), Real(0));
+  if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
   for (const RowBlock& block : blocks_) {
     const SolverJoint& joint = in.joints[block.joint];
     Vec3 pull = Vec3::Zero();
     for (std::uint32_t k = 0; k < block.count; ++k)
       pull += rows_[block.first + k].linear * joint.impulse[block.first_impulse + k];
-    const Real size = length(pull);
-    strain_[block.mover_a] += h * size * length(joint.shape.frame_a.position);
-    strain_[block.mover_b] += h * size * length(joint.shape.frame_b.position);
+    const Real size = h * length(pull);
+    const Vec3 &arm_a = joint.shape.frame_a.position, &arm_b = joint.shape.frame_b.position;
+    strain_[block.mover_a] += size * length(arm_a);
+    strain_[block.mover_b] += size * length(arm_b);
+    if (!uneven_) continue;
+    add_strain(in, block.mover_a, arm_a, size);
+    add_strain(in, block.mover_b, arm_b, size);
   }
-  for (std::size_t i = 1; i < strain_.size(); ++i) {
-    const Real softest = movers.mass[i].inv_inertia.cwiseAbs().rowwise().sum().maxCoeff();
-    const Real ratio = strain_[i] * softest;  // (h omega)^2, at most
-    strain_[i] = ratio > 1 ? 1 / ratio : 1;
-  }
-  strain_[0] = 1;
 }
 
-void SoftJoints::prepare_row(const Row& row, const Mat3& inv_inertia_a, const Mat3& inv_inertia_b, Real h,
-                             ReadyRow& out) const {
+void SoftJoints::add_strain(const SolverInput& in, std::uint32_t mover, const Vec3& arm, Real pull) {
+  const JointedBody* uneven = in.uneven(mover);
+  const Real size = length(arm);
+  if (!uneven || !(size > 0)) return;
+  const Vec3d local = rotate_inverse(uneven->principal, arm).cast<double>();
+  strain_axes_[mover] += static_cast<double>(pull / size) * (Vec3d::Constant(local.squaredNorm()) - local.cwiseAbs2());
+}
+
+// Inverse inertias that joints feel in this substep.
+void SoftJoints::turn_inertias(const SolverInput& in) {
+  const Movers& movers = *in.movers;
+  inv_inertia_.resize(strain_.size());
+  inv_inertia_[0] = movers.mass[0].inv_inertia;
+  for (std::uint32_t i = 1; i < strain_.size(); ++i) {
+    const Mat3& start = movers.mass[i].inv_inertia;
+    const Real ratio = strain_[i] * start.cwiseAbs().rowwise().sum().maxCoeff();  // (h omega)^2, at most
+    inv_inertia_[i] = start;
+    if (ratio > 1) inv_inertia_[i] *= 1 / ratio;
+    if (JointedBody* uneven = in.uneven(i)) {
+      const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
+      for (int k = 0; k < 3; ++k) uneven->share[k] = ratios[k] > 1 ? 1 / ratios[k] : 1;
+    }
+  }
+}
+
+void SoftJoints::load_motions(const SolverInput& in, Real h) {
+  const Movers& movers = *in.movers;
+  motions_.resize(movers.state.size());
+  motions_[0] = BodyMotion{};
+  for (std::uint32_t i = 1; i < motions_.size(); ++i) {
+    const MoverState& s = movers.state[i];
+    const JointedBody* uneven = in.uneven(i);
+    motions_[i] = {s.velocity, s.angular_velocity,
+                   bend_matrix(s.angular_velocity, uneven ? uneven->mean_spin : s.angular_velocity, h)};
+  }
+}
+
+void SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const {
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
-  out.push_a = inv_inertia_a * row.angular_a;
-  out.push_b = inv_inertia_b * row.angular_b;
+  out.push_a = inv_inertia_[block.mover_a] * row.angular_a;
+  out.push_b = inv_inertia_[block.mover_b] * row.angular_b;
   out.lower = row.lower * h;
   out.upper = row.upper * h;
   out.bias = out.relaxed_bias = -row.speed;
@@ -61,15 +96,24 @@ void SoftJoints::prepare_row(const Row& row, const Mat3& inv_inertia_a, const Ma
     return;
   }
   const bool spring = row.hertz > 0;
-  const SoftFactors soft = spring ? soft_factors(row.hertz, row.damping_ratio, h)
-                                  : soft_factors(stiff_hertz_, damping_ratio_, h);
+  const SoftFactors soft = spring ? soft_factors(row.hertz, row.damping_ratio, h) : stiff_factors_;
   out.bias = soft.bias_rate * row.value - row.speed;
+  if (!spring) out.bias += row.bend, out.relaxed_bias += row.bend;
   out.mass_scale = soft.mass_scale;
   out.impulse_scale = soft.impulse_scale;
   if (!spring) return;
   out.relaxed_bias = out.bias;
   out.relaxed_mass_scale = soft.mass_scale;
   out.relaxed_impulse_scale = soft.impulse_scale;
+}
+
+void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
+  const JointedBody *a = in.uneven(block.mover_a), *b = in.uneven(block.mover_b);
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+    ReadyRow& r = ready_[k];
+    if (a) r.push_a = jointed_response(*a, r.angular_a);
+    if (b) r.push_b = jointed_response(*b, r.angular_b);
+  }
 }
 
 void SoftJoints::prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const {
@@ -128,10 +172,39 @@ void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverI
   }
 }
 
+// The same where there are bodies whose angular momentum is kept.
+void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
+  const auto side = [&](std::uint32_t i, Real sign, Vec3 ReadyRow::*angular) {
+    if (!i) return;
+    Vec3 push = Vec3::Zero(), turn = Vec3::Zero();
+    Vec3d moment = Vec3d::Zero();
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const ReadyRow& r = ready_[block.first + k];
+      push += r.linear * (sign * impulse[k]);
+      moment += (r.*angular).cast<double>() * static_cast<double>(impulse[k]);
+    }
+    MoverState& s = in.movers->state[i];
+    const Vec3 v = in.movers->mass[i].inv_mass_axes.cwiseProduct(push);
+    s.velocity += v;
+    if (JointedBody* uneven = in.uneven(i)) {
+      turn = push_jointed(*uneven, moment, s);
+    } else {
+      turn = inv_inertia_[i] * moment.cast<Real>();
+      s.angular_velocity += turn;
+    }
+    Real* d = change + 6 * std::size_t(i);
+    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += turn[k];
+  };
+  side(block.mover_a, -1, &ReadyRow::angular_a);
+  side(block.mover_b, 1, &ReadyRow::angular_b);
+}
+
 void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
   const Movers& movers = *in.movers;
+  uneven_ = !in.jointed.empty();
+  load_motions(in, c.h);
   for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
     SolverJoint& joint = in.joints[j];
     if (!joint.active) continue;
@@ -143,6 +216,8 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change
                movers.state[input.mover_a].rotation};
     input.b = {movers.mass[input.mover_b].center + movers.state[input.mover_b].moved,
                movers.state[input.mover_b].rotation};
+    input.motion_a = &motions_[input.mover_a], input.motion_b = &motions_[input.mover_b];
+    input.h = c.h;
     writer.start(input, j);
     joint.kind->fill(input, writer);
     joint.rows = static_cast<std::uint8_t>(writer.rows_written());
@@ -150,21 +225,22 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change
   ready_.resize(rows_.size());
   prepared_.resize(blocks_.size());
   const Real quarter = Real(0.25) / c.h;
-  stiff_hertz_ = hertz_ < quarter ? hertz_ : quarter;
+  stiff_factors_ = soft_factors(hertz_ < quarter ? hertz_ : quarter, damping_ratio_, c.h);
   stabilize(in, c.h);
+  turn_inertias(in);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& block = blocks_[i];
     const MoverMass& a = movers.mass[block.mover_a];
     const MoverMass& b = movers.mass[block.mover_b];
-    const Mat3 inertia_a = a.inv_inertia * strain_[block.mover_a], inertia_b = b.inv_inertia * strain_[block.mover_b];
     for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
-      prepare_row(rows_[k], inertia_a, inertia_b, c.h, ready_[k]);
+      prepare_row(rows_[k], block, c.h, ready_[k]);
+    if (uneven_) respond_uneven(block, in);
     if (c.substep != 0 && is_direct(i)) continue;
     prepare_block(block, a, b, prepared_[i]);
   }
   if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, movers);
-  if (!trees_.empty()) trees_.factor(rows_, movers, strain_);
-  for (const RowBlock& block : blocks_) apply(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
+  if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
+  for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
 }
 
 void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change) {
@@ -199,7 +275,7 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
     step[i] = now - impulse[i];
     impulse[i] = now;
   }
-  apply(block, step, in, change);
+  push(block, step, in, change);
 }
 
 void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
@@ -212,7 +288,7 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
     const RowBlock& block = blocks_[i];
     Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
     for (std::uint32_t k = 0; k < block.count; ++k) impulse[k] += step_[block.first + k];
-    apply(block, &step_[block.first], in, change);
+    push(block, &step_[block.first], in, change);
   }
 }
 

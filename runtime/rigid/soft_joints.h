@@ -20,6 +20,9 @@ class SoftJoints {
         bias_(&arena),
         step_(&arena),
         strain_(&arena),
+        strain_axes_(&arena),
+        motions_(&arena),
+        inv_inertia_(&arena),
         hertz_(hertz),
         damping_ratio_(damping_ratio),
         use_trees_(use_trees) {}
@@ -47,10 +50,18 @@ class SoftJoints {
     Real inv_pivot[6];
   };
   bool is_direct(std::size_t block) const;
+  void add_strain(const SolverInput& in, std::uint32_t mover, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
-  void prepare_row(const Row& row, const Mat3& inv_inertia_a, const Mat3& inv_inertia_b, Real h, ReadyRow& out) const;
+  void turn_inertias(const SolverInput& in);
+  void load_motions(const SolverInput& in, Real h);
+  void prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
+  void respond_uneven(const RowBlock& block, const SolverInput& in);
   void prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const;
   void apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
+  void apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
+  void push(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
+    uneven_ ? apply_uneven(block, impulse, in, change) : apply(block, impulse, in, change);
+  }
   void solve_trees(const SolverInput& in, bool biased, Real* change);
   void solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change);
 
@@ -60,10 +71,14 @@ class SoftJoints {
   Array<ReadyBlock> prepared_;
   JointTrees trees_;
   Array<Real> bias_, step_;  // by row, for the trees
-  Array<Real> strain_;       // by mover: h sum |impulse| |arm|, then the factor on the inverse inertia
+  Array<Real> strain_;       // by mover: h sum |impulse| |arm|, kg m^2
+  Array<Vec3d> strain_axes_; // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_;  // by mover
+  Array<Mat3> inv_inertia_;  // by mover, world, that joints feel in this substep
   Real hertz_, damping_ratio_;
   bool use_trees_;
-  Real stiff_hertz_ = 0;
+  bool uneven_ = false;      // there are bodies whose angular momentum is kept
+  SoftFactors stiff_factors_{};
 };
 
 }  // namespace feder

@@ -59,6 +59,7 @@ class SoftStep final : public RigidSolver {
   void start_velocities(const SolverInput& in, StepContext& c);
   void integrate(const SolverInput& in, StepContext& c);
   void end_velocities(const SolverInput& in, StepContext& c);
+  void report_corrections(const SolverInput& in, StepContext& c);
   ContactPass pass(const SolverInput& in, const StepContext& c) const;
   void run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c);
 
@@ -299,16 +300,28 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   MoverState* state = in.movers->state.data();
   const Real h = c.h;
   const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
+  const bool some_uneven = !in.jointed.empty();
   c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
       MoverState& s = state[i];
       s.moved += h * s.velocity;
-      const Vec3 turn = h * s.angular_velocity;
+      Vec3 turn = h * s.angular_velocity;
+      if (JointedBody* j = some_uneven ? in.uneven(i) : nullptr) {
+        j->drift_spin = s.angular_velocity;
+        turn = h * jointed_mean_spin(*j, jointed_momentum(*j, s, in.movers->mass[i]), h);
+      }
       if (turn[0] == 0 && turn[1] == 0 && turn[2] == 0) continue;
       s.turned += turn;
       s.rotation = integrate_rotation(s.rotation, turn);
     }
   });
+}
+
+// What bias velocities turned, which the relax pass took back.
+void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
+  for (std::uint32_t i = 1; i < in.jointed.size(); ++i)
+    if (JointedBody* j = in.uneven(i))
+      j->correction = c.h * (j->drift_spin - in.movers->state[i].angular_velocity);
 }
 
 void SoftStep::solve(const SolverInput& in, StepContext& c) {
@@ -323,6 +336,7 @@ void SoftStep::solve(const SolverInput& in, StepContext& c) {
   integrate(in, c);
   if (joint_change_) joints_.solve(in, false, joint_change_);
   run(kernels_->relax, in, c);
+  if (joint_change_) report_corrections(in, c);
   if (batch_count_) end_velocities(in, c);
 }
 

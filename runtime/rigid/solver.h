@@ -8,6 +8,7 @@
 #include "base/registry.h"
 #include "base/params.h"
 #include "constrain/joint.h"
+#include "rigid/jointed_body.h"
 #include "state/contacts.h"
 #include "state/colliders.h"
 #include "state/movers.h"
@@ -26,10 +27,16 @@ struct SolverJoint {
 };
 
 struct SolverInput {
+  // Null unless the mover is a body on a joint with uneven moments of inertia.
+  JointedBody* uneven(std::uint32_t mover) const {
+    return mover < jointed.size() && jointed[mover].uneven ? &jointed[mover] : nullptr;
+  }
+
   Contacts* contacts = nullptr;     // active ones are solved; impulses are read and written
   const Colliders* colliders = nullptr;
   Movers* movers = nullptr;
   std::span<SolverJoint> joints;
+  std::span<JointedBody> jointed;   // by solver index, of bodies; empty without joints
 };
 
 // Called by the rigid system's rows. Movers [1, free_movers) are rigid bodies; those beyond were advanced by their

@@ -13,6 +13,7 @@ struct Row {
   Vec3 angular_a = Vec3::Zero();
   Vec3 angular_b = Vec3::Zero();
   Real value = 0;          // C, m or rad (0 for a pure motor)
+  Real bend = 0;           // m/s: what C gains in the coming substep beyond h dC/dt, over h, as the bodies turn
   Real speed = 0;          // wanted dC/dt, m/s or rad/s (motors)
   Real lower = -kInfinity; // bounds of the force (N) or torque (N m) along the Jacobian
   Real upper = kInfinity;

@@ -5,32 +5,19 @@
 #include <cmath>
 
 #include "collide/collide.h"
-#include "rigid/rigid.h"
 #include "rigid/solver.h"
-#include "study/stability_problem.h"
+#include "study/stability_rigid.h"
 #include "world/world.h"
 
 namespace feder {
+
+const StabilityAxis& rigid_step_axis() {
+  static const StabilityAxis axis = {
+      "h", "step h", "s", true, {1e-3, 3e-3, 1e-2, 1.0 / 60, 3e-2, 0.1, 0.3}, {1e-2, 1.0 / 60, 0.1}};
+  return axis;
+}
+
 namespace {
-
-struct RigidScene {
-  double h = 1.0 / 60, seconds = 2;
-  double gravity = 9.81;
-  double length = 1;             // m, what errors are divided by
-  double size = 1;               // m, what penetrations are divided by
-  double speed = 1;              // m/s, the largest that should be seen
-  double energy = 1;             // J, scale
-  double energy_start = 0;       // J, kept to the end where keeps_energy
-  bool keeps_energy = false;
-  std::vector<BodyDesc> bodies;
-  std::vector<std::size_t> watched;  // of bodies
-  std::vector<Vec3d> expected;       // where they are in the end
-};
-
-struct RigidMap {
-  StabilityProblemInfo info;
-  RigidScene (*scene)(double x, double y);
-};
 
 BodyDesc box(double width, double height, double depth, const Vec3d& at, double mass) {
   BodyDesc d;
@@ -80,10 +67,20 @@ RigidScene small(double h, double ratio) {
   return s;
 }
 
+// Beside the pile a box slides 6 m without friction: rest alone would hide that places are coarse out there.
 RigidScene far(double h, double distance) {
+  constexpr double kSpeed = 3, kStart = -5;  // m/s, m
   RigidScene s;
   s.h = h;
   add_pile(s, {1, 1}, {1, 1}, distance);
+  BodyDesc slider = box(1, 1, 1, Vec3d(distance + kStart, 0.5, 5), 1);
+  slider.velocity = Vec3(static_cast<Real>(kSpeed), 0, 0);
+  slider.friction_static = slider.friction_dynamic = 0;
+  s.watched.push_back(s.bodies.size());
+  const double steps = std::max(8.0, std::ceil(s.seconds / h - 1e-9));
+  s.expected.push_back(slider.position.cast<double>() + Vec3d(kSpeed * steps * h, 0, 0));
+  s.energy += 0.5 * kSpeed * kSpeed;
+  s.bodies.push_back(slider);
   return s;
 }
 
@@ -114,32 +111,27 @@ RigidScene spin(double h, double rate) {
   return s;
 }
 
-const StabilityAxis& step_axis() {
-  static const StabilityAxis axis = {
-      "h", "step h", "s", true, {1e-3, 3e-3, 1e-2, 1.0 / 60, 3e-2, 0.1, 0.3}, {1e-2, 1.0 / 60, 0.1}};
-  return axis;
-}
-
 const std::vector<RigidMap>& maps() {
-  static const std::vector<RigidMap> table = {
+  static const std::vector<RigidMap> table = [] {
+    std::vector<RigidMap> all = {
       {{"stack",
         "boxes on each other for 3 s",
-        step_axis(),
+        rigid_step_axis(),
         {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}},
        &stack},
       {{"heavy",
         "a box on a lighter one",
-        step_axis(),
+        rigid_step_axis(),
         {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}},
        &heavy},
       {{"size",
         "a box on one of 1 m",
-        step_axis(),
+        rigid_step_axis(),
         {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
        &small},
       {{"far",
-        "two boxes on each other, away from the origin",
-        step_axis(),
+        "two boxes on each other and one that slides, away from the origin",
+        rigid_step_axis(),
         {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}},
        &far},
       {{"bullet",
@@ -149,9 +141,12 @@ const std::vector<RigidMap>& maps() {
        &bullet},
       {{"spin",
         "a weightless box spins about its axis of largest inertia",
-        step_axis(),
+        rigid_step_axis(),
         {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
        &spin}};
+    for (RigidMap& map : joint_stability_maps()) all.push_back(std::move(map));
+    return all;
+  }();
   return table;
 }
 
@@ -159,6 +154,12 @@ class RigidTrial {
  public:
   RigidTrial(const RigidScene& s, const std::string& solver) : world_(describe(s, solver), kCatalog) {
     for (const BodyDesc& d : s.bodies) ids_.push_back(rigid().add_body(d));
+    for (const RigidScene::Joint& j : s.joints) {
+      JointDesc d = j.joint;
+      if (j.a != RigidScene::kNoBody) d.a = ids_[j.a];
+      if (j.b != RigidScene::kNoBody) d.b = ids_[j.b];
+      rigid().add_joint(d);
+    }
   }
   void step() { world_.step(); }
   double time() const { return world_.time(); }
@@ -166,6 +167,7 @@ class RigidTrial {
     const Energy e = world_.energy();
     return e.kinetic + e.potential + e.elastic;
   }
+  double joint_error() { return static_cast<double>(rigid().max_joint_error()); }
   double penetration() { return std::max(0.0, static_cast<double>(world_.need<Collide>().max_penetration())); }
   Vec3d position(std::size_t body) { return rigid().bodies().position[rigid().index(ids_[body])].cast<double>(); }
   Vec3d velocity(std::size_t body) { return rigid().bodies().velocity[rigid().index(ids_[body])].cast<double>(); }
@@ -216,7 +218,10 @@ class RigidStability final : public StabilityProblem {
       const RigidScene s = map_.scene(x, y);
       RigidTrial t(s, method);
       StabilityTrace trace;
-      const double zero = s.keeps_energy ? 0 : t.energy() - s.energy;  // what grows, grows beside the scale
+      // what grows, grows beside the scale
+      const double zero = s.keeps_energy ? -s.energy_zero : t.energy() - s.energy;
+      std::vector<Vec3d> start;
+      for (const std::size_t body : s.watched) start.push_back(t.position(body));
       const int steps = std::max(8, static_cast<int>(std::ceil(s.seconds / s.h - 1e-9)));
       double most = 0;
       for (int k = 0; k < steps && std::isnan(cell.t_fail); ++k) {
@@ -229,10 +234,8 @@ class RigidStability final : public StabilityProblem {
       }
       cell.energy_ratio = most / s.energy;
       if (!std::isnan(cell.t_fail)) return cell;
-      cell.error = 0;
-      for (std::size_t i = 0; i < s.watched.size(); ++i)
-        cell.error = std::max(cell.error, (t.position(s.watched[i]) - s.expected[i]).norm() / s.length);
-      cell.constraint = t.penetration() / s.size;
+      if (s.known) measure_ways(s, t, start, trace, cell);
+      cell.constraint = std::max(t.penetration(), t.joint_error()) / s.size;
       StabilityThresholds own = limits;
       own.constraint = limits.penetration;
       cell.verdict = judge(trace, s.length, s.energy, own, cell);
@@ -244,6 +247,16 @@ class RigidStability final : public StabilityProblem {
   }
 
  private:
+  static void measure_ways(const RigidScene& s, RigidTrial& t, const std::vector<Vec3d>& start, StabilityTrace& trace,
+                           StabilityCell& cell) {
+    cell.error = 0;
+    for (std::size_t i = 0; i < s.watched.size(); ++i) {
+      const Vec3d at = t.position(s.watched[i]);
+      cell.error = std::max(cell.error, (at - s.expected[i]).norm() / s.length);
+      const double way = (s.expected[i] - start[i]).norm();
+      if (way > trace.reference_moved) trace.reference_moved = way, trace.moved = (at - start[i]).norm();
+    }
+  }
   static void look_for_failure(const RigidScene& s, RigidTrial& t, const StabilityThresholds& limits, double energy,
                                StabilityCell& cell) {
     for (std::size_t i = 0; i < s.watched.size(); ++i) {
@@ -272,7 +285,8 @@ std::unique_ptr<StabilityProblem> make() {
 
 std::span<const StabilityProblemRow> rigid_stability_problems() {
   static const StabilityProblemRow table[] = {{"stack", &make<0>}, {"heavy", &make<1>}, {"size", &make<2>},
-                                              {"far", &make<3>},   {"bullet", &make<4>}, {"spin", &make<5>}};
+                                              {"far", &make<3>},   {"bullet", &make<4>}, {"spin", &make<5>},
+                                              {"hinged_rod", &make<6>}, {"jointed_chain", &make<7>}};
   return table;
 }
 

@@ -1,0 +1,96 @@
+#include "rigid/jointed_body.h"
+
+#include <cmath>
+
+namespace feder {
+namespace {
+
+Vec3d crossed(const Vec3d& a, const Vec3d& b) {
+  return Vec3d(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+}
+
+// exp(-[t]x) v, by Rodrigues.
+Vec3d turned_back(const Vec3d& t, const Vec3d& v) {
+  const double x2 = t.squaredNorm();
+  double straight, bent;  // sin x / x, (1 - cos x) / x^2
+  if (x2 < 1e-4) {
+    straight = 1 - x2 * (1.0 / 6 - x2 / 120), bent = 0.5 - x2 * (1.0 / 24 - x2 / 720);
+  } else {
+    const double x = std::sqrt(x2);
+    straight = sin_cos_sin(x) / x, bent = (1 - sin_cos_cos(x)) / x2;
+  }
+  const Vec3d along = crossed(t, v);
+  return v - straight * along + bent * crossed(t, along);
+}
+
+}  // namespace
+
+Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
+  const Quat& p = j.principal;
+  const double ax = rotation.x, ay = rotation.y, az = rotation.z, aw = rotation.w, bx = p.x, by = p.y, bz = p.z, bw = p.w;
+  double x = aw * bx + ax * bw + ay * bz - az * by, y = aw * by - ax * bz + ay * bw + az * bx;
+  double z = aw * bz + ax * by - ay * bx + az * bw, w = aw * bw - ax * bx - ay * by - az * bz;
+  const double scale = 1 / std::sqrt(x * x + y * y + z * z + w * w);
+  x *= scale, y *= scale, z *= scale, w *= scale;
+  Mat3d m;
+  m << 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),  //
+      2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),   //
+      2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y);
+  return m;
+}
+
+// Theta = h w in principal axes solves
+//   F = I theta/h - exp(-theta/2) L = 0,  dF = I/h - [exp(-theta/2) L]x / 2,
+// by Newton's method; (D + [s]x)^-1 = (adj D + s s^T - [D s]x) / (det D + s^T D s). Fixed-point rounds multiply the
+// error by (I_t/I_l) (h w)^2/4 each: they throw slender bodies (I_t >> I_l) about their long axis.
+Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
+  constexpr int kRounds = 3;
+  const double step = static_cast<double>(h);
+  const Vec3d local = j.axes.transpose() * momentum, d = (j.inv_moments * step).cwiseInverse();
+  const Vec3d adjugate(d[1] * d[2], d[2] * d[0], d[0] * d[1]);
+  Vec3d theta = j.inv_moments.cwiseProduct(local) * step;
+  for (int round = 0; round < kRounds; ++round) {
+    const Vec3d middle = turned_back(theta / 2, local);
+    const Vec3d f = d.cwiseProduct(theta) - middle, s = -0.5 * middle, ds = d.cwiseProduct(s);
+    theta -= (adjugate.cwiseProduct(f) + s * s.dot(f) - crossed(ds, f)) / (adjugate[0] * d[0] + s.dot(ds));
+  }
+  return (j.axes * (theta / step)).cast<Real>();
+}
+
+void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s) {
+  j.axes = jointed_axes(j, s.rotation);
+  j.momentum = momentum;
+  j.share = Vec3d::Ones();
+  j.mean_spin = jointed_mean_spin(j, momentum, h);
+  j.correction = Vec3::Zero();
+  const Vec3d spin = j.axes * j.inv_moments.cwiseProduct(j.axes.transpose() * momentum);
+  s.angular_velocity = j.given_spin = spin.cast<Real>();
+}
+
+Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s) {
+  const Vec3d felt = j.share.cwiseProduct(j.axes.transpose() * moment);
+  j.momentum += j.axes * felt;
+  const Vec3 change = (j.axes * j.inv_moments.cwiseProduct(felt)).cast<Real>();
+  s.angular_velocity += change;
+  j.given_spin += change;
+  return change;
+}
+
+Vec3d jointed_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
+  const Vec3 pushed = s.angular_velocity - j.given_spin;
+  if (pushed.isZero(0)) return j.momentum;
+  const Mat3d axes = jointed_axes(j, m.start_rotation);
+  return j.momentum + axes * (axes.transpose() * pushed.cast<double>()).cwiseQuotient(j.inv_moments);
+}
+
+Vec3d carried_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
+  const Vec3d momentum = jointed_momentum(j, s, m);
+  if (j.correction.isZero(0)) return momentum;
+  const Mat3d axes = jointed_axes(j, s.rotation);
+  Vec3d change = axes.transpose() * crossed(j.correction.cast<double>(), momentum);
+  const double smallest = j.inv_moments.minCoeff();
+  for (int k = 0; k < 3; ++k) change[k] *= 1 - smallest / j.inv_moments[k];
+  return momentum + axes * change;
+}
+
+}  // namespace feder
