@@ -122,6 +122,19 @@ void read_wind(Options& o, ClothDesc& desc) {
   lua_pop(L, 1);
 }
 
+// max_strain = a number | false
+void read_max_strain(Options& o, ClothDesc& desc) {
+  if (!o.push_any("max_strain")) return;
+  lua_State* L = o.L();
+  if (lua_type(L, -1) == LUA_TBOOLEAN && !lua_toboolean(L, -1))
+    desc.max_strain = kInfinity;
+  else if (lua_type(L, -1) == LUA_TNUMBER)
+    o.real("max_strain", desc.max_strain, kPositive);
+  else
+    o.wrong("max_strain", "a number above 0 or false");
+  lua_pop(L, 1);
+}
+
 void read_cloth(Options& o, ClothDesc& desc) {
   lua_State* L = o.L();
   o.text("name", desc.name);
@@ -139,6 +152,7 @@ void read_cloth(Options& o, ClothDesc& desc) {
   o.flag("self_collision", desc.self_collision);
   read_wind(o, desc);
   o.real("tear_strain", desc.tear_strain, kPositive);
+  read_max_strain(o, desc);
   o.real("gravity_scale", desc.gravity_scale);
   std::int64_t n = 0;
   if (o.integer("group", n, 0, 0xffffffffll)) desc.group = static_cast<std::uint32_t>(n);

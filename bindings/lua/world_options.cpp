@@ -164,6 +164,9 @@ void apply_override(WorldSettings& w, const std::string& key, const std::string&
     w.desc.systems[system].set(key.substr(dot + 1), value);
   } else if (key == "dt") {
     w.desc.dt = number();
+  } else if (key == "air_density") {
+    if (number() < 0) throw SceneError(what + ": expected a number, 0 or more");
+    w.desc.options.set(key, value);
   } else if (key == "substeps") {
     w.desc.substeps = static_cast<int>(whole(1, 1000));
   } else if (key == "seed") {
@@ -184,7 +187,7 @@ void apply_override(WorldSettings& w, const std::string& key, const std::string&
     w.desc.options.set(key, value);
   } else {
     const std::string near = nearest_name(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
-                                                "broad_phase", "narrow_phase", "rigid.solver"});
+                                                "air_density", "broad_phase", "narrow_phase", "rigid.solver"});
     throw SceneError(what + ": unknown option '" + key + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
   }
 }
@@ -226,6 +229,8 @@ WorldSettings read_world_options(lua_State* L, int index, const std::string& own
     std::string name;
     if (o.text(key, name)) w.desc.options.set(key, name);
   }
+  double air_density = 0;
+  if (o.number("air_density", air_density, kNotNegative)) w.desc.options.set("air_density", air_density);
   read_materials(o, w);
   for (const SystemDescriptor* d : catalog()) {
     if (!d->joins.empty() || !o.push(d->name, LUA_TTABLE, "a table of options")) continue;

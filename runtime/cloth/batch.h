@@ -22,24 +22,48 @@ struct HingeBatch {
   Lane8 multiplier;    // N m s^2
 };
 
+// Eight vertices that may go no farther from an anchor that stays than along the cloth. No vertex twice in a layer.
+struct TieBatch {
+  unsigned a[kLanes];
+  Lane8x3 base;        // a minus its anchor at the start of the step, m
+  Lane8 limit;         // m
+};
+
+// What a hinge does against its rate, with the geometry at the start of a damping pass.
+struct HingeDamping {
+  Lane8x3 gradient[4];  // of the angle, rad/m
+  Lane8 factor;         // impulse per rate, N m s per rad/s
+  Lane8 most;           // of sum w |gradient|^2 k, as at rest, 1/s^2
+};
+
 struct ClothPass {
   LinkBatch* links;
   HingeBatch* hinges;
+  HingeDamping* damping;
+  TieBatch* ties;
   unsigned first, last;   // range of batches
   WideReal* moved;        // Row4 as four numbers each
   WideReal* speed;
   WideReal inv_h2;        // 1/h^2 of the small step
   WideReal h;             // s, of the small step
   WideReal damping_time;  // damping x h of the substep, s^2
+  WideReal* rates;        // Row4: velocities that `damp_stage` reads, m/s
+  WideReal* pushes;       // Row4: impulses that it adds, N s
+  WideReal stretched;     // 1 + the largest strain of a link
   bool again;             // a further sweep of this small step: multipliers go on; else they begin at zero
 };
 
 struct ClothKernels {
   void (*links)(const ClothPass&);
+  void (*limited_links)(const ClothPass&);  // that stretch to p.stretched at most
+  void (*limit_links)(const ClothPass&);    // the same without their force
+  void (*ties)(const ClothPass&);
   void (*hinges)(const ClothPass&);
   void (*bend_hinges)(const ClothPass&);
   void (*damp_links)(const ClothPass&);
   void (*damp_hinges)(const ClothPass&);
+  void (*damp_begin)(const ClothPass&);
+  void (*damp_stage)(const ClothPass&);
 };
 
 extern const ClothKernels kClothKernelsPlain, kClothKernelsAvx2;

@@ -14,6 +14,21 @@ std::uint32_t direction(const ClothLink& l) { return l.b - l.a; }
 std::uint32_t direction(const ClothHinge& h) { return h.v[1] > h.v[0] ? h.v[1] - h.v[0] : h.v[0] - h.v[1]; }
 }  // namespace
 
+double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]) {
+  const Vec3 e = v.rest[at[1]] - v.rest[at[0]], a = v.rest[at[2]] - v.rest[at[0]], b = v.rest[at[3]] - v.rest[at[0]],
+             n1 = cross(e, a), n2 = cross(b, e);
+  const Real size = length(e), s1 = dot(n1, n1), s2 = dot(n2, n2);
+  if (!(s1 > 0 && s2 > 0 && size > 0)) return 0;
+  Vec3 g[4];
+  g[2] = n1 * (-size / s1), g[3] = n2 * (-size / s2);
+  g[1] = (g[2] * dot(a, e) + g[3] * dot(b, e)) * (-1 / (size * size));
+  g[0] = -(g[1] + g[2] + g[3]);
+  double response = 0;
+  for (int i = 0; i < 4; ++i)
+    if (v.mass[at[i]] > 0) response += static_cast<double>(dot(g[i], g[i]) / v.mass[at[i]]);
+  return response;
+}
+
 void ClothBatches::pick(const std::string& width) {
 #if defined(__x86_64__) || defined(__i386__)
   if (width != "plain" && __builtin_cpu_supports("avx2")) kernels_ = &kClothKernelsAvx2;
@@ -88,6 +103,7 @@ void ClothBatches::build(const ClothView& v) {
     sin_cos(h.angle, b.sine.v[i], b.cosine.v[i]);
     b.compliance.v[i] = compliance(h.stiffness);
   });
+  measure_hinges(v);
 }
 
 void ClothBatches::place(const ClothView& v) {
@@ -97,6 +113,35 @@ void ClothBatches::place(const ClothView& v) {
   for (HingeBatch& b : hinges_)
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < kLanes; ++i) put(b.base[k], i, v.position[b.v[k + 1][i]] - v.position[b.v[0][i]]);
+}
+
+void ClothBatches::limit(const ClothView& v, StepContext& c) {
+  if (!(v.max_strain < kInfinity)) return;
+  ClothPass p = pass(v, 1);
+  p.stretched = 1 + v.max_strain;
+  run(kernels_->limit_links, link_colors_, p, c);
+}
+
+void ClothBatches::tie(const ClothView& v, StepContext& c) {
+  ClothPass p = pass(v, 1);
+  p.ties = v.ties.data();
+  std::uint32_t first = 0;
+  for (const std::uint32_t last : v.tie_layers) {
+    c.jobs->for_blocks(last - first, kGrain, [&](std::uint32_t a, std::uint32_t b, int) {
+      ClothPass part = p;
+      part.first = first + a, part.last = first + b;
+      kernels_->ties(part);
+    });
+    first = last;
+  }
+}
+
+ClothPass ClothBatches::pass(const ClothView& v, Real h) {
+  ClothPass p{};
+  p.links = links_.data(), p.hinges = hinges_.data();
+  p.moved = &v.moved->x, p.speed = &v.speed->x;
+  p.h = h;
+  return p;
 }
 
 void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c) {
@@ -122,20 +167,15 @@ void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass
 }
 
 void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c) {
-  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 1 / (h * h), h, 0, again};
-  run(kernels_->links, link_colors_, pass, c);
+  ClothPass pass = this->pass(v, h);
+  pass.inv_h2 = 1 / (h * h), pass.again = again;
+  pass.stretched = 1 + v.max_strain;
+  run(v.max_strain < kInfinity ? kernels_->limited_links : kernels_->links, link_colors_, pass, c);
   if (hinges) run(kernels_->hinges, hinge_colors_, pass, c);
 }
 
 void ClothBatches::bend(const ClothView& v, Real h, StepContext& c) {
-  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 1 / (h * h), h, 0, false};
-  run(kernels_->bend_hinges, hinge_colors_, pass, c);
-}
-
-void ClothBatches::damp(const ClothView& v, Real h, StepContext& c) {
-  const ClothPass pass{links_.data(), hinges_.data(), 0, 0, &v.moved->x, &v.speed->x, 0, h, v.damping * h, false};
-  run(kernels_->damp_links, link_colors_, pass, c);
-  run(kernels_->damp_hinges, hinge_colors_, pass, c);
+  run(kernels_->bend_hinges, hinge_colors_, pass(v, h), c);
 }
 
 }  // namespace feder

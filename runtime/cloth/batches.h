@@ -1,14 +1,19 @@
 // Elements in colours of eight: what the kernels run over. Private to the module.
 #pragma once
 #include "cloth/batch.h"
+#include "cloth/damping.h"
 #include "cloth/solver.h"
 
 namespace feder {
 
+// sum |gradient of the angle|^2/mass of a hinge at rest, 1/(kg m^2); all vertices count as free.
+double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]);
+
 class ClothBatches {
  public:
   explicit ClothBatches(Arena& a)
-      : links_(&a), hinges_(&a), link_colors_(&a), hinge_colors_(&a), used_(&a), color_(&a), order_(&a) {}
+      : links_(&a), hinges_(&a), link_colors_(&a), hinge_colors_(&a), used_(&a), color_(&a), order_(&a),
+        damping_(&a), stage_(&a), last_stage_(&a), first_rate_(&a), pushes_(&a) {}
   // Wide kernels where the processor has them; "plain" for tests.
   void pick(const std::string& width);
   // Colours and batches for this mesh; nothing when its version is known.
@@ -16,7 +21,15 @@ class ClothBatches {
   void place(const ClothView& v);   // edges at the start of the step
   void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a small step
   void bend(const ClothView& v, Real h, StepContext& c);  // forces of hinges over h into `speed`
-  void damp(const ClothView& v, Real h, StepContext& c);
+  void limit(const ClothView& v, StepContext& c);         // links without their force, to v.max_strain
+  void tie(const ClothView& v, StepContext& c);           // vertices to their anchors
+  // Strain rate out of `speed` over h, see damping.cpp.
+  void damp_links(const ClothView& v, Real h, StepContext& c);
+  void damp_hinges(const ClothView& v, Real h, StepContext& c);
+  // Is that more than a sweep? Then it wants velocities of the same moment as the positions.
+  bool damps_in_stages(const ClothView& v, Real h) const { return stability(v, h) > kOneSweep; }
+  // The longest damping that bending gets in a substep of h, s; longer ones act as this one.
+  double longest_damping(Real h) const;
 
  private:
   using Kernel = void (*)(const ClothPass&);
@@ -24,7 +37,14 @@ class ClothBatches {
     unsigned first, last;  // batches
   };
   static constexpr std::size_t kStages = 64;
+  ClothPass pass(const ClothView& v, Real h);
   void run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c);
+  void measure_hinges(const ClothView& v);
+  void prepare_stages(const ClothView& v);
+  static constexpr double kOneSweep = 0.05;
+  // h tau w^2 of the fastest mode.
+  double stability(const ClothView& v, Real h) const { return bending_ * double(v.damping) * double(h); }
+  void run_stages(const ClothView& v, Real h, StepContext& c);
   template <class Elements, class Points>
   std::uint32_t color(const Elements& elements, std::uint32_t total, Points&& points);
 
@@ -36,6 +56,10 @@ class ClothBatches {
   JobPool::Stage stages_[kStages];  // of the pass that runs: its colours
   Array<std::uint64_t> used_;       // by vertex: colours taken
   Array<std::uint32_t> color_, order_;  // by element; the order they are coloured in
+  double bending_ = 0;              // 1/s^2: no bending mode has a larger square of its frequency
+  // stages of damping; empty where one sweep does
+  Array<HingeDamping> damping_;     // by batch of hinges
+  Array<Row4> stage_, last_stage_, first_rate_, pushes_;  // by vertex; m/s, and N s
 };
 
 }  // namespace feder

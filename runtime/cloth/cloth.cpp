@@ -6,6 +6,7 @@
 
 #include "base/assert.h"
 #include "cloth/impl.h"
+#include "forces/area.h"
 
 namespace feder {
 namespace {
@@ -42,11 +43,21 @@ void check_numbers(const ClothDesc& d) {
   need(not_negative(d.drag), "drag", "a finite number, 0 or more", d.drag);
   need(not_negative(d.lift), "lift", "a finite number, 0 or more", d.lift);
   need(d.tear_strain > 0, "tear_strain", "a number above 0", d.tear_strain);
+  need(d.max_strain < 0 || d.max_strain > 0, "max_strain", "a number above 0, or false", d.max_strain);
+  need(d.max_strain < 0 || !(d.max_strain < d.tear_strain && d.tear_strain < kInfinity), "max_strain",
+       "at least tear_strain, or no edge would ever tear", d.max_strain);
   need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
   need(positive(d.stretch_error), "stretch_error", "a number above 0", d.stretch_error);
   need(d.substeps >= 0 && d.substeps <= 10000, "substeps", "a whole number from 0 to 10000", d.substeps);
   need(d.max_substeps >= 1 && d.max_substeps <= 10000, "max_substeps", "a whole number from 1 to 10000",
        d.max_substeps);
+}
+
+constexpr Real kAimed = Real(0.7);  // of max_strain, by rows and ties: the rest is what a sweep leaves
+
+Real max_strain_of(const ClothDesc& d) {
+  if (d.max_strain > 0) return kAimed * d.max_strain;
+  return d.tear_strain < kInfinity ? kInfinity : kAimed * Cloth::kMaxStrain;
 }
 
 // The vertices a name stands for; `line`: two of each neighbouring pair are an edge that may be clamped.
@@ -86,6 +97,7 @@ Cloth::Impl::Impl(SystemSetup& s)
       objects(s.objects),
       events(s.events),
       structure_changed(s.structure_changed),
+      air_density(still_air_density(s.world)),
       moved(&arena),
       before(&arena),
       speed(&arena),
@@ -173,8 +185,9 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   s->mesh.grid = desc.nx > 0;
   s->settings = {{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend}, desc.area_density,
                  desc.damping, desc.thickness, desc.friction, desc.drag, desc.lift, desc.tear_strain,
-                 desc.gravity_scale, desc.stretch_error, desc.substeps, desc.max_substeps, desc.group, desc.mask,
-                 desc.self_collision, desc.wind};
+                 max_strain_of(desc), desc.gravity_scale, desc.stretch_error, desc.substeps, desc.max_substeps,
+                 desc.group, desc.mask,
+                 desc.self_collision, desc.wind, desc.max_strain > 0};
   make_elements(s->mesh, rest, s->settings.stiffness);
   for (const std::string& name : desc.pin_names) {
     bool clamped = false;

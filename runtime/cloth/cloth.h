@@ -39,6 +39,9 @@ struct ClothDesc {
   bool wind = true;                  // forces that act on areas (wind) reach it
   Real drag = 1, lift = 1;           // shares of the pressure along the flow and across it
   Real tear_strain = kInfinity;      // an edge stretched more than this breaks
+  // No edge stretches more than this; kInfinity: as the material does. < 0: kMaxStrain where pins or bodies hold the
+  // cloth, and none for cloth that tears.
+  Real max_strain = -1;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
   // Small steps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
@@ -85,6 +88,7 @@ class Cloth final : public System {
  public:
   static constexpr const char* kName = "cloth";
   static const SystemDescriptor& descriptor();
+  static constexpr Real kMaxStrain = Real(0.05);
   explicit Cloth(SystemSetup& setup);
   ~Cloth() override;
 

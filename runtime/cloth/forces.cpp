@@ -1,17 +1,12 @@
 // Forces on vertices, once per substep: gravity, scripts, the world's force generators. Those that act on areas (wind)
-// are asked per triangle and pressed through its normal: with F the force on one square metre held across the flow, e
-// its direction, n the triangle's normal and c = e.n, the pressure on an inclined plate is |F| A c n, two-sided; its
-// part along the flow, c^2 e, is scaled by `drag`, the part across it, c (n - c e), by `lift`. What streams along the
-// sheet rubs at kSkin of that.
+// are asked per triangle and pressed through its normal (forces/area.h). Air is still where no wind acts on the cloth.
+#include <algorithm>
 #include <cmath>
 
 #include "cloth/impl.h"
+#include "forces/area.h"
 
 namespace feder {
-namespace {
-constexpr Real kSkin = Real(0.02);
-}
-
 void Cloth::Impl::add_forces(StepContext& c) {
   const Forces* forces = store.find<Forces>();
   const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
@@ -21,9 +16,9 @@ void Cloth::Impl::add_forces(StepContext& c) {
     const Vec3 g = c.gravity * s.settings.gravity_scale;
     force.resize(s.total);
     for (std::uint32_t i = 0; i < s.points; ++i) force[i] = vertices.script_force[s.first + i];
+    bool blown = false;
     if (forces) {
       const TagMask tags = objects.tags(s.object);
-      bool blown = false;
       points.clear();
       for (const ForceEntry& f : forces->list) {
         if (!acts_on(f, s.object, tags)) continue;
@@ -41,6 +36,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
       }
       if (blown && s.settings.wind) add_wind(s, time);
     }
+    if (!blown && s.settings.wind && air_density > 0) add_still_air(s, c.h);
     Vec3 sum = g * s.mass;
     for (std::uint32_t i = 0; i < s.points; ++i) {
       acceleration[s.first + i] = g + force[i] * moved[s.first + i].w;
@@ -56,6 +52,7 @@ void Cloth::Impl::add_wind(Sheet& s, double time) {
   const std::size_t count = s.mesh.triangles.size() / 3;
   points.resize(count);
   const Forces& forces = store.get<Forces>();
+  const AreaShares shares{s.settings.drag, s.settings.lift};
   const TagMask tags = objects.tags(s.object);
   for (std::size_t t = 0; t < count; ++t) {
     const std::uint32_t* v = &s.mesh.triangles[3 * t];
@@ -76,15 +73,23 @@ void Cloth::Impl::add_wind(Sheet& s, double time) {
       Vec3 x[3], full = Vec3::Zero();
       for (int k = 0; k < 3; ++k) x[k] = vertices.position[s.first + v[k]] + moved[s.first + v[k]].vec();
       f.force->add(&points[t], 1, time, &full);
-      const Vec3 twice = cross(x[1] - x[0], x[2] - x[0]);
-      const Real area = Real(0.5) * length(twice), size = length(full);
-      if (!(area > 0) || !(size > 0)) continue;
-      const Vec3 n = twice / (2 * area), e = full / size;
-      const Real along = dot(e, n);
-      const Vec3 part = s.settings.drag * (along * along + kSkin) * e + s.settings.lift * along * (n - along * e);
-      const Vec3 third = part * (size * area / 3);
+      const Vec3 third = area_force(full, cross(x[1] - x[0], x[2] - x[0]), shares) / 3;
       for (int k = 0; k < 3; ++k) force[v[k]] += third;
     }
+  }
+}
+
+void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
+  const AreaShares shares{s.settings.drag, s.settings.lift};
+  for (std::size_t t = 0; t < s.mesh.triangles.size(); t += 3) {
+    const std::uint32_t* v = &s.mesh.triangles[t];
+    const Vec3 x = place(s.first + v[0]), a = place(s.first + v[1]), b = place(s.first + v[2]);
+    const Vec3 u = (speed[s.first + v[0]].vec() + speed[s.first + v[1]].vec() + speed[s.first + v[2]].vec()) / 3;
+    const Real weight = std::max({moved[s.first + v[0]].w, moved[s.first + v[1]].w, moved[s.first + v[2]].w});
+    if (!(weight > 0)) continue;
+    const Real most = kMostOfMass / (weight * h);
+    const Vec3 third = still_air(u, cross(a - x, b - x), air_density, most, shares) / 3;
+    for (int k = 0; k < 3; ++k) force[v[k]] += third;
   }
 }
 

@@ -42,6 +42,7 @@ struct Cloth::Impl {
   Objects& objects;
   Events& events;
   bool* structure_changed;
+  const Real air_density;                      // kg/m^3, of still air
   Cloth* owner = nullptr;
   std::vector<std::unique_ptr<Sheet>> sheets;  // the object's index is the place here
   std::vector<Attachment> attachments;         // in the order they were made
@@ -93,6 +94,9 @@ struct Cloth::Impl {
   ClothView view(Sheet& s);
   void attach_solver(Sheet& s, const std::string& name, const Params& options);
   void measure_paths(Sheet& s);
+  void make_ties(Sheet& s);
+  void place_ties(Sheet& s);
+  void solve_body_ties(Real h);
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);
 
@@ -103,9 +107,11 @@ struct Cloth::Impl {
 
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
+  void check_damping(Sheet& s, StepContext& c);
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);
   void add_wind(Sheet& s, double time);
+  void add_still_air(const Sheet& s, Real h);
   void quarantine(StepContext& c);
   void update_sleep(StepContext& c);
   void tear(StepContext& c);

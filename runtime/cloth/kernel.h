@@ -62,6 +62,8 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return select(good, all_lanes(1) / select(good, x, all_lanes(1)), zero_lanes());
 }
 
+// With a limit, the row is without compliance where that pulls more: C = len - rest stretched, unilateral.
+template <bool kLimited>
 void solve_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
   for (unsigned i = p.first; i < p.last; ++i) {
@@ -70,13 +72,49 @@ void solve_links(const ClothPass& p) {
     const Lanes3 e = load(c.base) + (b.v - a.v);
     const Lanes size = square_root(dot(e, e)), alpha = load(c.compliance) * inv_h2;
     const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
-    const Lanes change = (load(c.rest) - size - alpha * old) * reciprocal_or_zero(a.w + b.w + alpha);
+    Lanes pull = load(c.rest) - size - alpha * old, weight = a.w + b.w + alpha;
+    if (kLimited) {
+      const Lanes over = load(c.rest) * all_lanes(p.stretched) - size, stiff = a.w + b.w;
+      const LaneMask taut = over * weight < pull * stiff;
+      pull = select(taut, over, pull), weight = select(taut, stiff, weight);
+    }
+    const Lanes change = pull * reciprocal_or_zero(weight);
     store(c.multiplier, old + change);
     const Lanes3 push = e * (change * reciprocal_or_zero(size));
     a.v = a.v - push * a.w;
     b.v = b.v + push * b.w;
     scatter(p.moved, c.a, a);
     scatter(p.moved, c.b, b);
+  }
+}
+
+void limit_links(const ClothPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    LinkBatch& c = p.links[i];
+    Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
+    const Lanes3 e = load(c.base) + (b.v - a.v);
+    const Lanes size = square_root(dot(e, e)), over = load(c.rest) * all_lanes(p.stretched) - size;
+    if (!any(over < zero_lanes())) continue;
+    const Lanes3 push = e * (min(over, zero_lanes()) * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size));
+    a.v = a.v - push * a.w;
+    b.v = b.v + push * b.w;
+    scatter(p.moved, c.a, a);
+    scatter(p.moved, c.b, b);
+  }
+}
+
+// Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012).
+void solve_ties(const ClothPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const TieBatch& c = p.ties[i];
+    Rows8 a = gather(p.moved, c.a);
+    const Lanes3 e = load(c.base) + a.v;
+    const Lanes square = dot(e, e), limit = load(c.limit);
+    const LaneMask taut = square > limit * limit;
+    if (!any(taut)) continue;
+    const Lanes back = select(taut, limit / square_root(square) - all_lanes(1), zero_lanes());
+    a.v = a.v + e * back;
+    scatter(p.moved, c.a, a);
   }
 }
 
@@ -216,7 +254,41 @@ void damp_hinges(const ClothPass& p) {
   }
 }
 
-constexpr ClothKernels kKernels = {solve_links, solve_hinges, bend_hinges, damp_links, damp_hinges};
+// Gradients and factors for the stages. A triangle that has become narrow turns fast: no more than at rest.
+void damp_begin(const ClothPass& p) {
+  const Lanes time = all_lanes(p.damping_time);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const HingeBatch& c = p.hinges[i];
+    const HingeShape s = hinge_shape(gather_hinge(p, c));
+    HingeDamping& d = p.damping[i];
+    for (int k = 0; k < 4; ++k) store(d.gradient[k], s.gradient[k]);
+    const Lanes whole = time / load(c.compliance), most = load(d.most) * time;
+    store(d.factor, select(whole * s.weight > most, most * reciprocal_or_zero(s.weight), whole));
+  }
+}
+
+// What hinges do against the rates, all at once.
+void damp_stage(const ClothPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const HingeBatch& c = p.hinges[i];
+    const HingeDamping& d = p.damping[i];
+    Lanes3 gradient[4];
+    Lanes rate = zero_lanes();
+    for (int k = 0; k < 4; ++k) {
+      gradient[k] = load(d.gradient[k]);
+      rate += dot(gradient[k], gather(p.rates, c.v[k]).v);
+    }
+    const Lanes impulse = (zero_lanes() - rate) * load(d.factor);
+    for (int k = 0; k < 4; ++k) {
+      Rows8 push = gather(p.pushes, c.v[k]);
+      push.v = push.v + gradient[k] * impulse;
+      scatter(p.pushes, c.v[k], push);
+    }
+  }
+}
+
+constexpr ClothKernels kKernels = {solve_links<false>, solve_links<true>, limit_links, solve_ties, solve_hinges,
+                                   bend_hinges,        damp_links,        damp_hinges, damp_begin, damp_stage};
 
 }  // namespace
 }  // namespace feder

@@ -94,7 +94,7 @@ class MassSpring final : public ClothSolver, private ForceField {
     if (!same) fastest_ = fastest(v);
   }
 
-  void advance(const ClothView& v, double t, Real h, StepContext&) override {
+  void advance(const ClothView& v, double t, Real h, StepContext& c) override {
     view_ = v;
     Method& method = at(h);
     x_.resize(v.points), v_.resize(v.points);
@@ -104,11 +104,14 @@ class MassSpring final : public ClothSolver, private ForceField {
       if (i < v.points && v.moved[i].w != 0) v.moved[i].set(x_[i]), v.speed[i].set(v_[i]);
       v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 1};
     }
+    batches_.limit(v, c);
+    batches_.tie(v, c);
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {
-    if (v.damping > 0) batches_.damp(v, h, c);
+    if (v.damping > 0) batches_.damp_links(v, h, c), batches_.damp_hinges(v, h, c);
   }
+  double longest_damping(Real h) const override { return batches_.longest_damping(h); }
 
   double wanted_substeps(const ClothView& v, Real h) const override {
     return std::sqrt(fastest(v)) * double(h) / reach();

@@ -16,12 +16,13 @@ struct ClothSettings {
   Real thickness = 0;          // m
   Real friction = 0;
   Real drag = 1, lift = 1;
-  Real tear_strain = kInfinity;
+  Real tear_strain = kInfinity, max_strain = kInfinity;
   Real gravity_scale = 1;
   Real stretch_error = 0;
   std::int32_t substeps = 0, max_substeps = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1, wind = 1;
+  std::uint32_t limit_free = 0;  // max_strain was asked for: it also holds where nothing holds the cloth
 };
 
 // What changes from step to step; saved too.
@@ -35,12 +36,31 @@ struct ClothState {
   std::uint32_t asleep = 0;
   std::int32_t substeps = 1;   // as last chosen
   std::uint32_t warned = 0;    // the cap of small steps was reported
+  std::uint32_t warned_damping = 0;  // so was a damping that is too long
   Real load = 0;               // kg that rests on it
   Real pull = 0;               // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
 
+// Ties of vertices to what holds the cloth; made anew when that changes, see ties.cpp.
+struct ClothTies {
+  explicit ClothTies(Arena& a) : batches(&a), anchor(&a), rest(&a), layers(&a), to_body(&a), pins(&a) {}
+  // to pins
+  Array<TieBatch> batches;
+  Array<std::uint32_t> anchor;  // by lane of the batches
+  Array<Real> rest;             // likewise: distance along the cloth, m
+  Array<std::uint32_t> layers;  // where layers of batches end
+  // to attached vertices, serial
+  struct ToBody {
+    std::uint32_t vertex = 0, anchor = 0;
+    Real rest = 0;              // m
+    bool body = false;          // `vertex` is the pin that `anchor` hangs from
+  };
+  Array<ToBody> to_body;        // in the order of the attachments
+  Array<std::uint32_t> pins;    // some that lie far from each other
+};
+
 struct Sheet {
-  Sheet(Arena& a) : mesh(a) {}
+  Sheet(Arena& a) : mesh(a), ties(a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0, total = 0;  // run in ClothVertices: visible, with hidden ones
@@ -54,6 +74,7 @@ struct Sheet {
   bool paths_stale = true;         // pins changed
   Real rows = 1, path = 1;         // links from the pins (or the middle) to the farthest vertex, and their length, m
   Real impact = 0, strike = 0;     // m/s^2 and m/s, of this step: what bodies that come at it do to it
+  ClothTies ties;
   double bend_substeps = 1;        // for the solver's sake, when last asked
   Real bend_step = -1;             // s, of that question
   std::uint32_t bad_vertex = kNone;
@@ -64,6 +85,8 @@ struct Sheet {
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
+  // Do links stop at max_strain?
+  bool limited() const { return settings.limit_free || !ties.batches.empty() || !ties.to_body.empty(); }
   bool active() const { return !state.frozen && !state.asleep; }
 };
 

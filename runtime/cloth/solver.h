@@ -5,6 +5,7 @@
 #pragma once
 #include "base/params.h"
 #include "base/registry.h"
+#include "cloth/batch.h"
 #include "cloth/mesh.h"
 #include "state/cloth_vertices.h"
 #include "step/context.h"
@@ -18,6 +19,9 @@ struct ClothView {
   std::uint32_t total = 0;              // with hidden ones; the last is the spare that empty lanes may point to
   std::uint64_t version = 0;            // changes with the mesh
   Real damping = 0;                     // s
+  Real max_strain = kInfinity;          // of links
+  std::span<TieBatch> ties;             // to anchors that stay, in `tie_layers` that end here
+  std::span<const std::uint32_t> tie_layers;
   bool crowded = false;                 // cloth touches cloth in this substep
   const Vec3* position = nullptr;       // at the start of the step, m
   const Vec3* rest = nullptr;           // unstrained, m
@@ -45,6 +49,8 @@ class ClothSolver {
   // By how many small steps the velocity it works with leads the true one in free fall: x after n small steps h is
   // x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it. After prepare.
   virtual Real lead(Real /*h*/) const { return Real(0.5); }
+  // s: longer damping acts as this one in a substep of h. After prepare().
+  virtual double longest_damping(Real) const { return double(kInfinity); }
   // What it remembers between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}

@@ -21,6 +21,8 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.version = s.version;
   v.damping = s.settings.damping;
   v.crowded = crowded;
+  v.max_strain = s.limited() ? s.settings.max_strain : kInfinity;
+  v.ties = s.ties.batches, v.tie_layers = s.ties.layers;
   v.position = vertices.position.data() + s.first;
   v.rest = vertices.rest.data() + s.first;
   v.moved = moved.data() + s.first;
@@ -95,7 +97,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
   for (auto& p : sheets) {
     Sheet& s = *p;
     if (!s.active()) continue;
-    if (s.paths_stale) measure_paths(s);
+    if (s.paths_stale) measure_paths(s), make_ties(s);
     if (s.settings.substeps > 0) {
       s.state.substeps = s.settings.substeps;
     } else {
@@ -123,6 +125,16 @@ void Cloth::Impl::choose_steps(StepContext& c) {
     }
     small_steps = std::max(small_steps, static_cast<int>(s.state.substeps));
   }
+}
+
+void Cloth::Impl::check_damping(Sheet& s, StepContext& c) {
+  const double longest = s.solver->longest_damping(c.h), asked = s.settings.damping;
+  if (asked <= longest || s.state.warned_damping) return;
+  s.state.warned_damping = 1;
+  c.events->warn("damping_cap",
+                 objects.describe(s.object) + ": damping of " + std::to_string(asked) + " s acts on bending as " +
+                     std::to_string(longest) + " s: softer or coarser cloth, or more substeps, take more",
+                 s.object);
 }
 
 // Work arrays of the step. A sleeping or frozen cloth cannot be moved.
@@ -167,7 +179,11 @@ void Cloth::Impl::prepare(StepContext& c) {
       s->state.fresh = 0;
       if (!s->any_pin) s->set_flight(c.gravity * s->settings.gravity_scale);
     }
-    if (s->active()) s->solver->prepare(view(*s), c);
+    if (s->active()) {
+      place_ties(*s);
+      s->solver->prepare(view(*s), c);
+      check_damping(*s, c);
+    }
     gather(*s, h);
   }
   pairs_stale = trees_stale = true;
@@ -200,6 +216,7 @@ void Cloth::Impl::solve(StepContext& c) {
     row_updates += own_rows + holds.size() + near_rows.size() + rows.size();
     if (touches) {
       solve_holds(h);
+      solve_body_ties(h);
       solve_rows(near_rows, h);
       solve_rows(rows, h);
     }

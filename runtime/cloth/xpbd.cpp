@@ -36,9 +36,11 @@ class Xpbd final : public ClothSolver {
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
     // soft hinges push at the state that the last small step left, all at once: exact at rest, where a sweep is not
-    const bool soft = stiffest_ * double(h) * double(h) <= kSoftHinge;
-    const int together = !soft ? 0 : v.crowded ? 1 : pushed_now(t, h, c);
-    if (together > 0) batches_.bend(v, h * static_cast<Real>(together), c);
+    soft_ = stiffest_ * double(h) * double(h) <= kSoftHinge;
+    const int now = static_cast<int>(std::lround((t - c.time - c.substep * double(c.h)) / double(h)));
+    const int together = !soft_ ? 0 : v.crowded ? 1 : pushed_now(now, h, c);
+    if (now == 0) pushed_ = false;
+    if (together > 0) push_hinges(v, h * static_cast<Real>(together), c);
     c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
         v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 0};
@@ -46,12 +48,16 @@ class Xpbd final : public ClothSolver {
         v.moved[i].add(h * v.speed[i].vec());
       }
     });
-    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft, k > 0, c);
+    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, k > 0, c);
+    batches_.tie(v, c);
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {
-    if (v.damping > 0) batches_.damp(v, h, c);
+    if (!(v.damping > 0)) return;
+    batches_.damp_links(v, h, c);
+    if (!soft_ || !batches_.damps_in_stages(v, h)) batches_.damp_hinges(v, h, c);
   }
+  double longest_damping(Real h) const override { return batches_.longest_damping(h); }
 
   // Bending waves have to be resolved, whatever the load: beyond that hinges are swept, and too soft.
   double wanted_substeps(const ClothView& v, Real h) const override {
@@ -63,20 +69,20 @@ class Xpbd final : public ClothSolver {
   // count as free, so that pins do not matter.
   static double stiffest_hinge(const ClothView& v) {
     double stiffest = 0;
-    for (const ClothHinge& k : v.mesh->hinges) {
-      Vec3 g[4];
-      gradients(v, k, g);
-      double weight = 0;
-      for (int i = 0; i < 4; ++i)
-        if (v.mass[k.v[i]] > 0) weight += static_cast<double>(dot(g[i], g[i]) / v.mass[k.v[i]]);
-      stiffest = std::fmax(stiffest, weight * static_cast<double>(k.stiffness));
-    }
+    for (const ClothHinge& k : v.mesh->hinges)
+      stiffest = std::fmax(stiffest, hinge_response(v, k.v) * static_cast<double>(k.stiffness));
     return stiffest;
   }
+  // Strong damping of the whole substep acts in the middle of the first push, where velocities are of that moment.
+  void push_hinges(const ClothView& v, Real time, StepContext& c) {
+    const bool damped = !pushed_ && v.damping > 0 && batches_.damps_in_stages(v, c.h);
+    batches_.bend(v, damped ? time / 2 : time, c);
+    if (damped) batches_.damp_hinges(v, c.h, c), batches_.bend(v, time / 2, c);
+    pushed_ = true;
+  }
   // For how many small steps soft hinges push before this one; 0: not now. Groups are odd, so that they have a middle.
-  int pushed_now(double t, Real h, const StepContext& c) const {
+  int pushed_now(int now, Real h, const StepContext& c) const {
     const int count = static_cast<int>(std::lround(c.h / h));
-    int now = static_cast<int>(std::lround((t - c.time - c.substep * double(c.h)) / double(h)));
     const auto odd = [](int n) { return n - 1 + n % 2; };
     const double most = std::sqrt(kSoftHinge / std::fmax(stiffest_, 1e-30)) / double(h);
     const int full = odd(static_cast<int>(std::fmax(1, std::fmin(most, kTogether)))), rest = count - count % full;
@@ -85,21 +91,10 @@ class Xpbd final : public ClothSolver {
     if (now >= group) return 1;  // one is left over
     return now == group / 2 ? group : 0;
   }
-  static void gradients(const ClothView& v, const ClothHinge& k, Vec3 (&g)[4]) {
-    const Vec3 e = v.rest[k.v[1]] - v.rest[k.v[0]], a = v.rest[k.v[2]] - v.rest[k.v[0]],
-               b = v.rest[k.v[3]] - v.rest[k.v[0]], n1 = cross(e, a), n2 = cross(b, e);
-    const Real size = length(e), s1 = dot(n1, n1), s2 = dot(n2, n2);
-    if (!(s1 > 0 && s2 > 0 && size > 0)) {
-      for (Vec3& x : g) x = Vec3::Zero();
-      return;
-    }
-    g[2] = n1 * (-size / s1), g[3] = n2 * (-size / s2);
-    g[1] = (g[2] * dot(a, e) + g[3] * dot(b, e)) * (-1 / (size * size));
-    g[0] = -(g[1] + g[2] + g[3]);
-  }
 
   ClothBatches batches_;
   int iterations_;
+  bool soft_ = false, pushed_ = false;  // hinges push; they have in this substep
   std::uint64_t version_ = ~std::uint64_t(0);
   double stiffest_ = 0;  // 1/s^2
 };

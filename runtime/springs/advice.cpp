@@ -59,7 +59,7 @@ NetAdvice Springs::advice(ObjectId id, double dt, int substeps) const {
   a.integrator = n.integrator_name;
   a.method = n.integrator->info();
   a.h = dt / substeps;
-  n.prepare(Vec3(0, 0, 0), impl_->store.find<Forces>(), impl_->objects.tags(id));
+  n.prepare(Vec3(0, 0, 0), impl_->air_density, impl_->store.find<Forces>(), impl_->objects.tags(id));
   n.bounds(a.frequency, a.decay, true);
   a.reach = reach_of(a.method, a.h, a.frequency, a.decay);
   const double limit = a.method.stability_limit;

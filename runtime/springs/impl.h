@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "forces/area.h"
 #include "springs/net.h"
 
 namespace feder {
@@ -28,7 +29,8 @@ struct Springs::Impl {
         particles(setup.store.need<Particles>(kName)),
         store(setup.store),
         objects(setup.objects),
-        structure_changed(setup.structure_changed) {}
+        structure_changed(setup.structure_changed),
+        air_density(still_air_density(setup.world)) {}
 
   const SpringKernels& kernels;
   Arena& arena;
@@ -36,6 +38,7 @@ struct Springs::Impl {
   Store& store;
   Objects& objects;
   bool* structure_changed;
+  const Real air_density;                  // kg/m^3, of still air
   std::vector<std::unique_ptr<Net>> nets;  // the object's index is the place here
   std::vector<Attachment> attachments;     // in the order they were made
 

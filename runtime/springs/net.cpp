@@ -2,13 +2,17 @@
 //   tension = stiffness (len - rest_length) + damping (v_b - v_a).n
 // equal and opposite (springs/spring_kernel.h); one that only pulls has none below its rest length and never pushes.
 // Derivatives for implicit methods: K = -k [n n^T + max(0, 1 - rest/len)(1 - n n^T)], the indefinite part of a
-// compressed spring dropped (Choi & Ko 2002), D = -c n n^T; generators by what they tell, or by differences.
+// compressed spring dropped (Choi & Ko 2002), D = -c n n^T; generators by what they tell, or by differences. Still air
+// presses on faces as on cloth (forces/area.h); implicit methods take its force without a derivative.
 // Kept between calls: work arrays.
 #include "springs/net.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
+
+#include "forces/area.h"
 
 namespace feder {
 namespace {
@@ -85,7 +89,7 @@ void Net::remove_spring(std::uint32_t k) {
   if (laid_out_ == version) layout.remove(k);
 }
 
-void Net::prepare(const Vec3& gravity, const Forces* forces, TagMask tags) {
+void Net::prepare(const Vec3& gravity, Real air_density, const Forces* forces, TagMask tags) {
   if (laid_out_ != version) {
     layout.build(springs, points);
     laid_out_ = version;
@@ -94,19 +98,22 @@ void Net::prepare(const Vec3& gravity, const Forces* forces, TagMask tags) {
   acting_.clear();
   damped_ = settings.damping > 0;
   generators_damp_ = on_stepping_thread = false;
+  air_density_ = faces.empty() ? Real(0) : air_density;
   if (forces)
     for (const ForceEntry& f : forces->list)
       if (acts_on(f, object, tags)) {
         acting_.push_back(&f);
         generators_damp_ = generators_damp_ || f.force->depends_on_velocity();
         on_stepping_thread = on_stepping_thread || f.force->on_stepping_thread();
+        if (f.force->on_area()) air_density_ = 0;  // wind: the air is not still
       }
-  damped_ = damped_ || generators_damp_ || layout.damped();
+  damped_ = damped_ || air_density_ > 0 || generators_damp_ || layout.damped();
 }
 
 void Net::integrate(double t, Real h, JobPool* jobs) {
   if (frozen) return;
   jobs_ = jobs;
+  step_ = h;
   const std::span<Vec3> x(particles_.position.data() + first, points), v(particles_.velocity.data() + first, points);
   integrator->step(*this, t, h, x, v);
   jobs_ = nullptr;
@@ -138,6 +145,7 @@ void Net::eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::
     return Vec3(mass[i] * (gravity_ - settings.damping * v[i]) + script[i]);
   };
   coincident += layout.eval(x, v, jobs_, outside, force) / 2;
+  if (air_density_ > 0) add_still_air(x, v, force);
   if (acting_.empty()) return;
   fill_points(x, v);
   for (const ForceEntry* f : acting_) add_generator(*f, t, force.data());
@@ -155,6 +163,18 @@ void Net::add_generator(const ForceEntry& f, double t, Vec3* out) {
   some_force_.assign(count, Vec3(0, 0, 0));
   f.force->add(some_.data(), count, t, some_force_.data());
   for (std::size_t k = 0; k < count; ++k) out[f.points[k]] += some_force_[k];
+}
+
+// As on cloth.
+void Net::add_still_air(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> force) const {
+  for (std::size_t t = 0; t < faces.size(); t += 3) {
+    const std::uint32_t *f = &faces[t], a = f[0], b = f[1], c = f[2];
+    const Vec3 twice = cross(x[b] - x[a], x[c] - x[a]), u = (v[a] + v[b] + v[c]) / 3;
+    const Real* mass = particles_.mass.data() + first;
+    const Real most = kMostOfMass * std::min({mass[a], mass[b], mass[c]}) / step_;
+    const Vec3 third = still_air(u, twice, air_density_, most, {}) / 3;
+    for (int k = 0; k < 3; ++k) force[f[k]] += third;
+  }
 }
 
 void Net::fill_points(std::span<const Vec3> x, std::span<const Vec3> v) {

@@ -94,7 +94,7 @@ class Net final : public ForceField {
   // Worth spreading over threads?
   bool wide() const { return springs.size() + points >= kWide; }
   // What acts this step. Called once per step; the generators are not kept beyond it.
-  void prepare(const Vec3& gravity, const Forces* forces, TagMask tags);
+  void prepare(const Vec3& gravity, Real air_density, const Forces* forces, TagMask tags);
   // `jobs`: for the springs of this net; null when nets run side by side.
   void integrate(double t, Real h, JobPool* jobs);
   void remove_spring(std::uint32_t k);
@@ -128,6 +128,7 @@ class Net final : public ForceField {
  private:
   static constexpr std::uint32_t kWide = 4096;  // below, waking threads costs more than they bring
 
+  void add_still_air(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> force) const;
   // Is the spring slack, of those that only pull? `rate`: of its length, m/s.
   bool limp(std::uint32_t k, double len, double rate) const;
   // What a generator does to points_, added to `out`.
@@ -144,6 +145,8 @@ class Net final : public ForceField {
   JobPool* jobs_ = nullptr;      // while integrating
   std::uint64_t laid_out_ = ~std::uint64_t{0};  // version of the layout
   Vec3 gravity_ = Vec3::Zero();  // m/s^2, scaled
+  Real air_density_ = 0;         // kg/m^3, of still air at its faces
+  Real step_ = 0;                // s, of the call of integrate()
   bool damped_ = false;
   bool generators_damp_ = false;  // some generator depends on velocity, by an unknown rate
   Array<const ForceEntry*> acting_;

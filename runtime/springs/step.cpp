@@ -20,7 +20,7 @@ void Springs::Impl::remember(StepContext& c) {
     std::copy(particles.position.begin() + first, particles.position.begin() + last, particles.start.begin() + first);
   });
   const Forces* forces = store.find<Forces>();
-  for (auto& n : nets) n->prepare(c.gravity, forces, objects.tags(n->object));
+  for (auto& n : nets) n->prepare(c.gravity, air_density, forces, objects.tags(n->object));
   if (forces) warn_held_forces(*forces, *c.events);
   check_stiffness(c);
 }
@@ -167,7 +167,7 @@ Energy Springs::energy(const Vec3& gravity) const {
   Energy sum;
   const Forces* forces = impl_->store.find<Forces>();
   for (auto& n : impl_->nets) {
-    n->prepare(gravity, forces, impl_->objects.tags(n->object));
+    n->prepare(gravity, impl_->air_density, forces, impl_->objects.tags(n->object));
     const Energy e = n->energy();
     sum.kinetic += e.kinetic, sum.potential += e.potential, sum.elastic += e.elastic;
   }

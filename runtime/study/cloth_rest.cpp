@@ -23,6 +23,7 @@ class HangingSheet final : public ClothProblem {
     desc_.stretch = static_cast<Real>(stretch), desc_.shear = 0, desc_.bend = 0;
     desc_.damping = Real(0.02), desc_.self_collision = false;
     desc_.pin_names = {"top"};
+    desc_.max_strain = kInfinity;
     const double row = static_cast<double>(desc_.area_density) * dy * width * kGravity, hung = load * n * row;
     double y = 0;
     for (int j = 0; j <= n; ++j) {
@@ -54,6 +55,7 @@ class Catenary final : public ClothProblem {
     desc_.stretch = static_cast<Real>(stretch), desc_.shear = 0, desc_.bend = 0;
     desc_.damping = Real(0.02), desc_.self_collision = false;
     desc_.pin_names = {"left", "right"};
+    desc_.max_strain = kInfinity;
     // links of half the strip from its middle: link i carries the weight of i + 1/2 masses (n even: one hangs in the
     // middle)
     const auto half = [&](double tension, std::vector<double>* xy) {

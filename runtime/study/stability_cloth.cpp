@@ -63,6 +63,7 @@ ClothCell hang(std::unique_ptr<World> world, const std::string& solver, double x
   d.self_collision = false;
   d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
   d.pin_names = {"top"};
+  d.max_strain = kInfinity;  // of the material
   if (iterations > 0) d.max_substeps = 1, d.solver_options.set("iterations", static_cast<double>(iterations));
   c.cloth = cloth.add_cloth(d);
   const double mass = static_cast<double>(d.area_density) * y;

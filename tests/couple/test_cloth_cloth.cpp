@@ -126,6 +126,7 @@ TEST_CASE("two free cloths that collide exchange momentum and keep the sum", "[c
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
   wd.sleeping = false;
+  wd.options.set("air_density", 0.0);
   World w(wd, kCatalog);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(11, 11, 1, 1);

@@ -42,6 +42,7 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   wd.gravity = Vec3(0, 0, 0);
   wd.dt = 1.0 / 240;
   wd.sleeping = false;
+  wd.options.set("air_density", 0.0);
   World w(wd, kCatalog);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
@@ -109,6 +110,7 @@ TEST_CASE("a ball of 50 m/s takes a free sheet along: momentum passes both ways,
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
   wd.sleeping = false;
+  wd.options.set("air_density", 0.0);
   World w(wd, kCatalog);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
@@ -296,4 +298,57 @@ TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing
     if (threads == 1) hash = end;
     CHECK(end == hash);
   }
+}
+
+TEST_CASE("ties of a sheet to a free body push both: momentum and angular momentum are kept", "[couple][cloth]") {
+  WorldDesc wd;
+  wd.gravity = Vec3(0, 0, 0);
+  wd.dt = 1.0 / 240;
+  wd.sleeping = false;
+  wd.options.set("air_density", 0.0);
+  World w(wd, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(13, 1);
+  d.substeps = 4;  // few: the ties have to act
+  d.stretch = 50;
+  const ObjectId id = cloth.add_cloth(d);
+  BodyDesc b = solid(make_sphere(Real(0.1)), Real(0.5), cloth.point(id, 0) - Vec3(Real(0.1), 0, Real(0.1)));
+  b.velocity = Vec3(-4, 1, -3);
+  const ObjectId body = rigid.add_body(b);
+  cloth.attach(id, 0, body, to_local(rigid.pose(body), cloth.point(id, 0)));
+  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  Real widest = 0;
+  for (int k = 0; k < 120; ++k) {
+    w.step();
+    for (std::size_t i = 0; i < 169; ++i)
+      widest = std::max(widest, length(cloth.point(id, i) - cloth.point(id, 0)) /
+                                    std::max(Real(0.05), length(cloth.vertices().rest[i] - cloth.vertices().rest[0])));
+  }
+  CAPTURE(widest, rigid.bodies().velocity[rigid.index(body)][0]);
+  CHECK(widest < Real(1.08));
+  CHECK(rigid.bodies().velocity[rigid.index(body)][0] > Real(-3.8));
+  CHECK(length(vec(w.momentum().linear) - p) < Real(1e-4) * length(p));
+  CHECK(length(vec(w.momentum().angular) - l) < Real(2e-2) * length(l));
+}
+
+TEST_CASE("a body on a sheet that hangs from a pin is carried, and its tie goes with the attachment",
+          "[couple][cloth]") {
+  World w(WorldDesc{}, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(21, 1);
+  d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
+  d.pin_names = {"top"};
+  const ObjectId id = cloth.add_cloth(d);
+  const ObjectId body = rigid.add_body(solid(make_sphere(Real(0.1)), 20, cloth.point(id, 430)));
+  cloth.attach(id, 430, body, Vec3(0, 0, 0));  // 100 sheets on one vertex
+  for (int k = 0; k < 240; ++k) w.step();
+  CAPTURE(cloth.max_strain(id), rigid.pose(body).position[1]);
+  CHECK(length(cloth.point(id, 430) - cloth.point(id, 10)) < Real(1.06));
+  cloth.detach(id, 430);
+  const Real before = rigid.pose(body).position[1];
+  for (int k = 0; k < 60; ++k) w.step();
+  CHECK(rigid.pose(body).position[1] < before - 4);
+  CHECK(cloth.point(id, 430)[1] > before - Real(0.5));
 }

@@ -20,6 +20,7 @@ WorldDesc weightless() {
   WorldDesc d;
   d.gravity = Vec3(0, 0, 0);
   d.sleeping = false;
+  d.options.set("air_density", 0.0);
   return d;
 }
 

@@ -12,6 +12,7 @@ TEST_CASE("a blob hits a free sheet: momentum and angular momentum are kept", "[
   wd.gravity = Vec3(0, 0, 0);
   wd.dt = 1.0 / 120;
   wd.sleeping = false;
+  wd.options.set("air_density", 0.0);
   World w(wd, mixed_catalog());
   Cloth& cloth = w.need<Cloth>();
   ClothDesc sheet = square(13, 1, false);
@@ -63,7 +64,7 @@ TEST_CASE("a sheet in a free frame holds a pool: the frame feels the weight of w
   Fluid& fluid = w.need<Fluid>();
   Cloth& cloth = w.need<Cloth>();
   // weightless and heavy: its velocity is the scale
-  constexpr Real kSize = 1, kFrame = 20000, kHigh = Real(0.5);
+  constexpr Real kSize = 1, kFrame = 20000, kHigh = 1;  // drops leap from a taut sheet
   std::vector<CompoundPart> parts;
   for (int k = 0; k < 4; ++k) {
     const bool along = k < 2;

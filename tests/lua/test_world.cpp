@@ -226,6 +226,27 @@ TEST_CASE("two dimensions", "[lua][world]") {
   )") == "0.00 0.50 0.00\t1000\ttrue\n1.0\t2.0\t0.0\ntrue\n");
 }
 
+TEST_CASE("the density of still air and the bound on stretch are options", "[lua][world]") {
+  CHECK(output_of(R"(
+    local function fall(air)
+      local w = feder.world{ air_density = air }
+      local c = w:cloth{ size = {1, 1}, resolution = {9, 9} }
+      local n = w:net{ points = { {0,0,0}, {1,0,0}, {1,0,1} }, faces = { {1,2,3} }, springs = { {1,2}, {2,3}, {3,1} } }
+      w:step(60)
+      return ("%.1f %.1f"):format(select(2, c:velocity(41)), select(2, n:velocity(1)))
+    end
+    print(fall(0), fall(nil) ~= fall(0), fall(nil) == fall(1.2))
+    local function stretch(limit)
+      local w = feder.world{}
+      local c = w:cloth{ size = {3, 3}, resolution = {17, 17}, pins = {"top_left", "top_right"}, substeps = 1,
+                         max_strain = limit }
+      w:step(120)
+      return c:strain()
+    end
+    print(stretch(nil) < 0.06, stretch(false) > 0.1)
+  )") == "-9.8 -9.8\ttrue\ttrue\ntrue\ttrue\n");
+}
+
 TEST_CASE("an iteration limit that is reached is said once", "[lua][world]") {
   CHECK(output_of(R"(
     local w = feder.world{ rigid = { solver = "impulse", iterations = 1 } }

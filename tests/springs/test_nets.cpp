@@ -323,3 +323,24 @@ TEST_CASE("impossible nets are refused and leave the world as it was", "[springs
   CHECK_THROWS_WITH(s.point(net, 3), Catch::Contains("from 1 to 3, got 4"));
   CHECK_THROWS_AS(s.set_velocity(net, 0, Vec3(nan, 0, 0)), SceneError);
 }
+
+TEST_CASE("a net with faces sinks through still air as a sheet does; one without falls as in vacuum", "[springs][air]") {
+  const bool faces = GENERATE(true, false);
+  const double density = GENERATE(0.0, 1.2);
+  WorldDesc wd;
+  wd.options.set("air_density", density);
+  World w(wd, kSpringsOnly);
+  Springs& s = w.need<Springs>();
+  NetDesc d;
+  d.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 0, 1), Vec3(0, 0, 1)};
+  d.masses = {Real(0.2 / 3), Real(0.1 / 3), Real(0.2 / 3), Real(0.1 / 3)};  // by their share of the faces
+  for (std::uint32_t i = 0; i < 4; ++i)
+    for (std::uint32_t j = i + 1; j < 4; ++j) d.springs.push_back({i, j, 100, Real(0.1)});
+  if (faces) d.faces = {0, 2, 1, 0, 3, 2};
+  const ObjectId net = s.add_net(d);
+  for (int k = 0; k < 180; ++k) w.step();
+  const double speed = -static_cast<double>(s.velocity(net, 0)[1] + s.velocity(net, 2)[1]) / 2;
+  CAPTURE(faces, density);
+  if (faces && density > 0) CHECK(speed == Approx(std::sqrt(2 * 0.2 * 9.81 / (1.02 * density))).epsilon(0.05));
+  else CHECK(speed == Approx(9.81 * 3).epsilon(1e-3));
+}

@@ -1,0 +1,208 @@
+// Ties to what holds a cloth ("long range attachments", Kim, Chentanez and Mueller-Fischer 2012): no vertex may be
+// farther from an anchor than along the cloth, times one and the largest strain. One sweep per small step carries a
+// load across few links; a tie carries it at once, so what hangs from a pin does not stretch the links next to it.
+// Anchors are pinned and attached vertices. Each vertex is tied to the two nearest pins (a sheet between two corners
+// hangs from both) and to the nearest attached vertex; what an attached vertex is tied to, holds its body.
+// Distances are geodesic on the rest shape: labels spread from anchors over triangles, with the anchor unfolded into
+// the plane of each (Novotni and Klein 2002), exact on a flat sheet; tears and holes are gone round.
+// Pins act in batches at the end of a solver's small step, attached vertices after the rows that hold them (a body gets
+// the opposite impulse). Where pins have been moved apart by more than the cloth allows, all ties to pins give way in
+// proportion. Made anew when pins, attachments or the mesh change. Weak spot: cloth that nothing holds has links only.
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <tuple>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+constexpr std::size_t kNearest = 2;          // pins of a vertex
+constexpr std::size_t kFarPins = 32;         // looked at for whether pins have moved apart
+
+struct Label {
+  std::uint32_t anchor = kNone;
+  double distance = 0;                       // m
+};
+
+// Distances along a mesh from anchors: of each vertex the nearest few.
+class Geodesic {
+ public:
+  Geodesic(const ClothMesh& mesh, std::span<const Vec3> rest, std::uint32_t points, std::size_t nearest)
+      : mesh_(mesh), rest_(rest), nearest_(nearest), labels_(points * nearest), start_(points + 1, 0) {
+    for (const std::uint32_t v : mesh.triangles) ++start_[v + 1];
+    for (std::uint32_t i = 0; i < points; ++i) start_[i + 1] += start_[i];
+    round_.resize(mesh.triangles.size());
+    std::vector<std::uint32_t> at(start_.begin(), start_.end() - 1);
+    for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) round_[at[mesh.triangles[k]]++] = k / 3;
+  }
+
+  void spread(std::span<const std::uint32_t> anchors) {
+    for (const std::uint32_t a : anchors) queue_.push({0, a, a});
+    while (!queue_.empty()) {
+      const auto [distance, vertex, anchor] = queue_.top();
+      queue_.pop();
+      Label* l = find(vertex, kNone);
+      if (!l || find(vertex, anchor)) continue;
+      *l = {anchor, distance};
+      for (std::uint32_t k = start_[vertex]; k < start_[vertex + 1]; ++k) {
+        const std::uint32_t* t = &mesh_.triangles[3 * round_[k]];
+        const int at = t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+        pass_on(*l, vertex, t[(at + 1) % 3], t[(at + 2) % 3]);
+        pass_on(*l, vertex, t[(at + 2) % 3], t[(at + 1) % 3]);
+      }
+    }
+  }
+
+  std::span<const Label> of(std::uint32_t vertex) const { return {&labels_[vertex * nearest_], nearest_}; }
+
+ private:
+  // The label of that anchor, or the first that is free.
+  Label* find(std::uint32_t vertex, std::uint32_t anchor) {
+    Label* first = &labels_[vertex * nearest_];
+    Label* last = first + nearest_;
+    Label* found = std::find_if(first, last, [&](const Label& l) { return l.anchor == anchor; });
+    return found == last ? nullptr : found;
+  }
+
+  // From a to c, along the edge or across the triangle a, b, c.
+  void pass_on(const Label& from, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (!find(c, kNone) || find(c, from.anchor)) return;
+    const double ac = static_cast<double>(length(rest_[c] - rest_[a]));
+    double best = from.distance + ac;
+    if (const Label* other = find(b, from.anchor))
+      best = std::fmin(best, across(from.distance, other->distance, a, b, c));
+    queue_.push({best, c, from.anchor});
+  }
+
+  // With the anchor in the plane of the triangle, beyond the edge a-b; infinite where the way leaves that edge.
+  double across(double da, double db, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const Vec3d ab = (rest_[b] - rest_[a]).cast<double>(), ac = (rest_[c] - rest_[a]).cast<double>();
+    const double base = std::sqrt(ab.dot(ab));
+    const double cx = ab.dot(ac) / base, cy = std::sqrt(std::fmax(ac.dot(ac) - cx * cx, 0));
+    const double sx = (da * da - db * db + base * base) / (2 * base), sy = std::sqrt(std::fmax(da * da - sx * sx, 0));
+    const double cross = sy + cy > 0 ? sx + (cx - sx) * sy / (sy + cy) : sx;
+    if (!(cross >= -1e-9 * base && cross <= (1 + 1e-9) * base)) return double(kInfinity);
+    return std::sqrt((cx - sx) * (cx - sx) + (cy + sy) * (cy + sy));
+  }
+
+  using Entry = std::tuple<double, std::uint32_t, std::uint32_t>;  // distance, vertex, anchor
+  const ClothMesh& mesh_;
+  std::span<const Vec3> rest_;
+  std::size_t nearest_;
+  std::vector<Label> labels_;
+  std::vector<std::uint32_t> start_, round_;  // triangles at each vertex
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue_;
+};
+
+// Some that lie far from each other, each the farthest from those before.
+void pick_far(std::span<const std::uint32_t> pins, std::span<const Vec3> rest, Array<std::uint32_t>& out) {
+  std::vector<Real> away(pins.size(), kInfinity);
+  std::size_t next = 0;
+  while (out.size() < std::min(kFarPins, pins.size())) {
+    out.push_back(pins[next]);
+    for (std::size_t k = 0; k < pins.size(); ++k) away[k] = std::min(away[k], length(rest[pins[k]] - rest[pins[next]]));
+    next = static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin());
+  }
+}
+}  // namespace
+
+void Cloth::Impl::make_ties(Sheet& s) {
+  ClothTies& t = s.ties;
+  t.batches.clear(), t.anchor.clear(), t.rest.clear(), t.layers.clear(), t.to_body.clear(), t.pins.clear();
+  if (!(s.settings.max_strain < kInfinity)) return;
+  const std::span<const Vec3> rest(vertices.rest.data() + s.first, s.points);
+  std::vector<std::uint32_t> pins, held;
+  for (std::uint32_t i = 0; i < s.points; ++i)
+    if (vertices.inv_mass[s.first + i] == 0) pins.push_back(i);
+  for (const Attachment& a : attachments)
+    if (a.vertex >= s.first && a.vertex < s.first + s.points && vertices.inv_mass[a.vertex] != 0)
+      held.push_back(a.vertex - s.first);
+  if (pins.size() < s.points && !pins.empty()) {
+    Geodesic ways(s.mesh, rest, s.points, kNearest);
+    ways.spread(pins);
+    pick_far(pins, rest, t.pins);
+    for (std::size_t n = 0; n < kNearest; ++n) {
+      int lane = kLanes;
+      for (std::uint32_t i = 0; i < s.points; ++i) {
+        const Label l = ways.of(i)[n];
+        if (l.anchor == kNone || vertices.inv_mass[s.first + i] == 0) continue;
+        if (lane == kLanes) {
+          TieBatch empty{};
+          for (unsigned& a : empty.a) a = s.total - 1;
+          t.batches.push_back(empty), lane = 0;
+          t.anchor.resize(t.batches.size() * kLanes, kNone), t.rest.resize(t.batches.size() * kLanes, 0);
+        }
+        t.batches.back().a[lane] = i;
+        const std::size_t at = (t.batches.size() - 1) * kLanes + static_cast<std::size_t>(lane++);
+        t.anchor[at] = l.anchor, t.rest[at] = static_cast<Real>(l.distance);
+      }
+      t.layers.push_back(static_cast<std::uint32_t>(t.batches.size()));
+    }
+    for (const std::uint32_t a : held)
+      if (const Label l = ways.of(a)[0]; l.anchor != kNone)
+        t.to_body.push_back({l.anchor, a, static_cast<Real>(l.distance), true});
+  }
+  if (held.empty()) return;
+  Geodesic ways(s.mesh, rest, s.points, 1);
+  ways.spread(held);
+  for (std::uint32_t i = 0; i < s.points; ++i)
+    if (const Label l = ways.of(i)[0]; l.anchor != kNone && l.anchor != i && vertices.inv_mass[s.first + i] != 0)
+      t.to_body.push_back({i, l.anchor, static_cast<Real>(l.distance), false});
+}
+
+// Where anchors are in this step, and how far the ties reach.
+void Cloth::Impl::place_ties(Sheet& s) {
+  ClothTies& t = s.ties;
+  if (t.batches.empty()) return;
+  const Vec3* x = vertices.position.data() + s.first;
+  const Vec3* rest = vertices.rest.data() + s.first;
+  const Real longest = 1 + s.settings.max_strain;
+  Real apart = 1;
+  for (std::size_t a = 0; a < t.pins.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      const std::uint32_t i = t.pins[a], j = t.pins[b];
+      apart = std::max(apart, length(x[i] - x[j]) / (longest * length(rest[i] - rest[j])));
+    }
+  for (std::size_t n = 0; n < t.batches.size(); ++n)
+    for (int k = 0; k < kLanes; ++k) {
+      const std::size_t at = n * kLanes + static_cast<std::size_t>(k);
+      TieBatch& b = t.batches[n];
+      const Vec3 base = t.anchor[at] == kNone ? Vec3(0, 0, 0) : Vec3(x[b.a[k]] - x[t.anchor[at]]);
+      b.base.x.v[k] = base[0], b.base.y.v[k] = base[1], b.base.z.v[k] = base[2];
+      b.limit.v[k] = t.rest[at] * longest * apart;
+    }
+}
+
+// Vertices to the point of a body where the cloth is attached, and that point to the pin that the cloth hangs from.
+void Cloth::Impl::solve_body_ties(Real h) {
+  if (!movers) return;
+  for (auto& p : sheets) {
+    Sheet& s = *p;
+    if (!s.active() || s.ties.to_body.empty()) continue;
+    const Real longest = 1 + s.settings.max_strain;
+    const ClothHold* hold = nullptr;
+    for (const ClothTies::ToBody& t : s.ties.to_body) {
+      const std::uint32_t anchor = s.first + t.anchor, i = s.first + t.vertex;
+      if (!hold || hold->vertex != anchor) {
+        const auto found =
+            std::find_if(holds.begin(), holds.end(), [&](const ClothHold& k) { return k.vertex == anchor; });
+        if (found == holds.end()) continue;
+        hold = &*found;
+      }
+      Row4& x = moved[i];
+      const Vec3 point = vertices.position[anchor] - hold->error + mover_displacement(hold->mover, hold->arm);
+      const Vec3 e = vertices.position[i] + x.vec() - point;
+      const Real far = length(e) - t.rest * longest;
+      if (!(far > 0)) continue;
+      const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
+      const Real response = x.w + mover_response(hold->mover, hold->arm, n);
+      if (!(response > 0)) continue;
+      const Vec3 push = (far / response) * n;  // kg m
+      x.add(-x.w * push);
+      push_mover(hold->mover, hold->arm, push, h);
+    }
+  }
+}
+
+}  // namespace feder

@@ -1,0 +1,50 @@
+// Flow on an area: with F the force on one square metre held across the flow, e its direction, n the area's normal and
+// c = e.n, the pressure on an inclined plate is |F| A c n, two-sided; its part along the flow, c^2 e, is scaled by
+// `drag`, the part across it, c (n - c e), by `lift`. What streams along the area rubs at kSkin of that.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/math.h"
+#include "base/params.h"
+
+namespace feder {
+
+constexpr Real kSkin = Real(0.02);
+// Of the mass of a triangle's lightest corner, that still air may stop in a step: each corner gets a third of that from
+// each of its triangles, of which there are eight at most in a sheet.
+constexpr Real kMostOfMass = Real(0.35);
+
+// kg/m^3: what a world says of its air.
+inline Real still_air_density(const Params& world) {
+  return static_cast<Real>(world.number("air_density", 1.2, 0, 1e6));
+}
+
+struct AreaShares {
+  Real drag = 1, lift = 1;
+};
+
+// On the triangle with twice its area times its normal, N.
+inline Vec3 area_force(const Vec3& full, const Vec3& twice, const AreaShares& share) {
+  const Real area = Real(0.5) * length(twice), size = length(full);
+  if (!(area > 0) || !(size > 0)) return Vec3(0, 0, 0);
+  const Vec3 n = twice / (2 * area), e = full / size;
+  const Real along = dot(e, n);
+  return (size * area) * (share.drag * (along * along + kSkin) * e + share.lift * along * (n - along * e));
+}
+
+// Of still air on a triangle with velocity u: the wind force with velocity 0, N; area_force() of -density |u| u / 2 with
+// e and n multiplied out. `most`, kg/s: mass that it may stop over the time in which it acts; drag of light cloth at
+// high speed, or of one that is stretched to many times its area, would turn it round within a step otherwise.
+inline Vec3 still_air(const Vec3& u, const Vec3& twice, Real density, Real most, const AreaShares& share) {
+  const Real speed2 = dot(u, u), area2 = dot(twice, twice), through = dot(u, twice), both = speed2 * area2;
+  using Limits = std::numeric_limits<Real>;
+  if (!(both >= Limits::min() && both <= Limits::max())) return Vec3(0, 0, 0);  // beyond what numbers can tell
+  const Real rate = std::min(Real(0.25) * density * std::sqrt(both), most);
+  const Real square = through * through / both;  // of e.n
+  const Real along = share.drag * (square + kSkin) - share.lift * square;
+  return -rate * (along * u + (share.lift * through / area2) * twice);
+}
+
+}  // namespace feder

@@ -1,0 +1,51 @@
+// max_strain: what hangs stretches no more than that, at default settings and any resolution.
+#include <algorithm>
+#include <cstdio>
+
+#include "cloth/sheets.h"
+
+using namespace feder;
+using namespace feder::test;
+
+namespace {
+
+int warnings(World& w) {
+  int count = 0;
+  for (const Event& e : w.events().list()) count += e.kind == EventKind::warning;
+  return count;
+}
+
+// A sheet of 3 m that falls from flat, hung at two corners.
+void hang(std::uint32_t cells, const char* solver, double seconds) {
+  WorldDesc wd;
+  wd.sleeping = false;
+  World w(wd, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(cells + 1, cells + 1, 3, 3);
+  d.pin_names = {"top_left", "top_right"};
+  d.solver = solver;
+  d.self_collision = false;
+  const ObjectId id = cloth.add_cloth(d);
+  int warned = 0;
+  const int steps = static_cast<int>(seconds * 60);
+  for (int k = 0; k < steps; ++k) w.step(), warned += warnings(w);
+  const int rest = relax(w, id, 3, 1e-3);
+  std::vector<double> strain(cloth.edge_count(id));
+  for (std::size_t k = 0; k < strain.size(); ++k) strain[k] = static_cast<double>(cloth.strain(id, k));
+  std::nth_element(strain.begin(), strain.begin() + strain.size() / 2, strain.end());
+  const double median = strain[strain.size() / 2], worst = static_cast<double>(cloth.max_strain(id));
+  std::printf("3 m sheet, %s, %u cells: median %.4f, worst %.4f, %d small steps, %d steps to rest, %.4f J\n", solver,
+              cells, median, worst, cloth.substeps(id), rest, w.energy().kinetic);
+  CHECK(median <= 0.01);
+  CHECK(worst <= 0.05);
+  CHECK(warned == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a default sheet of 3 m hung at two corners stretches 1 % in the median and 5 % at worst",
+          "[cloth][strain]") {
+  hang(GENERATE(10u, 32u, 60u), "xpbd", 3);
+}
+
+TEST_CASE("the same of 100 cells", "[cloth][strain][.slow]") { hang(100, "xpbd", 2); }
