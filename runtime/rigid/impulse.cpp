@@ -1,9 +1,11 @@
 // Solver `impulse`: the classical loop of impulse-based simulation, worst first (Baraff, "Physically Based Modeling",
 // SIGGRAPH 1997 notes; Mirtich 1996; Gauss-Southwell instead of Gauss-Seidel). Each substep, per island:
+//   trees       stiff joints without loops are solved together and exactly (joint_trees.h);
 //   speeds      a heap of contacts and joints keyed by what is wrong with their relative speed; the worst is solved in
 //               closed form, and only what shares a body with it is keyed again;
 //   slip        manifolds that static friction did not hold slide with the dynamic one: speeds again;
-//   drift       bodies travel; what straight motion opened in joints is closed again, in position and speed;
+//   drift       bodies travel; what their motion opened in joints is closed again, in position and speed: of trees by
+//               Newton's method, of others worst first;
 //   positions   a heap keyed by penetration and joint error; the deepest is moved apart by the least motion, in
 //               proportion to inverse mass and inertia; velocities stay.
 // All end at a tolerance or at a cap, which is counted. O((n + pops * degree) log n) for n contacts and joints.
@@ -14,12 +16,15 @@
 
 #include "rigid/impulse_heap.h"
 #include "rigid/impulse_parts.h"
+#include "rigid/joint_trees.h"
 
 namespace feder {
 namespace {
 
 // m or rad: an error of 1e-7 at h = 1/240 is 2e-5 m/s, the tolerance of speeds.
 constexpr Real kDriftTolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-6);
+
+constexpr int kDriftRounds = 6;  // of Newton's method; an error falls by (h w)^2/4 in each
 
 constexpr int kSlipRounds = 4;  // a contact that lets go may let its neighbours go
 
@@ -51,6 +56,10 @@ class ImpulseSolver final : public RigidSolver {
   Pose body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const;
   void fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s, RowWriter& out) const;
   void travel(const Movers& movers, const ImpulseScene& s);
+  void factor_trees(const SolverInput& in, const StepContext& c);
+  void solve_tree_speeds(const SolverInput& in, const ImpulseScene& s);
+  void close_tree_drift(const SolverInput& in, const ImpulseScene& s);
+  bool in_tree(const ImpulseJoint& j) const { return !trees_.empty() && trees_.direct(j.first_block); }
 
   // `place` counts in order_, where the nodes of an island follow each other.
   Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
@@ -74,6 +83,9 @@ class ImpulseSolver final : public RigidSolver {
   Array<Row> rows_, spare_rows_;
   Array<RowBlock> blocks_, spare_blocks_;
   Array<ImpulseBlock> factors_;      // by block
+  JointTrees trees_;                 // stiff joints without loops
+  Array<Real> tree_bias_, tree_step_;  // by row
+  Array<Mat3> tree_inertia_;           // inverse, by solver index
   Array<std::uint32_t> parent_, island_of_;          // by solver index
   Array<std::uint32_t> node_island_, order_;         // by node; places -> nodes
   Array<Island> islands_;
@@ -86,7 +98,7 @@ ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
       rest_speed_(static_cast<Real>(p.number("restitution_speed", 0.05, 0, 1e6))),
       slop_(static_cast<Real>(p.number("slop", 0.0005, 0, 1))), pops_per_node_(p.integer("iterations", 30, 1, 100000)),
       bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a),
-      factors_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
+      factors_(&a), trees_(a), tree_bias_(&a), tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
       body_places_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {
@@ -213,6 +225,7 @@ ImpulseScene ImpulseSolver::scene(const SolverInput& in, const StepContext& c) {
 
 void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
   capped_ = 0;
+  trees_.clear();
   load_bodies(in);
   load_contacts(in, scene(in, c));
   load_joints(in);
@@ -291,6 +304,57 @@ void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
   }
 }
 
+void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
+  if (c.substep == 0) trees_.find(rows_, blocks_, *in.movers);
+  if (trees_.empty()) return;
+  tree_inertia_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) tree_inertia_[i] = bodies_[i].inv_inertia;
+  trees_.factor(rows_, in, tree_inertia_);
+  tree_bias_.assign(rows_.size(), Real(0));
+  tree_step_.resize(rows_.size());
+}
+
+void ImpulseSolver::solve_tree_speeds(const SolverInput& in, const ImpulseScene& s) {
+  tree_bias_.assign(rows_.size(), Real(0));
+  trees_.solve(rows_, in.movers, tree_bias_, tree_step_);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (!trees_.direct(i)) continue;
+    const RowBlock& b = blocks_[i];
+    Real* impulse = in.joints[b.joint].impulse + b.first_impulse;
+    for (std::uint32_t k = 0; k < b.count; ++k) impulse[k] += tree_step_[b.first + k];
+    apply_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, &tree_step_[b.first], s);
+  }
+}
+
+// Newton's method for impulses along the rows of the start that leave the errors as they were (SHAKE).
+void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& s) {
+  for (int round = 0; round < kDriftRounds; ++round) {
+    Real worst = 0;
+    for (const ImpulseJoint& j : joints_) {
+      if (!in_tree(j)) continue;
+      fill_now(in, s, j);
+      for (std::uint32_t i = 0; i < j.block_count; ++i) {
+        if (!trees_.direct(j.first_block + i)) continue;
+        const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
+        for (std::uint32_t k = 0; k < start.count; ++k) {
+          const Real drift = spare_rows_[now.first + k].value - rows_[start.first + k].value;
+          tree_bias_[start.first + k] = drift / s.h;
+          worst = std::max(worst, std::abs(drift));
+        }
+      }
+    }
+    if (!(worst > kDriftTolerance)) return;
+    trees_.solve(rows_, nullptr, tree_bias_, tree_step_);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (!trees_.direct(i)) continue;
+      const RowBlock& b = blocks_[i];
+      Real* impulse = in.joints[b.joint].impulse + b.first_impulse;
+      for (std::uint32_t k = 0; k < b.count; ++k) impulse[k] += tree_step_[b.first + k];
+      push_back_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, &tree_step_[b.first], s);
+    }
+  }
+}
+
 Real ImpulseSolver::speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
   const std::uint32_t node = order_[place];
   if (node < contacts_.size()) return contact_speed_error(contacts_[node], s);
@@ -329,6 +393,7 @@ Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, st
   fill_now(in, s, j);
   Real worst = 0;
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
+    if (in_tree(j) && trees_.direct(j.first_block + i)) continue;
     const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
     worst = std::max(worst, block_drift(&rows_[start.first], &spare_rows_[now.first], now.count));
   }
@@ -395,6 +460,8 @@ bool ImpulseSolver::judge_slip(const ImpulseScene& s, const Island& island) {
 void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   const ImpulseScene s = scene(in, c);
   start_substep(in, s);
+  if (!joints_.empty()) factor_trees(in, c);
+  if (!trees_.empty()) solve_tree_speeds(in, s);
   for (const Island& island : islands_)
     for (int round = 0;; ++round) {
       worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);
@@ -402,6 +469,7 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
     }
   travel(*in.movers, s);
   if (!joints_.empty()) {
+    if (!trees_.empty()) close_tree_drift(in, s);
     for (const Island& island : islands_)
       worst_first<&ImpulseSolver::drift_error, &ImpulseSolver::correct_drift>(in, s, island, kDriftTolerance);
     turn_inertias(s);

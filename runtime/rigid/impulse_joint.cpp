@@ -141,6 +141,11 @@ void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, c
   push_block<&push_joint>(rows, count, a, b, impulse, s);
 }
 
+void push_back_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
+                     const ImpulseScene& s) {
+  push_block<&push_back>(rows, count, a, b, impulse, s);
+}
+
 Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
                        const Real* impulse, const ImpulseScene& s) {
   Real worst = 0, change[6];
@@ -204,7 +209,7 @@ void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a,
     move[i] /= s.h;
     impulse[i] += move[i];
   }
-  push_block<&push_back>(start, count, a, b, move, s);
+  push_back_block(start, count, a, b, move, s);
 }
 
 }  // namespace feder

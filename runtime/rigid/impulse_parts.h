@@ -151,6 +151,9 @@ void factor_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, 
                   ImpulseBlock& out);
 void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
                  const ImpulseScene& s);
+// The same after bodies have travelled, as if it had been there before.
+void push_back_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
+                     const ImpulseScene& s);
 Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
                        const Real* impulse, const ImpulseScene& s);
 void solve_block_speed(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,

@@ -275,7 +275,13 @@ void JointTrees::factor(std::span<const Row> rows, const SolverInput& in, std::s
   for (std::size_t i = nodes_.size(); i-- > 0;) factor_node(nodes_[i], rows, in, inv_inertia);
 }
 
-void JointTrees::solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias,
+Real JointTrees::speed(const Row& row, const Link& link, const Movers& movers) {
+  const MoverState &a = movers.state[link.state_a], &b = movers.state[link.state_b];
+  return dot(row.linear, Vec3(b.velocity - a.velocity)) + dot(row.angular_b, b.angular_velocity) +
+         dot(row.angular_a, a.angular_velocity);
+}
+
+void JointTrees::solve(std::span<const Row> rows, const Movers* movers, std::span<const Real> bias,
                        std::span<Real> step) {
   for (Node& node : nodes_)
     for (double& x : node.load) x = 0;
@@ -284,12 +290,7 @@ void JointTrees::solve(std::span<const Row> rows, const Movers& movers, std::spa
     Node& node = nodes_[n];
     for (int i = 0; i < node.rows; ++i) {
       const std::uint32_t r = links_[node.link].row[i];
-      const Row& row = rows[r];
-      const MoverState& a = movers.state[links_[node.link].state_a];
-      const MoverState& b = movers.state[links_[node.link].state_b];
-      const Real speed = dot(row.linear, Vec3(b.velocity - a.velocity)) + dot(row.angular_b, b.angular_velocity) +
-                         dot(row.angular_a, a.angular_velocity);
-      node.wanted[i] = -static_cast<double>(speed + bias[r]);
+      node.wanted[i] = -static_cast<double>(movers ? speed(rows[r], links_[node.link], *movers) + bias[r] : bias[r]);
       if (!node.leaf) node.wanted[i] -= dot6(node.weight[i], node.load);
     }
     if (node.parent == kNone) continue;

@@ -19,8 +19,9 @@ class JointTrees {
 
   // Once per substep. `inv_inertia`: of even bodies now, world, by mover; uneven ones are solved in principal axes.
   void factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
-  // Impulses that make J v = -bias for all rows of the trees together, added to `step` by row.
-  void solve(std::span<const Row> rows, const Movers& movers, std::span<const Real> bias, std::span<Real> step);
+  // Impulses that make J v = -bias for all rows of the trees together, written to `step` by row. Without movers v is
+  // taken as 0: impulses that change J v by -bias.
+  void solve(std::span<const Row> rows, const Movers* movers, std::span<const Real> bias, std::span<Real> step);
 
  private:
   static constexpr int kMaxRows = 6;
@@ -49,6 +50,7 @@ class JointTrees {
     double load[6];                           // what the children ask for
     double wanted[kMaxRows];
   };
+  static Real speed(const Row& row, const Link& link, const Movers& movers);
   std::uint32_t find_root(std::uint32_t i);
   void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
   void accept_trees();

@@ -44,7 +44,8 @@ Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
 // by Newton's method; (D + [s]x)^-1 = (adj D + s s^T - [D s]x) / (det D + s^T D s). Fixed-point rounds multiply the
 // error by (I_t/I_l) (h w)^2/4 each: they throw slender bodies (I_t >> I_l) about their long axis.
 Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 8;
+  constexpr double kConverged = 1e-12;  // rad; what is left acts on the smallest moment
   const double step = static_cast<double>(h);
   const Vec3d local = j.axes.transpose() * momentum, d = (j.inv_moments * step).cwiseInverse();
   const Vec3d adjugate(d[1] * d[2], d[2] * d[0], d[0] * d[1]);
@@ -52,7 +53,9 @@ Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
   for (int round = 0; round < kRounds; ++round) {
     const Vec3d middle = turned_back(theta / 2, local);
     const Vec3d f = d.cwiseProduct(theta) - middle, s = -0.5 * middle, ds = d.cwiseProduct(s);
-    theta -= (adjugate.cwiseProduct(f) + s * s.dot(f) - crossed(ds, f)) / (adjugate[0] * d[0] + s.dot(ds));
+    const Vec3d off = (adjugate.cwiseProduct(f) + s * s.dot(f) - crossed(ds, f)) / (adjugate[0] * d[0] + s.dot(ds));
+    theta -= off;
+    if (off.squaredNorm() < kConverged * kConverged) break;
   }
   return (j.axes * (theta / step)).cast<Real>();
 }

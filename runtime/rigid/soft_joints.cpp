@@ -282,7 +282,7 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
   bias_.resize(rows_.size());
   step_.resize(rows_.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
-  trees_.solve(rows_, *in.movers, bias_, step_);
+  trees_.solve(rows_, in.movers, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;
     const RowBlock& block = blocks_[i];
