@@ -73,7 +73,7 @@ void fields(P& p, V& v, const StudyPoint*) {
   v("substeps", p.substeps), v("settings", p.settings), v("way", p.way), v("machine", p.machine),
       v("status", p.status), v("status_t_s", p.status_t_s),
       v("reason", p.reason);
-  v("completed", p.completed), v("below_floor", p.below_floor), v("steps", p.count.steps),
+  v("completed", p.completed), v("below_floor", p.below_floor), v("noise", p.noise), v("steps", p.count.steps),
       v("rejected", p.count.rejected);
   v("force_evals", p.count.force_evals), v("jac_evals", p.count.jac_evals), v("linear_solves", p.count.linear_solves);
   v("cg_iters", p.count.cg_iters), v("sweeps", p.count.sweeps), v("unconverged", p.count.unconverged),
@@ -174,6 +174,7 @@ Json derived_fits(const StudyResult& r) {
                    {"slope", value_of(f.slope)},
                    {"expected", value_of(f.expected)},
                    {"rms", value_of(f.rms)},
+                   {"off", f.off()},
                    {"range", {value_of(f.lo), value_of(f.hi)}},
                    {"points", f.points},
                    {"settings", f.settings}});

@@ -67,6 +67,7 @@ std::string fitted_words(const StudyResult& r, const MethodInfo& m) {
 void method_table(Page& page, const StudyResult& r) {
   page.heading("Methods");
   std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> marks;
   for (const MethodInfo& m : r.methods) {
     std::string best = "–", runs;
     const std::string fitted = fitted_words(r, m);
@@ -89,10 +90,19 @@ void method_table(Page& page, const StudyResult& r) {
                     : m.adaptive ? "adaptive"
                                  : "explicit",
                     std::to_string(m.evals_per_step), limit, fmt::format("{} of {}", ok, all), best, m.summary});
+    const bool missed = std::any_of(r.fits.begin(), r.fits.end(),
+                                    [&](const OrderFit& f) { return f.method == m.name && f.off(); });
+    marks.push_back(missed ? "bad" : "");
   }
   page.table({"method", ">order", ">fitted", "kind", ">evaluations per step", ">limit h·ω, undamped", ">runs that held",
               ">least end error", "what it is"},
-             rows);
+             rows, marks);
+  const std::vector<std::string> off = off_orders(r);
+  if (!off.empty()) {
+    page.paragraph("Orders that miss theory by more than a quarter (marked): rounding, resonance or too coarse rungs "
+                   "speak there, not the method:");
+    page.list(off);
+  }
   const std::vector<std::string> failed = failed_methods(r);
   if (failed.empty()) return;
   page.paragraph("Runs that failed (in the gutter of the figures):");
@@ -168,7 +178,8 @@ void definitions_part(Page& page, const StudyResult& r) {
        "are hollow."},
       {"below the reference",
        "Errors below three times the uncertainty of the reference, or of what rounding does, say nothing about the "
-       "method: grey, and left out of fits."},
+       "method: grey, and left out of fits. What rounding does is measured for each run of a net or an equation: its "
+       "distance from a twin that started a last place away."},
       {"gutter",
        "Runs without an error to plot, at what they had cost: a cross diverged, a slashed small circle is not a "
        "number, a barred circle was refused."},

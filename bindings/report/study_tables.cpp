@@ -114,6 +114,21 @@ std::string study_summary(const StudyResult& r, bool table_only) {
   const std::vector<std::string> lines = failed_methods(r);
   if (!lines.empty()) out += "\n";
   for (const std::string& line : lines) out += "  failed  " + line + "\n";
+  const std::vector<std::string> off = off_orders(r);
+  if (!off.empty()) out += "\n";
+  for (const std::string& line : off) out += "  order   " + line + "\n";
+  return out;
+}
+
+std::vector<std::string> off_orders(const StudyResult& r) {
+  std::vector<std::string> out;
+  for (const OrderFit& f : r.fits) {
+    if (!f.off()) continue;
+    std::string line = fmt::format("{}: fitted {:.2f}, expected {}, over h = {} to {} s", f.method, f.slope,
+                                   number_text(f.expected, 2), number_text(f.lo, 2), number_text(f.hi, 2));
+    for (const auto& [name, value] : f.settings) line += fmt::format(", {} = {}", name, value);
+    out.push_back(line);
+  }
   return out;
 }
 

@@ -93,6 +93,8 @@ std::string study_table(const StudyResult& r);
 std::string study_summary(const StudyResult& r, bool table_only);
 // Methods with no point that is ok, with the reason: "explicit_euler: diverged at 0.12 s (12 of 12 rungs)".
 std::vector<std::string> failed_methods(const StudyResult& r);
+// Fitted orders that miss theory, one line each.
+std::vector<std::string> off_orders(const StudyResult& r);
 // A fragment for a README: the picture and the table.
 std::string study_markdown(const StudyResult& r, const std::string& picture);
 

@@ -92,6 +92,7 @@ class MassSpring final : public ClothSolver, private ForceField {
       inv_mass_[i] = v.moved[i].w;
     }
     if (!same) fastest_ = fastest(v);
+    overstretched_ = stiff_.integrator && overstretched(v);
   }
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
@@ -152,7 +153,7 @@ class MassSpring final : public ClothSolver, private ForceField {
     return limit > 0 ? kReach * limit : kGrowingReach;
   }
   bool takes_over(Real h) const {
-    return stiff_.integrator && std::sqrt(fastest_) * double(h) > kSlack * reach();
+    return overstretched_ || (stiff_.integrator && std::sqrt(fastest_) * double(h) > kSlack * reach());
   }
   Method& at(Real h) { return takes_over(h) ? stiff_ : explicit_; }
 
@@ -166,6 +167,16 @@ class MassSpring final : public ClothSolver, private ForceField {
     });
     for (std::uint32_t i = 0; i < v.points; ++i) most = std::max(most, stiff[i] * double(v.moved[i].w));
     return most;
+  }
+
+  // Is a link pulled to kOverstretch times its length? Then it is nearly as stiff across as along, and damping of strain
+  // takes nothing from motion across: what an explicit method adds there stays.
+  static bool overstretched(const ClothView& v) {
+    constexpr Real kOverstretch = 2;
+    return std::any_of(v.mesh->links.begin(), v.mesh->links.end(), [&](const ClothLink& l) {
+      const Vec3 e = v.position[l.b] - v.position[l.a];
+      return dot(e, e) > kOverstretch * kOverstretch * l.rest * l.rest;
+    });
   }
 
   template <class F>
@@ -238,6 +249,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   ClothView view_;
   Method explicit_, stiff_;  // as named, or the default; what takes over from the default: may be none
   double fastest_ = 0;       // bound of w^2, 1/s^2
+  bool overstretched_ = false;  // in this step
   std::uint64_t version_ = ~std::uint64_t(0);
 };
 

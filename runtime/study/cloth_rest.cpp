@@ -102,7 +102,7 @@ class Cantilever final : public ClothProblem {
     desc_.area_density = static_cast<Real>(density);
     desc_.pose.position = Vec3(Real(0.5), 0, 0);  // the clamp at 0
     desc_.stretch = Real(1e5), desc_.bend = static_cast<Real>(density * kGravity / gamma);
-    desc_.damping = Real(0.02), desc_.self_collision = false;
+    desc_.damping = Real(0.02), desc_.self_collision = false, desc_.max_strain = kInfinity;
     desc_.pin_names = {"left_clamped"};
     std::vector<double> angle(static_cast<std::size_t>(n));
     const auto shoot = [&](double tip) {

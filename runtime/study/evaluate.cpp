@@ -3,7 +3,7 @@
 // reached where all finer points of the same ladder have it too, for the same reason.
 // Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
 // Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
-// reference.
+// reference and of the rounding of each point.
 #include "study/evaluate.h"
 
 #include <algorithm>
@@ -32,9 +32,9 @@ std::vector<std::size_t> front(const StudyResult& r, Cost cost, double margin) {
   for (std::size_t i = 0; i < r.points.size(); ++i)
     if (counts(r.points[i]) && std::isfinite(cost(r.points[i])) && std::isfinite(ranking_error(r.problem, r.points[i])))
       all.push_back(i);
-  // below the floor of the reference nobody is better
+  // below the floor of the reference and of rounding nobody is better
   const auto error = [&](std::size_t i) {
-    return std::max(ranking_error(r.problem, r.points[i]), r.problem.reference.floor());
+    return std::max(ranking_error(r.problem, r.points[i]), r.points[i].floor(r.problem.reference));
   };
   for (const std::size_t i : all) {
     const double c = cost(r.points[i]), e = error(i);
@@ -126,7 +126,6 @@ std::vector<Case> parts_of(const Case& c) {
 }
 
 void fit_orders(StudyResult& r, const std::vector<Case>& parts) {
-  const double floor = std::max(r.problem.reference.floor(), r.problem.reference.resolution);
   for (const Case& c : parts) {
     const Axis* axis = varying_axis(c.points);
     if (!axis) continue;
@@ -138,6 +137,7 @@ void fit_orders(StudyResult& r, const std::vector<Case>& parts) {
       before = p;
       if (same) continue;
       const double e = ranking_error(r.problem, *p);
+      const double floor = std::max(p->floor(r.problem.reference), r.problem.reference.resolution);
       if (!counts(*p) || p->below_floor || !(e > floor) || !(e < kSmall)) continue;
       x.push_back(std::log10(axis->value(*p))), y.push_back(std::log10(e));
     }
@@ -177,7 +177,7 @@ bool reach_by(const StudyResult& r, const Case& c, double target, CostToAccuracy
   std::stable_sort(own.begin(), own.end(), [](auto* a, auto* b) { return a->work < b->work; });
   const auto error = [&](const StudyPoint* p) {
     const double e = ranking_error(r.problem, *p);
-    return counts(*p) && e >= 0 ? std::max(e, r.problem.reference.floor()) : INFINITY;
+    return counts(*p) && e >= 0 ? std::max(e, p->floor(r.problem.reference)) : INFINITY;
   };
   std::size_t i = own.size();
   while (i > 0 && error(own[i - 1]) <= target) --i;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/rng.h"
 #include "study/ode.h"
 #include "world/world.h"
 
@@ -26,8 +27,11 @@ class NetRun final : public StudyRun {
   NetRun(const NetModel& model, double t_end, const RunSpec& spec)
       : model_(model), world_(describe(model, t_end, spec), {catalog_begin(), 1}), springs_(world_.need<Springs>()) {
     NetDesc d;
+    Rng twin(1);
     for (std::size_t i = 0; i < model.mass.size(); ++i) {
-      d.points.push_back(point(model.x, i)), d.velocities.push_back(point(model.v, i));
+      d.points.push_back(point(model.x, i));
+      if (spec.twin && !model.pinned[i]) d.points.back() = nearby(d.points.back(), twin);
+      d.velocities.push_back(point(model.v, i));
       d.masses.push_back(static_cast<Real>(model.mass[i]));
     }
     for (const NetSpring& s : model.springs)

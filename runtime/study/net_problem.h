@@ -30,6 +30,7 @@ class NetProblem : public StudyProblem {
   std::vector<RunSpec> ladder(const MethodInfo& method) const override;
   std::unique_ptr<StudyRun> start(const RunSpec& spec) const override;
   void reference(double t, Observation& out) const override;
+  bool has_twins() const override { return true; }
 
  protected:
   // Energy at the start, degrees of freedom; call when the model stands.

@@ -24,7 +24,11 @@ class OdeRun final : public StudyRun {
  public:
   OdeRun(const PointEquation& e, const Vec3& x, const Vec3& v, double t_end, const RunSpec& spec)
       : equation_(e), field_(e), arena_("study"), method_(make_integrator(arena_, spec)), x_(x), v_(v),
-        h_(t_end / spec.steps), adaptive_(method_->info().adaptive) {}
+        h_(t_end / spec.steps), adaptive_(method_->info().adaptive) {
+    if (!spec.twin) return;
+    Rng rng(1);
+    x_ = nearby(x, rng), v_ = nearby(v, rng);
+  }
 
   void step() override {
     method_->step(field_, time(), static_cast<Real>(h_), {&x_, 1}, {&v_, 1});
@@ -70,6 +74,13 @@ void PointField::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, doub
   damping(x, v, t, d);
   k.set_zero();
   k.diagonal[0] = negative_part(equation_.stiffness(x[0], v[0], t)).cast<double>();
+}
+
+Vec3 nearby(const Vec3& x, Rng& rng) {
+  Vec3 out = x;
+  for (int k = 0; k < 3; ++k)
+    out[k] += x[k] * kEpsilon * static_cast<Real>(rng.uniform(1, 2) * (rng.unit() < 0.5 ? -1 : 1));
+  return out;
 }
 
 std::vector<int> doubling(int first, int rungs) {

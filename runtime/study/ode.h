@@ -1,6 +1,7 @@
 // Problems of one point, x'' = f(x, v, t)/m with up to three coordinates (angles count as coordinates), run by every
 // integrator. Private to the module.
 #pragma once
+#include "base/rng.h"
 #include "integrate/integrator.h"
 #include "study/options.h"
 
@@ -51,6 +52,7 @@ class OdeProblem : public StudyProblem {
   std::vector<MethodInfo> methods() const override;
   std::vector<RunSpec> ladder(const MethodInfo& method) const override;
   std::unique_ptr<StudyRun> start(const RunSpec& spec) const override;
+  bool has_twins() const override { return true; }
 
  protected:
   std::unique_ptr<PointEquation> equation_;
@@ -61,6 +63,9 @@ class OdeProblem : public StudyProblem {
 
 // first, 2 first, 4 first ... `rungs` of them.
 std::vector<int> doubling(int first, int rungs);
+
+// One to four last places away, in each coordinate that is not 0.
+Vec3 nearby(const Vec3& x, Rng& rng);
 
 // All integrators, as a study sees them.
 std::vector<MethodInfo> integrator_methods();

@@ -43,6 +43,7 @@ struct RunSpec {
   int substeps = 0;       // of worlds; 0: the problem's default
   Settings settings;
   std::string way = {};   // what this part of a ladder refines: "substeps", "steps" ...; empty: it has one part
+  bool twin = false;      // points start some last places away: two such runs differ by what rounding does to them
 };
 
 // A run in progress. Used as: start, then step() as often as the spec says, reading in between at will.
@@ -70,6 +71,8 @@ class StudyProblem {
   virtual std::vector<RunSpec> ladder(const MethodInfo& method) const = 0;
   // A fresh run. SceneError: refused.
   virtual std::unique_ptr<StudyRun> start(const RunSpec& spec) const = 0;
+  // Does start() know twins?
+  virtual bool has_twins() const { return false; }
   // Reference at time t; at the times of the 257 samples at least. Not thread-safe: may be computed on first use.
   virtual void reference(double t, Observation& out) const = 0;
   // Energy the exact solution has at t: less than at the start where the model dissipates. NaN: none.

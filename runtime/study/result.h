@@ -1,6 +1,7 @@
 // What a study hands out: plain data for tables, drawings and gates. NaN (or -1 in counts) stands for "does not apply";
 // fields are named like the columns of points.csv.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -82,7 +83,9 @@ struct StudyPoint {
   double status_t_s = NAN;             // when it went wrong
   std::string reason;                  // in words, with what the run warned of; empty when ok and not warned
   bool completed = false;              // reached t_end
-  bool below_floor = false;            // err_end is below ReferenceInfo::floor(): no fits, no fronts beyond it
+  bool below_floor = false;            // err_end is below the floor: no fits, no fronts beyond it
+  double noise = NAN;                  // of positions, scaled: what rounding did to this run, from its twin; NaN: not known
+  double floor(const ReferenceInfo& r) const { return noise > 0 ? std::max(r.floor(), 3 * noise) : r.floor(); }
   StudyCounters count;
   double work = NAN;                   // in force evaluations, see WorkWeights
   double instr = NAN;                  // instructions, when somebody counted
@@ -115,6 +118,9 @@ struct OrderFit {
   int points = 0;
   Settings settings;                   // of a scene; orders are fitted for each
   std::string way = {};                // of the points, likewise
+  // Does a step's order miss theory? Then rounding, resonance or too coarse rungs speak, not the method.
+  bool off() const { return axis == "h" && std::fabs(slope - expected) > kOrderMargin; }
+  static constexpr double kOrderMargin = 0.25;
 };
 
 // Cheapest way of one method to an error, log-log between two of its own points, never beyond them. Settings of a scene

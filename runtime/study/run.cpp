@@ -15,6 +15,7 @@ constexpr int kWatched = 2048;
 constexpr double kFar = 1e6, kFast = 1e3, kHot = 1e3;  // x_scale, v_scale, energy_scale
 constexpr double kHorizon = 1e-3;
 constexpr double kSlowShare = 0.01;                    // of the solves may miss their tolerance
+constexpr double kTwinBelow = 1e-2;                    // larger errors are not rounding's
 
 bool finite(const Observation& o) {
   const auto all = [](const std::vector<double>& a) {
@@ -71,6 +72,7 @@ class Watch {
     std::swap(t_before_, t_now_);
     run.observe(now_);
     t_now_ = t;
+    if (problem_.has_twins() && next_ < kStudySamples && next_time() <= t + 1e-9 * h_) seen_.push_back({k, now_.x});
     if (run.gave_up() || !finite(now_)) return fail(PointStatus::nan, t, "a state that is no number");
     if (largest(now_.x) > kFar * info_.x_scale) return fail(PointStatus::diverged, t, "position");
     if (largest(now_.v) > kFast * info_.v_scale) return fail(PointStatus::diverged, t, "velocity");
@@ -98,13 +100,24 @@ class Watch {
       if (std::isfinite(run.own_error())) point_.err_end = run.own_error();
       if (std::isnan(point_.err_horizon_s)) point_.err_horizon_s = info_.t_end;
       if (energy_t_.size() > 2) point_.err_energy_drift_per_s = fit_line(energy_t_, energy_).slope;
-      point_.below_floor = ranking_error(info_, point_) < info_.reference.floor();
     }
     if (momentum_scale_ > 0) point_.err_mom /= momentum_scale_;
     if (angular_scale_ > 0) point_.err_angmom /= angular_scale_;
     if (!series_) return;
     for (double& p : series_->momentum) p /= momentum_scale_;
     for (double& l : series_->angmom) l /= angular_scale_;
+  }
+
+  // Largest distance of a twin from this run, where it was sampled.
+  void compare(StudyRun& twin) {
+    std::int64_t k = 0;
+    double worst = 0;
+    for (const Seen& seen : seen_) {
+      for (; k < seen.step; ++k) twin.step();
+      twin.observe(between_);
+      raise(worst, rms_distance(between_.x, seen.x) / info_.x_scale);
+    }
+    point_.noise = worst;
   }
 
   bool fail(PointStatus status, double t, const char* what) {
@@ -158,8 +171,14 @@ class Watch {
       series_->energy.push_back(off), series_->momentum.push_back(momentum), series_->angmom.push_back(angular);
   }
 
+  struct Seen {
+    std::int64_t step;
+    std::vector<double> x;
+  };
+
   const StudyProblem& problem_;
   const ProblemInfo& info_;
+  std::vector<Seen> seen_;
   double h_;
   bool dense_;  // cubic Hermite between steps; adaptive methods take steps too long for that
   StudyPoint& point_;
@@ -212,6 +231,12 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
     }
   }
   watch.finish(*run);
+  if (problem.has_twins() && point.completed && point.err_traj_rms < kTwinBelow) {
+    RunSpec other = spec;
+    other.twin = true;
+    watch.compare(*problem.start(other));
+  }
+  point.below_floor = point.completed && ranking_error(problem.info(), point) < point.floor(problem.info().reference);
   point.count = run->counters();
   point.work = work_of(point.count, weights);
   point.peak_bytes = static_cast<std::int64_t>(run->bytes());

@@ -25,7 +25,6 @@ class TwoMasses final : public NetProblem {
         0.01 * static_cast<double>(modes().frequencies()[1]) + 0.1 * static_cast<double>(modes().frequencies()[0]);
     info_.energy_scale = info_.energy_start;
     set_reference(ReferenceKind::closed, 15, 1e-15 * (1 + info_.frequency * info_.t_end), "two eigenmodes");
-    info_.reference.rounding *= 20;  // positions near 2 m, motion of 0.1 m
     for (double s = 20; s < 400 * info_.t_end * info_.frequency && s < 1e6; s *= s < 100 ? 5 : 3)
       steps_.push_back(static_cast<int>(s));
     for (const int s : steps_)

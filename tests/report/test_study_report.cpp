@@ -55,6 +55,16 @@ TEST_CASE("a made up study has the stored bytes", "[report]") {
   check_golden("pick.md", study_markdown(r, "error_vs_work.svg"));
 }
 
+TEST_CASE("an order that misses theory is marked in the terminal and on the page", "[report]") {
+  StudyResult r = synthetic_study();
+  CHECK_THAT(study_summary(r, false), !Catch::Contains("  order   "));
+  r.fits[0].slope = r.fits[0].expected - 1.02;
+  const std::string words = r.fits[0].method + ": fitted ";
+  CHECK_THAT(study_summary(r, false), Catch::Contains("  order   " + words));
+  const std::string page = study_page(r, {}, {});
+  CHECK_THAT(page, Catch::Contains("miss theory by more than a quarter") && Catch::Contains(words));
+}
+
 TEST_CASE("the figures keep every point and escape names", "[report]") {
   const StudyResult r = synthetic_study();
   const auto figures = study_figures(r, {});

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "study/evaluate.h"
+#include "study/run.h"
 #include "study/sweep.h"
 #include "support/catch.h"
 
@@ -148,6 +149,53 @@ TEST_CASE("a winner is ranked along its run and holds at every finer step", "[st
   // a finer run that fails takes the claim away
   add("steady", 8, NAN, NAN, PointStatus::diverged);
   CHECK(winner(1e-3).empty());
+}
+
+TEST_CASE("rungs that rounding decides are left out of orders, and orders that miss theory are marked", "[study]") {
+  const bool known = GENERATE(false, true);
+  CAPTURE(known);
+  StudyResult r;
+  r.problem.reference.uncertainty = 1e-12;
+  r.methods = {{"fourth", "", 4, 1, 0, false, false}};
+  for (int k = 2; k < 14; ++k) {
+    StudyPoint p;
+    p.index = r.points.size();
+    p.method = "fourth";
+    p.h_s = std::pow(0.5, k), p.work = std::pow(2.0, k), p.completed = true;
+    const double noise = 3e-9 * std::pow(2.0, k);  // grows as steps get finer
+    p.err_end = p.err_traj_rms = std::pow(p.h_s, 4) + noise;
+    if (known) p.noise = noise;
+    p.below_floor = p.err_end < p.floor(r.problem.reference);
+    r.points.push_back(p);
+  }
+  CHECK(r.points.back().below_floor == known);
+  evaluate(r);
+  REQUIRE(r.fits.size() == 1);
+  CAPTURE(r.fits[0].slope);
+  CHECK(r.fits[0].off() == !known);
+}
+
+TEST_CASE("what rounding does to a run is measured by a twin", "[study]") {
+  const auto kepler = problem("kepler", {"e=0.6"});
+  const auto noise = [&](int steps) {
+    MethodInfo rk4;
+    for (const MethodInfo& m : kepler->methods())
+      if (m.name == "rk4") rk4 = m;
+    RunSpec spec;
+    spec.method = "rk4", spec.steps = steps;
+    StudyPoint p;
+    run_point(*kepler, rk4, spec, {}, {}, p, nullptr);
+    CHECK(p.completed);
+    return p;
+  };
+  const StudyPoint fine = noise(40000);
+  CAPTURE(fine.noise, fine.err_end, fine.err_traj_max);
+  CHECK(fine.noise > static_cast<double>(kEpsilon));
+  // truncation is 1e-9 here: what is left in the float build is noise, and known as such
+  if (sizeof(Real) == 4) {
+    CHECK(fine.below_floor);
+    CHECK(fine.err_traj_max < 10 * fine.noise);
+  }
 }
 
 TEST_CASE("settings of a scene are problems of their own: fronts and orders for each, costs of the dearest", "[study]") {
