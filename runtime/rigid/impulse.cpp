@@ -275,8 +275,8 @@ void ImpulseSolver::turn_inertias(const ImpulseScene& s) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
     b.substep_rotation = s.state[i].rotation;
-    b.substep_turn = b.correction = Vec3::Zero();
-    if (b.uneven) b.uneven->axes = jointed_axes(*b.uneven, s.state[i].rotation);
+    b.substep_turn = Vec3::Zero();
+    if (b.uneven) b.uneven->axes = b.uneven->free_axes = jointed_axes(*b.uneven, s.state[i].rotation);
   }
 }
 
@@ -296,6 +296,7 @@ void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
   for (std::size_t i = 1; i < movers.state.size(); ++i) {
     MoverState& m = s.state[i];
     ImpulseBody& b = bodies_[i];
+    if (b.uneven) take_pushes(*b.uneven, m, s.mass[i]);
     const Vec3 turn = free_turn(s, static_cast<std::uint32_t>(i));
     b.substep_turn = turn;
     m.moved += s.h * m.velocity + b.late_move;
@@ -479,7 +480,6 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     bodies_[i].last_velocity = s.state[i].velocity;
     bodies_[i].last_spin = s.state[i].angular_velocity;
-    if (bodies_[i].uneven) bodies_[i].uneven->correction = bodies_[i].correction;
   }
   for (const ImpulseContact& contact : contacts_) {
     Contact& to = in.contacts->slots[contact.slot];

@@ -14,7 +14,6 @@ struct ImpulseBody {
   Vec3 late_move = Vec3::Zero(), late_turn = Vec3::Zero();        // of impacts inside the substep, m and rad
   Quat substep_rotation;                                          // when the substep began, and by how much joints
   Vec3 substep_turn = Vec3::Zero();                               // and motion have turned it since, rad
-  Vec3 correction = Vec3::Zero();                                 // turn of the position pass, rad
   bool movable = false;
 };
 
@@ -54,8 +53,7 @@ inline void push_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& linea
 inline Vec3 free_turn(const ImpulseScene& s, std::uint32_t i) {
   const ImpulseBody& b = s.body[i];
   const Vec3 spin =
-      b.uneven ? jointed_mean_spin(*b.uneven, jointed_momentum(*b.uneven, s.state[i], s.mass[i]), s.h)
-               : s.state[i].angular_velocity;
+      b.uneven ? jointed_mean_spin(*b.uneven, b.uneven->momentum, s.h) : s.state[i].angular_velocity;
   return s.h * spin + b.late_turn;
 }
 
@@ -66,7 +64,6 @@ inline void shift(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, co
   const Vec3 turn = b.inv_inertia * moment;
   s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
   s.state[i].turned += turn;
-  b.correction += turn;
   b.substep_rotation = s.state[i].rotation = integrate_rotation(s.state[i].rotation, turn);
   b.substep_turn = Vec3::Zero();
 }
@@ -84,7 +81,6 @@ inline void shift_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& line
   if (!b.movable) return;
   const Vec3 turn = joint_response(b, moment);
   s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
-  b.correction += turn;
   turn_joint(s, i, b.substep_turn + turn);
 }
 

@@ -61,7 +61,7 @@ Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
 }
 
 void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s) {
-  j.axes = jointed_axes(j, s.rotation);
+  j.axes = j.free_axes = jointed_axes(j, s.rotation);
   j.momentum = momentum;
   j.share = Vec3d::Ones();
   j.mean_spin = jointed_mean_spin(j, momentum, h);
@@ -70,30 +70,40 @@ void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s)
   s.angular_velocity = j.given_spin = spin.cast<Real>();
 }
 
-Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s) {
+Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s, bool late) {
   const Vec3d felt = j.share.cwiseProduct(j.axes.transpose() * moment);
-  j.momentum += j.axes * felt;
   const Vec3 change = (j.axes * j.inv_moments.cwiseProduct(felt)).cast<Real>();
   s.angular_velocity += change;
+  if (late) return change;
+  j.momentum += j.axes * felt;
   j.given_spin += change;
   return change;
+}
+
+Vec3d slender_inv_moments(const Vec3d& inv_moments) {
+  return inv_moments.cwiseMin(10 * inv_moments.minCoeff());
 }
 
 Vec3d jointed_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
   const Vec3 pushed = s.angular_velocity - j.given_spin;
   if (pushed.isZero(0)) return j.momentum;
-  const Mat3d axes = jointed_axes(j, m.start_rotation);
+  const Mat3d axes = jointed_axes(j, j.slender ? s.rotation : m.start_rotation);
   return j.momentum + axes * (axes.transpose() * pushed.cast<double>()).cwiseQuotient(j.inv_moments);
 }
 
 Vec3d carried_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
   const Vec3d momentum = jointed_momentum(j, s, m);
-  if (j.correction.isZero(0)) return momentum;
   const Mat3d axes = jointed_axes(j, s.rotation);
-  Vec3d change = axes.transpose() * crossed(j.correction.cast<double>(), momentum);
-  const double smallest = j.inv_moments.minCoeff();
-  for (int k = 0; k < 3; ++k) change[k] *= 1 - smallest / j.inv_moments[k];
-  return momentum + axes * change;
+  const Vec3d fixed = axes.transpose() * momentum;
+  const Vec3d along = j.free_axes.transpose() * turned_back(-j.correction.cast<double>(), momentum);
+  const Vec3d weight = Vec3d::Ones() - j.inv_moments.minCoeff() * j.inv_moments.cwiseInverse();
+  return axes * (fixed + weight.cwiseProduct(along - fixed));
+}
+
+Vec3 turn_jointed(JointedBody& j, Real h) {
+  const Vec3 turn = h * jointed_mean_spin(j, j.momentum, h);
+  for (int k = 0; k < 3; ++k) j.free_axes.col(k) = turned_back(-turn.cast<double>(), j.axes.col(k));
+  return turn;
 }
 
 }  // namespace feder

@@ -147,12 +147,18 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
   to.uneven = true;
   to.inv_moments = inv.diagonal().cast<double>();
   const Real aside = std::max({std::abs(inv(0, 1)), std::abs(inv(0, 2)), std::abs(inv(1, 2))});
-  if (!(aside > 0)) return;
-  Mat3 axes;
-  Vec3 values;
-  eigen_symmetric(inv, values, axes);
-  to.inv_moments = values.cast<double>();
-  to.principal = from_matrix(axes);
+  if (aside > 0) {
+    Mat3 axes;
+    Vec3 values;
+    eigen_symmetric(inv, values, axes);
+    to.inv_moments = values.cast<double>();
+    to.principal = from_matrix(axes);
+  }
+  to.axes = to.free_axes = jointed_axes(to, movers.state[index].rotation);
+  const Vec3d seen = slender_inv_moments(to.inv_moments);
+  to.slender = seen != to.inv_moments;
+  if (!to.slender) return;
+  movers.mass[index].inv_inertia = (to.axes * seen.asDiagonal() * to.axes.transpose()).cast<Real>();
 }
 
 void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {

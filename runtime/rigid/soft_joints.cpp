@@ -72,8 +72,8 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   for (std::uint32_t i = 1; i < motions_.size(); ++i) {
     const MoverState& s = movers.state[i];
     const JointedBody* uneven = in.uneven(i);
-    motions_[i] = {s.velocity, s.angular_velocity,
-                   bend_matrix(s.angular_velocity, uneven ? uneven->mean_spin : s.angular_velocity, h)};
+    motions_[i] = {s.velocity, s.angular_velocity, 
+                   bend_matrix(s.angular_velocity, uneven && !(contacts_ && uneven->slender) ? uneven->mean_spin : s.angular_velocity, h)};
   }
 }
 
@@ -187,7 +187,7 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
     const Vec3 v = in.movers->mass[i].inv_mass_axes.cwiseProduct(push);
     s.velocity += v;
     if (JointedBody* uneven = in.uneven(i)) {
-      turn = push_jointed(*uneven, moment, s);
+      turn = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
     } else {
       turn = inv_inertia_[i] * moment.cast<Real>();
       s.angular_velocity += turn;
@@ -199,11 +199,10 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
   side(block.mover_b, 1, &ReadyRow::angular_b);
 }
 
-void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change) {
+void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
   const Movers& movers = *in.movers;
-  uneven_ = !in.jointed.empty();
   load_motions(in, c.h);
   for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
     SolverJoint& joint = in.joints[j];
@@ -222,6 +221,21 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change
     joint.kind->fill(input, writer);
     joint.rows = static_cast<std::uint8_t>(writer.rows_written());
   }
+}
+
+void SoftJoints::prepare_rows(const RowBlock& block, const SolverInput& in, Real h) {
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) prepare_row(rows_[k], block, h, ready_[k]);
+  if (uneven_) respond_uneven(block, in);
+}
+
+void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contacts, Real* change) {
+  const Movers& movers = *in.movers;
+  uneven_ = !in.jointed.empty();
+  contacts_ = contacts;
+  drifted_ = slender_ = false;
+  for (const JointedBody& j : in.jointed) slender_ = slender_ || j.slender;
+  slides_.assign(uneven_ ? movers.state.size() : 0, BodySlide{});
+  fill_rows(in, c);
   ready_.resize(rows_.size());
   prepared_.resize(blocks_.size());
   const Real quarter = Real(0.25) / c.h;
@@ -230,17 +244,25 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, Real* change
   turn_inertias(in);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& block = blocks_[i];
-    const MoverMass& a = movers.mass[block.mover_a];
-    const MoverMass& b = movers.mass[block.mover_b];
-    for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
-      prepare_row(rows_[k], block, c.h, ready_[k]);
-    if (uneven_) respond_uneven(block, in);
+    prepare_rows(block, in, c.h);
     if (c.substep != 0 && is_direct(i)) continue;
-    prepare_block(block, a, b, prepared_[i]);
+    prepare_block(block, movers.mass[block.mover_a], movers.mass[block.mover_b], prepared_[i]);
   }
   if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, movers);
   if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
+  all_direct_ = !trees_.empty();
+  for (std::size_t i = 0; all_direct_ && i < blocks_.size(); ++i) all_direct_ = trees_.direct(i);
   for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
+  if (contacts_ && slender_ && !trees_.empty()) foresee(in, c, change);
+}
+
+// Contacts leave velocities that joints do not allow: how anchors bend is foreseen from those that they do.
+void SoftJoints::foresee(const SolverInput& in, const StepContext& c, Real* change) {
+  bias_.assign(rows_.size(), Real(0));
+  step_.resize(rows_.size());
+  solve_directly(in, change);
+  fill_rows(in, c);
+  for (const RowBlock& block : blocks_) prepare_rows(block, in, c.h);
 }
 
 void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change) {
@@ -278,10 +300,39 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
   push(block, step, in, change);
 }
 
+// Positions are corrected by velocities that no momentum comes to know of: what a biased impulse does in one pose would
+// not be taken back by the relax pass in another.
+void SoftJoints::slide_trees(const SolverInput& in) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = ready_[i].bias - ready_[i].relaxed_bias;
+  trees_.solve(rows_, nullptr, bias_, step_);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (!trees_.direct(i)) continue;
+    const RowBlock& block = blocks_[i];
+    Vec3 push = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+    for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+      push += step_[k] * rows_[k].linear;
+      moment_a += step_[k] * rows_[k].angular_a, moment_b += step_[k] * rows_[k].angular_b;
+    }
+    const auto side = [&](std::uint32_t mover, const Vec3& linear, const Vec3& moment) {
+      if (!mover) return;
+      const JointedBody* uneven = in.uneven(mover);
+      slides_[mover].velocity += in.movers->mass[mover].inv_mass_axes.cwiseProduct(linear);
+      slides_[mover].spin += uneven ? jointed_response(*uneven, moment) : Vec3(inv_inertia_[mover] * moment);
+    };
+    side(block.mover_a, -push, moment_a);
+    side(block.mover_b, push, moment_b);
+  }
+}
+
 void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
   bias_.resize(rows_.size());
   step_.resize(rows_.size());
+  if (biased && uneven_) slide_trees(in), biased = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
+  solve_directly(in, change);
+}
+
+void SoftJoints::solve_directly(const SolverInput& in, Real* change) {
   trees_.solve(rows_, in.movers, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;
@@ -293,6 +344,7 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
 }
 
 void SoftJoints::solve(const SolverInput& in, bool biased, Real* change) {
+  drifted_ = !biased;
   if (!trees_.empty()) solve_trees(in, biased, change);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const std::size_t at = biased ? i : blocks_.size() - 1 - i;

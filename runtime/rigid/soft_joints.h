@@ -9,6 +9,10 @@ namespace feder {
 // Soft row factors for a frequency and damping ratio at substep h (Catto 2011): mass-independent.
 SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h);
 
+struct BodySlide {
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s, rad/s
+};
+
 class SoftJoints {
  public:
   SoftJoints(Arena& arena, Real hertz, Real damping_ratio, bool use_trees)
@@ -22,6 +26,7 @@ class SoftJoints {
         strain_(&arena),
         strain_axes_(&arena),
         motions_(&arena),
+        slides_(&arena),
         inv_inertia_(&arena),
         hertz_(hertz),
         damping_ratio_(damping_ratio),
@@ -29,10 +34,15 @@ class SoftJoints {
 
   bool empty() const { return blocks_.empty(); }
   // Rows at the poses now, effective masses, and last impulses applied. `change` collects what joints do to each
-  // mover's velocity (6 numbers per mover).
-  void start(const SolverInput& in, const StepContext& c, Real* change);
+  // mover's velocity (6 numbers per mover); `contacts`: there are some.
+  void start(const SolverInput& in, const StepContext& c, bool contacts, Real* change);
   void clear() { rows_.clear(), blocks_.clear(), trees_.clear(); }
   void solve(const SolverInput& in, bool biased, Real* change);
+
+  // Velocities that only correct positions, by mover; empty where there are none.
+  std::span<const BodySlide> slides() const { return {slides_.data(), slides_.size()}; }
+  // All joints are solved together: none needs a biased impulse.
+  bool all_direct() const { return all_direct_; }
 
  private:
   // A row ready to be iterated.
@@ -62,6 +72,11 @@ class SoftJoints {
   void push(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
     uneven_ ? apply_uneven(block, impulse, in, change) : apply(block, impulse, in, change);
   }
+  void fill_rows(const SolverInput& in, const StepContext& c);
+  void prepare_rows(const RowBlock& block, const SolverInput& in, Real h);
+  void foresee(const SolverInput& in, const StepContext& c, Real* change);
+  void solve_directly(const SolverInput& in, Real* change);
+  void slide_trees(const SolverInput& in);
   void solve_trees(const SolverInput& in, bool biased, Real* change);
   void solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change);
 
@@ -74,9 +89,14 @@ class SoftJoints {
   Array<Real> strain_;       // by mover: h sum |impulse| |arm|, kg m^2
   Array<Vec3d> strain_axes_; // the same by principal axis, of uneven bodies
   Array<BodyMotion> motions_;  // by mover
+  Array<BodySlide> slides_;  // by mover
   Array<Mat3> inv_inertia_;  // by mover, world, that joints feel in this substep
   Real hertz_, damping_ratio_;
   bool use_trees_;
+  bool contacts_ = false;    // there are contacts
+  bool slender_ = false;     // there are slender bodies on joints
+  bool drifted_ = false;     // bodies have moved since rows were filled
+  bool all_direct_ = false;
   bool uneven_ = false;      // there are bodies whose angular momentum is kept
   SoftFactors stiff_factors_{};
 };

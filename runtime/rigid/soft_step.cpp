@@ -296,19 +296,30 @@ void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
   });
 }
 
+namespace {
+
+Vec3 drift_turn(JointedBody& j, const MoverState& s, const MoverMass& m, Real h) {
+  j.drift_spin = s.angular_velocity;
+  take_pushes(j, s, m);
+  return turn_jointed(j, h);
+}
+
+}  // namespace
+
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   MoverState* state = in.movers->state.data();
   const Real h = c.h;
   const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
-  const bool some_uneven = !in.jointed.empty();
+  const std::span<const BodySlide> slides = joint_change_ ? joints_.slides() : std::span<const BodySlide>();
   c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
       MoverState& s = state[i];
       s.moved += h * s.velocity;
       Vec3 turn = h * s.angular_velocity;
-      if (JointedBody* j = some_uneven ? in.uneven(i) : nullptr) {
-        j->drift_spin = s.angular_velocity;
-        turn = h * jointed_mean_spin(*j, jointed_momentum(*j, s, in.movers->mass[i]), h);
+      if (!slides.empty()) {
+        s.moved += h * slides[i].velocity;
+        if (JointedBody* j = in.uneven(i)) turn = drift_turn(*j, s, in.movers->mass[i], h);
+        turn += h * slides[i].spin;
       }
       if (turn[0] == 0 && turn[1] == 0 && turn[2] == 0) continue;
       s.turned += turn;
@@ -329,14 +340,14 @@ void SoftStep::solve(const SolverInput& in, StepContext& c) {
   if (c.substep == 0) run(kernels_->warm_start, in, c);
   if (bounces_) run(kernels_->release, in, c);
   if (joint_change_) {
-    joints_.start(in, c, joint_change_);
+    joints_.start(in, c, batch_count_ > 0, joint_change_);
     joints_.solve(in, true, joint_change_);
   }
   run(kernels_->solve, in, c);
   integrate(in, c);
   if (joint_change_) joints_.solve(in, false, joint_change_);
+  if (joint_change_ && !joints_.all_direct()) report_corrections(in, c);
   run(kernels_->relax, in, c);
-  if (joint_change_) report_corrections(in, c);
   if (batch_count_) end_velocities(in, c);
 }
 

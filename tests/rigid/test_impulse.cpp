@@ -64,7 +64,7 @@ struct Bench {
   // One step of one substep.
   void step() {
     if (!solver) solver = find_variant(rigid_solvers(), "impulse", "rigid solver").make(arena, params);
-    const SolverInput in{&contacts, &colliders, &movers, {}};
+    const SolverInput in{&contacts, &colliders, &movers, {}, {}};
     for (std::size_t i = 1; i < movers.state.size(); ++i) {
       movers.mass[i].center += movers.state[i].moved;
       movers.mass[i].start_rotation = movers.state[i].rotation;
