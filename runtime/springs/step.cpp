@@ -132,10 +132,12 @@ void Springs::Impl::warn_coincident(Net& n, Events& events) {
 // A net with a non-finite point goes back to the start of the step and is held there: other systems never see the
 // bad numbers, and the warning says where they came up.
 void Springs::Impl::quarantine(StepContext& c) {
+  const auto bad = [](const auto& n) { return n->bad_point != kNone && !n->frozen; };
+  if (std::none_of(nets.begin(), nets.end(), bad)) return;
   std::string message;
   ObjectId object;
   for (auto& n : nets) {
-    if (n->bad_point == kNone || n->frozen) continue;
+    if (!bad(n)) continue;
     n->frozen = true;
     for (std::uint32_t i = n->first; i < n->first + n->points; ++i) {
       particles.place(i, particles.start[i]);
