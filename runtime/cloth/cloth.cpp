@@ -94,6 +94,7 @@ Cloth::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)),
       vertices(s.store.need<ClothVertices>(kName)),
       store(s.store),
+      watched(s.store.need<Watch>("watch")),
       objects(s.objects),
       events(s.events),
       structure_changed(s.structure_changed),

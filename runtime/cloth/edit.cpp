@@ -39,6 +39,7 @@ void Cloth::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
   if (!is_finite(v)) throw SceneError("set_velocity: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
   if (impl_->vertices.inv_mass[at] != 0) impl_->vertices.velocity[at] = v;
+  impl_->sheet(id).kinetic = -1;
 }
 
 void Cloth::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
@@ -46,6 +47,7 @@ void Cloth::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
   if (!is_finite(impulse)) throw SceneError("apply_impulse: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
   impl_->vertices.velocity[at] += impl_->vertices.inv_mass[at] * impulse;
+  impl_->sheet(id).kinetic = -1;
 }
 
 void Cloth::pin(ObjectId id, std::size_t i) {
@@ -53,6 +55,7 @@ void Cloth::pin(ObjectId id, std::size_t i) {
   impl_->vertices.inv_mass[at] = 0;
   impl_->vertices.velocity[at] = Vec3::Zero();
   impl_->sheet(id).paths_stale = true;
+  impl_->sheet(id).kinetic = -1;
 }
 
 void Cloth::unpin(ObjectId id, std::size_t i) {

@@ -7,6 +7,7 @@
 #include "cloth/sheet.h"
 #include "forces/force.h"
 #include "state/movers.h"
+#include "step/watch.h"
 
 namespace feder {
 
@@ -39,6 +40,7 @@ struct Cloth::Impl {
   Arena& arena;
   ClothVertices& vertices;
   Store& store;
+  Watch& watched;
   Objects& objects;
   Events& events;
   bool* structure_changed;
@@ -114,6 +116,12 @@ struct Cloth::Impl {
   void add_still_air(const Sheet& s, Real h);
   void quarantine(StepContext& c);
   void update_sleep(StepContext& c);
+  // watch.cpp
+  double kinetic_energy(const Sheet& s) const;
+  double work(const Sheet& s) const;
+  double given(const Sheet& s, const StepContext& c) const;
+  void watch(StepContext& c);
+  void suspect(const Sheet& s);
   void tear(StepContext& c);
   bool tear_at(Sheet& s, std::uint32_t link, StepContext& c);
   std::uint32_t split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& triangles);

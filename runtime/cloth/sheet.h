@@ -80,6 +80,8 @@ struct Sheet {
   std::uint32_t bad_vertex = kNone;
   Real mass = 0;                   // kg
   bool any_pin = false;
+  double kinetic = -1;             // J at the end of the last step; < 0: unknown, somebody changed a velocity
+  double kinetic_before = 0;       // J at the start of the step
 
   Vec3 flight() const { return Vec3(state.flight[0], state.flight[1], state.flight[2]); }
   void set_flight(const Vec3& a) {

@@ -28,6 +28,7 @@ void Cloth::Impl::put_to_sleep(Sheet& s) {
   if (s.state.asleep || s.state.frozen) return;
   s.state.asleep = 1;
   s.set_flight(Vec3(0, 0, 0));
+  s.kinetic = 0;
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) vertices.velocity[i] = Vec3::Zero();
   Event e;
   e.kind = EventKind::sleep;

@@ -160,6 +160,8 @@ void Cloth::Impl::prepare(StepContext& c) {
   for (auto& s : sheets) {
     any_active = any_active || s->active();
     s->bad_vertex = kNone;
+    if (s->kinetic < 0) s->kinetic = kinetic_energy(*s);
+    s->kinetic_before = s->kinetic;
     for (const ClothGhost& g : s->mesh.ghosts) {
       Vec3* x = vertices.position.data() + s->first;
       // keeps its place beside the clamped vertex when that is moved
@@ -263,6 +265,7 @@ void Cloth::Impl::commit(StepContext& c) {
         vertices.velocity[i] = speed[i].vec() + ahead;
       }
     }
+    watch(c);
     quarantine(c);
     tear(c);
   }
@@ -276,6 +279,7 @@ void Cloth::Impl::quarantine(StepContext& c) {
   for (auto& s : sheets) {
     if (s->bad_vertex == kNone || s->state.frozen) continue;
     s->state.frozen = 1;
+    suspect(*s);
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i)
       vertices.velocity[i] = Vec3::Zero(), vertices.inv_mass[i] = 0;
     message += (message.empty() ? "" : "; ") + objects.describe(s->object) + " vertex " +

@@ -38,6 +38,7 @@ void check_desc(const FluidDesc& d) {
 Fluid::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)),
       objects(s.objects),
+      watched(s.store.need<Watch>("watch")),
       walls(s.store.need<Walls>(kName)),
       dimension(s.dimension),
       structure_changed(s.structure_changed),
@@ -175,6 +176,7 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
     p.add(vec3(x[0] + dx, x[1] + dy, p.dimension == 2 ? Real(0) : x[2] + dz), velocity);
   }
   p.fresh = true;
+  p.crowded = kScriptWindow;
   *m.structure_changed = true;
   return points.size();
 }
@@ -210,6 +212,7 @@ void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
       throw SceneError("set_velocities: expected finite numbers, but velocity " + std::to_string(i + 1) + " is not");
   const std::vector<std::uint32_t> order = impl_->by_id(p);
   for (std::size_t k = 0; k < order.size(); ++k) p.v[order[k]].set(v[k]);
+  p.kinetic = p.kinetic_energy();
 }
 
 }  // namespace feder

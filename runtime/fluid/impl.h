@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluid/solver.h"
+#include "step/watch.h"
 
 namespace feder {
 
@@ -30,6 +31,7 @@ struct Fluid::Impl {
 
   Arena& arena;
   Objects& objects;
+  Watch& watched;
   Walls& walls;
   int dimension;
   bool* structure_changed;
@@ -54,6 +56,9 @@ struct Fluid::Impl {
   void guard(StepContext& c);
   void drain(StepContext& c);
   void check(StepContext& c);
+  // watch.cpp
+  void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2
+  void suspect(const FluidPool& p);
   void run_emitter(FluidEmitter& e, StepContext& c);
 
   void refresh(FluidPool& p);  // lists, contacts and ratios where the particles are, for questions

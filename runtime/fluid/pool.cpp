@@ -128,6 +128,7 @@ void FluidPool::add(const Vec3& position, const Vec3& velocity) {
   x[i] = {position[0], position[1], position[2], 0};
   v[i] = {velocity[0], velocity[1], velocity[2], 0};
   start[i] = x[i];
+  kinetic += 0.5 * static_cast<double>(mass) * static_cast<double>(dot(velocity, velocity));
   lambda[i] = 0;
   ratio[i] = 1;
   screen[i] = 0;

@@ -57,6 +57,10 @@ struct FluidPool {
   bool fresh = false;   // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
+  // For the watchdog; `kinetic` counts what is added.
+  double kinetic = 0, kinetic_before = 0;   // J: at the end of the last step, at the start of the step
+  double crowded = 0;                       // s, for which new particles may lie closer than at rest
+
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
   Array<Real> screen;           // what these add to density over density at rest
   Array<Row4Real> origin;       // m, where the particle began the substep; empty until such a coupling asks for it
@@ -101,6 +105,7 @@ struct FluidPool {
   // Density over density at rest of all particles where they are; lists must be fresh.
   void find_ratios(JobPool& jobs);
   Real max_speed() const;
+  double kinetic_energy() const;  // J; watch.cpp
 
   // walls.cpp. `ahead`: how far particles and walls may come nearer until the contacts are made again, in seconds.
   void find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out);

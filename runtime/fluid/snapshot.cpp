@@ -69,6 +69,8 @@ void Fluid::load(Reader& r) {
     for (std::uint32_t i = 0; i < count; ++i)
       r.get(p->x[i]), r.get(p->v[i]), r.get(p->lambda[i]), r.get(p->ratio[i]), r.get(p->id[i]);
     p->put_sentinel();
+    p->kinetic = p->kinetic_energy();
+    p->crowded = kScriptWindow;
     m.pools.push_back(std::move(p));
   }
   r.list(m.emitters), r.list(m.drains);

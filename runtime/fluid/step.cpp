@@ -42,13 +42,20 @@ void Fluid::Impl::check(StepContext& c) {
     FluidPool& p = *pool;
     gone.assign(p.count, 0);
     std::uint32_t bad = 0, first = 0;
+    Real square = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) {
+      square += dot(p.v[i].vec(), p.v[i].vec());
       if (is_finite(p.x[i].vec()) && is_finite(p.v[i].vec()) && is_finite(p.lambda[i])) continue;
       if (bad++ == 0) first = p.id[i];
       gone[i] = 1;
     }
-    if (bad == 0) continue;
+    if (bad == 0) {
+      watch(p, static_cast<double>(square), c);
+      continue;
+    }
+    suspect(p);
     p.remove_marked(gone);
+    p.kinetic = p.kinetic_energy();
     lost += bad;
     message += (message.empty() ? "" : "; ") + objects.describe(p.object) + ": " + std::to_string(bad) +
                " particles went non-finite and were taken out, the first was number " + std::to_string(first + 1);

@@ -133,7 +133,9 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
         kept_momentum.resize(bodies.size(), Vec3::Zero()), kept_spin.resize(bodies.size(), Vec3::Zero()),
         calm.resize(bodies.size());
     next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
+    resize_watch();
   }
+  pace[i] = 0;
   bodies.type[i] = d.type;
   bodies.lock[i] = dimension == 2 ? std::uint8_t(d.lock | kLockZ | kLockRx | kLockRy) : d.lock;
   bodies.rotation[i] = d.rotation;
@@ -254,6 +256,7 @@ void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
   bodies.has_target[i] = 0;
   kept_spin[i] = kept_momentum[i] = Vec3::Zero();
   changed(i);
+  edited(i);
   place_colliders(i, 0, Vec3::Zero());
   if (bodies.type[i] == BodyType::fixed) refresh_joints_of(i);
 }
@@ -272,6 +275,7 @@ void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::script, {});
   wake_touching(i, WakeCause::script);
   changed(i);
+  edited(i);
   bodies.type[i] = type;
   bodies.awake[i] = type == BodyType::kinematic;
   bodies.has_target[i] = 0;

@@ -211,6 +211,7 @@ void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
   for (Real& impulse : s.impulse) impulse = 0;
   o.lower = lower, o.upper = upper, o.has_limits = true;
   const JointRecord& r = impl_->records[j];
+  impl_->edited(r.body_a), impl_->edited(r.body_b);
   if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
   if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
 }

@@ -5,6 +5,7 @@
 #include "rigid/solver.h"
 #include "state/movers.h"
 #include "step/contact_service.h"
+#include "step/watch.h"
 
 namespace feder {
 
@@ -69,6 +70,27 @@ struct Rigid::Impl {
   std::uint32_t root(std::uint32_t i);
   void join(std::uint32_t a, std::uint32_t b);
 
+  // watch.cpp
+  double kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& spin) const;
+  bool jumps(std::uint32_t i, Real energy, Real least) {  // energy: kinetic, per mass, m^2/s^2
+    const bool yes = !(energy <= Real(kDiverged) * pace[i] + least);
+    pace[i] = energy;
+    return yes;
+  }
+  void resize_watch();
+  void measure_pace(const StepContext& c);
+  double work_on(std::uint32_t i, const StepContext& c);
+  double outside_speed(std::uint32_t i, std::uint32_t other) const;
+  double joint_given(std::uint32_t j, bool edited, const StepContext& c);
+  void watch_contacts(const StepContext& c);
+  void watch_joints(const StepContext& c);
+  void account(const StepContext& c);
+  void watch(const StepContext& c);
+  void suspect(std::uint32_t i);
+  void edited(std::uint32_t i) {
+    if (i != kNone) edited_step[i] = now;
+  }
+
   // joints.cpp
   ObjectId add_joint(const JointDesc& desc);
   void remove_joint(std::uint32_t j, const std::string& where, WakeCause cause);
@@ -87,6 +109,7 @@ struct Rigid::Impl {
   void joint_totals(Real& max_error, double& elastic) const;
 
   Store& store;
+  Watch& watched;
   Objects& objects;
   Events& events;
   ContactService& collide;
@@ -107,6 +130,9 @@ struct Rigid::Impl {
   Array<std::uint8_t> calm;           // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island;  // ring of a sleeping island
   Array<std::uint32_t> parent;        // union-find
+  Array<Real> pace;                   // kinetic energy per mass at the end of the last step, m^2/s^2
+  Array<std::uint64_t> edited_step;   // in which a script moved it, or changed what it is joined to
+  Array<double> island_before, island_after, island_given, island_mass, island_drive;  // by root; watch.cpp
 
   // joints, by joint index
   Array<SolverJoint> joints;
@@ -133,6 +159,8 @@ struct Rigid::Impl {
   bool cap_warned = false;            // the warning about the iteration limit was raised
   bool poses_stale = false;           // collider poses are those of the start of the last step
   bool any_calm = false;
+  bool any_jump = false;              // a body is faster than the watchdog lets pass unseen
+  std::uint64_t now = 0;              // the step that comes
 };
 
 // SceneError unless `x` is finite and in [lo, hi].

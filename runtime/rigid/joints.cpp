@@ -87,6 +87,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   }
   if (a != kNone) wake(a, WakeCause::joint, d.b);
   if (b != kNone) wake(b, WakeCause::joint, d.a);
+  if (d.options.has_limits) edited(a), edited(b);
   if (joint_count++ == 0) *structure_changed = true;
   return records[j].object;
 }

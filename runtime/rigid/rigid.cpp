@@ -8,6 +8,7 @@ namespace feder {
 
 Rigid::Impl::Impl(SystemSetup& s)
     : store(s.store),
+      watched(s.store.need<Watch>("watch")),
       objects(s.objects),
       events(s.events),
       collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
@@ -28,6 +29,13 @@ Rigid::Impl::Impl(SystemSetup& s)
       calm(&s.store.arena(kName)),
       next_in_island(&s.store.arena(kName)),
       parent(&s.store.arena(kName)),
+      pace(&s.store.arena(kName)),
+      edited_step(&s.store.arena(kName)),
+      island_before(&s.store.arena(kName)),
+      island_after(&s.store.arena(kName)),
+      island_given(&s.store.arena(kName)),
+      island_mass(&s.store.arena(kName)),
+      island_drive(&s.store.arena(kName)),
       joints(&s.store.arena(kName)),
       records(&s.store.arena(kName)),
       free_joints(&s.store.arena(kName)),
@@ -157,6 +165,7 @@ void Rigid::load(Reader& r) {
   r.get(forces);
   s.force_count = forces;
   s.parent.resize(s.bodies.size());
+  s.resize_watch();
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)
     if (s.records[j].alive) s.refresh_joint(j);
   s.list_stale = s.poses_stale = true;

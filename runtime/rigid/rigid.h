@@ -66,6 +66,8 @@ class Rigid final : public System {
   Momentum momentum() const override;
   void residuals(std::vector<Residual>& out) const override;  // rigid.joint_error_m, ...
   bool finite() const override;
+  double held(const StepContext& c) override;
+  double drive(const StepContext& c) override;
 
   // Bodies. SceneError on impossible input, nothing changed.
   ObjectId add_body(const BodyDesc& desc);

@@ -214,6 +214,7 @@ bool Rigid::Impl::commit_finite(std::uint32_t p) const {
 void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
   const std::uint32_t i = moving[p];
   const MoverState& s = movers.state[p + 1];
+  if (force_count) applied_force[p] = bodies.force[i];  // generators out again, for the watchdog
   bodies.force[i] = bodies.torque[i] = Vec3::Zero();
   if (bodies.type[i] == BodyType::kinematic) {
     if (bodies.has_target[i] == 1) {
@@ -246,6 +247,7 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
 
 // A body whose numbers went bad stays where it last was, fixed.
 void Rigid::Impl::quarantine(std::uint32_t i) {
+  suspect(i);
   events.warn("non_finite",
               objects.describe(bodies.object[i]) + " got a velocity or position that is not finite; it is fixed now",
               bodies.object[i]);
@@ -263,6 +265,7 @@ void Rigid::Impl::commit(StepContext& c) {
   if (joint_count) break_joints(c);
   rebuild_list();
   update_sleep(c);
+  now = c.step + 1;
 }
 
 }  // namespace feder

@@ -91,6 +91,7 @@ void Rigid::Impl::put_to_sleep(std::uint32_t i) {
 
 void Rigid::Impl::measure_motion(StepContext& c) {
   const Real keep = 1 / (1 + c.dt / kMemory);
+  const Real least = static_cast<Real>(quiet_energy(c));
   any_calm = false;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
@@ -98,6 +99,7 @@ void Rigid::Impl::measure_motion(StepContext& c) {
     const Vec3 turning = bodies.inertia[i] * w;
     const Real energy =
         Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, turning) * bodies.inv_mass[i]);
+    any_jump |= jumps(i, energy, least);
     const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
     bodies.sleep_energy[i] = mean < kCap ? mean : kCap;
     if (bodies.sleep_energy[i] < kCalm && energy < kRestless) calm[i] = 1;
@@ -165,8 +167,12 @@ void Rigid::Impl::sleep_islands() {
 }
 
 void Rigid::Impl::update_sleep(StepContext& c) {
+  if (c.sleeping)
+    measure_motion(c);
+  else
+    measure_pace(c);
+  if (any_jump) watch(c);
   if (!c.sleeping) return;
-  measure_motion(c);
   if (!any_calm) return;
   join_islands();
   sleep_islands();

@@ -5,6 +5,7 @@
 
 #include "forces/area.h"
 #include "springs/net.h"
+#include "step/watch.h"
 
 namespace feder {
 
@@ -27,6 +28,7 @@ struct Springs::Impl {
       : kernels(pick_kernels(setup.options.text("kernels", "auto"))),
         arena(setup.store.arena(kName)),
         particles(setup.store.need<Particles>(kName)),
+        watched(setup.store.need<Watch>("watch")),
         store(setup.store),
         objects(setup.objects),
         structure_changed(setup.structure_changed),
@@ -35,6 +37,7 @@ struct Springs::Impl {
   const SpringKernels& kernels;
   Arena& arena;
   Particles& particles;
+  Watch& watched;
   Store& store;
   Objects& objects;
   bool* structure_changed;
@@ -53,6 +56,8 @@ struct Springs::Impl {
   void remember(StepContext& c);
   void integrate(StepContext& c);
   void finish(StepContext& c);
+  void watch(StepContext& c);  // watch.cpp
+  void suspect(const Net& n);
 
   void check_stiffness(StepContext& c);
   void warn_held_forces(const Forces& forces, Events& events);

@@ -98,12 +98,19 @@ class Net final : public ForceField {
   // `jobs`: for the springs of this net; null when nets run side by side.
   void integrate(double t, Real h, JobPool* jobs);
   void remove_spring(std::uint32_t k);
-  // First non-finite point of the net, or kNone. `jobs` as above.
-  std::uint32_t find_non_finite(JobPool* jobs = nullptr) const;
+  // First non-finite point of the net, or kNone. `jobs` as above; places_only: velocities are known to be finite.
+  std::uint32_t find_non_finite(JobPool* jobs = nullptr, bool places_only = false) const;
   // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s. Springs with a power and generators
   // count as they are now; those after prepare() only, and those that do not tell their derivative not at all.
   void bounds(double& frequency, double& decay, bool with_generators = false, double time = 0);
   Energy energy();
+  // watch.cpp
+  Real squared_speeds() const;
+  double kinetic_energy() const;
+  double kinetic_before() const;        // at the start of the step; a bound from above, sharp where masses are equal
+  double given(double dt);
+  Real squares = -1;                    // m^2/s^2, sum at the end of the last step; < 0: somebody changed a velocity
+  Real squares_before = 0;              // at the start of the step
   Real length_of(std::uint32_t k) const;
   Real strain(std::uint32_t k) const;
   std::span<const Vec3> positions() const { return {particles_.position.data() + first, points}; }

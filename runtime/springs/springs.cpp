@@ -143,12 +143,14 @@ void Springs::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
   const std::uint32_t at = impl_->point(id, i);
   if (!is_finite(v)) throw SceneError("set_velocity: expected three finite numbers");
   if (impl_->particles.inv_mass[at] != 0) impl_->particles.velocity[at] = v;
+  impl_->net(id).squares = -1;
 }
 
 void Springs::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
   const std::uint32_t at = impl_->point(id, i);
   if (!is_finite(impulse)) throw SceneError("apply_impulse: expected three finite numbers");
   impl_->particles.velocity[at] += impl_->particles.inv_mass[at] * impulse;
+  impl_->net(id).squares = -1;
 }
 
 void Springs::pin(ObjectId id, std::size_t i) {
@@ -156,6 +158,7 @@ void Springs::pin(ObjectId id, std::size_t i) {
   impl_->particles.inv_mass[at] = 0;
   impl_->particles.velocity[at] = Vec3::Zero();
   impl_->net(id).checked_step = 0;
+  impl_->net(id).squares = -1;
 }
 
 void Springs::unpin(ObjectId id, std::size_t i) {

@@ -19,6 +19,7 @@ void Springs::Impl::remember(StepContext& c) {
   c.jobs->for_blocks(particles.size(), kPointGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     std::copy(particles.position.begin() + first, particles.position.begin() + last, particles.start.begin() + first);
   });
+  for (auto& n : nets) n->squares_before = n->squares < 0 ? n->squared_speeds() : n->squares;
   const Forces* forces = store.find<Forces>();
   for (auto& n : nets) n->prepare(c.gravity, air_density, forces, objects.tags(n->object));
   if (forces) warn_held_forces(*forces, *c.events);
@@ -139,6 +140,7 @@ void Springs::Impl::quarantine(StepContext& c) {
   for (auto& n : nets) {
     if (!bad(n)) continue;
     n->frozen = true;
+    suspect(*n);
     for (std::uint32_t i = n->first; i < n->first + n->points; ++i) {
       particles.place(i, particles.start[i]);
       particles.velocity[i] = Vec3::Zero();
@@ -154,13 +156,16 @@ void Springs::Impl::quarantine(StepContext& c) {
 void Springs::Impl::finish(StepContext& c) {
   std::string message;
   for (auto& n : nets) {
-    n->bad_point = n->find_non_finite(n->wide() ? threads_of(c) : nullptr);  // what couplings and impulses did
+    n->squares = n->squared_speeds();
+    // what couplings and impulses did
+    n->bad_point = n->find_non_finite(n->wide() ? threads_of(c) : nullptr, is_finite(n->squares));
     const std::uint64_t unconverged = n->integrator->stats.unconverged;
     if (unconverged == 0 || n->warned_unconverged) continue;
     n->warned_unconverged = true;
     message += (message.empty() ? "" : "; ") + objects.describe(n->object) + ": " + n->integrator_name +
                " stopped at its iteration cap, relative residual " + std::to_string(n->integrator->stats.residual);
   }
+  watch(c);
   quarantine(c);
   if (!message.empty()) c.events->warn("unconverged", message);
 }

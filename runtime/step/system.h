@@ -61,6 +61,11 @@ class System {
   virtual Momentum momentum() const { return {}; }
   virtual void residuals(std::vector<Residual>& /*out*/) const {}
   virtual bool finite() const { return true; }
+  // For the watchdog (step/watch.h), asked at the end of a step that has a suspect: upper bounds of the energy that
+  // other systems may have drawn from this one (kinetic at the start of the step, work done on it, strain), J; and of
+  // the speed of what it moves with infinite mass, m/s.
+  virtual double held(const StepContext&) { return 0; }
+  virtual double drive(const StepContext&) { return 0; }
 };
 
 struct SystemDescriptor {

@@ -19,8 +19,8 @@ void check(const WorldDesc& d) {
 }
 
 World::World(const WorldDesc& desc, Catalog catalog)
-    : desc_(desc), catalog_(catalog), events_(store_.arena("events")), jobs_(desc.threads),
-      scratch_(store_.arena("scratch")), rng_(desc.seed) {
+    : desc_(desc), catalog_(catalog), watch_(store_.need<Watch>("watch")), events_(store_.arena("events")),
+      jobs_(desc.threads), scratch_(store_.arena("scratch")), rng_(desc.seed) {
   check(desc);
 }
 
@@ -102,6 +102,7 @@ void World::finish_step(void* self, StepContext& c) {
   World& w = *static_cast<World*>(self);
   if (w.events_.wanted(EventKind::step)) w.events_.add(Event{});
   w.warn_of_forces();
+  if (!w.watch_.suspects.empty()) w.warn_of_energy(c);
   w.events_.finish();
   w.time_ = static_cast<double>(c.step + 1) * w.desc_.dt;
   ++w.steps_;

@@ -10,6 +10,7 @@
 #include "base/rng.h"
 #include "forces/force.h"
 #include "step/system.h"
+#include "step/watch.h"
 #include "world/desc.h"
 
 namespace feder {
@@ -92,10 +93,12 @@ class World final : private SystemFinder {
   static void finish_step(void* self, StepContext& context);
   void load_image(std::string_view image);
   void warn_of_forces();
+  void warn_of_energy(const StepContext& c);  // watch.cpp
 
   WorldDesc desc_;
   Catalog catalog_;
   Store store_;
+  Watch& watch_;
   Objects objects_;
   Events events_;
   JobPool jobs_;

@@ -179,7 +179,10 @@ TEST_CASE("advice counts the stiffness of anchors and formulas", "[springs][forc
   CHECK(advice.frequency >= 1000);
   CHECK(advice.frequency <= 1100);
   w.step();
-  CHECK(warning_of(w) == "stiff");
+  bool stiff = false;
+  for (const Event& e : w.events().list())
+    stiff = stiff || (e.kind == EventKind::warning && w.events().warning_code(e) == "stiff");
+  CHECK(stiff);
 }
 
 TEST_CASE("a formula without a value is warned about once, by name", "[springs][forces]") {

@@ -1,0 +1,119 @@
+// The watchdog's part in cloths, see step/watch.h. Strain counts as stored energy, but a link gives its two ends no
+// more than the velocity that takes the strain back within one small step.
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/impl.h"
+
+namespace feder {
+namespace {
+double number(Real x) { return static_cast<double>(x); }
+
+constexpr const char* kCure = "take more substeps or a higher max_substeps, less stiffness, or the solver xpbd";
+}  // namespace
+
+double Cloth::Impl::kinetic_energy(const Sheet& s) const {
+  Real sum[4] = {};
+  for (std::uint32_t i = 0; i < s.points; ++i)
+    sum[i & 3u] += vertices.mass[s.first + i] * dot(vertices.velocity[s.first + i], vertices.velocity[s.first + i]);
+  return 0.5 * (static_cast<double>(sum[0]) + static_cast<double>(sum[1]) + static_cast<double>(sum[2]) +
+                static_cast<double>(sum[3]));
+}
+
+// J: what weight, wind, scripts and generators did in the step at most: mass times acceleration times way. A generator
+// with a potential gives what the vertices came down in it instead: where one is too stiff for the step, force times
+// way would explain anything.
+double Cloth::Impl::work(const Sheet& s) const {
+  double all = 0;
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+    if (vertices.inv_mass[i] != 0)
+      all += number(vertices.mass[i]) * number(length(acceleration[i])) * number(length(moved[i].vec()));
+  const Forces* forces = store.find<Forces>();
+  double fall = 0, rest = 0;
+  bool held = false, area = false;
+  for (std::size_t k = 0; forces && k < forces->list.size(); ++k) {
+    const ForceEntry& f = forces->list[k];
+    if (!acts_on(f, s.object, objects.tags(s.object))) continue;
+    area = area || f.force->on_area();
+    double potential[2] = {0, 0}, push = 0;
+    for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
+      const Real size = vertices.mass[i] / s.settings.area_density;
+      MassPoint point{vertices.position[i], vertices.velocity[i], vertices.mass[i], size, size * s.settings.thickness};
+      Vec3 force = Vec3::Zero();
+      potential[1] += f.force->potential(&point, 1);
+      if (vertices.inv_mass[i] != 0) point.position -= moved[i].vec();
+      potential[0] += f.force->potential(&point, 1);
+      f.force->add(&point, 1, 0, &force);
+      if (vertices.inv_mass[i] != 0) push += number(length(force)) * number(length(moved[i].vec()));
+    }
+    const bool conserves = potential[0] != 0 || potential[1] != 0;
+    held = held || conserves;
+    if (conserves)
+      fall += std::fmax(potential[0] - potential[1], 0.0);
+    else
+      rest += push;
+  }
+  if (!held || area) return all;
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
+    if (vertices.inv_mass[i] == 0) continue;
+    const double weight =
+        number(vertices.mass[i]) * number(length(gravity)) * std::fabs(number(s.settings.gravity_scale));
+    rest += (weight + number(length(vertices.script_force[i]))) * number(length(moved[i].vec()));
+  }
+  return std::fmin(all, fall + rest);
+}
+
+// J: strain at the start of the step, and work. While the step's displacements are known: before vertices are split.
+double Cloth::Impl::given(const Sheet& s, const StepContext& c) const {
+  const double rate = small_steps / number(c.h);
+  const auto start = [&](std::uint32_t i) {
+    const Vec3& x = vertices.position[s.first + i];
+    return vertices.inv_mass[s.first + i] == 0 ? x : Vec3(x - moved[s.first + i].vec());
+  };
+  double sum = work(s);
+  for (const ClothLink& l : s.mesh.links) {
+    if (l.a >= s.points || l.b >= s.points) continue;
+    const double stretch = number(length(start(l.b) - start(l.a)) - l.rest);
+    const double pair = number(vertices.mass[s.first + l.a]) + number(vertices.mass[s.first + l.b]);
+    sum += 0.5 * stretch * stretch * std::fmin(number(l.stiffness), pair * rate * rate);
+  }
+  for (const ClothHinge& h : s.mesh.hinges) {
+    if (std::max({h.v[0], h.v[1], h.v[2], h.v[3]}) >= s.points) continue;
+    const double turn = number(hinge_angle(start(h.v[0]), start(h.v[1]), start(h.v[2]), start(h.v[3])) - h.angle);
+    const double least = std::remainder(turn, 6.283185307179586);
+    sum += 0.5 * number(h.stiffness) * least * least;
+  }
+  return sum;
+}
+
+void Cloth::Impl::watch(StepContext& c) {
+  const double least = quiet_energy(c);
+  for (auto& p : sheets) {
+    Sheet& s = *p;
+    if (!s.active() || s.bad_vertex != kNone) continue;  // quarantine reports the second
+    s.kinetic = kinetic_energy(s);
+    if (s.kinetic <= kDiverged * s.kinetic_before) continue;  // most steps end here
+    const double mass = number(s.mass), before = s.kinetic_before + least * mass;
+    if (!Watch::jumped(before, 0, s.kinetic)) continue;
+    const double found = given(s, c);
+    if (!Watch::jumped(before, found, s.kinetic)) continue;
+    watched.suspects.push_back({kName, s.object, before, s.kinetic, found, mass, sheets.size() > 1, kCure});
+  }
+}
+
+// A cloth that went non-finite.
+void Cloth::Impl::suspect(const Sheet& s) {
+  watched.suspects.push_back({kName, s.object, s.kinetic_before, NAN, 0, 0, false, kCure});
+}
+
+// J
+double Cloth::held(const StepContext& c) {
+  double sum = 0;
+  for (const auto& s : impl_->sheets) {
+    sum += s->kinetic_before;
+    if (s->active() && impl_->moved.size() == impl_->vertices.size()) sum += impl_->given(*s, c);
+  }
+  return sum;
+}
+
+}  // namespace feder

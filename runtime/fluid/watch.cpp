@@ -1,0 +1,56 @@
+// The watchdog's part in fluids, see step/watch.h. The strain of a fluid is the excess of density: while a
+// fill may lie on something, the push of a spacing in a substep, or what comes at the speed of sound.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr const char* kCure = "take more substeps or a higher max_substeps, or a larger viscosity or compression";
+
+// J
+double given(const FluidPool& p, const StepContext& c) {
+  const double n = p.count, m = static_cast<double>(p.mass), d = static_cast<double>(p.desc.spacing);
+  const double dt = static_cast<double>(c.dt), h = static_cast<double>(c.h);
+  const double g = static_cast<double>(length(c.gravity)) * std::fabs(static_cast<double>(p.desc.gravity_scale));
+  double sum = gravity_work(g, dt, n * m + 1e-30, p.kinetic_before, std::fmin(p.kinetic, 1e300));
+  sum += 8 * n * static_cast<double>(p.desc.surface_tension) * d * d;  // all the surface a particle can lose
+  const double push = d / h + static_cast<double>(p.sound);
+  if (p.crowded > 0) sum += 0.5 * n * m * push * push;
+  return sum;
+}
+
+}  // namespace
+
+double FluidPool::kinetic_energy() const {
+  Real square = 0;
+  for (std::uint32_t i = 0; i < count; ++i) square += dot(v[i].vec(), v[i].vec());
+  return 0.5 * static_cast<double>(mass) * static_cast<double>(square);
+}
+
+void Fluid::Impl::watch(FluidPool& p, double square, StepContext& c) {
+  p.kinetic_before = p.kinetic;
+  p.kinetic = 0.5 * static_cast<double>(p.mass) * square;
+  const double mass = static_cast<double>(p.mass) * p.count, before = p.kinetic_before + quiet_energy(c) * mass;
+  if (Watch::jumped(before, 0, p.kinetic)) {
+    const double found = given(p, c);
+    if (Watch::jumped(before, found, p.kinetic))
+      watched.suspects.push_back({Fluid::kName, p.object, before, p.kinetic, found, mass, pools.size() > 1, kCure});
+  }
+  p.crowded = std::fmax(p.crowded - static_cast<double>(c.dt), 0.0);
+}
+
+// A fluid in which a particle went non-finite.
+void Fluid::Impl::suspect(const FluidPool& p) {
+  watched.suspects.push_back({Fluid::kName, p.object, p.kinetic, NAN, 0, 0, false, kCure});
+}
+
+double Fluid::held(const StepContext& c) {
+  double sum = 0;
+  for (const auto& p : impl_->pools) sum += p->kinetic_before + given(*p, c);
+  return sum;
+}
+
+}  // namespace feder

@@ -1,0 +1,256 @@
+// The watchdog's part in rigid bodies, see step/watch.h. Every step compares each body's kinetic energy per mass with
+// that of the step before (sleep.cpp has it); where one jumped, the islands are found and their energies compared:
+// velocities at the start of the step are those that the colliders were placed with.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr const char* kCure = "take more substeps, the other rigid solver, or softer springs and lighter joints";
+
+double number(Real x) { return static_cast<double>(x); }
+
+}  // namespace
+
+// J
+double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& spin) const {
+  const Vec3 w = rotate_inverse(rotation, spin);
+  return 0.5 * (number(bodies.mass[i]) * number(dot(v, v)) + number(dot(w, Vec3(bodies.inertia[i] * w))));
+}
+
+void Rigid::Impl::resize_watch() {
+  const std::size_t size = bodies.size();
+  pace.resize(size, 0), edited_step.resize(size, now);
+  for (auto* array : {&island_before, &island_after, &island_given, &island_mass, &island_drive})
+    array->resize(size, 0);
+}
+
+// Without sleep nobody else measures motion: the speed of the farthest point does as well.
+void Rigid::Impl::measure_pace(const StepContext& c) {
+  const Real least = static_cast<Real>(quiet_energy(c));
+  bool any = false;
+  for (const std::uint32_t i : moving) {
+    if (bodies.type[i] != BodyType::dynamic) continue;
+    const Vec3 &v = bodies.velocity[i], &w = bodies.angular_velocity[i];
+    const Real reach = bodies.extent[i];
+    any |= jumps(i, Real(0.5) * (dot(v, v) + reach * reach * dot(w, w)), least);
+  }
+  any_jump = any_jump || any;
+}
+
+// Weight, scripts and generators: J, at most, on one body in this step.
+double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
+  const std::uint32_t p = movers.solver[bodies.mover[i]] - 1;
+  const MoverState& s = movers.state[p + 1];
+  const double way = number(length(s.moved)), dt = number(c.dt);
+  const double turn = dt * number(length(bodies.angular_velocity[i])) +
+                      dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
+  double sum = number(bodies.mass[i]) * number(length(c.gravity)) * std::fabs(number(bodies.gravity_scale[i])) * way;
+  sum += number(length(applied_torque[p])) * turn + number(length(applied_force[p])) * way;
+  const Forces* forces = store.find<Forces>();
+  if (force_count == 0 || !forces) return sum;
+  for (const ForceEntry& f : forces->list) {
+    if (!acts_on(f, bodies.object[i], objects.tags(bodies.object[i]))) continue;
+    double potential[2], push = 0;
+    for (int end = 0; end < 2; ++end) {
+      MassPoint point{movers.mass[p + 1].center, colliders.velocity[bodies.first_collider[i]], bodies.mass[i], area[i],
+                      volume[i]};
+      if (end) point.position = bodies.position[i], point.velocity = bodies.velocity[i];
+      Vec3 force = Vec3::Zero();
+      potential[end] = f.force->potential(&point, 1);
+      f.force->add(&point, 1, c.time + end * dt, &force);
+      push = std::fmax(push, number(length(force)));
+    }
+    // the potential it came down, or, where there is none, force times way
+    const bool none = potential[0] == 0 && potential[1] == 0;
+    sum += none ? push * way : std::fmax(potential[0] - potential[1], 0.0);
+  }
+  return sum;
+}
+
+// Overlap: what takes it back within one substep. And the speed of what is moved from outside.
+void Rigid::Impl::watch_contacts(const StepContext& c) {
+  for (const std::uint32_t slot : contacts.active) {
+    const Contact& contact = contacts.slots[slot];
+    const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
+    const std::uint32_t a = colliders.owner[ca] == ObjectKind::body ? colliders.owner_index[ca] : kNone;
+    const std::uint32_t b = colliders.owner[cb] == ObjectKind::body ? colliders.owner_index[cb] : kNone;
+    const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic,
+               moves_b = b != kNone && bodies.type[b] == BodyType::dynamic;
+    if (!moves_a && !moves_b) continue;
+    const std::uint32_t at = root(moves_a ? a : b);
+    const double mass = (moves_a ? number(bodies.mass[a]) : 0) + (moves_b ? number(bodies.mass[b]) : 0);
+    for (int k = 0; k < contact.point_count; ++k) {
+      const double depth = std::fmax(0.0, -number(contact.points[k].separation)) / number(c.h);
+      island_given[at] += 0.5 * mass * depth * depth;
+    }
+    double speed = number(length(contact.surface_velocity));
+    if (!moves_a && a != kNone) speed += outside_speed(a, b);
+    if (!moves_b && b != kNone) speed += outside_speed(b, a);
+    island_drive[at] = std::fmax(island_drive[at], speed);
+  }
+}
+
+// m/s, of a body that is moved from outside, where it meets the other.
+double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
+  if (bodies.type[i] != BodyType::kinematic) return 0;
+  const std::uint32_t k = bodies.first_collider[i];
+  const double reach = other == kNone
+                           ? number(bodies.extent[i])
+                           : number(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
+  return number(length(colliders.velocity[k])) + number(length(colliders.angular_velocity[k])) * reach;
+}
+
+// Springs, motors, and the misfit that a script left.
+void Rigid::Impl::watch_joints(const StepContext& c) {
+  const auto window = static_cast<std::uint64_t>(kScriptWindow / number(c.dt)) + 1;
+  for (std::uint32_t j = 0; j < records.size(); ++j) {
+    const JointRecord& r = records[j];
+    if (!r.alive || !joints[j].active) continue;
+    const auto moves = [&](std::uint32_t i) {
+      return i != kNone && bodies.type[i] == BodyType::dynamic && bodies.awake[i];
+    };
+    const bool moves_a = moves(r.body_a), moves_b = moves(r.body_b);
+    if (!moves_a && !moves_b) continue;
+    const std::uint32_t at = root(moves_a ? r.body_a : r.body_b);
+    if (r.body_a != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_a, r.body_b));
+    if (r.body_b != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_b, r.body_a));
+    bool edited = false;
+    for (const std::uint32_t i : {r.body_a, r.body_b})
+      edited = edited || (i != kNone && c.step < edited_step[i] + window);
+    island_given[at] += joint_given(j, edited, c);
+  }
+}
+
+// J
+double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext& c) {
+  const JointRecord& r = records[j];
+  const auto start = [&](std::uint32_t i, std::uint32_t mover) {
+    if (mover == kNone || i == kNone) return Pose{};
+    const MoverMass& m = movers.mass[movers.solver[mover]];
+    return movers.solver[mover] == 0 ? bodies.com_pose(i) : Pose{m.center, m.start_rotation};
+  };
+  JointInput in = joint_input(j);
+  in.a = start(r.body_a, joints[j].mover_a), in.b = start(r.body_b, joints[j].mover_b);
+  rows.clear(), blocks.clear();
+  RowWriter writer(rows, blocks);
+  writer.start(in, j);
+  joints[j].kind->fill(in, writer);
+  double sum = 0, size = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t i : {r.body_a, r.body_b})
+    if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, number(bodies.extent[i]));
+  for (const Row& row : rows) {
+    double yields = 0, weighs = 0;  // inverse and plain effective mass along the row
+    for (const bool first : {true, false}) {
+      const std::uint32_t i = first ? r.body_a : r.body_b;
+      if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
+      const Vec3& angular = first ? row.angular_a : row.angular_b;
+      const double k = number(bodies.inv_mass[i] * dot(row.linear, row.linear) +
+                              dot(angular, Vec3(bodies.world_inv_inertia(i) * angular)));
+      yields += k;
+      if (k > 0) weighs += 1 / k;
+    }
+    if (!(yields > 0)) continue;
+    const double value = number(row.value);
+    if (row.velocity_only) {
+      // a motor: its force over the way, and no more than to bring all to its speed
+      const double most = std::fmax(std::fabs(number(row.lower)), std::fabs(number(row.upper)));
+      const double speed = number(row.speed);
+      double way = 0, all = 0;
+      for (const std::uint32_t i : {r.body_a, r.body_b})
+        if (i != kNone) way += number(length(bodies.angular_velocity[i])) + number(length(bodies.velocity[i]));
+      const std::uint32_t at =
+          root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
+      for (const std::uint32_t i : moving) {
+        if (bodies.type[i] != BodyType::dynamic || root(i) != at) continue;
+        const Vec3 arm = bodies.position[i] - in.a.position;
+        all += number(bodies.mass[i]) * (1 + number(dot(arm, arm))) + number(bodies.inertia[i].trace());
+      }
+      sum += std::fmin(most * (way + std::fabs(speed)) * number(c.dt), 2 * all * speed * speed);
+    } else if (row.hertz > 0) {
+      const double omega = 2 * number(kPi * row.hertz);
+      sum += 0.5 * omega * omega / yields * value * value;
+    } else if (edited) {
+      // rows are linear: where the misfit is of the bodies' own size they tell nothing
+      const bool linear = !row.linear.isZero(0);
+      if (std::fabs(value) > (linear ? size : 1.0)) return std::numeric_limits<double>::infinity();
+      sum += 0.5 * weighs * value * value / number(c.h * c.h);
+    }
+  }
+  return sum;
+}
+
+// Work, overlap and strain by island, at their roots; kinetic energies likewise.
+void Rigid::Impl::account(const StepContext& c) {
+  join_islands();
+  for (const std::uint32_t i : moving)
+    island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
+  for (const std::uint32_t i : moving) {
+    if (bodies.type[i] != BodyType::dynamic || movers.solver[bodies.mover[i]] == 0) continue;
+    const std::uint32_t at = root(i), k = bodies.first_collider[i];
+    const MoverMass& m = movers.mass[movers.solver[bodies.mover[i]]];
+    island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
+    island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
+    island_given[at] += work_on(i, c);
+    island_mass[at] += number(bodies.mass[i]);
+  }
+  watch_contacts(c);
+  watch_joints(c);
+  for (const std::uint32_t i : moving)  // what moves with infinite mass throws the rest at up to twice its speed
+    island_given[i] += 2 * island_mass[i] * island_drive[i] * island_drive[i];
+}
+
+void Rigid::Impl::watch(const StepContext& c) {
+  any_jump = false;
+  account(c);
+  const double least = quiet_energy(c);
+  for (const std::uint32_t i : moving) {
+    if (bodies.type[i] != BodyType::dynamic || root(i) != i) continue;
+    const double before = island_before[i] + least * island_mass[i];
+    if (!Watch::jumped(before, island_given[i], island_after[i])) continue;
+    std::uint32_t worst = i;
+    double most = -1;
+    for (const std::uint32_t k : moving) {
+      if (bodies.type[k] != BodyType::dynamic || root(k) != i) continue;
+      const double energy = kinetic_energy(k, bodies.rotation[k], bodies.velocity[k], bodies.angular_velocity[k]);
+      if (energy > most || !(energy <= 1e300)) worst = k, most = energy;
+    }
+    watched.suspects.push_back(
+        {kName, bodies.object[worst], before, island_after[i], island_given[i], island_mass[i], false, kCure});
+  }
+}
+
+// A body that went non-finite.
+void Rigid::Impl::suspect(std::uint32_t i) {
+  const std::uint32_t k = bodies.first_collider[i];
+  watched.suspects.push_back({kName, bodies.object[i],
+                              0.5 * number(bodies.mass[i]) * number(dot(colliders.velocity[k], colliders.velocity[k])),
+                              NAN, 0, 0, false, kCure});
+}
+
+double Rigid::held(const StepContext& c) {
+  Impl& s = *impl_;
+  if (s.body_count == 0) return 0;
+  s.account(c);
+  double sum = 0;
+  for (const std::uint32_t i : s.moving) sum += s.island_before[i] + s.island_given[i];
+  return sum;
+}
+
+double Rigid::drive(const StepContext&) {
+  const Impl& s = *impl_;
+  double most = 0;
+  for (std::uint32_t i = 0; i < s.bodies.size(); ++i) {
+    if (s.bodies.type[i] == BodyType::free) continue;
+    most = std::fmax(most, s.outside_speed(i, kNone));
+    s.each_collider(i,
+                    [&](std::uint32_t k) { most = std::fmax(most, number(length(s.colliders.surface_velocity[k]))); });
+  }
+  return most;
+}
+
+}  // namespace feder
