@@ -65,6 +65,7 @@ struct Rigid::Impl {
   void put_to_sleep(std::uint32_t i);
   void update_sleep(StepContext& c);
   void measure_motion(StepContext& c);
+  void check_far(StepContext& c);
   void join_islands();
   void sleep_islands();
   std::uint32_t root(std::uint32_t i);
@@ -161,6 +162,7 @@ struct Rigid::Impl {
   bool any_calm = false;
   bool any_jump = false;              // a body is faster than the watchdog lets pass unseen
   std::uint64_t now = 0;              // the step that comes
+  bool warned_far = false;            // that motion gets lost far from the origin was said
 };
 
 // SceneError unless `x` is finite and in [lo, hi].

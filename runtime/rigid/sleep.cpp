@@ -172,6 +172,7 @@ void Rigid::Impl::update_sleep(StepContext& c) {
   else
     measure_pace(c);
   if (any_jump) watch(c);
+  if (!warned_far) check_far(c);
   if (!c.sleeping) return;
   if (!any_calm) return;
   join_islands();
