@@ -139,6 +139,7 @@ void Rigid::Impl::activate_joints(StepContext& c) {
 void Rigid::Impl::load_inertia(std::uint32_t body) {
   if (body == kNone || !spins[body] || bodies.type[body] != BodyType::dynamic) return;
   const std::uint32_t index = movers.solver[bodies.mover[body]];
+  if (index == 0) return;  // asleep beside one that is awake: it does not move
   if (jointed.empty()) jointed.assign(movers.state.size(), JointedBody{});
   JointedBody& to = jointed[index];
   if (to.uneven) return;

@@ -20,6 +20,14 @@ TEST_CASE("every function is documented once", "[lua][docs]") {
   CHECK(seen.size() > 100);
 }
 
+TEST_CASE("a joint whose one body sleeps", "[lua][hostile]") {
+  CHECK(output_of("local a = world:body{ shape = feder.box(1, .2, .3), position = {0, 5, 0} } "
+                  "local b = world:body{ shape = feder.box(1, .2, .3), position = {1, 5, 0} } "
+                  "world:joint{ type = 'ball', a = a, b = b, anchor = {.5, 5, 0} } "
+                  "b:sleep() world:step() a:sleep() world:step() b:wake() b:sleep() a:wake() world:step(3) "
+                  "print(world:is_finite())") == "true\n");
+}
+
 TEST_CASE("wrong values never crash and never reach the state", "[lua][hostile]") {
   const int seed = GENERATE(1, 2, 3);
   std::string names;
