@@ -1,0 +1,158 @@
+-- Random operations over all kinds of objects, by the numbers SEED and OPERATIONS; about one number in twenty is hostile.
+-- An operation may be refused with an error: what must not happen is a crash, a state that is not finite where all
+-- numbers were ordinary (it is printed), or a snapshot that does not run on as the world did.
+local feder = require "feder"
+local state = SEED * 2654435761 % 4294967296
+local function random()
+  state = (state * 1664525 + 1013904223) % 4294967296
+  return state / 4294967296
+end
+for _ = 1, 8 do random() end
+local HOSTILE = { 0, -1, 1e-30, 1e30, -1e30, 1e9, 0 / 0, 1 / 0, 1e-6, 12345.678 }
+local hostile = random() < 0.5 and 0.05 or 0
+local function range(a, b)
+  local x = random()
+  if random() < hostile then return HOSTILE[1 + math.floor(x * #HOSTILE)] end
+  return a + (b - a) * x
+end
+local function whole(a, b) return math.min(b, a + math.floor(random() * (b - a + 1))) end
+local function chance(p) return random() < p end
+local function pick(list) return list[whole(1, math.max(1, #list))] end
+local function place(s) return { range(-s, s), range(0.1, 3), range(-s, s) } end
+
+local world = feder.world { substeps = whole(1, 5), threads = whole(1, 2), rigid = chance(0.3) and { solver = "impulse" } or nil }
+local o = { body = {}, joint = {}, net = {}, cloth = {}, fluid = {}, force = {}, emitter = {}, drain = {}, region = {}, connection = {} }
+local names = {}
+for name in pairs(o) do names[#names + 1] = name end
+table.sort(names)
+local function keep(kind, thing) o[kind][#o[kind] + 1] = thing return thing end
+local function drop(kind)
+  local list = o[kind]
+  local k = whole(1, math.max(1, #list))
+  if list[k] then
+    local thing = table.remove(list, k)
+    if kind == "connection" then thing:disconnect() else thing:destroy() end
+  end
+end
+local function anything() return pick(o[pick { "body", "net", "cloth", "fluid" }]) end
+
+local function shape()
+  local s = range(0.1, 0.7)
+  local make = { function() return feder.sphere(s / 2) end, function() return feder.capsule(s / 3, s) end,
+    function() return feder.cylinder(s / 2, range(0.1, 0.7)) end, function() return feder.cone(s / 2, range(0.1, 0.7)) end,
+    function() return feder.hull { { 0, 0, 0 }, { s, 0, 0 }, { 0, s, 0 }, { 0, 0, s }, { s, s, range(0, 1) } } end,
+    function() return feder.compound { { shape = feder.box(s, s, s) }, { shape = feder.sphere(s), position = { s, 0, 0 } } } end,
+    function() return feder.box(s, range(0.1, 0.7), range(0.1, 0.7)) end }
+  return pick(make)()
+end
+local function new_body()
+  return keep("body", world:body { shape = shape(), position = place(1.2), type = chance(0.2) and pick { "kinematic", "static" } or nil,
+    velocity = chance(0.5) and { range(-5, 5), range(-5, 5), range(-5, 5) } or nil, restitution = range(0, 1), bullet = chance(0.1),
+    angular_velocity = chance(0.3) and { range(-9, 9), range(-9, 9), range(-9, 9) } or nil, sensor = chance(0.1),
+    density = range(50, 3000), surface_velocity = chance(0.1) and { range(-2, 2), 0, 0 } or nil })
+end
+local function new_joint()
+  local a, b = pick(o.body), chance(0.7) and pick(o.body) or nil
+  local kind = pick { "ball", "hinge", "distance", "weld" }
+  return keep("joint", world:joint { type = kind, a = a, b = b, anchor = { a:position() }, axis = kind == "hinge" and { range(-1, 1), 1, 0 } or nil,
+    motor = kind == "hinge" and chance(0.4) and { speed = range(-9, 9), max_force = range(0, 1000) } or nil,
+    limits = kind == "hinge" and chance(0.3) and { range(-1, 0), range(0, 1) } or nil,
+    break_force = chance(0.2) and range(1, 1e5) or nil })
+end
+local function new_net()
+  local n, points, springs, at, m = whole(2, 12), {}, {}, place(1), range(0.05, 1)
+  for i = 1, n do points[i] = { at[1] + 0.12 * i, at[2] + range(-0.05, 0.05), at[3] } end
+  for i = 2, n do springs[#springs + 1] = { i - 1, i, stiffness = m * range(1, 300), damping = m * range(0, 3) } end
+  if n > 3 and chance(0.5) then springs[#springs + 1] = { 1, 3, stiffness = m * range(1, 300), break_strain = chance(0.5) and range(0.1, 1) or nil } end
+  return keep("net", world:net { points = points, masses = m, springs = springs, radius = chance(0.7) and range(0.02, 0.1) or nil,
+    integrator = pick { "symplectic_euler", "implicit_euler", "velocity_verlet", "rk4", "implicit_midpoint", "bdf2", "rk45", "heun" } })
+end
+local function new_cloth()
+  return keep("cloth", world:cloth { size = { range(0.4, 1.5), range(0.4, 1.5) }, resolution = { whole(2, 9), whole(2, 9) }, position = place(0.7),
+    solver = chance(0.4) and "mass_spring" or nil, stretch = 10 ^ range(2, 5), shear = chance(0.3) and 10 ^ range(2, 5) or nil,
+    thickness = range(0.005, 0.03), tear_strain = chance(0.3) and range(0.05, 0.5) or nil, area_density = range(0.1, 1),
+    rotation = { axis = { 1, 0, 0 }, angle = range(0, 3) }, pins = chance(0.4) and { "top_left", 1 } or nil })
+end
+local function new_fluid()
+  if #o.fluid > 1 then return drop("fluid") end
+  return keep("fluid", world:fluid { spacing = math.max(0.06, range(0.08, 0.14)), solver = chance(0.4) and "wcsph" or nil, max_particles = 800,
+    viscosity = chance(0.5) and range(0, 10) or nil, surface_tension = chance(0.3) and range(0, 5) or nil,
+    max_substeps = chance(0.3) and whole(1, 30) or nil })
+end
+local function vector(s) return range(-s, s), range(-s, s), range(-s, s) end
+
+local operations
+operations = {
+  new_body, new_body, new_joint, new_joint, new_net, new_net, new_cloth, new_fluid,
+  function()
+    local at, e = place(0.7), range(0.2, 0.5)
+    pick(o.fluid):fill { box = { at, { at[1] + e, at[2] + e, at[3] + e } }, velocity = chance(0.3) and { vector(3) } or nil }
+  end,
+  function() keep("emitter", pick(o.fluid):emitter { position = place(1), direction = { range(-1, 1), -1, 0 }, speed = range(0.5, 4),
+    radius = range(0, 0.2), limit = chance(0.5) and whole(1, 200) or nil }) end,
+  function() keep("drain", pick(o.fluid):drain { box = { { -0.3, -0.2, -0.3 }, { 0.3, range(0, 0.3), 0.3 } } }) end,
+  function() local e = pick(o.emitter) if chance(0.5) then e:stop() else e:start() end end,
+  function() keep("region", world:region { box = { { -1, 0, -1 }, { 1, range(0.1, 2), 1 } } }) end,
+  function() keep("force", world:force { kind = pick { "drag", "wind" }, velocity = { vector(8) }, on = chance(0.5) and anything() or nil }) end,
+  function() keep("force", world:force { kind = "spring", position = place(1), stiffness = range(0, 0.3), on = anything() }) end,
+  function() keep("force", world:force { each = chance(0.5) and function(x, y, z) return -x, range(-1, 1), -z end or { "-x", "sin(t)", "0" }, on = anything() }) end,
+  function() keep("force", world:force { kind = "buoyancy", on = anything() }) end,
+  function() pick(o.body):set_position(vector(2)) end,
+  function() pick(o.body):set_velocity(vector(9)) end,
+  function() pick(o.body):set_angular_velocity(vector(9)) end,
+  function() pick(o.body):apply_impulse(vector(50)) end,
+  function() pick(o.body):apply_force(vector(500)) end,
+  function() pick(o.body):set_type(pick { "static", "kinematic", "dynamic" }) end,
+  function() pick(o.body):move_to(vector(2)) end,
+  function() if chance(0.5) then pick(o.body):sleep() else pick(o.body):wake() end end,
+  function() pick(o.joint):set_motor(range(-9, 9), range(0, 1000)) end,
+  function() pick(o.joint):set_limits(range(-1, 0), range(0, 1)) end,
+  function() local n = pick(o[pick { "net", "cloth" }]) n:set_point(whole(1, n:count()), vector(1)) end,
+  function() local n = pick(o[pick { "net", "cloth" }]) n:set_velocity(whole(1, n:count()), vector(9)) end,
+  function() local n = pick(o[pick { "net", "cloth" }]) n:pin(whole(1, n:count())) end,
+  function() local n = pick(o[pick { "net", "cloth" }]) n:unpin(whole(1, n:count())) end,
+  function() local n = pick(o[pick { "net", "cloth" }]) n:attach(whole(1, n:count()), pick(o.body), vector(0.2)) end,
+  function() local n = pick(o[pick { "net", "cloth" }]) n:detach(whole(1, n:count())) end,
+  function() local n = pick(o.net) n:add_spring { whole(1, n:count()), whole(1, n:count()), stiffness = range(1, 5) } end,
+  function() pick(o.net):remove_spring(whole(1, 3)) end,
+  function() world:set_gravity(range(-3, 3), range(-12, 3), range(-3, 3)) end,
+  function() world:raycast(range(-2, 2), 3, 0, vector(1)) end,
+  function() world:overlap { shape = shape(), position = place(1) } end,
+  function() pick(o.fluid):density_error() pick(o.fluid):height_at(vector(1)) end,
+  function() local f = pick(o.fluid) f:set_velocities(function() return vector(2) end) end,
+  function() pick(o.net):strain(1) pick(o.cloth):stretch() pick(o.cloth):smooth_vertices(feder.buffer(3 * pick(o.cloth):count())) end,
+  function() return world:residuals(), world:energy(), world:report(), world:momentum() end,
+  function()  -- destroys inside a handler
+    keep("connection", world:on(pick { "contact_begin", "contact_end", "sleep", "wake", "warning", "drained", "spring_break", "step" }, function()
+      if chance(0.2) then pcall(drop, pick(names)) end
+      if chance(0.1) then pcall(pick(operations)) end
+    end))
+  end,
+  function() world:after(range(0, 0.3), function() pcall(drop, pick(names)) end) end,
+  function()  -- run = restore, run
+    if #o.connection > 0 or #o.force > 0 then return end
+    local image, from = world:snapshot(), state
+    world:step(2)
+    local hash = world:hash()
+    world:restore(image)
+    world:step(2)
+    if world:hash() ~= hash then print("restored, it does not run as before") end
+    state = from
+  end,
+}
+for _, name in ipairs(names) do
+  operations[#operations + 1] = function() drop(name) end
+  if name == "body" or name == "cloth" then operations[#operations + 1] = function() drop(name) end end
+end
+
+world:body { type = "static", shape = feder.plane() }
+for k = 1, OPERATIONS do
+  local ok, message = pcall(pick(operations))
+  if not ok and type(message) ~= "string" and type(message) ~= "userdata" then print("an error that is no text: " .. tostring(message)) end
+  if chance(0.4) then
+    local stepped, why = pcall(world.step, world, whole(1, 4))  -- a scripted force may give what is refused
+    if not stepped and hostile == 0 then print(why) end
+  end
+end
+if hostile == 0 and not world:is_finite() then print "ordinary numbers, and the state is not finite" end
+world:close()
