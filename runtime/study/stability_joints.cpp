@@ -58,8 +58,11 @@ RigidScene hinged_rod(double h, double thick) {
 
 RigidScene jointed_chain(double links, double slenderness) {
   RigidScene s = rods("ball", static_cast<std::size_t>(links), 1 / slenderness, 1.0 / 60);
-  for (std::size_t k = 0; k < s.bodies.size(); ++k)
-    s.bodies[k].velocity = Vec3(0, 0, static_cast<Real>(k % 2 ? -0.5 : 0.5));  // out of the plane
+  const Real turn = Real(0.5);  // rad/s about the vertical axis: out of the plane
+  for (BodyDesc& d : s.bodies) {
+    d.velocity = Vec3(0, 0, -turn * d.position[0]);
+    d.angular_velocity = Vec3(0, turn, 0);
+  }
   s.known = false;
   return s;
 }

@@ -111,6 +111,33 @@ RigidScene spin(double h, double rate) {
   return s;
 }
 
+// Crates made in place on two ramps: one with 2 % more static friction than the slope needs stays, one with 25 % less
+// slides with the dynamic one.
+RigidScene friction(double degrees, double ratio) {
+  RigidScene s;
+  s.seconds = 1;
+  const double angle = degrees * std::acos(-1.0) / 180, slope = std::tan(angle);
+  const Quat turn = from_axis_angle(Vec3(0, 0, 1), static_cast<Real>(-angle));
+  const Vec3d up(std::sin(angle), std::cos(angle), 0), down(std::cos(angle), -std::sin(angle), 0);
+  const double seconds = std::ceil(s.seconds / s.h - 1e-9) * s.h;
+  for (const double share : {1.02, 0.75}) {
+    const Vec3d at(0, 0, share > 1 ? 0 : 5);
+    const double way = share > 1 ? 0 : s.gravity * (std::sin(angle) - ratio * share * slope * std::cos(angle)) *
+                                           seconds * seconds / 2;
+    for (BodyDesc d : {box(40, 1, 2, at - 0.5 * up, 0), box(1, 0.5, 1, at + 0.25 * up, 1)}) {
+      d.rotation = turn;
+      d.friction_static = static_cast<Real>(share * slope);
+      d.friction_dynamic = static_cast<Real>(ratio * share * slope);
+      s.bodies.push_back(d);
+    }
+    s.watched.push_back(s.bodies.size() - 1);
+    s.expected.push_back(at + 0.25 * up + way * down);
+  }
+  s.length = 1, s.size = 0.5, s.energy = s.gravity;
+  s.speed = s.gravity * seconds;
+  return s;
+}
+
 const std::vector<RigidMap>& maps() {
   static const std::vector<RigidMap> table = [] {
     std::vector<RigidMap> all = {
@@ -143,7 +170,12 @@ const std::vector<RigidMap>& maps() {
         "a weightless box spins about its axis of largest inertia",
         rigid_step_axis(),
         {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
-       &spin}};
+       &spin},
+      {{"friction",
+        "crates on slopes with friction 2 % above and 25 % below what holds, 60 steps/s",
+        {"slope", "slope", "deg", false, {5, 10, 20, 30, 40}, {5, 40}},
+        {"ratio", "dynamic by static friction", "", false, {0, 0.1, 0.25, 0.5, 0.9, 1}, {0, 0.25, 1}}},
+       &friction}};
     for (RigidMap& map : joint_stability_maps()) all.push_back(std::move(map));
     return all;
   }();
@@ -286,7 +318,8 @@ std::unique_ptr<StabilityProblem> make() {
 std::span<const StabilityProblemRow> rigid_stability_problems() {
   static const StabilityProblemRow table[] = {{"stack", &make<0>}, {"heavy", &make<1>}, {"size", &make<2>},
                                               {"far", &make<3>},   {"bullet", &make<4>}, {"spin", &make<5>},
-                                              {"hinged_rod", &make<6>}, {"jointed_chain", &make<7>}};
+                                              {"friction", &make<6>}, {"hinged_rod", &make<7>},
+                                              {"jointed_chain", &make<8>}};
   return table;
 }
 

@@ -127,6 +127,17 @@ TEST_CASE("a box a million times heavier presses its support in: inaccurate, not
   }
 }
 
+// Places in float are 1 m apart at 1e7 m: a box that should slide stands still there.
+TEST_CASE("a box that stands still where it should slide is stuck", "[study][stability]") {
+  StabilityPlan p;
+  p.problem = "far", p.x_values = {1.0 / 60}, p.y_values = {1, 1e7};
+  for (const StabilityMap& m : run_stability(p).maps) {
+    CAPTURE(m.method);
+    CHECK(m.cells[0].verdict == Verdict::stable);
+    CHECK(m.cells[1].verdict == (sizeof(Real) == 4 ? Verdict::stuck : Verdict::stable));
+  }
+}
+
 TEST_CASE("verdicts say what is wrong", "[study][stability]") {
   StabilityPlan p;
   p.problem = "oscillator", p.y_values = {0};
