@@ -98,7 +98,8 @@ ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
       rest_speed_(static_cast<Real>(p.number("restitution_speed", 0.05, 0, 1e6))),
       slop_(static_cast<Real>(p.number("slop", 0.0005, 0, 1))), pops_per_node_(p.integer("iterations", 30, 1, 100000)),
       bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a),
-      factors_(&a), trees_(a), tree_bias_(&a), tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
+      factors_(&a), trees_(a), tree_bias_(&a), tree_step_(&a), tree_inertia_(&a), parent_(&a),
+      island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
       body_places_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {

@@ -27,7 +27,8 @@ Vec3d turned_back(const Vec3d& t, const Vec3d& v) {
 
 Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
   const Quat& p = j.principal;
-  const double ax = rotation.x, ay = rotation.y, az = rotation.z, aw = rotation.w, bx = p.x, by = p.y, bz = p.z, bw = p.w;
+  const double ax = rotation.x, ay = rotation.y, az = rotation.z, aw = rotation.w;
+  const double bx = p.x, by = p.y, bz = p.z, bw = p.w;
   double x = aw * bx + ax * bw + ay * bz - az * by, y = aw * by - ax * bz + ay * bw + az * bx;
   double z = aw * bz + ax * by - ay * bx + az * bw, w = aw * bw - ax * bx - ay * by - az * bz;
   const double scale = 1 / std::sqrt(x * x + y * y + z * z + w * w);

@@ -72,8 +72,9 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   for (std::uint32_t i = 1; i < motions_.size(); ++i) {
     const MoverState& s = movers.state[i];
     const JointedBody* uneven = in.uneven(i);
-    motions_[i] = {s.velocity, s.angular_velocity, 
-                   bend_matrix(s.angular_velocity, uneven && !(contacts_ && uneven->slender) ? uneven->mean_spin : s.angular_velocity, h)};
+    const bool foreseen = uneven && !(contacts_ && uneven->slender);
+    const Vec3& mean = foreseen ? uneven->mean_spin : s.angular_velocity;
+    motions_[i] = {s.velocity, s.angular_velocity, bend_matrix(s.angular_velocity, mean, h)};
   }
 }
 

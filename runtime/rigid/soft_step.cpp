@@ -296,15 +296,12 @@ void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
   });
 }
 
-namespace {
-
+// Of an uneven jointed body: contacts have pushed, and it turns freely for h seconds; rad.
 Vec3 drift_turn(JointedBody& j, const MoverState& s, const MoverMass& m, Real h) {
   j.drift_spin = s.angular_velocity;
   take_pushes(j, s, m);
   return turn_jointed(j, h);
 }
-
-}  // namespace
 
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   MoverState* state = in.movers->state.data();
