@@ -178,8 +178,8 @@ void definitions_part(Page& page, const StudyResult& r) {
        "are hollow."},
       {"below the reference",
        "Errors below three times the uncertainty of the reference, or of what rounding does, say nothing about the "
-       "method: grey, and left out of fits. What rounding does is measured for each run of a net or an equation: its "
-       "distance from a twin that started a last place away."},
+       "method: grey, and left out of fits. What rounding does is measured for each run of a net or an equation with "
+       "fixed steps: its distance from a twin that started a last place away."},
       {"gutter",
        "Runs without an error to plot, at what they had cost: a cross diverged, a slashed small circle is not a "
        "number, a barred circle was refused."},

@@ -231,7 +231,8 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
     }
   }
   watch.finish(*run);
-  if (problem.has_twins() && point.completed && point.err_traj_rms < kTwinBelow) {
+  // an adaptive method takes other steps for a twin: their distance would be what it truncates
+  if (problem.has_twins() && !method.adaptive && point.completed && point.err_traj_rms < kTwinBelow) {
     RunSpec other = spec;
     other.twin = true;
     watch.compare(*problem.start(other));
