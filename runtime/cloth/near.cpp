@@ -18,6 +18,9 @@ constexpr Real kNear = Real(1.1);       // thicknesses, from which on a pair mat
 constexpr int kMostParts = 64;
 constexpr Real kFreeShare = Real(0.05);  // of the weights, up to which a pair is its pinned vertices' own
 
+// Along a segment; 0 where its ends coincide.
+Real share(Real part, Real whole) { return whole > 0 ? part / whole : Real(0); }
+
 // Closest point of the triangle to p by barycentric weights (Ericson, Real-Time Collision Detection, 5.1.5).
 void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
@@ -28,14 +31,15 @@ void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   const Real d3 = dot(ab, bp), d4 = dot(ac, bp);
   if (d3 >= 0 && d4 <= d3) return void(w[1] = 1);
   const Real vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return void((w[1] = d1 / (d1 - d3), w[0] = 1 - w[1]));
+  // an edge without length is none: its neighbours decide
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return void((w[1] = d1 / (d1 - d3), w[0] = 1 - w[1]));
   const Vec3 cp = p - c;
   const Real d5 = dot(ab, cp), d6 = dot(ac, cp);
   if (d6 >= 0 && d5 <= d6) return void(w[2] = 1);
   const Real vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return void((w[2] = d2 / (d2 - d6), w[0] = 1 - w[2]));
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return void((w[2] = d2 / (d2 - d6), w[0] = 1 - w[2]));
   const Real va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0)
     return void((w[2] = (d4 - d3) / ((d4 - d3) + (d5 - d6)), w[1] = 1 - w[2]));
   const Real sum = va + vb + vc;
   if (!(sum > 0)) return void(w[0] = 1);
@@ -48,9 +52,9 @@ void closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
   const Real uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
   const Real det = uu * vv - uv * uv;
   s = det > Real(1e-6) * uu * vv ? clamp((uv * vr - ur * vv) / det, 0, 1) : Real(0);
-  t = (uv * s + vr) / vv;
-  if (t < 0) t = 0, s = clamp(-ur / uu, 0, 1);
-  if (t > 1) t = 1, s = clamp((uv - ur) / uu, 0, 1);
+  t = share(uv * s + vr, vv);
+  if (t < 0) t = 0, s = clamp(share(-ur, uu), 0, 1);
+  if (t > 1) t = 1, s = clamp(share(uv - ur, uu), 0, 1);
 }
 
 template <class Place>
