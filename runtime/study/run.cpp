@@ -15,7 +15,7 @@ constexpr int kWatched = 2048;
 constexpr double kFar = 1e6, kFast = 1e3, kHot = 1e3;  // x_scale, v_scale, energy_scale
 constexpr double kHorizon = 1e-3;
 constexpr double kSlowShare = 0.01;                    // of the solves may miss their tolerance
-constexpr double kTwinBelow = 1e-2;                    // larger errors are not rounding's
+constexpr double kTwinBelow = sizeof(Real) == 4 ? 1e-2 : 1e-7;  // larger errors are not rounding's
 
 bool finite(const Observation& o) {
   const auto all = [](const std::vector<double>& a) {
