@@ -2,7 +2,8 @@
 // the same recursion as Featherstone's articulated inertia). Unknown are the velocity changes dv of the bodies and
 // the impulses p of the links, M dv = J^T p and J dv + g p = -(J v + bias). From the leaves up, a child is eliminated
 // into its parent: A = M + sum J_up^T Y^-1 J_up with Y = J_own A_child^-1 J_own^T + g; then impulses follow from the
-// root down. g is a compliance at rounding level that makes redundant rows and closed world anchors solvable.
+// root down. g is a compliance: at rounding level, that redundant rows of a joint are solvable; more at anchors that
+// close a chain.
 // In double precision, because Y spans the mass ratio. Nothing is kept between calls of find(). Loops of bodies,
 // springs, limits and motors stay with the iterative rows.
 #include "rigid/joint_trees.h"
@@ -11,6 +12,10 @@ namespace feder {
 namespace {
 
 constexpr double kCompliance = 1e-8;  // of a row's own compliance
+// The same of an anchor that closes a chain between two places of the world. Directions that such a chain holds twice
+// (parallel hinges: three of six) get impulses of misfit / compliance, and as axes tilt a little, those move bodies.
+// Impulses are kept from substep to substep, so that it is a stiffness of 1/(h^2 compliance), not a creep.
+constexpr double kClosingCompliance = 1e-3;
 
 // In place L D L^T of a symmetric matrix in packed rows (lower triangle); the diagonal becomes 1/D.
 void factorize(double* m, int n) {
@@ -253,7 +258,7 @@ void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Solver
     const std::uint32_t a = links_[node.link].mover_a, b = links_[node.link].mover_b;
     const double alone = compliance(row, row.angular_a, in.movers->mass[a], in.uneven(a), inv_inertia[a]) +
                          compliance(row, row.angular_b, in.movers->mass[b], in.uneven(b), inv_inertia[b]);
-    y[i] = (node.leaf ? 0 : y[i]) + kCompliance * alone + 1e-30;
+    y[i] = (node.leaf ? kClosingCompliance * alone : y[i] + kCompliance * alone) + 1e-30;
   }
   factorize(node.stiffness, node.rows);
   if (node.parent == kNone) return;

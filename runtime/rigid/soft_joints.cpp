@@ -5,7 +5,14 @@
 // change direction. Kept between steps: the impulses, in SolverJoint. Weak spot: loops with high mass ratios.
 #include "rigid/soft_joints.h"
 
+#include <algorithm>
+
 namespace feder {
+namespace {
+
+constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; beyond 4 no substep can follow
+
+}  // namespace
 
 SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
   if (!(hertz > 0)) return {0, 1, 0};
@@ -19,9 +26,9 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
 bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && trees_.direct(block); }
 
 // Tension in a joint is a spring against rotation: about an axis with inertia I, pulls p/h at arms r (of length q
-// across that axis) swing with omega^2 = sum p q^2 / (r h I) at most, and above 2/h the substep cannot follow. There
-// (and only there) joints see a larger inertia (Andrews et al., "Geometric Stiffness for Real-time Constrained
-// Multibody Dynamics", 2017).
+// across that axis) swing with omega^2 = sum p q^2 / (r h I) at most, and above 2/h the substep cannot follow. Near that
+// (and only there: contacts see the body's own) joints see a larger inertia (Andrews et al., "Geometric Stiffness for
+// Real-time Constrained Multibody Dynamics", 2017).
 void SoftJoints::stabilize(const SolverInput& in, Real h) {
   strain_.assign(in.movers->state.size(), Real(0));
   if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
@@ -57,12 +64,41 @@ void SoftJoints::turn_inertias(const SolverInput& in) {
     const Mat3& start = movers.mass[i].inv_inertia;
     const Real ratio = strain_[i] * start.cwiseAbs().rowwise().sum().maxCoeff();  // (h omega)^2, at most
     inv_inertia_[i] = start;
-    if (ratio > 1) inv_inertia_[i] *= 1 / ratio;
+    if (ratio > kStrain) inv_inertia_[i] *= kStrain / ratio;
     if (JointedBody* uneven = in.uneven(i)) {
       const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
-      for (int k = 0; k < 3; ++k) uneven->share[k] = ratios[k] > 1 ? 1 / ratios[k] : 1;
+      for (int k = 0; k < 3; ++k) uneven->share[k] = kStrain / std::max<double>(ratios[k], kStrain);
     }
   }
+}
+
+std::uint32_t SoftJoints::find_group(std::uint32_t i) {
+  while (group_[i] != i) i = group_[i] = group_[group_[i]];
+  return i;
+}
+
+// Bodies that hang by joints on one that a contact touches. What a contact gave a body last turns it in a way that its
+// joints do not allow, and how anchors bend follows from the square of that: nothing is foreseen there.
+void SoftJoints::find_touched(const SolverInput& in) {
+  const Movers& movers = *in.movers;
+  touched_.assign(movers.state.size(), 0);
+  if (in.contacts->active.empty()) return;
+  group_.resize(movers.state.size());
+  for (std::uint32_t i = 0; i < group_.size(); ++i) group_[i] = i;
+  for (const SolverJoint& joint : in.joints) {
+    if (!joint.active || joint.mover_a == kNone || joint.mover_b == kNone) continue;
+    const std::uint32_t a = movers.solver[joint.mover_a], b = movers.solver[joint.mover_b];
+    if (movers.mass[a].inv_mass > 0 && movers.mass[b].inv_mass > 0) group_[find_group(a)] = find_group(b);
+  }
+  const auto touch = [&](std::uint32_t collider) {
+    const std::uint32_t mover = in.colliders->mover[collider];
+    if (mover != kNone) touched_[find_group(movers.solver[mover])] = 1;
+  };
+  for (const std::uint32_t slot : in.contacts->active) {
+    touch(in.contacts->slots[slot].collider_a);
+    touch(in.contacts->slots[slot].collider_b);
+  }
+  for (std::uint32_t i = 0; i < touched_.size(); ++i) touched_[i] = touched_[find_group(i)];
 }
 
 void SoftJoints::load_motions(const SolverInput& in, Real h) {
@@ -72,9 +108,9 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   for (std::uint32_t i = 1; i < motions_.size(); ++i) {
     const MoverState& s = movers.state[i];
     const JointedBody* uneven = in.uneven(i);
-    const bool foreseen = uneven && !(contacts_ && uneven->slender);
-    const Vec3& mean = foreseen ? uneven->mean_spin : s.angular_velocity;
-    motions_[i] = {s.velocity, s.angular_velocity, bend_matrix(s.angular_velocity, mean, h)};
+    const Vec3& mean = uneven ? uneven->mean_spin : s.angular_velocity;
+    motions_[i] = {s.velocity, s.angular_velocity, Mat3::Zero()};
+    if (!touched_[i]) motions_[i].bend = bend_matrix(s.angular_velocity, mean, h);
   }
 }
 
@@ -233,9 +269,9 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
   const Movers& movers = *in.movers;
   uneven_ = !in.jointed.empty();
   contacts_ = contacts;
-  drifted_ = slender_ = false;
-  for (const JointedBody& j : in.jointed) slender_ = slender_ || j.slender;
+  drifted_ = false;
   slides_.assign(uneven_ ? movers.state.size() : 0, BodySlide{});
+  if (c.substep == 0) find_touched(in);
   fill_rows(in, c);
   ready_.resize(rows_.size());
   prepared_.resize(blocks_.size());
@@ -254,16 +290,6 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
   all_direct_ = !trees_.empty();
   for (std::size_t i = 0; all_direct_ && i < blocks_.size(); ++i) all_direct_ = trees_.direct(i);
   for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
-  if (contacts_ && slender_ && !trees_.empty()) foresee(in, c, change);
-}
-
-// Contacts leave velocities that joints do not allow: how anchors bend is foreseen from those that they do.
-void SoftJoints::foresee(const SolverInput& in, const StepContext& c, Real* change) {
-  bias_.assign(rows_.size(), Real(0));
-  step_.resize(rows_.size());
-  solve_directly(in, change);
-  fill_rows(in, c);
-  for (const RowBlock& block : blocks_) prepare_rows(block, in, c.h);
 }
 
 void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change) {

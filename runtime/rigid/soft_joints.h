@@ -26,6 +26,8 @@ class SoftJoints {
         strain_(&arena),
         strain_axes_(&arena),
         motions_(&arena),
+        group_(&arena),
+        touched_(&arena),
         slides_(&arena),
         inv_inertia_(&arena),
         hertz_(hertz),
@@ -63,6 +65,8 @@ class SoftJoints {
   void add_strain(const SolverInput& in, std::uint32_t mover, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
   void turn_inertias(const SolverInput& in);
+  std::uint32_t find_group(std::uint32_t i);
+  void find_touched(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
   void prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
   void respond_uneven(const RowBlock& block, const SolverInput& in);
@@ -74,7 +78,6 @@ class SoftJoints {
   }
   void fill_rows(const SolverInput& in, const StepContext& c);
   void prepare_rows(const RowBlock& block, const SolverInput& in, Real h);
-  void foresee(const SolverInput& in, const StepContext& c, Real* change);
   void solve_directly(const SolverInput& in, Real* change);
   void slide_trees(const SolverInput& in);
   void solve_trees(const SolverInput& in, bool biased, Real* change);
@@ -89,12 +92,13 @@ class SoftJoints {
   Array<Real> strain_;       // by mover: h sum |impulse| |arm|, kg m^2
   Array<Vec3d> strain_axes_; // the same by principal axis, of uneven bodies
   Array<BodyMotion> motions_;  // by mover
+  Array<std::uint32_t> group_;  // by mover: union-find over joints
+  Array<std::uint8_t> touched_;  // by mover: hangs together with a body that a contact touches
   Array<BodySlide> slides_;  // by mover
   Array<Mat3> inv_inertia_;  // by mover, world, that joints feel in this substep
   Real hertz_, damping_ratio_;
   bool use_trees_;
   bool contacts_ = false;    // there are contacts
-  bool slender_ = false;     // there are slender bodies on joints
   bool drifted_ = false;     // bodies have moved since rows were filled
   bool all_direct_ = false;
   bool uneven_ = false;      // there are bodies whose angular momentum is kept

@@ -7,8 +7,7 @@ local crates = feder.param("crates", 5, { min = 0, max = 50, step = 1 })
 return feder.scene {
   title = "Bridge",
   seconds = 8,
-  -- soft_step lets chains of hinges gain energy from crates that roll on them: README, Limits
-  world = { dt = 1 / 60, substeps = 4, rigid = { solver = "impulse" } },
+  world = { dt = 1 / 60, substeps = 4 },
 
   build = function(world, scene)
     -- the planks hang in a V, 3 % longer than the gap they span
