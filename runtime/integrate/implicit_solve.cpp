@@ -18,6 +18,9 @@ constexpr bool kFloat = sizeof(Real) == 4;
 constexpr double kNewtonTolerance = kFloat ? 1e-4 : 1e-9;  // residual against the step's first one
 constexpr double kLinearTolerance = kFloat ? 1e-6 : 1e-11;
 constexpr Real kNothing = Real(1e-30);  // m; float loses precision below 1e-38 / kEpsilon
+// units of the largest coordinate's last place: an update that need not follow; one that is no miss after the last step,
+// since the rounding of stiff springs in a row adds up and updates of 5 to 7 units go on for ever in a chain of ten
+constexpr Real kStop = 4, kNoMiss = 8;
 constexpr int kMaxHalvings = 4;
 constexpr std::uint64_t kLdlFloor = 20000;     // block products that are cheap at any size
 constexpr std::uint64_t kLdlPerBlock = 60;     // a hard conjugate-gradient solve multiplies each block that often
@@ -93,12 +96,12 @@ void ImplicitStage::solve(ForceField& field, const StageProblem& p, std::span<Ve
   for (int k = 1;; ++k) {
     const double now = search(field, p, v, stats);
     stats.residual = first > 0 ? std::sqrt(now / first) : 0;
-    if (solved && (now <= kNewtonTolerance * kNewtonTolerance * first || direction_is_rounding(p))) return;
+    if (solved && (now <= kNewtonTolerance * kNewtonTolerance * first || update_is_rounding(p, kStop))) return;
     if (k == newton_cap_) break;
     matrix_.assemble(field, p.t, p.g, x_new_, v, stats);
     solved = matrix_.solve(field, residual_, dv_, stats);
   }
-  ++stats.unconverged;
+  if (!solved || !update_is_rounding(p, kNoMiss)) ++stats.unconverged;
 }
 
 // r = g f(x_new, v) - M (v - v_star) of the free points.
@@ -162,13 +165,13 @@ double ImplicitStage::search(ForceField& field, const StageProblem& p, std::span
 }
 
 // Is the last update below what the positions can resolve, or so small that float has no digits left?
-bool ImplicitStage::direction_is_rounding(const StageProblem& p) const {
+bool ImplicitStage::update_is_rounding(const StageProblem& p, Real units) const {
   Real update = 0, size = 0;
   for (std::size_t i = 0; i < dv_.size(); ++i) {
     update = std::max(update, dv_[i].cwiseAbs().maxCoeff());
     size = std::max(size, p.x[i].cwiseAbs().maxCoeff());
   }
-  return p.g * update <= std::max(Real(4) * kEpsilon * size, kNothing);
+  return p.g * update <= std::max(units * kEpsilon * size, kNothing);
 }
 
 }  // namespace feder

@@ -59,7 +59,7 @@ class ImplicitStage {
   double squared_residual(const ForceField& field) const;
   double slope_along_direction() const;
   double search(ForceField& field, const StageProblem& p, std::span<Vec3> v, IntegratorStats& stats);
-  bool direction_is_rounding(const StageProblem& p) const;
+  bool update_is_rounding(const StageProblem& p, Real units) const;
   void set_residual(ForceField& field, const StageProblem& p, std::span<const Vec3> v);
 
   int newton_cap_;
