@@ -30,6 +30,7 @@ class Stability final : public Command {
   }
 
   int run(const Options& options) override {
+    warn_of_scene_options(options);
     if (list_) return print_list(options);
     report::StabilityContext context;
     context.machine = report::machine_info(FEDER_VERSION, kRealName);
@@ -50,6 +51,19 @@ class Stability final : public Command {
   }
 
  private:
+  // Maps are run as their problem and axes say.
+  static void warn_of_scene_options(const Options& o) {
+    std::vector<const char*> given;
+    if (!o.dt.empty()) given.push_back("--dt");
+    if (o.threads > 0) given.push_back("--threads");
+    if (!o.seed.empty()) given.push_back("--seed");
+    if (!o.set.empty()) given.push_back("--set");
+    if (!o.world.empty()) given.push_back("--world");
+    if (!given.empty())
+      fmt::print(stderr, "feder stability: {} {} for scenes: no effect on maps; --x, --y choose values of their axes\n",
+                 fmt::join(given, ", "), given.size() == 1 ? "is" : "are");
+  }
+
   int print_list(const Options& options) const {
     report::Json json = report::Json::array();
     for (const StabilityProblemInfo& p : stability_problem_infos()) {

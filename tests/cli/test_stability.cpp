@@ -33,4 +33,7 @@ TEST_CASE("wrong words of stability end with status 2", "[cli]") {
     CHECK(p.run(std::string("stability ") + wrong).status == 2);
   }
   CHECK(p.run("stability --list").status == 0);
+  const Outcome scenes = p.run("stability oscillator --x 1 --y 0 --dt 1/240 --threads 2");
+  CHECK(scenes.status == 0);
+  CHECK(scenes.err.find("--dt, --threads are for scenes: no effect") != std::string::npos);
 }
