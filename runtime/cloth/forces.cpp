@@ -20,6 +20,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
     if (forces) {
       const TagMask tags = objects.tags(s.object);
       points.clear();
+      const Real share = forces->drag_share() / c.h;
       for (const ForceEntry& f : forces->list) {
         if (!acts_on(f, s.object, tags)) continue;
         if (f.force->on_area()) {
@@ -30,11 +31,11 @@ void Cloth::Impl::add_forces(StepContext& c) {
           for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
             const Real area = vertices.mass[i] / s.settings.area_density;
             points.push_back({vertices.position[i] + moved[i].vec(), speed[i].vec(), vertices.mass[i], area,
-                              area * s.settings.thickness});
+                              area * s.settings.thickness, share * vertices.mass[i]});
           }
         f.force->add(points.data(), s.points, time, force.data());
       }
-      if (blown && s.settings.wind) add_wind(s, time);
+      if (blown && s.settings.wind) add_wind(s, time, c.h);
     }
     if (!blown && s.settings.wind && air_density > 0) add_still_air(s, c.h);
     Vec3 sum = g * s.mass;
@@ -48,23 +49,29 @@ void Cloth::Impl::add_forces(StepContext& c) {
   }
 }
 
-void Cloth::Impl::add_wind(Sheet& s, double time) {
+void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
   const std::size_t count = s.mesh.triangles.size() / 3;
   points.resize(count);
   const Forces& forces = store.get<Forces>();
   const AreaShares shares{s.settings.drag, s.settings.lift};
   const TagMask tags = objects.tags(s.object);
+  const Real most = forces.drag_share() * s.settings.area_density / h;  // per square metre at rest
   for (std::size_t t = 0; t < count; ++t) {
     const std::uint32_t* v = &s.mesh.triangles[3 * t];
     MassPoint& p = points[t];
     p = {};
+    Vec3 x[3], rest[3];
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t i = s.first + v[k];
-      p.position += (vertices.position[i] + moved[i].vec()) / 3;
+      x[k] = place(i), rest[k] = vertices.rest[i];
+      p.position += x[k] / 3;
       p.velocity += speed[i].vec() / 3;
     }
     p.mass = s.settings.area_density;
     p.area = 1;
+    // each corner bears a third of the triangle, in mass as in drag
+    const Real stretch = length(cross(x[1] - x[0], x[2] - x[0])) / length(cross(rest[1] - rest[0], rest[2] - rest[0]));
+    if (stretch > 0) p.most_drag = most / stretch;
   }
   for (const ForceEntry& f : forces.list) {
     if (!acts_on(f, s.object, tags) || !f.force->on_area()) continue;

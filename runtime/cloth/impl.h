@@ -112,7 +112,7 @@ struct Cloth::Impl {
   void check_damping(Sheet& s, StepContext& c);
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);
-  void add_wind(Sheet& s, double time);
+  void add_wind(Sheet& s, double time, Real h);
   void add_still_air(const Sheet& s, Real h);
   void quarantine(StepContext& c);
   void update_sleep(StepContext& c);

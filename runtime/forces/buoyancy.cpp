@@ -3,6 +3,8 @@
 // ball's cap at depth s above its lowest point: q(s) = s^2 (3r - s)/(4 r^3), 0 <= s <= 2r.
 // V: option `volume`, else the object's own, else mass / object_density. Potential: rho g V times the integral of q.
 // Weak spot: lift acts on the centre of mass, so a floating box does not right itself.
+#include <algorithm>
+
 #include "forces/force.h"
 
 namespace feder {
@@ -32,7 +34,7 @@ class Buoyancy final : public Force {
       const double v = volume(points[i]), r = radius(v), s = depth(points[i], r);
       const double share = immersed(s, r);
       out[i][1] += static_cast<Real>(density_ * gravity_ * v * share);
-      out[i] -= (drag_ * static_cast<Real>(share)) * (points[i].velocity - flow_);
+      out[i] -= std::min(drag_ * static_cast<Real>(share), points[i].most_drag) * (points[i].velocity - flow_);
     }
   }
   double potential(const MassPoint* points, std::size_t count) const override {

@@ -1,4 +1,6 @@
 // Linear and quadratic drag: f = -(linear + quadratic |v|) v. Linear in N s/m, quadratic in N s^2/m^2.
+#include <algorithm>
+
 #include "forces/force.h"
 
 namespace feder {
@@ -13,7 +15,7 @@ class Drag final : public Force {
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3& v = points[i].velocity;
-      out[i] -= v * (linear_ + quadratic_ * length(v));
+      out[i] -= v * std::min(linear_ + quadratic_ * length(v), points[i].most_drag);
     }
   }
 

@@ -15,10 +15,14 @@ struct MassPoint {
   Real mass = 0;            // kg
   Real area = 0;            // m^2, cross-section where known (drag, wind), else 0
   Real volume = 0;          // m^3 where known (buoyancy), else 0
+  // kg/s: rate times relative velocity that a force against it may have at most. Owners that hold the force for a time h
+  // set mass/h shared by all such forces: it may stop the point within h and never turns it round.
+  Real most_drag = kInfinity;
 };
 
 // Contract, checked for every kind by tests/forces/test_force_contract.cpp: finite for finite input, zero for zero
-// mass when the kind is proportional to mass, the potential's gradient where there is one.
+// mass when the kind is proportional to mass, the potential's gradient where there is one, and bounded by `most_drag`
+// where it acts against a relative velocity.
 class Force {
  public:
   virtual ~Force() = default;
@@ -58,6 +62,12 @@ struct ForceEntry {
 // The block: a world's forces in the order they were made.
 struct Forces {
   explicit Forces(Arena&) {}
+  // What each force may stop of a mass (or of a rate) if all that act against velocities share it.
+  Real drag_share() const {
+    int count = 0;
+    for (const ForceEntry& f : list) count += f.enabled && f.force && f.force->depends_on_velocity();
+    return count > 1 ? 1 / static_cast<Real>(count) : Real(1);
+  }
   std::vector<ForceEntry> list;
 };
 

@@ -3,6 +3,8 @@
 // `area` is used for all points when given; else the object's own cross-section, or kDefaultArea where it has none.
 // Gusts scale the wind by 1 + gust (sin(w t) + sin(g w t))/2 with g the golden ratio, so that they never repeat, yet
 // depend on the simulated time only. Weak spot: no wind shadow, and the whole field breathes at once.
+#include <algorithm>
+
 #include "forces/force.h"
 
 namespace feder {
@@ -33,7 +35,7 @@ class Wind final : public Force {
       const Vec3 u = points[i].velocity - air;
       const Real own = points[i].area > 0 ? points[i].area : kDefaultArea;
       const Real area = area_ >= 0 ? area_ : own;
-      out[i] -= (linear_ + half_density_ * area * length(u)) * u;
+      out[i] -= std::min(linear_ + half_density_ * area * length(u), points[i].most_drag) * u;
     }
   }
 

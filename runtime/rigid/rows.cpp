@@ -114,6 +114,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   for (std::uint32_t p = 0; p < count; ++p) applied_force[p] = bodies.force[moving[p]];
   const double now = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  const Real share = forces.drag_share() / c.h;
   for (const ForceEntry& f : forces.list) {
     if (!f.enabled || !f.force) continue;
     points.clear();
@@ -129,6 +130,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
       point.mass = bodies.mass[i];
       point.area = area[i];
       point.volume = volume[i];
+      point.most_drag = share * bodies.mass[i];
       points.push_back(point);
       point_place.push_back(p);
     }

@@ -95,6 +95,24 @@ TEST_CASE("forces are finite, additive and independent of company", "[forces][co
   }
 }
 
+// With velocities +v and -v all but drag drops out of the difference.
+TEST_CASE("drag takes most_drag times the velocity at most", "[forces][contract]") {
+  const std::string kind = GENERATE("drag", "wind", "buoyancy");
+  const Real most = GENERATE(Real(0), Real(0.5), Real(1e3));
+  CAPTURE(kind, most);
+  Params p;
+  p.set(kind == "buoyancy" ? "drag" : "linear", 1e5);
+  if (kind == "buoyancy") p.set("height", 100.0);
+  const auto force = make(kind.c_str(), p);
+  for (MassPoint point : some_points(20)) {
+    point.most_drag = most;
+    const Vec3 ahead = force_on(*force, point);
+    point.velocity = -point.velocity;
+    const Vec3 half = (force_on(*force, point) - ahead) / 2;
+    CHECK(length(Vec3(half + most * point.velocity)) <= Real(1e-3) * (1 + most) * length(point.velocity));
+  }
+}
+
 TEST_CASE("a force with a potential is its gradient at rest", "[forces][contract]") {
   const int row = GENERATE(range(0, static_cast<int>(force_kinds().size())));
   const auto& kind = force_kinds()[static_cast<std::size_t>(row)];
