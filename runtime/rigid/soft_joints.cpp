@@ -6,10 +6,12 @@
 #include "rigid/soft_joints.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace feder {
 namespace {
 
+constexpr Real kRadian = Real(0.3);  // m, that an error of one radian counts as
 constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; beyond 4 no substep can follow
 
 }  // namespace
@@ -114,7 +116,7 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   }
 }
 
-void SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const {
+Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const {
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
@@ -125,23 +127,47 @@ void SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, Read
   out.bias = out.relaxed_bias = -row.speed;
   out.mass_scale = out.relaxed_mass_scale = 1;
   out.impulse_scale = out.relaxed_impulse_scale = 0;
-  if (row.velocity_only) return;
+  if (row.velocity_only) return 0;
   // a limit that is not reached: the gap may close in this substep, not more
   const bool open = (row.lower >= 0 && row.value > 0) || (row.upper <= 0 && row.value < 0);
   if (open) {
     out.bias = out.relaxed_bias = row.value / h - row.speed;
-    return;
+    return 0;
   }
   const bool spring = row.hertz > 0;
   const SoftFactors soft = spring ? soft_factors(row.hertz, row.damping_ratio, h) : stiff_factors_;
-  out.bias = soft.bias_rate * row.value - row.speed;
+  const Real closing = soft.bias_rate * row.value;
+  out.bias = closing - row.speed;
   if (!spring) out.bias += row.bend, out.relaxed_bias += row.bend;
   out.mass_scale = soft.mass_scale;
   out.impulse_scale = soft.impulse_scale;
-  if (!spring) return;
+  if (!spring) return closing;
   out.relaxed_bias = out.bias;
   out.relaxed_mass_scale = soft.mass_scale;
   out.relaxed_impulse_scale = soft.impulse_scale;
+  return 0;
+}
+
+// An open joint closes at push_speed at most, as overlap does: Jacobians that turn under a biased impulse leave bodies a
+// part of its energy, which grows with the square of the gap. Warm-start impulses are cut by the same share: joints of a
+// loop pull against each other, and when the bodies have turned, what balanced would set them in motion.
+// (What is solved as a tree slides, and gains no energy.)
+void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
+  Real squares[2] = {0, 0};  // of linear and angular rows
+  const auto is_angular = [](const ReadyRow& r) { return r.linear.isZero(0); };
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+    const Real wanted = ready_[k].bias - ready_[k].relaxed_bias;
+    squares[is_angular(ready_[k])] += wanted * wanted;
+  }
+  const Real turn_speed = push_speed_ / kRadian;
+  if (squares[0] <= push_speed_ * push_speed_ && squares[1] <= turn_speed * turn_speed) return;
+  const Real share[2] = {std::min(push_speed_ / std::sqrt(squares[0]), Real(1)),
+                         std::min(turn_speed / std::sqrt(squares[1]), Real(1))};
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+    ReadyRow& r = ready_[k];
+    r.bias = r.relaxed_bias + share[is_angular(r)] * (r.bias - r.relaxed_bias);
+    impulse[k - block.first] *= std::min(share[0], share[1]);
+  }
 }
 
 void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
@@ -261,7 +287,10 @@ void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
 }
 
 void SoftJoints::prepare_rows(const RowBlock& block, const SolverInput& in, Real h) {
-  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) prepare_row(rows_[k], block, h, ready_[k]);
+  Real fastest = 0;
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
+    fastest = std::max(fastest, std::abs(prepare_row(rows_[k], block, h, ready_[k])));
+  if (fastest > push_speed_) torn_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
   if (uneven_) respond_uneven(block, in);
 }
 
@@ -279,6 +308,8 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
   stiff_factors_ = soft_factors(hertz_ < quarter ? hertz_ : quarter, damping_ratio_, c.h);
   stabilize(in, c.h);
   turn_inertias(in);
+  torn_.clear();
+  torn_.reserve(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& block = blocks_[i];
     prepare_rows(block, in, c.h);
@@ -287,6 +318,8 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
   }
   if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, movers);
   if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
+  for (const std::uint32_t i : torn_)
+    if (!is_direct(i)) bound_bias(blocks_[i], in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse);
   all_direct_ = !trees_.empty();
   for (std::size_t i = 0; all_direct_ && i < blocks_.size(); ++i) all_direct_ = trees_.direct(i);
   for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in, change);

@@ -15,7 +15,8 @@ struct BodySlide {
 
 class SoftJoints {
  public:
-  SoftJoints(Arena& arena, Real hertz, Real damping_ratio, bool use_trees)
+  // `push_speed`, m/s: at which an open joint of a loop is closed at most.
+  SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees)
       : rows_(&arena),
         blocks_(&arena),
         ready_(&arena),
@@ -28,10 +29,12 @@ class SoftJoints {
         motions_(&arena),
         group_(&arena),
         touched_(&arena),
+        torn_(&arena),
         slides_(&arena),
         inv_inertia_(&arena),
         hertz_(hertz),
         damping_ratio_(damping_ratio),
+        push_speed_(push_speed),
         use_trees_(use_trees) {}
 
   bool empty() const { return blocks_.empty(); }
@@ -68,7 +71,9 @@ class SoftJoints {
   std::uint32_t find_group(std::uint32_t i);
   void find_touched(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
-  void prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
+  // Returns the speed at which an equality is to be closed, m/s or rad/s.
+  Real prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
+  void bound_bias(const RowBlock& block, Real* impulse);
   void respond_uneven(const RowBlock& block, const SolverInput& in);
   void prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const;
   void apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
@@ -94,9 +99,10 @@ class SoftJoints {
   Array<BodyMotion> motions_;  // by mover
   Array<std::uint32_t> group_;  // by mover: union-find over joints
   Array<std::uint8_t> touched_;  // by mover: hangs together with a body that a contact touches
+  Array<std::uint32_t> torn_;  // blocks that ask for more than push_speed
   Array<BodySlide> slides_;  // by mover
   Array<Mat3> inv_inertia_;  // by mover, world, that joints feel in this substep
-  Real hertz_, damping_ratio_;
+  Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;    // there are contacts
   bool drifted_ = false;     // bodies have moved since rows were filled

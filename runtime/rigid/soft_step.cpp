@@ -42,7 +42,7 @@ class SoftStep final : public RigidSolver {
         bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
         bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
         joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3),
-                p.flag("joint_trees", true)) {}
+                push_speed_, p.flag("joint_trees", true)) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
