@@ -64,6 +64,11 @@ struct Springs::Impl {
   void break_springs(Net& n, Events& events);
   void warn_coincident(Net& n, Events& events);
   void quarantine(StepContext& c);
+  bool any_bad() const {
+    for (const auto& n : nets)
+      if (n->bad()) return true;
+    return false;
+  }
 };
 
 }  // namespace feder

@@ -11,7 +11,9 @@ namespace feder {
 
 void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   const std::uint32_t slice_count = (points + kLanes - 1) / kLanes;
-  position_.assign(slice_count * kLanes, PointRow{});
+  // behind the last slice, one row away from the origin: what lanes without a point look at
+  position_.assign(slice_count * kLanes + 1, PointRow{});
+  position_.back().x = 1;
   force_.assign(slice_count, Lane8x3{});
   snapped_.assign((s.size() + kLanes - 1) / kLanes, 0);
   place_.assign(std::size_t{2} * s.size(), 0);
@@ -35,7 +37,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   damping_.assign(damped ? row_count : 0, Lane8{});
   slack_.assign(slack ? row_count : 0, Lane8{});
   power_.assign(power ? row_count : 0, Lane8{});
-  velocity_.assign(damped ? slice_count * kLanes : 0, PointRow{});
+  velocity_.assign(damped ? slice_count * kLanes + 1 : 0, PointRow{});
 
   std::fill(degree.begin(), degree.end(), 0);  // from here on: rows filled
   for (std::uint32_t k = 0; k < s.size(); ++k) {
@@ -52,11 +54,12 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
       place_[std::size_t{2} * k + static_cast<std::size_t>(end)] = row * kLanes + lane;
     }
   }
-  // lanes without a spring look at the last neighbour again: a point at no distance would take the slow way
+  // lanes without a spring look at the last neighbour again, and those without a point at the row behind all: a point at
+  // no distance would take the slow way
   for (std::uint32_t i = 0; i < slice_count * kLanes; ++i) {
     const std::uint32_t begin = row_begin_[i / kLanes], end = row_begin_[i / kLanes + 1], lane = i % kLanes;
     for (std::uint32_t r = begin + degree[i]; r < end; ++r)
-      rows_[r].other[lane] = degree[i] > 0 ? rows_[r - 1].other[lane] : i;
+      rows_[r].other[lane] = degree[i] > 0 ? rows_[r - 1].other[lane] : i < points ? i : slice_count * kLanes;
   }
 }
 

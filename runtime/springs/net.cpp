@@ -44,13 +44,10 @@ inline double rate(std::span<const Vec3> v, std::uint32_t i, std::uint32_t j, co
   return (v[j] - v[i]).cast<double>().dot(n);
 }
 
-// All exponents below the largest? In integers, so that compilers vectorise it; a few points are faster one by one.
+constexpr std::uint32_t kFewPoints = 8;  // below, one by one is faster than wide
+
+// All exponents below the largest? In integers, so that compilers vectorise it.
 bool all_finite(std::span<const Vec3> a) {
-  if (a.size() < 8) {
-    Real sum = 0;
-    for (const Vec3& x : a) sum += 0 * x[0] + 0 * x[1] + 0 * x[2];
-    return sum == 0;
-  }
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   const Bits mask = std::bit_cast<Bits>(kInfinity);
   const Real* p = a.data()->data();
@@ -125,22 +122,24 @@ void Net::integrate(double t, Real h, JobPool* jobs) {
 }
 
 std::uint32_t Net::find_non_finite(JobPool* jobs, bool places_only) const {
+  if (points >= kFewPoints && all_points_finite(jobs, places_only)) return kNone;
+  const std::span<const Vec3> x = positions(), v = velocities();
+  for (std::uint32_t i = 0; i < points; ++i)
+    if (!is_finite(x[i]) || !(places_only || is_finite(v[i]))) return i;
+  return kNone;
+}
+
+bool Net::all_points_finite(JobPool* jobs, bool places_only) const {
   const std::span<const Vec3> x = positions(), v = velocities();
   const auto good = [&](std::uint32_t first, std::uint32_t last) {
     return all_finite(x.subspan(first, last - first)) && (places_only || all_finite(v.subspan(first, last - first)));
   };
-  if (jobs) {
-    std::atomic<bool> bad{false};
-    jobs->for_blocks(points, {1024, 2'000}, [&](std::uint32_t first, std::uint32_t last, int) {
-      if (!good(first, last)) bad.store(true, std::memory_order_relaxed);
-    });
-    if (!bad.load(std::memory_order_relaxed)) return kNone;
-  } else if (good(0, points)) {
-    return kNone;
-  }
-  for (std::uint32_t i = 0; i < points; ++i)
-    if (!is_finite(particles_.position[first + i]) || !is_finite(particles_.velocity[first + i])) return i;
-  return kNone;
+  if (!jobs) return good(0, points);
+  std::atomic<bool> bad{false};
+  jobs->for_blocks(points, {1024, 2'000}, [&](std::uint32_t first, std::uint32_t last, int) {
+    if (!good(first, last)) bad.store(true, std::memory_order_relaxed);
+  });
+  return !bad.load(std::memory_order_relaxed);
 }
 
 void Net::eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) {

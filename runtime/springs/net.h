@@ -91,6 +91,7 @@ class Net final : public ForceField {
   bool on_stepping_thread = false;      // a generator of this step runs a script
   bool snapped = false;                 // some spring is longer than it bears, found in this substep
 
+  bool bad() const { return bad_point != kNone && !frozen; }  // to be quarantined
   // Worth spreading over threads?
   bool wide() const { return springs.size() + points >= kWide; }
   // What acts this step. Called once per step; the generators are not kept beyond it.
@@ -135,6 +136,7 @@ class Net final : public ForceField {
  private:
   static constexpr std::uint32_t kWide = 4096;  // below, waking threads costs more than they bring
 
+  bool all_points_finite(JobPool* jobs, bool places_only) const;
   void add_still_air(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> force) const;
   // Is the spring slack, of those that only pull? `rate`: of its length, m/s.
   bool limp(std::uint32_t k, double len, double rate) const;

@@ -91,7 +91,7 @@ void Springs::Impl::integrate(StepContext& c) {
     for (std::uint32_t k = first; k < last; ++k)
       if (!nets[k]->wide() && !nets[k]->on_stepping_thread) run(*nets[k], nullptr);
   });
-  quarantine(c);
+  if (any_bad()) quarantine(c);
   for (auto& n : nets) {
     if (n->snapped) break_springs(*n, *c.events);
     if (n->coincident > 0 && !n->warned_coincident) warn_coincident(*n, *c.events);
@@ -133,12 +133,10 @@ void Springs::Impl::warn_coincident(Net& n, Events& events) {
 // A net with a non-finite point goes back to the start of the step and is held there: other systems never see the
 // bad numbers, and the warning says where they came up.
 void Springs::Impl::quarantine(StepContext& c) {
-  const auto bad = [](const auto& n) { return n->bad_point != kNone && !n->frozen; };
-  if (std::none_of(nets.begin(), nets.end(), bad)) return;
   std::string message;
   ObjectId object;
   for (auto& n : nets) {
-    if (!bad(n)) continue;
+    if (!n->bad()) continue;
     n->frozen = true;
     suspect(*n);
     for (std::uint32_t i = n->first; i < n->first + n->points; ++i) {
@@ -166,7 +164,7 @@ void Springs::Impl::finish(StepContext& c) {
                " stopped at its iteration cap, relative residual " + std::to_string(n->integrator->stats.residual);
   }
   watch(c);
-  quarantine(c);
+  if (any_bad()) quarantine(c);
   if (!message.empty()) c.events->warn("unconverged", message);
 }
 
