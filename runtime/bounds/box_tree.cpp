@@ -13,10 +13,15 @@ void BoxTree::build(std::span<const Aabb> boxes) {
   items_.resize(count), sort_.resize(count);
   nodes_.clear();
   if (count == 0) return;
-  for (std::uint32_t i = 0; i < count; ++i) items_[i] = i, sort_[i] = Real(0.5) * (boxes[i].lo + boxes[i].hi);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 middle = Real(0.5) * (boxes[i].lo + boxes[i].hi);
+    sort_[i] = {{middle[0], middle[1], middle[2]}, i};
+  }
   nodes_.reserve(2 * count);
-  nodes_.push_back({{}, 0, count});
+  nodes_.push_back({{}, 0, count, 0});
   for (std::uint32_t n = 0; n < nodes_.size(); ++n) split(n);
+  for (std::uint32_t i = 0; i < count; ++i) items_[i] = sort_[i].item;
+  find_last();
   fit();
   built_cost_ = cost();
 }
@@ -24,19 +29,32 @@ void BoxTree::build(std::span<const Aabb> boxes) {
 void BoxTree::split(std::uint32_t node) {
   const std::uint32_t first = nodes_[node].first, count = nodes_[node].count;
   if (count <= kLeaf) return;
-  Aabb middles;
-  for (std::uint32_t k = first; k < first + count; ++k) middles.include(sort_[items_[k]]);
-  const Vec3 size = middles.hi - middles.lo;
+  const auto begin = sort_.begin() + first, end = begin + count;
+  Real lo[3], hi[3];
+  for (int k = 0; k < 3; ++k) lo[k] = kInfinity, hi[k] = -kInfinity;
+  for (auto m = begin; m != end; ++m)
+    for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], m->at[k]), hi[k] = std::max(hi[k], m->at[k]);
+  const Vec3 size(hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]);
   const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
   const std::uint32_t half = count / 2;
-  const auto begin = items_.begin() + first;
-  std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {
-    return sort_[a][axis] != sort_[b][axis] ? sort_[a][axis] < sort_[b][axis] : a < b;
+  std::nth_element(begin, begin + half, end, [axis](const Middle& a, const Middle& b) {
+    return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.item < b.item;
   });
   const auto child = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({{}, first, half});
-  nodes_.push_back({{}, first + half, count - half});
+  nodes_.push_back({{}, first, half, 0});
+  nodes_.push_back({{}, first + half, count - half, 0});
   nodes_[node].first = child, nodes_[node].count = 0;
+}
+
+void BoxTree::find_last() {
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    if (node.count == 0) {
+      node.last = std::max(nodes_[node.first].last, nodes_[node.first + 1].last);
+      continue;
+    }
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.last = std::max(node.last, items_[k]);
+  }
 }
 
 void BoxTree::fit() {

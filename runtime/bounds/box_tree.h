@@ -22,19 +22,24 @@ class BoxTree {
   std::size_t size() const { return items_.size(); }
   Aabb bounds() const { return nodes_.empty() ? Aabb{} : nodes_[0].box; }
 
-  // visit(item) for the items whose box overlaps `box`.
+  // visit(item) for the items whose box overlaps `box`; in the second form only those with a number of `least` or more,
+  // in the same order.
   template <class F>
   void query(const Aabb& box, F&& visit) const {
+    query(box, 0, visit);
+  }
+  template <class F>
+  void query(const Aabb& box, std::uint32_t least, F&& visit) const {
     if (nodes_.empty()) return;
     std::uint32_t stack[kDepth];
     int top = 0;
     stack[top++] = 0;
     while (top > 0) {
       const Node& n = nodes_[stack[--top]];
-      if (!overlaps(n.box, box)) continue;
+      if (n.last < least || !overlaps(n.box, box)) continue;
       if (n.count > 0) {
         for (std::uint32_t k = n.first; k < n.first + n.count; ++k)
-          if (overlaps(boxes_[items_[k]], box)) visit(items_[k]);
+          if (items_[k] >= least && overlaps(boxes_[items_[k]], box)) visit(items_[k]);
         continue;
       }
       stack[top++] = n.first + 1;
@@ -49,14 +54,20 @@ class BoxTree {
     Aabb box;
     std::uint32_t first = 0;  // leaf: in items_; else the first of two children
     std::uint32_t count = 0;  // leaf: items; else 0
+    std::uint32_t last = 0;   // largest item below
+  };
+  struct Middle {  // of an item's box
+    Real at[3];
+    std::uint32_t item;
   };
   void split(std::uint32_t node);
+  void find_last();
   void fit();
   Real cost() const;
 
   Array<Node> nodes_;
   Array<std::uint32_t> items_;
-  Array<Vec3> sort_;  // middles
+  Array<Middle> sort_;  // in the order of items_
   std::span<const Aabb> boxes_;
   Real built_cost_ = 0;
 };

@@ -192,9 +192,7 @@ void Cloth::Impl::find_pairs(Real time, bool held) {
   }
   for (std::uint32_t e = 0; e < edge_box.size(); ++e) {
     found.clear();
-    edge_tree.query(edge_box[e], [&](std::uint32_t f) {
-      if (f > e) found.push_back(f);
-    });
+    edge_tree.query(edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
     const std::uint32_t a = near_edge[2 * e], b = near_edge[2 * e + 1];
     for (const std::uint32_t f : found) {
       const std::uint32_t p = near_edge[2 * f], q = near_edge[2 * f + 1];

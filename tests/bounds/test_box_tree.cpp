@@ -2,6 +2,7 @@
 #include "bounds/box_tree.h"
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "base/rng.h"
@@ -33,6 +34,12 @@ void compare(const BoxTree& tree, const std::vector<Aabb>& list, Rng& rng, bool 
     tree.query(b, [&](std::uint32_t i) { found.push_back(i); });
     for (std::uint32_t i = 0; i < list.size(); ++i)
       if (overlaps(list[i], b)) expected.push_back(i);
+    // from a number on: the same, in the same order, without those before it
+    const auto least = static_cast<std::uint32_t>(rng.unit() * static_cast<double>(list.size() + 1));
+    std::vector<std::uint32_t> rest, found_rest;
+    std::copy_if(found.begin(), found.end(), std::back_inserter(rest), [&](std::uint32_t i) { return i >= least; });
+    tree.query(b, least, [&](std::uint32_t i) { found_rest.push_back(i); });
+    REQUIRE(found_rest == rest);
     std::sort(found.begin(), found.end());
     REQUIRE(found == expected);
   }
