@@ -27,6 +27,7 @@ struct TieBatch {
   unsigned a[kLanes];
   Lane8x3 base;        // a minus its anchor at the start of the step, m
   Lane8 limit;         // m
+  Lane8 reach;         // m, in this small step: more where one was farther away when the step began
 };
 
 // What a hinge does against its rate, with the geometry at the start of a damping pass.

@@ -122,8 +122,8 @@ void ClothBatches::limit(const ClothView& v, StepContext& c) {
   run(kernels_->limit_links, link_colors_, p, c);
 }
 
-void ClothBatches::tie(const ClothView& v, StepContext& c) {
-  ClothPass p = pass(v, 1);
+void ClothBatches::tie(const ClothView& v, Real h, StepContext& c) {
+  ClothPass p = pass(v, h);
   p.ties = v.ties.data();
   std::uint32_t first = 0;
   for (const std::uint32_t last : v.tie_layers) {

@@ -62,7 +62,10 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return select(good, all_lanes(1) / select(good, x, all_lanes(1)), zero_lanes());
 }
 
-// With a limit, the row is without compliance where that pulls more: C = len - rest stretched, unilateral.
+constexpr WideReal kMostShed = 3;  // times the largest strain, in a small step
+
+// With a limit, the row is without compliance where that pulls more: C = len - rest stretched, unilateral. By no more
+// than kMostShed: so stiff a row would give any energy to a vertex that a script carried off.
 template <bool kLimited>
 void solve_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
@@ -74,7 +77,8 @@ void solve_links(const ClothPass& p) {
     const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
     Lanes pull = load(c.rest) - size - alpha * old, weight = a.w + b.w + alpha;
     if (kLimited) {
-      const Lanes over = load(c.rest) * all_lanes(p.stretched) - size, stiff = a.w + b.w;
+      const Lanes rest = load(c.rest), stiff = a.w + b.w;
+      const Lanes over = max(rest * all_lanes(p.stretched) - size, rest * all_lanes(kMostShed * (1 - p.stretched)));
       const LaneMask taut = over * weight < pull * stiff;
       pull = select(taut, over, pull), weight = select(taut, stiff, weight);
     }
@@ -93,7 +97,8 @@ void limit_links(const ClothPass& p) {
     LinkBatch& c = p.links[i];
     Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
     const Lanes3 e = load(c.base) + (b.v - a.v);
-    const Lanes size = square_root(dot(e, e)), over = load(c.rest) * all_lanes(p.stretched) - size;
+    const Lanes size = square_root(dot(e, e)), rest = load(c.rest);
+    const Lanes over = max(rest * all_lanes(p.stretched) - size, rest * all_lanes(kMostShed * (1 - p.stretched)));
     if (!any(over < zero_lanes())) continue;
     const Lanes3 push = e * (min(over, zero_lanes()) * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size));
     a.v = a.v - push * a.w;
@@ -103,13 +108,18 @@ void limit_links(const ClothPass& p) {
   }
 }
 
-// Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012).
+constexpr WideReal kTieSpeed = 3;  // m/s
+
+// Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012). What was beyond it
+// when the step began (a script moved the anchor) comes back at kTieSpeed.
 void solve_ties(const ClothPass& p) {
+  const Lanes back_by = all_lanes(kTieSpeed * p.h);
   for (unsigned i = p.first; i < p.last; ++i) {
-    const TieBatch& c = p.ties[i];
+    TieBatch& c = p.ties[i];
     Rows8 a = gather(p.moved, c.a);
     const Lanes3 e = load(c.base) + a.v;
-    const Lanes square = dot(e, e), limit = load(c.limit);
+    const Lanes square = dot(e, e), limit = max(load(c.limit), load(c.reach) - back_by);
+    store(c.reach, limit);
     const LaneMask taut = square > limit * limit;
     if (!any(taut)) continue;
     const Lanes back = select(taut, limit / square_root(square) - all_lanes(1), zero_lanes());

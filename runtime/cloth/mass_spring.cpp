@@ -106,7 +106,7 @@ class MassSpring final : public ClothSolver, private ForceField {
       v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 1};
     }
     batches_.limit(v, c);
-    batches_.tie(v, c);
+    batches_.tie(v, h, c);
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {

@@ -19,6 +19,7 @@ namespace feder {
 namespace {
 constexpr std::size_t kNearest = 2;          // pins of a vertex
 constexpr std::size_t kFarPins = 32;         // looked at for whether pins have moved apart
+constexpr Real kCarried = Real(1.25);        // times its reach: farther from its anchor a vertex gets by scripts only
 
 struct Label {
   std::uint32_t anchor = kNone;
@@ -171,6 +172,8 @@ void Cloth::Impl::place_ties(Sheet& s) {
       const Vec3 base = t.anchor[at] == kNone ? Vec3(0, 0, 0) : Vec3(x[b.a[k]] - x[t.anchor[at]]);
       b.base.x.v[k] = base[0], b.base.y.v[k] = base[1], b.base.z.v[k] = base[2];
       b.limit.v[k] = t.rest[at] * longest * apart;
+      const Real far = length(base);
+      b.reach.v[k] = far > kCarried * b.limit.v[k] ? far : b.limit.v[k];
     }
 }
 
@@ -193,7 +196,7 @@ void Cloth::Impl::solve_body_ties(Real h) {
       Row4& x = moved[i];
       const Vec3 point = vertices.position[anchor] - hold->error + mover_displacement(hold->mover, hold->arm);
       const Vec3 e = vertices.position[i] + x.vec() - point;
-      const Real far = length(e) - t.rest * longest;
+      const Real far = std::min(length(e) - t.rest * longest, t.rest * s.settings.max_strain);
       if (!(far > 0)) continue;
       const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
       const Real response = x.w + mover_response(hold->mover, hold->arm, n);

@@ -49,7 +49,7 @@ class Xpbd final : public ClothSolver {
       }
     });
     for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, k > 0, c);
-    batches_.tie(v, c);
+    batches_.tie(v, h, c);
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {
