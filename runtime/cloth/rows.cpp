@@ -13,6 +13,7 @@
 namespace feder {
 namespace {
 constexpr Real kPushSpeed = 1;  // m/s
+constexpr Real kPullSpeed = 3;  // m/s, of attachments
 // Times the correction that a row asks for, which one of its vertices may go; of free vertices of a mesh, whose masses
 // differ by up to 1:6, none would go more than 1.9 (the largest of 6 a/(6 a^2 + (1 - a)^2)).
 constexpr Real kMaxMotion = 2;
@@ -71,7 +72,17 @@ void Cloth::Impl::solve_holds(Real h) {
       response.diagonal() += movers->mass[k.mover].inv_mass_axes;
     }
     response.diagonal().array() += x.w;
-    const Vec3 error = k.error + x.vec() - mover_displacement(k.mover, k.arm);
+    Vec3 error = k.error + x.vec() - mover_displacement(k.mover, k.arm);
+    // what was open before closes at kPullSpeed: a vertex attached far from its place must not throw the body
+    Vec3 change = x.vec() - before[k.vertex].vec();
+    if (before[k.vertex].w != 0) change += h * speed[k.vertex].vec();
+    if (k.mover != 0) {
+      const MoverState& m = movers->state[k.mover];
+      change -= h * (m.velocity + cross(m.angular_velocity, k.arm));
+    }
+    const Vec3 start = error - change;
+    const Real open = length(start), closed = kPullSpeed * h;
+    if (open > closed) error -= (1 - closed / open) * start;
     const Vec3 push = -(inverse(response) * error);  // kg m
     x.add(x.w * push);
     push_mover(k.mover, k.arm, -push, h);

@@ -17,6 +17,7 @@
 
 namespace feder {
 namespace {
+constexpr Real kTieSpeed = 3;                // m/s, at which what a tie finds too far away is drawn in
 constexpr std::size_t kNearest = 2;          // pins of a vertex
 constexpr std::size_t kFarPins = 32;         // looked at for whether pins have moved apart
 constexpr Real kCarried = Real(1.25);        // times its reach: farther from its anchor a vertex gets by scripts only
@@ -201,7 +202,15 @@ void Cloth::Impl::solve_body_ties(Real h) {
       const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
       const Real response = x.w + mover_response(hold->mover, hold->arm, n);
       if (!(response > 0)) continue;
-      const Vec3 push = (far / response) * n;  // kg m
+      Vec3 change = x.vec() - before[i].vec();
+      if (before[i].w != 0) change += h * speed[i].vec();
+      if (hold->mover != 0) {
+        const MoverState& m = movers->state[hold->mover];
+        change -= h * (m.velocity + cross(m.angular_velocity, hold->arm));
+      }
+      const Real need = far - std::max(far - dot(n, change) - kTieSpeed * h, Real(0));
+      if (!(need > 0)) continue;
+      const Vec3 push = (need / response) * n;  // kg m
       x.add(-x.w * push);
       push_mover(hold->mover, hold->arm, push, h);
     }

@@ -20,6 +20,14 @@ constexpr Real kBoxMargin = Real(0.02);  // m, as bodies have it
 constexpr int kHoldRounds = 10;
 constexpr Real kHoldShare = Real(0.5);   // of the position error taken out in a substep
 
+constexpr Real kPullSpeed = 3;           // m/s, at which an attachment is closed at most
+
+// Attaching a point that is far from its place, or two that cannot both be there, must not throw the body.
+Vec3 closing_velocity(const Vec3& error, Real rate) {
+  const Real fast = rate * length(error);
+  return fast > kPullSpeed ? Vec3((rate * kPullSpeed / fast) * error) : Vec3(rate * error);
+}
+
 Vec3 velocity_at(const MoverState& s, const Vec3& arm) { return s.velocity + cross(s.angular_velocity, arm); }
 
 }  // namespace
@@ -146,7 +154,7 @@ void SpringsRigid::hold(int rounds, Real rate) {
       MoverState& point = movers_.state[coupled_[k.coupled].solver];
       MoverState& body = movers_.state[k.solver];
       Vec3 speed = point.velocity - velocity_at(body, k.arm);
-      if (rate > 0) speed += rate * hold_error(k);
+      if (rate > 0) speed += closing_velocity(hold_error(k), rate);
       const Vec3 impulse = -(k.mass * speed);
       const MoverMass& pm = movers_.mass[coupled_[k.coupled].solver];
       const MoverMass& bm = movers_.mass[k.solver];
