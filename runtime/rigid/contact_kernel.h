@@ -21,6 +21,8 @@ constexpr WideReal kLoadPart = 0.02f;      // of the static limit: friction that
 constexpr WideReal kLightPart = 0.2f;      // of the static limit: less friction is not worth rounds (a rod needs 1/4)
 constexpr WideReal kSlip = 2;              // times the static limit: what would stop a manifold that slides
 constexpr WideReal kColdSpeed = 0.001f;    // m/s; a contact without warm start that closes faster is landing
+constexpr WideReal kOver = 1.3f;           // over-relaxation (Young 1954) of what rests: towers of 60 lean without it
+constexpr WideReal kTilt = 1.75f;          // compliance against tilting over that against pushing; see prepare_normals
 
 // Symmetric matrix times vector.
 [[gnu::always_inline]] inline Lanes3 times(const Lane8* m, const Lanes3& a) {
@@ -109,6 +111,7 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
   const Lanes3 n = load(c.normal);
   const Lanes3 inv_mass = load(c.inv_mass_a) + load(c.inv_mass_b);
   const Lanes along = dot(times(inv_mass, n), n);
+  Lanes sum = zero_lanes();
   for (int j = 0; j < kBatchPoints; ++j) {
     BatchPoint& q = c.point[j];
     const Lanes valid = load(q.mass);
@@ -118,8 +121,20 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
     const Lanes3 ia = times(c.inv_inertia_a, a), ib = times(c.inv_inertia_b, b);
     for (int k = 0; k < j; ++k)
       store(c.coupling[kPair[j][k]], along + dot(load(c.point[k].turn_a), ia) + dot(load(c.point[k].turn_b), ib));
-    store(q.mass, reciprocal_or_zero(along + dot(a, ia) + dot(b, ib)) * valid);
+    const Lanes mass = reciprocal_or_zero(along + dot(a, ia) + dot(b, ib)) * valid;
+    store(q.mass, mass);
+    sum += mass;
   }
+  // Together the points are as stiff as one between the same two bodies would be, not more (a face that cannot turn has
+  // four times that). Against tilting they are softer: corners act there with a lever and with little inertia, and one
+  // pass over a stack of five would not follow. So the compliance is a matrix: leak / mass on the diagonal, minus
+  // leak_mean on all entries.
+  const Lanes one = all_lanes(1), zero = zero_lanes();
+  const LaneMask fixed = load(c.against_fixed) > zero;
+  const Lanes leak = all_lanes(kTilt * p.soft.impulse_scale) * load(c.leak) * max(one, sum * along);
+  const Lanes own = select(fixed, all_lanes(p.soft_fixed.impulse_scale), min(leak, one));
+  store(c.leak, own);
+  store(c.leak_mean, select(fixed, zero, own * all_lanes(1 - 1 / kTilt)) * reciprocal_or_zero(sum));
 }
 
 // The centre of the manifold from the arms (before they are overwritten), and the distances from it.
@@ -208,6 +223,9 @@ void prepare_batches(const ContactPass& p) {
       warm += load(c.point[j].impulse);
       closing = max(closing, -approach);
     }
+    // what bias has pushed through a stack, one pass takes back; an impact is over when it is met
+    store(c.over, select((load(c.against_fixed) > zero_lanes()) | ~(warm > zero_lanes()), all_lanes(1),
+                         all_lanes(kOver)));
     Lane8 landing;
     store(landing, select(warm > zero_lanes(), zero_lanes(), closing));
     c.rounds = 1;
@@ -273,22 +291,22 @@ template <bool kBiased>
   const Lanes3 n = load(c.normal);
   const Lanes along = dot(n, linear(s.b) - linear(s.a));
   const Lanes moved = dot(n, s.moved);
-  const Lanes zero = zero_lanes(), one = all_lanes(1), inv_h = all_lanes(p.inv_h);
+  const Lanes zero = zero_lanes(), inv_h = all_lanes(p.inv_h);
   const LaneMask fixed = load(c.against_fixed) > zero;
   const Lanes rate = select(fixed, all_lanes(p.soft_fixed.bias_rate), all_lanes(p.soft.bias_rate));
   const Lanes mass_scale = select(fixed, all_lanes(p.soft_fixed.mass_scale), all_lanes(p.soft.mass_scale));
-  const Lanes impulse_scale = select(fixed, all_lanes(p.soft_fixed.impulse_scale), all_lanes(p.soft.impulse_scale));
-  Lanes speed[kBatchPoints], apart[kBatchPoints];
+  const Lanes leak = load(c.leak), leak_mean = load(c.leak_mean);
+  Lanes speed[kBatchPoints], apart[kBatchPoints], before[kBatchPoints], all = zero;
   const unsigned count = c.points;
   for (unsigned j = 0; j < count; ++j) {
     const BatchPoint& q = c.point[j];
     speed[j] = point_speed(q, along, angular(s.a), angular(s.b));
     apart[j] = point_speed(q, load(q.separation) + moved, s.turned_a, s.turned_b);
+    before[j] = load(q.impulse);
+    all += before[j];
   }
   Lanes stiffness[kBatchPoints];
   for (unsigned j = 0; j < count; ++j) stiffness[j] = reciprocal_or_zero(load(c.point[j].mass));
-  Lanes sum = zero, held = zero;
-  Lanes3 turn_a{}, turn_b{};
   const auto visit = [&](unsigned j, unsigned known) __attribute__((always_inline)) {
     BatchPoint& q = c.point[j];
     const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
@@ -296,17 +314,15 @@ template <bool kBiased>
     Lanes wanted;
     if constexpr (kBiased) {
       const Lanes bias = select(open, apart[j] * inv_h, max(apart[j] * rate, all_lanes(-p.push_speed)));
-      wanted = old - load(q.mass) * select(open, one, mass_scale) * (speed[j] + bias) -
-               select(open, zero, impulse_scale) * old;
+      const Lanes excess = select(open, speed[j] + bias, mass_scale * (speed[j] + bias) - leak_mean * all);
+      wanted = old - load(q.mass) * excess - select(open, zero, leak) * old;
     } else {
       wanted = old - load(q.mass) * (speed[j] + select(open, apart[j] * inv_h, zero));
     }
     const Lanes now = max(wanted, zero);
     const Lanes change = now - old;
     store(q.impulse, now);
-    sum += change;
-    turn_a = turn_a + load(q.turn_a) * change;
-    turn_b = turn_b + load(q.turn_b) * change;
+    if constexpr (kBiased) all += change;
     for (unsigned k = 0; k < known; ++k)
       speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
   };
@@ -326,8 +342,21 @@ template <bool kBiased>
   } else {
     sweep(count);
   }
-  // the sum in the order of the last visits
-  for (unsigned j = count; j-- > 0;) held += load(c.point[j].impulse);
+  Lanes sum = zero, held = zero;
+  Lanes3 turn_a{}, turn_b{};
+  for (unsigned j = count; j-- > 0;) {
+    BatchPoint& q = c.point[j];
+    Lanes now = load(q.impulse);
+    if constexpr (!kBiased) {
+      now = max(before[j] + load(c.over) * (now - before[j]), zero);
+      store(q.impulse, now);
+    }
+    const Lanes change = now - before[j];
+    held += now;
+    sum += change;
+    turn_a = turn_a + load(q.turn_a) * change;
+    turn_b = turn_b + load(q.turn_b) * change;
+  }
   push(c, s, n * sum, turn_a, turn_b);
   return held;
 }

@@ -22,7 +22,7 @@ struct ClosedTolerance {
 
 inline const ClosedTolerance& closed_tolerance(const char* solver) {
   static const ClosedTolerance table[] = {
-      {"soft_step", 1e-3, 0.03, 0.01, 0.01, 0.005, 2e-4, 0.02, 3e-3, 0.05, 2e-3, 0.15},
+      {"soft_step", 1e-3, 0.03, 0.01, 0.01, 0.005, 2e-4, 0.02, 2e-3, 0.02, 2e-3, 0.15},
       {"impulse", 1e-3, 0.01, 0.01, 0.01, 0.005, 2e-4, 0.02, 1e-3, 0.002, 2e-3, 0.05},
       {"", 5e-3, 0.05, 0.02, 0.02, 0.01, 1e-3, 0.03, 5e-3, 0.05, 5e-3, 0.2},
   };
