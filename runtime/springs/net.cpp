@@ -101,6 +101,10 @@ void Net::prepare(const Vec3& gravity, Real air_density, const Forces* forces, T
   damped_ = settings.damping > 0;
   generators_damp_ = on_stepping_thread = false;
   air_density_ = faces.empty() ? Real(0) : air_density;
+  drag_share_ = kInfinity;
+  // explicit methods hold a drag for a substep or a part of it; the others take its derivative or cut the substep
+  const IntegratorInfo info = integrator->info();
+  if (forces && !info.implicit && !info.adaptive) drag_share_ = forces->drag_share();
   if (forces)
     for (const ForceEntry& f : forces->list)
       if (acts_on(f, object, tags)) {
@@ -185,7 +189,8 @@ void Net::fill_points(std::span<const Vec3> x, std::span<const Vec3> v) {
   points_.resize(points);
   for (std::uint32_t i = 0; i < points; ++i) {
     const Real r = particles_.radius[first + i];
-    points_[i] = {x[i], v[i], particles_.mass[first + i], kPi * r * r, kPi * r * r * r * Real(4) / 3};
+    const Real mass = particles_.mass[first + i];
+    points_[i] = {x[i], v[i], mass, kPi * r * r, kPi * r * r * r * Real(4) / 3, drag_share_ * mass / step_};
   }
 }
 

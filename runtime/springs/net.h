@@ -156,6 +156,7 @@ class Net final : public ForceField {
   Vec3 gravity_ = Vec3::Zero();  // m/s^2, scaled
   Real air_density_ = 0;         // kg/m^3, of still air at its faces
   Real step_ = 0;                // s, of the call of integrate()
+  Real drag_share_ = kInfinity;  // MassPoint::most_drag is this times mass / step
   bool damped_ = false;
   bool generators_damp_ = false;  // some generator depends on velocity, by an unknown rate
   Array<const ForceEntry*> acting_;
