@@ -7,7 +7,7 @@
 
 namespace feder {
 namespace {
-constexpr JobGrain kGrain{32, 3'000};  // batches per job
+constexpr JobGrain kBatchGrain{32, 3'000};  // batches per job
 constexpr std::uint32_t kColors = 64;
 
 std::uint32_t direction(const ClothLink& l) { return l.b - l.a; }
@@ -127,7 +127,7 @@ void ClothBatches::tie(const ClothView& v, Real h, StepContext& c) {
   p.ties = v.ties.data();
   std::uint32_t first = 0;
   for (const std::uint32_t last : v.tie_layers) {
-    c.jobs->for_blocks(last - first, kGrain, [&](std::uint32_t a, std::uint32_t b, int) {
+    c.jobs->for_blocks(last - first, kBatchGrain, [&](std::uint32_t a, std::uint32_t b, int) {
       ClothPass part = p;
       part.first = first + a, part.last = first + b;
       kernels_->ties(part);
@@ -159,7 +159,7 @@ void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass
   // colour after colour is one loop; those beyond kStages follow in loops of their own
   std::size_t count = 0;
   for (const Color& color : colors) {
-    stages_[count++] = JobPool::stage(color.first, color.last, kGrain, sweep);
+    stages_[count++] = JobPool::stage(color.first, color.last, kBatchGrain, sweep);
     if (count < kStages && &color != &colors.back()) continue;
     c.jobs->run_stages({stages_, count});
     count = 0;

@@ -19,7 +19,7 @@ namespace feder {
 namespace {
 constexpr int kMaxStages = 512;
 constexpr double kLeft = 3;            // T_s(w0): the fastest modes are left with 1/kLeft
-constexpr std::uint32_t kGrain = 1024;  // vertices per job
+constexpr std::uint32_t kDampGrain = 1024;  // vertices per job
 }  // namespace
 
 // w0 = cosh(acosh(kLeft)/s), by its series; T_s'(w0) = s U_(s-1)(w0).
@@ -110,13 +110,13 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
   run(kernels_->damp_begin, hinge_colors_, p, c);
   for (int k = 0; k < count; ++k) {
     const DampingStage s = stages.next();
-    c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       std::fill(pushes_.begin() + first, pushes_.begin() + last, Row4{});
     });
     run(kernels_->damp_stage, hinge_colors_, p, c);
     p.rates = &stage_[0].x;
     const Real mu = static_cast<Real>(s.mu), nu = static_cast<Real>(s.nu), rate = static_cast<Real>(s.rate);
-    c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
         const Vec3 push = v.moved[i].w * pushes_[i].vec();
         if (k == 0) {
@@ -129,7 +129,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
       }
     });
   }
-  c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) v.speed[i].add(stage_[i].vec());
   });
 }

@@ -14,8 +14,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kWakeImpulse = Real(1e-6);  // N s per kg of cloth
-constexpr Real kMostLoad = 50;             // times the cloth's mass: heavier loads get no smaller steps
+constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth
+constexpr Real kMostClothLoad = 50;             // times the cloth's mass: heavier loads get no smaller steps
 
 }  // namespace
 
@@ -217,11 +217,11 @@ void FluidCloth::finish(StepContext& c) {
     const Cloth::Info info = cloth_.info(n);
     Real own = 0;
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
-    if (p.all < kWakeImpulse * own) p.all = 0;
+    if (p.all < kWakeCloth * own) p.all = 0;
     force_ += static_cast<double>(p.along / c.dt);
     if (info.asleep || !(g > 0)) continue;
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
-    cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, kMostLoad * own));
+    cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, kMostClothLoad * own));
   }
   report(c);
 }

@@ -1,5 +1,5 @@
 # One set of compile flags, and the three words that add things:
-#   feder_module(name SOURCES a.cpp ... NEEDS base geom ...)   a static library feder_<name>
+#   feder_module(name [APART] SOURCES a.cpp ... NEEDS base geom ...)   a static library feder_<name>; APART: see pch.cmake
 #   feder_variant(module name [FILE file.cpp])                 one source and one row of the module's table
 #   feder_pair(a b)                                            the same for a narrow-phase pair test
 # A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
@@ -14,6 +14,9 @@ endif()
 
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 set(CMAKE_CXX_FLAGS_DEV "-O1 -g")
+if(FEDER_SANITIZE)
+  set(CMAKE_CXX_FLAGS_DEV "-O1 -g1")  # lines are enough for reports; whole programs of 600 MB take minutes to link
+endif()
 
 find_package(Eigen3 3.4 QUIET NO_MODULE)
 if(NOT TARGET Eigen3::Eigen)
@@ -59,7 +62,7 @@ function(feder_left_out out name)
 endfunction()
 
 function(feder_module name)
-  cmake_parse_arguments(M "" "ROOT" "SOURCES;NEEDS" ${ARGN})
+  cmake_parse_arguments(M "APART" "ROOT" "SOURCES;NEEDS" ${ARGN})
   feder_known(${name})
   feder_left_out(left_out ${name})
   if(left_out)
@@ -77,6 +80,9 @@ function(feder_module name)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
   target_link_libraries(${target} PUBLIC feder_flags)
   feder_use_pch(${target} library)
+  if(NOT M_APART)
+    feder_in_lumps(${target})
+  endif()
   foreach(need ${M_NEEDS})
     target_link_libraries(${target} PUBLIC feder_${need})
   endforeach()

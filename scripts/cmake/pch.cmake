@@ -5,11 +5,13 @@ option(FEDER_PCH "precompiled headers instead of a compiler cache" OFF)
 set(feder_pch_standard <algorithm> <array> <cmath> <cstdint> <cstring> <functional> <map> <memory> <optional> <string>
                        <string_view> <utility> <vector> <Eigen/Core>)
 
-# feder_in_lumps(target): the same for bindings, whose own libraries (fmt, JSON, Lua) weigh more: several sources per
-# compilation. Names in unnamed namespaces must then differ within the folder.
+# feder_in_lumps(target): several sources per compilation, as half of what is left is the same templates again. Names in
+# unnamed namespaces must then differ within the folder; modules of variants, which look alike on purpose, are APART, and
+# so is each registry.cpp.
 function(feder_in_lumps target)
   if(FEDER_PCH AND TARGET ${target})
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 7)
+    set_source_files_properties(registry.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
 
