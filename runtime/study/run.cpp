@@ -39,9 +39,9 @@ void raise(double& worst, double x) {
   if (std::isfinite(x) && !(worst >= x)) worst = x;
 }
 
-class Watch {
+class RunWatch {
  public:
-  Watch(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, StudyPoint& point,
+  RunWatch(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, StudyPoint& point,
         StudySeries* series)
       : problem_(problem),
         info_(problem.info()),
@@ -218,7 +218,7 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
     point.reason = e.what();
     return;
   }
-  Watch watch(problem, method, spec, point, limits.series ? series : nullptr);
+  RunWatch watch(problem, method, spec, point, limits.series ? series : nullptr);
   watch.start(*run);
   const double size = std::max(1, problem.info().dof);
   for (std::int64_t k = 1; k <= spec.steps; ++k) {
