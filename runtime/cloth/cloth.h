@@ -170,7 +170,9 @@ class Cloth final : public System {
   // What a mover has done since the start of the substep, as the small steps see it.
   Vec3 mover_shift(std::uint32_t solver) const;  // m
   Vec3 mover_turn(std::uint32_t solver) const;   // rad
-  // The mass that rests on a cloth, kg: smaller steps are chosen for it.
+  // The mass that rests on a cloth, kg: smaller steps are chosen for it. Callers stop at kMostLoad times the cloth's own
+  // mass: what is heavier is carried by something below.
+  static constexpr Real kMostLoad = 50;
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;
   // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its

@@ -18,7 +18,7 @@
 namespace feder {
 namespace {
 constexpr int kMaxStages = 512;
-constexpr double kLeft = 3;            // T_s(w0): the fastest modes are left with 1/kLeft
+constexpr double kLeft = 3;                 // T_s(w0): the fastest modes are left with 1/kLeft
 constexpr std::uint32_t kDampGrain = 1024;  // vertices per job
 }  // namespace
 

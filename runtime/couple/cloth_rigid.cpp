@@ -14,7 +14,6 @@ namespace {
 constexpr Real kReach = Real(1.6);      // thicknesses about the way of a vertex: rows are made up to 1.5 of them away
 constexpr Real kSupport = Real(0.3);   // cosine to gravity, from which on a contact carries
 constexpr Real kInside = Real(0.1);    // thicknesses: pins less deep inside a shape lie on its surface
-constexpr Real kMostLoad = 50;         // times the cloth's mass: what lies on it may be carried by something below
 
 }  // namespace
 
@@ -171,7 +170,7 @@ void ClothRigid::look_ahead(StepContext& c) {
           !overlaps(all, reach_of(k, c)))
         continue;
       const std::uint32_t body = colliders_.owner_index[k];
-      const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, kMostLoad) : Real(1);
+      const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, Cloth::kMostLoad) : Real(1);
       const Vec3 u = colliders_.velocity[k] - mean / mass;
       impact = std::max(impact, 2 * dot(u, u) / size * share);
       speed = std::max(speed, length(u));
@@ -345,7 +344,7 @@ void ClothRigid::finish(StepContext& c) {
       hung += b.mass[body] / attachments_of(a.body, a.cloth);
       if (info.moving && !b.awake[body]) rigid_.wake(a.body, WakeCause::cloth, a.cloth);
     }
-    cloth_.set_load(n, std::min(load, kMostLoad * own) + hung);
+    cloth_.set_load(n, std::min(load, Cloth::kMostLoad * own) + hung);
   }
   // begin, stay and end, in the order of the objects
   std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {

@@ -15,7 +15,6 @@ namespace feder {
 namespace {
 
 constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth
-constexpr Real kMostClothLoad = 50;             // times the cloth's mass: heavier loads get no smaller steps
 
 }  // namespace
 
@@ -221,7 +220,7 @@ void FluidCloth::finish(StepContext& c) {
     force_ += static_cast<double>(p.along / c.dt);
     if (info.asleep || !(g > 0)) continue;
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
-    cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, kMostClothLoad * own));
+    cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, Cloth::kMostLoad * own));
   }
   report(c);
 }

@@ -34,5 +34,6 @@ function(feder_use_pch target kind)
   endif()
   target_precompile_headers(${target} REUSE_FROM feder_pch_${kind})
   # gcc 12 warns inside its own headers when they come precompiled (its bug 105651 again)
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>)
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>)
 endfunction()
