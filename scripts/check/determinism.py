@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Equal hashes for every scene from several builds and thread counts: determinism.py FEDER [FEDER...]."""
+"""Equal hashes for every scene from several builds and thread counts: determinism.py [--seconds S] FEDER [FEDER...]."""
+import argparse
 import json
 import pathlib
 import subprocess
 import sys
 
-SECONDS = "3"
 THREADS = ("1", "2", "4")
 
 
-def final_hash(program, scene, threads):
-    out = subprocess.run([program, "run", str(scene), "--json", "--quiet", "--seconds", SECONDS, "--threads", threads],
+def final_hash(program, scene, seconds, threads):
+    out = subprocess.run([program, "run", str(scene), "--json", "--quiet", "--seconds", seconds, "--threads", threads],
                          capture_output=True, text=True, check=False)
     try:
         return json.loads(out.stdout)["hash"]
@@ -18,12 +18,12 @@ def final_hash(program, scene, threads):
         return "no result: " + (out.stderr.strip().splitlines() or ["?"])[-1]
 
 
-def main(programs):
+def main(seconds, programs):
     root = pathlib.Path(__file__).resolve().parents[2]
     scenes = sorted(p for p in (root / "scenes").rglob("*.lua") if "feder.scene" in p.read_text())
     bad = 0
     for scene in scenes:
-        hashes = {(p, t): final_hash(p, scene, t) for p in programs for t in THREADS}
+        hashes = {(p, t): final_hash(p, scene, seconds, t) for p in programs for t in THREADS}
         if len(set(hashes.values())) > 1 or next(iter(hashes.values())).startswith("no result"):
             bad += 1
             print(f"{scene.relative_to(root)}: hashes differ")
@@ -34,4 +34,8 @@ def main(programs):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--seconds", default="3", help="of simulated time")
+    parser.add_argument("programs", nargs="+", metavar="FEDER")
+    given = parser.parse_args()
+    sys.exit(main(given.seconds, given.programs))

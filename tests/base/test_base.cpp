@@ -66,7 +66,7 @@ TEST_CASE("arenas count bytes and allocations, scratch stops allocating", "[base
   }
 }
 
-TEST_CASE("jobs cover every index once, whatever the number of threads", "[base]") {
+TEST_CASE("jobs cover every index once, whatever the number of threads", "[base][threads]") {
   for (const int threads : {1, 2, 4}) {
     JobPool pool(threads);
     for (const std::uint32_t count : {0u, 1u, 63u, 64u, 1000u}) {

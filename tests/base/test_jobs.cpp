@@ -57,7 +57,7 @@ std::uint64_t serial_result(int rounds) {
 
 }  // namespace
 
-TEST_CASE("staged loops give the same bits for any number of threads", "[base][jobs]") {
+TEST_CASE("staged loops give the same bits for any number of threads", "[base][jobs][threads]") {
   const int rounds = 300;
   const std::uint64_t expected = serial_result(rounds);
   for (const int threads : {2, 3, 4, 16}) {
@@ -68,7 +68,7 @@ TEST_CASE("staged loops give the same bits for any number of threads", "[base][j
   }
 }
 
-TEST_CASE("forks follow the stated work, not a clock", "[base][jobs]") {
+TEST_CASE("forks follow the stated work, not a clock", "[base][jobs][threads]") {
   for (const int threads : {2, 4}) {
     JobPool pool(threads);
     std::vector<int> hits(10'000);
@@ -86,7 +86,7 @@ TEST_CASE("forks follow the stated work, not a clock", "[base][jobs]") {
   }
 }
 
-TEST_CASE("threads of a host may help at once, late or never", "[base][jobs]") {
+TEST_CASE("threads of a host may help at once, late or never", "[base][jobs][threads]") {
   struct Host {
     std::atomic<JobPool*> pool{nullptr};
     std::atomic<int> asked{0};
@@ -122,7 +122,7 @@ void park(int) {
 }
 }  // namespace
 
-TEST_CASE("no loop waits for a worker without a core", "[base][jobs]") {
+TEST_CASE("no loop waits for a worker without a core", "[base][jobs][threads]") {
   struct sigaction action = {}, before = {};
   action.sa_handler = park;
   sigaction(SIGUSR1, &action, &before);

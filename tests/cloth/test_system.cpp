@@ -235,7 +235,7 @@ TEST_CASE("restore then run equals run, bit for bit", "[cloth]") {
   CHECK(w.hash() == hash);
 }
 
-TEST_CASE("threads and kernels change nothing, and stepping allocates nothing", "[cloth]") {
+TEST_CASE("threads and kernels change nothing, and stepping allocates nothing", "[cloth][threads]") {
   const char* solver = any_solver();
   CAPTURE(solver);
   std::uint64_t hash = 0;

@@ -210,7 +210,7 @@ TEST_CASE("begins and ends pair over random histories", "[collide][fuzz]") {
   CHECK(out.ledger.stays > 1000);
 }
 
-TEST_CASE("events and contacts do not depend on threads or on the broad phase", "[collide][fuzz]") {
+TEST_CASE("events and contacts do not depend on threads or on the broad phase", "[collide][fuzz][threads]") {
   const std::uint64_t one = history(1, nullptr, 1500, false).hash;
   CHECK(history(2, nullptr, 1500, false).hash == one);
   CHECK(history(4, nullptr, 1500, false).hash == one);

@@ -268,7 +268,7 @@ TEST_CASE("a kinematic body carries cloth; a cloth falling on a sleeper wakes it
 }
 
 TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing, steps allocate nothing",
-          "[couple][cloth]") {
+          "[couple][cloth][threads]") {
   std::uint64_t hash = 0;
   for (const int threads : {1, 2, 4}) {
     WorldDesc wd;

@@ -171,7 +171,7 @@ TEST_CASE("fluid and cloth: contacts begin and end in pairs, one per fluid and c
 }
 
 TEST_CASE("fluid on cloth and on nets: the same for any number of threads; on nets at rest steps allocate nothing",
-          "[couple][fluid][cloth]") {
+          "[couple][fluid][cloth][threads]") {
   const bool net = GENERATE(false, true);
   std::uint64_t hash = 0;
   for (const int threads : {1, 2, 4}) {

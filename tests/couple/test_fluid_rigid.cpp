@@ -191,7 +191,7 @@ TEST_CASE("a fluid wakes the body that it presses on, and says so", "[couple][fl
   CHECK(when < 0.25);
 }
 
-TEST_CASE("a step of fluid and bodies takes nothing from the heap", "[couple][fluid]") {
+TEST_CASE("a step of fluid and bodies takes nothing from the heap", "[couple][fluid][threads]") {
   const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"));
   CAPTURE(solver);
   WorldDesc wd;

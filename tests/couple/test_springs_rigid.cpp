@@ -246,7 +246,7 @@ TEST_CASE("destroying nets and bodies in any order leaves nothing behind", "[cou
   CHECK(w.need<Collide>().count() == 1);
 }
 
-TEST_CASE("a coupled world restores bit for bit and does not depend on threads", "[couple]") {
+TEST_CASE("a coupled world restores bit for bit and does not depend on threads", "[couple][threads]") {
   std::uint64_t hashes[2];
   for (int run = 0; run < 2; ++run) {
     WorldDesc wd;

@@ -119,7 +119,7 @@ TEST_CASE("no particle leaves a closed box that is shaken", "[fluid][contract]")
   CHECK(w.is_finite());
 }
 
-TEST_CASE("threads change nothing, and a snapshot goes on bit for bit", "[fluid][contract]") {
+TEST_CASE("threads change nothing, and a snapshot goes on bit for bit", "[fluid][contract][threads]") {
   const std::string solver = row();
   CAPTURE(solver);
   const auto make = [&](int threads) {

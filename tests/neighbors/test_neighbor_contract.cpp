@@ -61,7 +61,7 @@ std::vector<std::vector<std::uint32_t>> rows_of(const NeighborLists& lists, std:
 
 }  // namespace
 
-TEST_CASE("neighbour searches find what brute force finds", "[neighbors][contract]") {
+TEST_CASE("neighbour searches find what brute force finds", "[neighbors][contract][threads]") {
   const int row = GENERATE(range(0, static_cast<int>(neighbor_searches().size())));
   const auto cloud = GENERATE(Cloud::random, Cloud::lattice, Cloud::flat, Cloud::strays, Cloud::in_order);
   const auto& variant = neighbor_searches()[static_cast<std::size_t>(row)];
@@ -88,7 +88,7 @@ TEST_CASE("neighbour searches find what brute force finds", "[neighbors][contrac
   }
 }
 
-TEST_CASE("a crowd is thinned from both sides alike", "[neighbors][contract]") {
+TEST_CASE("a crowd is thinned from both sides alike", "[neighbors][contract][threads]") {
   const int row = GENERATE(range(0, static_cast<int>(neighbor_searches().size())));
   const auto& variant = neighbor_searches()[static_cast<std::size_t>(row)];
   CAPTURE(variant.name);

@@ -66,7 +66,7 @@ std::string stored(const std::string& key) {
 
 }  // namespace
 
-TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][determinism]") {
+TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][determinism][threads]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
   const std::uint64_t one = run(solver, 1);

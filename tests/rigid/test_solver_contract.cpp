@@ -119,7 +119,7 @@ TEST_CASE("solver: a ball leaves with e times its approach speed", "[rigid][cont
   CHECK(static_cast<double>(s.velocity(id)[1]) == Approx(5 * e).margin(0.02));
 }
 
-TEST_CASE("solver: the same bits for one, two and four threads", "[rigid][contract]") {
+TEST_CASE("solver: the same bits for one, two and four threads", "[rigid][contract][threads]") {
   const int row = GENERATE(range(0, solver_count()));
   CAPTURE(solver_name(row));
   std::uint64_t first = 0;

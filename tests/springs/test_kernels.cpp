@@ -85,7 +85,7 @@ const SpringKernels& kernels_of(bool wide) {
 
 }  // namespace
 
-TEST_CASE("the force pass gives the bits of a loop over the springs", "[springs][kernel]") {
+TEST_CASE("the force pass gives the bits of a loop over the springs", "[springs][kernel][threads]") {
   const bool wide = GENERATE(false, true), damped = GENERATE(false, true), slack = GENERATE(false, true);
   const int threads = GENERATE(1, 2, 4);
   const std::uint32_t points = GENERATE(3u, 9u, 700u);
@@ -117,7 +117,7 @@ TEST_CASE("removed springs are as if they had never been there", "[springs][kern
   CHECK(wrong == 0);
 }
 
-TEST_CASE("snapped springs are found at any width", "[springs][kernel]") {
+TEST_CASE("snapped springs are found at any width", "[springs][kernel][threads]") {
   const bool wide = GENERATE(false, true);
   const int threads = GENERATE(1, 3);
   NetDesc d = thicket(500, 5003, false, false);
@@ -140,7 +140,7 @@ TEST_CASE("snapped springs are found at any width", "[springs][kernel]") {
   CHECK_FALSE(pass.layout.find_snapped(d.points, pass.arrays, nullptr));
 }
 
-TEST_CASE("a large net runs alike with any threads and kernels, and allocates nothing", "[springs][kernel]") {
+TEST_CASE("a large net runs alike with any threads and kernels, and allocates nothing", "[springs][kernel][threads]") {
   const char* integrator = GENERATE("symplectic_euler", "velocity_verlet", "rk4");
   CAPTURE(integrator);
   NetDesc d = thicket(2000, 6000, true, true);

@@ -271,7 +271,7 @@ TEST_CASE("restore then run equals run, bit for bit", "[springs]") {
   CHECK(w.hash() == after);
 }
 
-TEST_CASE("the number of threads changes nothing, and stepping allocates nothing", "[springs]") {
+TEST_CASE("the number of threads changes nothing, and stepping allocates nothing", "[springs][threads]") {
   std::uint64_t hashes[2];
   for (int run = 0; run < 2; ++run) {
     WorldDesc d;
