@@ -70,11 +70,12 @@ def main(folder, seconds):
         if not counted:
             tally.add(result == "passed", result not in ("passed", "skipped"), result == "skipped", name)
     scenes = folder / "scenes.txt"
-    closing = CLOSING.findall(scenes.read_text(errors="replace")) if scenes.exists() else []
-    if closing:
-        tally.add(*map(int, closing[-1]), "scenes")
-    else:
-        tally.add(0, 1, 0, "scenes (feder test did not finish)")
+    if scenes.exists():
+        closing = CLOSING.findall(scenes.read_text(errors="replace"))
+        if closing:
+            tally.add(*map(int, closing[-1]), "scenes")
+        else:
+            tally.add(0, 1, 0, "scenes (feder test did not finish)")
     print_slowest(reports, seconds)
     if tally.names:
         print("failed: " + ", ".join(tally.names))

@@ -194,7 +194,9 @@ TEST_CASE("a scene whose own error is no number has no point that is ok", "[cli]
           "  study = { axes = { dt = { 1 / 60, 1 / 120 } }, error = function() return 0 / 0 end },\n"
           "  build = function(world) world:body { shape = feder.sphere(0.1) } end }\n");
   const Outcome o = p.run("study nan.lua --repeat 0 --json");
-  for (const auto& point : o.json()["points"]) CHECK(point["status"] == "nan");
+  const auto points = o.json()["points"];
+  CHECK_FALSE(points.empty());
+  for (const auto& point : points) CHECK(point["status"] == "nan");
 }
 
 TEST_CASE("the gate ends with status 1 when counts or errors differ", "[cli]") {
