@@ -80,23 +80,35 @@ TEST_CASE("pbf says before it bursts that its steps do not carry the column", "[
   CHECK_FALSE(r.burst_unwarned());
 }
 
-TEST_CASE("the map of still water", "[fluid][.][map]") {
-  for (const int layers : {8, 25, 50, 100, 200})
-    for (const double spacing : {0.001, 0.006, 0.0125, 0.05, 0.1})
-      for (const int substeps : {1, 4, 16}) {
-        for (const int iterations : {1, 4, 8, 32}) {
-          // single particles go on finding their places by falling 2 cm (a fifth of a spacing) for three seconds
-          const double calm = layers == 8 && spacing == 0.1 && substeps == 16 ? 3 : 2;
-          const StillWaterResult r = still(2, layers, spacing, iterations, substeps, 10, calm);
-          CAPTURE(layers, spacing, substeps, iterations, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
-          CHECK_FALSE(r.burst_unwarned());
-          if (iterations == 4 && substeps == 4 && layers <= 60 && spacing >= 0.005) CHECK(r.warned < 0);
-          if (iterations == 1 || r.burst >= 0) continue;
-          const StillWaterResult half = still(2, layers, spacing, iterations / 2, substeps, 2);
-          CAPTURE(half.excess);
-          if (half.burst < 0) CHECK(r.excess <= 1.1 * half.excess + 1e-5);  // rounding, which is what 32 leave
-        }
+namespace {
+
+void map_of_still_water(int layers) {
+  for (const double spacing : {0.001, 0.006, 0.0125, 0.05, 0.1})
+    for (const int substeps : {1, 4, 16})
+      for (const int iterations : {1, 4, 8, 32}) {
+        // the lattice settles by 1.6 cm on average and, inviscid, swings it out for up to 4 s: with 4, 8 and 32
+        // iterations 1.29, 1.12 and 1.002 times the bound after 2 s, 1.06, 0.98 and 0.80 after 3 s
+        const double calm = layers == 8 && spacing == 0.1 && substeps == 16 ? 4 : 2;
+        const StillWaterResult r = still(2, layers, spacing, iterations, substeps, 10, calm);
+        CAPTURE(layers, spacing, substeps, iterations, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+        CHECK_FALSE(r.burst_unwarned());
+        if (iterations == 4 && substeps == 4 && layers <= 60 && spacing >= 0.005) CHECK(r.warned < 0);
+        if (iterations == 1 || r.burst >= 0) continue;
+        const StillWaterResult half = still(2, layers, spacing, iterations / 2, substeps, 2);
+        CAPTURE(half.excess);
+        if (half.burst < 0) CHECK(r.excess <= 1.1 * half.excess + 1e-5);  // rounding, which is what 32 leave
       }
+}
+
+}  // namespace
+
+TEST_CASE("the map of still water, 8 layers", "[fluid][.][map8]") { map_of_still_water(8); }
+TEST_CASE("the map of still water, 25 layers", "[fluid][.][map25]") { map_of_still_water(25); }
+TEST_CASE("the map of still water, 50 layers", "[fluid][.][map50]") { map_of_still_water(50); }
+TEST_CASE("the map of still water, 100 layers", "[fluid][.][map100]") { map_of_still_water(100); }
+TEST_CASE("the map of still water, 200 layers", "[fluid][.][map200]") { map_of_still_water(200); }
+
+TEST_CASE("the map of still water in space", "[fluid][.][map3d]") {
   for (const int layers : {8, 25, 50})
     for (const double spacing : {0.006, 0.0125, 0.05, 0.1}) {
       const StillWaterResult r = still(3, layers, spacing, 4, 4, 10);
