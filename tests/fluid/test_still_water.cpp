@@ -82,13 +82,21 @@ TEST_CASE("pbf says before it bursts that its steps do not carry the column", "[
 
 namespace {
 
+// s. Two kinds of columns take longer than 2 s, and are found here so that no more become like them:
+//  - shallow coarse ones in fine steps: the lattice settles by 1.6 cm on average and, inviscid, swings it out: with 4, 8
+//    and 32 iterations 1.29, 1.12 and 1.002 times the bound after 2 s, 1.06, 0.98 and 0.80 after 3 s;
+//  - 10 and 20 m with a single iteration: up to 1.5 times the bound between 2 and 3 s, 1.03 at 4.5 s.
+double calm_after(int layers, double spacing, int substeps, int iterations) {
+  if (layers == 8 && spacing == 0.1 && substeps == 16) return 4;
+  if (layers * spacing > 9.9 && iterations == 1) return 5;
+  return 2;
+}
+
 void map_of_still_water(int layers) {
   for (const double spacing : {0.001, 0.006, 0.0125, 0.05, 0.1})
     for (const int substeps : {1, 4, 16})
       for (const int iterations : {1, 4, 8, 32}) {
-        // the lattice settles by 1.6 cm on average and, inviscid, swings it out for up to 4 s: with 4, 8 and 32
-        // iterations 1.29, 1.12 and 1.002 times the bound after 2 s, 1.06, 0.98 and 0.80 after 3 s
-        const double calm = layers == 8 && spacing == 0.1 && substeps == 16 ? 4 : 2;
+        const double calm = calm_after(layers, spacing, substeps, iterations);
         const StillWaterResult r = still(2, layers, spacing, iterations, substeps, 10, calm);
         CAPTURE(layers, spacing, substeps, iterations, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
         CHECK_FALSE(r.burst_unwarned());
