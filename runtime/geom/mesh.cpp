@@ -207,14 +207,17 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
   } search{this, p, Vec3::Zero(), kInfinity, kNone};
   Aabb around{p, p};
   around.grow(limit);
-  triangles_in(around, [](void* context, std::uint32_t i) {
-    Search& s = *static_cast<Search*>(context);
-    const Corners& c = s.mesh->corners_[i];
-    const Vec3 on =
-        closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
-    const Real d = dot(s.p - on, s.p - on);
-    if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
-  }, &search);
+  triangles_in(
+      around,
+      [](void* context, std::uint32_t i) {
+        Search& s = *static_cast<Search*>(context);
+        const Corners& c = s.mesh->corners_[i];
+        const Vec3 on =
+            closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
+        const Real d = dot(s.p - on, s.p - on);
+        if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
+      },
+      &search);
   if (search.triangle == kNone) {
     normal = vec3(0, 1, 0);
     return limit;

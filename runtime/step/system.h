@@ -41,11 +41,11 @@ struct SystemSetup {
   Store& store;
   Objects& objects;
   Events& events;
-  const Params& options;   // world option table of that name: world { rigid = { solver = ... } }
-  const Params& world;     // top-level choices: broad_phase, narrow_phase
+  const Params& options;  // world option table of that name: world { rigid = { solver = ... } }
+  const Params& world;    // top-level choices: broad_phase, narrow_phase
   int dimension;
-  SystemFinder& systems;   // those listed in `needs` are there
-  bool* structure_changed; // set to true to have the plan rebuilt before the next step
+  SystemFinder& systems;    // those listed in `needs` are there
+  bool* structure_changed;  // set to true to have the plan rebuilt before the next step
 };
 
 class System {
@@ -69,8 +69,8 @@ class System {
 };
 
 struct SystemDescriptor {
-  const char* name;                       // "rigid"; also the arena's name
-  std::span<const char* const> needs;     // made before it
+  const char* name;                    // "rigid"; also the arena's name
+  std::span<const char* const> needs;  // made before it
   // Made by the world as soon as all of these exist (couplings); empty for systems that are asked for.
   std::span<const char* const> joins;
   std::unique_ptr<System> (*make)(SystemSetup& setup);
