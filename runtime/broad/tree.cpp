@@ -9,7 +9,7 @@
 // Weak spot: when most boxes leave their fat boxes in each call, trees are rebuilt and everything is queried again.
 #include <algorithm>
 
-#include "broad/aabb_tree.h"
+#include "bounds/aabb_tree.h"
 #include "broad/pair_sort.h"
 
 namespace feder {

@@ -2,7 +2,7 @@
 // A linear scan over boxes: an owner may have moved any of them since the broad phase last saw them.
 #include <algorithm>
 
-#include "broad/segment_box.h"
+#include "bounds/segment_box.h"
 #include "collide/impl.h"
 
 namespace feder {

@@ -1,7 +1,7 @@
 // Two or more cloths in one world: who may touch whom, and what they did to each other.
 #pragma once
+#include "bounds/aabb.h"
 #include "cloth/cloth.h"
-#include "geom/aabb.h"
 #include "step/system.h"
 
 namespace feder {

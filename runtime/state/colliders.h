@@ -5,7 +5,7 @@
 
 #include "base/arena.h"
 #include "base/math.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
 #include "geom/shape.h"
 #include "state/objects.h"
 

@@ -4,8 +4,8 @@
 
 #include "base/params.h"
 #include "base/rng.h"
+#include "bounds/segment_box.h"
 #include "broad/broad_phase.h"
-#include "broad/segment_box.h"
 #include "support/catch.h"
 
 using namespace feder;

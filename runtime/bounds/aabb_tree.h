@@ -8,8 +8,8 @@
 #include <span>
 
 #include "base/arena.h"
-#include "broad/segment_box.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
+#include "bounds/segment_box.h"
 
 namespace feder {
 
