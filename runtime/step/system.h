@@ -61,6 +61,9 @@ class System {
   virtual Momentum momentum() const { return {}; }
   virtual void residuals(std::vector<Residual>& /*out*/) const {}
   virtual bool finite() const { return true; }
+  // Walks the system's structures and asserts what holds between steps (base/assert.h). After each step where asserts
+  // are on: dev, fuzz, asan, tsan.
+  virtual void validate() const {}
   // For the watchdog (step/watch.h), asked at the end of a step that has a suspect: upper bounds of the energy that
   // other systems may have drawn from this one (kinetic at the start of the step, work done on it, strain), J; and of
   // the speed of what it moves with infinite mass, m/s.

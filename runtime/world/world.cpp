@@ -156,6 +156,11 @@ void World::step() {
   stepping_ = true;
   plan_.run(c);
   stepping_ = false;
+  if constexpr (kAsserts) validate();
+}
+
+void World::validate() const {
+  for (const Present& p : systems_) p.system->validate();
 }
 
 ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name,

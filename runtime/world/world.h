@@ -94,6 +94,7 @@ class World final : private SystemFinder {
   void load_image(std::string_view image);
   void warn_of_forces();
   void warn_of_energy(const StepContext& c);  // watch.cpp
+  void validate() const;
 
   WorldDesc desc_;
   Catalog catalog_;
