@@ -17,9 +17,7 @@ void Arguments::flag(const std::string& name, bool& value, const std::string& he
   impl_->app.add_flag(name, value, help);
 }
 
-void Arguments::hidden_flag(const std::string& name, bool& value) {
-  impl_->app.add_flag(name, value)->group("");
-}
+void Arguments::hidden_flag(const std::string& name, bool& value) { impl_->app.add_flag(name, value)->group(""); }
 
 void Arguments::text(const std::string& name, std::string& value, const std::string& help) {
   impl_->app.add_option(name, value, help);

@@ -96,10 +96,15 @@ class Bench final : public Command {
   }
 
   report::Json json(const Measured& m, const report::Json& before) const {
-    report::Json row = {{"scene", m.scene}, {"title", m.title},
+    report::Json row = {{"scene", m.scene},
+                        {"title", m.title},
                         {"ms_per_step", {{"median", m.median()}, {"min", m.runs.front()}, {"max", m.runs.back()}}},
-                        {"threads", m.threads}, {"bodies", m.bodies}, {"runs", runs_}, {"steps", steps_},
-                        {"real", kRealName}, {"hash", m.hash}};
+                        {"threads", m.threads},
+                        {"bodies", m.bodies},
+                        {"runs", runs_},
+                        {"steps", steps_},
+                        {"real", kRealName},
+                        {"hash", m.hash}};
     for (const auto& was : before) {
       if (!was.is_object() || was.value("scene", "") != m.scene || !was.contains("ms_per_step")) continue;
       const double median = was["ms_per_step"].value("median", 0.0);

@@ -103,8 +103,10 @@ if type(object) == 'table' then for name in pairs(object) do print('', name) end
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
     const std::size_t tab = line.find('\t');
-    if (tab == 0) known.push_back(line.substr(1));
-    else if (tab != std::string::npos) answers[line.substr(0, tab)] = line.substr(tab + 1);
+    if (tab == 0)
+      known.push_back(line.substr(1));
+    else if (tab != std::string::npos)
+      answers[line.substr(0, tab)] = line.substr(tab + 1);
   }
   for (auto& [word, answer] : answers) {
     if (!answer.empty()) continue;

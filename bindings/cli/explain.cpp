@@ -61,11 +61,17 @@ class Explain final : public Command {
 
   // What a system counts.
   static const char* unit_of(std::string_view name) {
-    static constexpr std::pair<std::string_view, const char*> units[] = {
-        {"rigid", "bodies"},          {"collide", "colliders"},      {"springs", "points"},
-        {"cloth", "vertices"},        {"fluid", "particles"},        {"springs_rigid", "points that meet bodies"},
-        {"cloth_cloth", "touchings"}, {"cloth_rigid", "touchings"}, {"fluid_rigid", "walls"},      {"fluid_cloth", "particles at cloth"},
-        {"fluid_springs", "faces that meet fluid"}};
+    static constexpr std::pair<std::string_view, const char*> units[] = {{"rigid", "bodies"},
+                                                                         {"collide", "colliders"},
+                                                                         {"springs", "points"},
+                                                                         {"cloth", "vertices"},
+                                                                         {"fluid", "particles"},
+                                                                         {"springs_rigid", "points that meet bodies"},
+                                                                         {"cloth_cloth", "touchings"},
+                                                                         {"cloth_rigid", "touchings"},
+                                                                         {"fluid_rigid", "walls"},
+                                                                         {"fluid_cloth", "particles at cloth"},
+                                                                         {"fluid_springs", "faces that meet fluid"}};
     for (const auto& [system, unit] : units)
       if (system == name) return unit;
     return "";
@@ -84,10 +90,20 @@ class Explain final : public Command {
       // JSON has no infinity: null is no limit
       const report::Json limit =
           std::isinf(a.method.stability_limit) ? report::Json() : report::Json(a.method.stability_limit);
-      rows.push_back({{"object", r.object}, {"verdict", r.verdict}, {"text", r.text}, {"method", a.integrator},
-                      {"limit", limit}, {"h", a.h}, {"hw", a.reach}, {"frequency", a.frequency}, {"decay", a.decay},
-                      {"substeps", r.substeps}, {"integrator", r.integrator}, {"error", a.error},
-                      {"error_class", r.error_class}, {"resolved_hertz", a.resolved / (2 * 3.14159265358979)}});
+      rows.push_back({{"object", r.object},
+                      {"verdict", r.verdict},
+                      {"text", r.text},
+                      {"method", a.integrator},
+                      {"limit", limit},
+                      {"h", a.h},
+                      {"hw", a.reach},
+                      {"frequency", a.frequency},
+                      {"decay", a.decay},
+                      {"substeps", r.substeps},
+                      {"integrator", r.integrator},
+                      {"error", a.error},
+                      {"error_class", r.error_class},
+                      {"resolved_hertz", a.resolved / (2 * 3.14159265358979)}});
     }
     return rows;
   }
@@ -101,16 +117,22 @@ class Explain final : public Command {
     const double per_step = steps ? 1e-6 / static_cast<double>(steps) : 0;
     for (const StepRow& row : world.plan().rows()) {
       const auto ns = static_cast<double>(row.counter.nanoseconds);
-      plan.push_back({{"stage", stage_name(row.stage)}, {"system", row.system}, {"name", row.name},
-                      {"calls", row.counter.calls}, {"ms", ns * per_step}, {"share", sum > 0 ? ns / sum : 0}});
+      plan.push_back({{"stage", stage_name(row.stage)},
+                      {"system", row.system},
+                      {"name", row.name},
+                      {"calls", row.counter.calls},
+                      {"ms", ns * per_step},
+                      {"share", sum > 0 ? ns / sum : 0}});
     }
     for (const auto& h : session.script().handler_profile())
       handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
     report::Json memory = report::Json::object();
     for (const auto& [name, bytes] : shared_arenas(world)) memory[name] = bytes;
-    return {{"title", session.title()}, {"scene", session.file()}, {"steps", steps}, {"systems", systems},
-            {"absent", world.absent()}, {"plan", plan}, {"memory", memory}, {"bytes", world.bytes()},
-            {"handlers", handlers}, {"advice", advice_json(world)}};
+    return {{"title", session.title()}, {"scene", session.file()},
+            {"steps", steps},           {"systems", systems},
+            {"absent", world.absent()}, {"plan", plan},
+            {"memory", memory},         {"bytes", world.bytes()},
+            {"handlers", handlers},     {"advice", advice_json(world)}};
   }
 
   static std::string text(Session& session, std::uint64_t steps) {

@@ -12,8 +12,8 @@ namespace feder::cli {
 
 inline constexpr int kResultsDescriptor = 3;
 
-// Runs `feder test --worker ARGUMENTS FILES...` and calls `done` with the result of each file, in order. Ends early when
-// the command is asked to stop. A child, and all it started in its process group, ends with this call.
+// Runs `feder test --worker ARGUMENTS FILES...` and calls `done` with the result of each file, in order. Ends early
+// when the command is asked to stop. A child, and all it started in its process group, ends with this call.
 void run_isolated(const std::vector<std::string>& files, const std::vector<std::string>& arguments,
                   const std::function<void(report::TestResult)>& done);
 

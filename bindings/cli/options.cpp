@@ -56,7 +56,8 @@ void declare(Arguments& a, Options& o) {
   a.list("--world", o.world, "KEY=VALUE: dt, substeps, rigid.solver ... (may be repeated)");
   a.text("--dt", o.dt, "seconds per step, for example 1/240");
   a.whole("--threads", o.threads, 1, 64, "worker threads");
-  a.text("--limit", o.limit, "Lua instructions per call into a script, 4 times as many in build() (default 1e8; 0: any)");
+  a.text("--limit", o.limit,
+         "Lua instructions per call into a script, 4 times as many in build() (default 1e8; 0: any)");
   a.text("--memory", o.memory, "bytes of Lua memory (default 1 GiB)");
   a.text("--timeout", o.timeout, "seconds of processor time; exit status 4 (default: any; test: 60 per file)");
 }

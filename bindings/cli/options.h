@@ -12,9 +12,9 @@ namespace feder::cli {
 
 struct Options {
   bool json = false, quiet = false;
-  std::string seed, dt;             // as given; empty when not given
+  std::string seed, dt;  // as given; empty when not given
   std::string limit, memory, timeout;
-  int threads = 0;                  // 0: what the scene says
+  int threads = 0;                      // 0: what the scene says
   std::vector<std::string> set, world;  // NAME=VALUE
 };
 

@@ -48,9 +48,8 @@ std::string PointLog::read(const std::string& file, const Json& identity) {
       }
       ProblemInfo problem;
       FinishedPoint point = report::finished_from_json(json, problem);
-      const bool again = std::any_of(done_.begin(), done_.end(), [&](const FinishedPoint& d) {
-        return d.point.index == point.point.index;
-      });
+      const bool again = std::any_of(done_.begin(), done_.end(),
+                                     [&](const FinishedPoint& d) { return d.point.index == point.point.index; });
       if (again) continue;
       done_.push_back(std::move(point));
       learned_ = std::move(problem);

@@ -1,5 +1,5 @@
-// points.jsonl: the points of a study as they finish, a whole line each, so that a study that is stopped loses nothing and
-// --resume goes on. The first line names the study; a last line that was cut off is dropped.
+// points.jsonl: the points of a study as they finish, a whole line each, so that a study that is stopped loses nothing
+// and --resume goes on. The first line names the study; a last line that was cut off is dropped.
 #pragma once
 #include <cstdio>
 #include <memory>

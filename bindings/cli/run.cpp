@@ -59,7 +59,8 @@ class Run final : public Command {
   // Why the steps ended early, unless a handler's error has said it.
   int say_end(Session& session) const {
     const auto& errors = session.script().handler_errors();
-    const bool said = std::any_of(errors.begin(), errors.end(), [](const auto& e) { return e.limit != lua::Limit::none; });
+    const bool said =
+        std::any_of(errors.begin(), errors.end(), [](const auto& e) { return e.limit != lua::Limit::none; });
     const int status = session.end_status();
     if (status != kPass && !said) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
     return status;

@@ -23,18 +23,15 @@ std::string error_text(const lua::HandlerError& error) {
 std::string limit_text(const std::string& message, lua::Limit limit) {
   switch (limit) {
     case lua::Limit::instructions:
-    case lua::Limit::time:
-      return message + "; --limit N allows more";
-    case lua::Limit::memory:
-      return message + "; --memory BYTES allows more";
+    case lua::Limit::time: return message + "; --limit N allows more";
+    case lua::Limit::memory: return message + "; --memory BYTES allows more";
     case lua::Limit::interrupted: {
       std::string text = message;
       const std::string word = "interrupted";
       if (text.ends_with(word)) text.replace(text.size() - word.size(), word.size(), stop_text());
       return text;
     }
-    default:
-      return message;
+    default: return message;
   }
 }
 

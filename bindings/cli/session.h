@@ -41,8 +41,8 @@ class Session {
   int end_status() const;
   void need_to_go_on() const;
 
-  std::uint64_t steps() const { return steps_; }          // of the scene, or of all worlds of a plain script
-  double step_milliseconds() const;                       // wall time per step; handlers included for scenes
+  std::uint64_t steps() const { return steps_; }  // of the scene, or of all worlds of a plain script
+  double step_milliseconds() const;               // wall time per step; handlers included for scenes
   const std::vector<Warning>& warnings() const { return warnings_; }
 
  private:

@@ -39,7 +39,8 @@ class Stability final : public Command {
     if (!suite_.empty() && suite_ != "core" && suite_ != "full")
       throw Failure(kUsage, fmt::format("feder stability: unknown suite '{}'; known: core, full, extreme", suite_));
     std::vector<StabilityPlan> plans;
-    if (suite_.empty() || !problem_.empty()) plans.push_back(plan_for(problem_.empty() ? "oscillator" : problem_));
+    if (suite_.empty() || !problem_.empty())
+      plans.push_back(plan_for(problem_.empty() ? "oscillator" : problem_));
     else
       for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
     for (const StabilityPlan& plan : plans) {

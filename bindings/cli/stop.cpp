@@ -15,7 +15,7 @@ namespace {
 
 std::atomic<bool> asked = false;
 std::atomic<int> reason = 0;
-std::atomic<int> watchers = 0;  // StopSignals alive
+std::atomic<int> watchers = 0;    // StopSignals alive
 char timeout_words[2][120] = {};  // of SIGPROF and SIGALRM
 std::atomic<int> timeout_kind = 0;
 
@@ -98,7 +98,7 @@ StopSignals::~StopSignals() {
 
 TimeLimit::TimeLimit(double processor, double wall) {
   if (stop_reason() == StopReason::timeout) reason = 0, asked = false;
-  const auto words = [](char (&to)[120], double seconds, const char* what) {
+  const auto words = [](char(&to)[120], double seconds, const char* what) {
     const std::string text = fmt::format("feder: time limit of {:g} s of {} reached (--timeout)\n", seconds, what);
     to[text.copy(to, sizeof to - 1)] = '\0';
   };

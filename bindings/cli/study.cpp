@@ -36,16 +36,18 @@ class Study final : public Command {
            "end,traj,max,energy,drift,momentum,angular,constraint,event,orient,horizon");
     a.text("--axis", axes_, "cost axes: time,force (default both)");
     a.whole("--repeat", repeat_, 0, 1000, "timed repeats of each run at least; 0 times nothing (default 5)");
-    a.text("--shard", shard_, "I/N: run only every N-th point, I from 1 to N (0 is N). With GNU parallel: "
-                              "parallel feder study oscillator --shard {}/8 --out part{} ::: 1 2 3 4 5 6 7 8; "
-                              "feder study --merge part*/report.json --out whole");
+    a.text("--shard", shard_,
+           "I/N: run only every N-th point, I from 1 to N (0 is N). With GNU parallel: "
+           "parallel feder study oscillator --shard {}/8 --out part{} ::: 1 2 3 4 5 6 7 8; "
+           "feder study --merge part*/report.json --out whole");
     a.flag("--resume", resume_, "go on with a study that was stopped: points in OUT/points.jsonl are not run again");
     a.flag("--merge", merge_, "put the reports of shards together; exit status 1 for holes and foreign shards");
     a.text("--baseline", baseline_, "a points.csv or report.json to compare with; exit status 1 when it differs");
     a.text("--gate", gate_, "what --baseline compares: cost,error (default), size");
     a.flag("--list", list_, "list problems, parameters and references");
     a.text("--suite", suite_, "run a suite of problems; exit status 1 when a run diverges that must not");
-    a.text("--out", out_, "folder for report.json, points.csv, *.svg and index.html; points.jsonl grows as points finish");
+    a.text("--out", out_,
+           "folder for report.json, points.csv, *.svg and index.html; points.jsonl grows as points finish");
     a.text("--markdown", markdown_, "write the picture's link and the table of the cheapest methods as Markdown");
     a.text("--picture", picture_, "the picture's link in the Markdown (default: error_vs_work.svg in --out)");
   }

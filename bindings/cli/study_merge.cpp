@@ -1,4 +1,5 @@
-// Shards of a study put together: what belongs to another study, what was altered and what is missing is refused by name.
+// Shards of a study put together: what belongs to another study, what was altered and what is missing is refused by
+// name.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,8 +21,8 @@ Json read_shard(const std::string& file) {
   if (json.is_object() && json.value("schema", "") == "accuracy/1") {
     const auto altered = report::altered_fields(json);
     if (!altered.empty())
-      throw Failure(kFailed, fmt::format("{}: no longer what the study wrote: {} does not fit", file,
-                                         fmt::join(altered, ", ")));
+      throw Failure(kFailed,
+                    fmt::format("{}: no longer what the study wrote: {} does not fit", file, fmt::join(altered, ", ")));
   }
   return json;
 }
@@ -60,8 +61,8 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
       if (shards.back().shards != count)
         differs.push_back(fmt::format("shards are {}, expected {}", shards.back().shards, count));
       if (!differs.empty())
-        throw Failure(kFailed, fmt::format("{}: a shard of another study than {}: {}", file, files[0],
-                                           fmt::join(differs, "; ")));
+        throw Failure(
+            kFailed, fmt::format("{}: a shard of another study than {}: {}", file, files[0], fmt::join(differs, "; ")));
     } catch (const Failure&) {
       throw;
     } catch (const std::exception& e) {

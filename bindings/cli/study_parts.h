@@ -35,7 +35,7 @@ struct SuiteRow {
   const char* suite;
   const char* problem;
   std::vector<std::string> set;
-  std::vector<std::string> methods;      // empty: all
+  std::vector<std::string> methods;  // empty: all
   std::vector<std::string> ladders;
   std::vector<std::string> may_diverge;  // methods; "*": any
 };

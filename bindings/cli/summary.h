@@ -9,12 +9,12 @@ namespace feder::cli {
 
 struct Summary {
   std::string title, file;
-  double seconds = 0;       // simulated
+  double seconds = 0;  // simulated
   std::uint64_t steps = 0;
   double ms_per_step = 0;
   int threads = 1;
   std::size_t bodies = 0, nets = 0, points = 0, cloths = 0, vertices = 0, fluids = 0, particles = 0;
-  std::string hash;         // 16 hex digits; empty without a world
+  std::string hash;  // 16 hex digits; empty without a world
   Energy energy;
   bool finite = true;
   bool interrupted = false;

@@ -1,6 +1,4 @@
 // feder view: the interactive viewer.
-#include "view/viewer.h"
-
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -8,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/session.h"
 #include "cli/summary.h"
+#include "view/viewer.h"
 #include "view/window.h"
 
 namespace feder::cli {
@@ -23,8 +22,9 @@ class View final : public Command {
     a.text("--on-save", on_save_,
            "catch_up: run the new scene to the same time (default); start_over; keep: objects with "
            "the same name stay where they are");
-    a.text("--detail", detail_, "auto: as much as this machine draws fluently (default); full; plain: no smooth edges; "
-                                "least: no shadows");
+    a.text("--detail", detail_,
+           "auto: as much as this machine draws fluently (default); full; plain: no smooth edges; "
+           "least: no shadows");
     a.text("--draw", o_.toggles,
            "what is drawn: contacts,joints,-springs ...; speed, density or pressure colours fluids");
     a.text("--select", o_.select, "name of the object to look at");

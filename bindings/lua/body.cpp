@@ -358,8 +358,6 @@ int push_vector(lua_State* L, const Vec3& v) {
   return 3;
 }
 
-std::span<const Method> body_methods() {
-  return kBodyMethods;
-}
+std::span<const Method> body_methods() { return kBodyMethods; }
 
 }  // namespace feder::lua

@@ -70,9 +70,7 @@ const Method kBufferMethods[] = {
 
 }  // namespace
 
-std::span<const Method> buffer_methods() {
-  return kBufferMethods;
-}
+std::span<const Method> buffer_methods() { return kBufferMethods; }
 
 std::span<double> test_buffer(lua_State* L, int index) {
   auto* b = static_cast<BufferBlock*>(test_class(L, index, Class::buffer));

@@ -212,9 +212,7 @@ const Method kClothMethods[] = {
 
 }  // namespace
 
-std::span<const Method> cloth_methods() {
-  return kClothMethods;
-}
+std::span<const Method> cloth_methods() { return kClothMethods; }
 
 void destroy_cloth(WorldRecord& record, ObjectId id, const std::string& where) {
   record.world->need<Cloth>().destroy_cloth(id, where);

@@ -60,7 +60,7 @@ void read_geometry(Options& o, ClothDesc& desc) {
     return;
   }
   if (o.has("triangles")) o.raise("triangles", "expected vertices too");
-  const auto pair = [&](const char* key, double (&out)[2], const Range& range, bool whole) {
+  const auto pair = [&](const char* key, double(&out)[2], const Range& range, bool whole) {
     if (!o.push(key, LUA_TTABLE, "two numbers")) return;
     if (lua_rawlen(L, -1) != 2) o.wrong(key, "two numbers");
     for (int k = 0; k < 2; ++k) {

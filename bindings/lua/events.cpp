@@ -13,19 +13,13 @@ bool is_contact(EventKind k) {
   return k == EventKind::contact_begin || k == EventKind::contact_stay || k == EventKind::contact_end ||
          k == EventKind::hit;
 }
-bool is_sensor(EventKind k) {
-  return k == EventKind::sensor_enter || k == EventKind::sensor_leave;
-}
+bool is_sensor(EventKind k) { return k == EventKind::sensor_enter || k == EventKind::sensor_leave; }
 bool is_break(EventKind k) {
   return k == EventKind::joint_break || k == EventKind::spring_break || k == EventKind::tear;
 }
 // Of an emitter or drain, and its fluid.
-bool is_source(EventKind k) {
-  return k == EventKind::emitter_done || k == EventKind::drained;
-}
-bool has_two(EventKind k) {
-  return is_contact(k) || is_sensor(k);
-}
+bool is_source(EventKind k) { return k == EventKind::emitter_done || k == EventKind::drained; }
+bool has_two(EventKind k) { return is_contact(k) || is_sensor(k); }
 
 // What the event object reads from. Valid while its handler runs, or until its iterator moves on.
 struct EventBlock {
@@ -83,58 +77,26 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
   const auto number = [&](bool present, double x) { present ? lua_pushnumber(L, x) : lua_pushnil(L); };
   const auto object = [&](bool present, ObjectId id) { present ? push_handle(L, r, id) : lua_pushnil(L); };
   switch (field) {
-    case f_kind:
-      lua_pushstring(L, event_name(k));
-      return;
-    case f_time:
-      lua_pushnumber(L, r.world->time());
-      return;
-    case f_step:
-      lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count()));
-      return;
-    case f_a:
-      object(is_contact(k), turned ? e.b : e.a);
-      return;
-    case f_b:
-      object(is_contact(k), turned ? e.a : e.b);
-      return;
+    case f_kind: lua_pushstring(L, event_name(k)); return;
+    case f_time: lua_pushnumber(L, r.world->time()); return;
+    case f_step: lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count())); return;
+    case f_a: object(is_contact(k), turned ? e.b : e.a); return;
+    case f_b: object(is_contact(k), turned ? e.a : e.b); return;
     case f_x:
     case f_y:
-    case f_z:
-      number(is_contact(k), e.point[field - f_x]);
-      return;
+    case f_z: number(is_contact(k), e.point[field - f_x]); return;
     case f_nx:
     case f_ny:
-    case f_nz:
-      number(is_contact(k), sign * e.normal[field - f_nx]);
-      return;
-    case f_impulse:
-      number(k == EventKind::contact_stay || k == EventKind::hit, e.impulse);
-      return;
-    case f_slip:
-      number(k == EventKind::contact_stay, e.slip);
-      return;
-    case f_speed:
-      number(k == EventKind::hit, e.speed);
-      return;
-    case f_object:
-      object(!has_two(k) && k != EventKind::step, e.a);
-      return;
-    case f_cause:
-      k == EventKind::wake ? (void)lua_pushstring(L, wake_cause_name(e.cause)) : lua_pushnil(L);
-      return;
-    case f_other:
-      object(k == EventKind::wake || is_sensor(k) || is_source(k), e.b);
-      return;
-    case f_sensor:
-      object(is_sensor(k), e.a);
-      return;
-    case f_index:
-      has_index(r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L);
-      return;
-    case f_force:
-      number(is_break(k), e.force);
-      return;
+    case f_nz: number(is_contact(k), sign * e.normal[field - f_nx]); return;
+    case f_impulse: number(k == EventKind::contact_stay || k == EventKind::hit, e.impulse); return;
+    case f_slip: number(k == EventKind::contact_stay, e.slip); return;
+    case f_speed: number(k == EventKind::hit, e.speed); return;
+    case f_object: object(!has_two(k) && k != EventKind::step, e.a); return;
+    case f_cause: k == EventKind::wake ? (void)lua_pushstring(L, wake_cause_name(e.cause)) : lua_pushnil(L); return;
+    case f_other: object(k == EventKind::wake || is_sensor(k) || is_source(k), e.b); return;
+    case f_sensor: object(is_sensor(k), e.a); return;
+    case f_index: has_index(r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L); return;
+    case f_force: number(is_break(k), e.force); return;
     case f_count:
       if (is_source(k) || ((is_sensor(k) || is_contact(k)) && r.world->objects().kind(e.b) == ObjectKind::fluid))
         lua_pushinteger(L, static_cast<lua_Integer>(e.index));
@@ -149,14 +111,11 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
       else
         lua_pushnil(L);
       return;
-    default:
-      lua_pushnil(L);
+    default: lua_pushnil(L);
   }
 }
 
-bool readable(lua_State* L, const EventBlock& block) {
-  return block.valid && state(L).worlds[block.world]->world;
-}
+bool readable(lua_State* L, const EventBlock& block) { return block.valid && state(L).worlds[block.world]->world; }
 
 int event_copy(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
@@ -188,9 +147,7 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   return 1;
 }
 
-int event_no_write(lua_State* L) {
-  fail(L, "event: an event cannot be changed; e:copy() gives a table");
-}
+int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
 
 int event_tostring(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
@@ -303,12 +260,8 @@ const Method kEventMethods[] = {
 
 }  // namespace
 
-std::span<const Method> event_methods() {
-  return kEventMethods;
-}
-std::span<const Method> connection_methods() {
-  return kConnectionMethods;
-}
+std::span<const Method> event_methods() { return kEventMethods; }
+std::span<const Method> connection_methods() { return kConnectionMethods; }
 
 void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool turned) {
   lua_newtable(L);
@@ -473,9 +426,7 @@ int push_subscription(lua_State* L, WorldRecord& record, ObjectId self) {
   return 1;
 }
 
-int world_on(lua_State* L) {
-  return push_subscription(L, check_world(L), {});
-}
+int world_on(lua_State* L) { return push_subscription(L, check_world(L), {}); }
 
 int world_events(lua_State* L) {
   WorldRecord& r = check_world(L);

@@ -195,14 +195,8 @@ const Method kDrainMethods[] = {
 
 }  // namespace
 
-std::span<const Method> fluid_methods() {
-  return kFluidMethods;
-}
-std::span<const Method> emitter_methods() {
-  return kEmitterMethods;
-}
-std::span<const Method> drain_methods() {
-  return kDrainMethods;
-}
+std::span<const Method> fluid_methods() { return kFluidMethods; }
+std::span<const Method> emitter_methods() { return kEmitterMethods; }
+std::span<const Method> drain_methods() { return kDrainMethods; }
 
 }  // namespace feder::lua

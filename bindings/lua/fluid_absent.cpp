@@ -3,18 +3,10 @@
 
 namespace feder::lua {
 
-int world_fluid(lua_State* L) {
-  fail_here(L, "this build leaves out the module 'fluid'");
-}
-std::span<const Method> fluid_methods() {
-  return {};
-}
-std::span<const Method> emitter_methods() {
-  return {};
-}
-std::span<const Method> drain_methods() {
-  return {};
-}
+int world_fluid(lua_State* L) { fail_here(L, "this build leaves out the module 'fluid'"); }
+std::span<const Method> fluid_methods() { return {}; }
+std::span<const Method> emitter_methods() { return {}; }
+std::span<const Method> drain_methods() { return {}; }
 void destroy_fluid_object(WorldRecord&, ObjectId, const std::string&) {}
 
 }  // namespace feder::lua

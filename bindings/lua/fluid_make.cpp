@@ -50,9 +50,7 @@ void read_fluid(Options& o, FluidDesc& d) {
 
 }  // namespace
 
-Fluid& fluids(WorldRecord& record) {
-  return record.world->need<Fluid>();
-}
+Fluid& fluids(WorldRecord& record) { return record.world->need<Fluid>(); }
 
 int world_fluid(lua_State* L) {
   WorldRecord& r = check_world(L);
@@ -127,15 +125,9 @@ int fluid_drain(lua_State* L) {
 void destroy_fluid_object(WorldRecord& record, ObjectId id, const std::string& where) {
   Fluid& f = fluids(record);
   switch (record.world->objects().kind(id)) {
-    case ObjectKind::emitter:
-      f.destroy_emitter(id, where);
-      break;
-    case ObjectKind::drain:
-      f.destroy_drain(id, where);
-      break;
-    default:
-      f.destroy_fluid(id, where);
-      break;
+    case ObjectKind::emitter: f.destroy_emitter(id, where); break;
+    case ObjectKind::drain: f.destroy_drain(id, where); break;
+    default: f.destroy_fluid(id, where); break;
   }
 }
 

@@ -212,9 +212,12 @@ int add_formula_force(Options& o, WorldRecord& record, std::string name, TagMask
   if (count < 1 || count > 3) o.raise("each", "expected one to three formulas, got " + std::to_string(count));
   for (int k = 0; k < count; ++k) {
     if (list) lua_rawgeti(L, -1, k + 1);
-    if (lua_type(L, -1) == LUA_TNUMBER) options.set(axes[k], print_number(lua_tonumber(L, -1)));
-    else if (lua_type(L, -1) == LUA_TSTRING) options.set(axes[k], std::string(lua_tostring(L, -1)));
-    else o.raise("each", "expected formulas in quotes, got " + describe(L, -1));
+    if (lua_type(L, -1) == LUA_TNUMBER)
+      options.set(axes[k], print_number(lua_tonumber(L, -1)));
+    else if (lua_type(L, -1) == LUA_TSTRING)
+      options.set(axes[k], std::string(lua_tostring(L, -1)));
+    else
+      o.raise("each", "expected formulas in quotes, got " + describe(L, -1));
     if (list) lua_pop(L, 1);
   }
   lua_pop(L, 1);
@@ -271,9 +274,7 @@ const Method kForceMethods[] = {
 
 }  // namespace
 
-std::span<const Method> force_methods() {
-  return kForceMethods;
-}
+std::span<const Method> force_methods() { return kForceMethods; }
 
 void apply_script_forces(lua_State* L, WorldRecord& record) {
   if (record.forces.list.empty()) return;
@@ -315,8 +316,10 @@ int world_force(lua_State* L) {
   }
   ForceEntry target;
   Params options;
-  if (o.has("between")) read_between(o, r, target, options);
-  else read_target(o, r, target);
+  if (o.has("between"))
+    read_between(o, r, target, options);
+  else
+    read_target(o, r, target);
   o.rest(options);
   push_handle(L, r, r.world->add_force(kind, options, std::move(target), std::move(name), tags));
   return 1;

@@ -56,8 +56,11 @@ class StageForce final : public Force {
       const int at = -3 + k;
       const double value = lua_isnil(L, at) ? 0 : lua_type(L, at) == LUA_TNUMBER ? lua_tonumber(L, at) : std::nan("");
       good = std::abs(value) <= kHuge;
-      if (good) force[k] = static_cast<Real>(value);
-      else failure = {s.profile[profile_].where, "world:force.each: expected three finite numbers, got " + describe(L, at)};
+      if (good)
+        force[k] = static_cast<Real>(value);
+      else
+        failure = {s.profile[profile_].where,
+                   "world:force.each: expected three finite numbers, got " + describe(L, at)};
     }
     lua_pop(L, 3);
     if (good) out += force;
@@ -88,11 +91,17 @@ void end_stages(lua_State* L, WorldRecord& record) {
 }
 
 bool answers_in_step(const char* function) {
-  static constexpr std::string_view kQuestions[] = {
-      "alive", "angle", "angular_velocity", "awake", "bodies", "center_of_mass", "count", "dimension", "dt", "enabled",
-      "gravity", "inertia", "is_sensor", "kind", "length", "local_point", "mass", "name", "pinned", "point", "position",
-      "positions", "rotation", "spring", "spring_limits", "step_count", "strain", "tags", "time", "type", "velocity",
-      "velocity_at", "world_point"};
+  static constexpr std::string_view kQuestions[] = {"alive",         "angle",       "angular_velocity",
+                                                    "awake",         "bodies",      "center_of_mass",
+                                                    "count",         "dimension",   "dt",
+                                                    "enabled",       "gravity",     "inertia",
+                                                    "is_sensor",     "kind",        "length",
+                                                    "local_point",   "mass",        "name",
+                                                    "pinned",        "point",       "position",
+                                                    "positions",     "rotation",    "spring",
+                                                    "spring_limits", "step_count",  "strain",
+                                                    "tags",          "time",        "type",
+                                                    "velocity",      "velocity_at", "world_point"};
   const std::string_view whole(function);
   const std::string_view word = whole.substr(whole.rfind(':') + 1);
   return std::find(std::begin(kQuestions), std::end(kQuestions), word) != std::end(kQuestions);

@@ -13,24 +13,15 @@ lua_Integer cache_key(ObjectId id) {
 Class class_of(const WorldRecord& record, ObjectId id) {
   if (record.regions.count(id)) return Class::region;
   switch (record.world->objects().kind(id)) {
-    case ObjectKind::joint:
-      return Class::joint;
-    case ObjectKind::net:
-      return Class::net;
-    case ObjectKind::cloth:
-      return Class::cloth;
-    case ObjectKind::force:
-      return Class::force;
-    case ObjectKind::region:
-      return Class::region;
-    case ObjectKind::fluid:
-      return Class::fluid;
-    case ObjectKind::emitter:
-      return Class::emitter;
-    case ObjectKind::drain:
-      return Class::drain;
-    default:
-      return Class::body;
+    case ObjectKind::joint: return Class::joint;
+    case ObjectKind::net: return Class::net;
+    case ObjectKind::cloth: return Class::cloth;
+    case ObjectKind::force: return Class::force;
+    case ObjectKind::region: return Class::region;
+    case ObjectKind::fluid: return Class::fluid;
+    case ObjectKind::emitter: return Class::emitter;
+    case ObjectKind::drain: return Class::drain;
+    default: return Class::body;
   }
 }
 
@@ -183,13 +174,9 @@ Rigid& WorldRecord::rigid() {
   return r;
 }
 
-Springs& WorldRecord::springs() {
-  return world->need<Springs>();
-}
+Springs& WorldRecord::springs() { return world->need<Springs>(); }
 
-std::span<const Method> object_methods() {
-  return kObjectMethods;
-}
+std::span<const Method> object_methods() { return kObjectMethods; }
 
 WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   State& s = state(L);
@@ -372,20 +359,12 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   const bool sources_went = world.objects().kind(id) == ObjectKind::fluid;
   if (sources_went) note_names(L, record);
   switch (world.objects().kind(id)) {
-    case ObjectKind::joint:
-      record.rigid().destroy_joint(id, where);
-      break;
-    case ObjectKind::net:
-      record.springs().destroy_net(id, where);
-      break;
-    case ObjectKind::cloth:
-      destroy_cloth(record, id, where);
-      break;
+    case ObjectKind::joint: record.rigid().destroy_joint(id, where); break;
+    case ObjectKind::net: record.springs().destroy_net(id, where); break;
+    case ObjectKind::cloth: destroy_cloth(record, id, where); break;
     case ObjectKind::fluid:
     case ObjectKind::emitter:
-    case ObjectKind::drain:
-      destroy_fluid_object(record, id, where);
-      break;
+    case ObjectKind::drain: destroy_fluid_object(record, id, where); break;
     case ObjectKind::force:
       world.remove_force(id, where);
       std::erase_if(record.forces.list, [&](const ScriptForce& f) {
@@ -395,9 +374,7 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
       if (Springs* springs = world.find<Springs>()) springs->clear_script_forces();
       clear_cloth_forces(world);
       break;
-    default:
-      record.rigid().destroy_body(id, where);
-      break;
+    default: record.rigid().destroy_body(id, where); break;
   }
   bury(L, record, id, name, where);
   record.regions.erase(id);

@@ -114,32 +114,18 @@ void Script::load_file(const std::filesystem::path& file) {
   impl_->run(code, chunk_name(file));
 }
 
-void Script::load_string(std::string_view text, const std::string& chunk) {
-  impl_->run(text, chunk_name(chunk));
-}
+void Script::load_string(std::string_view text, const std::string& chunk) { impl_->run(text, chunk_name(chunk)); }
 
-bool Script::is_scene() const {
-  return impl_->state.is_scene;
-}
-std::string Script::title() const {
-  return impl_->state.scene.title;
-}
-double Script::seconds() const {
-  return impl_->state.scene.seconds;
-}
-double Script::picture() const {
-  return impl_->state.scene.picture;
-}
-const SceneCamera& Script::camera() const {
-  return impl_->state.scene.camera;
-}
+bool Script::is_scene() const { return impl_->state.is_scene; }
+std::string Script::title() const { return impl_->state.scene.title; }
+double Script::seconds() const { return impl_->state.scene.seconds; }
+double Script::picture() const { return impl_->state.scene.picture; }
+const SceneCamera& Script::camera() const { return impl_->state.scene.camera; }
 const Look* Script::look() const {
   const State& s = impl_->state;
   return s.last_world < s.worlds.size() ? &s.worlds[s.last_world]->look : nullptr;
 }
-std::vector<ParamInfo> Script::params() const {
-  return impl_->state.params;
-}
+std::vector<ParamInfo> Script::params() const { return impl_->state.params; }
 
 void Script::build() {
   State& s = impl_->state;
@@ -166,9 +152,7 @@ void Script::step() {
   if (s.on_step && world()) s.on_step(*world());
 }
 
-const StudyDeclaration& Script::study() const {
-  return impl_->state.scene.study;
-}
+const StudyDeclaration& Script::study() const { return impl_->state.scene.study; }
 
 double Script::study_error() {
   const Impl::InPhase phase(impl_->state, Phase::checking);
@@ -189,9 +173,7 @@ CheckResult Script::check() {
   return run_check(impl_->state.L);
 }
 
-const std::vector<HandlerError>& Script::handler_errors() const {
-  return impl_->state.errors;
-}
+const std::vector<HandlerError>& Script::handler_errors() const { return impl_->state.errors; }
 std::vector<HandlerProfile> Script::handler_profile() const {
   std::vector<HandlerProfile> used;
   for (const HandlerProfile& p : impl_->state.profile)
@@ -199,12 +181,8 @@ std::vector<HandlerProfile> Script::handler_profile() const {
   return used;
 }
 
-const std::vector<PlotSeries>& Script::plots() const {
-  return impl_->state.plots;
-}
-const std::vector<std::filesystem::path>& Script::files() const {
-  return impl_->state.files;
-}
+const std::vector<PlotSeries>& Script::plots() const { return impl_->state.plots; }
+const std::vector<std::filesystem::path>& Script::files() const { return impl_->state.files; }
 
 std::string Script::run_string(std::string_view text, const std::string& chunk) {
   const Impl::InPhase phase(impl_->state, Phase::running);
@@ -213,16 +191,10 @@ std::string Script::run_string(std::string_view text, const std::string& chunk) 
   return result;
 }
 
-void Script::set_instruction_limit(std::uint64_t per_call) {
-  impl_->state.options.instruction_limit = per_call;
-}
+void Script::set_instruction_limit(std::uint64_t per_call) { impl_->state.options.instruction_limit = per_call; }
 
-void Script::interrupt() {
-  impl_->state.interrupted = true;
-}
+void Script::interrupt() { impl_->state.interrupted = true; }
 
-void Script::on_step(std::function<void(World&)> callback) {
-  impl_->state.on_step = std::move(callback);
-}
+void Script::on_step(std::function<void(World&)> callback) { impl_->state.on_step = std::move(callback); }
 
 }  // namespace feder::lua

@@ -45,20 +45,20 @@ class OptionError : public ScriptError {
 };
 
 struct HostOptions {
-  std::vector<std::filesystem::path> library_roots;   // folders that `require` may read besides the scene's (scripts/)
-  std::map<std::string, std::string> set;             // --set NAME=VALUE: values for feder.param
-  std::map<std::string, std::string> world;           // --world KEY=VALUE: "dt", "substeps", "rigid.solver" ...
+  std::vector<std::filesystem::path> library_roots;  // folders that `require` may read besides the scene's (scripts/)
+  std::map<std::string, std::string> set;            // --set NAME=VALUE: values for feder.param
+  std::map<std::string, std::string> world;          // --world KEY=VALUE: "dt", "substeps", "rigid.solver" ...
   bool has_seed = false;
   std::uint64_t seed = 1;
-  std::function<void(std::string_view)> print;        // output of print(); stdout when empty
-  std::size_t memory_limit = std::size_t(1) << 30;    // bytes of Lua memory; the size of a world is not limited
+  std::function<void(std::string_view)> print;            // output of print(); stdout when empty
+  std::size_t memory_limit = std::size_t(1) << 30;        // bytes of Lua memory; the size of a world is not limited
   std::uint64_t output_limit = std::uint64_t(256) << 20;  // bytes that print() may write in all; 0: none
-  // Lua instructions per call from the host, four times as many in build(). Each handler, timer, task and force function
-  // of a step is a call of its own; a plain script is one call. C functions are charged by the length of what they work
-  // on, a caught error as 500, a step by a plain script as 100. What few instructions make slow (comparing long strings,
-  // passing many arguments) ends when the call has taken 1 s and 100 ns per allowed instruction of processor time in
-  // Lua, about ten times the usual. 0: no limit, no count (loops run up to twice as fast), and interrupts are noticed
-  // between calls only.
+  // Lua instructions per call from the host, four times as many in build(). Each handler, timer, task and force
+  // function of a step is a call of its own; a plain script is one call. C functions are charged by the length of what
+  // they work on, a caught error as 500, a step by a plain script as 100. What few instructions make slow (comparing
+  // long strings, passing many arguments) ends when the call has taken 1 s and 100 ns per allowed instruction of
+  // processor time in Lua, about ten times the usual. 0: no limit, no count (loops run up to twice as fast), and
+  // interrupts are noticed between calls only.
   std::uint64_t instruction_limit = 100'000'000;
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
@@ -77,7 +77,7 @@ struct ParamInfo {
 
 // An error in a handler, timer, task or update(): reported once per place, counted after that.
 struct HandlerError {
-  std::string where;    // file:line
+  std::string where;  // file:line
   std::string message;
   std::uint64_t count = 0;
   Limit limit = Limit::none;  // that ended it
@@ -85,7 +85,7 @@ struct HandlerError {
 
 // One failed expect() of a scene's check.
 struct CheckFailure {
-  std::string where;    // file:line of the expect call
+  std::string where;  // file:line of the expect call
   std::string message;
 };
 struct CheckResult {
@@ -99,7 +99,7 @@ struct CheckResult {
 struct StudyDeclaration {
   bool declared = false;
   bool has_error = false, has_reference = false;
-  std::string method;                                             // the parameter that names the methods; may be empty
+  std::string method;  // the parameter that names the methods; may be empty
   std::vector<std::pair<std::string, std::vector<std::string>>> axes;  // name -> values, in the order of the names
 };
 
@@ -133,8 +133,8 @@ class Script {
 
   bool is_scene() const;
   std::string title() const;
-  double seconds() const;                             // of the scene; 0 when it says nothing
-  double picture() const;                             // when a picture tells most, s; < 0 when the scene says nothing
+  double seconds() const;  // of the scene; 0 when it says nothing
+  double picture() const;  // when a picture tells most, s; < 0 when the scene says nothing
   const SceneCamera& camera() const;
   std::vector<ParamInfo> params() const;
 

@@ -94,12 +94,8 @@ int joint_vector(lua_State* L, Vec3 (Rigid::*get)(ObjectId) const) {
   return push_vector(L, (self.record.rigid().*get)(self.id));
 }
 
-int joint_force(lua_State* L) {
-  return joint_vector(L, &Rigid::joint_force);
-}
-int joint_torque(lua_State* L) {
-  return joint_vector(L, &Rigid::joint_torque);
-}
+int joint_force(lua_State* L) { return joint_vector(L, &Rigid::joint_force); }
+int joint_torque(lua_State* L) { return joint_vector(L, &Rigid::joint_torque); }
 
 // Makes sure that the kind has what is asked for.
 void need_use(lua_State* L, const Self& self, unsigned uses, const char* what) {
@@ -184,9 +180,7 @@ const Method kJointMethods[] = {
 
 }  // namespace
 
-std::span<const Method> joint_methods() {
-  return kJointMethods;
-}
+std::span<const Method> joint_methods() { return kJointMethods; }
 
 int world_joint(lua_State* L) {
   WorldRecord& r = check_world(L);

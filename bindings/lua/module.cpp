@@ -82,9 +82,7 @@ const Method kFederFunctions[] = {
 
 }  // namespace
 
-std::span<const Method> feder_functions() {
-  return kFederFunctions;
-}
+std::span<const Method> feder_functions() { return kFederFunctions; }
 
 void open_module(lua_State* L) {
   const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()},
@@ -109,24 +107,20 @@ void open_module(lua_State* L) {
 Catalog catalog() {
   // couplings come after what they join
   static const SystemDescriptor* const systems[] = {
-      &Collide::descriptor(),
-      &Rigid::descriptor(),
-      &Springs::descriptor(),
+      &Collide::descriptor(),      &Rigid::descriptor(),        &Springs::descriptor(),
 #ifdef FEDER_HAS_COUPLE
       &SpringsRigid::descriptor(),
 #endif
 #ifdef FEDER_HAS_CLOTH
       &Cloth::descriptor(),
 #ifdef FEDER_HAS_COUPLE
-      &ClothCloth::descriptor(),
-      &ClothRigid::descriptor(),
+      &ClothCloth::descriptor(),   &ClothRigid::descriptor(),
 #endif
 #endif
 #ifdef FEDER_HAS_FLUID
       &Fluid::descriptor(),
 #ifdef FEDER_HAS_COUPLE
-      &FluidRigid::descriptor(),
-      &FluidSprings::descriptor(),
+      &FluidRigid::descriptor(),   &FluidSprings::descriptor(),
 #ifdef FEDER_HAS_CLOTH
       &FluidCloth::descriptor(),
 #endif

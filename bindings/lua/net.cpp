@@ -211,8 +211,6 @@ const Method kNetMethods[] = {
 
 }  // namespace
 
-std::span<const Method> net_methods() {
-  return kNetMethods;
-}
+std::span<const Method> net_methods() { return kNetMethods; }
 
 }  // namespace feder::lua

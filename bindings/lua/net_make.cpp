@@ -78,8 +78,8 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
         fail(L, what + "." + key + ": expected true or false, got " + describe(L, -1));
       s.tension_only = lua_toboolean(L, -1) != 0;
     } else {
-      const std::string near = nearest_name(key, {"i", "j", "stiffness", "damping", "rest_length", "break_strain",
-                                               "tension_only", "power"});
+      const std::string near =
+          nearest_name(key, {"i", "j", "stiffness", "damping", "rest_length", "break_strain", "tension_only", "power"});
       fail(L, what + ": unknown option " + describe(L, -2) + (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
   }

@@ -145,15 +145,9 @@ Vec3 vector_argument(lua_State* L, int index, bool planar, int* next) {
 void set_param(lua_State* L, int index, const std::string& key, const std::string& what, Params& out) {
   index = lua_absindex(L, index);
   switch (lua_type(L, index)) {
-    case LUA_TBOOLEAN:
-      out.set(key, lua_toboolean(L, index) != 0);
-      return;
-    case LUA_TNUMBER:
-      out.set(key, check_number(L, index, what, Range{}));
-      return;
-    case LUA_TSTRING:
-      out.set(key, std::string(lua_tostring(L, index)));
-      return;
+    case LUA_TBOOLEAN: out.set(key, lua_toboolean(L, index) != 0); return;
+    case LUA_TNUMBER: out.set(key, check_number(L, index, what, Range{})); return;
+    case LUA_TSTRING: out.set(key, std::string(lua_tostring(L, index))); return;
     case LUA_TTABLE: {
       const auto size = lua_rawlen(L, index);
       if (size > 1024) fail(L, what + ": expected a list of at most 1024 numbers, got " + std::to_string(size));
@@ -166,8 +160,7 @@ void set_param(lua_State* L, int index, const std::string& key, const std::strin
       out.set(key, std::move(list));
       return;
     }
-    default:
-      wrong_value(L, index, what, "a number, a string, true or false, or a list of numbers");
+    default: wrong_value(L, index, what, "a number, a string, true or false, or a list of numbers");
   }
 }
 

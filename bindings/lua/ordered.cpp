@@ -50,11 +50,8 @@ Key read_key(lua_State* L, int index) {
       k.rank = 1, k.text = {text, size};
       return k;
     }
-    case LUA_TBOOLEAN:
-      k.rank = 2, k.integer = lua_toboolean(L, index);
-      return k;
-    default:
-      break;
+    case LUA_TBOOLEAN: k.rank = 2, k.integer = lua_toboolean(L, index); return k;
+    default: break;
   }
   if (const Handle* h = test_handle(L, index)) {
     k.rank = 3, k.integer = h->world;
@@ -106,9 +103,7 @@ int pairs_step(lua_State* L) {  // upvalues: keys, position, table
   }
 }
 
-int finish_pairs(lua_State*, int, lua_KContext) {
-  return 3;
-}
+int finish_pairs(lua_State*, int, lua_KContext) { return 3; }
 
 int ordered_pairs(lua_State* L) {
   luaL_checkany(L, 1);
@@ -321,8 +316,8 @@ void charge_range(lua_State* L, const char* name, int first, bool list) {
   charge(L, count);
 }
 
-// insert, remove, move, concat and unpack walk as far as lengths and arguments say: what they walk over is charged, then
-// the library's function runs in this one's place, so that its errors are those of stock Lua.
+// insert, remove, move, concat and unpack walk as far as lengths and arguments say: what they walk over is charged,
+// then the library's function runs in this one's place, so that its errors are those of stock Lua.
 enum class Walk { shift, move, range };
 template <Walk kWalk>
 int bounded_list(lua_State* L) {  // upvalues: the library's function, its name

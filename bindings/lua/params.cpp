@@ -80,8 +80,7 @@ void push_override(lua_State* L, const ParamInfo& p, const std::string& text) {
       check_choice(L, p, text, what);
       lua_pushstring(L, text.c_str());
       return;
-    default:
-      break;
+    default: break;
   }
   double x = 0;
   if (!parse(text, x)) fail(L, what + ": expected a number, got '" + text + "'");

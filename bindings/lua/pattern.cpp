@@ -6,7 +6,7 @@
 namespace feder::lua {
 namespace {
 
-constexpr int kMaxDepth = 200;       // of the C stack; a quantifier or capture takes one level
+constexpr int kMaxDepth = 200;            // of the C stack; a quantifier or capture takes one level
 constexpr std::size_t kStepsPerUnit = 8;  // byte comparisons that take as long as one Lua instruction
 
 constexpr bool in_class(char lower, int c) {
@@ -258,12 +258,8 @@ const char* Matcher::run(std::size_t i, const char* s) {
         if (s < end_ && has(item, s)) result = run(i + 1, s + 1);
         goes_on = !result;
         break;
-      case Kind::many:
-        result = greedy(i, s);
-        break;
-      case Kind::few:
-        result = lazy(i, s);
-        break;
+      case Kind::many: result = greedy(i, s); break;
+      case Kind::few: result = lazy(i, s); break;
       case Kind::open:
       case Kind::close:
       case Kind::position: {
@@ -278,8 +274,8 @@ const char* Matcher::run(std::size_t i, const char* s) {
       case Kind::back: {
         const Capture& c = capture_[item.capture];
         const auto size = c.stop ? static_cast<std::size_t>(c.stop - c.start) : 0;
-        goes_on = c.stop && static_cast<std::size_t>(end_ - s) >= size &&
-                  (size == 0 || std::memcmp(s, c.start, size) == 0);
+        goes_on =
+            c.stop && static_cast<std::size_t>(end_ - s) >= size && (size == 0 || std::memcmp(s, c.start, size) == 0);
         step(size / 8);
         if (goes_on) s += size;
         break;
@@ -293,9 +289,7 @@ const char* Matcher::run(std::size_t i, const char* s) {
         goes_on = !has(item, s == begin_ ? &zero : s - 1) && has(item, s == end_ ? &zero : s);
         break;
       }
-      case Kind::end:
-        goes_on = s == end_;
-        break;
+      case Kind::end: goes_on = s == end_; break;
     }
     if (!goes_on) break;
   }

@@ -17,13 +17,26 @@ using CharSet = std::array<std::uint64_t, 4>;  // a bit per byte value
 
 // One element of a pattern. Trivial: gmatch keeps them in a userdata.
 struct PatternItem {
-  enum class Kind : std::uint8_t { text, one, optional, many, few, open, close, position, back, balance, frontier, end };
+  enum class Kind : std::uint8_t {
+    text,
+    one,
+    optional,
+    many,
+    few,
+    open,
+    close,
+    position,
+    back,
+    balance,
+    frontier,
+    end
+  };
   Kind kind = Kind::text;
-  std::uint8_t capture = 0;       // open, close, position, back: number from 0
+  std::uint8_t capture = 0;           // open, close, position, back: number from 0
   unsigned char first = 0, last = 0;  // balance: the pair; many: 1 in `first` for '+'
-  std::uint32_t size = 0;         // text: bytes
-  const char* text = nullptr;     // text: in the pattern
-  CharSet set = {};               // one, optional, many, few, frontier
+  std::uint32_t size = 0;             // text: bytes
+  const char* text = nullptr;         // text: in the pattern
+  CharSet set = {};                   // one, optional, many, few, frontier
 };
 
 struct Pattern {

@@ -9,8 +9,8 @@
 
 namespace feder::lua {
 namespace {
-constexpr std::size_t kSeries = 64;   // different names
-constexpr std::size_t kPoints = 1200; // values kept per name: 20 s at 60 steps per second
+constexpr std::size_t kSeries = 64;    // different names
+constexpr std::size_t kPoints = 1200;  // values kept per name: 20 s at 60 steps per second
 }  // namespace
 
 int feder_plot(lua_State* L) {

@@ -11,9 +11,7 @@ namespace {
 constexpr double kFar = 1e5;  // m: how far a ray goes when nothing is said
 
 // Queries see the world as it is now; a world without colliders has nothing to hit.
-Collide* collide_of(WorldRecord& r) {
-  return r.world->find<Collide>();
-}
+Collide* collide_of(WorldRecord& r) { return r.world->find<Collide>(); }
 
 void filter_options(Options& o, WorldRecord& r, QueryFilter& f) {
   std::int64_t bits = 0;
@@ -182,8 +180,6 @@ const Method kQueryMethods[] = {
 
 }  // namespace
 
-std::span<const Method> query_methods() {
-  return kQueryMethods;
-}
+std::span<const Method> query_methods() { return kQueryMethods; }
 
 }  // namespace feder::lua

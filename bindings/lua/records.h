@@ -50,13 +50,13 @@ struct SipKey {
 struct WorldRecord {
   std::uint32_t id = 0;
   SipKey key;
-  std::unique_ptr<World> world;  // null when closed
-  int cache_ref = LUA_NOREF;     // weak table: object -> handle
-  bool busy = false;             // a step or its handlers run
-  bool read_only = false;        // a stage of a step asks a script: nothing may be edited
-  lua_State* stepping = nullptr;         // while the world steps: what forces call
-  std::vector<Failure> stage_failures;   // of this step, to be raised behind it
-  bool has_pairs = false;        // material pairs were given to collide
+  std::unique_ptr<World> world;         // null when closed
+  int cache_ref = LUA_NOREF;            // weak table: object -> handle
+  bool busy = false;                    // a step or its handlers run
+  bool read_only = false;               // a stage of a step asks a script: nothing may be edited
+  lua_State* stepping = nullptr;        // while the world steps: what forces call
+  std::vector<Failure> stage_failures;  // of this step, to be raised behind it
+  bool has_pairs = false;               // material pairs were given to collide
   WorldSettings settings;
   Subscriptions subscriptions;
   Timers timers;

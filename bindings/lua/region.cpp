@@ -33,9 +33,7 @@ const Method kRegionMethods[] = {
 
 }  // namespace
 
-std::span<const Method> region_methods() {
-  return kRegionMethods;
-}
+std::span<const Method> region_methods() { return kRegionMethods; }
 
 // {min, max} corners as a shape and its centre.
 bool box_option(Options& o, ShapePtr& shape, Vec3& center) {

@@ -40,8 +40,8 @@ int lua_tostring_safe(lua_State* L) {
 
 // A full collection when asked; the pace of the collector is the host's, and what changes it does nothing.
 int lua_collectgarbage(lua_State* L) {
-  static const char* const kWhat[] = {"collect",    "count",       "stop",       "restart",     "step",
-                                      "isrunning",  "generational", "incremental", "setpause", "setstepmul", nullptr};
+  static const char* const kWhat[] = {"collect",      "count",       "stop",     "restart",    "step", "isrunning",
+                                      "generational", "incremental", "setpause", "setstepmul", nullptr};
   const int what = luaL_checkoption(L, 1, "collect", kWhat);
   State& s = state(L);
   switch (what) {
@@ -50,25 +50,14 @@ int lua_collectgarbage(lua_State* L) {
       lua_gc(L, LUA_GCCOLLECT, 0);
       lua_pushinteger(L, 0);
       break;
-    case 1:
-      lua_pushinteger(L, static_cast<lua_Integer>(s.memory_used / 1024));
-      break;
+    case 1: lua_pushinteger(L, static_cast<lua_Integer>(s.memory_used / 1024)); break;
     case 4:  // a cycle has ended: a loop until it has ends too
-    case 5:
-      lua_pushboolean(L, 1);
-      break;
+    case 5: lua_pushboolean(L, 1); break;
     case 6:
-    case 7:
-      lua_pushstring(L, "incremental");
-      break;
-    case 8:
-      lua_pushinteger(L, 200);
-      break;
-    case 9:
-      lua_pushinteger(L, 100);
-      break;
-    default:
-      lua_pushinteger(L, 0);
+    case 7: lua_pushstring(L, "incremental"); break;
+    case 8: lua_pushinteger(L, 200); break;
+    case 9: lua_pushinteger(L, 100); break;
+    default: lua_pushinteger(L, 0);
   }
   return 1;
 }
@@ -90,9 +79,7 @@ lua_Integer random_between(Rng& rng, lua_Integer lo, lua_Integer hi) {
 int math_random(lua_State* L) {
   Rng& rng = state(L).random();
   switch (lua_gettop(L)) {
-    case 0:
-      lua_pushnumber(L, rng.unit53());
-      return 1;
+    case 0: lua_pushnumber(L, rng.unit53()); return 1;
     case 1: {
       const lua_Integer hi = luaL_checkinteger(L, 1);
       if (hi == 0) {  // all bits
@@ -109,8 +96,7 @@ int math_random(lua_State* L) {
       lua_pushinteger(L, random_between(rng, lo, hi));
       return 1;
     }
-    default:
-      fail(L, "math.random: expected at most two numbers");
+    default: fail(L, "math.random: expected at most two numbers");
   }
 }
 
@@ -216,11 +202,8 @@ void push_text(lua_State* L, int index) {
     case LUA_TNIL:
     case LUA_TBOOLEAN:
     case LUA_TNUMBER:
-    case LUA_TSTRING:
-      luaL_tolstring(L, index, nullptr);
-      return;
-    default:
-      break;
+    case LUA_TSTRING: luaL_tolstring(L, index, nullptr); return;
+    default: break;
   }
   std::string name = luaL_typename(L, index);
   const int type = luaL_getmetafield(L, index, "__name");

@@ -9,9 +9,7 @@
 namespace feder::lua {
 namespace {
 
-SceneState& scene(lua_State* L) {
-  return state(L).scene;
-}
+SceneState& scene(lua_State* L) { return state(L).scene; }
 
 // camera = { target = {x, y, z}, distance =, yaw =, pitch = }; angles in radians.
 SceneCamera read_camera(Options& o) {
@@ -127,8 +125,7 @@ bool take_scene(lua_State* L, const std::string& file) {
     lua_error(L);
   }
   if (lua_type(L, -1) != LUA_TTABLE) {
-    lua_pushstring(
-        L, (s.where + ": expected the file to return the scene made here, got " + describe(L, -1)).c_str());
+    lua_pushstring(L, (s.where + ": expected the file to return the scene made here, got " + describe(L, -1)).c_str());
     lua_error(L);
   }
   const std::string where = s.where;

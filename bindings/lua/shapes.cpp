@@ -149,9 +149,7 @@ int feder_compound(lua_State* L) {
   return 1;
 }
 
-int feder_left_out_shape(lua_State* L) {
-  fail_here(L, "this build has no such shape yet");
-}
+int feder_left_out_shape(lua_State* L) { fail_here(L, "this build has no such shape yet"); }
 
 int shape_kind(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(self_block(L));
@@ -188,12 +186,8 @@ const Method kShapeMethods[] = {
 
 }  // namespace
 
-std::span<const Method> shape_functions() {
-  return kShapeFunctions;
-}
-std::span<const Method> shape_methods() {
-  return kShapeMethods;
-}
+std::span<const Method> shape_functions() { return kShapeFunctions; }
+std::span<const Method> shape_methods() { return kShapeMethods; }
 
 void push_shape(lua_State* L, ShapePtr shape) {
   void* block = lua_newuserdatauv(L, sizeof(ShapePtr), 0);

@@ -16,7 +16,7 @@
 namespace feder::lua {
 namespace {
 
-constexpr int kHookSlice = 1000;  // instructions between two looks at the limits
+constexpr int kHookSlice = 1000;                 // instructions between two looks at the limits
 constexpr double kSecondsPerInstruction = 1e-7;  // of processor time, about ten times the usual
 constexpr std::size_t kLongBlock = 512;          // bytes; making and copying longer ones is charged
 constexpr int kBytesPerUnit = 16;
@@ -124,9 +124,9 @@ int no_fields(lua_State* L) {
 }  // namespace
 
 const char* class_name(Class c) {
-  static const char* const names[kClassCount] = {"world", "body",    "joint", "net",   "cloth",  "force",      "region",
-                                                 "fluid", "emitter", "drain",
-                                                 "shape", "buffer", "connection", "task", "event"};
+  static const char* const names[kClassCount] = {"world", "body",   "joint",      "net",     "cloth",
+                                                 "force", "region", "fluid",      "emitter", "drain",
+                                                 "shape", "buffer", "connection", "task",    "event"};
   return names[static_cast<int>(c)];
 }
 
@@ -246,18 +246,13 @@ void State::check_limits(lua_State* on, int status) {
 
 std::string State::limit_text() const {
   switch (limit) {
-    case Limit::instructions:
-      return "instruction limit of " + std::to_string(allowed_instructions()) + " reached";
-    case Limit::time:
-      return "time limit reached: few instructions that take long";
-    case Limit::memory:
-      return "not enough memory: the limit is " + std::to_string(options.memory_limit) + " bytes";
+    case Limit::instructions: return "instruction limit of " + std::to_string(allowed_instructions()) + " reached";
+    case Limit::time: return "time limit reached: few instructions that take long";
+    case Limit::memory: return "not enough memory: the limit is " + std::to_string(options.memory_limit) + " bytes";
     case Limit::output:
       return "output limit reached: print wrote more than " + std::to_string(options.output_limit) + " bytes";
-    case Limit::interrupted:
-      return "interrupted";
-    case Limit::none:
-      break;
+    case Limit::interrupted: return "interrupted";
+    case Limit::none: break;
   }
   return {};
 }
@@ -340,9 +335,8 @@ void relay(lua_State* L, const std::string& what) {
   const std::size_t dot = name.find_last_of(":.");
   const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
   if (what.rfind(last + ":", 0) == 0 || what.rfind(last + ".", 0) == 0) fail(L, name + what.substr(last.size()));
-  const bool noun =
-      last == "body" || last == "joint" || last == "net" || last == "cloth" || last == "fluid" || last == "emitter" ||
-      last == "drain" || last == "force" || last == "region" || last == "world";
+  const bool noun = last == "body" || last == "joint" || last == "net" || last == "cloth" || last == "fluid" ||
+                    last == "emitter" || last == "drain" || last == "force" || last == "region" || last == "world";
   std::size_t word = 0;
   while (word < what.size() &&
          (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.'))
@@ -369,25 +363,18 @@ std::string print_number(double x) {
 std::string describe(lua_State* L, int index) {
   switch (lua_type(L, index)) {
     case LUA_TNONE:
-    case LUA_TNIL:
-      return "nil";
-    case LUA_TBOOLEAN:
-      return lua_toboolean(L, index) ? "true" : "false";
-    case LUA_TNUMBER:
-      return print_number(lua_tonumber(L, index));
+    case LUA_TNIL: return "nil";
+    case LUA_TBOOLEAN: return lua_toboolean(L, index) ? "true" : "false";
+    case LUA_TNUMBER: return print_number(lua_tonumber(L, index));
     case LUA_TSTRING: {
       std::size_t size = 0;
       const char* text = lua_tolstring(L, index, &size);
       return "'" + std::string(text, std::min<std::size_t>(size, 40)) + (size > 40 ? "...'" : "'");
     }
-    case LUA_TTABLE:
-      return "a table";
-    case LUA_TFUNCTION:
-      return "a function";
-    case LUA_TTHREAD:
-      return "a coroutine";
-    default:
-      break;
+    case LUA_TTABLE: return "a table";
+    case LUA_TFUNCTION: return "a function";
+    case LUA_TTHREAD: return "a coroutine";
+    default: break;
   }
   for (int c = 0; c < kClassCount; ++c)
     if (test_class(L, index, static_cast<Class>(c))) return describe_object(L, index, static_cast<Class>(c));
@@ -406,9 +393,7 @@ Failure split_place(std::string_view text) {
   return {"", std::string(text)};
 }
 
-void charge(lua_State* L, std::uint64_t units) {
-  state(L).spend(L, units);
-}
+void charge(lua_State* L, std::uint64_t units) { state(L).spend(L, units); }
 
 std::string join(std::span<const std::string> words) {
   std::string all;
@@ -454,9 +439,7 @@ void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> 
   lua_setfield(L, metatable, "__index");
 }
 
-void push_class(lua_State* L, Class c) {
-  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<int>(c)]);
-}
+void push_class(lua_State* L, Class c) { lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<int>(c)]); }
 
 void* self_block(lua_State* L) {
   void* block = lua_touserdata(L, 1);

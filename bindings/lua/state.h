@@ -25,7 +25,22 @@ struct WorldRecord;
 struct Task;
 
 enum class Class : int {
-  world, body, joint, net, cloth, force, region, fluid, emitter, drain, shape, buffer, connection, task, event, count
+  world,
+  body,
+  joint,
+  net,
+  cloth,
+  force,
+  region,
+  fluid,
+  emitter,
+  drain,
+  shape,
+  buffer,
+  connection,
+  task,
+  event,
+  count
 };
 inline constexpr int kClassCount = static_cast<int>(Class::count);
 const char* class_name(Class c);
@@ -107,14 +122,14 @@ struct State {
 
   HostOptions options;
   lua_State* L = nullptr;
-  std::size_t memory_used = 0;      // bytes
-  std::uint64_t budget = 0;         // instructions left of the outermost call
-  Limit limit = Limit::none;        // reached: every hook raises until the outermost call has ended
-  std::string limit_place;          // file:line where it was reached
-  std::string memory_place;         // where the allocator last refused
-  double lua_start = 0;             // s of thread_seconds at the first hook of the outermost call; 0: none yet
-  std::uint64_t last_look = 0;      // ns, wall clock of the last look at thread_seconds
-  std::uint64_t printed = 0;        // bytes
+  std::size_t memory_used = 0;  // bytes
+  std::uint64_t budget = 0;     // instructions left of the outermost call
+  Limit limit = Limit::none;    // reached: every hook raises until the outermost call has ended
+  std::string limit_place;      // file:line where it was reached
+  std::string memory_place;     // where the allocator last refused
+  double lua_start = 0;         // s of thread_seconds at the first hook of the outermost call; 0: none yet
+  std::uint64_t last_look = 0;  // ns, wall clock of the last look at thread_seconds
+  std::uint64_t printed = 0;    // bytes
   std::atomic<bool> interrupted = false;
   bool wrong_option = false;        // the error on its way is one of HostOptions::set or ::world
   int depth = 0;                    // calls from the host into Lua, nested
@@ -145,9 +160,7 @@ struct State {
   int console_ref = LUA_NOREF;               // environment of Script::run_string
 };
 
-inline State& state(lua_State* L) {
-  return **static_cast<State**>(lua_getextraspace(L));
-}
+inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextraspace(L)); }
 
 // "file:line" of the innermost Lua function at or above `level`; "" when there is none.
 std::string place(lua_State* L, int level = 0);

@@ -9,9 +9,7 @@ namespace {
 
 // SipHash-2-4 (Aumasson and Bernstein 2012), keyed per world: a script that edits a snapshot cannot seal it again.
 
-std::uint64_t turn(std::uint64_t x, int bits) {
-  return x << bits | x >> (64 - bits);
-}
+std::uint64_t turn(std::uint64_t x, int bits) { return x << bits | x >> (64 - bits); }
 
 std::uint64_t sip_hash(const SipKey& key, std::string_view text) {
   std::uint64_t v[4] = {key.a ^ 0x736f6d6570736575ull, key.b ^ 0x646f72616e646f6dull, key.a ^ 0x6c7967656e657261ull,

@@ -16,9 +16,7 @@ std::uint64_t whole_steps(const WorldRecord& record, double seconds) {
   return static_cast<std::uint64_t>(std::min(std::max(x, 0.0), 1e15));
 }
 
-std::uint64_t now(const WorldRecord& record) {
-  return record.world->step_count();
-}
+std::uint64_t now(const WorldRecord& record) { return record.world->step_count(); }
 
 int add_timer(lua_State* L, bool repeat) {
   WorldRecord& r = check_world(L);
@@ -158,9 +156,7 @@ const Method kTaskMethods[] = {
 
 }  // namespace
 
-std::span<const Method> task_methods() {
-  return kTaskMethods;
-}
+std::span<const Method> task_methods() { return kTaskMethods; }
 
 std::uint64_t steps_until(const WorldRecord& record, double seconds) {
   return std::max<std::uint64_t>(1, whole_steps(record, seconds));
@@ -221,12 +217,8 @@ bool cancel_timer(lua_State* L, WorldRecord& record, std::uint64_t id) {
   return false;
 }
 
-int world_after(lua_State* L) {
-  return add_timer(L, false);
-}
-int world_every(lua_State* L) {
-  return add_timer(L, true);
-}
+int world_after(lua_State* L) { return add_timer(L, false); }
+int world_every(lua_State* L) { return add_timer(L, true); }
 
 int world_task(lua_State* L) {
   WorldRecord& r = check_world(L);

@@ -29,8 +29,8 @@ const char* find_plain(lua_State* L, std::string_view in, std::string_view what)
   const char *s = in.data(), *const end = s + in.size();
   const char* found = nullptr;
   while (!found && static_cast<std::size_t>(end - s) >= what.size()) {
-    const char* const at = static_cast<const char*>(
-        std::memchr(s, what[0], static_cast<std::size_t>(end - s) - what.size() + 1));
+    const char* const at =
+        static_cast<const char*>(std::memchr(s, what[0], static_cast<std::size_t>(end - s) - what.size() + 1));
     compared += static_cast<std::uint64_t>((at ? at : end) - s) / 16;
     if (!at) break;
     const auto [there, here] = std::mismatch(what.begin(), what.end(), at);
@@ -151,8 +151,7 @@ class Replacer {
   }
 
   void write_capture(int capture, const char* s, const char* e) {
-    if (capture >= matcher_.captures() && capture > 0)
-      luaL_error(L_, "invalid capture index %%%d", capture + 1);
+    if (capture >= matcher_.captures() && capture > 0) luaL_error(L_, "invalid capture index %%%d", capture + 1);
     matcher_.push_capture(capture, s, e);
     luaL_tolstring(L_, -1, nullptr);  // a position
     lua_remove(L_, -2);

@@ -45,9 +45,7 @@ int world_dimension(lua_State* L) {
   return 1;
 }
 
-int world_gravity(lua_State* L) {
-  return push_vector(L, check_world(L).world->desc().gravity);
-}
+int world_gravity(lua_State* L) { return push_vector(L, check_world(L).world->desc().gravity); }
 
 int world_set_gravity(lua_State* L) {
   WorldRecord& r = check_world(L);
@@ -273,8 +271,6 @@ const Method kWorldMethods[] = {
 
 }  // namespace
 
-std::span<const Method> world_methods() {
-  return kWorldMethods;
-}
+std::span<const Method> world_methods() { return kWorldMethods; }
 
 }  // namespace feder::lua

@@ -14,8 +14,8 @@
 namespace feder::lua {
 namespace {
 
-const char* const kSceneKeys[] = {"title", "seconds", "picture", "camera", "world", "params", "bodies", "joints",
-                                  "nets",  "forces",  "regions", "cloths", "fluids", "check"};
+const char* const kSceneKeys[] = {"title",  "seconds", "picture", "camera",  "world",  "params", "bodies",
+                                  "joints", "nets",    "forces",  "regions", "cloths", "fluids", "check"};
 
 // Raises an error at a place in the file, when the table remembers one.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
@@ -174,8 +174,10 @@ void make_fluid(lua_State* L, int world) {
   for (lua_pushnil(L); lua_next(L, options);) {
     const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
     lua_pushvalue(L, -2), lua_insert(L, -2);
-    if (key == "fill" || key == "emitter" || key == "drain") lua_pop(L, 2);
-    else lua_rawset(L, -4);
+    if (key == "fill" || key == "emitter" || key == "drain")
+      lua_pop(L, 2);
+    else
+      lua_rawset(L, -4);
   }
   lua_getfield(L, world, "fluid");
   lua_pushvalue(L, world);
@@ -187,8 +189,10 @@ void make_fluid(lua_State* L, int world) {
       const int given = lua_gettop(L);
       const bool list = lua_rawlen(L, given) > 0;
       for (lua_Integer i = 1; i <= (list ? static_cast<lua_Integer>(lua_rawlen(L, given)) : 1); ++i) {
-        if (list) lua_rawgeti(L, given, i);
-        else lua_pushvalue(L, given);
+        if (list)
+          lua_rawgeti(L, given, i);
+        else
+          lua_pushvalue(L, given);
         if (lua_type(L, -1) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
           make_shape(L);
           lua_setfield(L, -2, "shape");

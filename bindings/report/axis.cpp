@@ -113,7 +113,7 @@ double Axis::at(double value) const {
   return value > 0 && hi > lo && lo > 0 ? std::log10(value / lo) / std::log10(hi / lo) : 0;
 }
 
-std::vector<Tick> Axis::ticks(int most) const { 
+std::vector<Tick> Axis::ticks(int most) const {
   if (!fixed.empty()) return fixed;
   return log ? log_ticks(*this, most) : linear_ticks(*this, most);
 }

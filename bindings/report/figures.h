@@ -30,7 +30,7 @@ struct BarChart {
   struct Bar {
     std::string label, words;  // words: what stands behind the bar
     double value = 0;
-    int number = 0;            // of the colour
+    int number = 0;  // of the colour
   };
   std::vector<Bar> bars;
 };

@@ -50,9 +50,12 @@ std::vector<CsvRow> read_csv(const std::string& text) {
     const char c = text[k];
     std::string& last = lines.back().back();
     if (inside) {
-      if (c != '"') last += c;
-      else if (k + 1 < text.size() && text[k + 1] == '"') last += '"', ++k;
-      else inside = false;
+      if (c != '"')
+        last += c;
+      else if (k + 1 < text.size() && text[k + 1] == '"')
+        last += '"', ++k;
+      else
+        inside = false;
     } else if (c == '"') {
       inside = true;
     } else if (c == ',') {

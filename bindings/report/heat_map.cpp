@@ -40,7 +40,7 @@ constexpr Shade kShades[] = {{1e-6, "#08589e", "below 1e-6"},
 
 constexpr const char* kNoError = "#ffffff";  // stable, with nothing to compare to
 
-std::vector<double> sorted_values(const std::vector<HeatCell>& cells, double HeatCell::* member) {
+std::vector<double> sorted_values(const std::vector<HeatCell>& cells, double HeatCell::*member) {
   std::set<double> values;
   for (const HeatCell& c : cells) values.insert(c.*member);
   return {values.begin(), values.end()};
@@ -54,10 +54,14 @@ std::vector<double> edges(const std::vector<double>& values, bool log) {
   const std::size_t n = t.size();
   for (std::size_t k = 0; k <= n; ++k) {
     double e = 0;
-    if (n == 1) e = t[0] + (k ? 0.5 : -0.5);
-    else if (k == 0) e = t[0] - (t[1] - t[0]) / 2;
-    else if (k == n) e = t[n - 1] + (t[n - 1] - t[n - 2]) / 2;
-    else e = (t[k - 1] + t[k]) / 2;
+    if (n == 1)
+      e = t[0] + (k ? 0.5 : -0.5);
+    else if (k == 0)
+      e = t[0] - (t[1] - t[0]) / 2;
+    else if (k == n)
+      e = t[n - 1] + (t[n - 1] - t[n - 2]) / 2;
+    else
+      e = (t[k - 1] + t[k]) / 2;
     out.push_back(log ? std::pow(10.0, e) : e);
   }
   return out;
@@ -115,8 +119,7 @@ void draw_cells(Svg& svg, const Box& f, const HeatMap& m) {
 
 void draw_curve(Svg& svg, const Box& f, const HeatMap& m, const std::vector<XY>& curve, const Stroke& stroke) {
   std::vector<XY> points;
-  for (const XY& p : curve)
-    points.push_back({f.left + f.width * m.x.at(p.x), f.bottom() - f.height * m.y.at(p.y)});
+  for (const XY& p : curve) points.push_back({f.left + f.width * m.x.at(p.x), f.bottom() - f.height * m.y.at(p.y)});
   if (stroke.dash.empty()) svg.polyline(points, {"#ffffff", stroke.width + 2.5, "", 0.8});
   svg.polyline(points, stroke);
 }

@@ -7,12 +7,12 @@
 namespace feder::report {
 
 struct MachineInfo {
-  std::string git, tool, date;                    // date: ISO 8601, UTC
+  std::string git, tool, date;  // date: ISO 8601, UTC
   std::string compiler, flags, real;
-  bool fma = false, ftz = false;                  // contraction, flush to zero
+  bool fma = false, ftz = false;  // contraction, flush to zero
   std::string cpu, os, virtualization;
   int cores = 0;
-  double load_before = 0, load_after = 0;         // of the last minute
+  double load_before = 0, load_after = 0;  // of the last minute
   double timer_resolution_ns = 0;
 };
 
@@ -20,7 +20,7 @@ struct MachineInfo {
 MachineInfo machine_info(const std::string& tool_version, const std::string& real);
 double load_now();
 
-Json machine_json(const MachineInfo& m);          // the key `run` of a report
+Json machine_json(const MachineInfo& m);  // the key `run` of a report
 MachineInfo machine_from_json(const Json& run);
 
 }  // namespace feder::report

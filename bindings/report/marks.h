@@ -19,10 +19,10 @@ enum class MarkKind {
   filled,     // on the Pareto front
   uncertain,  // below the certainty of the reference: grey, hollow
   // what could not be measured, drawn in the gutter
-  diverged,   // x
-  nan,        // empty set
-  refused,    // slashed circle
-  other,      // any other verdict that is no measurement: triangle with a bar
+  diverged,  // x
+  nan,       // empty set
+  refused,   // slashed circle
+  other,     // any other verdict that is no measurement: triangle with a bar
 };
 bool is_failure(MarkKind kind);
 const char* mark_word(MarkKind kind);  // "diverged" ...

@@ -9,7 +9,7 @@ class Page {
  public:
   explicit Page(const std::string& title);
 
-  void lead(const std::string& words);     // below the title
+  void lead(const std::string& words);  // below the title
   void heading(const std::string& words);
   void paragraph(const std::string& words);
   void list(const std::vector<std::string>& items);

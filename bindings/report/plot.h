@@ -43,7 +43,7 @@ struct Plot {
   Axis x, y;
   std::vector<PlotSeries> series;
   std::vector<std::vector<XY>> fronts;  // Pareto points by growing x, of each setting
-  double uncertain_below = 0;    // y; 0: no band
+  double uncertain_below = 0;           // y; 0: no band
   std::string uncertain_label;
   std::vector<PlotLine> lines;
   std::vector<SlopeMark> slopes;

@@ -170,8 +170,10 @@ std::string verdict_shares(const StabilityMap& m) {
   for (const StabilityCell& c : m.cells) {
     const std::string name = name_of(c.verdict);
     const auto found = std::find_if(counts.begin(), counts.end(), [&](const auto& n) { return n.first == name; });
-    if (found == counts.end()) counts.push_back({name, 1});
-    else ++found->second;
+    if (found == counts.end())
+      counts.push_back({name, 1});
+    else
+      ++found->second;
   }
   std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string out;

@@ -18,14 +18,10 @@ bool measured(const StudyPoint& p, const ErrorNorm& norm) {
 
 MarkKind kind_of(const StudyResult& r, const StudyPoint& p, const ErrorNorm& norm, bool on_front) {
   switch (p.status) {
-    case PointStatus::diverged:
-      return MarkKind::diverged;
-    case PointStatus::nan:
-      return MarkKind::nan;
-    case PointStatus::refused:
-      return MarkKind::refused;
-    default:
-      break;
+    case PointStatus::diverged: return MarkKind::diverged;
+    case PointStatus::nan: return MarkKind::nan;
+    case PointStatus::refused: return MarkKind::refused;
+    default: break;
   }
   if (!measured(p, norm)) return MarkKind::other;
   if (p.below_floor && norm.ranks(r.problem) && !norm.more_is_better) return MarkKind::uncertain;
@@ -113,9 +109,7 @@ std::vector<Way> numbered_ways(const StudyResult& r, const std::string& method) 
   return ways;
 }
 
-double cut_high(double error) {
-  return std::isfinite(error) ? std::min(error, 100.0) : error;
-}
+double cut_high(double error) { return std::isfinite(error) ? std::min(error, 100.0) : error; }
 
 // Axis ends from the points that can be shown; an error of 0 gets no say.
 void fit_axes(Plot& plot, const std::string& x_label, bool seconds, const std::string& y_label, bool more_is_better) {
@@ -381,8 +375,7 @@ std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& cont
   out.push_back({"order.svg",
                  parts ? "Error against what is refined, one frame for each method and way to refine."
                        : "Error against the step, one frame per method.",
-                 order_svg(r, norm, false),
-                 order_svg(r, norm, true)});
+                 order_svg(r, norm, false), order_svg(r, norm, true)});
   const RowChart rows = invariants(r);
   if (!rows.rows.empty())
     out.push_back({"invariants.svg", "Energy, momentum and angular momentum along one run of each method.",

@@ -51,10 +51,18 @@ Json identity_json(const StudyResult& r) {
   const Provenance& p = r.provenance;
   Json params = Json::object();
   for (const ProblemParam& param : r.problem.params) params[param.name] = param.value;
-  Json out = {{"problem", r.problem.name}, {"params", params},     {"t_end", r.problem.t_end},
-              {"threads", r.problem.threads}, {"overrides", p.overrides}, {"real", p.real},
-              {"git", p.git},               {"tool", p.tool},       {"build", p.build},
-              {"scene_hash", p.scene_hash}, {"plan_hash", p.plan_hash}, {"points", r.planned}};
+  Json out = {{"problem", r.problem.name},
+              {"params", params},
+              {"t_end", r.problem.t_end},
+              {"threads", r.problem.threads},
+              {"overrides", p.overrides},
+              {"real", p.real},
+              {"git", p.git},
+              {"tool", p.tool},
+              {"build", p.build},
+              {"scene_hash", p.scene_hash},
+              {"plan_hash", p.plan_hash},
+              {"points", r.planned}};
   out["hash"] = hash_of(out);
   return out;
 }
@@ -83,8 +91,8 @@ std::vector<std::string> identity_differences(const Json& expected, const Json& 
   std::vector<std::string> out;
   for (const auto& item : expected.items())
     if (item.key() != "hash" && shown(found, item.key()) != shown(expected, item.key()))
-      out.push_back(fmt::format("{} is {}, expected {}", item.key(), shown(found, item.key()),
-                                shown(expected, item.key())));
+      out.push_back(
+          fmt::format("{} is {}, expected {}", item.key(), shown(found, item.key()), shown(expected, item.key())));
   if (out.empty() && shown(found, "hash") != shown(expected, "hash")) out.emplace_back("hash");
   return out;
 }

@@ -31,9 +31,12 @@ Json value_of(const std::vector<double>& values) {
 Json value_of(PointStatus s) { return name_of(s); }
 
 void read_value(const Json& j, double& v) {
-  if (j.is_null()) v = NAN;
-  else if (j.is_string()) v = j.get<std::string>() == "-inf" ? -INFINITY : INFINITY;
-  else v = j.get<double>();
+  if (j.is_null())
+    v = NAN;
+  else if (j.is_string())
+    v = j.get<std::string>() == "-inf" ? -INFINITY : INFINITY;
+  else
+    v = j.get<double>();
 }
 void read_value(const Json& j, std::vector<double>& values) {
   values.assign(j.size(), 0);
@@ -56,7 +59,9 @@ void read_value(const Json& j, PointStatus& s) {
 struct Writer {
   Json out = Json::object();
   template <class T>
-  void operator()(const char* key, const T& v) { out[key] = value_of(v); }
+  void operator()(const char* key, const T& v) {
+    out[key] = value_of(v);
+  }
 };
 struct Reader {
   const Json& in;
@@ -70,9 +75,8 @@ template <class P, class V>
 void fields(P& p, V& v, const StudyPoint*) {
   v("index", p.index), v("method", p.method), v("order", p.order), v("h_s", p.h_s), v("tol", p.tol),
       v("iters", p.iters);
-  v("substeps", p.substeps), v("settings", p.settings), v("way", p.way), v("machine", p.machine),
-      v("status", p.status), v("status_t_s", p.status_t_s),
-      v("reason", p.reason);
+  v("substeps", p.substeps), v("settings", p.settings), v("way", p.way), v("machine", p.machine), v("status", p.status),
+      v("status_t_s", p.status_t_s), v("reason", p.reason);
   v("completed", p.completed), v("below_floor", p.below_floor), v("noise", p.noise), v("steps", p.count.steps),
       v("rejected", p.count.rejected);
   v("force_evals", p.count.force_evals), v("jac_evals", p.count.jac_evals), v("linear_solves", p.count.linear_solves);
@@ -133,9 +137,13 @@ Json list(const std::vector<T>& values) {
 }
 
 Json reference_json(const ReferenceInfo& r) {
-  return {{"kind", name_of(r.kind)}, {"digits", r.digits}, {"uncertainty", value_of(r.uncertainty)},
-          {"rounding", value_of(r.rounding)}, {"floor", value_of(r.floor())},
-          {"resolution", value_of(r.resolution)}, {"source", r.source}};
+  return {{"kind", name_of(r.kind)},
+          {"digits", r.digits},
+          {"uncertainty", value_of(r.uncertainty)},
+          {"rounding", value_of(r.rounding)},
+          {"floor", value_of(r.floor())},
+          {"resolution", value_of(r.resolution)},
+          {"source", r.source}};
 }
 
 ReferenceInfo read_reference(const Json& j) {
@@ -165,7 +173,6 @@ ProblemInfo read_problem(const Json& j) {
   return p;
 }
 
-
 Json derived_fits(const StudyResult& r) {
   Json out = Json::array();
   for (const OrderFit& f : r.fits)
@@ -184,9 +191,15 @@ Json derived_fits(const StudyResult& r) {
 Json derived_costs(const StudyResult& r) {
   Json out = Json::array();
   for (const CostToAccuracy& c : r.cost_to_accuracy)
-    out.push_back({{"target", c.target}, {"method", c.method}, {"h_s", value_of(c.h_s)}, {"tol", value_of(c.tol)},
-                   {"force_evals", value_of(c.force_evals)}, {"work", value_of(c.work)}, {"time_s", value_of(c.time_s)},
-                   {"cheapest_work", c.cheapest_work}, {"cheapest_time", c.cheapest_time}});
+    out.push_back({{"target", c.target},
+                   {"method", c.method},
+                   {"h_s", value_of(c.h_s)},
+                   {"tol", value_of(c.tol)},
+                   {"force_evals", value_of(c.force_evals)},
+                   {"work", value_of(c.work)},
+                   {"time_s", value_of(c.time_s)},
+                   {"cheapest_work", c.cheapest_work},
+                   {"cheapest_time", c.cheapest_time}});
   return out;
 }
 

@@ -90,8 +90,8 @@ void method_table(Page& page, const StudyResult& r) {
                     : m.adaptive ? "adaptive"
                                  : "explicit",
                     std::to_string(m.evals_per_step), limit, fmt::format("{} of {}", ok, all), best, m.summary});
-    const bool missed = std::any_of(r.fits.begin(), r.fits.end(),
-                                    [&](const OrderFit& f) { return f.method == m.name && f.off(); });
+    const bool missed =
+        std::any_of(r.fits.begin(), r.fits.end(), [&](const OrderFit& f) { return f.method == m.name && f.off(); });
     marks.push_back(missed ? "bad" : "");
   }
   page.table({"method", ">order", ">fitted", "kind", ">evaluations per step", ">limit h·ω, undamped", ">runs that held",
@@ -99,8 +99,9 @@ void method_table(Page& page, const StudyResult& r) {
              rows, marks);
   const std::vector<std::string> off = off_orders(r);
   if (!off.empty()) {
-    page.paragraph("Orders that miss theory by more than a quarter (marked): rounding, resonance or too coarse rungs "
-                   "speak there, not the method:");
+    page.paragraph(
+        "Orders that miss theory by more than a quarter (marked): rounding, resonance or too coarse rungs "
+        "speak there, not the method:");
     page.list(off);
   }
   const std::vector<std::string> failed = failed_methods(r);

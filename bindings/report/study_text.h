@@ -12,11 +12,11 @@ namespace feder::report {
 // How a study was asked for: what the page names besides the numbers.
 struct StudyContext {
   MachineInfo machine;
-  std::string command;                     // the command line
-  std::vector<std::string> settings;       // options that differ from their default, "substeps = 8"
-  std::vector<std::string> errors;         // norms, the plotted one first; empty: what points are ranked by
+  std::string command;                // the command line
+  std::vector<std::string> settings;  // options that differ from their default, "substeps = 8"
+  std::vector<std::string> errors;    // norms, the plotted one first; empty: what points are ranked by
   std::vector<std::string> axes = {"time", "force"};
-  Json gate = Json::object();              // filled by the gate
+  Json gate = Json::object();  // filled by the gate
 };
 
 // An error norm by its short name: "end", "traj", "max", "energy", "drift", "momentum", "angular", "constraint",
@@ -35,7 +35,7 @@ std::vector<std::string> norm_names();
 
 // What a point cost.
 struct CostAxis {
-  const char* name;   // "time", "force", "instr"
+  const char* name;  // "time", "force", "instr"
   const char* label;
   double (*value)(const StudyPoint&);
   bool seconds;

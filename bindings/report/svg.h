@@ -31,11 +31,11 @@ struct Stroke {
 };
 
 struct Words {
-  double size = 12;  // px
+  double size = 12;              // px
   const char* anchor = "start";  // start, middle, end
   std::string color = kInk;
   bool bold = false;
-  double turn = 0;  // degrees
+  double turn = 0;    // degrees
   bool halo = false;  // white behind the letters, for words over lines
 };
 

@@ -16,13 +16,13 @@ struct TestFailure {
 };
 
 struct TestResult {
-  std::string name;    // path of the file
+  std::string name;  // path of the file
   TestStatus status = TestStatus::passed;
-  double seconds = 0;  // wall time
-  int checks = 0;      // expectations that held
-  std::string notice;  // why it was skipped
-  std::string output;  // what the script printed
-  bool loaded = true;  // false: the file could not be loaded
+  double seconds = 0;     // wall time
+  int checks = 0;         // expectations that held
+  std::string notice;     // why it was skipped
+  std::string output;     // what the script printed
+  bool loaded = true;     // false: the file could not be loaded
   bool exceeded = false;  // a limit ended it
   std::vector<TestFailure> failures;
 };

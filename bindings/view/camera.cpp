@@ -7,9 +7,7 @@
 namespace feder::view {
 namespace {
 
-float dot(const float a[3], const float b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // The eight corners of a box.
 void corner(const Bounds& b, int i, float out[3]) {

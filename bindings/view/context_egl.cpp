@@ -72,11 +72,7 @@ class EglContext final : public Context {
 
 }  // namespace
 
-std::unique_ptr<Context> make_egl_surfaceless() {
-  return std::make_unique<EglContext>(EGL_PLATFORM_SURFACELESS_MESA);
-}
-std::unique_ptr<Context> make_egl_pbuffer() {
-  return std::make_unique<EglContext>(EGLenum(0));
-}
+std::unique_ptr<Context> make_egl_surfaceless() { return std::make_unique<EglContext>(EGL_PLATFORM_SURFACELESS_MESA); }
+std::unique_ptr<Context> make_egl_pbuffer() { return std::make_unique<EglContext>(EGLenum(0)); }
 
 }  // namespace feder::view

@@ -42,8 +42,6 @@ class OsMesa final : public Context {
 
 }  // namespace
 
-std::unique_ptr<Context> make_osmesa() {
-  return std::make_unique<OsMesa>();
-}
+std::unique_ptr<Context> make_osmesa() { return std::make_unique<OsMesa>(); }
 
 }  // namespace feder::view

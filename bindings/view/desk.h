@@ -45,21 +45,21 @@ struct Desk {
   std::vector<SceneEntry> scenes;
 
   std::optional<Pick> selected;
-  std::string selected_name;        // finds it again after a reload
-  std::uint64_t selected_in = 0;    // generation of the scene
+  std::string selected_name;      // finds it again after a reload
+  std::uint64_t selected_in = 0;  // generation of the scene
   bool follow = false;
   int shots = 0;
-  float shot_speed = 20;            // m/s
+  float shot_speed = 20;  // m/s
 
   bool show_ui = true, show_left = true, show_right = true, show_console = false, show_help = false,
        show_picker = false;
   std::string search;
   std::optional<PendingParam> pending;
-  bool fit = true;                  // frame everything in the next picture
-  bool auto_frame = true;           // and step back as things spread out, until a hand takes the camera
+  bool fit = true;         // frame everything in the next picture
+  bool auto_frame = true;  // and step back as things spread out, until a hand takes the camera
   bool save_picture = false, quit = false;
-  std::string open_file;            // asked for by the picker
-  double now = 0;                   // s
+  std::string open_file;  // asked for by the picker
+  double now = 0;         // s
   int pictures = 0;
   double frame_ms = 0, cpu_ms = 0;  // of a picture: wall time, and what the processor took without waiting
 
@@ -77,10 +77,10 @@ Layout make_layout(const Desk& desk, float width, float height);
 
 void draw_top_bar(Desk& desk, const Layout& layout);
 void draw_transport(Desk& desk, const Layout& layout);
-void draw_scene_panel(Desk& desk, const Layout& layout);    // left: parameters, world, what is drawn
-void draw_watch_panel(Desk& desk, const Layout& layout);    // right: inspector, times, curves
+void draw_scene_panel(Desk& desk, const Layout& layout);  // left: parameters, world, what is drawn
+void draw_watch_panel(Desk& desk, const Layout& layout);  // right: inspector, times, curves
 void draw_console(Desk& desk, const Layout& layout);
-void draw_messages(Desk& desk, const Layout& layout);       // errors over the view
+void draw_messages(Desk& desk, const Layout& layout);                     // errors over the view
 void draw_hand(Desk& desk, float pixels_per_unit, const Target& target);  // the grip's spring, the selection's name
 void draw_picker(Desk& desk, const Layout& layout);
 void draw_help(Desk& desk, const Layout& layout);

@@ -9,9 +9,7 @@
 namespace feder::view {
 namespace {
 
-Vec3 vec(const float v[3]) {
-  return vec3(Real(v[0]), Real(v[1]), Real(v[2]));
-}
+Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
 
 void set(const Gl& gl, GLint at, const Vec3& v) {
   gl.Uniform3f(at, static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
@@ -20,10 +18,8 @@ void set(const Gl& gl, GLint at, const Vec3& v) {
 }  // namespace
 
 BackdropLayer::BackdropLayer(const Gl& gl)
-    : gl_(gl),
-      sky_(make_program(gl, "sky", kBackgroundVertex, kBackgroundFragment, false)),
-      ground_(make_program(gl, "ground", kGroundVertex, kGroundFragment, true)),
-      array_(gl) {}
+    : gl_(gl), sky_(make_program(gl, "sky", kBackgroundVertex, kBackgroundFragment, false)),
+      ground_(make_program(gl, "ground", kGroundVertex, kGroundFragment, true)), array_(gl) {}
 
 void BackdropLayer::draw_sky(const Pass& pass) {
   sky_->use();

@@ -7,10 +7,7 @@
 namespace feder::view {
 
 LineLayer::LineLayer(const Gl& gl)
-    : gl_(gl),
-      program_(make_program(gl, "lines", kLineVertex, kLineFragment, false)),
-      lines_(gl),
-      overlay_(gl),
+    : gl_(gl), program_(make_program(gl, "lines", kLineVertex, kLineFragment, false)), lines_(gl), overlay_(gl),
       array_(gl) {}
 
 void LineLayer::upload(const Frame& f, DrawStats& stats) {

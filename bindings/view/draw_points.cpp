@@ -7,14 +7,10 @@
 namespace feder::view {
 
 PointLayer::PointLayer(const Gl& gl)
-    : gl_(gl),
-      lit_(make_program(gl, "points", kPointVertex, kPointFragment, true)),
+    : gl_(gl), lit_(make_program(gl, "points", kPointVertex, kPointFragment, true)),
       depth_(make_program(gl, "points (depth)", kPointVertex, kPointDepthFragment, false)),
-      plain_(lit_->uniform("plain")),
-      range_(lit_->uniform("range")),
-      orthographic_(depth_->uniform("orthographic")),
-      points_(gl),
-      array_(gl) {}
+      plain_(lit_->uniform("plain")), range_(lit_->uniform("range")), orthographic_(depth_->uniform("orthographic")),
+      points_(gl), array_(gl) {}
 
 void PointLayer::upload(const Frame& f, DrawStats& stats) {
   if (f.points.empty()) return;

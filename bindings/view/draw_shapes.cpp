@@ -8,14 +8,9 @@
 namespace feder::view {
 
 ShapeLayer::ShapeLayer(const Gl& gl)
-    : gl_(gl),
-      lit_(make_program(gl, "shapes", kShapeVertex, kShapeFragment, true)),
+    : gl_(gl), lit_(make_program(gl, "shapes", kShapeVertex, kShapeFragment, true)),
       depth_(make_program(gl, "shapes (depth)", kShapeVertex, kDepthFragment, false)),
-      two_sided_(lit_->uniform("two_sided")),
-      instances_(gl),
-      mesh_vertices_(gl),
-      mesh_indices_(gl),
-      mesh_array_(gl) {}
+      two_sided_(lit_->uniform("two_sided")), instances_(gl), mesh_vertices_(gl), mesh_indices_(gl), mesh_array_(gl) {}
 
 void ShapeLayer::store(std::size_t id, const std::shared_ptr<const Geometry>& geometry, DrawStats& stats) {
   Stored& s = stored_[id];

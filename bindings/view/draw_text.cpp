@@ -32,9 +32,7 @@ TextLayer::TextLayer(const Gl& gl)
   gl_.BindTexture(GL_TEXTURE_2D, 0);
 }
 
-TextLayer::~TextLayer() {
-  gl_.DeleteTextures(1, &atlas_);
-}
+TextLayer::~TextLayer() { gl_.DeleteTextures(1, &atlas_); }
 
 void TextLayer::add(std::string_view text, float x, float y, float scale, Color color) {
   for (const char c : text) {

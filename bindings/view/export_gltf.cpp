@@ -123,13 +123,9 @@ struct GltfWriter::Impl {
   std::map<std::tuple<const Geometry*, float, int>, int> meshes;
 };
 
-GltfWriter::GltfWriter() : impl_(std::make_unique<Impl>()) {
-  impl_->ball = std::make_shared<Geometry>(unit_ball());
-}
+GltfWriter::GltfWriter() : impl_(std::make_unique<Impl>()) { impl_->ball = std::make_shared<Geometry>(unit_ball()); }
 GltfWriter::~GltfWriter() = default;
-std::size_t GltfWriter::left_out() const {
-  return impl_->left_out;
-}
+std::size_t GltfWriter::left_out() const { return impl_->left_out; }
 
 void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<const Geometry>& geometry,
                                     std::string name) {

@@ -30,9 +30,7 @@ std::string obj_name(const Objects& objects, std::uint32_t slot, std::size_t num
   return name.empty() ? fmt::format("object{}", number) : name;
 }
 
-std::string material_name(Color c) {
-  return fmt::format("color_{:02x}{:02x}{:02x}", c.r, c.g, c.b);
-}
+std::string material_name(Color c) { return fmt::format("color_{:02x}{:02x}{:02x}", c.r, c.g, c.b); }
 
 template <class T>
 void put(std::string& out, T value) {

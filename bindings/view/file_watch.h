@@ -22,7 +22,7 @@ class FileWatch {
   void set(const std::vector<std::filesystem::path>& files);
   // True once after the content of a file has changed and it has been closed, or left alone for kQuiet. A file that is
   // missing is waited for.
-  bool changed(double now);  // s, of any steady clock
+  bool changed(double now);            // s, of any steady clock
   double age() const { return age_; }  // s from the writing of the last change to changed() seeing it
   bool polling() const { return descriptor_ < 0; }
 
@@ -35,8 +35,8 @@ class FileWatch {
     std::filesystem::file_time_type time;
     std::uintmax_t size = 0;
   };
-  bool drain();      // inotify: was something written?
-  bool look_again(); // polling: is a time or size other than last time?
+  bool drain();       // inotify: was something written?
+  bool look_again();  // polling: is a time or size other than last time?
   void watch_folders();
 
   int descriptor_ = -1;

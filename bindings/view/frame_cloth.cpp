@@ -13,7 +13,6 @@ namespace {
 
 #ifdef FEDER_HAS_CLOTH
 
-
 class ClothSource final : public FrameSource {
  public:
   void collect(Collecting& c) override {

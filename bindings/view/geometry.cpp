@@ -6,9 +6,7 @@
 namespace feder::view {
 namespace {
 
-void set(float out[3], float x, float y, float z) {
-  out[0] = x, out[1] = y, out[2] = z;
-}
+void set(float out[3], float x, float y, float z) { out[0] = x, out[1] = y, out[2] = z; }
 
 void measure(Geometry& g) {
   for (int k = 0; k < 3; ++k) g.low[k] = 1e30f, g.high[k] = -1e30f;

@@ -18,9 +18,7 @@ GLuint compile(const Gl& gl, const char* name, GLenum kind, std::string_view tex
   throw GlError(std::string("shader '") + name + "' does not compile: " + log);
 }
 
-const void* place(std::size_t offset) {
-  return reinterpret_cast<const void*>(offset);
-}
+const void* place(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
 
 }  // namespace
 
@@ -71,9 +69,7 @@ Program::Program(const Gl& gl, const char* name, std::string_view vertex, std::s
   throw GlError(std::string("shader '") + name + "' does not link: " + log);
 }
 
-Program::~Program() {
-  gl_.DeleteProgram(id_);
-}
+Program::~Program() { gl_.DeleteProgram(id_); }
 
 void VertexArray::floats(GLuint at, int count, std::size_t stride, std::size_t offset, GLuint divisor) const {
   gl_.EnableVertexAttribArray(at);

@@ -11,6 +11,7 @@
 namespace feder::view {
 
 // f(type suffix in capitals, name without gl)
+// clang-format off
 #define FEDER_GL_FUNCTIONS(f)                                                                                          \
   f(GETSTRING, GetString) f(GETINTEGERV, GetIntegerv) f(GETERROR, GetError) f(VIEWPORT, Viewport)                      \
   f(CLEARCOLOR, ClearColor) f(CLEAR, Clear) f(ENABLE, Enable) f(DISABLE, Disable) f(DEPTHFUNC, DepthFunc)              \
@@ -38,6 +39,7 @@ namespace feder::view {
   f(DRAWELEMENTSINSTANCED, DrawElementsInstanced) f(DRAWARRAYSINSTANCED, DrawArraysInstanced)                          \
   f(READPIXELS, ReadPixels) f(FINISH, Finish) f(BINDBUFFERBASE, BindBufferBase)                                        \
   f(GETUNIFORMBLOCKINDEX, GetUniformBlockIndex) f(UNIFORMBLOCKBINDING, UniformBlockBinding)
+// clang-format on
 
 struct Gl {
   explicit Gl(const GlLoader& load);  // GlError naming what the driver lacks

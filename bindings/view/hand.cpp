@@ -87,8 +87,7 @@ Vec3 grip_position(World& world, const Grip& g) {
 }
 
 Command take_command(const Grip& g) {
-  if (g.point == kNone)
-    return [g](lua::Script& s) { s.world()->find<Rigid>()->wake(g.object); };
+  if (g.point == kNone) return [g](lua::Script& s) { s.world()->find<Rigid>()->wake(g.object); };
   return [g](lua::Script& s) { s.world()->find<Springs>()->pin(g.object, g.point); };
 }
 

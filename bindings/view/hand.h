@@ -15,10 +15,10 @@ struct Ray {
 // What a ray meets first.
 struct Pick {
   ObjectId object;
-  std::uint32_t point = kNone;  // of a net
-  Vec3 position = Vec3::Zero(); // world, m
-  Real depth = 0;               // along the ray, m
-  bool movable = false;         // a dynamic body or a net point
+  std::uint32_t point = kNone;   // of a net
+  Vec3 position = Vec3::Zero();  // world, m
+  Real depth = 0;                // along the ray, m
+  bool movable = false;          // a dynamic body or a net point
 };
 
 // `slack`: radians by which the ray may miss a net point.
@@ -28,8 +28,8 @@ struct Grip {
   ObjectId object;
   std::uint32_t point = kNone;  // of a net; it is pinned while it is held
   bool was_pinned = false;
-  Vec3 local = Vec3::Zero();    // body frame, m
-  Vec3 target = Vec3::Zero();   // where the mouse wants it, world, m
+  Vec3 local = Vec3::Zero();   // body frame, m
+  Vec3 target = Vec3::Zero();  // where the mouse wants it, world, m
 };
 
 Grip grip(World& world, const Pick& pick);

@@ -64,15 +64,9 @@ struct Headless::Impl {
 
 Headless::Headless(int width, int height) : impl_(std::make_unique<Impl>(width, height)) {}
 Headless::~Headless() = default;
-const GlLoader& Headless::loader() const {
-  return impl_->context->load;
-}
-const std::string& Headless::how() const {
-  return impl_->how;
-}
-Target Headless::target() const {
-  return {impl_->frame, impl_->width, impl_->height};
-}
+const GlLoader& Headless::loader() const { return impl_->context->load; }
+const std::string& Headless::how() const { return impl_->how; }
+Target Headless::target() const { return {impl_->frame, impl_->width, impl_->height}; }
 
 Image Headless::read() const {
   const Gl& gl = impl_->gl;

@@ -46,7 +46,7 @@ class History {
   const std::deque<Mark>& marks() const { return marks_; }
 
  private:
-  static constexpr std::size_t kDense = 30;   // newest moments that are never thinned out
+  static constexpr std::size_t kDense = 30;  // newest moments that are never thinned out
   static constexpr std::size_t kMarks = 500;
 
   void thin_out();

@@ -10,7 +10,7 @@
 namespace feder::view {
 
 struct BodyState {
-  Pose pose;                             // of the body frame's origin
+  Pose pose;  // of the body frame's origin
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
 };
 

@@ -21,10 +21,8 @@ bool is_marked(EventKind kind) {
 }  // namespace
 
 LiveScene::LiveScene(LiveOptions options)
-    : options_(std::move(options)),
-      watch_(options_.poll_files),
-      history_(options_.keep_seconds, options_.history_bytes),
-      mode_(options_.reload) {
+    : options_(std::move(options)), watch_(options_.poll_files),
+      history_(options_.keep_seconds, options_.history_bytes), mode_(options_.reload) {
   // what is lived again has been said before
   if (options_.host.print)
     options_.host.print = [this, print = options_.host.print](std::string_view text) {
@@ -319,17 +317,19 @@ void LiveScene::do_queued() {
 void LiveScene::run_text(const std::string& text, std::function<void(const std::string&, bool)> answer) {
   // told once: a life lived again does not answer again
   auto once = std::make_shared<std::function<void(const std::string&, bool)>>(std::move(answer));
-  act([text, once](lua::Script& script) {
-    std::string said;
-    bool good = true;
-    try {
-      said = script.run_string(text);
-    } catch (const lua::ScriptError& e) {
-      said = e.what(), good = false;
-    }
-    if (*once) (*once)(said, good);
-    *once = nullptr;
-  }, text);
+  act(
+      [text, once](lua::Script& script) {
+        std::string said;
+        bool good = true;
+        try {
+          said = script.run_string(text);
+        } catch (const lua::ScriptError& e) {
+          said = e.what(), good = false;
+        }
+        if (*once) (*once)(said, good);
+        *once = nullptr;
+      },
+      text);
 }
 
 void LiveScene::hold(const Grip& grip) {

@@ -23,11 +23,11 @@ enum class ReloadMode { catch_up, from_start, keep };
 
 struct LiveOptions {
   lua::HostOptions host;
-  double keep_seconds = 20;                          // of history
+  double keep_seconds = 20;  // of history
   std::size_t history_bytes = std::size_t(512) << 20;
   ReloadMode reload = ReloadMode::catch_up;
-  bool poll_files = false;                           // look at times and sizes although inotify is there
-  double budget = 0.025;                             // s of wall time per tick for steps
+  bool poll_files = false;  // look at times and sizes although inotify is there
+  double budget = 0.025;    // s of wall time per tick for steps
 };
 
 class LiveScene {
@@ -46,23 +46,23 @@ class LiveScene {
   void tick(double wall, double now);
   void set_paused(bool paused) { paused_ = paused; }
   bool paused() const { return paused_; }
-  void set_speed(double factor);                     // 0.05 .. 8
+  void set_speed(double factor);  // 0.05 .. 8
   double speed() const { return speed_; }
   void stop_at(std::uint64_t step) { stop_at_ = step; }  // pauses there, exactly
   bool stopped() const { return has_scene() && world_step() >= stop_at_; }
 
-  void step_forward();                               // pauses; in the past it shows the next moment
+  void step_forward();  // pauses; in the past it shows the next moment
   void step_back();
-  void scrub(std::uint64_t step);                    // shows the moment at or before that step
+  void scrub(std::uint64_t step);  // shows the moment at or before that step
   void to_present();
   bool in_past() const { return cursor_.has_value(); }
   bool catching_up() const { return catch_up_to_ > 0; }
-  bool rewriting() const { return rewriting_; }      // catching up to a moment in the past: nothing new to see yet
-  double catch_up_share() const;                     // 0 .. 1
+  bool rewriting() const { return rewriting_; }  // catching up to a moment in the past: nothing new to see yet
+  double catch_up_share() const;                 // 0 .. 1
   void stop_catching_up();
   std::uint64_t shown_step() const;
-  std::uint64_t world_step() const;                  // of the present
-  double shown_time() const;                         // s, on the clock
+  std::uint64_t world_step() const;  // of the present
+  double shown_time() const;         // s, on the clock
   double clock_of(double time) const { return time + clock_offset_; }
   const History& history() const { return history_; }
 
@@ -71,7 +71,9 @@ class LiveScene {
   // The same for Lua text; the answer goes to `answer` when it comes.
   void run_text(const std::string& text, std::function<void(const std::string&, bool)> answer);
   void hold(const Grip& grip);
-  void move_hold(const Vec3& target) { if (grip_) grip_->target = target; }
+  void move_hold(const Vec3& target) {
+    if (grip_) grip_->target = target;
+  }
   void let_go(bool pin);
   const std::optional<Grip>& held() const { return grip_; }
 
@@ -81,8 +83,8 @@ class LiveScene {
   void set_world_option(const std::string& key, const std::string& value);
   const std::map<std::string, std::string>& user_params() const { return recipe_.host.set; }
   const std::map<std::string, std::string>& user_world() const { return recipe_.host.world; }
-  void restart();                                    // from time 0
-  void reload();                                     // as when the file was saved
+  void restart();  // from time 0
+  void reload();   // as when the file was saved
   void set_reload_mode(ReloadMode mode) { mode_ = mode; }
   ReloadMode reload_mode() const { return mode_; }
 
@@ -93,9 +95,9 @@ class LiveScene {
   void clear_notice() { notice_.clear(); }
   std::uint64_t generation() const { return generation_; }  // grows with each world
   int reloads() const { return reloads_; }
-  double reload_seconds() const { return reload_seconds_; } // from the file's last write to the new world
-  double step_seconds() const { return step_seconds_; }     // wall time per step, smoothed
-  double slowness() const { return slowness_; }             // 1: real time at this speed; below: slower
+  double reload_seconds() const { return reload_seconds_; }  // from the file's last write to the new world
+  double step_seconds() const { return step_seconds_; }      // wall time per step, smoothed
+  double slowness() const { return slowness_; }              // 1: real time at this speed; below: slower
 
  private:
   bool make_anew(Recipe recipe, ReloadMode mode, bool forgiving);
@@ -119,12 +121,12 @@ class LiveScene {
   History history_;
   ReloadMode mode_;
   bool paused_ = false, rewriting_ = false;
-  double speed_ = 1, due_ = 0;                        // due_: simulated seconds not yet run
+  double speed_ = 1, due_ = 0;  // due_: simulated seconds not yet run
   std::uint64_t stop_at_ = ~std::uint64_t(0), catch_up_to_ = 0, catch_up_from_ = 0;
-  std::optional<std::uint64_t> cursor_;               // step that is shown, when it is past
-  std::string present_;                               // snapshot of the present while the past is shown
+  std::optional<std::uint64_t> cursor_;  // step that is shown, when it is past
+  std::string present_;                  // snapshot of the present while the past is shown
   std::uint64_t present_step_ = 0;
-  std::uint64_t expected_hash_ = 0;                   // of the moment that is lived again
+  std::uint64_t expected_hash_ = 0;  // of the moment that is lived again
   double clock_offset_ = 0;
   std::optional<Grip> grip_;
   std::deque<std::pair<Command, std::string>> queued_;

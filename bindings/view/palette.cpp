@@ -13,15 +13,9 @@ struct Lab {
   float l, a, b;
 };
 
-float to_linear(float s) {
-  return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-}
-float to_srgb(float x) {
-  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-}
-std::uint8_t byte(float x) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255));
-}
+float to_linear(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f); }
+float to_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f; }
+std::uint8_t byte(float x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255)); }
 
 Color from_lab(const Lab& c, std::uint8_t alpha = 255) {
   const float l = c.l + 0.3963377774f * c.a + 0.2158037573f * c.b;
@@ -52,9 +46,7 @@ std::uint32_t mixed_bits(std::uint32_t x) {  // finaliser of MurmurHash3
   x ^= x >> 16, x *= 0x85ebca6bu, x ^= x >> 13, x *= 0xc2b2ae35u;
   return x ^ x >> 16;
 }
-float unit(std::uint32_t bits) {
-  return static_cast<float>(bits & 0xffff) / 65535.0f;
-}
+float unit(std::uint32_t bits) { return static_cast<float>(bits & 0xffff) / 65535.0f; }
 
 // Hues that stay apart beside each other: amber, teal, coral, blue, green, violet, ochre, cyan, rose, indigo.
 constexpr float kHues[] = {72, 195, 32, 252, 145, 305, 95, 225, 5, 275};

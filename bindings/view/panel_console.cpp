@@ -35,9 +35,8 @@ void run_line(Desk& desk, const std::string& text) {
   c.add(ConsoleLine::input, "> " + text);
   if (c.past.empty() || c.past.back() != text) c.past.push_back(text);
   c.past_at = -1;
-  desk.live.run_text(text, [&c](const std::string& said, bool good) {
-    c.add(good ? ConsoleLine::output : ConsoleLine::error, said);
-  });
+  desk.live.run_text(
+      text, [&c](const std::string& said, bool good) { c.add(good ? ConsoleLine::output : ConsoleLine::error, said); });
 }
 
 void draw_lines(Console& c, float height) {

@@ -100,7 +100,9 @@ void inspect_body(Desk& desk, ObjectId id) {
   edit_surface(desk, id, b, i);
   char text[80];
   std::snprintf(text, sizeof text, "%.4g kg, %s", static_cast<double>(b.mass[i]),
-                b.type[i] == BodyType::fixed ? "never moves" : b.awake[i] ? "awake" : "asleep");
+                b.type[i] == BodyType::fixed ? "never moves"
+                : b.awake[i]                 ? "awake"
+                                             : "asleep");
   fact("state", text);
 }
 

@@ -176,8 +176,9 @@ void draw_top_bar(Desk& desk, const Layout& l) {
   if (ImGui::Combo("##mode", &mode, "catch up\0start over\0keep objects\0"))
     live.set_reload_mode(static_cast<ReloadMode>(mode));
   if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("catch up: made anew and run to the same time\nstart over: made anew\n"
-                      "keep objects: those with the same name stay where they are");
+    ImGui::SetTooltip(
+        "catch up: made anew and run to the same time\nstart over: made anew\n"
+        "keep objects: those with the same name stay where they are");
   char text[160];
   std::snprintf(text, sizeof text, "%.2f ms/step   %s%.0f fps   draw %.1f ms", live.step_seconds() * 1000,
                 live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(desk.frame_ms, 1e-3),

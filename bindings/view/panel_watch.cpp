@@ -33,8 +33,7 @@ void draw_times(Desk& desk) {
     ImGui::PopClipRect();
     list->AddText({at.x + width - value_width - 2, at.y}, ink::kText, value);
     ImGui::Dummy({width, height - 2});
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s\n%.4f ms per step, %.1f calls", r.label.c_str(), r.ms, r.calls);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\n%.4f ms per step, %.1f calls", r.label.c_str(), r.ms, r.calls);
   }
   ImGui::TextDisabled("%.3f ms per step in all", sum);
 }

@@ -204,9 +204,7 @@ void Renderer::Impl::draw_color(const Frame& f, const Camera& camera, const Draw
   gl.Disable(GL_BLEND), gl.DepthMask(GL_TRUE);
 }
 
-Renderer::Renderer(const GlLoader& load) : impl_(std::make_unique<Impl>(load)) {
-  impl_->gl.check("nothing yet");
-}
+Renderer::Renderer(const GlLoader& load) : impl_(std::make_unique<Impl>(load)) { impl_->gl.check("nothing yet"); }
 Renderer::~Renderer() = default;
 
 void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions& options, const Target& target) {
@@ -233,8 +231,6 @@ void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions&
   r.gl.check("a frame");
 }
 
-const DrawStats& Renderer::stats() const {
-  return impl_->stats;
-}
+const DrawStats& Renderer::stats() const { return impl_->stats; }
 
 }  // namespace feder::view

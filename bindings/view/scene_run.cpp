@@ -12,7 +12,8 @@ std::unique_ptr<SceneRun> SceneRun::make(const Recipe& recipe, LoadFailure& fail
     run->script_ = std::make_unique<lua::Script>(std::move(host));
     run->script_->load_file(recipe.file);
     if (!run->script_->is_scene())
-      throw lua::ScriptError(recipe.file.string() + ": a plain script steps its world itself; the viewer shows scenes "
+      throw lua::ScriptError(recipe.file.string() +
+                             ": a plain script steps its world itself; the viewer shows scenes "
                              "(return feder.scene { ... })");
     run->script_->build();
     run->start_ = named_states(run->world());

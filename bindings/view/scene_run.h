@@ -16,8 +16,8 @@ namespace feder::view {
 // What a scene is made from.
 struct Recipe {
   std::filesystem::path file;
-  lua::HostOptions host;                       // set and world hold what the user changed
-  std::shared_ptr<const KeptState> kept;       // of the scene before, when the world goes on
+  lua::HostOptions host;                  // set and world hold what the user changed
+  std::shared_ptr<const KeptState> kept;  // of the scene before, when the world goes on
 };
 
 // What somebody does to a running scene between two steps. Errors are exceptions.

@@ -8,9 +8,7 @@
 namespace feder::view {
 namespace {
 
-Vec3 vec(const float v[3]) {
-  return vec3(Real(v[0]), Real(v[1]), Real(v[2]));
-}
+Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
 void put(float out[3], const Vec3& v) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
 }

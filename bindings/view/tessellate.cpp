@@ -17,25 +17,15 @@ constexpr float kTurn = 6.28318530718f;
 struct P {
   float x, y, z;
 };
-P operator-(P a, P b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-P operator+(P a, P b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-P operator*(float s, P a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-P cross(P a, P b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+P operator-(P a, P b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+P operator+(P a, P b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+P operator*(float s, P a) { return {s * a.x, s * a.y, s * a.z}; }
+P cross(P a, P b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 P unit(P a) {
   const float n = std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
   return n > 0 ? (1 / n) * a : P{0, 1, 0};
 }
-P point(const Vec3& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
-}
+P point(const Vec3& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
 
 std::uint32_t add(Geometry& g, P p, P n, float edge = 0, float side = 0) {
   g.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, side, edge});

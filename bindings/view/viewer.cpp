@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/profile.h"
-#include "springs/springs.h"
 #include "rigid/rigid.h"
+#include "springs/springs.h"
 #include "view/collector.h"
 #include "view/desk.h"
 #include "view/status.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kStatusEvery = 0.05;  // s
 constexpr double kFastTick = 0.1;      // simulated seconds per picture when nobody watches
-constexpr float kFarthest = 12;         // times the first distance: how far the camera steps back by itself
+constexpr float kFarthest = 12;        // times the first distance: how far the camera steps back by itself
 constexpr double kSlowPicture = 40;    // ms: above, the picture is made with less care
 
 double clock_seconds() { return static_cast<double>(clock_nanoseconds()) * 1e-9; }
@@ -83,7 +83,8 @@ Viewer::Viewer(const ViewerOptions& options)
 
 ViewerEnd Viewer::run() {
   last_ = clock_seconds();
-  while (one_picture()) {}
+  while (one_picture()) {
+  }
   ViewerEnd end;
   end.has_scene = live_.has_scene();
   end.error = live_.error();
@@ -275,9 +276,7 @@ void Viewer::open_asked() {
   if (live_.open(file)) desk_.fit = true;
 }
 
-void Viewer::save_picture(const std::string& file) {
-  write_png(window_.picture(), file);
-}
+void Viewer::save_picture(const std::string& file) { write_png(window_.picture(), file); }
 
 }  // namespace
 

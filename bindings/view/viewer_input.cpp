@@ -100,7 +100,8 @@ void ViewerInput::mouse(Desk& desk) {
   if (drag_ == Drag::none) {
     // the way of this picture was made before the press
     if (io.WantCaptureMouse) return;
-    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) press(desk);
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+      press(desk);
     else if (ImGui::IsMouseClicked(ImGuiMouseButton_Right) || ImGui::IsMouseClicked(ImGuiMouseButton_Middle))
       drag_ = Drag::shift;
     return;
@@ -139,9 +140,7 @@ void ViewerInput::drag(Desk& desk, float dx, float dy) {
       desk.camera.yaw -= dx * 0.008f;
       desk.camera.pitch = std::clamp(desk.camera.pitch + dy * 0.008f, -1.55f, 1.55f);
       break;
-    case Drag::shift:
-      pan(desk.camera, dx, dy, static_cast<float>(target_.height) / scale_);
-      break;
+    case Drag::shift: pan(desk.camera, dx, dy, static_cast<float>(target_.height) / scale_); break;
     case Drag::waiting:
       // in the past the hand takes hold once the scene has been lived again
       if (travelled_ < 4 || desk.live.catching_up()) break;
@@ -156,8 +155,7 @@ void ViewerInput::drag(Desk& desk, float dx, float dy) {
       desk.live.move_hold(on_plane(desk, at.x, at.y));
       if (!desk.live.held()) drag_ = Drag::none;
       break;
-    default:
-      break;
+    default: break;
   }
 }
 

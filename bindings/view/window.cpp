@@ -2,12 +2,11 @@
 
 // the order matters: GLFW must not bring GL headers of its own
 #define GLFW_INCLUDE_NONE
+#include <GL/glcorearb.h>
 #include <GLFW/glfw3.h>
-#include <imgui.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
-
-#include <GL/glcorearb.h>
+#include <imgui.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -30,7 +29,8 @@ ImFont* load_font(std::initializer_list<const char*> files, float pixels) {
 
 void load_fonts() {
   fonts[0] = load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
-                        "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"}, 15);
+                        "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"},
+                       15);
   fonts[1] =
       load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf", "/usr/share/fonts/TTF/DejaVuSansMono.ttf",
                  "/usr/share/fonts/dejavu-sans-mono-fonts/DejaVuSansMono.ttf"},

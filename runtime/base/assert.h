@@ -1,12 +1,19 @@
-// FEDER_ASSERT(condition): own mistakes. On unless NDEBUG; prints file:line and aborts.
+// FEDER_ASSERT(condition): own mistakes, never a scene's. On unless NDEBUG; prints file:line and aborts.
+// kAsserts guards checks that take more than one expression (System::validate).
 #pragma once
 
 namespace feder {
 [[noreturn]] void assert_failed(const char* condition, const char* file, int line);
-}
 
 #ifdef NDEBUG
-#define FEDER_ASSERT(condition) ((void)0)
+inline constexpr bool kAsserts = false;
+#else
+inline constexpr bool kAsserts = true;
+#endif
+}  // namespace feder
+
+#ifdef NDEBUG
+#define FEDER_ASSERT(condition) ((void)sizeof(!(condition)))  // not evaluated, yet its names count as used
 #else
 #define FEDER_ASSERT(condition) ((condition) ? (void)0 : ::feder::assert_failed(#condition, __FILE__, __LINE__))
 #endif

@@ -5,7 +5,8 @@
 
 namespace feder {
 
-// x = n ln 2 + r with ln 2 in two parts, the first with 21 trailing zeros so that n times it is exact; e^r by its series.
+// x = n ln 2 + r with ln 2 in two parts, the first with 21 trailing zeros so that n times it is exact; e^r by its
+// series.
 double exponential(double x) {
   constexpr double kLn2High = 0x1.62e42fee00000p-1, kLn2Low = 0x1.a39ef35793c76p-33;
   if (x != x) return x;

@@ -32,7 +32,10 @@ template <class Ready>
 bool spin(int spins, int yields, Ready&& ready) {
   for (int i = 0; i < spins + yields; ++i) {
     if (ready()) return true;
-    if (i < spins) relax(); else std::this_thread::yield();
+    if (i < spins)
+      relax();
+    else
+      std::this_thread::yield();
   }
   return ready();
 }
@@ -83,7 +86,8 @@ bool JobPool::take_blocks(std::uint64_t epoch, int worker) {
     while (left >> kLeftBits == epoch && (left & kLeftMask) != 0) {
       if (!word.compare_exchange_weak(left, left - 1, std::memory_order_acq_rel, std::memory_order_acquire)) continue;
       const std::uint64_t from = first + (end - (left & kLeftMask)) * items;
-      function(body, static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(std::min(from + items, last)), worker);
+      function(body, static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(std::min(from + items, last)),
+               worker);
       any = true;
       if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == blocks) {
         next_stage();

@@ -64,9 +64,10 @@ class JobPool {
 
   template <class Body>
   static Stage stage(std::uint32_t first, std::uint32_t last, JobGrain grain, Body& body) {
-    return {first, last, grain, [](void* b, std::uint32_t from, std::uint32_t to, int worker) {
-      (*static_cast<Body*>(b))(from, to, worker);
-    }, const_cast<void*>(static_cast<const void*>(&body))};
+    return {
+        first, last, grain,
+        [](void* b, std::uint32_t from, std::uint32_t to, int worker) { (*static_cast<Body*>(b))(from, to, worker); },
+        const_cast<void*>(static_cast<const void*>(&body))};
   }
 
   // Stage after stage: the next begins when all blocks of the one before are done, and is opened by the thread that did
@@ -119,9 +120,9 @@ class JobPool {
   std::atomic<std::uint32_t> first_{0}, last_{0}, items_{1}, blocks_{0};
   std::atomic<decltype(Stage::function)> function_{nullptr};
   std::atomic<void*> body_{nullptr};
-  std::unique_ptr<Share[]> shares_;               // by worker
+  std::unique_ptr<Share[]> shares_;                 // by worker
   alignas(64) std::atomic<std::uint32_t> done_{0};  // blocks of the open stage
-  std::atomic<bool> finished_{true};              // all stages of the loop
+  std::atomic<bool> finished_{true};                // all stages of the loop
 
   // of the loop; read and written only by who opens its stages
   const Stage* stages_ = nullptr;

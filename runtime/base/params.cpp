@@ -100,11 +100,16 @@ void Params::load(Reader& r) {
     std::uint8_t kind = 0;
     r.text(key), r.get(kind);
     Value& value = values_[key];
-    if (kind == 0) r.get(value.emplace<bool>());
-    else if (kind == 1) r.get(value.emplace<double>());
-    else if (kind == 2) r.text(value.emplace<std::string>());
-    else if (kind == 3) r.list(value.emplace<std::vector<double>>());
-    else throw SceneError("snapshot: truncated or of another build");
+    if (kind == 0)
+      r.get(value.emplace<bool>());
+    else if (kind == 1)
+      r.get(value.emplace<double>());
+    else if (kind == 2)
+      r.text(value.emplace<std::string>());
+    else if (kind == 3)
+      r.list(value.emplace<std::vector<double>>());
+    else
+      throw SceneError("snapshot: truncated or of another build");
   }
 }
 

@@ -19,16 +19,15 @@ constexpr double kCodyWaiteLimit = 1.6e6;  // below 2^20 quarters of a turn
 // Bits of 2/pi behind the point; two words of zeros before them, for exponents below 2.
 constexpr int kZeroWords = 2;
 constexpr std::uint32_t kTwoOverPi[] = {
-    0, 0,
-    0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab, 0xdebbc561,
-    0xb7246e3a, 0x424dd2e0, 0x06492eea, 0x09d1921c, 0xfe1deb1c, 0xb129a73e, 0xe88235f5, 0x2ebb4484,
-    0xe99c7026, 0xb45f7e41, 0x3991d639, 0x835339f4, 0x9c845f8b, 0xbdf9283b, 0x1ff897ff, 0xde05980f,
-    0xef2f118b, 0x5a0a6d1f, 0x6d367ecf, 0x27cb09b7, 0x4f463f66, 0x9e5fea2d, 0x7527bac7, 0xebe5f17b,
-    0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1, 0x1f8d5d08, 0x56033046, 0xfc7b6bab};
+    0,          0,          0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041,
+    0xfe5163ab, 0xdebbc561, 0xb7246e3a, 0x424dd2e0, 0x06492eea, 0x09d1921c, 0xfe1deb1c, 0xb129a73e,
+    0xe88235f5, 0x2ebb4484, 0xe99c7026, 0xb45f7e41, 0x3991d639, 0x835339f4, 0x9c845f8b, 0xbdf9283b,
+    0x1ff897ff, 0xde05980f, 0xef2f118b, 0x5a0a6d1f, 0x6d367ecf, 0x27cb09b7, 0x4f463f66, 0x9e5fea2d,
+    0x7527bac7, 0xebe5f17b, 0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1, 0x1f8d5d08, 0x56033046, 0xfc7b6bab};
 constexpr int kWords = 6;  // of the fraction
 
 struct Reduced {
-  int quadrant;   // of x, 0 to 3
+  int quadrant;    // of x, 0 to 3
   double r, rest;  // r + rest = x - k pi/2, |r| <= pi/4 and a little
 };
 
@@ -63,8 +62,8 @@ Reduced reduce_small(double x) {
 // 32 bits of 2/pi from bit `at` on (of the table).
 std::uint32_t bits_at(int at) {
   const int word = at / 32, shift = at % 32;
-  const std::uint64_t both = static_cast<std::uint64_t>(kTwoOverPi[word]) << 32 |
-                             (shift == 0 ? 0u : kTwoOverPi[word + 1]);
+  const std::uint64_t both =
+      static_cast<std::uint64_t>(kTwoOverPi[word]) << 32 | (shift == 0 ? 0u : kTwoOverPi[word + 1]);
   return static_cast<std::uint32_t>(both >> (32 - shift));
 }
 

@@ -21,6 +21,9 @@ void BoxTree::build(std::span<const Aabb> boxes) {
   nodes_.push_back({{}, 0, count, 0});
   for (std::uint32_t n = 0; n < nodes_.size(); ++n) split(n);
   for (std::uint32_t i = 0; i < count; ++i) items_[i] = sort_[i].item;
+  // std::nth_element leaves the order within a leaf to the library
+  for (const Node& n : nodes_)
+    if (n.count > 0) std::sort(items_.begin() + n.first, items_.begin() + n.first + n.count);
   find_last();
   fit();
   built_cost_ = cost();
@@ -66,6 +69,12 @@ void BoxTree::fit() {
     else
       node.box.include(nodes_[node.first].box), node.box.include(nodes_[node.first + 1].box);
   }
+}
+
+void BoxTree::number_in_order(std::span<const Aabb> boxes) {
+  boxes_ = boxes;
+  for (std::uint32_t i = 0; i < items_.size(); ++i) items_[i] = i;
+  find_last();
 }
 
 Real BoxTree::cost() const {

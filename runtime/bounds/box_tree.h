@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/arena.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
 
 namespace feder {
 
@@ -18,6 +18,10 @@ class BoxTree {
   void build(std::span<const Aabb> boxes);
   // The same items in new places; builds anew when the tree's surface has grown by half.
   void refit(std::span<const Aabb> boxes);
+  // The items in the order of the leaves, ascending within each. An owner who stores its items in that order, with
+  // boxes to match, calls number_in_order: item k is the k-th from then on, and visits are ascending.
+  std::span<const std::uint32_t> order() const { return {items_.data(), items_.size()}; }
+  void number_in_order(std::span<const Aabb> boxes);
   bool empty() const { return items_.empty(); }
   std::size_t size() const { return items_.size(); }
   Aabb bounds() const { return nodes_.empty() ? Aabb{} : nodes_[0].box; }
@@ -30,21 +34,15 @@ class BoxTree {
   }
   template <class F>
   void query(const Aabb& box, std::uint32_t least, F&& visit) const {
-    if (nodes_.empty()) return;
-    std::uint32_t stack[kDepth];
-    int top = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-      const Node& n = nodes_[stack[--top]];
-      if (n.last < least || !overlaps(n.box, box)) continue;
-      if (n.count > 0) {
-        for (std::uint32_t k = n.first; k < n.first + n.count; ++k)
-          if (items_[k] >= least && overlaps(boxes_[items_[k]], box)) visit(items_[k]);
-        continue;
-      }
-      stack[top++] = n.first + 1;
-      stack[top++] = n.first;
-    }
+    descend([&](const Node& n) { return n.last >= least && overlaps(n.box, box); },
+            [&](std::uint32_t item) {
+              if (item >= least && overlaps(boxes_[item], box)) visit(item);
+            });
+  }
+  // visit(item) for all items below nodes whose boxes pass test(box); the items' own boxes are not asked.
+  template <class Test, class F>
+  void query_if(Test&& test, F&& visit) const {
+    descend([&](const Node& n) { return test(n.box); }, visit);
   }
 
  private:
@@ -60,6 +58,23 @@ class BoxTree {
     Real at[3];
     std::uint32_t item;
   };
+  template <class Test, class F>
+  void descend(Test&& test, F&& visit) const {
+    if (nodes_.empty()) return;
+    std::uint32_t stack[kDepth];
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+      const Node& n = nodes_[stack[--top]];
+      if (!test(n)) continue;
+      if (n.count > 0) {
+        for (std::uint32_t k = n.first; k < n.first + n.count; ++k) visit(items_[k]);
+        continue;
+      }
+      stack[top++] = n.first + 1;
+      stack[top++] = n.first;
+    }
+  }
   void split(std::uint32_t node);
   void find_last();
   void fit();

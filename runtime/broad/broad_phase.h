@@ -5,7 +5,7 @@
 
 #include "base/arena.h"
 #include "base/registry.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
 
 namespace feder {
 

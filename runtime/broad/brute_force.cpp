@@ -2,8 +2,8 @@
 // Kept between calls: a copy of the boxes for queries. Weak spot: n^2 / 2 box tests.
 #include <algorithm>
 
+#include "bounds/segment_box.h"
 #include "broad/broad_phase.h"
-#include "broad/segment_box.h"
 
 namespace feder {
 namespace {

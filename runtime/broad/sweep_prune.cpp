@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bounds/segment_box.h"
 #include "broad/pair_sort.h"
-#include "broad/segment_box.h"
 
 namespace feder {
 namespace {

@@ -9,7 +9,7 @@
 // Weak spot: when most boxes leave their fat boxes in each call, trees are rebuilt and everything is queried again.
 #include <algorithm>
 
-#include "broad/aabb_tree.h"
+#include "bounds/aabb_tree.h"
 #include "broad/pair_sort.h"
 
 namespace feder {
@@ -31,21 +31,9 @@ struct Leaf {
 class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
-      : boxes_(&arena),
-        fat_(&arena),
-        leaves_(&arena),
-        nodes_(&arena),
-        side_(&arena),
-        moved_(&arena),
-        items_(&arena),
-        changes_(&arena),
-        candidates_(&arena),
-        found_(&arena),
-        merged_(&arena),
-        side_pairs_(&arena),
-        sorter_(arena),
-        still_(arena),
-        moving_(arena) {}
+      : boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), moved_(&arena), items_(&arena),
+        changes_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena), sorter_(arena),
+        still_(arena), moving_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) override {
     update_leaves(boxes, motion);
@@ -118,9 +106,9 @@ class Tree final : public BroadPhase {
     for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
       const Place now = leaves_[i].place;
       const Place wanted = i >= count || motion[i] == BoxMotion::absent ? kNowhere
-                           : !regular(boxes[i])                        ? kSide
-                           : motion[i] == BoxMotion::still             ? kStillTree
-                                                                       : kMovingTree;
+                           : !regular(boxes[i])                         ? kSide
+                           : motion[i] == BoxMotion::still              ? kStillTree
+                                                                        : kMovingTree;
       const bool fits = wanted <= kSide || (now > kSide && contains(fat_[i], boxes[i]));
       if (wanted == now && fits) continue;
       changes_.push_back({i, wanted});

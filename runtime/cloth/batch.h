@@ -8,10 +8,10 @@ namespace feder {
 
 struct LinkBatch {
   unsigned a[kLanes], b[kLanes];
-  Lane8x3 base;        // b minus a at the start of the step, m
-  Lane8 rest;          // m
-  Lane8 compliance;    // m/N
-  Lane8 multiplier;    // of this small step, N s^2
+  Lane8x3 base;      // b minus a at the start of the step, m
+  Lane8 rest;        // m
+  Lane8 compliance;  // m/N
+  Lane8 multiplier;  // of this small step, N s^2
 };
 
 struct HingeBatch {
@@ -25,9 +25,9 @@ struct HingeBatch {
 // Eight vertices that may go no farther from an anchor that stays than along the cloth. No vertex twice in a layer.
 struct TieBatch {
   unsigned a[kLanes];
-  Lane8x3 base;        // a minus its anchor at the start of the step, m
-  Lane8 limit;         // m
-  Lane8 reach;         // m, in this small step: more where one was farther away when the step began
+  Lane8x3 base;  // a minus its anchor at the start of the step, m
+  Lane8 limit;   // m
+  Lane8 reach;   // m, in this small step: more where one was farther away when the step began
 };
 
 // What a hinge does against its rate, with the geometry at the start of a damping pass.
@@ -42,8 +42,8 @@ struct ClothPass {
   HingeBatch* hinges;
   HingeDamping* damping;
   TieBatch* ties;
-  unsigned first, last;   // range of batches
-  WideReal* moved;        // Row4 as four numbers each
+  unsigned first, last;  // range of batches
+  WideReal* moved;       // Row4 as four numbers each
   WideReal* speed;
   WideReal inv_h2;        // 1/h^2 of the small step
   WideReal h;             // s, of the small step

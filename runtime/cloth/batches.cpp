@@ -43,9 +43,8 @@ std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total,
   // by direction first: the rows of a sheet then alternate between two colours, which leaves the least strain
   order_.resize(elements.size());
   for (std::uint32_t e = 0; e < order_.size(); ++e) order_[e] = e;
-  std::stable_sort(order_.begin(), order_.end(), [&](std::uint32_t x, std::uint32_t y) {
-    return direction(elements[x]) < direction(elements[y]);
-  });
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](std::uint32_t x, std::uint32_t y) { return direction(elements[x]) < direction(elements[y]); });
   std::uint32_t count = 0, alone = 0;
   for (const std::uint32_t e : order_) {
     std::uint64_t taken = 0;
@@ -97,7 +96,9 @@ void ClothBatches::build(const ClothView& v) {
     for (auto& row : no_hinge.v) row[i] = spare;
     no_hinge.cosine.v[i] = no_hinge.compliance.v[i] = 1;
   }
-  count = color(v.mesh->hinges, v.total, [](const ClothHinge& h, auto&& f) { for (std::uint32_t k : h.v) f(k); });
+  count = color(v.mesh->hinges, v.total, [](const ClothHinge& h, auto&& f) {
+    for (std::uint32_t k : h.v) f(k);
+  });
   fill(hinges_, hinge_colors_, count, v.mesh->hinges, no_hinge, [&](HingeBatch& b, int i, const ClothHinge& h) {
     for (int k = 0; k < 4; ++k) b.v[k][i] = h.v[k];
     sin_cos(h.angle, b.sine.v[i], b.cosine.v[i]);

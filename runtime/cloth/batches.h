@@ -12,13 +12,13 @@ double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]);
 class ClothBatches {
  public:
   explicit ClothBatches(Arena& a)
-      : links_(&a), hinges_(&a), link_colors_(&a), hinge_colors_(&a), used_(&a), color_(&a), order_(&a),
-        damping_(&a), stage_(&a), last_stage_(&a), first_rate_(&a), pushes_(&a) {}
+      : links_(&a), hinges_(&a), link_colors_(&a), hinge_colors_(&a), used_(&a), color_(&a), order_(&a), damping_(&a),
+        stage_(&a), last_stage_(&a), first_rate_(&a), pushes_(&a) {}
   // Wide kernels where the processor has them; "plain" for tests.
   void pick(const std::string& width);
   // Colours and batches for this mesh; nothing when its version is known.
   void build(const ClothView& v);
-  void place(const ClothView& v);   // edges at the start of the step
+  void place(const ClothView& v);                                                   // edges at the start of the step
   void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a small step
   void bend(const ClothView& v, Real h, StepContext& c);  // forces of hinges over h into `speed`
   void limit(const ClothView& v, StepContext& c);         // links without their force, to v.max_strain
@@ -53,12 +53,12 @@ class ClothBatches {
   Array<LinkBatch> links_;
   Array<HingeBatch> hinges_;
   Array<Color> link_colors_, hinge_colors_;
-  JobPool::Stage stages_[kStages];  // of the pass that runs: its colours
-  Array<std::uint64_t> used_;       // by vertex: colours taken
+  JobPool::Stage stages_[kStages];      // of the pass that runs: its colours
+  Array<std::uint64_t> used_;           // by vertex: colours taken
   Array<std::uint32_t> color_, order_;  // by element; the order they are coloured in
-  double bending_ = 0;              // 1/s^2: no bending mode has a larger square of its frequency
+  double bending_ = 0;                  // 1/s^2: no bending mode has a larger square of its frequency
   // stages of damping; empty where one sweep does
-  Array<HingeDamping> damping_;     // by batch of hinges
+  Array<HingeDamping> damping_;                           // by batch of hinges
   Array<Row4> stage_, last_stage_, first_rate_, pushes_;  // by vertex; m/s, and N s
 };
 

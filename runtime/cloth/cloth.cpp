@@ -69,10 +69,14 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
   const std::uint32_t nx = d.nx, ny = d.ny;
   std::vector<std::uint32_t> v;
   if (nx == 0) throw SceneError("cloth: pins: '" + full + "': only sheets have named sides; give vertex numbers");
-  if (name == "top_left") v = {0};
-  else if (name == "top_right") v = {nx - 1};
-  else if (name == "bottom_left") v = {(ny - 1) * nx};
-  else if (name == "bottom_right") v = {ny * nx - 1};
+  if (name == "top_left")
+    v = {0};
+  else if (name == "top_right")
+    v = {nx - 1};
+  else if (name == "bottom_left")
+    v = {(ny - 1) * nx};
+  else if (name == "bottom_right")
+    v = {ny * nx - 1};
   else if (name == "top" || name == "bottom")
     for (std::uint32_t i = 0; i < nx; ++i) v.push_back((name == "top" ? 0 : (ny - 1) * nx) + i);
   else if (name == "left" || name == "right")
@@ -91,50 +95,18 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
 }  // namespace
 
 Cloth::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)),
-      vertices(s.store.need<ClothVertices>(kName)),
-      store(s.store),
-      watched(s.store.need<Watch>("watch")),
-      objects(s.objects),
-      events(s.events),
-      structure_changed(s.structure_changed),
-      air_density(still_air_density(s.world)),
-      moved(&arena),
-      before(&arena),
-      speed(&arena),
-      acceleration(&arena),
-      force(&arena),
-      points(&arena),
-      mover_shift(&arena),
-      mover_turn(&arena),
-      rows(&arena),
-      holds(&arena),
-      near_rows(&arena),
-      pairs(&arena),
-      near_vertex(&arena),
-      near_triangle(&arena),
-      near_edge(&arena),
-      vertex_box(&arena),
-      triangle_box(&arena),
-      edge_box(&arena),
-      found_place(&arena),
-      found_speed(&arena),
-      stray(&arena),
-      found(&arena),
-      triangle_tree(arena),
-      edge_tree(arena),
-      guard_start(&arena),
-      held_with(&arena),
-      zones(&arena),
-      wished(&arena),
-      swapped(&arena),
-      between(&arena),
-      near_sheet(&arena) {}
+    : arena(s.store.arena(kName)), vertices(s.store.need<ClothVertices>(kName)), store(s.store),
+      watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
+      structure_changed(s.structure_changed), air_density(still_air_density(s.world)), moved(&arena), before(&arena),
+      speed(&arena), acceleration(&arena), force(&arena), points(&arena), mover_shift(&arena), mover_turn(&arena),
+      rows(&arena), holds(&arena), near_rows(&arena), pairs(&arena), near_vertex(&arena), near_triangle(&arena),
+      near_edge(&arena), vertex_box(&arena), triangle_box(&arena), edge_box(&arena), found_place(&arena),
+      found_speed(&arena), stray(&arena), found(&arena), triangle_tree(arena), edge_tree(arena), guard_start(&arena),
+      held_with(&arena), zones(&arena), wished(&arena), swapped(&arena), between(&arena), near_sheet(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
-  static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<Cloth>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Cloth>(setup); }};
   return d;
 }
 
@@ -184,11 +156,24 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   std::vector<ClothGhost> ghosts;
   s->mesh.triangles.assign(triangles.begin(), triangles.end());
   s->mesh.grid = desc.nx > 0;
-  s->settings = {{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend}, desc.area_density,
-                 desc.damping, desc.thickness, desc.friction, desc.drag, desc.lift, desc.tear_strain,
-                 max_strain_of(desc), desc.gravity_scale, desc.stretch_error, desc.substeps, desc.max_substeps,
-                 desc.group, desc.mask,
-                 desc.self_collision, desc.wind, desc.max_strain > 0};
+  s->settings = {{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend},
+                 desc.area_density,
+                 desc.damping,
+                 desc.thickness,
+                 desc.friction,
+                 desc.drag,
+                 desc.lift,
+                 desc.tear_strain,
+                 max_strain_of(desc),
+                 desc.gravity_scale,
+                 desc.stretch_error,
+                 desc.substeps,
+                 desc.max_substeps,
+                 desc.group,
+                 desc.mask,
+                 desc.self_collision,
+                 desc.wind,
+                 desc.max_strain > 0};
   make_elements(s->mesh, rest, s->settings.stiffness);
   for (const std::string& name : desc.pin_names) {
     bool clamped = false;
@@ -206,9 +191,8 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
         inner_neighbors(s->mesh, rest, e, inner);
         for (int k = 0; k < 2; ++k) {
           const std::uint32_t middle = k ? e.b : e.a;
-          if (std::any_of(ghosts.begin(), ghosts.end(), [&](const ClothGhost& g) {
-                return g.clamped == middle && g.inner == inner[k];
-              }))
+          if (std::any_of(ghosts.begin(), ghosts.end(),
+                          [&](const ClothGhost& g) { return g.clamped == middle && g.inner == inner[k]; }))
             continue;
           ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size())});
           rest.push_back(2 * rest[middle] - rest[inner[k]]);
@@ -250,9 +234,8 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
   const std::uint32_t place = m.objects.index(id);
   const std::uint32_t first = m.sheets[place]->first, count = m.sheets[place]->total;
   // later vertices, sheets and attachments move down
-  ClothVertices::each_array(m.vertices, [&](auto& array) {
-    array.erase(array.begin() + first, array.begin() + first + count);
-  });
+  ClothVertices::each_array(m.vertices,
+                            [&](auto& array) { array.erase(array.begin() + first, array.begin() + first + count); });
   std::erase_if(m.attachments, [&](const Attachment& a) { return a.cloth == id; });
   for (Attachment& a : m.attachments)
     if (a.vertex > first) a.vertex -= count;

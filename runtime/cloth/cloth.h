@@ -22,23 +22,23 @@ struct ClothDesc {
   TagMask tags = 0;
   // A sheet of nx x ny vertices, size[0] along x and size[1] along z, in the xz plane; row 1 ("top") at the lowest z,
   // column 1 ("left") at the lowest x. Or, when nx is 0, a mesh.
-  Real size[2] = {1, 1};             // m
+  Real size[2] = {1, 1};  // m
   std::uint32_t nx = 0, ny = 0;
-  std::vector<Vec3> vertices;        // m, local
+  std::vector<Vec3> vertices;            // m, local
   std::vector<std::uint32_t> triangles;  // three vertex numbers each
   Pose pose;
-  Vec3 velocity = Vec3::Zero();      // m/s
-  Real area_density = Real(0.2);     // kg/m^2
-  Real stretch = 2000;               // N/m
-  Real shear = -1;                   // N/m; < 0: a tenth of stretch (sheets only)
-  Real bend = Real(1e-4);            // N m
-  Real damping = Real(0.002);        // s: stress of strain rate over stiffness; never acts on rigid motion
-  Real thickness = Real(0.01);       // m, between two layers; half of it to bodies
+  Vec3 velocity = Vec3::Zero();   // m/s
+  Real area_density = Real(0.2);  // kg/m^2
+  Real stretch = 2000;            // N/m
+  Real shear = -1;                // N/m; < 0: a tenth of stretch (sheets only)
+  Real bend = Real(1e-4);         // N m
+  Real damping = Real(0.002);     // s: stress of strain rate over stiffness; never acts on rigid motion
+  Real thickness = Real(0.01);    // m, between two layers; half of it to bodies
   Real friction = Real(0.4);
   bool self_collision = true;
-  bool wind = true;                  // forces that act on areas (wind) reach it
-  Real drag = 1, lift = 1;           // shares of the pressure along the flow and across it
-  Real tear_strain = kInfinity;      // an edge stretched more than this breaks
+  bool wind = true;              // forces that act on areas (wind) reach it
+  Real drag = 1, lift = 1;       // shares of the pressure along the flow and across it
+  Real tear_strain = kInfinity;  // an edge stretched more than this breaks
   // No edge stretches more than this; kInfinity: as the material does. < 0: kMaxStrain where pins or bodies hold the
   // cloth, and none for cloth that tears.
   Real max_strain = -1;
@@ -46,8 +46,8 @@ struct ClothDesc {
   std::uint32_t group = 1, mask = 0xffffffffu;
   // Small steps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
   int substeps = 0;
-  Real stretch_error = Real(0.01);   // strain that the solver may leave beside the material's
-  int max_substeps = 64;             // where the choice ends, with a warning
+  Real stretch_error = Real(0.01);              // strain that the solver may leave beside the material's
+  int max_substeps = 64;                        // where the choice ends, with a warning
   std::string solver = default_cloth_solver();  // xpbd, or the first of this build
   Params solver_options;
   // Names: "top_left" "top_right" "bottom_left" "bottom_right" "top" "bottom" "left" "right", each with "_clamped"
@@ -61,27 +61,27 @@ struct ClothDesc {
 // with d the displacement of a vertex since the start of the step.
 struct ClothRow {
   std::uint32_t vertex[4] = {};
-  Real weight[4] = {};               // 0: unused
-  Vec3 normal = Vec3::Zero();        // unit; from the mover, or from the negative weights, to the positive ones
-  Real offset = 0;                   // m
-  std::uint32_t mover = 0;           // solver index; 0: nothing that moves
-  Vec3 arm = Vec3::Zero();           // from the mover's centre of mass to the point, m
-  Vec3 slide = Vec3::Zero();         // velocity of the surface beside that of the mover (conveyor), m/s
+  Real weight[4] = {};         // 0: unused
+  Vec3 normal = Vec3::Zero();  // unit; from the mover, or from the negative weights, to the positive ones
+  Real offset = 0;             // m
+  std::uint32_t mover = 0;     // solver index; 0: nothing that moves
+  Vec3 arm = Vec3::Zero();     // from the mover's centre of mass to the point, m
+  Vec3 slide = Vec3::Zero();   // velocity of the surface beside that of the mover (conveyor), m/s
   Real friction = 0;
-  Real relaxation = 1;               // of the correction
-  std::uint32_t touch = kNone;       // who owns it, for its maker
+  Real relaxation = 1;          // of the correction
+  std::uint32_t touch = kNone;  // who owns it, for its maker
   // written by the solver
-  Real impulse = 0;                  // along the normal in this substep, N s
-  Real returned = 0;                 // the part of it that was taken out again as rebound, N s
-  Real approach = 0;                 // closing speed before the first push of the substep, m/s
+  Real impulse = 0;   // along the normal in this substep, N s
+  Real returned = 0;  // the part of it that was taken out again as rebound, N s
+  Real approach = 0;  // closing speed before the first push of the substep, m/s
 };
 
 // A vertex held at a point of a mover: all three components.
 struct ClothHold {
   std::uint32_t vertex = 0;
   std::uint32_t mover = 0;
-  Vec3 arm = Vec3::Zero();           // m
-  Vec3 error = Vec3::Zero();         // vertex minus point at the start of the substep, less d then, m
+  Vec3 arm = Vec3::Zero();    // m
+  Vec3 error = Vec3::Zero();  // vertex minus point at the start of the substep, less d then, m
 };
 
 class Cloth final : public System {
@@ -93,7 +93,7 @@ class Cloth final : public System {
   ~Cloth() override;
 
   void add_rows(StepPlan& plan) override;
-  std::size_t count() const override;   // vertices
+  std::size_t count() const override;  // vertices
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
   void load(Reader& r) override;
@@ -126,7 +126,7 @@ class Cloth final : public System {
   void triangles(ObjectId cloth, std::vector<std::uint32_t>& out) const;
   void set_script_force(ObjectId cloth, std::size_t i, const Vec3& force);  // N, until changed
   void clear_script_forces();
-  int substeps(ObjectId cloth) const;                // small steps per world substep, as last chosen
+  int substeps(ObjectId cloth) const;  // small steps per world substep, as last chosen
   bool asleep(ObjectId cloth) const;
   void wake(ObjectId cloth, WakeCause cause = WakeCause::script, ObjectId other = {});
   void sleep(ObjectId cloth);
@@ -134,8 +134,8 @@ class Cloth final : public System {
 
   struct Attachment {
     ObjectId cloth, body;
-    std::uint32_t vertex = 0;     // index in ClothVertices
-    Vec3 local = Vec3::Zero();    // in the body frame of `body`, m
+    std::uint32_t vertex = 0;   // index in ClothVertices
+    Vec3 local = Vec3::Zero();  // in the body frame of `body`, m
   };
   void attach(ObjectId cloth, std::size_t i, ObjectId body, const Vec3& local);
   void detach(ObjectId cloth, std::size_t i);
@@ -145,17 +145,17 @@ class Cloth final : public System {
   // For couplings.
   struct Info {
     ObjectId object;
-    std::uint32_t first = 0, count = 0;          // visible run in ClothVertices
-    std::span<const std::uint32_t> triangles;    // three numbers each, from 0 within the cloth
+    std::uint32_t first = 0, count = 0;        // visible run in ClothVertices
+    std::span<const std::uint32_t> triangles;  // three numbers each, from 0 within the cloth
     Real thickness = 0, friction = 0;
-    Real relaxation = 1;                         // of contacts, as its solver wants it
+    Real relaxation = 1;  // of contacts, as its solver wants it
     std::uint32_t group = 1, mask = 0xffffffffu;
     bool asleep = false;
-    bool moving = false;                         // awake, and not calm
-    Real strike = 0;                             // m/s, of what comes at it in this step
+    bool moving = false;  // awake, and not calm
+    Real strike = 0;      // m/s, of what comes at it in this step
   };
   std::size_t cloth_count() const;
-  Info info(std::size_t n) const;                // 0 .. cloth_count()-1, in the order the cloths were made
+  Info info(std::size_t n) const;  // 0 .. cloth_count()-1, in the order the cloths were made
   const ClothVertices& vertices() const;
   // In a step: displacements since its start (w: inverse mass), and velocities.
   std::span<const Row4> moved() const;
@@ -170,8 +170,8 @@ class Cloth final : public System {
   // What a mover has done since the start of the substep, as the small steps see it.
   Vec3 mover_shift(std::uint32_t solver) const;  // m
   Vec3 mover_turn(std::uint32_t solver) const;   // rad
-  // The mass that rests on a cloth, kg: smaller steps are chosen for it. Callers stop at kMostLoad times the cloth's own
-  // mass: what is heavier is carried by something below.
+  // The mass that rests on a cloth, kg: smaller steps are chosen for it. Callers stop at kMostLoad times the cloth's
+  // own mass: what is heavier is carried by something below.
   static constexpr Real kMostLoad = 50;
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;
@@ -182,12 +182,12 @@ class Cloth final : public System {
   // (couple/cloth_cloth.h), without which there are none; the small steps solve their contacts together with those of
   // a cloth with itself, and note what they did.
   struct Between {
-    std::uint32_t a = 0, b = 0;        // places in the order of info()
-    Real speed = 0;                    // closing, of the contact that pushed most, m/s
-    Real impulse = 0, strongest = 0;   // sum of sizes of a step and the largest of a part of it, N s
-    std::uint32_t index = 0;           // of a vertex of `a` there, within its cloth
+    std::uint32_t a = 0, b = 0;                        // places in the order of info()
+    Real speed = 0;                                    // closing, of the contact that pushed most, m/s
+    Real impulse = 0, strongest = 0;                   // sum of sizes of a step and the largest of a part of it, N s
+    std::uint32_t index = 0;                           // of a vertex of `a` there, within its cloth
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from a to b
-    double given[2][3] = {};           // momentum that vertices of the two really got, those held included, N s
+    double given[2][3] = {};  // momentum that vertices of the two really got, those held included, N s
   };
   Array<Between>& between();
   void push(std::uint32_t vertex, const Vec3& impulse);  // after the small steps of a substep, N s

@@ -20,8 +20,8 @@ class DampingStages {
 
  private:
   int at_ = 0;
-  double w0_ = 0, w1_ = 0;                 // T_s(w0 + w1 z)/T_s(w0) is what is left of a mode
-  double last_ = 0, now_ = 0;              // T_(j-1)(w0), T_j(w0)
+  double w0_ = 0, w1_ = 0;     // T_s(w0 + w1 z)/T_s(w0) is what is left of a mode
+  double last_ = 0, now_ = 0;  // T_(j-1)(w0), T_j(w0)
 };
 
 }  // namespace feder

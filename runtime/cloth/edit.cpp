@@ -182,9 +182,18 @@ std::size_t Cloth::cloth_count() const { return impl_->sheets.size(); }
 
 Cloth::Info Cloth::info(std::size_t n) const {
   const Sheet& s = *impl_->sheets[n];
-  return {s.object, s.first, s.points, {s.mesh.triangles.data(), s.mesh.triangles.size()}, s.settings.thickness,
-          s.settings.friction, s.solver->relaxation(), s.settings.group, s.settings.mask, !s.active(),
-          s.active() && s.state.calm_steps == 0, s.strike};
+  return {s.object,
+          s.first,
+          s.points,
+          {s.mesh.triangles.data(), s.mesh.triangles.size()},
+          s.settings.thickness,
+          s.settings.friction,
+          s.solver->relaxation(),
+          s.settings.group,
+          s.settings.mask,
+          !s.active(),
+          s.active() && s.state.calm_steps == 0,
+          s.strike};
 }
 
 const ClothVertices& Cloth::vertices() const { return impl_->vertices; }

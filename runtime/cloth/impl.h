@@ -15,23 +15,23 @@ constexpr Real kStray = Real(0.25);  // thicknesses, by which a vertex may leave
 
 // Two features that may come close in this step: a vertex and a triangle, or two edges.
 struct NearPair {
-  std::uint32_t v[4] = {};       // vertex and the triangle's three; or two and two
-  std::uint32_t edges = 0;       // 1: edge and edge
-  Real thickness = 0;            // wanted distance, m; less where they are closer at rest
-  Vec3 normal = Vec3::Zero();    // of this part, from the second feature to the first
-  Real distance = 0;             // at its start, m
+  std::uint32_t v[4] = {};        // vertex and the triangle's three; or two and two
+  std::uint32_t edges = 0;        // 1: edge and edge
+  Real thickness = 0;             // wanted distance, m; less where they are closer at rest
+  Vec3 normal = Vec3::Zero();     // of this part, from the second feature to the first
+  Real distance = 0;              // at its start, m
   std::uint32_t between = kNone;  // of two cloths
-  Real idle = 0;                 // s since the search, for which it cannot come close
-  std::uint32_t live = 0;        // 1: it may come close in this part
+  Real idle = 0;                  // s since the search, for which it cannot come close
+  std::uint32_t live = 0;         // 1: it may come close in this part
 };
 
 // Vertices that the guard moves as one.
 struct Zone {
   Vec3 velocity = Vec3::Zero();  // their momentum while it is summed up, m/s
   Real mass = 0;
-  Real share = 1;                // of the way it would go with that velocity
-  Real freedom = 1;              // of its vertices' motion beside it
-  bool held = false;             // a pinned vertex is in it
+  Real share = 1;     // of the way it would go with that velocity
+  Real freedom = 1;   // of its vertices' motion beside it
+  bool held = false;  // a pinned vertex is in it
 };
 
 struct Cloth::Impl {
@@ -44,7 +44,7 @@ struct Cloth::Impl {
   Objects& objects;
   Events& events;
   bool* structure_changed;
-  const Real air_density;                      // kg/m^3, of still air
+  const Real air_density;  // kg/m^3, of still air
   Cloth* owner = nullptr;
   std::vector<std::unique_ptr<Sheet>> sheets;  // the object's index is the place here
   std::vector<Attachment> attachments;         // in the order they were made
@@ -52,44 +52,44 @@ struct Cloth::Impl {
 
   // of a step, by vertex
   Array<Row4> moved, before, speed;
-  Array<Vec3> acceleration;        // gravity, script, wind
-  Array<Vec3> force;               // work of forces.cpp, N
+  Array<Vec3> acceleration;  // gravity, script, wind
+  Array<Vec3> force;         // work of forces.cpp, N
   Array<MassPoint> points;
   // of a step, by mover: what contacts moved it beside its own solver's account
   Array<Vec3> mover_shift, mover_turn;
   // of a substep
-  Array<ClothRow> rows;            // of couplings
+  Array<ClothRow> rows;  // of couplings
   Array<ClothHold> holds;
-  Array<ClothRow> near_rows;       // of cloth against cloth
-  int small_steps = 1;             // per substep, of all cloths
+  Array<ClothRow> near_rows;  // of cloth against cloth
+  int small_steps = 1;        // per substep, of all cloths
   bool any_active = false;
-  bool crowded = false;            // cloth touches cloth in this substep
-  std::size_t force_count = 0;     // forces known when the rows were made
+  bool crowded = false;         // cloth touches cloth in this substep
+  std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
-  Vec3 gravity = Vec3::Zero();     // of the last step: a change wakes all
+  Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
 
   // closeness of cloth and cloth; all of it is found anew in each step
   Array<NearPair> pairs;
-  Array<std::uint32_t> near_vertex;            // of the cloths that take part
-  Array<std::uint32_t> near_triangle, near_edge;  // three and two vertices per item of the trees
-  Array<Aabb> vertex_box, triangle_box, edge_box; // swept over the rest of the step, beside the drift
-  Array<Vec3> found_place, found_speed;           // by vertex, when the boxes were made
-  Array<Real> stray;                              // by vertex: what it may depart from that motion, m
+  Array<std::uint32_t> near_vertex;                // of the cloths that take part
+  Array<std::uint32_t> near_triangle, near_edge;   // three and two vertices per item of the trees
+  Array<Aabb> vertex_box, triangle_box, edge_box;  // swept over the rest of the step, beside the drift
+  Array<Vec3> found_place, found_speed;            // by vertex, when the boxes were made
+  Array<Real> stray;                               // by vertex: what it may depart from that motion, m
   Array<std::uint32_t> found;
   BoxTree triangle_tree, edge_tree;
-  Vec3 drift = Vec3::Zero();                   // mean velocity of free cloths, m/s
-  Real since_found = 0;                        // s, since the boxes were made
-  Array<Row4> guard_start;                     // displacements at the start of the part
-  Array<std::uint32_t> held_with;              // by vertex: one of its group, or kNone: not held
-  Array<Zone> zones;                           // by lowest vertex
-  Array<Row4> wished;                          // displacements before the zones were made
-  Array<Row4> swapped;                         // speeds while the guard searches
-  Array<Between> between;                      // cloths that may touch each other
-  Array<std::uint32_t> near_sheet;             // by vertex: place of its cloth
-  std::uint64_t guarded = 0, widened = 0;      // corrections and second searches of the last step
-  std::uint64_t row_updates = 0;               // of the last step: links, hinges, contacts and holds by small steps
-  bool pairs_stale = true;                     // motion is not what it was at the search
-  bool trees_stale = true;                     // of this step there are none
+  Vec3 drift = Vec3::Zero();               // mean velocity of free cloths, m/s
+  Real since_found = 0;                    // s, since the boxes were made
+  Array<Row4> guard_start;                 // displacements at the start of the part
+  Array<std::uint32_t> held_with;          // by vertex: one of its group, or kNone: not held
+  Array<Zone> zones;                       // by lowest vertex
+  Array<Row4> wished;                      // displacements before the zones were made
+  Array<Row4> swapped;                     // speeds while the guard searches
+  Array<Between> between;                  // cloths that may touch each other
+  Array<std::uint32_t> near_sheet;         // by vertex: place of its cloth
+  std::uint64_t guarded = 0, widened = 0;  // corrections and second searches of the last step
+  std::uint64_t row_updates = 0;           // of the last step: links, hinges, contacts and holds by small steps
+  bool pairs_stale = true;                 // motion is not what it was at the search
+  bool trees_stale = true;                 // of this step there are none
 
   Sheet& sheet(ObjectId id) const { return *sheets[objects.index(id)]; }
   std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none
@@ -150,12 +150,12 @@ struct Cloth::Impl {
   void add_pair(const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;
   void make_near_rows(Real time, Real part);
-  int near_parts(StepContext& c) const;        // of a substep
+  int near_parts(StepContext& c) const;  // of a substep
   void collect_near();
   void account(const ClothRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
   // guard.cpp: no pair crosses within a part
   void guard(Real part);
-  Vec3 astray(std::uint32_t vertex) const;     // beside the motion foreseen at the search, m
+  Vec3 astray(std::uint32_t vertex) const;  // beside the motion foreseen at the search, m
   bool near_path(Real part);
   bool separate(NearPair& p, Real h, bool push);
   void widen(Real part);

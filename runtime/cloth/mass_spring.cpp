@@ -17,12 +17,12 @@
 namespace feder {
 namespace {
 
-constexpr double kReach = 0.5;        // of the stability limit
+constexpr double kReach = 0.5;  // of the stability limit
 // h w for methods without one: Heun grows by e^(z^4/8) a step, which weak damping does not shed at larger z
 constexpr double kGrowingReach = 0.1;
 constexpr double kLeastCap = 256;
-constexpr double kSlack = 1.001;      // for rounding of the chosen number of small steps
-constexpr double kStiffSteps = 4;     // small steps of the one that takes over: contacts want some
+constexpr double kSlack = 1.001;   // for rounding of the chosen number of small steps
+constexpr double kStiffSteps = 4;  // small steps of the one that takes over: contacts want some
 constexpr const char* kStiffMethod = "implicit_euler";
 const Vec3 kNoDirection = Vec3(1, 0, 0);
 
@@ -74,8 +74,7 @@ Real measured_lead(Integrator& method) {
 
 class MassSpring final : public ClothSolver, private ForceField {
  public:
-  MassSpring(Arena& a, const Params& p)
-      : batches_(a), springs_(&a), x_(&a), v_(&a), inv_mass_(&a), view_{} {
+  MassSpring(Arena& a, const Params& p) : batches_(a), springs_(&a), x_(&a), v_(&a), inv_mass_(&a), view_{} {
     const std::string name = p.text("integrator", default_integrator());
     take(a, name, explicit_);
     if (!p.has("integrator") && has_integrator(kStiffMethod)) take(a, kStiffMethod, stiff_);
@@ -169,8 +168,8 @@ class MassSpring final : public ClothSolver, private ForceField {
     return most;
   }
 
-  // Is a link pulled to kOverstretch times its length? Then it is nearly as stiff across as along, and damping of strain
-  // takes nothing from motion across: what an explicit method adds there stays.
+  // Is a link pulled to kOverstretch times its length? Then it is nearly as stiff across as along, and damping of
+  // strain takes nothing from motion across: what an explicit method adds there stays.
   static bool overstretched(const ClothView& v) {
     constexpr Real kOverstretch = 2;
     return std::any_of(v.mesh->links.begin(), v.mesh->links.end(), [&](const ClothLink& l) {
@@ -247,8 +246,8 @@ class MassSpring final : public ClothSolver, private ForceField {
   Array<Vec3> x_, v_;
   Array<Real> inv_mass_;
   ClothView view_;
-  Method explicit_, stiff_;  // as named, or the default; what takes over from the default: may be none
-  double fastest_ = 0;       // bound of w^2, 1/s^2
+  Method explicit_, stiff_;     // as named, or the default; what takes over from the default: may be none
+  double fastest_ = 0;          // bound of w^2, 1/s^2
   bool overstretched_ = false;  // in this step
   std::uint64_t version_ = ~std::uint64_t(0);
 };

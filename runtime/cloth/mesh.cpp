@@ -32,9 +32,7 @@ std::string three(const std::uint32_t* t) {
 struct Side {
   std::uint32_t a, b, triangle, opposite;
   bool turned;  // runs from b to a
-  bool operator<(const Side& o) const {
-    return a != o.a ? a < o.a : b != o.b ? b < o.b : triangle < o.triangle;
-  }
+  bool operator<(const Side& o) const { return a != o.a ? a < o.a : b != o.b ? b < o.b : triangle < o.triangle; }
 };
 
 std::vector<Side> sides_of(std::span<const std::uint32_t> triangles) {

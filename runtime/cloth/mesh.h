@@ -12,20 +12,20 @@ namespace feder {
 // Resists a change of distance. Links that are edges of the mesh come first, in the order of the edges.
 struct ClothLink {
   std::uint32_t a = 0, b = 0;
-  Real rest = 0;        // m
-  Real stiffness = 0;   // N/m, of the link itself
+  Real rest = 0;            // m
+  Real stiffness = 0;       // N/m, of the link itself
   std::uint32_t shear = 0;  // 1: a diagonal of a sheet's cell
 };
 
 // Resists a change of the angle between two triangles that share the edge v[0]-v[1]; v[2] and v[3] lie across.
 struct ClothHinge {
   std::uint32_t v[4] = {};
-  Real angle = 0;       // at rest, rad
-  Real stiffness = 0;   // N m per rad
+  Real angle = 0;      // at rest, rad
+  Real stiffness = 0;  // N m per rad
 };
 
 struct ClothEdge {
-  std::uint32_t a = 0, b = 0;            // a < b
+  std::uint32_t a = 0, b = 0;  // a < b
   std::uint32_t triangle[2] = {kNone, kNone};
   std::uint32_t opposite[2] = {kNone, kNone};
 };
@@ -33,13 +33,13 @@ struct ClothEdge {
 // The far side of a clamp: a hidden vertex, the mirror image of `inner` in `clamped`, that the first hinge leans on.
 struct ClothGhost {
   std::uint32_t clamped = 0, inner = 0;
-  std::uint32_t vertex = 0;              // hidden vertex
+  std::uint32_t vertex = 0;  // hidden vertex
 };
 
 struct ClothMesh {
   explicit ClothMesh(Arena& a) : triangles(&a), edges(&a), links(&a), hinges(&a), ghosts(&a) {}
-  Array<std::uint32_t> triangles;        // three per triangle
-  std::uint32_t grid = 0;                // 1: triangles 2k and 2k+1 are the halves of cell k
+  Array<std::uint32_t> triangles;  // three per triangle
+  std::uint32_t grid = 0;          // 1: triangles 2k and 2k+1 are the halves of cell k
   Array<ClothEdge> edges;
   Array<ClothLink> links;
   Array<ClothHinge> hinges;

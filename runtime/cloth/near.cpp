@@ -142,7 +142,8 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   const std::uint32_t both = place_a == place_b ? kNone : between_of(place_a, place_b);
   if (place_a == place_b ? !a.active() || !a.settings.self_collision : both == kNone) return;
   Real weight[4];
-  const Vec3 gap = gap_vector(v, edges, [&](std::uint32_t i) { return found_place[i]; }, weight);
+  const Vec3 gap = gap_vector(
+      v, edges, [&](std::uint32_t i) { return found_place[i]; }, weight);
   const Real distance = length(gap), wanted = Real(0.5) * (a.settings.thickness + b.settings.thickness);
   const std::uint32_t split = edges ? 2 : 1;
   Real closing = 0, own[2] = {0, 0};
@@ -163,7 +164,8 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   p.idle = free > 0 ? free / closing : Real(0);
   if (&a == &b) {
     Real rest_weight[4];
-    const Real rest = length(gap_vector(v, edges, [&](std::uint32_t i) { return vertices.rest[i]; }, rest_weight));
+    const Real rest = length(gap_vector(
+        v, edges, [&](std::uint32_t i) { return vertices.rest[i]; }, rest_weight));
     p.thickness = std::min(wanted, kRestShare * rest);
   }
   pairs.push_back(p);
@@ -204,7 +206,8 @@ void Cloth::Impl::find_pairs(Real time, bool held) {
 
 // Normal, distance and weights now.
 void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
-  const Vec3 gap = gap_vector(p.v, p.edges, [&](std::uint32_t i) { return place(i); }, weight);
+  const Vec3 gap = gap_vector(
+      p.v, p.edges, [&](std::uint32_t i) { return place(i); }, weight);
   p.distance = length(gap);
   p.normal = normalized_or(gap, Vec3(0, 1, 0));
 }

@@ -11,9 +11,9 @@ namespace feder {
 // What decides a cloth's motion beside vertices and mesh; plain data, saved as it is.
 struct ClothSettings {
   ClothStiffness stiffness{};
-  Real area_density = 0;       // kg/m^2
-  Real damping = 0;            // s
-  Real thickness = 0;          // m
+  Real area_density = 0;  // kg/m^2
+  Real damping = 0;       // s
+  Real thickness = 0;     // m
   Real friction = 0;
   Real drag = 1, lift = 1;
   Real tear_strain = kInfinity, max_strain = kInfinity;
@@ -31,14 +31,14 @@ struct ClothState {
                     0};  // m/s^2: gravity, while the last step was free fall; velocities then are read half a step on
   Real calm_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
   std::uint32_t calm_steps = 0;
-  std::uint32_t fresh = 1;     // not stepped yet
-  std::uint32_t frozen = 0;    // quarantined
+  std::uint32_t fresh = 1;   // not stepped yet
+  std::uint32_t frozen = 0;  // quarantined
   std::uint32_t asleep = 0;
-  std::int32_t substeps = 1;   // as last chosen
-  std::uint32_t warned = 0;    // the cap of small steps was reported
+  std::int32_t substeps = 1;         // as last chosen
+  std::uint32_t warned = 0;          // the cap of small steps was reported
   std::uint32_t warned_damping = 0;  // so was a damping that is too long
-  Real load = 0;               // kg that rests on it
-  Real pull = 0;               // m/s^2: mean acceleration by gravity, wind and scripts in the last step
+  Real load = 0;                     // kg that rests on it
+  Real pull = 0;                     // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
 
 // Ties of vertices to what holds the cloth; made anew when that changes, see ties.cpp.
@@ -52,11 +52,11 @@ struct ClothTies {
   // to attached vertices, serial
   struct ToBody {
     std::uint32_t vertex = 0, anchor = 0;
-    Real rest = 0;              // m
-    bool body = false;          // `vertex` is the pin that `anchor` hangs from
+    Real rest = 0;      // m
+    bool body = false;  // `vertex` is the pin that `anchor` hangs from
   };
-  Array<ToBody> to_body;        // in the order of the attachments
-  Array<std::uint32_t> pins;    // some that lie far from each other
+  Array<ToBody> to_body;      // in the order of the attachments
+  Array<std::uint32_t> pins;  // some that lie far from each other
 };
 
 struct Sheet {
@@ -70,18 +70,18 @@ struct Sheet {
   std::string solver_name;
   Params solver_options;
   std::unique_ptr<ClothSolver> solver;
-  std::uint64_t version = 1;       // of mesh and indices
-  bool paths_stale = true;         // pins changed
-  Real rows = 1, path = 1;         // links from the pins (or the middle) to the farthest vertex, and their length, m
-  Real impact = 0, strike = 0;     // m/s^2 and m/s, of this step: what bodies that come at it do to it
+  std::uint64_t version = 1;    // of mesh and indices
+  bool paths_stale = true;      // pins changed
+  Real rows = 1, path = 1;      // links from the pins (or the middle) to the farthest vertex, and their length, m
+  Real impact = 0, strike = 0;  // m/s^2 and m/s, of this step: what bodies that come at it do to it
   ClothTies ties;
-  double bend_substeps = 1;        // for the solver's sake, when last asked
-  Real bend_step = -1;             // s, of that question
+  double bend_substeps = 1;  // for the solver's sake, when last asked
+  Real bend_step = -1;       // s, of that question
   std::uint32_t bad_vertex = kNone;
-  Real mass = 0;                   // kg
+  Real mass = 0;  // kg
   bool any_pin = false;
-  double kinetic = -1;             // J at the end of the last step; < 0: unknown, somebody changed a velocity
-  double kinetic_before = 0;       // J at the start of the step
+  double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity
+  double kinetic_before = 0;  // J at the start of the step
 
   Vec3 flight() const { return Vec3(state.flight[0], state.flight[1], state.flight[2]); }
   void set_flight(const Vec3& a) {

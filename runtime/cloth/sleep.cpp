@@ -7,8 +7,8 @@
 namespace feder {
 namespace {
 constexpr Real kCalmSpeed = Real(0.025);  // m/s, root mean square
-constexpr Real kCalmTime = 1;            // s
-constexpr Real kMemory = Real(0.5);      // s, of the average: about a swing, so that no turning point counts alone
+constexpr Real kCalmTime = 1;             // s
+constexpr Real kMemory = Real(0.5);       // s, of the average: about a swing, so that no turning point counts alone
 }  // namespace
 
 void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {

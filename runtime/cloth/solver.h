@@ -15,21 +15,21 @@ namespace feder {
 // What a solver gets to see of its cloth in a step; indices from 0 within the cloth, hidden vertices included.
 struct ClothView {
   const ClothMesh* mesh = nullptr;
-  std::uint32_t points = 0;             // visible
-  std::uint32_t total = 0;              // with hidden ones; the last is the spare that empty lanes may point to
-  std::uint64_t version = 0;            // changes with the mesh
-  Real damping = 0;                     // s
-  Real max_strain = kInfinity;          // of links
-  std::span<TieBatch> ties;             // to anchors that stay, in `tie_layers` that end here
+  std::uint32_t points = 0;     // visible
+  std::uint32_t total = 0;      // with hidden ones; the last is the spare that empty lanes may point to
+  std::uint64_t version = 0;    // changes with the mesh
+  Real damping = 0;             // s
+  Real max_strain = kInfinity;  // of links
+  std::span<TieBatch> ties;     // to anchors that stay, in `tie_layers` that end here
   std::span<const std::uint32_t> tie_layers;
-  bool crowded = false;                 // cloth touches cloth in this substep
-  const Vec3* position = nullptr;       // at the start of the step, m
-  const Vec3* rest = nullptr;           // unstrained, m
-  Row4* moved = nullptr;                // displacement since then, m; w: inverse mass
-  Row4* before = nullptr;               // the same at the start of the small step
-  Row4* speed = nullptr;                // m/s; w: inverse mass
-  const Vec3* acceleration = nullptr;   // of gravity, wind and scripts, m/s^2
-  const Real* mass = nullptr;           // kg
+  bool crowded = false;                // cloth touches cloth in this substep
+  const Vec3* position = nullptr;      // at the start of the step, m
+  const Vec3* rest = nullptr;          // unstrained, m
+  Row4* moved = nullptr;               // displacement since then, m; w: inverse mass
+  Row4* before = nullptr;              // the same at the start of the small step
+  Row4* speed = nullptr;               // m/s; w: inverse mass
+  const Vec3* acceleration = nullptr;  // of gravity, wind and scripts, m/s^2
+  const Real* mass = nullptr;          // kg
 };
 
 class ClothSolver {
@@ -54,9 +54,9 @@ class ClothSolver {
   // What it remembers between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}
-  virtual Real relaxation() const { return 1; }  // of contact corrections
-  virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
-  virtual double least_cap() const { return 1; }      // small steps that `max_substeps` cannot forbid
+  virtual Real relaxation() const { return 1; }                     // of contact corrections
+  virtual bool sheds_strain() const { return true; }                // the stretch law of step.cpp applies
+  virtual double least_cap() const { return 1; }                    // small steps that `max_substeps` cannot forbid
   virtual double substeps_beyond(double cap) const { return cap; }  // small steps where it wants more than the cap
   virtual const char* beyond_cap() const { return "stretches or bends more than its stiffness says"; }
 };

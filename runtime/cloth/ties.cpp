@@ -17,14 +17,14 @@
 
 namespace feder {
 namespace {
-constexpr Real kTieSpeed = 3;                // m/s, at which what a tie finds too far away is drawn in
-constexpr std::size_t kNearest = 2;          // pins of a vertex
-constexpr std::size_t kFarPins = 32;         // looked at for whether pins have moved apart
-constexpr Real kCarried = Real(1.25);        // times its reach: farther from its anchor a vertex gets by scripts only
+constexpr Real kTieSpeed = 3;          // m/s, at which what a tie finds too far away is drawn in
+constexpr std::size_t kNearest = 2;    // pins of a vertex
+constexpr std::size_t kFarPins = 32;   // looked at for whether pins have moved apart
+constexpr Real kCarried = Real(1.25);  // times its reach: farther from its anchor a vertex gets by scripts only
 
 struct Label {
   std::uint32_t anchor = kNone;
-  double distance = 0;                       // m
+  double distance = 0;  // m
 };
 
 // Distances along a mesh from anchors: of each vertex the nearest few.

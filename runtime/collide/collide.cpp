@@ -8,22 +8,12 @@
 namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup, Collide& owner)
-    : self(&owner),
-      colliders(&setup.store.need<Colliders>(kName)),
-      contacts(&setup.store.need<Contacts>(kName)),
-      narrow(setup.world.text("narrow_phase", "auto")),
-      motion(&setup.store.arena(kName)),
-      pairs(motion.get_allocator()),
-      seen(motion.get_allocator()),
-      entries(motion.get_allocator()),
-      next_entries(motion.get_allocator()),
-      memory(motion.get_allocator()),
-      watched(motion.get_allocator()),
-      touches(motion.get_allocator()),
-      next_touches(motion.get_allocator()),
-      transitions(motion.get_allocator()),
-      stays(motion.get_allocator()),
-      exclusions(motion.get_allocator()) {
+    : self(&owner), colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
+      narrow(setup.world.text("narrow_phase", "auto")), motion(&setup.store.arena(kName)),
+      pairs(motion.get_allocator()), seen(motion.get_allocator()), entries(motion.get_allocator()),
+      next_entries(motion.get_allocator()), memory(motion.get_allocator()), watched(motion.get_allocator()),
+      touches(motion.get_allocator()), next_touches(motion.get_allocator()), transitions(motion.get_allocator()),
+      stays(motion.get_allocator()), exclusions(motion.get_allocator()) {
   const std::string name = setup.world.text("broad_phase", default_variant(broad_phases(), "tree"));
   broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
 }
@@ -32,9 +22,8 @@ Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup, *this
 Collide::~Collide() = default;
 
 const SystemDescriptor& Collide::descriptor() {
-  static const SystemDescriptor d{kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                    return std::make_unique<Collide>(setup);
-                                  }};
+  static const SystemDescriptor d{
+      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Collide>(setup); }};
   return d;
 }
 
@@ -118,7 +107,10 @@ void Collide::set_material_pair(const MaterialPair& pair) {
   std::vector<MaterialPair>& list = impl_->material_pairs;
   const auto same = [&](const MaterialPair& q) { return q.a == p.a && q.b == p.b; };
   const auto it = std::find_if(list.begin(), list.end(), same);
-  if (it != list.end()) *it = p; else list.push_back(p);
+  if (it != list.end())
+    *it = p;
+  else
+    list.push_back(p);
   impl_->recheck_surfaces = true;
 }
 

@@ -5,8 +5,8 @@
 #include "narrow/narrow_phase.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
-#include "step/system.h"
 #include "step/contact_service.h"
+#include "step/system.h"
 
 namespace feder {
 
@@ -24,7 +24,7 @@ struct QueryFilter {
 };
 
 struct MaterialPair {
-  std::uint16_t a = 0, b = 0;      // material numbers
+  std::uint16_t a = 0, b = 0;                                          // material numbers
   Real friction_static = -1, friction_dynamic = -1, restitution = -1;  // < 0: the usual mixing
 };
 
@@ -36,7 +36,7 @@ class Collide final : public System, public ContactService {
   ~Collide() override;
 
   void add_rows(StepPlan& plan) override;
-  std::size_t count() const override;   // colliders
+  std::size_t count() const override;  // colliders
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
   void load(Reader& r) override;
@@ -54,11 +54,11 @@ class Collide final : public System, public ContactService {
   void set_material_pair(const MaterialPair& pair);
 
   // Queries on the state now (boxes are refreshed from the poses when the world was edited).
-  bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);      // nearest
+  bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest
   void raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, std::vector<RaycastHit>& hits);
   bool shape_cast(const Shape& shape, const Pose& pose, const Vec3& motion, const QueryFilter& filter, RaycastHit& hit);
   void overlap(const Shape& shape, const Pose& pose, const QueryFilter& filter, std::vector<ObjectId>& found);
-  Real max_penetration() const;          // deepest touching contact now, m (0 when none)
+  Real max_penetration() const;  // deepest touching contact now, m (0 when none)
 
   // Contacts of an object now: for scripts. Normal points away from the object.
   struct ContactInfo {

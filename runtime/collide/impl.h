@@ -13,17 +13,17 @@ namespace feder {
 //  - touch begins at half a millimetre and ends at two (for margin 2 cm): contacts at rest breathe by less.
 //  - a contact is recycled while the relative motion since its manifold was made stays below an eighth of the margin:
 //    then a feature that was outside the margin cannot have come near the surface.
-inline constexpr Real kSpeculative = Real(0.02);          // m
-inline constexpr Real kSpeculativePart = Real(0.1);       // of the smaller shape's reach
-inline constexpr Real kTouchBegin = Real(1) / 40;         // of the margin
-inline constexpr Real kTouchEnd = Real(1) / 10;           // of the margin
-inline constexpr Real kRecycleDistance = Real(1) / 8;     // of the margin
+inline constexpr Real kSpeculative = Real(0.02);       // m
+inline constexpr Real kSpeculativePart = Real(0.1);    // of the smaller shape's reach
+inline constexpr Real kTouchBegin = Real(1) / 40;      // of the margin
+inline constexpr Real kTouchEnd = Real(1) / 10;        // of the margin
+inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
 // Arms stay as they were in the world, so a pair that turns together must be tested again: 0.01 rad shifts what a
 // point carries by a hundredth. The normal turns along from a smaller angle on: it decides who slides on a slope, and
 // 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
-inline constexpr Real kRecycleAngle = Real(0.01);         // rad
-inline constexpr Real kTurnNormal = Real(1e-4);           // rad
-inline constexpr Real kSlowestHit = Real(0.05);           // m/s; slower begins are no hits
+inline constexpr Real kRecycleAngle = Real(0.01);  // rad
+inline constexpr Real kTurnNormal = Real(1e-4);    // rad
+inline constexpr Real kSlowestHit = Real(0.05);    // m/s; slower begins are no hits
 
 // One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
 struct ContactEntry {
@@ -34,24 +34,24 @@ struct ContactEntry {
 };
 enum EntryBits : std::uint16_t {
   kSensorPair = 1,
-  kTouching = 2,    // has points, or overlaps (sensors)
-  kReported = 4,    // counted as touching in `touches`
-  kNear = 8,        // touched, or was about to, at its last test
-  kNew = 16,        // never tested
-  kTested = 32,     // in this step
-  kWatch = 64,      // whether it touches depends on the impulse of this step
-  kArrived = 128,   // kNear became true in this step
-  kMany = 256,      // the pair has kMaxManifolds entries
+  kTouching = 2,   // has points, or overlaps (sensors)
+  kReported = 4,   // counted as touching in `touches`
+  kNear = 8,       // touched, or was about to, at its last test
+  kNew = 16,       // never tested
+  kTested = 32,    // in this step
+  kWatch = 64,     // whether it touches depends on the impulse of this step
+  kArrived = 128,  // kNear became true in this step
+  kMany = 256,     // the pair has kMaxManifolds entries
   kSensorIsB = 512,
 };
 
 // Of the last real narrow test. No padding: written to snapshots as bytes.
 struct ContactMemory {
   PairCache cache;
-  std::uint32_t valid = 0;    // may be recycled
-  std::uint32_t about_a = 0;  // a is the smaller one
-  Real reach = 0;             // of the smaller one from its centre of mass, m
-  Real margin = 0;            // m
+  std::uint32_t valid = 0;      // may be recycled
+  std::uint32_t about_a = 0;    // a is the smaller one
+  Real reach = 0;               // of the smaller one from its centre of mass, m
+  Real margin = 0;              // m
   Vec3 between = Vec3::Zero();  // from centre of mass a to b, m
   Quat rotation_a, rotation_b;
   Real base[kMaxContactPoints] = {0, 0, 0, 0};  // separations, m
@@ -161,18 +161,18 @@ struct Collide::Impl {
 
   Array<BoxMotion> motion;
   Array<IndexPair> pairs;
-  Array<SeenCollider> seen;         // by collider
+  Array<SeenCollider> seen;                   // by collider
   Array<ContactEntry> entries, next_entries;  // sorted by (a, b, sub)
-  Array<ContactMemory> memory;      // by slot
-  Array<std::uint32_t> watched;     // places in `entries`
-  Array<Touch> touches, next_touches;  // sorted
+  Array<ContactMemory> memory;                // by slot
+  Array<std::uint32_t> watched;               // places in `entries`
+  Array<Touch> touches, next_touches;         // sorted
   Array<Transition> transitions;
   Array<Transition> stays;
-  Array<Exclusion> exclusions;      // sorted
-  bool recheck_filters = false;   // exclusions changed
-  bool recheck_surfaces = false;  // material pairs changed
-  std::vector<std::string> materials;         // number - 1
-  std::vector<MaterialPair> material_pairs;   // sorted, a <= b
+  Array<Exclusion> exclusions;               // sorted
+  bool recheck_filters = false;              // exclusions changed
+  bool recheck_surfaces = false;             // material pairs changed
+  std::vector<std::string> materials;        // number - 1
+  std::vector<MaterialPair> material_pairs;  // sorted, a <= b
 };
 
 // Object pairs of exclusions are unordered.

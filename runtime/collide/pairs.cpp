@@ -42,8 +42,10 @@ void Collide::Impl::look_at_colliders() {
       s.friction_static = c.friction_static[i], s.friction_dynamic = c.friction_dynamic[i];
       s.restitution = c.restitution[i], s.rolling_friction = c.rolling_friction[i], s.material = c.material[i];
     }
-    if (c.awake[i]) s.bits |= kAwake;
-    else if (s.bits & kAwake) s.bits ^= kAwake | kSettled;
+    if (c.awake[i])
+      s.bits |= kAwake;
+    else if (s.bits & kAwake)
+      s.bits ^= kAwake | kSettled;
     const bool moving = c.awake[i] || c.sensor[i] || (s.bits & (kChanged | kSettled));
     motion[i] = moving ? BoxMotion::moving : BoxMotion::still;
   }
@@ -123,7 +125,10 @@ void Collide::Impl::merge_pairs() {
     const ContactEntry head = entries[n];
     const bool stays = keep(head, reported);
     for (; n < entries.size() && entries[n].a == head.a && entries[n].b == head.b; ++n) {
-      if (stays) next_entries.push_back(entries[n]); else release(entries[n]);
+      if (stays)
+        next_entries.push_back(entries[n]);
+      else
+        release(entries[n]);
     }
     changed = changed || !stays;
     return stays;

@@ -2,7 +2,7 @@
 // A linear scan over boxes: an owner may have moved any of them since the broad phase last saw them.
 #include <algorithm>
 
-#include "broad/segment_box.h"
+#include "bounds/segment_box.h"
 #include "collide/impl.h"
 
 namespace feder {
@@ -105,8 +105,8 @@ void Collide::contacts_of(ObjectId object, std::vector<ContactInfo>& out) const 
     const Contact& contact = impl_->contacts->slots[e.slot];
     for (int k = 0; k < contact.point_count; ++k) {
       const ContactPoint& p = contact.points[k];
-      out.push_back({c.object[is_a ? e.b : e.a], c.center[e.a] + p.arm_a,
-                     is_a ? contact.normal : Vec3(-contact.normal), p.separation, p.total_impulse});
+      out.push_back({c.object[is_a ? e.b : e.a], c.center[e.a] + p.arm_a, is_a ? contact.normal : Vec3(-contact.normal),
+                     p.separation, p.total_impulse});
     }
   }
 }

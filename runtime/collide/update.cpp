@@ -180,8 +180,7 @@ void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin)
   }
 }
 
-void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old,
-                                   Real limit) {
+void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit) {
   const Colliders& c = *colliders;
   Contact& contact = contacts->slots[e.slot];
   ContactMemory& mem = memory[e.slot];
@@ -276,8 +275,10 @@ void Collide::Impl::wake_arrivals() {
     if (e.bits & kWatch) watched.push_back(i);
     if (!(e.bits & kArrived) || !self->on_touch_sleeping) continue;
     const auto asleep = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && !c.awake[n]; };
-    if (c.awake[e.a] && asleep(e.b)) self->on_touch_sleeping(self->on_touch_self, e.b, e.a);
-    else if (c.awake[e.b] && asleep(e.a)) self->on_touch_sleeping(self->on_touch_self, e.a, e.b);
+    if (c.awake[e.a] && asleep(e.b))
+      self->on_touch_sleeping(self->on_touch_self, e.b, e.a);
+    else if (c.awake[e.b] && asleep(e.a))
+      self->on_touch_sleeping(self->on_touch_self, e.a, e.b);
   }
 }
 

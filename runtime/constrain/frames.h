@@ -5,12 +5,12 @@
 namespace feder {
 
 struct WorldAnchors {
-  Vec3 arm_a, arm_b;      // from the centres of mass to the anchors, m
-  Vec3 gap;               // anchor b - anchor a, m
+  Vec3 arm_a, arm_b;  // from the centres of mass to the anchors, m
+  Vec3 gap;           // anchor b - anchor a, m
 };
 
 struct WorldFrames : WorldAnchors {
-  Mat3 axes_a, axes_b;    // columns: the frames' x, y, z
+  Mat3 axes_a, axes_b;  // columns: the frames' x, y, z
 };
 
 inline WorldAnchors world_anchors(const JointInput& in) {

@@ -19,10 +19,10 @@ inline constexpr int kMaxJointRows = 10;
 struct JointOptions {
   Real lower = -kInfinity, upper = kInfinity;  // limits, m or rad
   bool has_limits = false;
-  Real motor_speed = 0, motor_max = 0;         // m/s or rad/s; N or N m
+  Real motor_speed = 0, motor_max = 0;  // m/s or rad/s; N or N m
   bool has_motor = false;
-  Real spring_hertz = 0, spring_damping = 1;   // 0 hertz: rigid
-  Real rest_length = -1;                       // distance; < 0: as built
+  Real spring_hertz = 0, spring_damping = 1;  // 0 hertz: rigid
+  Real rest_length = -1;                      // distance; < 0: as built
 };
 
 // A joint as the kinds see it. Frames are in the centre-of-mass frames of the bodies; the x axis of a frame is the

@@ -24,11 +24,8 @@ const SystemDescriptor& ClothCloth::descriptor() {
 }
 
 ClothCloth::ClothCloth(SystemSetup& s)
-    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
-      objects_(s.objects),
-      events_(s.events),
-      box_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)) {}
+    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), objects_(s.objects), events_(s.events),
+      box_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {}
 
 void ClothCloth::add_rows(StepPlan& plan) {
   sync();
@@ -96,9 +93,9 @@ void ClothCloth::gather(const Cloth::Between& k) {
   if (t == touches_.end()) {
     Touch fresh;
     fresh.a = a, fresh.b = b;
-    t = touches_.insert(std::find_if(touches_.begin(), touches_.end(),
-                                     [&](const Touch& x) { return a != x.a ? a < x.a : b < x.b; }),
-                        fresh);
+    t = touches_.insert(
+        std::find_if(touches_.begin(), touches_.end(), [&](const Touch& x) { return a != x.a ? a < x.a : b < x.b; }),
+        fresh);
   }
   t->what = k;
   t->seen = 1;

@@ -1,7 +1,7 @@
 // Two or more cloths in one world: who may touch whom, and what they did to each other.
 #pragma once
+#include "bounds/aabb.h"
 #include "cloth/cloth.h"
-#include "geom/aabb.h"
 #include "step/system.h"
 
 namespace feder {
@@ -22,10 +22,10 @@ class ClothCloth final : public System {
  private:
   // Two cloths in contact, over steps.
   struct Touch {
-    ObjectId a, b;                 // a < b
-    std::uint32_t seen = 0;        // in this step
-    std::uint32_t begun = 0;       // reported
-    Cloth::Between what;           // of this step
+    ObjectId a, b;            // a < b
+    std::uint32_t seen = 0;   // in this step
+    std::uint32_t begun = 0;  // reported
+    Cloth::Between what;      // of this step
   };
 
   // Rows.
@@ -41,8 +41,8 @@ class ClothCloth final : public System {
   Cloth& cloth_;
   Objects& objects_;
   Events& events_;
-  Array<Aabb> box_;       // by cloth
-  Array<Touch> touches_;  // in the order of the objects
+  Array<Aabb> box_;                  // by cloth
+  Array<Touch> touches_;             // in the order of the objects
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
   std::size_t pairs_ = 0;            // that might touch in the last step
 };

@@ -11,9 +11,9 @@
 namespace feder {
 namespace {
 
-constexpr Real kReach = Real(1.6);      // thicknesses about the way of a vertex: rows are made up to 1.5 of them away
-constexpr Real kSupport = Real(0.3);   // cosine to gravity, from which on a contact carries
-constexpr Real kInside = Real(0.1);    // thicknesses: pins less deep inside a shape lie on its surface
+constexpr Real kReach = Real(1.6);    // thicknesses about the way of a vertex: rows are made up to 1.5 of them away
+constexpr Real kSupport = Real(0.3);  // cosine to gravity, from which on a contact carries
+constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a shape lie on its surface
 
 }  // namespace
 
@@ -28,19 +28,11 @@ const SystemDescriptor& ClothRigid::descriptor() {
 ClothRigid::ClothRigid(SystemSetup& s)
     : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))),
-      colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)),
-      objects_(s.objects),
-      events_(s.events),
-      structure_changed_(s.structure_changed),
-      candidates_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)),
-      box_(&s.store.arena(kName)),
-      smallest_(&s.store.arena(kName)),
-      pin_depth_(&s.store.arena(kName)),
-      deep_pins_(&s.store.arena(kName)),
-      warned_(&s.store.arena(kName)) {
+      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events),
+      structure_changed_(s.structure_changed), candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)),
+      box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)),
+      deep_pins_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
   cloth_.on_small_step = [](void* self, StepContext& c, int done, int count) {
     static_cast<ClothRigid*>(self)->refresh_rows(c, done, count);
@@ -347,9 +339,8 @@ void ClothRigid::finish(StepContext& c) {
     cloth_.set_load(n, std::min(load, Cloth::kMostLoad * own) + hung);
   }
   // begin, stay and end, in the order of the objects
-  std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {
-    return x.cloth != y.cloth ? x.cloth < y.cloth : x.body < y.body;
-  });
+  std::sort(touches_.begin(), touches_.end(),
+            [](const Touch& x, const Touch& y) { return x.cloth != y.cloth ? x.cloth < y.cloth : x.body < y.body; });
   for (Touch& t : touches_) {
     if (cloth_.asleep(t.cloth) && t.begun) {
       t.seen = 1;
@@ -428,8 +419,7 @@ void ClothRigid::residuals(std::vector<Residual>& out) const {
     const Cloth::Info info = cloth_.info(n);
     for (std::uint32_t k = 0; k < colliders_.size(); ++k)
       if (may_touch(info, k))
-        deepest = std::max(
-            deepest, penetration(info, k, b.com_pose(colliders_.owner_index[k]) * colliders_.local[k]));
+        deepest = std::max(deepest, penetration(info, k, b.com_pose(colliders_.owner_index[k]) * colliders_.local[k]));
   }
   out.push_back({"cloth_rigid.penetration_m", static_cast<double>(deepest)});
 }

@@ -26,7 +26,7 @@ class ClothRigid final : public System {
  private:
   // A vertex or triangle near a collider in this step.
   struct Candidate {
-    std::uint32_t cloth = 0;     // place in the order of Cloth::info
+    std::uint32_t cloth = 0;  // place in the order of Cloth::info
     std::uint32_t collider = 0;
     std::uint32_t index = 0;     // of the vertex in ClothVertices, or of the triangle within its cloth
     std::uint32_t triangle = 0;  // 1: the latter
@@ -34,13 +34,13 @@ class ClothRigid final : public System {
   // A cloth and a body: their contact, over steps.
   struct Touch {
     ObjectId cloth, body;
-    std::uint32_t begun = 0;     // reported
-    std::uint32_t seen = 0;      // in this step
-    Real impulse = 0;            // of this step, N s
-    Real support = 0;            // the part of it against gravity, N s
-    Real speed = 0;              // closing, m/s
-    Real slip = 0;               // m/s
-    std::uint32_t index = 0;     // of the vertex pushed most
+    std::uint32_t begun = 0;                           // reported
+    std::uint32_t seen = 0;                            // in this step
+    Real impulse = 0;                                  // of this step, N s
+    Real support = 0;                                  // the part of it against gravity, N s
+    Real speed = 0;                                    // closing, m/s
+    Real slip = 0;                                     // m/s
+    std::uint32_t index = 0;                           // of the vertex pushed most
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from the cloth to the body
     Real strongest = 0;
   };
@@ -49,7 +49,7 @@ class ClothRigid final : public System {
     Pose pose;
     Vec3 center = Vec3::Zero();  // of mass, m
     Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
-    std::uint32_t solver = 0;    // in Movers; 0 = does not move
+    std::uint32_t solver = 0;  // in Movers; 0 = does not move
   };
 
   // Rows.
@@ -89,14 +89,14 @@ class ClothRigid final : public System {
   bool* structure_changed_;
   Array<Candidate> candidates_;
   Array<Touch> touches_;
-  Array<Aabb> box_;              // by vertex: swept over the step
-  Array<Real> smallest_;         // by collider: half of its least size, m
+  Array<Aabb> box_;                      // by vertex: swept over the step
+  Array<Real> smallest_;                 // by collider: half of its least size, m
   std::vector<ShapePtr> vertex_shapes_;  // by cloth: a sphere of half the thickness
-  Real horizon_ = 0;             // s, for which rows are made
-  Real hurry_ = 0;               // the largest travel in a substep over what a row stands
-  bool refreshing_ = false;      // between small steps
-  Array<Real> pin_depth_;        // by vertex: of pins in the collider whose rows are being made, m
-  Array<std::uint32_t> deep_pins_;  // those where it is not 0
+  Real horizon_ = 0;                     // s, for which rows are made
+  Real hurry_ = 0;                       // the largest travel in a substep over what a row stands
+  bool refreshing_ = false;              // between small steps
+  Array<Real> pin_depth_;                // by vertex: of pins in the collider whose rows are being made, m
+  Array<std::uint32_t> deep_pins_;       // those where it is not 0
   // Pairs whose warning of pins inside was sent.
   struct Warned {
     ObjectId cloth, body;

@@ -16,9 +16,9 @@ namespace feder {
 namespace {
 
 constexpr Real kCastShare = Real(0.25);  // of the body's half size: faster passes are cast
-constexpr Real kWatch = 1;                // thicknesses: what is nearer gets a row, as strained cloth snaps by as much
+constexpr Real kWatch = 1;               // thicknesses: what is nearer gets a row, as strained cloth snaps by as much
 constexpr Real kCorner = Real(0.95);     // barycentric weight from which on a point is the corner's own
-constexpr Real kFreeShare = Real(0.05);   // weight of free corners up to which a point is the pinned ones' own
+constexpr Real kFreeShare = Real(0.05);  // weight of free corners up to which a point is the pinned ones' own
 
 // Weights of the point of the triangle 0, b, c nearest to p.
 void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {

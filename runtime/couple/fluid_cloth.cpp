@@ -28,22 +28,14 @@ const SystemDescriptor& FluidCloth::descriptor() {
 
 FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
-      movers_(s.store.need<Movers>(kName)),
-      systems_(s.systems),
-      objects_(s.objects),
-      events_(s.events),
-      faces_(s.store.arena(kName)),
-      guests_(&s.store.arena(kName)),
-      pressed_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)) {
+      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), movers_(s.store.need<Movers>(kName)),
+      systems_(s.systems), objects_(s.objects), events_(s.events), faces_(s.store.arena(kName)),
+      guests_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
   cloth_.set_movers(&movers_);
 }
 
-std::size_t FluidCloth::count() const {
-  return guests_.size();
-}
+std::size_t FluidCloth::count() const { return guests_.size(); }
 
 void FluidCloth::add_rows(StepPlan& plan) {
   drop_rows();
@@ -71,9 +63,7 @@ void FluidCloth::list_surfaces() {
   }
 }
 
-ObjectId FluidCloth::fluid_of(std::uint32_t pool) const {
-  return fluid_.pool_at(pool).object;
-}
+ObjectId FluidCloth::fluid_of(std::uint32_t pool) const { return fluid_.pool_at(pool).object; }
 
 // What fluid lies on stays awake, and what it is about to hit wakes.
 void FluidCloth::wake(StepContext& c) {

@@ -30,12 +30,12 @@ class FluidCloth final : public System {
   // A cloth and a fluid that meet: from the first particle that pushes to the last.
   struct Touch {
     ObjectId cloth, fluid;
-    std::uint32_t begun = 0;     // reported
-    std::uint32_t count = 0;     // particles that pushed, at most in a substep of this step; 0: none touch
+    std::uint32_t begun = 0;              // reported
+    std::uint32_t count = 0;              // particles that pushed, at most in a substep of this step; 0: none touch
     std::uint32_t now = 0, last = kNone;  // in this substep; the particle that was counted last
-    Real impulse = 0;            // of this step, N s
-    Real speed = 0;              // closing, the largest, m/s
-    Real strongest = 0;          // N s
+    Real impulse = 0;                     // of this step, N s
+    Real speed = 0;                       // closing, the largest, m/s
+    Real strongest = 0;                   // N s
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
   // A particle that stands among the movers for the length of the cloth's row.

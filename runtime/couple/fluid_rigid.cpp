@@ -28,17 +28,10 @@ const SystemDescriptor& FluidRigid::descriptor() {
 FluidRigid::FluidRigid(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      colliders_(s.store.need<Colliders>(ContactService::kSystem)),
-      movers_(s.store.need<Movers>(Rigid::kName)),
-      walls_(fluid_.walls()),
-      objects_(s.objects),
-      collider_(&s.store.arena(kName)),
-      body_(&s.store.arena(kName)),
-      place_(&s.store.arena(kName)),
-      inside_(&s.store.arena(kName)),
-      next_inside_(&s.store.arena(kName)),
-      touching_(&s.store.arena(kName)),
-      next_touching_(&s.store.arena(kName)) {
+      colliders_(s.store.need<Colliders>(ContactService::kSystem)), movers_(s.store.need<Movers>(Rigid::kName)),
+      walls_(fluid_.walls()), objects_(s.objects), collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)),
+      place_(&s.store.arena(kName)), inside_(&s.store.arena(kName)), next_inside_(&s.store.arena(kName)),
+      touching_(&s.store.arena(kName)), next_touching_(&s.store.arena(kName)) {
   fluid_.refresh_walls = [](void* self) {
     auto& me = *static_cast<FluidRigid*>(self);
     me.list_walls();
@@ -52,9 +45,7 @@ FluidRigid::~FluidRigid() {
   walls_.list.clear(), walls_.bodies.clear();
 }
 
-std::size_t FluidRigid::count() const {
-  return walls_.list.size();
-}
+std::size_t FluidRigid::count() const { return walls_.list.size(); }
 
 void FluidRigid::add_rows(StepPlan& plan) {
   walls_.list.clear(), walls_.bodies.clear();
@@ -176,9 +167,8 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
     const bool moves = w.dynamic && w.mover != 0;
     for (int k = 0; k < 3; ++k) {
       const Real inv_mass = moves ? movers_.mass[w.mover].inv_mass_axes[k] : Real(0);
-      gained[k] += inv_mass > 0
-                       ? static_cast<double>(w.velocity[k] - movers_.state[w.mover].velocity[k]) / inv_mass
-                       : static_cast<double>(w.impulse[k]);
+      gained[k] += inv_mass > 0 ? static_cast<double>(w.velocity[k] - movers_.state[w.mover].velocity[k]) / inv_mass
+                                : static_cast<double>(w.impulse[k]);
     }
     given_ += static_cast<double>(length(w.impulse));
     if (moves) pushed_ += static_cast<double>(length(w.impulse));
@@ -198,13 +188,9 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
 }
 
 // Right behind the fluid's own passes: couplings with nets and sheets change velocities of particles, too.
-void FluidRigid::weigh(StepContext& c) {
-  compare_impulses(c.h * c.gravity);
-}
+void FluidRigid::weigh(StepContext& c) { compare_impulses(c.h * c.gravity); }
 
-void FluidRigid::push_bodies(StepContext&) {
-  give_velocities();
-}
+void FluidRigid::push_bodies(StepContext&) { give_velocities(); }
 
 void FluidRigid::move_walls(StepContext&) {
   place_walls(false);

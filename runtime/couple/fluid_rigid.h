@@ -29,9 +29,9 @@ class FluidRigid final : public System {
     ObjectId sensor, fluid;
     std::uint32_t count = 0;
   };
-  void list_walls();                   // all colliders of bodies that fluids may meet
-  void place_walls(bool before_step);  // poses and velocities as the movers have them
-  void give_velocities();              // back to the movers
+  void list_walls();                          // all colliders of bodies that fluids may meet
+  void place_walls(bool before_step);         // poses and velocities as the movers have them
+  void give_velocities();                     // back to the movers
   void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
   // What the fluids lost since `before_`, aside from what gravity gave in g h m/s, against what the bodies gained.
   void compare_impulses(const Vec3& gravity_seconds);

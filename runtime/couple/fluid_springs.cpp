@@ -28,8 +28,7 @@ const SystemDescriptor& FluidSprings::descriptor() {
 FluidSprings::FluidSprings(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
-      points_(s.store.need<Particles>(Springs::kName)),
-      faces_(s.store.arena(kName)) {}
+      points_(s.store.need<Particles>(Springs::kName)), faces_(s.store.arena(kName)) {}
 
 std::size_t FluidSprings::count() const {
   std::size_t sum = 0;
@@ -64,9 +63,7 @@ void FluidSprings::remember(StepContext& c) {
   faces_.start.assign(points_.position.begin(), points_.position.end());
 }
 
-void FluidSprings::begin(StepContext& c) {
-  faces_.screen(fluid_, c);
-}
+void FluidSprings::begin(StepContext& c) { faces_.screen(fluid_, c); }
 
 void FluidSprings::solve(StepContext&) {
   faces_.end.assign(points_.position.begin(), points_.position.end());

@@ -27,22 +27,22 @@ class SpringsRigid final : public System {
   // A net point that takes part: it collides, or it is attached.
   struct Coupled {
     std::uint32_t particle = 0;
-    std::uint32_t solver = 0;       // in Movers this step; 0 = pinned
-    Vec3 before = Vec3::Zero();     // position before the substep, m
-    Vec3 given = Vec3::Zero();      // velocity the solver got, m/s
+    std::uint32_t solver = 0;    // in Movers this step; 0 = pinned
+    Vec3 before = Vec3::Zero();  // position before the substep, m
+    Vec3 given = Vec3::Zero();   // velocity the solver got, m/s
     Vec3 given_moved = Vec3::Zero();
-    Real added = 0;                 // inertia carried this step, kg
-    bool implicit = false;          // net's integrator
+    Real added = 0;         // inertia carried this step, kg
+    bool implicit = false;  // net's integrator
     bool attached = false;
   };
   // An attachment this step.
   struct Hold {
-    std::uint32_t coupled = 0;      // place in coupled_
-    std::uint32_t body = 0;         // index in Bodies
-    std::uint32_t solver = 0;       // body's place in Movers; 0 = does not move
-    Vec3 local = Vec3::Zero();      // from the centre of mass, body axes, m
-    Mat3 mass = Mat3::Zero();       // effective, of the three rows, kg
-    Vec3 arm = Vec3::Zero();        // world, now, m
+    std::uint32_t coupled = 0;  // place in coupled_
+    std::uint32_t body = 0;     // index in Bodies
+    std::uint32_t solver = 0;   // body's place in Movers; 0 = does not move
+    Vec3 local = Vec3::Zero();  // from the centre of mass, body axes, m
+    Mat3 mass = Mat3::Zero();   // effective, of the three rows, kg
+    Vec3 arm = Vec3::Zero();    // world, now, m
   };
 
   // Structure: colliders, movers and the list of coupled points brought up to date.
@@ -67,7 +67,7 @@ class SpringsRigid final : public System {
   void warn_soft_contact(std::uint32_t collider, StepContext& c);
   // Velocity projection of all attachments; `rate` times the position error is taken out as velocity (1/s).
   void hold(int rounds, Real rate);
-  Vec3 hold_error(const Hold& k) const;  // point minus anchor, m
+  Vec3 hold_error(const Hold& k) const;     // point minus anchor, m
   Mat3 body_response(const Hold& k) const;  // velocity of the anchor per impulse on it, 1/kg
 
   Springs& springs_;
@@ -78,10 +78,10 @@ class SpringsRigid final : public System {
   Particles& particles_;
   Objects& objects_;
   bool* structure_changed_;
-  Array<Coupled> coupled_;      // ascending by particle
+  Array<Coupled> coupled_;  // ascending by particle
   Array<Hold> holds_;
-  Array<std::uint32_t> held_;   // attachments by body
-  bool warned_ = false;         // "implicit_contact"
+  Array<std::uint32_t> held_;  // attachments by body
+  bool warned_ = false;        // "implicit_contact"
 };
 
 }  // namespace feder

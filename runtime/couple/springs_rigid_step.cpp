@@ -18,9 +18,9 @@ namespace {
 
 constexpr Real kBoxMargin = Real(0.02);  // m, as bodies have it
 constexpr int kHoldRounds = 10;
-constexpr Real kHoldShare = Real(0.5);   // of the position error taken out in a substep
+constexpr Real kHoldShare = Real(0.5);  // of the position error taken out in a substep
 
-constexpr Real kPullSpeed = 3;           // m/s, at which an attachment is closed at most
+constexpr Real kPullSpeed = 3;  // m/s, at which an attachment is closed at most
 
 // Attaching a point that is far from its place, or two that cannot both be there, must not throw the body.
 Vec3 closing_velocity(const Vec3& error, Real rate) {
@@ -129,8 +129,11 @@ void SpringsRigid::warn_soft_contact(std::uint32_t collider, StepContext& c) {
   const ObjectId net = colliders_.object[collider];
   if (!k.implicit || k.solver == 0 || !(c.h * springs_.max_frequency(net) > Real(0.5))) return;
   warned_ = true;
-  c.events->warn("implicit_contact", objects_.describe(net) + " touches a body while its integrator is implicit and "
-                 "h w is large: it yields too much there; take symplectic_euler and more substeps, or attach", net);
+  c.events->warn("implicit_contact",
+                 objects_.describe(net) +
+                     " touches a body while its integrator is implicit and "
+                     "h w is large: it yields too much there; take symplectic_euler and more substeps, or attach",
+                 net);
 }
 
 Vec3 SpringsRigid::hold_error(const Hold& k) const {

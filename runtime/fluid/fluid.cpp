@@ -36,13 +36,8 @@ void check_desc(const FluidDesc& d) {
 }  // namespace
 
 Fluid::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)),
-      objects(s.objects),
-      watched(s.store.need<Watch>("watch")),
-      walls(s.store.need<Walls>(kName)),
-      dimension(s.dimension),
-      structure_changed(s.structure_changed),
-      gone(&arena) {}
+    : arena(s.store.arena(kName)), objects(s.objects), watched(s.store.need<Watch>("watch")),
+      walls(s.store.need<Walls>(kName)), dimension(s.dimension), structure_changed(s.structure_changed), gone(&arena) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static const SystemDescriptor d = {
@@ -181,26 +176,14 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
   return points.size();
 }
 
-std::size_t Fluid::particle_count(ObjectId id) const {
-  return impl_->pool(id).count;
-}
-Real Fluid::particle_mass(ObjectId id) const {
-  return impl_->pool(id).mass;
-}
-FluidDesc Fluid::desc(ObjectId id) const {
-  return impl_->pool(id).desc;
-}
-Walls& Fluid::walls() {
-  return impl_->walls;
-}
+std::size_t Fluid::particle_count(ObjectId id) const { return impl_->pool(id).count; }
+Real Fluid::particle_mass(ObjectId id) const { return impl_->pool(id).mass; }
+FluidDesc Fluid::desc(ObjectId id) const { return impl_->pool(id).desc; }
+Walls& Fluid::walls() { return impl_->walls; }
 
-std::size_t Fluid::pool_count() const {
-  return impl_->pools.size();
-}
+std::size_t Fluid::pool_count() const { return impl_->pools.size(); }
 
-FluidPool& Fluid::pool_at(std::size_t n) {
-  return *impl_->pools[n];
-}
+FluidPool& Fluid::pool_at(std::size_t n) { return *impl_->pools[n]; }
 
 void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
   FluidPool& p = impl_->pool(id);

@@ -28,9 +28,9 @@ struct FluidDesc {
   std::string solver = default_fluid_solver();
   std::string kernel = default_fluid_kernel();
   std::string neighbors = default_fluid_neighbors();
-  Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
-  Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
-  int iterations = 4;                     // pbf, per substep
+  Real support = 0;      // of the kernel, in spacings; 0: what the kernel proposes
+  Real stiffness = 0;    // bulk modulus, Pa; 0: as stiff as the solver can make it
+  int iterations = 4;    // pbf, per substep
   Real compression = 0;  // wanted: wcsph at the largest pressure, pbf on average; 0: wcsph 0.01, pbf 0.05
   Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
   int max_substeps = 60;                  // most of its solver's own steps in a substep of the world

@@ -20,9 +20,7 @@ namespace {
 constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2 over nu, in a step; 0.125 in Morris 1997
 constexpr int kMostRounds = 64;
 
-Real wall_distance(const FluidPool& p, const WallContact& k) {
-  return dot(k.normal, p.x[k.particle].vec()) - k.offset;
-}
+Real wall_distance(const FluidPool& p, const WallContact& k) { return dot(k.normal, p.x[k.particle].vec()) - k.offset; }
 
 void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
   const int d = p.dimension;
@@ -67,8 +65,7 @@ void add_viscosity(FluidPool& p, Walls& walls, Real h, StepContext& c) {
     p.warned_viscosity = true;
     c.events->warn("fluid_viscosity",
                    "viscosity " + std::to_string(p.desc.viscosity) + " Pa s needs " +
-                       std::to_string(whole_count(wanted)) + " rounds in a step, " +
-                       std::to_string(kMostRounds) +
+                       std::to_string(whole_count(wanted)) + " rounds in a step, " + std::to_string(kMostRounds) +
                        " are done: the fluid is thinner than asked for; take a larger spacing or more substeps",
                    p.object);
   }

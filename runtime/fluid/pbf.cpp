@@ -34,13 +34,13 @@ constexpr double kSpectrum = 4.8;        // largest eigenvalue of the scaled sys
 constexpr Real kMostExcess = Real(0.5);  // of particles over each other that one iteration answers to: bounds their way
 constexpr Real kMostWall = 1;            // of walls; likewise
 constexpr Real kMostWay = 1;             // spacings that particles or walls move in an own step
-constexpr Real kMostStrain = Real(0.03); // compression at the ground of a column at rest that an own step may leave
-constexpr Real kMostLoad = Real(0.08);   // Q by iterations: half of what stands
-constexpr Real kLattice = 5;             // squared gradients on a lattice over FluidPool::least_squares
-constexpr double kMostGrowth = 1.5;      // of the residual over its least, before the rounds go on as plain steps
-constexpr Real kMostPush = 2;            // Q of a single particle: above a load of 1, below what throws fountains
-constexpr Real kCompany = Real(0.2);     // that neighbours add to density over density at rest of who is not alone
-constexpr Real kPatience = Real(0.25);   // s for which the fluid is too dense before a warning: splashes pass
+constexpr Real kMostStrain = Real(0.03);  // compression at the ground of a column at rest that an own step may leave
+constexpr Real kMostLoad = Real(0.08);    // Q by iterations: half of what stands
+constexpr Real kLattice = 5;              // squared gradients on a lattice over FluidPool::least_squares
+constexpr double kMostGrowth = 1.5;       // of the residual over its least, before the rounds go on as plain steps
+constexpr Real kMostPush = 2;             // Q of a single particle: above a load of 1, below what throws fountains
+constexpr Real kCompany = Real(0.2);      // that neighbours add to density over density at rest of who is not alone
+constexpr Real kPatience = Real(0.25);    // s for which the fluid is too dense before a warning: splashes pass
 
 // The coefficients of Chebyshev's semi-iteration: the next change of the multipliers is `step` times the residual plus
 // `carry` times the last change. After n rounds a mode of eigenvalue e is left with P(e), |P| <= 1/cosh(kDecay) between

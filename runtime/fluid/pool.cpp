@@ -18,31 +18,9 @@ Real power(Real x, int n) {
 }  // namespace
 
 FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
-    : desc(from),
-      dimension(dim),
-      x(&a),
-      v(&a),
-      lambda(&a),
-      id(&a),
-      screen(&a),
-      origin(&a),
-      start(&a),
-      move(&a),
-      extra(&a),
-      sum(&a),
-      squares(&a),
-      diagonal(&a),
-      ratio(&a),
-      order(&a),
-      swap4(&a),
-      swap1(&a),
-      swap_id(&a),
-      grid(a),
-      lists(a),
-      contacts(&a),
-      contact_first(&a),
-      dynamic_contacts(&a),
-      touches(&a) {
+    : desc(from), dimension(dim), x(&a), v(&a), lambda(&a), id(&a), screen(&a), origin(&a), start(&a), move(&a),
+      extra(&a), sum(&a), squares(&a), diagonal(&a), ratio(&a), order(&a), swap4(&a), swap1(&a), swap_id(&a), grid(a),
+      lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a), touches(&a) {
   std::string known;
   kernel = nullptr;
   for (const Kernel& k : kernels()) {
@@ -81,9 +59,9 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
 // F(r): sigma = n^2/3 int r^3 F dr in 2D, pi/8 n^2 int r^4 F dr in 3D; the pull inwards is pi/2 n^2 int r^2 F dr and
 // 2 pi/3 n^2 int r^3 F dr. Particles do not lie evenly at a surface: drops of wcsph swing as with 0.6 of that tension
 // in 2D and about 0.27 in 3D (5 to 8 spacings across a radius, widely scattered), so it is divided by it:
-// tests/fluid/test_droplet.cpp. The pull inwards is some 5 sigma/d, and R/d times 5 what makes a drop round: the particles are pressed together like
-// sand, and where nothing keeps them warm (pbf damps, artificial viscosity does) they yield late. With pbf drops become
-// round, with a first swing up to 1.7 times too fast, and do not swing on.
+// tests/fluid/test_droplet.cpp. The pull inwards is some 5 sigma/d, and R/d times 5 what makes a drop round: the
+// particles are pressed together like sand, and where nothing keeps them warm (pbf damps, artificial viscosity does)
+// they yield late. With pbf drops become round, with a first swing up to 1.7 times too fast, and do not swing on.
 void FluidPool::find_cohesion() {
   const double sigma = desc.surface_tension, r = support,
                n2 = 1 / (static_cast<double>(volume) * static_cast<double>(volume));

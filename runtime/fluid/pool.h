@@ -49,22 +49,22 @@ struct FluidPool {
   Array<Real> lambda;       // pbf: multiplier of the last substep, kg m^2; read by questions only
   Array<std::uint32_t> id;  // numbers in the order of making
   std::uint32_t next_id = 0;
-  Real last_h = 0;      // s, of the substep that left lambda
-  Real sound = 0;       // wcsph: speed of sound of the last substep, m/s
-  Real too_dense = 0;   // pbf: s for which it has been denser than wanted
+  Real last_h = 0;          // s, of the substep that left lambda
+  Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
+  Real too_dense = 0;       // pbf: s for which it has been denser than wanted
   std::uint64_t steps = 0;  // of its own, for reports
-  bool frozen = false;  // quarantined
-  bool fresh = false;   // filled since the last step
+  bool frozen = false;      // quarantined
+  bool fresh = false;       // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
   // For the watchdog; `kinetic` counts what is added.
-  double kinetic = 0, kinetic_before = 0;   // J: at the end of the last step, at the start of the step
-  double crowded = 0;                       // s, for which new particles may lie closer than at rest
+  double kinetic = 0, kinetic_before = 0;  // J: at the end of the last step, at the start of the step
+  double crowded = 0;                      // s, for which new particles may lie closer than at rest
 
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
-  Array<Real> screen;           // what these add to density over density at rest
-  Array<Row4Real> origin;       // m, where the particle began the substep; empty until such a coupling asks for it
-  std::uint64_t screened = 0;   // number of the substep for which both were set
+  Array<Real> screen;          // what these add to density over density at rest
+  Array<Row4Real> origin;      // m, where the particle began the substep; empty until such a coupling asks for it
+  std::uint64_t screened = 0;  // number of the substep for which both were set
 
   // Work.
   Array<Row4Real> start;                      // x at the start of the substep
@@ -80,7 +80,7 @@ struct FluidPool {
   Array<WallContact> contacts;            // by particle
   Array<std::uint32_t> contact_first;     // of a particle; one more than particles
   Array<std::uint32_t> dynamic_contacts;  // places of contacts with bodies that the fluid moves
-  Array<FluidTouch> touches;            // by body of the walls, sums in point and normal
+  Array<FluidTouch> touches;              // by body of the walls, sums in point and normal
   std::uint32_t worst = 0;                // bit 0: something is not finite
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
@@ -110,7 +110,7 @@ struct FluidPool {
   // walls.cpp. `ahead`: how far particles and walls may come nearer until the contacts are made again, in seconds.
   void find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out);
   void note_touches(const Walls& walls);
-  void share_bodies(Walls& walls);  // counts the particles that touch each body
+  void share_bodies(Walls& walls);       // counts the particles that touch each body
   void weigh_fixed(Walls& walls) const;  // adds the impulses of this iteration to the walls that do not move
   // Keeps every particle outside every wall: swept from where its contact was made. Velocities towards the wall end.
   void guard_walls(Walls& walls);

@@ -165,8 +165,6 @@ void Fluid::list_touches(Array<FluidTouch>& out) const {
     }
 }
 
-std::uint64_t Fluid::own_steps(ObjectId fluid) const {
-  return impl_->pool(fluid).steps;
-}
+std::uint64_t Fluid::own_steps(ObjectId fluid) const { return impl_->pool(fluid).steps; }
 
 }  // namespace feder

@@ -66,7 +66,8 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   // its lattice is walked below: not before its size is known to be small
   const double across = static_cast<double>(d.radius) / static_cast<double>(p.desc.spacing);
   const double about = p.dimension == 2 ? 2 * across + 1 : 3.14159265 * across * across + 1;
-  const std::string limit = "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
+  const std::string limit =
+      "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
   need(about <= 1.1 * p.desc.max_particles + 10, "radius", limit.c_str(), static_cast<double>(d.radius));
   need(m.sites(e, p).size() <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
@@ -115,9 +116,7 @@ void Fluid::set_running(ObjectId id, bool running) {
   *impl_->structure_changed = true;
 }
 
-bool Fluid::running(ObjectId id) const {
-  return impl_->emitters[impl_->objects.index(id)].running != 0;
-}
+bool Fluid::running(ObjectId id) const { return impl_->emitters[impl_->objects.index(id)].running != 0; }
 
 std::uint64_t Fluid::passed(ObjectId id) const {
   const std::uint32_t place = impl_->objects.index(id);

@@ -20,9 +20,7 @@ struct NearWalls {
   bool all = false;
 };
 
-Vec3 wall_speed(const WallBody& b, const Vec3& x) {
-  return b.velocity_at(x);
-}
+Vec3 wall_speed(const WallBody& b, const Vec3& x) { return b.velocity_at(x); }
 
 // Swept against a mesh: it has no inside, so only the way tells.
 bool crosses(const Wall& w, const Vec3& from, const Vec3& to, RayHit& hit) {

@@ -43,10 +43,10 @@ struct Wall {
   const Shape* shape = nullptr;
   std::uint32_t body = 0;  // in Walls::bodies
   std::uint32_t group = 1, mask = 0xffffffffu;
-  Pose local;  // in the centre-of-mass frame of the body
-  Pose pose;   // now, world
+  Pose local;   // in the centre-of-mass frame of the body
+  Pose pose;    // now, world
   Pose placed;  // kept by drift, for rewind
-  Aabb box;    // of the pose, world
+  Aabb box;     // of the pose, world
 };
 
 // What particles of a fluid did at a body in a step.

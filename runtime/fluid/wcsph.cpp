@@ -29,9 +29,7 @@ constexpr Real kMostRatio = Real(1.5);
 // it would come back faster than it came, and raise the speed of sound, and come back faster still.
 constexpr Real kLeave = 1;
 
-Real compression_of(const FluidPool& p) {
-  return p.desc.compression > 0 ? p.desc.compression : Real(0.01);
-}
+Real compression_of(const FluidPool& p) { return p.desc.compression > 0 ? p.desc.compression : Real(0.01); }
 
 class Wcsph final : public FluidSolver {
  public:

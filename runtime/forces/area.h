@@ -34,9 +34,9 @@ inline Vec3 area_force(const Vec3& full, const Vec3& twice, const AreaShares& sh
   return (size * area) * (share.drag * (along * along + kSkin) * e + share.lift * along * (n - along * e));
 }
 
-// Of still air on a triangle with velocity u: the wind force with velocity 0, N; area_force() of -density |u| u / 2 with
-// e and n multiplied out. `most`, kg/s: mass that it may stop over the time in which it acts; drag of light cloth at
-// high speed, or of one that is stretched to many times its area, would turn it round within a step otherwise.
+// Of still air on a triangle with velocity u: the wind force with velocity 0, N; area_force() of -density |u| u / 2
+// with e and n multiplied out. `most`, kg/s: mass that it may stop over the time in which it acts; drag of light cloth
+// at high speed, or of one that is stretched to many times its area, would turn it round within a step otherwise.
 inline Vec3 still_air(const Vec3& u, const Vec3& twice, Real density, Real most, const AreaShares& share) {
   const Real speed2 = dot(u, u), area2 = dot(twice, twice), through = dot(u, twice), both = speed2 * area2;
   using Limits = std::numeric_limits<Real>;

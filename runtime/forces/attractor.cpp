@@ -25,7 +25,8 @@ class Attractor final : public Force {
  public:
   explicit Attractor(const Params& p)
       : position_(p.vector("position", Vec3(0, 0, 0))), strength_(p.number("strength", 1, -1e30, 1e30)),
-        power_(p.number("power", -2, -16, 16)), softening_(p.number("softening", 0, 0, 1e9)), between_(p.flag("between", false)) {}
+        power_(p.number("power", -2, -16, 16)), softening_(p.number("softening", 0, 0, 1e9)),
+        between_(p.flag("between", false)) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     if (between_) return add_pairs(points, count, out);
@@ -92,8 +93,8 @@ class Attractor final : public Force {
       }
   }
 
-  Vec3 position_;     // m
-  double strength_;   // m/s^2 at s = 1 m; between points N/kg^2 there
+  Vec3 position_;    // m
+  double strength_;  // m/s^2 at s = 1 m; between points N/kg^2 there
   double power_;
   double softening_;  // m
   bool between_;

@@ -24,8 +24,7 @@ class Buoyancy final : public Force {
  public:
   explicit Buoyancy(const Params& p)
       : height_(p.number("height", 0)), density_(p.number("density", 1000, 0, 1e6)),
-        gravity_(p.number("gravity", 9.81, 0, 1e6)),
-        volume_(p.has("volume") ? p.number("volume", 0, 0, 1e12) : -1),
+        gravity_(p.number("gravity", 9.81, 0, 1e6)), volume_(p.has("volume") ? p.number("volume", 0, 0, 1e12) : -1),
         object_density_(p.number("object_density", 500, 1e-6, 1e6)),
         drag_(static_cast<Real>(p.number("drag", 0, 0, 1e12))), flow_(p.vector("velocity", Vec3(0, 0, 0))) {}
 

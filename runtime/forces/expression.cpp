@@ -149,15 +149,16 @@ class ExpressionForce final : public Force {
       fill(points[i], time, variables);
       for (int axis = 0; axis < 3; ++axis) {
         double f = 0;
-        if (part(axis).value(variables, f) && std::fabs(f) < kLargest) out[i][axis] += static_cast<Real>(f);
-        else ++missed;
+        if (part(axis).value(variables, f) && std::fabs(f) < kLargest)
+          out[i][axis] += static_cast<Real>(f);
+        else
+          ++missed;
       }
     }
     if (missed > 0) faults_.fetch_add(missed, std::memory_order_relaxed);
   }
 
-  bool derivative(const MassPoint* points, std::size_t count, double time, bool by_velocity,
-                  Mat3* out) const override {
+  bool derivative(const MassPoint* points, std::size_t count, double time, bool by_velocity, Mat3* out) const override {
     for (std::size_t i = 0; i < count; ++i) {
       double variables[Expression::kVariables];
       fill(points[i], time, variables);
@@ -189,7 +190,7 @@ class ExpressionForce final : public Force {
   }
   const Expression& part(int axis) const { return parts_[static_cast<std::size_t>(axis)]; }
 
-  std::vector<Expression> parts_;  // x, y, z
+  std::vector<Expression> parts_;                 // x, y, z
   mutable std::atomic<std::uint64_t> faults_{0};  // nets may run side by side
 };
 

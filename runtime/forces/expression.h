@@ -36,9 +36,23 @@ class Expression {
   friend class ExpressionParser;
 
   enum class Op : unsigned char {
-    constant, variable,                                   // push
-    negate, sine, cosine, exponential, logarithm, root, absolute, whole_power,  // one operand
-    add, subtract, multiply, divide, power, least, largest                      // two
+    constant,
+    variable,  // push
+    negate,
+    sine,
+    cosine,
+    exponential,
+    logarithm,
+    root,
+    absolute,
+    whole_power,  // one operand
+    add,
+    subtract,
+    multiply,
+    divide,
+    power,
+    least,
+    largest  // two
   };
   struct Instruction {
     Op op;

@@ -1,5 +1,5 @@
-// Recursive descent into postfix. sum = product {(+|-) product}; product = signed {(*|/) signed}; signed = {+|-} raised;
-// raised = atom [^ signed], so -x^2 is -(x^2) and 2^-1 reads; atom = number, name, name(arguments), (sum).
+// Recursive descent into postfix. sum = product {(+|-) product}; product = signed {(*|/) signed}; signed = {+|-}
+// raised; raised = atom [^ signed], so -x^2 is -(x^2) and 2^-1 reads; atom = number, name, name(arguments), (sum).
 #include <charconv>
 #include <cmath>
 
@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kVariableNames[] = {"x", "y", "z", "vx", "vy", "vz", "m", "t"};
 constexpr double kPiDouble = 3.14159265358979323846;
-constexpr int kMaxWhole = 64;      // exponents up to here are products
-constexpr int kMaxNesting = 100;   // of parentheses, signs and powers
+constexpr int kMaxWhole = 64;     // exponents up to here are products
+constexpr int kMaxNesting = 100;  // of parentheses, signs and powers
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
@@ -40,9 +40,9 @@ class ExpressionParser {
     int arguments;
   };
   static constexpr Function kFunctions[] = {
-      {"sin", Op::sine, 1}, {"cos", Op::cosine, 1}, {"exp", Op::exponential, 1}, {"log", Op::logarithm, 1},
-      {"sqrt", Op::root, 1}, {"abs", Op::absolute, 1}, {"pow", Op::power, 2}, {"min", Op::least, 2},
-      {"max", Op::largest, 2}};
+      {"sin", Op::sine, 1},      {"cos", Op::cosine, 1}, {"exp", Op::exponential, 1},
+      {"log", Op::logarithm, 1}, {"sqrt", Op::root, 1},  {"abs", Op::absolute, 1},
+      {"pow", Op::power, 2},     {"min", Op::least, 2},  {"max", Op::largest, 2}};
 
   void check_parameter(const std::string& name, double value) const {
     bool taken = name == "pi" || name.empty() || !is_letter(name[0]);
@@ -85,9 +85,12 @@ class ExpressionParser {
     enter();
     product();
     for (;;) {
-      if (take('+')) product(), emit(Op::add, 2);
-      else if (take('-')) product(), emit(Op::subtract, 2);
-      else break;
+      if (take('+'))
+        product(), emit(Op::add, 2);
+      else if (take('-'))
+        product(), emit(Op::subtract, 2);
+      else
+        break;
     }
     --nesting_;
   }
@@ -95,17 +98,23 @@ class ExpressionParser {
   void product() {
     signed_part();
     for (;;) {
-      if (take('*')) signed_part(), emit(Op::multiply, 2);
-      else if (take('/')) signed_part(), emit(Op::divide, 2);
-      else break;
+      if (take('*'))
+        signed_part(), emit(Op::multiply, 2);
+      else if (take('/'))
+        signed_part(), emit(Op::divide, 2);
+      else
+        break;
     }
   }
 
   void signed_part() {
     enter();
-    if (take('-')) signed_part(), emit(Op::negate, 1);
-    else if (take('+')) signed_part();
-    else raised();
+    if (take('-'))
+      signed_part(), emit(Op::negate, 1);
+    else if (take('+'))
+      signed_part();
+    else
+      raised();
     --nesting_;
   }
 
@@ -189,8 +198,9 @@ class ExpressionParser {
     for (const Function& f : kFunctions) known.emplace_back(f.name);
     for (const auto& [given, value] : parameters_) known.push_back(given);
     const std::string near = nearest_name(word, known);
-    fail(at, "unknown name '" + word + "'" +
-                 (near.empty() ? "; known: x y z vx vy vz m t, params and functions" : "; did you mean '" + near + "'?"));
+    fail(at,
+         "unknown name '" + word + "'" +
+             (near.empty() ? "; known: x y z vx vy vz m t, params and functions" : "; did you mean '" + near + "'?"));
   }
 
   Expression& out_;

@@ -3,20 +3,20 @@
 #pragma once
 #include <vector>
 
-#include "base/registry.h"
-#include "base/params.h"
 #include "base/math.h"
+#include "base/params.h"
+#include "base/registry.h"
 #include "state/objects.h"
 
 namespace feder {
 
 struct MassPoint {
   Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();  // m, m/s, world
-  Real mass = 0;            // kg
-  Real area = 0;            // m^2, cross-section where known (drag, wind), else 0
-  Real volume = 0;          // m^3 where known (buoyancy), else 0
-  // kg/s: rate times relative velocity that a force against it may have at most. Owners that hold the force for a time h
-  // set mass/h shared by all such forces: it may stop the point within h and never turns it round.
+  Real mass = 0;                                          // kg
+  Real area = 0;                                          // m^2, cross-section where known (drag, wind), else 0
+  Real volume = 0;                                        // m^3 where known (buoyancy), else 0
+  // kg/s: rate times relative velocity that a force against it may have at most. Owners that hold the force for a time
+  // h set mass/h shared by all such forces: it may stop the point within h and never turns it round.
   Real most_drag = kInfinity;
 };
 
@@ -49,14 +49,14 @@ std::span<const Variant<Force>> force_kinds();
 
 // A force in a world, and whom it acts on.
 struct ForceEntry {
-  ObjectId object;           // the force's own handle
-  std::unique_ptr<Force> force;  // null for a scripted force
-  bool all = false;          // acts on everything
-  TagMask tags = 0;          // or on objects with one of these tags
-  ObjectId target;           // or on one object
+  ObjectId object;                         // the force's own handle
+  std::unique_ptr<Force> force;            // null for a scripted force
+  bool all = false;                        // acts on everything
+  TagMask tags = 0;                        // or on objects with one of these tags
+  ObjectId target;                         // or on one object
   std::vector<std::uint32_t> points = {};  // of `target`, a net: on these only, ascending; empty: on all
   bool enabled = true;
-  bool warned = false;       // of a value that does not exist
+  bool warned = false;  // of a value that does not exist
 };
 
 // The block: a world's forces in the order they were made.

@@ -16,11 +16,10 @@ constexpr double kGoldenRatio = 1.6180339887498949;
 class Wind final : public Force {
  public:
   explicit Wind(const Params& p)
-      : velocity_(p.vector("velocity", Vec3(0, 0, 0))),
-        linear_(static_cast<Real>(p.number("linear", 0, 0, 1e12))),
+      : velocity_(p.vector("velocity", Vec3(0, 0, 0))), linear_(static_cast<Real>(p.number("linear", 0, 0, 1e12))),
         half_density_(static_cast<Real>(0.5 * p.number("density", 1.2, 0, 1e6) * p.number("coefficient", 1, 0, 1e6))),
-        area_(static_cast<Real>(p.has("area") ? p.number("area", 0, 0, 1e9) : -1)),
-        gust_(p.number("gust", 0, 0, 100)), gust_speed_(6.283185307179586 * p.number("gust_hertz", 0.5, 0, 1000)) {}
+        area_(static_cast<Real>(p.has("area") ? p.number("area", 0, 0, 1e9) : -1)), gust_(p.number("gust", 0, 0, 100)),
+        gust_speed_(6.283185307179586 * p.number("gust_hertz", 0.5, 0, 1000)) {}
 
   bool on_area() const override { return true; }
 
@@ -40,10 +39,10 @@ class Wind final : public Force {
   }
 
  private:
-  Vec3 velocity_;      // of the air, m/s
-  Real linear_;        // N s/m
-  Real half_density_;  // half the air's density times the drag coefficient, kg/m^3
-  Real area_;          // m^2; < 0: by object
+  Vec3 velocity_;             // of the air, m/s
+  Real linear_;               // N s/m
+  Real half_density_;         // half the air's density times the drag coefficient, kg/m^3
+  Real area_;                 // m^2; < 0: by object
   double gust_, gust_speed_;  // fraction, rad/s
 };
 

@@ -38,9 +38,7 @@ class Circle final : public Shape {
 
 }  // namespace
 
-ShapePtr make_circle(Real radius) {
-  return std::make_shared<Circle>(positive_size(radius, "circle", "radius"));
-}
+ShapePtr make_circle(Real radius) { return std::make_shared<Circle>(positive_size(radius, "circle", "radius")); }
 
 ShapeKind geom_circle() {
   return {"circle", [] { return std::vector<ShapePtr>{make_circle(1), make_circle(Real(0.01))}; }};

@@ -135,9 +135,7 @@ ShapePtr Hull::section() const {
   return make_polygon(flat);
 }
 
-ShapePtr make_hull(std::span<const Vec3> points) {
-  return std::make_shared<Hull>(build_hull(points));
-}
+ShapePtr make_hull(std::span<const Vec3> points) { return std::make_shared<Hull>(build_hull(points)); }
 
 ShapeKind geom_hull() {
   return {"hull", [] {

@@ -21,18 +21,12 @@ constexpr int kMaxWorkingCorners = 1024;
 struct Point {
   double x, y, z;
 };
-Point operator-(const Point& a, const Point& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-double dot(const Point& a, const Point& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Point cross(const Point& a, const Point& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-double norm(const Point& a) {
-  return std::sqrt(dot(a, a));
-}
+double norm(const Point& a) { return std::sqrt(dot(a, a)); }
 
 struct Face {
   int v[3], next[3];  // next[i]: across the edge v[i], v[i + 1]

@@ -1,29 +1,22 @@
-// Triangle mesh: static, a surface without inside. A bounding volume hierarchy over boxes, split at the median of the
-// longer axis (triangles are stored in its order, so visits are ascending), and per edge what the neighbour does, so
-// that contacts do not catch on seams. Corners at the same place are one corner; triangles without area are dropped.
+// Triangle mesh: static, a surface without inside. A hierarchy of boxes (triangles are stored in its order, so visits
+// are ascending), and per edge what the neighbour does, so that contacts do not catch on seams. Corners at the same
+// place are one corner; triangles without area are dropped.
 #include <algorithm>
 #include <map>
 
 #include "base/error.h"
+#include "bounds/box_tree.h"
 #include "geom/closest.h"
 #include "geom/shape.h"
 
 namespace feder {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;
 constexpr Real kFlatSine = Real(0.01);  // edges bent by less than 0.6 degrees count as flat
 constexpr Real kNoArea = Real(1e-10);   // of the longest side squared: such triangles are dropped
-constexpr int kMaxDepth = 64;
 
 struct Corners {
   std::uint32_t v[3];
-};
-
-struct Node {
-  Aabb box;
-  std::uint32_t first = 0, count = 0;  // triangles of a leaf (count > 0)
-  std::uint32_t right = 0;             // the left child follows its parent
 };
 
 bool ray_meets(const Aabb& box, const Vec3& o, const Vec3& d, Real limit) {
@@ -67,8 +60,6 @@ class Mesh final : public Shape {
   }
 
  private:
-  void build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& boxes, std::uint32_t first,
-             std::uint32_t count);
   void find_neighbors();
   Aabb box_of(const Corners& c) const {
     Aabb box;
@@ -84,56 +75,23 @@ class Mesh final : public Shape {
   std::vector<std::uint8_t> flat_;  // Triangle::flat_edges
   std::vector<Real> cosine_;        // Triangle::edge_cosine
   std::vector<Aabb> boxes_;         // of the triangles
-  std::vector<Node> nodes_;
+  Arena arena_{"mesh"};
+  BoxTree tree_{arena_};
 };
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles)
     : Shape("mesh", false), vertices_(std::move(vertices)), corners_(std::move(triangles)) {
-  std::vector<Aabb> boxes;
-  std::vector<std::uint32_t> order;
-  for (const Corners& c : corners_) {
-    order.push_back(static_cast<std::uint32_t>(boxes.size()));
-    boxes.push_back(box_of(c));
-  }
-  build(order, boxes, 0, static_cast<std::uint32_t>(order.size()));
   const std::vector<Corners> given = corners_;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    corners_[i] = given[order[i]];
-    boxes_.push_back(boxes[order[i]]);
+  std::vector<Aabb> boxes;
+  for (const Corners& c : given) boxes.push_back(box_of(c));
+  tree_.build(boxes);
+  std::size_t at = 0;
+  for (const std::uint32_t i : tree_.order()) {
+    corners_[at++] = given[i];
+    boxes_.push_back(boxes[i]);
   }
+  tree_.number_in_order(boxes_);
   find_neighbors();
-}
-
-void Mesh::build(std::vector<std::uint32_t>& order, const std::vector<Aabb>& boxes, std::uint32_t first,
-                 std::uint32_t count) {
-  const std::size_t at = nodes_.size();
-  nodes_.emplace_back();
-  Aabb box, middles;
-  for (std::uint32_t i = first; i < first + count; ++i) {
-    box.include(boxes[order[i]]);
-    middles.include(Vec3((boxes[order[i]].lo + boxes[order[i]].hi) / 2));
-  }
-  nodes_[at].box = box;
-  if (count <= kLeafSize) {
-    nodes_[at].first = first;
-    nodes_[at].count = count;
-    return;
-  }
-  int axis = 0;
-  const Vec3 size = middles.hi - middles.lo;
-  for (int k = 1; k < 3; ++k)
-    if (size[k] > size[axis]) axis = k;
-  const std::uint32_t half = count / 2;
-  const auto middle = [&](std::uint32_t t) { return boxes[t].lo[axis] + boxes[t].hi[axis]; };
-  std::nth_element(
-      order.begin() + first, order.begin() + first + half, order.begin() + first + count,
-      [&](std::uint32_t a, std::uint32_t b) { return middle(a) != middle(b) ? middle(a) < middle(b) : a < b; });
-  // nth_element leaves the order within the halves to the library: sort it away
-  std::sort(order.begin() + first, order.begin() + first + half);
-  std::sort(order.begin() + first + half, order.begin() + first + count);
-  build(order, boxes, first, half);
-  nodes_[at].right = static_cast<std::uint32_t>(nodes_.size());
-  build(order, boxes, first + half, count - half);
 }
 
 void Mesh::find_neighbors() {
@@ -170,31 +128,20 @@ void Mesh::find_neighbors() {
 bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
   bool found = false;
   Real best = 1;
-  std::uint32_t stack[kMaxDepth], depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t at = stack[--depth];
-    const Node& node = nodes_[at];
-    if (!ray_meets(node.box, o, d, best)) continue;
-    if (node.count == 0) {
-      stack[depth++] = node.right;
-      stack[depth++] = at + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const Vec3 &a = vertices_[corners_[i].v[0]], ab = vertices_[corners_[i].v[1]] - a,
-                 ac = vertices_[corners_[i].v[2]] - a;
-      const Vec3 p = cross(d, ac), s = o - a, q = cross(s, ab);
-      const Real det = dot(ab, p);
-      if (det == 0) continue;
-      const Real u = dot(s, p) / det, v = dot(d, q) / det, t = dot(ac, q) / det;
-      constexpr Real kSeam = Real(-1e-6);  // rays through a shared edge hit one of the two
-      if (u < kSeam || v < kSeam || u + v > 1 - kSeam || t < 0 || t > best || (found && t == best)) continue;
-      best = t, found = true;
-      const Vec3 n = normalized_or(cross(ab, ac), Vec3::Zero());
-      hit = {t, dot(n, d) > 0 ? Vec3(-n) : n};
-    }
-  }
+  const auto meet = [&](std::uint32_t i) {
+    const Vec3 &a = vertices_[corners_[i].v[0]], ab = vertices_[corners_[i].v[1]] - a,
+               ac = vertices_[corners_[i].v[2]] - a;
+    const Vec3 p = cross(d, ac), s = o - a, q = cross(s, ab);
+    const Real det = dot(ab, p);
+    if (det == 0) return;
+    const Real u = dot(s, p) / det, v = dot(d, q) / det, t = dot(ac, q) / det;
+    constexpr Real kSeam = Real(-1e-6);  // rays through a shared edge hit one of the two
+    if (u < kSeam || v < kSeam || u + v > 1 - kSeam || t < 0 || t > best || (found && t == best)) return;
+    best = t, found = true;
+    const Vec3 n = normalized_or(cross(ab, ac), Vec3::Zero());
+    hit = {t, dot(n, d) > 0 ? Vec3(-n) : n};
+  };
+  tree_.query_if([&](const Aabb& box) { return ray_meets(box, o, d, best); }, meet);
   return found;
 }
 
@@ -207,14 +154,17 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
   } search{this, p, Vec3::Zero(), kInfinity, kNone};
   Aabb around{p, p};
   around.grow(limit);
-  triangles_in(around, [](void* context, std::uint32_t i) {
-    Search& s = *static_cast<Search*>(context);
-    const Corners& c = s.mesh->corners_[i];
-    const Vec3 on =
-        closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
-    const Real d = dot(s.p - on, s.p - on);
-    if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
-  }, &search);
+  triangles_in(
+      around,
+      [](void* context, std::uint32_t i) {
+        Search& s = *static_cast<Search*>(context);
+        const Corners& c = s.mesh->corners_[i];
+        const Vec3 on =
+            closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
+        const Real d = dot(s.p - on, s.p - on);
+        if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
+      },
+      &search);
   if (search.triangle == kNone) {
     normal = vec3(0, 1, 0);
     return limit;
@@ -225,20 +175,7 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
 }
 
 void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const {
-  std::uint32_t stack[kMaxDepth], depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t at = stack[--depth];
-    const Node& node = nodes_[at];
-    if (!overlaps(node.box, local)) continue;
-    if (node.count == 0) {
-      stack[depth++] = node.right;
-      stack[depth++] = at + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-      if (overlaps(boxes_[i], local)) visit(context, i);
-  }
+  tree_.query(local, [&](std::uint32_t i) { visit(context, i); });
 }
 
 }  // namespace

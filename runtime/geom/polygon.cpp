@@ -1,17 +1,14 @@
 #include "geom/polygon.h"
 
-#include "geom/closest.h"
-
 #include <algorithm>
 
 #include "base/error.h"
+#include "geom/closest.h"
 
 namespace feder {
 namespace {
 
-Real cross2(const Vec2& a, const Vec2& b) {
-  return a[0] * b[1] - a[1] * b[0];
-}
+Real cross2(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 // Area, first and second moments of a piece about its own centre, then moved: m, c, and the tensor of x and y.
 struct Moments {
@@ -175,9 +172,7 @@ Real Polygon::distance(const Vec3& p, Real, Vec3& normal) const {
   return round_distance(q - on, radius_, face, normal);
 }
 
-ShapePtr Polygon::section() const {
-  return std::make_shared<Polygon>(points_, radius_);
-}
+ShapePtr Polygon::section() const { return std::make_shared<Polygon>(points_, radius_); }
 
 std::vector<Vec2> convex_hull_2d(std::span<const Vec2> points) {
   std::vector<Vec2> p(points.begin(), points.end());

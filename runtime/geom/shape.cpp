@@ -20,13 +20,9 @@ int Shape::face(const Vec3& direction, Vec3* points) const {
 
 void Shape::triangles_in(const Aabb&, void (*)(void*, std::uint32_t), void*) const {}
 
-Triangle Shape::triangle(std::uint32_t) const {
-  return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-}
+Triangle Shape::triangle(std::uint32_t) const { return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}; }
 
-ShapePtr Shape::section() const {
-  throw SceneError(std::string("shape: a ") + kind_ + " has no 2D section");
-}
+ShapePtr Shape::section() const { throw SceneError(std::string("shape: a ") + kind_ + " has no 2D section"); }
 
 MassProperties transformed(const MassProperties& m, const Pose& pose) {
   const Mat3 r = to_matrix(pose.rotation);

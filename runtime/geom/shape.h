@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/math.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
 
 namespace feder {
 

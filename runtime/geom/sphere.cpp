@@ -35,9 +35,7 @@ class Sphere final : public Shape {
 
 }  // namespace
 
-ShapePtr make_sphere(Real radius) {
-  return std::make_shared<Sphere>(positive_size(radius, "sphere", "radius"));
-}
+ShapePtr make_sphere(Real radius) { return std::make_shared<Sphere>(positive_size(radius, "sphere", "radius")); }
 
 ShapeKind geom_sphere() {
   return {"sphere", [] { return std::vector<ShapePtr>{make_sphere(1), make_sphere(Real(0.01))}; }};

@@ -35,8 +35,12 @@ class Bdf2 final : public Integrator {
   Bdf2(Arena& a, const Params& p) : Integrator(a), x_(&a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 2, .implicit = true,
-            .l_stable = true, .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    return {.order = 2,
+            .stability_limit = static_cast<double>(kInfinity),
+            .evals_per_step = 2,
+            .implicit = true,
+            .l_stable = true,
+            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {

@@ -12,7 +12,10 @@ class ExplicitEuler final : public Integrator {
 
   IntegratorInfo info() const override {
     static constexpr double kPolynomial[] = {1, 1};
-    return {.order = 1, .stability_limit = 0, .evals_per_step = 1, .damped_limit = damped_limit,
+    return {.order = 1,
+            .stability_limit = 0,
+            .evals_per_step = 1,
+            .damped_limit = damped_limit,
             .stability_polynomial = kPolynomial};
   }
 

@@ -19,8 +19,12 @@ class Exponential final : public Integrator {
         x_(&a), v_(&a), b_x_(&a), b_v_(&a), ramp_(&a), dx_(&a), flow_(a) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 2, .implicit = true,
-            .exact_linear = true, .effort_option = "max_parts",
+    return {.order = 2,
+            .stability_limit = static_cast<double>(kInfinity),
+            .evals_per_step = 2,
+            .implicit = true,
+            .exact_linear = true,
+            .effort_option = "max_parts",
             .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
   }
 

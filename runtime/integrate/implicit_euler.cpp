@@ -11,8 +11,12 @@ class ImplicitEuler final : public Integrator {
   ImplicitEuler(Arena& a, const Params& p) : Integrator(a), x_(&a), v_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 1, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 2, .implicit = true,
-            .l_stable = true, .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    return {.order = 1,
+            .stability_limit = static_cast<double>(kInfinity),
+            .evals_per_step = 2,
+            .implicit = true,
+            .l_stable = true,
+            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
@@ -31,10 +35,9 @@ class ImplicitEuler final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_implicit_euler() {
-  return {"implicit_euler", "order 1, stable at any step and stiffness; damps; Newton with a sparse solve",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> {
-            return std::make_unique<ImplicitEuler>(a, p);
-          }};
+  return {
+      "implicit_euler", "order 1, stable at any step and stiffness; damps; Newton with a sparse solve",
+      [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<ImplicitEuler>(a, p); }};
 }
 
 }  // namespace feder

@@ -13,8 +13,12 @@ class ImplicitMidpoint final : public Integrator {
   ImplicitMidpoint(Arena& a, const Params& p) : Integrator(a), x_(&a), v_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 2, .implicit = true,
-            .symplectic = true, .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    return {.order = 2,
+            .stability_limit = static_cast<double>(kInfinity),
+            .evals_per_step = 2,
+            .implicit = true,
+            .symplectic = true,
+            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {

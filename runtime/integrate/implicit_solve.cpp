@@ -18,12 +18,13 @@ constexpr bool kFloat = sizeof(Real) == 4;
 constexpr double kNewtonTolerance = kFloat ? 1e-4 : 1e-9;  // residual against the step's first one
 constexpr double kLinearTolerance = kFloat ? 1e-6 : 1e-11;
 constexpr Real kNothing = Real(1e-30);  // m; float loses precision below 1e-38 / kEpsilon
-// units of the largest coordinate's last place: an update that need not follow; one that is no miss after the last step,
-// since the rounding of stiff springs in a row adds up and updates of 5 to 7 units go on for ever in a chain of ten
+// units of the largest coordinate's last place: an update that need not follow; one that is no miss after the last
+// step, since the rounding of stiff springs in a row adds up and updates of 5 to 7 units go on for ever in a chain of
+// ten
 constexpr Real kStop = 4, kNoMiss = 8;
 constexpr int kMaxHalvings = 4;
-constexpr std::uint64_t kLdlFloor = 20000;     // block products that are cheap at any size
-constexpr std::uint64_t kLdlPerBlock = 60;     // a hard conjugate-gradient solve multiplies each block that often
+constexpr std::uint64_t kLdlFloor = 20000;  // block products that are cheap at any size
+constexpr std::uint64_t kLdlPerBlock = 60;  // a hard conjugate-gradient solve multiplies each block that often
 constexpr std::uint64_t kLdlNoBound = ~std::uint64_t{0};
 
 }  // namespace
@@ -53,8 +54,7 @@ void ImplicitMatrix::assemble(ForceField& field, double t, Real g, std::span<con
   field.jacobian(x, v, t, k_, d_);
   ++stats.jacobian_evals;
   const double by_d = -static_cast<double>(g), by_k = -by_d * by_d;
-  for (std::size_t k = 0; k < a_.off.size(); ++k)
-    a_.off[k] = by_k * k_.off[k] + by_d * d_.off[k];
+  for (std::size_t k = 0; k < a_.off.size(); ++k) a_.off[k] = by_k * k_.off[k] + by_d * d_.off[k];
   const std::span<const Real> mass = field.mass();
   for (std::size_t i = 0; i < a_.diagonal.size(); ++i) {
     Mat3d& m = a_.diagonal[i];

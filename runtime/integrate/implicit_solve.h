@@ -38,12 +38,12 @@ class ImplicitMatrix {
 
 // One implicit stage: finds v with
 //   M (v - v_star) = g f(x + x_past + g v, v, t);   the new position is x + x_past + g v.
-// implicit Euler: v_star = v before, g = h, x_past only the low part of x; implicit midpoint: g = h/2; BDF2 and TR-BDF2:
-// x_past and v_star collect the past. x_past and g v are added first: together they are small beside x.
+// implicit Euler: v_star = v before, g = h, x_past only the low part of x; implicit midpoint: g = h/2; BDF2 and
+// TR-BDF2: x_past and v_star collect the past. x_past and g v are added first: together they are small beside x.
 struct StageProblem {
-  double t = 0;                     // s, of the force
-  Real g = 0;                       // s
-  std::span<const Vec3> x;          // m, the state before, where the first Newton step linearises
+  double t = 0;                          // s, of the force
+  Real g = 0;                            // s
+  std::span<const Vec3> x;               // m, the state before, where the first Newton step linearises
   std::span<const Vec3> x_past, v_star;  // x_past is zero for pinned points, but for low parts
 };
 

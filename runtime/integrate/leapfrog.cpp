@@ -13,8 +13,9 @@ class Leapfrog final : public Integrator {
   explicit Leapfrog(Arena& a) : Integrator(a), kick_(a) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2, .stability_limit = 2, .evals_per_step = 1, .symplectic = true,
-            .damped_limit = [](double) { return 2.0; }};
+    return {.order = 2, .stability_limit = 2, .evals_per_step = 1, .symplectic = true, .damped_limit = [](double) {
+              return 2.0;
+            }};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {

@@ -19,7 +19,7 @@ constexpr int kSmall = kMaxBasis + 2;
 constexpr double kTolerance = sizeof(Real) == 4 ? 1e-7 : 1e-13;
 constexpr double kHopeless = 0.1;  // error of the smallest part, relative: more such parts would not be better than one
 constexpr double kNothing = 1e-140;  // norms whose squares have all digits are above that; what is below does not move
-constexpr double kClosed = 1e-14;  // what is left of a vector, relative, when the space is invariant
+constexpr double kClosed = 1e-14;    // what is left of a vector, relative, when the space is invariant
 
 // c = a b, row-major n x n
 void multiply(const double* a, const double* b, double* c, int n) {

@@ -24,9 +24,9 @@ class LinearFlow {
  private:
   struct Basis {
     std::size_t n;
-    int size;           // vectors
-    double beta;        // norm of the start vector
-    bool closed;        // the space is invariant: the flow in it is exact
+    int size;     // vectors
+    double beta;  // norm of the start vector
+    bool closed;  // the space is invariant: the flow in it is exact
   };
   void apply(std::span<const Vec3d> x, std::span<const Vec3d> v, std::span<Vec3d> out) const;
   void weigh(std::span<const Vec3d> x, std::span<Vec3d> out) const;

@@ -10,10 +10,10 @@ class Rk4 final : public Integrator {
  public:
   explicit Rk4(Arena& a) : Integrator(a), force_(&a), x_(&a), v_(&a), x_sum_(&a), v_sum_(&a) {}
 
-  IntegratorInfo info() const override { 
+  IntegratorInfo info() const override {
     static constexpr double kPolynomial[] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24};
-    return {.order = 4, .stability_limit = 2.8284271247461903, .evals_per_step = 4,
-            .stability_polynomial = kPolynomial};
+    return {
+        .order = 4, .stability_limit = 2.8284271247461903, .evals_per_step = 4, .stability_polynomial = kPolynomial};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {

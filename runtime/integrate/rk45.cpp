@@ -39,7 +39,10 @@ class Rk45 final : public Integrator {
 
   IntegratorInfo info() const override {
     static constexpr double kPolynomial[] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 600};
-    return {.order = 5, .stability_limit = 0.997189008632, .evals_per_step = 7, .adaptive = adaptive_,
+    return {.order = 5,
+            .stability_limit = 0.997189008632,
+            .evals_per_step = 7,
+            .adaptive = adaptive_,
             .effort_option = "max_steps",
             .stability_polynomial = kPolynomial};
   }
@@ -53,13 +56,13 @@ class Rk45 final : public Integrator {
     bool missed = false;
     while (done < whole) {
       const double rest = whole - done;
-      const double smallest = ++tries <= max_steps_ / 2 ? kSmallest * whole
-                                                        : rest / std::max(1, max_steps_ + 1 - tries);
+      const double smallest =
+          ++tries <= max_steps_ / 2 ? kSmallest * whole : rest / std::max(1, max_steps_ + 1 - tries);
       double size = std::min(std::max(next, smallest), rest);
       if (rest - size < 0.01 * size) size = rest;  // no crumbs
-      const double error = adaptive_ ? pair_.attempt(field, t + done, static_cast<Real>(size), x, low, v,
-                                                     absolute_, tolerance_, stats)
-                                     : whole_step(field, t, h, x, low, v);
+      const double error =
+          adaptive_ ? pair_.attempt(field, t + done, static_cast<Real>(size), x, low, v, absolute_, tolerance_, stats)
+                    : whole_step(field, t, h, x, low, v);
       const bool good = error <= 1, stuck = size <= smallest;
       if (!good && !stuck) {
         ++stats.rejected;

@@ -2,9 +2,8 @@
 
 namespace feder {
 
-void RungeKutta::evaluate(ForceField& field, double t, Real h, std::span<const Vec3> x,
-                          std::span<const Vec3> low, std::span<const Vec3> v, int first, int last,
-                          IntegratorStats& stats) {
+void RungeKutta::evaluate(ForceField& field, double t, Real h, std::span<const Vec3> x, std::span<const Vec3> low,
+                          std::span<const Vec3> v, int first, int last, IntegratorStats& stats) {
   const std::size_t n = x.size(), stages = static_cast<std::size_t>(tableau_.stages);
   force_.resize(n), x_.resize(n), v_.resize(n), slope_x_.resize(n * stages), slope_v_.resize(n * stages);
   const std::span<const Real> inv_mass = field.inv_mass();

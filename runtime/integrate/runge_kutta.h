@@ -7,7 +7,7 @@ namespace feder {
 // Butcher tableau. Row s of `coupling` (stages x stages, row-major) weighs the slopes of the stages before s.
 struct Tableau {
   int stages;
-  const double* reach;     // stage s is evaluated at t + reach[s] h
+  const double* reach;  // stage s is evaluated at t + reach[s] h
   const double* coupling;
   const double* weights;
 };
@@ -15,7 +15,8 @@ struct Tableau {
 class RungeKutta {
  public:
   static constexpr int kMostStages = 8;
-  RungeKutta(Arena& a, const Tableau& t) : tableau_(t), force_(&a), x_(&a), low_(&a), v_(&a), slope_x_(&a), slope_v_(&a) {}
+  RungeKutta(Arena& a, const Tableau& t)
+      : tableau_(t), force_(&a), x_(&a), low_(&a), v_(&a), slope_x_(&a), slope_v_(&a) {}
 
   // The slopes of stages first .. last-1 from (x + low, v); those before `first` are there already. The state at which
   // the last one was evaluated stays readable below. Pinned points have no slope.

@@ -22,8 +22,11 @@ class SymplecticEuler final : public Integrator {
  public:
   SymplecticEuler(Arena& a, const Params& p) : Integrator(a), damping_(damping_option(p)), kick_(a) {}
 
-  IntegratorInfo info() const override { 
-    return {.order = 1, .stability_limit = 2, .evals_per_step = 1, .symplectic = true,
+  IntegratorInfo info() const override {
+    return {.order = 1,
+            .stability_limit = 2,
+            .evals_per_step = 1,
+            .symplectic = true,
             .damped_limit = damping_ == Damping::plain ? explicit_limit : implicit_limit};
   }
 
@@ -47,10 +50,9 @@ class SymplecticEuler final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_symplectic_euler() {
-  return {"symplectic_euler", "order 1, one force evaluation, keeps energy in the mean; stiff damping implicit",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> {
-            return std::make_unique<SymplecticEuler>(a, p);
-          }};
+  return {
+      "symplectic_euler", "order 1, one force evaluation, keeps energy in the mean; stiff damping implicit",
+      [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<SymplecticEuler>(a, p); }};
 }
 
 }  // namespace feder

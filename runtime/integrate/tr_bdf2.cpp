@@ -10,8 +10,8 @@ namespace feder {
 namespace {
 
 constexpr double kGamma = 2 - 1.4142135623730950488;
-constexpr double kMiddle = 1 / (kGamma * (2 - kGamma));                             // weight of the middle state
-constexpr double kStart = (1 - kGamma) * (1 - kGamma) / (kGamma * (2 - kGamma));    // and of the start, subtracted
+constexpr double kMiddle = 1 / (kGamma * (2 - kGamma));                           // weight of the middle state
+constexpr double kStart = (1 - kGamma) * (1 - kGamma) / (kGamma * (2 - kGamma));  // and of the start, subtracted
 
 class TrBdf2 final : public Integrator {
  public:
@@ -19,8 +19,12 @@ class TrBdf2 final : public Integrator {
       : Integrator(a), force_(&a), x_(&a), v_(&a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2, .stability_limit = static_cast<double>(kInfinity), .evals_per_step = 5, .implicit = true,
-            .l_stable = true, .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    return {.order = 2,
+            .stability_limit = static_cast<double>(kInfinity),
+            .evals_per_step = 5,
+            .implicit = true,
+            .l_stable = true,
+            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {

@@ -53,7 +53,10 @@ class Yoshida4 final : public Integrator {
   Yoshida4(Arena& a, const Params& p) : Integrator(a), symmetric_(damping_option(p)), kick_(a) {}
 
   IntegratorInfo info() const override {
-    return {.order = 4, .stability_limit = 1.57340194743454, .evals_per_step = 6, .symplectic = true,
+    return {.order = 4,
+            .stability_limit = 1.57340194743454,
+            .evals_per_step = 6,
+            .symplectic = true,
             .damped_limit = symmetric_ ? symmetric_limit : explicit_limit};
   }
 

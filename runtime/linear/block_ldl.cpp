@@ -177,8 +177,7 @@ void BlockLdl::solve(std::span<const Vec3> b, std::span<const Real> free, std::s
     for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) work_[row_[q]].noalias() -= block_[q] * work_[j];
   for (std::uint32_t j = n; j-- > 0;) {
     Vec3d sum = solve_block(factor_[j], work_[j]);
-    for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q)
-      sum.noalias() -= block_[q].transpose() * work_[row_[q]];
+    for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) sum.noalias() -= block_[q].transpose() * work_[row_[q]];
     work_[j] = sum;
     x[point_[j]] = sum.cast<Real>();
   }

@@ -20,7 +20,7 @@ struct BlockSparse {
   explicit BlockSparse(Arena& a) : index(&a), off(&a), diagonal(&a) {}
 
   Array<BlockIndex> index;
-  Array<Mat3d> off;      // by `index`: block (i, j); block (j, i) is its transpose
+  Array<Mat3d> off;  // by `index`: block (i, j); block (j, i) is its transpose
   Array<Mat3d> diagonal;
 
   // Allocates only when the pattern outgrows every earlier one. All blocks become zero.

@@ -262,8 +262,6 @@ int box_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
 
 }  // namespace
 
-PairRow narrow_box_box() {
-  return {"box", "box", box_box};
-}
+PairRow narrow_box_box() { return {"box", "box", box_box}; }
 
 }  // namespace feder

@@ -63,8 +63,6 @@ int capsule_capsule(const Shape& shape_a, const Pose& pose_a, const Shape& shape
 
 }  // namespace
 
-PairRow narrow_capsule_capsule() {
-  return {"capsule", "capsule", capsule_capsule};
-}
+PairRow narrow_capsule_capsule() { return {"capsule", "capsule", capsule_capsule}; }
 
 }  // namespace feder

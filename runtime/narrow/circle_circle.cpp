@@ -15,8 +15,6 @@ int circle_circle(const Shape& a, const Pose& pose_a, const Shape& b, const Pose
 
 }  // namespace
 
-PairRow narrow_circle_circle() {
-  return {"circle", "circle", circle_circle};
-}
+PairRow narrow_circle_circle() { return {"circle", "circle", circle_circle}; }
 
 }  // namespace feder

@@ -44,8 +44,6 @@ int circle_polygon(const Shape& a, const Pose& pose_a, const Shape& b, const Pos
 
 }  // namespace
 
-PairRow narrow_circle_polygon() {
-  return {"circle", "polygon", circle_polygon};
-}
+PairRow narrow_circle_polygon() { return {"circle", "polygon", circle_polygon}; }
 
 }  // namespace feder

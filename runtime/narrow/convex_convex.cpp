@@ -42,8 +42,6 @@ int convex_convex(const Shape& a, const Pose& pose_a, const Shape& b, const Pose
 
 }  // namespace
 
-PairRow narrow_convex_convex() {
-  return {"convex", "convex", convex_convex};
-}
+PairRow narrow_convex_convex() { return {"convex", "convex", convex_convex}; }
 
 }  // namespace feder

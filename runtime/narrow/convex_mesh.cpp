@@ -186,8 +186,6 @@ int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& 
 
 }  // namespace
 
-PairRow narrow_convex_mesh() {
-  return {"convex", "mesh", convex_mesh};
-}
+PairRow narrow_convex_mesh() { return {"convex", "mesh", convex_mesh}; }
 
 }  // namespace feder

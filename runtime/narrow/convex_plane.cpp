@@ -41,8 +41,6 @@ int convex_plane(const Shape& a, const Pose& pose_a, const Shape& b, const Pose&
 
 }  // namespace
 
-PairRow narrow_convex_plane() {
-  return {"convex", "plane", convex_plane};
-}
+PairRow narrow_convex_plane() { return {"convex", "plane", convex_plane}; }
 
 }  // namespace feder

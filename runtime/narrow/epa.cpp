@@ -64,9 +64,7 @@ bool widen(const ConvexPair& pair, Polytope& p, const Double3& axis) {
   return true;
 }
 
-Double3 unit(const Double3& d) {
-  return (1 / length(d)) * d;
-}
+Double3 unit(const Double3& d) { return (1 / length(d)) * d; }
 
 Double3 across(const Double3& d) {
   const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);

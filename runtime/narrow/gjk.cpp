@@ -80,17 +80,10 @@ bool nearest_on_tetrahedron(Simplex& s) {
 // False when the simplex holds the origin.
 bool reduce_to_nearest(Simplex& s) {
   switch (s.count) {
-    case 1:
-      s.weight[0] = 1;
-      return true;
-    case 2:
-      nearest_on_edge(s, 0, 1);
-      return true;
-    case 3:
-      nearest_on_triangle(s, 0, 1, 2);
-      return true;
-    default:
-      return nearest_on_tetrahedron(s);
+    case 1: s.weight[0] = 1; return true;
+    case 2: nearest_on_edge(s, 0, 1); return true;
+    case 3: nearest_on_triangle(s, 0, 1, 2); return true;
+    default: return nearest_on_tetrahedron(s);
   }
 }
 

@@ -23,18 +23,14 @@ std::vector<KindTraits> kind_traits() {
   return traits;
 }
 
-bool family(const char* word) {
-  return !std::strcmp(word, "convex");
-}
+bool family(const char* word) { return !std::strcmp(word, "convex"); }
 
 bool matches(const char* word, const KindTraits& kind) {
   return family(word) ? kind.convex : !std::strcmp(word, kind.name);
 }
 
 // How exactly a row names its pair: 0 by families only, 2 by both kinds.
-int precision(const PairRow& row) {
-  return int(!family(row.kind_a)) + int(!family(row.kind_b));
-}
+int precision(const PairRow& row) { return int(!family(row.kind_a)) + int(!family(row.kind_b)); }
 
 bool should_touch(const KindTraits& a, const KindTraits& b) {
   if (!a.whole || !b.whole) return false;

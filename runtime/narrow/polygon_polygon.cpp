@@ -58,8 +58,6 @@ int polygon_polygon(const Shape& a, const Pose& pose_a, const Shape& b, const Po
 
 }  // namespace
 
-PairRow narrow_polygon_polygon() {
-  return {"polygon", "polygon", polygon_polygon};
-}
+PairRow narrow_polygon_polygon() { return {"polygon", "polygon", polygon_polygon}; }
 
 }  // namespace feder

@@ -10,9 +10,7 @@ namespace {
 constexpr int kMaxAdvances = 64;
 constexpr double kTouch = 1e-5;  // of the moving shape's size: as near as this is a hit
 
-Double3 to_world(const Pose& p, const Double3& v) {
-  return wide(p.position) + wide(rotate(p.rotation, narrow(v)));
-}
+Double3 to_world(const Pose& p, const Double3& v) { return wide(p.position) + wide(rotate(p.rotation, narrow(v))); }
 
 // Sweeps a against one convex b; keeps the hit when it is earlier than hit.fraction.
 bool cast_convex(const Convex& a, const Pose& pose_a, const Vec3& motion, Real size, const Convex& b,

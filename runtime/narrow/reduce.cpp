@@ -8,9 +8,7 @@ namespace {
 // Relative to the size of the patch: how much deeper a later point must be to be called the deepest.
 constexpr Real kSameDepth = Real(2e-5);
 
-Real area(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& n) {
-  return dot(cross(b - a, c - a), n);
-}
+Real area(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& n) { return dot(cross(b - a, c - a), n); }
 
 }  // namespace
 

@@ -42,8 +42,6 @@ int sphere_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
 
 }  // namespace
 
-PairRow narrow_sphere_box() {
-  return {"sphere", "box", sphere_box};
-}
+PairRow narrow_sphere_box() { return {"sphere", "box", sphere_box}; }
 
 }  // namespace feder

@@ -17,8 +17,6 @@ int sphere_capsule(const Shape& a, const Pose& pose_a, const Shape& b, const Pos
 
 }  // namespace
 
-PairRow narrow_sphere_capsule() {
-  return {"sphere", "capsule", sphere_capsule};
-}
+PairRow narrow_sphere_capsule() { return {"sphere", "capsule", sphere_capsule}; }
 
 }  // namespace feder

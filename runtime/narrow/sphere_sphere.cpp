@@ -15,8 +15,6 @@ int sphere_sphere(const Shape& a, const Pose& pose_a, const Shape& b, const Pose
 
 }  // namespace
 
-PairRow narrow_sphere_sphere() {
-  return {"sphere", "sphere", sphere_sphere};
-}
+PairRow narrow_sphere_sphere() { return {"sphere", "sphere", sphere_sphere}; }
 
 }  // namespace feder

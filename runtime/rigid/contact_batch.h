@@ -17,26 +17,26 @@ struct BatchPoint {
 struct ContactBatch {
   unsigned mover_a[kLanes], mover_b[kLanes];  // solver indices; 0 = world
   unsigned points;                            // the largest point count of the lanes
-  unsigned rounds;  // there and back over the points per pass: more when a lane has no warm start
-  unsigned writes_a, writes_b;                // bit per lane: the mover can be pushed
-  Lane8x3 normal;                             // a to b
+  unsigned rounds;              // there and back over the points per pass: more when a lane has no warm start
+  unsigned writes_a, writes_b;  // bit per lane: the mover can be pushed
+  Lane8x3 normal;               // a to b
   BatchPoint point[kBatchPoints];
-  Lane8 coupling[6];                          // between points 01 02 03 12 13 23, 1/kg
-  Lane8x3 inv_mass_a, inv_mass_b;             // by world axis, 1/kg
-  Lane8 inv_inertia_a[6], inv_inertia_b[6];   // xx yy zz xy xz yz, 1/(kg m^2)
-  Lane8 against_fixed;                        // 1: one side cannot move, else 0
+  Lane8 coupling[6];                         // between points 01 02 03 12 13 23, 1/kg
+  Lane8x3 inv_mass_a, inv_mass_b;            // by world axis, 1/kg
+  Lane8 inv_inertia_a[6], inv_inertia_b[6];  // xx yy zz xy xz yz, 1/(kg m^2)
+  Lane8 against_fixed;                       // 1: one side cannot move, else 0
   Lane8 leak, leak_mean;  // part of a point's own impulse, and of the sum, lost in a visit; `leak` is until `prepare`
                           // by how much the pair is softer than alone
   Lane8 over;             // over-relaxation
   // friction at the manifold's centre
-  Lane8x3 center_a, center_b;                 // arms, m
-  Lane8x3 tangent;                            // first of tangent_frame(normal); the second is normal x tangent
-  Lane8 tangent_mass[3];                      // inverse of the 2x2 matrix: 11 12 22, kg
-  Lane8 tangent_impulse[2];                   // N s
-  Lane8 tangent_speed[2];                     // wanted, m/s (conveyor)
-  Lane8 twist_mass, twist_impulse;            // kg m^2, N m s
+  Lane8x3 center_a, center_b;       // arms, m
+  Lane8x3 tangent;                  // first of tangent_frame(normal); the second is normal x tangent
+  Lane8 tangent_mass[3];            // inverse of the 2x2 matrix: 11 12 22, kg
+  Lane8 tangent_impulse[2];         // N s
+  Lane8 tangent_speed[2];           // wanted, m/s (conveyor)
+  Lane8 twist_mass, twist_impulse;  // kg m^2, N m s
   Lane8 friction_static, friction_dynamic;
-  Lane8 radius[kBatchPoints];                 // distance of the points from the centre, m
+  Lane8 radius[kBatchPoints];  // distance of the points from the centre, m
 };
 
 // What the inner loops rarely need.
@@ -44,12 +44,12 @@ struct BatchSide {
   Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s
   Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s
   Lane8 restitution;
-  Lane8 lands;                   // 1: new, or along gravity; else 0
-  unsigned bounces;              // some lane has restitution
-  unsigned rolls;                // some lane has rolling friction
-  Lane8 rolling_arm;             // m
-  Lane8 rolling_mass[6];         // inverse of the sum of the inverse inertias, kg m^2
-  Lane8x3 rolling_impulse;       // N m s
+  Lane8 lands;              // 1: new, or along gravity; else 0
+  unsigned bounces;         // some lane has restitution
+  unsigned rolls;           // some lane has rolling friction
+  Lane8 rolling_arm;        // m
+  Lane8 rolling_mass[6];    // inverse of the sum of the inverse inertias, kg m^2
+  Lane8x3 rolling_impulse;  // N m s
 };
 
 // A mover's mass in the order the kernels want: 16 numbers.
@@ -66,8 +66,8 @@ struct SoftFactors {
 struct ContactPass {
   ContactBatch* batches;
   BatchSide* sides;
-  unsigned first, last;      // range of batches
-  WideReal* movers;          // MoverState as 16 numbers each
+  unsigned first, last;  // range of batches
+  WideReal* movers;      // MoverState as 16 numbers each
   const WideMass* masses;
   WideReal h, inv_h;
   SoftFactors soft, soft_fixed;  // between movers; against something that cannot move
@@ -79,9 +79,9 @@ struct ContactPass {
 struct ContactKernels {
   void (*prepare)(const ContactPass&);
   void (*warm_start)(const ContactPass&);
-  void (*release)(const ContactPass&);     // warm start of bouncing contacts taken back
-  void (*solve)(const ContactPass&);       // with bias, without friction
-  void (*relax)(const ContactPass&);       // without bias; friction, twist, rolling
+  void (*release)(const ContactPass&);  // warm start of bouncing contacts taken back
+  void (*solve)(const ContactPass&);    // with bias, without friction
+  void (*relax)(const ContactPass&);    // without bias; friction, twist, rolling
   void (*restitution)(const ContactPass&);
 };
 

@@ -14,15 +14,15 @@ namespace {
 
 using namespace lanes;
 
-constexpr int kStride = 16;  // numbers per mover
-constexpr unsigned kColdRounds = 4;        // what lands flat settles within 1e-3 of its rotation-free answer
-constexpr unsigned kLoadRounds = 16;       // a cube whose load comes at once: 0.6 of the rest is left by each
-constexpr WideReal kLoadPart = 0.02f;      // of the static limit: friction that changes by less is settled
-constexpr WideReal kLightPart = 0.2f;      // of the static limit: less friction is not worth rounds (a rod needs 1/4)
-constexpr WideReal kSlip = 2;              // times the static limit: what would stop a manifold that slides
-constexpr WideReal kColdSpeed = 0.001f;    // m/s; a contact without warm start that closes faster is landing
-constexpr WideReal kOver = 1.3f;           // over-relaxation (Young 1954) of what rests: towers of 60 lean without it
-constexpr WideReal kTilt = 1.75f;          // compliance against tilting over that against pushing; see prepare_normals
+constexpr int kStride = 16;              // numbers per mover
+constexpr unsigned kColdRounds = 4;      // what lands flat settles within 1e-3 of its rotation-free answer
+constexpr unsigned kLoadRounds = 16;     // a cube whose load comes at once: 0.6 of the rest is left by each
+constexpr WideReal kLoadPart = 0.02f;    // of the static limit: friction that changes by less is settled
+constexpr WideReal kLightPart = 0.2f;    // of the static limit: less friction is not worth rounds (a rod needs 1/4)
+constexpr WideReal kSlip = 2;            // times the static limit: what would stop a manifold that slides
+constexpr WideReal kColdSpeed = 0.001f;  // m/s; a contact without warm start that closes faster is landing
+constexpr WideReal kOver = 1.3f;         // over-relaxation (Young 1954) of what rests: towers of 60 lean without it
+constexpr WideReal kTilt = 1.75f;        // compliance against tilting over that against pushing; see prepare_normals
 
 // Symmetric matrix times vector.
 [[gnu::always_inline]] inline Lanes3 times(const Lane8* m, const Lanes3& a) {
@@ -224,8 +224,8 @@ void prepare_batches(const ContactPass& p) {
       closing = max(closing, -approach);
     }
     // what bias has pushed through a stack, one pass takes back; an impact is over when it is met
-    store(c.over, select((load(c.against_fixed) > zero_lanes()) | ~(warm > zero_lanes()), all_lanes(1),
-                         all_lanes(kOver)));
+    store(c.over,
+          select((load(c.against_fixed) > zero_lanes()) | ~(warm > zero_lanes()), all_lanes(1), all_lanes(kOver)));
     Lane8 landing;
     store(landing, select(warm > zero_lanes(), zero_lanes(), closing));
     c.rounds = 1;
@@ -271,8 +271,8 @@ void release_batches(const ContactPass& p) {
     if (!side.bounces) continue;
     Lanes nearest = zero;
     for (unsigned j = 0; j < c.points; ++j) nearest = min(nearest, load(side.approach[j]));
-    const Lanes hit = select(nearest < all_lanes(-p.bounce_speed), one, zero) *
-                      select(load(side.restitution) > zero, one, zero);
+    const Lanes hit =
+        select(nearest < all_lanes(-p.bounce_speed), one, zero) * select(load(side.restitution) > zero, one, zero);
     const Lanes kept = one - hit;
     Sides s;
     gather_velocity(p, c, s);
@@ -323,8 +323,7 @@ template <bool kBiased>
     const Lanes change = now - old;
     store(q.impulse, now);
     if constexpr (kBiased) all += change;
-    for (unsigned k = 0; k < known; ++k)
-      speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
+    for (unsigned k = 0; k < known; ++k) speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
   };
   // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it. What is
   // left points from the first corner to the opposite one: passes begin at them in turn, so that it cancels

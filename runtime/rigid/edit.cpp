@@ -229,8 +229,12 @@ Rigid::JointInfo Rigid::joint_info(ObjectId joint) const {
   const std::uint32_t j = impl_->joint_index(joint);
   const JointInput in = impl_->joint_input(j);
   const Pose a = in.a * in.joint->frame_a, b = in.b * in.joint->frame_b;
-  return {impl_->joints[j].kind, impl_->records[j].a,   impl_->records[j].b,
-          a.position,            b.position,            rotate(a.rotation, vec3(1, 0, 0))};
+  return {impl_->joints[j].kind,
+          impl_->records[j].a,
+          impl_->records[j].b,
+          a.position,
+          b.position,
+          rotate(a.rotation, vec3(1, 0, 0))};
 }
 
 }  // namespace feder

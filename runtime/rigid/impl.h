@@ -123,16 +123,16 @@ struct Rigid::Impl {
   std::unique_ptr<RigidSolver> solver;
 
   // per body, beside Bodies
-  Array<Real> volume;                 // m^3
-  Array<Real> area;                   // cross-section of the sphere of that volume, m^2
-  Array<std::uint8_t> spins;          // moments of inertia differ: angular momentum is integrated
-  Array<Vec3> kept_momentum;          // angular momentum at the end of the last step, N m s, and the velocity it gave:
-  Array<Vec3> kept_spin;              // while nobody changed that, the momentum goes on without rounding
-  Array<std::uint8_t> calm;           // slow enough to sleep (two thresholds)
+  Array<Real> volume;         // m^3
+  Array<Real> area;           // cross-section of the sphere of that volume, m^2
+  Array<std::uint8_t> spins;  // moments of inertia differ: angular momentum is integrated
+  Array<Vec3> kept_momentum;  // angular momentum at the end of the last step, N m s, and the velocity it gave:
+  Array<Vec3> kept_spin;      // while nobody changed that, the momentum goes on without rounding
+  Array<std::uint8_t> calm;   // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island;  // ring of a sleeping island
-  Array<std::uint32_t> parent;        // union-find
-  Array<Real> pace;                   // kinetic energy per mass at the end of the last step, m^2/s^2
-  Array<std::uint64_t> edited_step;   // in which a script moved it, or changed what it is joined to
+  Array<std::uint32_t> parent;          // union-find
+  Array<Real> pace;                     // kinetic energy per mass at the end of the last step, m^2/s^2
+  Array<std::uint64_t> edited_step;     // in which a script moved it, or changed what it is joined to
   Array<double> island_before, island_after, island_given, island_mass, island_drive;  // by root; watch.cpp
 
   // joints, by joint index
@@ -140,29 +140,29 @@ struct Rigid::Impl {
   Array<JointRecord> records;
   Array<std::uint32_t> free_joints;
   std::uint32_t joint_count = 0;
-  mutable Array<Row> rows;            // for questions about joints
+  mutable Array<Row> rows;  // for questions about joints
   mutable Array<RowBlock> blocks;
-  Real last_h = Real(1) / 240;        // s
+  Real last_h = Real(1) / 240;  // s
 
   // this step
-  Array<std::uint32_t> moving;        // awake dynamic and kinematic bodies, ascending; mover = place + 1
+  Array<std::uint32_t> moving;  // awake dynamic and kinematic bodies, ascending; mover = place + 1
   bool list_stale = true;
   Array<Vec3> applied_force, applied_torque;  // by place, N and N m
-  Array<Vec3> angular_momentum;       // by place, of bodies that spin, N m s
-  Array<Vec3> given_spin;             // what the velocity row left there, rad/s
-  Array<JointedBody> jointed;         // by solver index; empty without joints
-  Array<std::uint8_t> bad;            // by place: not finite
-  Array<MassPoint> points;            // for force generators
+  Array<Vec3> angular_momentum;               // by place, of bodies that spin, N m s
+  Array<Vec3> given_spin;                     // what the velocity row left there, rad/s
+  Array<JointedBody> jointed;                 // by solver index; empty without joints
+  Array<std::uint8_t> bad;                    // by place: not finite
+  Array<MassPoint> points;                    // for force generators
   Array<Vec3> point_force;
   Array<std::uint32_t> point_place;
   std::uint32_t body_count = 0, sleeping_count = 0;
-  std::size_t force_count = 0;        // forces known when the rows were made
-  bool cap_warned = false;            // the warning about the iteration limit was raised
-  bool poses_stale = false;           // collider poses are those of the start of the last step
+  std::size_t force_count = 0;  // forces known when the rows were made
+  bool cap_warned = false;      // the warning about the iteration limit was raised
+  bool poses_stale = false;     // collider poses are those of the start of the last step
   bool any_calm = false;
-  bool any_jump = false;              // a body is faster than the watchdog lets pass unseen
-  std::uint64_t now = 0;              // the step that comes
-  bool warned_far = false;            // that motion gets lost far from the origin was said
+  bool any_jump = false;    // a body is faster than the watchdog lets pass unseen
+  std::uint64_t now = 0;    // the step that comes
+  bool warned_far = false;  // that motion gets lost far from the origin was said
 };
 
 // SceneError unless `x` is finite and in [lo, hi].

@@ -77,19 +77,19 @@ class ImpulseSolver final : public RigidSolver {
   int pops_per_node_;
   std::uint64_t capped_ = 0;
 
-  Array<ImpulseBody> bodies_;        // by solver index
-  Array<ImpulseContact> contacts_;   // nodes [0, contacts)
-  Array<ImpulseJoint> joints_;       // nodes after the contacts
+  Array<ImpulseBody> bodies_;       // by solver index
+  Array<ImpulseContact> contacts_;  // nodes [0, contacts)
+  Array<ImpulseJoint> joints_;      // nodes after the contacts
   Array<Row> rows_, spare_rows_;
   Array<RowBlock> blocks_, spare_blocks_;
-  Array<ImpulseBlock> factors_;      // by block
-  JointTrees trees_;                 // stiff joints without loops
-  Array<Real> tree_bias_, tree_step_;  // by row
-  Array<Mat3> tree_inertia_;           // inverse, by solver index
-  Array<std::uint32_t> parent_, island_of_;          // by solver index
-  Array<std::uint32_t> node_island_, order_;         // by node; places -> nodes
+  Array<ImpulseBlock> factors_;               // by block
+  JointTrees trees_;                          // stiff joints without loops
+  Array<Real> tree_bias_, tree_step_;         // by row
+  Array<Mat3> tree_inertia_;                  // inverse, by solver index
+  Array<std::uint32_t> parent_, island_of_;   // by solver index
+  Array<std::uint32_t> node_island_, order_;  // by node; places -> nodes
   Array<Island> islands_;
-  Array<std::uint32_t> first_place_, body_places_;   // by solver index: places of its nodes
+  Array<std::uint32_t> first_place_, body_places_;  // by solver index: places of its nodes
   WorstFirst heap_;
 };
 
@@ -97,10 +97,9 @@ ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
     : tolerance_(static_cast<Real>(p.number("tolerance", 2e-5, 1e-12, 1))),
       rest_speed_(static_cast<Real>(p.number("restitution_speed", 0.05, 0, 1e6))),
       slop_(static_cast<Real>(p.number("slop", 0.0005, 0, 1))), pops_per_node_(p.integer("iterations", 30, 1, 100000)),
-      bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a),
-      factors_(&a), trees_(a), tree_bias_(&a), tree_step_(&a), tree_inertia_(&a), parent_(&a),
-      island_of_(&a), node_island_(&a), order_(&a), islands_(&a), first_place_(&a),
-      body_places_(&a), heap_(a) {}
+      bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a), factors_(&a),
+      trees_(a), tree_bias_(&a), tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a),
+      order_(&a), islands_(&a), first_place_(&a), body_places_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {
   const Movers& movers = *in.movers;
@@ -410,8 +409,8 @@ void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, 
   fill_now(in, s, j);
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
     const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
-    feder::correct_drift(&rows_[start.first], &spare_rows_[now.first], now.count, j.a, j.b,
-                         factors_[j.first_block + i], in.joints[j.joint].impulse + start.first_impulse, s);
+    feder::correct_drift(&rows_[start.first], &spare_rows_[now.first], now.count, j.a, j.b, factors_[j.first_block + i],
+                         in.joints[j.joint].impulse + start.first_impulse, s);
   }
 }
 
@@ -420,8 +419,7 @@ Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s,
   if (node < contacts_.size()) return contact_depth(contacts_[node], s);
   fill_now(in, s, joints_[node - contacts_.size()]);
   Real worst = 0;
-  for (const RowBlock& b : spare_blocks_)
-    worst = std::max(worst, block_position_error(&spare_rows_[b.first], b.count));
+  for (const RowBlock& b : spare_blocks_) worst = std::max(worst, block_position_error(&spare_rows_[b.first], b.count));
   return worst;
 }
 
@@ -499,10 +497,9 @@ void ImpulseSolver::finish(const SolverInput& in, StepContext&) {
 }  // namespace
 
 Variant<RigidSolver> rigid_impulse() {
-  return {"impulse", "worst first, one closed-form impulse at a time: the classical loop",
-          [](Arena& a, const Params& p) -> std::unique_ptr<RigidSolver> {
-            return std::make_unique<ImpulseSolver>(a, p);
-          }};
+  return {
+      "impulse", "worst first, one closed-form impulse at a time: the classical loop",
+      [](Arena& a, const Params& p) -> std::unique_ptr<RigidSolver> { return std::make_unique<ImpulseSolver>(a, p); }};
 }
 
 }  // namespace feder

@@ -98,9 +98,7 @@ void push_rolling(const ImpulseContact& c, const Vec3& impulse, const ImpulseSce
   push(s, c.b, Vec3::Zero(), impulse);
 }
 
-Real rolling_reach(const ImpulseContact& c) {
-  return std::max(length(c.points[0].arm_a), length(c.points[0].arm_b));
-}
+Real rolling_reach(const ImpulseContact& c) { return std::max(length(c.points[0].arm_a), length(c.points[0].arm_b)); }
 
 // How fast velocities are known to this precision, m/s: smaller errors are rounding.
 Real rounding(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
@@ -202,8 +200,7 @@ void act_late(std::uint32_t i, const MoverState& before, Real late, const Impuls
 // rolls stays where it touches.
 Real separation_now(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
   const MoverState &a = s.state[c.a], &b = s.state[c.b];
-  return p.start_separation +
-         dot(c.normal, b.moved + cross(b.turned, p.arm_b) - a.moved - cross(a.turned, p.arm_a));
+  return p.start_separation + dot(c.normal, b.moved + cross(b.turned, p.arm_b) - a.moved - cross(a.turned, p.arm_a));
 }
 
 }  // namespace

@@ -52,8 +52,7 @@ inline void push_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& linea
 // The turn of the substep so far, rad: uneven bodies turn freely with the momentum they have.
 inline Vec3 free_turn(const ImpulseScene& s, std::uint32_t i) {
   const ImpulseBody& b = s.body[i];
-  const Vec3 spin =
-      b.uneven ? jointed_mean_spin(*b.uneven, b.uneven->momentum, s.h) : s.state[i].angular_velocity;
+  const Vec3 spin = b.uneven ? jointed_mean_spin(*b.uneven, b.uneven->momentum, s.h) : s.state[i].angular_velocity;
   return s.h * spin + b.late_turn;
 }
 
@@ -95,40 +94,40 @@ inline void push_back(const ImpulseScene& s, std::uint32_t i, const Vec3& linear
 struct ImpulsePoint {
   Vec3 arm_a = Vec3::Zero(), arm_b = Vec3::Zero();  // at the start of the step, m
   Mat3 k = Mat3::Zero(), k_inverse = Mat3::Zero();  // relative velocity per impulse, 1/kg, and its inverse
-  Vec3 impulse = Vec3::Zero();    // on b, accumulated in this substep; may be taken back
-  Real start_separation = 0;      // m
-  Real separation = 0;            // at the start of the substep, m
-  Real target = 0;                // normal speed the point must at least have, m/s
-  Real force_speed = 0;           // closing speed that forces added in this substep, m/s
-  Real bounced = 0;               // normal impulse of impacts in this substep: never taken back
+  Vec3 impulse = Vec3::Zero();                      // on b, accumulated in this substep; may be taken back
+  Real start_separation = 0;                        // m
+  Real separation = 0;                              // at the start of the substep, m
+  Real target = 0;                                  // normal speed the point must at least have, m/s
+  Real force_speed = 0;                             // closing speed that forces added in this substep, m/s
+  Real bounced = 0;                                 // normal impulse of impacts in this substep: never taken back
 };
 
 struct ImpulseContact {
   std::uint32_t slot = 0, a = 0, b = 0;  // contact slot, solver indices
   int count = 0;
-  Vec3 normal = Vec3::Zero();            // a to b
+  Vec3 normal = Vec3::Zero();  // a to b
   Vec3 surface_velocity = Vec3::Zero();
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
-  bool slides = false;                   // judged: the dynamic cone holds, else the static one
+  bool slides = false;  // judged: the dynamic cone holds, else the static one
   ImpulsePoint points[kMaxContactPoints];
-  Vec3 rolling = Vec3::Zero();           // accumulated rolling impulse on b, N m s
+  Vec3 rolling = Vec3::Zero();  // accumulated rolling impulse on b, N m s
 };
 
 // Contacts (impulse_contact.cpp).
 void load_contact(const Contact& from, const ImpulseScene& s, ImpulseContact& c);  // once per step; c.a and c.b are set
 void store_contact(const ImpulseContact& c, Contact& to);
-void start_contact(ImpulseContact& c, const ImpulseScene& s);        // gaps and targets; applies what was kept
+void start_contact(ImpulseContact& c, const ImpulseScene& s);              // gaps and targets; applies what was kept
 Real contact_speed_error(const ImpulseContact& c, const ImpulseScene& s);  // m/s: what solving it would change
 void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real tolerance);
 bool begins_to_slide(const ImpulseContact& c, const ImpulseScene& s);  // to be asked when speeds are solved
-Real contact_depth(const ImpulseContact& c, const ImpulseScene& s);  // beyond the slop, m
+Real contact_depth(const ImpulseContact& c, const ImpulseScene& s);    // beyond the slop, m
 void push_contact_apart(const ImpulseContact& c, const ImpulseScene& s);
 
 // A block of joint rows with J M^-1 J^T factored as L D L^T.
 struct ImpulseBlock {
-  Real factor[6][6];      // L below the diagonal
-  Real inv_d[6];          // 0 for rows that depend on others
-  Real target[6];         // wanted J v (rows with softness: less gamma times the impulse)
+  Real factor[6][6];  // L below the diagonal
+  Real inv_d[6];      // 0 for rows that depend on others
+  Real target[6];     // wanted J v (rows with softness: less gamma times the impulse)
   Real gamma[6];
 };
 

@@ -64,8 +64,7 @@ void mass_matrix(const MoverMass& m, const JointedBody* uneven, const Mat3& inv_
   }
   double inv[3][3], largest = 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      inv[i][j] = 0.5 * static_cast<double>(inv_inertia(i, j) + inv_inertia(j, i));
+    for (int j = 0; j < 3; ++j) inv[i][j] = 0.5 * static_cast<double>(inv_inertia(i, j) + inv_inertia(j, i));
   for (int i = 0; i < 3; ++i) largest = inv[i][i] > largest ? inv[i][i] : largest;
   for (int i = 0; i < 3; ++i) inv[i][i] += inv[i][i] > 0 ? 0 : (largest > 0 ? 1e-9 * largest : 1e-9 / heavy);
   double c[3][3];

@@ -33,7 +33,7 @@ class JointTrees {
     std::uint32_t state_a = 0, state_b = 0;  // the same with kinematic bodies
     std::uint32_t row[kMaxRows];
     int rows = 0;
-    std::uint32_t root = kNone;              // union-find name of the tree; kNone: not solved here
+    std::uint32_t root = kNone;  // union-find name of the tree; kNone: not solved here
     std::uint32_t joint = 0;
   };
   // A body and the link to its parent (or to the world).
@@ -41,13 +41,13 @@ class JointTrees {
     std::uint32_t mover = 0, parent = kNone;  // place of the parent node
     std::uint32_t link = kNone;
     bool body_is_a = false;
-    bool leaf = false;                        // a second link of the parent to the world: no body of its own
+    bool leaf = false;  // a second link of the parent to the world: no body of its own
     int rows = 0;
     double own[kMaxRows][6], up[kMaxRows][6];  // Jacobians of the two sides
-    double inertia[kTriangle];                // factors of the articulated inertia
-    double weight[kMaxRows][6];               // own x inverse inertia
-    double stiffness[kTriangle];              // factors of weight x own^T + regularisation
-    double load[6];                           // what the children ask for
+    double inertia[kTriangle];                 // factors of the articulated inertia
+    double weight[kMaxRows][6];                // own x inverse inertia
+    double stiffness[kTriangle];               // factors of weight x own^T + regularisation
+    double load[6];                            // what the children ask for
     double wanted[kMaxRows];
   };
   static Real speed(const Row& row, const Link& link, const Movers& movers);
@@ -59,14 +59,14 @@ class JointTrees {
   void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
 
   Array<Link> links_;
-  Array<Node> nodes_;   // parents before children
+  Array<Node> nodes_;                        // parents before children
   Array<std::uint32_t> edges_, first_edge_;  // links by mover
   Array<std::uint32_t> parent_;              // union-find over movers
   Array<std::uint8_t> cyclic_;
-  Array<std::uint32_t> count_;               // links of a tree
+  Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;
   Array<std::uint32_t> queue_;
-  Array<double> response_;                   // velocity change by node, 6 each
+  Array<double> response_;  // velocity change by node, 6 each
 };
 
 }  // namespace feder

@@ -81,9 +81,7 @@ Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s, bool late)
   return change;
 }
 
-Vec3d slender_inv_moments(const Vec3d& inv_moments) {
-  return inv_moments.cwiseMin(10 * inv_moments.minCoeff());
-}
+Vec3d slender_inv_moments(const Vec3d& inv_moments) { return inv_moments.cwiseMin(10 * inv_moments.minCoeff()); }
 
 Vec3d jointed_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
   const Vec3 pushed = s.angular_velocity - j.given_spin;

@@ -13,19 +13,19 @@ namespace feder {
 
 // Of a jointed body whose moments of inertia differ: its angular momentum in the substep.
 struct JointedBody {
-  Quat principal;                        // principal axes of inertia in the body frame
-  Vec3d inv_moments = Vec3d::Zero();     // about them, 1/(kg m^2)
-  Vec3d share = Vec3d::Ones();           // of each that joints felt
-  Mat3d axes = Mat3d::Zero();            // columns: the principal axes in the world when the substep began
-  Mat3d free_axes = Mat3d::Zero();       // the same after the turn that is motion, without what corrected positions
-  Vec3d momentum = Vec3d::Zero();        // angular, of forces and joints so far, N m s
-  Vec3 given_spin = Vec3::Zero();        // the angular velocity that stands for it, rad/s: what is more came from
-                                         // contacts and couplings
-  Vec3 mean_spin = Vec3::Zero();         // at the middle of the turn that forces alone would lead to, rad/s
-  Vec3 drift_spin = Vec3::Zero();        // the angular velocity that the turn of this substep came from, rad/s
-  Vec3 correction = Vec3::Zero();        // turn within that to free_axes that only corrected positions, rad
-  bool uneven = false;                   // false: nothing here is used, MoverMass holds all there is
-  bool slender = false;                  // contacts see larger moments than the body has: see slender_inv_moments
+  Quat principal;                     // principal axes of inertia in the body frame
+  Vec3d inv_moments = Vec3d::Zero();  // about them, 1/(kg m^2)
+  Vec3d share = Vec3d::Ones();        // of each that joints felt
+  Mat3d axes = Mat3d::Zero();         // columns: the principal axes in the world when the substep began
+  Mat3d free_axes = Mat3d::Zero();    // the same after the turn that is motion, without what corrected positions
+  Vec3d momentum = Vec3d::Zero();     // angular, of forces and joints so far, N m s
+  Vec3 given_spin = Vec3::Zero();     // the angular velocity that stands for it, rad/s: what is more came from
+                                      // contacts and couplings
+  Vec3 mean_spin = Vec3::Zero();      // at the middle of the turn that forces alone would lead to, rad/s
+  Vec3 drift_spin = Vec3::Zero();     // the angular velocity that the turn of this substep came from, rad/s
+  Vec3 correction = Vec3::Zero();     // turn within that to free_axes that only corrected positions, rad
+  bool uneven = false;                // false: nothing here is used, MoverMass holds all there is
+  bool slender = false;               // contacts see larger moments than the body has: see slender_inv_moments
 
   Vec3d in_axes(const Vec3& v) const { return axes.transpose() * v.cast<double>(); }
   Vec3d felt() const { return inv_moments.cwiseProduct(share); }

@@ -173,8 +173,8 @@ void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
   if (ratio <= kRatioPerSubstep * static_cast<Real>(c.substeps)) return;
   const long long enough = whole_count(std::ceil(ratio / kRatioPerSubstep));
   events.warn("mass_ratio",
-              objects.describe(r.object) + " joins masses of ratio " + std::to_string(whole_count(ratio)) +
-                  "; " + std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) +
+              objects.describe(r.object) + " joins masses of ratio " + std::to_string(whole_count(ratio)) + "; " +
+                  std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) +
                   " would hold it",
               r.object);
 }

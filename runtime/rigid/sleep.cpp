@@ -8,10 +8,10 @@
 namespace feder {
 namespace {
 
-constexpr Real kCalm = Real(0.5) * Real(0.04) * Real(0.04);     // m^2/s^2: 4 cm/s
+constexpr Real kCalm = Real(0.5) * Real(0.04) * Real(0.04);  // m^2/s^2: 4 cm/s
 constexpr Real kRestless = Real(0.5) * Real(0.08) * Real(0.08);
-constexpr Real kCap = 25 * kCalm;                               // decays to kCalm in log(25) = 3.2 time constants
-constexpr Real kMemory = Real(0.15);                            // s, time constant
+constexpr Real kCap = 25 * kCalm;     // decays to kCalm in log(25) = 3.2 time constants
+constexpr Real kMemory = Real(0.15);  // s, time constant
 
 }  // namespace
 

@@ -12,7 +12,7 @@ namespace feder {
 namespace {
 
 constexpr Real kRadian = Real(0.3);  // m, that an error of one radian counts as
-constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; beyond 4 no substep can follow
+constexpr Real kStrain = 2;          // (h omega)^2 up to which a body keeps its inertia; beyond 4 no substep can follow
 
 }  // namespace
 
@@ -28,9 +28,9 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
 bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && trees_.direct(block); }
 
 // Tension in a joint is a spring against rotation: about an axis with inertia I, pulls p/h at arms r (of length q
-// across that axis) swing with omega^2 = sum p q^2 / (r h I) at most, and above 2/h the substep cannot follow. Near that
-// (and only there: contacts see the body's own) joints see a larger inertia (Andrews et al., "Geometric Stiffness for
-// Real-time Constrained Multibody Dynamics", 2017).
+// across that axis) swing with omega^2 = sum p q^2 / (r h I) at most, and above 2/h the substep cannot follow. Near
+// that (and only there: contacts see the body's own) joints see a larger inertia (Andrews et al., "Geometric Stiffness
+// for Real-time Constrained Multibody Dynamics", 2017).
 void SoftJoints::stabilize(const SolverInput& in, Real h) {
   strain_.assign(in.movers->state.size(), Real(0));
   if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
@@ -148,10 +148,10 @@ Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, Read
   return 0;
 }
 
-// An open joint closes at push_speed at most, as overlap does: Jacobians that turn under a biased impulse leave bodies a
-// part of its energy, which grows with the square of the gap. Warm-start impulses are cut by the same share: joints of a
-// loop pull against each other, and when the bodies have turned, what balanced would set them in motion.
-// (What is solved as a tree slides, and gains no energy.)
+// An open joint closes at push_speed at most, as overlap does: Jacobians that turn under a biased impulse leave bodies
+// a part of its energy, which grows with the square of the gap. Warm-start impulses are cut by the same share: joints
+// of a loop pull against each other, and when the bodies have turned, what balanced would set them in motion. (What is
+// solved as a tree slides, and gains no energy.)
 void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
   Real squares[2] = {0, 0};  // of linear and angular rows
   const auto is_angular = [](const ReadyRow& r) { return r.linear.isZero(0); };

@@ -17,24 +17,9 @@ class SoftJoints {
  public:
   // `push_speed`, m/s: at which an open joint of a loop is closed at most.
   SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees)
-      : rows_(&arena),
-        blocks_(&arena),
-        ready_(&arena),
-        prepared_(&arena),
-        trees_(arena),
-        bias_(&arena),
-        step_(&arena),
-        strain_(&arena),
-        strain_axes_(&arena),
-        motions_(&arena),
-        group_(&arena),
-        touched_(&arena),
-        torn_(&arena),
-        slides_(&arena),
-        inv_inertia_(&arena),
-        hertz_(hertz),
-        damping_ratio_(damping_ratio),
-        push_speed_(push_speed),
+      : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), trees_(arena), bias_(&arena), step_(&arena),
+        strain_(&arena), strain_axes_(&arena), motions_(&arena), group_(&arena), touched_(&arena), torn_(&arena),
+        slides_(&arena), inv_inertia_(&arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed),
         use_trees_(use_trees) {}
 
   bool empty() const { return blocks_.empty(); }
@@ -57,7 +42,7 @@ class SoftJoints {
     Real bias, relaxed_bias;  // m/s
     Real mass_scale, impulse_scale;
     Real relaxed_mass_scale, relaxed_impulse_scale;
-    Real lower, upper;        // of the accumulated impulse, N s
+    Real lower, upper;  // of the accumulated impulse, N s
   };
   // Lower triangle of L and the inverse pivots.
   struct ReadyBlock {
@@ -93,21 +78,21 @@ class SoftJoints {
   Array<ReadyRow> ready_;
   Array<ReadyBlock> prepared_;
   JointTrees trees_;
-  Array<Real> bias_, step_;  // by row, for the trees
-  Array<Real> strain_;       // by mover: h sum |impulse| |arm|, kg m^2
-  Array<Vec3d> strain_axes_; // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_;  // by mover
-  Array<std::uint32_t> group_;  // by mover: union-find over joints
+  Array<Real> bias_, step_;      // by row, for the trees
+  Array<Real> strain_;           // by mover: h sum |impulse| |arm|, kg m^2
+  Array<Vec3d> strain_axes_;     // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_;    // by mover
+  Array<std::uint32_t> group_;   // by mover: union-find over joints
   Array<std::uint8_t> touched_;  // by mover: hangs together with a body that a contact touches
-  Array<std::uint32_t> torn_;  // blocks that ask for more than push_speed
-  Array<BodySlide> slides_;  // by mover
-  Array<Mat3> inv_inertia_;  // by mover, world, that joints feel in this substep
+  Array<std::uint32_t> torn_;    // blocks that ask for more than push_speed
+  Array<BodySlide> slides_;      // by mover
+  Array<Mat3> inv_inertia_;      // by mover, world, that joints feel in this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
-  bool contacts_ = false;    // there are contacts
-  bool drifted_ = false;     // bodies have moved since rows were filled
+  bool contacts_ = false;  // there are contacts
+  bool drifted_ = false;   // bodies have moved since rows were filled
   bool all_direct_ = false;
-  bool uneven_ = false;      // there are bodies whose angular momentum is kept
+  bool uneven_ = false;  // there are bodies whose angular momentum is kept
   SoftFactors stiff_factors_{};
 };
 

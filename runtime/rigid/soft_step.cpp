@@ -17,7 +17,7 @@ namespace feder {
 namespace {
 
 constexpr int kColors = 64;
-constexpr int kFixedColor = 48;          // colours from here on hold contacts against what cannot move: solved last
+constexpr int kFixedColor = 48;  // colours from here on hold contacts against what cannot move: solved last
 // A contact is softer by kCrowd for each contact's worth of stiffness that one of its bodies has too many, because one
 // pass per substep has to follow them all: with less, pyramids of 30 do not come to rest; with 1.5 one of 100 buckles.
 // What cannot move counts kSupport: with 1/2 a heavy crate on a light one swings for twice as long, with 1 a tower
@@ -40,14 +40,12 @@ const ContactKernels& pick_kernels(const std::string& width) {
 class SoftStep final : public RigidSolver {
  public:
   SoftStep(Arena& arena, const Params& p)
-      : kernels_(&pick_kernels(p.text("kernels", "auto"))),
-        contact_hertz_(real(p, "contact_hertz", 72, 0.1, 1e5)),
+      : kernels_(&pick_kernels(p.text("kernels", "auto"))), contact_hertz_(real(p, "contact_hertz", 72, 0.1, 1e5)),
         contact_damping_(real(p, "contact_damping", 6, 0, 1e3)), contact_cap_(real(p, "contact_cap", 0.3, 0, 1)),
-        push_speed_(real(p, "push_speed", 3, 0, 1e6)),
-        bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
+        push_speed_(real(p, "push_speed", 3, 0, 1e6)), bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
         bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
-        joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3),
-                push_speed_, p.flag("joint_trees", true)) {}
+        joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3), push_speed_,
+                p.flag("joint_trees", true)) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
@@ -340,8 +338,7 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
 // What bias velocities turned, which the relax pass took back.
 void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
   for (std::uint32_t i = 1; i < in.jointed.size(); ++i)
-    if (JointedBody* j = in.uneven(i))
-      j->correction = c.h * (j->drift_spin - in.movers->state[i].angular_velocity);
+    if (JointedBody* j = in.uneven(i)) j->correction = c.h * (j->drift_spin - in.movers->state[i].angular_velocity);
 }
 
 void SoftStep::solve(const SolverInput& in, StepContext& c) {

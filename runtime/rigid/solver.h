@@ -5,12 +5,12 @@
 #pragma once
 #include <span>
 
-#include "base/registry.h"
 #include "base/params.h"
+#include "base/registry.h"
 #include "constrain/joint.h"
 #include "rigid/jointed_body.h"
-#include "state/contacts.h"
 #include "state/colliders.h"
+#include "state/contacts.h"
 #include "state/movers.h"
 #include "step/context.h"
 
@@ -23,7 +23,7 @@ struct SolverJoint {
   std::uint32_t mover_a = kNone, mover_b = kNone;  // mover slots; kNone = world
   Real impulse[kMaxJointRows] = {};                // of the last substep, by row; warm start
   std::uint8_t rows = 0;
-  std::uint8_t active = 0;                         // this step: at least one awake side
+  std::uint8_t active = 0;  // this step: at least one awake side
 };
 
 struct SolverInput {
@@ -32,11 +32,11 @@ struct SolverInput {
     return mover < jointed.size() && jointed[mover].uneven ? &jointed[mover] : nullptr;
   }
 
-  Contacts* contacts = nullptr;     // active ones are solved; impulses are read and written
+  Contacts* contacts = nullptr;  // active ones are solved; impulses are read and written
   const Colliders* colliders = nullptr;
   Movers* movers = nullptr;
   std::span<SolverJoint> joints;
-  std::span<JointedBody> jointed;   // by solver index, of bodies; empty without joints
+  std::span<JointedBody> jointed;  // by solver index, of bodies; empty without joints
 };
 
 // Called by the rigid system's rows. Movers [1, free_movers) are rigid bodies; those beyond were advanced by their
@@ -44,10 +44,10 @@ struct SolverInput {
 class RigidSolver {
  public:
   virtual ~RigidSolver() = default;
-  virtual void prepare(const SolverInput& in, StepContext& c) = 0;    // once, before the first substep
+  virtual void prepare(const SolverInput& in, StepContext& c) = 0;  // once, before the first substep
   virtual void solve(const SolverInput& in,
                      StepContext& c) = 0;  // each substep: velocities in, velocities and moved/rotation out
-  virtual void finish(const SolverInput& in, StepContext& c) = 0;     // once: restitution, impulses stored
+  virtual void finish(const SolverInput& in, StepContext& c) = 0;  // once: restitution, impulses stored
   virtual std::uint64_t capped() const { return 0; }  // times an iteration limit was reached in the last step
 };
 

@@ -12,19 +12,19 @@ namespace feder {
 // value(r/H) / H^D, its gradient slope(r/H) / H^(D+2) times the offset, its Laplacian laplacian(r/H) / H^(D+2).
 struct KernelShape {
   double (*value)(int dimension, double u) = nullptr;
-  double (*slope)(int dimension, double u) = nullptr;      // W' / u
-  double (*second)(int dimension, double u) = nullptr;     // W''; null where nobody needs it
+  double (*slope)(int dimension, double u) = nullptr;   // W' / u
+  double (*second)(int dimension, double u) = nullptr;  // W''; null where nobody needs it
   double (*laplacian)(int dimension, double u) = nullptr;
 };
 
 struct Kernel {
   const char* name = "";
   const char* summary = "";
-  KernelShape density, gradient, viscosity;  // the sums below use them in these roles
+  KernelShape density, gradient, viscosity;                     // the sums below use them in these roles
   double norm_density[2], norm_gradient[2], norm_viscosity[2];  // factors the sums leave out, for 2D and 3D
-  bool radial_viscosity = true;  // pair term along the offset, factor 2 (D + 2) slope; else Laplacian times velocity
-  double support[2] = {0, 0};    // proposed, in particle spacings, for 2D and 3D
-  const Sweeps* sweeps = nullptr;       // null: a part of other kernels only
+  bool radial_viscosity = true;    // pair term along the offset, factor 2 (D + 2) slope; else Laplacian times velocity
+  double support[2] = {0, 0};      // proposed, in particle spacings, for 2D and 3D
+  const Sweeps* sweeps = nullptr;  // null: a part of other kernels only
   const Sweeps* sweeps_wide = nullptr;  // for processors with AVX2; same bits
 };
 

@@ -5,14 +5,14 @@
 namespace feder {
 
 struct SweepInput {
-  const WideReal* points = nullptr;    // x, y, z (m) and a weight w per particle; the one after the last lies far away
-  const WideReal* velocity = nullptr;  // four numbers likewise, m/s
-  const unsigned* neighbors = nullptr; // `stride` per particle
-  const unsigned* rounded = nullptr;   // how many of them are in use, in whole lanes
+  const WideReal* points = nullptr;     // x, y, z (m) and a weight w per particle; the one after the last lies far away
+  const WideReal* velocity = nullptr;   // four numbers likewise, m/s
+  const unsigned* neighbors = nullptr;  // `stride` per particle
+  const unsigned* rounded = nullptr;    // how many of them are in use, in whole lanes
   unsigned stride = 0;
-  WideReal inv_support = 0;            // 1/m
-  WideReal soft = 0;                   // m^2, keeps 1/r^2 finite
-  WideReal damping = 0;                // of push_damped
+  WideReal inv_support = 0;  // 1/m
+  WideReal soft = 0;         // m^2, keeps 1/r^2 finite
+  WideReal damping = 0;      // of push_damped
 };
 
 // Sums over the neighbours j of the particles i in [first, last); x = x_i - x_j, g = slope(u). Four numbers per
@@ -25,7 +25,7 @@ struct Sweeps {
   void (*push_damped)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // the same, with damping
   // (w_i + w_j) g y, with y = y_i - y_j for other places y, given instead of the velocities
   void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
-  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);       // cohesion(u) x / u
+  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // cohesion(u) x / u
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
 };
 

@@ -58,7 +58,7 @@ struct Pair {
 template <class F>
 [[gnu::always_inline]] inline void each_eight(const SweepInput& s, unsigned i, F&& f) {
   const unsigned* at = s.neighbors + static_cast<unsigned long>(i) * s.stride;
-  for (const unsigned *end = at + s.rounded[i]; at != end; at += kLanes) f(at);
+  for (const unsigned* end = at + s.rounded[i]; at != end; at += kLanes) f(at);
 }
 
 // Density, gradient and viscosity may come from different kernels; pressure that is the gradient of an energy needs

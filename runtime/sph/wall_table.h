@@ -14,10 +14,10 @@
 namespace feder {
 
 struct WallSample {
-  WideReal value = 0;     // added to density over density at rest
-  WideReal slope = 0;     // -d value / d s
-  WideReal share = 0;     // of the kernel that lies in the solid
-  WideReal colour = 0;    // -d share / d s
+  WideReal value = 0;   // added to density over density at rest
+  WideReal slope = 0;   // -d value / d s
+  WideReal share = 0;   // of the kernel that lies in the solid
+  WideReal colour = 0;  // -d share / d s
   // no-slip friction with the velocity continued oddly through the wall (Morris 1997): a = -nu v friction / (s
   // support^2)
   WideReal friction = 0;

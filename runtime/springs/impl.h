@@ -25,13 +25,9 @@ bool beyond_limit(const IntegratorInfo& method, double reach);
 
 struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
-      : kernels(pick_kernels(setup.options.text("kernels", "auto"))),
-        arena(setup.store.arena(kName)),
-        particles(setup.store.need<Particles>(kName)),
-        watched(setup.store.need<Watch>("watch")),
-        store(setup.store),
-        objects(setup.objects),
-        structure_changed(setup.structure_changed),
+      : kernels(pick_kernels(setup.options.text("kernels", "auto"))), arena(setup.store.arena(kName)),
+        particles(setup.store.need<Particles>(kName)), watched(setup.store.need<Watch>("watch")), store(setup.store),
+        objects(setup.objects), structure_changed(setup.structure_changed),
         air_density(still_air_density(setup.world)) {}
 
   const SpringKernels& kernels;

@@ -54,8 +54,8 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
       place_[std::size_t{2} * k + static_cast<std::size_t>(end)] = row * kLanes + lane;
     }
   }
-  // lanes without a spring look at the last neighbour again, and those without a point at the row behind all: a point at
-  // no distance would take the slow way
+  // lanes without a spring look at the last neighbour again, and those without a point at the row behind all: a point
+  // at no distance would take the slow way
   for (std::uint32_t i = 0; i < slice_count * kLanes; ++i) {
     const std::uint32_t begin = row_begin_[i / kLanes], end = row_begin_[i / kLanes + 1], lane = i % kLanes;
     for (std::uint32_t r = begin + degree[i]; r < end; ++r)

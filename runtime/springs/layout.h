@@ -15,8 +15,8 @@ struct SpringArrays;
 class SpringLayout {
  public:
   explicit SpringLayout(Arena& a)
-      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), power_(&a), place_(&a), position_(&a), velocity_(&a), force_(&a),
-        snapped_(&a) {}
+      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), power_(&a), place_(&a), position_(&a), velocity_(&a),
+        force_(&a), snapped_(&a) {}
 
   void choose(const SpringKernels& kernels) { kernels_ = &kernels; }
   // Allocates when springs or points outnumber every earlier call.
@@ -55,13 +55,13 @@ class SpringLayout {
   }
 
   const SpringKernels* kernels_ = &kSpringKernelsPlain;
-  Array<unsigned> row_begin_;       // by slice of eight points, one more than slices
+  Array<unsigned> row_begin_;  // by slice of eight points, one more than slices
   Array<SpringRow> rows_;
   Array<Lane8> damping_, slack_, power_;  // by row; empty when no spring has such a thing
-  Array<std::uint64_t> place_;      // by spring: row * 8 + lane of either end, two each
+  Array<std::uint64_t> place_;            // by spring: row * 8 + lane of either end, two each
   Array<PointRow> position_, velocity_;
-  Array<Lane8x3> force_;            // by slice
-  Array<std::uint8_t> snapped_;     // by group of eight springs
+  Array<Lane8x3> force_;         // by slice
+  Array<std::uint8_t> snapped_;  // by group of eight springs
 };
 
 template <class Outside>

@@ -232,7 +232,9 @@ void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, B
     const Direction at = direction(x, i, j);
     if (limp(s, at.len, rate(v, i, j, at.n))) continue;
     const double rest = springs.rest_length[s], stretch = at.len - rest, stiff = springs.slope(s, stretch);
-    const double across = rest == 0 ? stiff / springs.power[s] : at.len > rest ? springs.tension(s, stretch) / at.len : 0;
+    const double across = rest == 0       ? stiff / springs.power[s]
+                          : at.len > rest ? springs.tension(s, stretch) / at.len
+                                          : 0;
     Mat3d block = along(at.n, stiff - across);
     block.diagonal().array() += across;
     k.diagonal[i] -= block;
@@ -280,8 +282,7 @@ void Net::add_differences(std::span<const Vec3> x, std::span<const Vec3> v, doub
   for (int axis = 0; axis < 3; ++axis) {
     forces(axis, -1, below_);
     forces(axis, 1, above_);
-    for (std::uint32_t i = 0; i < points; ++i)
-      derivative_[i].col(axis) += (above_[i] - below_[i]) / (2 * shift(i));
+    for (std::uint32_t i = 0; i < points; ++i) derivative_[i].col(axis) += (above_[i] - below_[i]) / (2 * shift(i));
   }
 }
 
@@ -292,9 +293,10 @@ void Net::bounds(double& frequency, double& decay, bool with_generators, double 
   Array<double>&stiff = row_stiffness_, &damp = row_damping_;
   for (std::uint32_t k = 0; k < springs.size(); ++k) {
     const std::uint32_t ends[2] = {springs.i[k], springs.j[k]};
-    const double slope = springs.power[k] == 1 ? static_cast<double>(springs.stiffness[k])
-                                               : springs.slope(k, static_cast<double>(length_of(k)) -
-                                                                      static_cast<double>(springs.rest_length[k]));
+    const double slope =
+        springs.power[k] == 1
+            ? static_cast<double>(springs.stiffness[k])
+            : springs.slope(k, static_cast<double>(length_of(k)) - static_cast<double>(springs.rest_length[k]));
     for (int e = 0; e < 2; ++e) {
       const double rows = particles_.inv_mass[first + ends[1 - e]] != 0 ? 2 : 1;
       stiff[ends[e]] += rows * slope;

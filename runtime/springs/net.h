@@ -14,14 +14,14 @@ struct SpringArrays {
       : i(&a), j(&a), stiffness(&a), damping(&a), rest_length(&a), break_strain(&a), limit(&a), alive(&a),
         tension_only(&a), power(&a) {}
   Array<std::uint32_t> i, j;
-  Array<Real> stiffness;     // N/m
-  Array<Real> damping;       // N s/m
-  Array<Real> rest_length;   // m
+  Array<Real> stiffness;    // N/m
+  Array<Real> damping;      // N s/m
+  Array<Real> rest_length;  // m
   Array<Real> break_strain;
-  Array<Real> limit;         // squared length at which it snaps, m^2
+  Array<Real> limit;  // squared length at which it snaps, m^2
   Array<std::uint8_t> alive;
   Array<std::uint8_t> tension_only;
-  Array<std::uint8_t> power;   // of the extension; 1: linear
+  Array<std::uint8_t> power;  // of the extension; 1: linear
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(i.size()); }
   void add(const SpringDesc& s, Real rest);
@@ -44,7 +44,7 @@ struct SpringArrays {
 
 // What decides a net's motion beside its points and springs; plain data, saved as it is.
 struct NetSettings {
-  Real damping = 0;          // 1/s
+  Real damping = 0;  // 1/s
   Real gravity_scale = 1;
   Real friction = 0, restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
@@ -54,42 +54,29 @@ struct NetSettings {
 class Net final : public ForceField {
  public:
   Net(Arena& a, Particles& p)
-      : springs(a),
-        faces(&a),
-        layout(a),
-        particles_(p),
-        acting_(&a),
-        points_(&a),
-        some_(&a),
-        some_force_(&a),
-        below_(&a),
-        above_(&a),
-        derivative_(&a),
-        some_derivative_(&a),
-        row_stiffness_(&a),
-        row_damping_(&a) {}
+      : springs(a), faces(&a), layout(a), particles_(p), acting_(&a), points_(&a), some_(&a), some_force_(&a),
+        below_(&a), above_(&a), derivative_(&a), some_derivative_(&a), row_stiffness_(&a), row_damping_(&a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0;  // run in Particles
   NetSettings settings;
   SpringArrays springs;
-  Array<std::uint32_t> faces;           // triangles, three points each
-  SpringLayout layout;                  // of the springs, for the kernels
+  Array<std::uint32_t> faces;  // triangles, three points each
+  SpringLayout layout;         // of the springs, for the kernels
   std::string integrator_name;
   Params integrator_options;
   std::unique_ptr<Integrator> integrator;
-  std::uint64_t version = 0;            // of the spring pattern
-  bool can_break = false;               // some spring has a finite break strain
-  bool has_power = false;               // some spring is not linear
-  bool frozen = false;                  // quarantined
-  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false,
-       warned_held = false;
-  std::uint64_t coincident = 0;         // times a spring's ends were at one spot, so that a rule gave its direction
-  Real checked_step = 0;                // s, substep the stiffness was checked for; 0: has to be
-  Real frequency = 0, decay = 0;        // bounds() when the step was checked
-  std::uint32_t bad_point = kNone;      // found non-finite in this step
-  bool on_stepping_thread = false;      // a generator of this step runs a script
-  bool snapped = false;                 // some spring is longer than it bears, found in this substep
+  std::uint64_t version = 0;  // of the spring pattern
+  bool can_break = false;     // some spring has a finite break strain
+  bool has_power = false;     // some spring is not linear
+  bool frozen = false;        // quarantined
+  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false, warned_held = false;
+  std::uint64_t coincident = 0;     // times a spring's ends were at one spot, so that a rule gave its direction
+  Real checked_step = 0;            // s, substep the stiffness was checked for; 0: has to be
+  Real frequency = 0, decay = 0;    // bounds() when the step was checked
+  std::uint32_t bad_point = kNone;  // found non-finite in this step
+  bool on_stepping_thread = false;  // a generator of this step runs a script
+  bool snapped = false;             // some spring is longer than it bears, found in this substep
 
   bool bad() const { return bad_point != kNone && !frozen; }  // to be quarantined
   // Worth spreading over threads?
@@ -108,10 +95,10 @@ class Net final : public ForceField {
   // watch.cpp
   Real squared_speeds() const;
   double kinetic_energy() const;
-  double kinetic_before() const;        // at the start of the step; a bound from above, sharp where masses are equal
+  double kinetic_before() const;  // at the start of the step; a bound from above, sharp where masses are equal
   double given(double dt);
-  Real squares = -1;                    // m^2/s^2, sum at the end of the last step; < 0: somebody changed a velocity
-  Real squares_before = 0;              // at the start of the step
+  Real squares = -1;        // m^2/s^2, sum at the end of the last step; < 0: somebody changed a velocity
+  Real squares_before = 0;  // at the start of the step
   Real length_of(std::uint32_t k) const;
   Real strain(std::uint32_t k) const;
   std::span<const Vec3> positions() const { return {particles_.position.data() + first, points}; }
@@ -151,19 +138,19 @@ class Net final : public ForceField {
   void add_differences(std::span<const Vec3> x, std::span<const Vec3> v, double t, bool by_velocity);
 
   Particles& particles_;
-  JobPool* jobs_ = nullptr;      // while integrating
+  JobPool* jobs_ = nullptr;                     // while integrating
   std::uint64_t laid_out_ = ~std::uint64_t{0};  // version of the layout
-  Vec3 gravity_ = Vec3::Zero();  // m/s^2, scaled
-  Real air_density_ = 0;         // kg/m^3, of still air at its faces
-  Real step_ = 0;                // s, of the call of integrate()
-  Real drag_share_ = kInfinity;  // MassPoint::most_drag is this times mass / step
+  Vec3 gravity_ = Vec3::Zero();                 // m/s^2, scaled
+  Real air_density_ = 0;                        // kg/m^3, of still air at its faces
+  Real step_ = 0;                               // s, of the call of integrate()
+  Real drag_share_ = kInfinity;                 // MassPoint::most_drag is this times mass / step
   bool damped_ = false;
   bool generators_damp_ = false;  // some generator depends on velocity, by an unknown rate
   Array<const ForceEntry*> acting_;
-  Array<MassPoint> points_;      // for the generators
-  Array<MassPoint> some_;        // for those that act on some points only
+  Array<MassPoint> points_;  // for the generators
+  Array<MassPoint> some_;    // for those that act on some points only
   Array<Vec3> some_force_;
-  Array<Vec3> below_, above_;    // their forces, for differences
+  Array<Vec3> below_, above_;  // their forces, for differences
   Array<Mat3> derivative_, some_derivative_;
   Array<double> row_stiffness_, row_damping_;  // sums of bounds()
 };

@@ -19,22 +19,22 @@ struct SpringPass {
   const WideReal* velocity = nullptr;   // likewise, m/s; null: no spring damps
   const unsigned* row_begin = nullptr;  // by slice of eight points, one more than slices
   const SpringRow* rows = nullptr;
-  const Lane8* damping = nullptr;       // by row, N s/m; null: no spring damps
-  const Lane8* slack = nullptr;         // by row, 1: pulls only; null: none of them
-  const Lane8* power = nullptr;         // by row, of the extension; null: all are linear
-  Lane8x3* force = nullptr;             // by slice, added to, N
-  unsigned first = 0, last = 0;         // slices
+  const Lane8* damping = nullptr;  // by row, N s/m; null: no spring damps
+  const Lane8* slack = nullptr;    // by row, 1: pulls only; null: none of them
+  const Lane8* power = nullptr;    // by row, of the extension; null: all are linear
+  Lane8x3* force = nullptr;        // by slice, added to, N
+  unsigned first = 0, last = 0;    // slices
 };
 
 // Which springs are longer than they bear, eight to a byte.
 struct SnapPass {
-  const WideReal* position = nullptr;   // x y z _ by point
-  const unsigned* i = nullptr;          // by spring
+  const WideReal* position = nullptr;  // x y z _ by point
+  const unsigned* i = nullptr;         // by spring
   const unsigned* j = nullptr;
-  const WideReal* limit = nullptr;      // squared length, m^2
-  unsigned char* snapped = nullptr;     // by group of eight springs
-  unsigned count = 0;                   // springs
-  unsigned first = 0, last = 0;         // groups
+  const WideReal* limit = nullptr;   // squared length, m^2
+  unsigned char* snapped = nullptr;  // by group of eight springs
+  unsigned count = 0;                // springs
+  unsigned first = 0, last = 0;      // groups
 };
 
 struct SpringKernels {

@@ -91,9 +91,7 @@ unsigned add_forces_of(const SpringPass& p) {
   return p.slack ? add_slices<false, true, kPower>(p) : add_slices<false, false, kPower>(p);
 }
 
-unsigned add_forces(const SpringPass& p) {
-  return p.power ? add_forces_of<true>(p) : add_forces_of<false>(p);
-}
+unsigned add_forces(const SpringPass& p) { return p.power ? add_forces_of<true>(p) : add_forces_of<false>(p); }
 
 unsigned find_snapped(const SnapPass& p) {
   unsigned found = 0;

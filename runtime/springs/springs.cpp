@@ -8,9 +8,8 @@
 
 namespace feder {
 const SystemDescriptor& Springs::descriptor() {
-  static const SystemDescriptor d = {kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<Springs>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Springs>(setup); }};
   return d;
 }
 
@@ -110,9 +109,8 @@ void Springs::destroy_net(ObjectId id, std::string where) {
   if (on_remove) on_remove(on_remove_self, first, count);
 
   // later points, nets and attachments move down
-  Particles::each_array(m.particles, [&](auto& array) {
-    array.erase(array.begin() + first, array.begin() + first + count);
-  });
+  Particles::each_array(m.particles,
+                        [&](auto& array) { array.erase(array.begin() + first, array.begin() + first + count); });
   std::erase_if(m.attachments, [&](const Attachment& a) { return a.net == id; });
   for (Attachment& a : m.attachments)
     if (a.point > first) a.point -= count;
@@ -182,17 +180,21 @@ std::size_t Springs::add_spring(ObjectId id, const SpringDesc& spring) {
   return n.springs.size() - 1;
 }
 
-void Springs::remove_spring(ObjectId id, std::size_t k) {
-  impl_->net(id).remove_spring(impl_->spring(id, k));
-}
+void Springs::remove_spring(ObjectId id, std::size_t k) { impl_->net(id).remove_spring(impl_->spring(id, k)); }
 
 Real Springs::strain(ObjectId id, std::size_t k) const { return impl_->net(id).strain(impl_->spring(id, k)); }
 
 SpringDesc Springs::spring(ObjectId id, std::size_t k) const {
   const SpringArrays& s = impl_->net(id).springs;
   const std::uint32_t at = impl_->spring(id, k);
-  return {s.i[at], s.j[at], s.stiffness[at], s.damping[at], s.rest_length[at], s.break_strain[at],
-          s.tension_only[at] != 0, s.power[at]};
+  return {s.i[at],
+          s.j[at],
+          s.stiffness[at],
+          s.damping[at],
+          s.rest_length[at],
+          s.break_strain[at],
+          s.tension_only[at] != 0,
+          s.power[at]};
 }
 
 SpringView Springs::springs(ObjectId id) const {
@@ -221,7 +223,14 @@ std::size_t Springs::net_count() const { return impl_->nets.size(); }
 Springs::NetInfo Springs::net_info(std::size_t k) const {
   const Net& n = *impl_->nets[k];
   const NetSettings& s = n.settings;
-  return {n.object, n.first, n.points, s.friction, s.restitution, s.group, s.mask, n.integrator->info().implicit,
+  return {n.object,
+          n.first,
+          n.points,
+          s.friction,
+          s.restitution,
+          s.group,
+          s.mask,
+          n.integrator->info().implicit,
           {n.faces.data(), n.faces.size()}};
 }
 

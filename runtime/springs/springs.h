@@ -13,12 +13,12 @@ namespace feder {
 
 struct SpringDesc {
   std::uint32_t i = 0, j = 0;
-  Real stiffness = 1000;         // N/m
-  Real damping = 0;              // N s/m along the spring
-  Real rest_length = -1;         // m; < 0: distance as built
-  Real break_strain = kInfinity; // elongation / rest length; snaps with an event
-  bool tension_only = false;     // a string: slack below its rest length, and never pushes
-  int power = 1;                 // force = stiffness |extension|^power towards the rest length; 1 to 9, N/m^power
+  Real stiffness = 1000;          // N/m
+  Real damping = 0;               // N s/m along the spring
+  Real rest_length = -1;          // m; < 0: distance as built
+  Real break_strain = kInfinity;  // elongation / rest length; snaps with an event
+  bool tension_only = false;      // a string: slack below its rest length, and never pushes
+  int power = 1;                  // force = stiffness |extension|^power towards the rest length; 1 to 9, N/m^power
 };
 
 struct NetDesc {
@@ -31,8 +31,8 @@ struct NetDesc {
   std::vector<std::uint32_t> faces;  // triangles, three point numbers each: what fluids cannot pass
   std::string integrator = default_variant(integrators(), "symplectic_euler");
   Params integrator_options;
-  Real damping = 0;              // drag on every point, 1/s (force = -damping m v)
-  Real radius = 0;               // m; > 0: points collide with rigid bodies
+  Real damping = 0;  // drag on every point, 1/s (force = -damping m v)
+  Real radius = 0;   // m; > 0: points collide with rigid bodies
   Real friction = Real(0.5), restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   Real gravity_scale = 1;
@@ -41,8 +41,8 @@ struct NetDesc {
 // The springs of a net as they are kept; i and j count from 0 within the net. Valid until the net is edited.
 struct SpringView {
   std::span<const std::uint32_t> i, j;
-  std::span<const Real> rest_length;     // m
-  std::span<const std::uint8_t> alive;   // 0: removed or broken
+  std::span<const Real> rest_length;    // m
+  std::span<const std::uint8_t> alive;  // 0: removed or broken
 };
 
 // What the numbers of a net say about a step of its integrator, before it runs. Formulas: springs/advice.cpp.
@@ -50,16 +50,16 @@ struct NetAdvice {
   ObjectId net;
   std::string integrator;
   IntegratorInfo method;
-  double h = 0;              // s, a substep
-  double frequency = 0;      // 1/s, no mode is faster (Gershgorin)
-  double decay = 0;          // 1/s, no mode decays faster
-  double reach = 0;          // h times the larger of the two that matter to the method
-  bool stable = true;        // reach <= limit of the method
-  bool never_stable = false; // no step would be, short of damping
-  int parts = 1;             // into which an adaptive method cuts h at least, for stability
-  int substeps = 0;          // of the step dt that keep the reach below kSafeReach of the limit; 0: any, or none does
-  double error = 0;          // predicted, of the fastest mode after one period, relative
-  double resolved = 0;       // 1/s, motions up to here come out within kResolvedError per period
+  double h = 0;               // s, a substep
+  double frequency = 0;       // 1/s, no mode is faster (Gershgorin)
+  double decay = 0;           // 1/s, no mode decays faster
+  double reach = 0;           // h times the larger of the two that matter to the method
+  bool stable = true;         // reach <= limit of the method
+  bool never_stable = false;  // no step would be, short of damping
+  int parts = 1;              // into which an adaptive method cuts h at least, for stability
+  int substeps = 0;           // of the step dt that keep the reach below kSafeReach of the limit; 0: any, or none does
+  double error = 0;           // predicted, of the fastest mode after one period, relative
+  double resolved = 0;        // 1/s, motions up to here come out within kResolvedError per period
   static constexpr double kSafeReach = 0.9;
   static constexpr double kResolvedError = 0.01;
 };
@@ -72,7 +72,7 @@ class Springs final : public System {
   ~Springs() override;
 
   void add_rows(StepPlan& plan) override;
-  std::size_t count() const override;   // points
+  std::size_t count() const override;  // points
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
   void load(Reader& r) override;
@@ -116,7 +116,7 @@ class Springs final : public System {
     std::uint32_t first = 0, count = 0;
     Real friction = 0, restitution = 0;
     std::uint32_t group = 1, mask = 0xffffffffu;
-    bool implicit = false;  // its integrator
+    bool implicit = false;                      // its integrator
     std::span<const std::uint32_t> faces = {};  // three numbers each, from 0 within the net
   };
   std::size_t net_count() const;
@@ -128,8 +128,8 @@ class Springs final : public System {
   // Point `i` is held at `local` of a mover (a body); used by couple and the binding. Kept by couple/springs_rigid.
   struct Attachment {
     ObjectId net, body;
-    std::uint32_t point = 0;     // particle index in Particles
-    Vec3 local = Vec3::Zero();   // in the body frame of `body`, m
+    std::uint32_t point = 0;    // particle index in Particles
+    Vec3 local = Vec3::Zero();  // in the body frame of `body`, m
   };
   void attach(ObjectId net, std::size_t i, ObjectId body, const Vec3& local);
   void detach(ObjectId net, std::size_t i);

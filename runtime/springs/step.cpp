@@ -36,7 +36,8 @@ void Springs::Impl::warn_held_forces(const Forces& forces, Events& events) {
     for (const ForceEntry& f : forces.list) {
       if (f.force || !aims_at(f, n->object, objects.tags(n->object))) continue;
       n->warned_held = true;
-      std::string message = objects.describe(f.object) + " is asked once before each step and held through it: with it " +
+      std::string message = objects.describe(f.object) +
+                            " is asked once before each step and held through it: with it " +
                             objects.describe(n->object) + " moves with order 1";
       if (info.order > 1) message += ", not " + std::to_string(info.order) + " of " + n->integrator_name;
       if (info.implicit) message += ", and " + n->integrator_name + " does not see how stiff it is";
@@ -77,8 +78,8 @@ void Springs::Impl::integrate(StepContext& c) {
   const auto run = [&](Net& n, JobPool* inner) {
     n.integrate(t, c.h, inner);
     n.bad_point = n.find_non_finite(inner);
-    n.snapped = n.can_break && n.bad_point == kNone && !n.frozen &&
-                n.layout.find_snapped(n.positions(), n.springs, inner);
+    n.snapped =
+        n.can_break && n.bad_point == kNone && !n.frozen && n.layout.find_snapped(n.positions(), n.springs, inner);
   };
   // large nets one after another with all threads each, small ones side by side
   for (auto& n : nets)
@@ -87,10 +88,11 @@ void Springs::Impl::integrate(StepContext& c) {
   std::uint32_t parts = 0;
   for (auto& n : nets)
     if (!n->wide() && !n->on_stepping_thread) parts += n->springs.size() + n->points;
-  c.jobs->for_blocks(count, {1, parts / std::max(count, 1u) * kPartWork}, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t k = first; k < last; ++k)
-      if (!nets[k]->wide() && !nets[k]->on_stepping_thread) run(*nets[k], nullptr);
-  });
+  c.jobs->for_blocks(count, {1, parts / std::max(count, 1u) * kPartWork},
+                     [&](std::uint32_t first, std::uint32_t last, int) {
+                       for (std::uint32_t k = first; k < last; ++k)
+                         if (!nets[k]->wide() && !nets[k]->on_stepping_thread) run(*nets[k], nullptr);
+                     });
   if (any_bad()) quarantine(c);
   for (auto& n : nets) {
     if (n->snapped) break_springs(*n, *c.events);
@@ -126,8 +128,9 @@ void Springs::Impl::warn_coincident(Net& n, Events& events) {
             std::to_string(s.j[k] + 1) + ")";
     break;
   }
-  events.warn("coincident", objects.describe(n.object) + ": " + which +
-              " has its ends at one spot and pushes them apart along x", n.object);
+  events.warn("coincident",
+              objects.describe(n.object) + ": " + which + " has its ends at one spot and pushes them apart along x",
+              n.object);
 }
 
 // A net with a non-finite point goes back to the start of the step and is held there: other systems never see the

@@ -66,7 +66,8 @@ void Colliders::save(Writer& w) const {
     if (s && guess < pinned.size() && pinned[guess] == s) {
       pin = guess++;
     } else if (s) {
-      for (pin = 0; pin < pinned.size() && pinned[pin] != s; ++pin) {}
+      for (pin = 0; pin < pinned.size() && pinned[pin] != s; ++pin) {
+      }
       if (pin == pinned.size()) pinned.push_back(s);
       guess = pin + 1;
     }

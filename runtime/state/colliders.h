@@ -5,7 +5,7 @@
 
 #include "base/arena.h"
 #include "base/math.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
 #include "geom/shape.h"
 #include "state/objects.h"
 
@@ -21,32 +21,32 @@ struct Colliders {
         material(&a), group(&a), mask(&a), free_list(&a), changed(&a), shapes(&a) {}
 
   Array<ColliderMotion> motion;
-  Array<std::uint8_t> awake;            // owner awake (kinematic: moving)
+  Array<std::uint8_t> awake;  // owner awake (kinematic: moving)
   Array<std::uint8_t> sensor;
   Array<std::uint8_t> bullet;
-  Array<const Shape*> shape;            // kept alive by `shapes`
-  Array<ObjectKind> owner;              // body or net
-  Array<std::uint32_t> owner_index;     // body index, or particle index
-  Array<std::uint32_t> mover;           // place in Movers; kNone for fixed
-  Array<ObjectId> object;               // reported in events
-  Array<std::uint32_t> sub;             // point number within the object (nets), else 0
-  Array<std::uint32_t> next_of_body;    // next collider of the same body
-  Array<Pose> local;                    // in the owner's centre-of-mass frame
-  Array<Pose> pose;                     // world, start of the step
-  Array<Aabb> box;                      // world, with margin and this step's motion; unbounded for planes
-  Array<Vec3> center;                   // owner's centre of mass, world, m
-  Array<Vec3> velocity;                 // owner's, m/s
-  Array<Vec3> angular_velocity;         // owner's, rad/s
+  Array<const Shape*> shape;          // kept alive by `shapes`
+  Array<ObjectKind> owner;            // body or net
+  Array<std::uint32_t> owner_index;   // body index, or particle index
+  Array<std::uint32_t> mover;         // place in Movers; kNone for fixed
+  Array<ObjectId> object;             // reported in events
+  Array<std::uint32_t> sub;           // point number within the object (nets), else 0
+  Array<std::uint32_t> next_of_body;  // next collider of the same body
+  Array<Pose> local;                  // in the owner's centre-of-mass frame
+  Array<Pose> pose;                   // world, start of the step
+  Array<Aabb> box;                    // world, with margin and this step's motion; unbounded for planes
+  Array<Vec3> center;                 // owner's centre of mass, world, m
+  Array<Vec3> velocity;               // owner's, m/s
+  Array<Vec3> angular_velocity;       // owner's, rad/s
   Array<Real> friction_static, friction_dynamic, restitution, rolling_friction;
-  Array<Vec3> surface_velocity;         // in the owner's frame, m/s (conveyor)
-  Array<std::uint16_t> material;        // 0 = none; index into the world's material names
-  Array<std::uint32_t> group, mask;     // collide when (group_a & mask_b) and (group_b & mask_a)
+  Array<Vec3> surface_velocity;      // in the owner's frame, m/s (conveyor)
+  Array<std::uint16_t> material;     // 0 = none; index into the world's material names
+  Array<std::uint32_t> group, mask;  // collide when (group_a & mask_b) and (group_b & mask_a)
   Array<std::uint32_t> free_list;
   Array<std::uint32_t> changed;  // filter, type or pose changed by script since the last step: pairs are re-examined
   Array<std::shared_ptr<const Shape>> shapes;  // by collider index
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(motion.size()); }
-  std::uint32_t add();   // index with defaults: fixed, group 1, mask all
+  std::uint32_t add();  // index with defaults: fixed, group 1, mask all
   void remove(std::uint32_t i);
 
   // Shapes stay in memory while a snapshot may need them: a snapshot belongs to the world that made it.

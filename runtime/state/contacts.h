@@ -1,9 +1,9 @@
 // Contacts: one slot per pair of colliders that may touch (and per extra manifold against meshes). A slot lives as
 // long as the pair's boxes overlap; impulses in it warm-start the next step.
 #pragma once
+#include "base/archive.h"
 #include "base/arena.h"
 #include "base/math.h"
-#include "base/archive.h"
 #include "state/objects.h"
 
 namespace feder {
@@ -14,24 +14,24 @@ struct ContactPoint {
   Vec3 arm_a =
       Vec3::Zero();  // from the owner's centre of mass to the point, world, at the time of the fresh manifold, m
   Vec3 arm_b = Vec3::Zero();
-  Real separation = 0;           // at the start of this step, m
-  Real normal_impulse = 0;       // accumulated in the last substep, N s; warm start
-  Real total_impulse = 0;        // sum over the substeps of the last step, N s; for events
-  Real approach_speed = 0;       // relative normal speed at the start of the step (negative = closing), m/s
+  Real separation = 0;      // at the start of this step, m
+  Real normal_impulse = 0;  // accumulated in the last substep, N s; warm start
+  Real total_impulse = 0;   // sum over the substeps of the last step, N s; for events
+  Real approach_speed = 0;  // relative normal speed at the start of the step (negative = closing), m/s
   std::uint32_t feature = 0;
 #ifdef FEDER_REAL_DOUBLE
-  std::uint32_t unused = 0;      // no padding: contacts are written to snapshots as bytes
+  std::uint32_t unused = 0;  // no padding: contacts are written to snapshots as bytes
 #endif
 };
 
 struct Contact {
   std::uint32_t collider_a = kNone, collider_b = kNone;  // a < b
-  std::uint32_t sub = 0;            // number of the manifold within the pair
-  std::uint8_t touching = 0;        // has points with separation below the margin: solved
+  std::uint32_t sub = 0;                                 // number of the manifold within the pair
+  std::uint8_t touching = 0;                             // has points with separation below the margin: solved
   std::uint8_t sensor = 0;
-  std::uint8_t fresh = 0;           // new manifold this step (not recycled)
+  std::uint8_t fresh = 0;  // new manifold this step (not recycled)
   std::uint8_t point_count = 0;
-  Vec3 normal = Vec3::Zero();       // a to b, world
+  Vec3 normal = Vec3::Zero();  // a to b, world
   ContactPoint points[kMaxContactPoints];
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;  // mixed; rolling in m (arm)
   Vec3 surface_velocity = Vec3::Zero();  // wanted tangential velocity of b against a, world, m/s
@@ -44,7 +44,7 @@ struct Contacts {
   explicit Contacts(Arena& a) : slots(&a), order(&a), free_list(&a), active(&a) {}
 
   Array<Contact> slots;
-  Array<std::uint32_t> order;      // slots in use, sorted by (collider_a, collider_b, sub)
+  Array<std::uint32_t> order;  // slots in use, sorted by (collider_a, collider_b, sub)
   Array<std::uint32_t> free_list;
   Array<std::uint32_t>
       active;  // written by narrow each step, in `order`: touching, no sensor, one side awake and movable

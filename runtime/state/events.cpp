@@ -6,8 +6,8 @@
 namespace feder {
 namespace {
 const char* const kEventNames[kEventKinds] = {
-    "contact_begin", "contact_stay", "contact_end", "hit", "sleep", "wake", "sensor_enter", "sensor_leave",
-    "joint_break", "spring_break", "tear", "emitter_done", "drained", "step", "warning"};
+    "contact_begin", "contact_stay", "contact_end", "hit",          "sleep",   "wake", "sensor_enter", "sensor_leave",
+    "joint_break",   "spring_break", "tear",        "emitter_done", "drained", "step", "warning"};
 }
 
 const char* event_name(EventKind kind) { return kEventNames[static_cast<int>(kind)]; }

@@ -10,11 +10,24 @@
 namespace feder {
 
 enum class EventKind : std::uint8_t {
-  contact_begin, contact_stay, contact_end, hit, sleep, wake, sensor_enter, sensor_leave,
-  joint_break, spring_break, tear, emitter_done, drained, step, warning,
+  contact_begin,
+  contact_stay,
+  contact_end,
+  hit,
+  sleep,
+  wake,
+  sensor_enter,
+  sensor_leave,
+  joint_break,
+  spring_break,
+  tear,
+  emitter_done,
+  drained,
+  step,
+  warning,
 };
 inline constexpr int kEventKinds = 15;
-const char* event_name(EventKind kind);                       // "contact_begin" ...
+const char* event_name(EventKind kind);  // "contact_begin" ...
 bool event_kind_from_name(std::string_view name, EventKind& out);
 
 enum class WakeCause : std::uint8_t { none, contact, script, joint, neighbor, force, cloth, destroyed, fluid };
@@ -26,14 +39,14 @@ struct Event {
   WakeCause cause = WakeCause::none;  // wake
   ObjectId a, b;  // contacts: bodies or nets; sensors: a = sensor, b = other; others: a = object; wake: b = other;
                   // emitters and drains: b = fluid
-  std::uint32_t index = 0;   // point, spring or vertex of `a` (counts from 0)
-  std::uint32_t order = 0;   // filled on append: keeps equal keys in the order they came
+  std::uint32_t index = 0;     // point, spring or vertex of `a` (counts from 0)
+  std::uint32_t order = 0;     // filled on append: keeps equal keys in the order they came
   Vec3 point = Vec3::Zero();   // world, m
   Vec3 normal = Vec3::Zero();  // from a to b
-  Real speed = 0;            // approach speed, m/s (hit)
-  Real impulse = 0;          // accumulated normal impulse of the step, N s
-  Real slip = 0;             // tangential speed at the contact, m/s (contact_stay)
-  Real force = 0;            // N (breaks)
+  Real speed = 0;              // approach speed, m/s (hit)
+  Real impulse = 0;            // accumulated normal impulse of the step, N s
+  Real slip = 0;               // tangential speed at the contact, m/s (contact_stay)
+  Real force = 0;              // N (breaks)
   std::uint32_t text = kNone;  // warning: index into Events::text
 };
 

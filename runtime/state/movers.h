@@ -20,19 +20,19 @@ static_assert(sizeof(MoverState) == 16 * sizeof(Real));
 
 // Per mover and step, read when rows are prepared.
 struct MoverMass {
-  Real inv_mass = 0;                    // 1/kg
-  Vec3 inv_mass_axes = Vec3::Zero();    // inv_mass with locked world axes zeroed (equal to inv_mass when none)
-  Mat3 inv_inertia = Mat3::Zero();      // world, 1/(kg m^2), locks applied
-  Vec3 center = Vec3::Zero();           // centre of mass at the start of the step, world, m
+  Real inv_mass = 0;                  // 1/kg
+  Vec3 inv_mass_axes = Vec3::Zero();  // inv_mass with locked world axes zeroed (equal to inv_mass when none)
+  Mat3 inv_inertia = Mat3::Zero();    // world, 1/(kg m^2), locks applied
+  Vec3 center = Vec3::Zero();         // centre of mass at the start of the step, world, m
   Quat start_rotation;
 };
 
 struct Movers {
   explicit Movers(Arena& a) : solver(&a), free_list(&a), state(&a), mass(&a) {}
 
-  Array<std::uint32_t> solver;     // by mover slot: index into state/mass this step; 0 = does not move
+  Array<std::uint32_t> solver;  // by mover slot: index into state/mass this step; 0 = does not move
   Array<std::uint32_t> free_list;
-  Array<MoverState> state;         // by solver index
+  Array<MoverState> state;  // by solver index
   Array<MoverMass> mass;
 
   std::uint32_t add() {

@@ -32,12 +32,12 @@ class Objects {
   void remove(ObjectId id, std::string where);
 
   bool alive(ObjectId id) const;
-  ObjectKind kind(ObjectId id) const;             // also of the dead, until the slot is used again
-  std::uint32_t index(ObjectId id) const;         // alive only
+  ObjectKind kind(ObjectId id) const;      // also of the dead, until the slot is used again
+  std::uint32_t index(ObjectId id) const;  // alive only
   void set_index(ObjectId id, std::uint32_t index);
-  const std::string& name(ObjectId id) const;     // also of the dead, until the slot is used again; else ""
+  const std::string& name(ObjectId id) const;  // also of the dead, until the slot is used again; else ""
   const std::string& destroyed_at(ObjectId id) const;
-  std::string describe(ObjectId id) const;        // body "crate3", or body #17 without a name
+  std::string describe(ObjectId id) const;  // body "crate3", or body #17 without a name
   TagMask tags(ObjectId id) const;
   void set_tags(ObjectId id, TagMask tags);
 

@@ -12,12 +12,12 @@ struct Row {
   Vec3 linear = Vec3::Zero();
   Vec3 angular_a = Vec3::Zero();
   Vec3 angular_b = Vec3::Zero();
-  Real value = 0;          // C, m or rad (0 for a pure motor)
-  Real bend = 0;           // m/s: what C gains in the coming substep beyond h dC/dt, over h, as the bodies turn
-  Real speed = 0;          // wanted dC/dt, m/s or rad/s (motors)
-  Real lower = -kInfinity; // bounds of the force (N) or torque (N m) along the Jacobian
+  Real value = 0;           // C, m or rad (0 for a pure motor)
+  Real bend = 0;            // m/s: what C gains in the coming substep beyond h dC/dt, over h, as the bodies turn
+  Real speed = 0;           // wanted dC/dt, m/s or rad/s (motors)
+  Real lower = -kInfinity;  // bounds of the force (N) or torque (N m) along the Jacobian
   Real upper = kInfinity;
-  Real hertz = 0;          // 0: as stiff as the solver can make it; else a spring of that frequency
+  Real hertz = 0;  // 0: as stiff as the solver can make it; else a spring of that frequency
   Real damping_ratio = 1;
   bool velocity_only = false;  // motor or friction: `value` is ignored
 };
@@ -27,7 +27,7 @@ struct RowBlock {
   std::uint32_t first = 0;                 // in Rows::rows
   std::uint16_t count = 0;                 // rows solved together, at most 6
   std::uint32_t joint = kNone;
-  std::uint32_t first_impulse = 0;         // where the block's impulses stay between steps (joint's array)
+  std::uint32_t first_impulse = 0;  // where the block's impulses stay between steps (joint's array)
 };
 
 }  // namespace feder

@@ -31,8 +31,8 @@ class StepPlan {
   // this)
   template <auto Method, class T>
   void add(Stage stage, When when, int rank, const char* name, const char* system, T* self) {
-    add(StepRow{stage, when, rank, name, system,
-                [](void* s, StepContext& c) { (static_cast<T*>(s)->*Method)(c); }, self, {}});
+    add(StepRow{
+        stage, when, rank, name, system, [](void* s, StepContext& c) { (static_cast<T*>(s)->*Method)(c); }, self, {}});
   }
   void finish();  // sorts; counters of rows that were there before are kept
   void run(StepContext& context);

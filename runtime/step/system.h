@@ -41,11 +41,11 @@ struct SystemSetup {
   Store& store;
   Objects& objects;
   Events& events;
-  const Params& options;   // world option table of that name: world { rigid = { solver = ... } }
-  const Params& world;     // top-level choices: broad_phase, narrow_phase
+  const Params& options;  // world option table of that name: world { rigid = { solver = ... } }
+  const Params& world;    // top-level choices: broad_phase, narrow_phase
   int dimension;
-  SystemFinder& systems;   // those listed in `needs` are there
-  bool* structure_changed; // set to true to have the plan rebuilt before the next step
+  SystemFinder& systems;    // those listed in `needs` are there
+  bool* structure_changed;  // set to true to have the plan rebuilt before the next step
 };
 
 class System {
@@ -61,6 +61,9 @@ class System {
   virtual Momentum momentum() const { return {}; }
   virtual void residuals(std::vector<Residual>& /*out*/) const {}
   virtual bool finite() const { return true; }
+  // Walks the system's structures and asserts what holds between steps (base/assert.h). After each step where asserts
+  // are on: dev, fuzz, asan, tsan.
+  virtual void validate() const {}
   // For the watchdog (step/watch.h), asked at the end of a step that has a suspect: upper bounds of the energy that
   // other systems may have drawn from this one (kinetic at the start of the step, work done on it, strain), J; and of
   // the speed of what it moves with infinite mass, m/s.
@@ -69,8 +72,8 @@ class System {
 };
 
 struct SystemDescriptor {
-  const char* name;                       // "rigid"; also the arena's name
-  std::span<const char* const> needs;     // made before it
+  const char* name;                    // "rigid"; also the arena's name
+  std::span<const char* const> needs;  // made before it
   // Made by the world as soon as all of these exist (couplings); empty for systems that are asked for.
   std::span<const char* const> joins;
   std::unique_ptr<System> (*make)(SystemSetup& setup);

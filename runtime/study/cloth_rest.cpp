@@ -145,9 +145,7 @@ std::unique_ptr<StudyProblem> make(Arena&, const Params& p) {
 Variant<StudyProblem> study_hanging_sheet() {
   return {"hanging_sheet", "a sheet hung by its upper border: what small steps leave of strain", &make<HangingSheet>};
 }
-Variant<StudyProblem> study_catenary() {
-  return {"catenary", "a strip of cloth hung at both ends", &make<Catenary>};
-}
+Variant<StudyProblem> study_catenary() { return {"catenary", "a strip of cloth hung at both ends", &make<Catenary>}; }
 Variant<StudyProblem> study_cantilever() {
   return {"cantilever", "a clamped strip of cloth bends under its own weight", &make<Cantilever>};
 }

@@ -78,8 +78,8 @@ class DoublePendulum final : public OdeProblem {
     exact_ = std::make_unique<OdeReference>(
         [](Wide, const Wide* y, Wide* d) {
           d[0] = y[2], d[1] = y[3];
-          accelerations<Wide>(y[2], y[3], std::sin(y[0]), std::sin(y[1]), std::sin(y[0] - y[1]),
-                              std::cos(y[0] - y[1]), d[2], d[3]);
+          accelerations<Wide>(y[2], y[3], std::sin(y[0]), std::sin(y[1]), std::sin(y[0] - y[1]), std::cos(y[0] - y[1]),
+                              d[2], d[3]);
         },
         std::vector<Wide>{level, level, 0, 0}, info_.t_end, kStudySamples);
   }

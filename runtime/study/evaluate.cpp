@@ -168,8 +168,8 @@ double between(double e0, double e1, double a, double b, double target) {
   return std::exp(std::log(a) + s * (std::log(b) - std::log(a)));
 }
 
-// Cheapest crossing of the target on the polyline of one part of a ladder, by work, behind which no finer point is above
-// the target or failed. False: it never gets there.
+// Cheapest crossing of the target on the polyline of one part of a ladder, by work, behind which no finer point is
+// above the target or failed. False: it never gets there.
 bool reach_by(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
   std::vector<const StudyPoint*> own;
   for (const StudyPoint* p : c.points)

@@ -12,11 +12,11 @@ namespace feder {
 struct ExtremeOutcome {
   bool as_expected = false;
   Verdict verdict = Verdict::stable;
-  std::string detail;   // numbers, or the message of the refusal
+  std::string detail;  // numbers, or the message of the refusal
 };
 
 struct ExtremeCase {
-  const char* system;    // "springs", "rigid", "cloth", "fluid", "world"
+  const char* system;  // "springs", "rigid", "cloth", "fluid", "world"
   std::string name;
   const char* expected;  // one sentence
   bool slow;             // takes more than about a second
@@ -27,7 +27,7 @@ std::span<const ExtremeCase> extreme_spring_cases();
 std::span<const ExtremeCase> extreme_rigid_cases();
 std::vector<ExtremeCase> extreme_cloth_cases();  // where cloth is built; with each of its solvers
 std::vector<ExtremeCase> extreme_fluid_cases();  // likewise
-std::vector<ExtremeCase> extreme_cases();  // all
+std::vector<ExtremeCase> extreme_cases();        // all
 
 // Runs `act`, which must throw a SceneError that contains `word`, and asks `hash` before and after.
 ExtremeOutcome expect_refusal(const char* word, const std::function<void()>& act,

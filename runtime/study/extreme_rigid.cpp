@@ -45,7 +45,8 @@ ExtremeOutcome refused_body(const char* word, F&& spoil) {
   BodyDesc d;
   d.name = "bad";
   d.shape = make_box(1, 1, 1);
-  return expect_refusal(word, [&] { spoil(d), s.rigid().add_body(d); }, [&] { return s.world->hash(); });
+  return expect_refusal(
+      word, [&] { spoil(d), s.rigid().add_body(d); }, [&] { return s.world->hash(); });
 }
 
 // A square of two triangles, with one of no area and one whose vertices are twice the same place beside them.
@@ -64,7 +65,8 @@ ExtremeOutcome bad_triangles() {
 ExtremeOutcome no_area() {
   const Vec3 v[] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
   const std::uint32_t t[] = {0, 1, 2};
-  return expect_refusal("area", [&] { make_mesh(v, t); }, [] { return std::uint64_t{0}; });
+  return expect_refusal(
+      "area", [&] { make_mesh(v, t); }, [] { return std::uint64_t{0}; });
 }
 
 // Two boxes in one place, weightless: they part at no more than the push speed of the solver.

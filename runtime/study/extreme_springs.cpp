@@ -34,14 +34,16 @@ ExtremeOutcome refused_net(const char* word, F&& spoil) {
   w.need<Springs>().add_net(pair_net());
   NetDesc d = pair_net();
   spoil(d);
-  return expect_refusal(word, [&] { w.need<Springs>().add_net(d); }, [&] { return w.hash(); });
+  return expect_refusal(
+      word, [&] { w.need<Springs>().add_net(d); }, [&] { return w.hash(); });
 }
 
 template <class F>
 ExtremeOutcome refused_world(const char* word, F&& spoil) {
   WorldDesc d;
   spoil(d);
-  return expect_refusal(word, [&] { World w(d, kSprings); }, [] { return std::uint64_t{0}; });
+  return expect_refusal(
+      word, [&] { World w(d, kSprings); }, [] { return std::uint64_t{0}; });
 }
 
 bool finite_net(World& w, ObjectId net) { return w.is_finite() && !w.need<Springs>().quarantined(net); }

@@ -316,12 +316,8 @@ Variant<StudyProblem> row(const char* name, const char* summary) {
 Variant<StudyProblem> study_hydrostatic() {
   return row<Hydrostatic>("hydrostatic", "a column of fluid at rest: its pressure");
 }
-Variant<StudyProblem> study_dam_break() {
-  return row<DamBreak>("dam_break", "a square column collapses: its front");
-}
-Variant<StudyProblem> study_draught() {
-  return row<Draught>("draught", "a beam floats: how deep");
-}
+Variant<StudyProblem> study_dam_break() { return row<DamBreak>("dam_break", "a square column collapses: its front"); }
+Variant<StudyProblem> study_draught() { return row<Draught>("draught", "a beam floats: how deep"); }
 Variant<StudyProblem> study_poiseuille() {
   return row<Poiseuille>("poiseuille", "a flow between plates starts: its profile");
 }

@@ -27,8 +27,8 @@ class HeavyTop final : public RigidProblem {
     set_reference(ReferenceKind::quad, 14, 1e-14, "Euler's equations, extrapolation of order 20 in long double");
     info_.reference.rounding *= 100;
     for (int s = 1; s <= 64; s *= 2) steps_.push_back(static_cast<int>(std::ceil(60 * info_.t_end)) * s);
-    exact_ = std::make_unique<OdeReference>(TopEquation{{across, about_axis, across}, gravity_ * kDistance, 1},
-                                            start(), info_.t_end, kStudySamples);
+    exact_ = std::make_unique<OdeReference>(TopEquation{{across, about_axis, across}, gravity_ * kDistance, 1}, start(),
+                                            info_.t_end, kStudySamples);
   }
 
   void build(World& world, std::vector<ObjectId>& observed) const override {

@@ -14,12 +14,12 @@ struct NetSpring {
 
 // In double: the world gets it rounded to Real, the reference does not.
 struct NetModel {
-  std::vector<double> x, v;              // three per point
-  std::vector<double> mass;              // kg
+  std::vector<double> x, v;  // three per point
+  std::vector<double> mass;  // kg
   std::vector<std::uint8_t> pinned;
   std::vector<NetSpring> springs;
-  double gravity = 0;                    // downwards along y
-  std::vector<std::uint32_t> observed;   // points the errors are measured on
+  double gravity = 0;                   // downwards along y
+  std::vector<std::uint32_t> observed;  // points the errors are measured on
 
   std::uint32_t add(double px, double py, double pz, double m, bool pin = false);
 };

@@ -12,8 +12,8 @@ class PointEquation {
  public:
   virtual ~PointEquation() = default;
   Real mass = 1;
-  bool damped = false;                       // f depends on v
-  double rate = 0, decay = 0;                // bounds of frequencies and decay rates, 1/s
+  bool damped = false;         // f depends on v
+  double rate = 0, decay = 0;  // bounds of frequencies and decay rates, 1/s
   virtual Vec3 force(const Vec3& x, const Vec3& v, double t) const = 0;
   // df/dx and df/dv as they are; the field drops what is not symmetric negative semidefinite.
   virtual Mat3 stiffness(const Vec3& x, const Vec3& v, double t) const = 0;
@@ -57,8 +57,8 @@ class OdeProblem : public StudyProblem {
  protected:
   std::unique_ptr<PointEquation> equation_;
   Vec3 x0_ = Vec3::Zero(), v0_ = Vec3::Zero();
-  std::vector<int> steps_;                   // of the ladder, coarse to fine
-  int tolerance_steps_ = 32;                 // calls adaptive methods get
+  std::vector<int> steps_;    // of the ladder, coarse to fine
+  int tolerance_steps_ = 32;  // calls adaptive methods get
 };
 
 // first, 2 first, 4 first ... `rungs` of them.

@@ -37,21 +37,21 @@ struct Invariants {
 // One way to run a problem: a method and a rung of its ladder.
 struct RunSpec {
   std::string method;
-  int steps = 0;          // of t_end / steps each; adaptive methods divide them further
-  double tolerance = 0;   // adaptive methods, and fluids: the compression aimed at; 0: their default
-  int iterations = 0;     // of the solver; 0: its default
-  int substeps = 0;       // of worlds; 0: the problem's default
+  int steps = 0;         // of t_end / steps each; adaptive methods divide them further
+  double tolerance = 0;  // adaptive methods, and fluids: the compression aimed at; 0: their default
+  int iterations = 0;    // of the solver; 0: its default
+  int substeps = 0;      // of worlds; 0: the problem's default
   Settings settings;
-  std::string way = {};   // what this part of a ladder refines: "substeps", "steps" ...; empty: it has one part
-  bool twin = false;      // points start some last places away: two such runs differ by what rounding does to them
+  std::string way = {};  // what this part of a ladder refines: "substeps", "steps" ...; empty: it has one part
+  bool twin = false;     // points start some last places away: two such runs differ by what rounding does to them
 };
 
 // A run in progress. Used as: start, then step() as often as the spec says, reading in between at will.
 class StudyRun {
  public:
   virtual ~StudyRun() = default;
-  virtual void step() = 0;                                // one of spec.steps
-  virtual void observe(Observation& out) = 0;             // the state now
+  virtual void step() = 0;                     // one of spec.steps
+  virtual void observe(Observation& out) = 0;  // the state now
   virtual Invariants invariants() = 0;
   virtual StudyCounters counters() const = 0;
   virtual std::size_t bytes() const { return 0; }         // of the systems that take part

@@ -13,10 +13,7 @@ constexpr Wide kPiWide = 3.14159265358979323846264338327950288L;
 }  // namespace
 
 OdeReference::OdeReference(Rhs rhs, std::vector<Wide> start, double t_end, int samples, Wide tolerance)
-    : rhs_(std::move(rhs)),
-      t_end_(t_end),
-      samples_(samples),
-      tolerance_(tolerance),
+    : rhs_(std::move(rhs)), t_end_(t_end), samples_(samples), tolerance_(tolerance),
       step_(static_cast<Wide>(t_end) / samples) {
   largest_.resize(start.size());
   between_ = slope_ = previous_ = current_ = largest_;
@@ -61,8 +58,10 @@ void OdeReference::advance(Wide from, Wide to, std::vector<Wide>& y, Wide& step)
     }
     y = current_;
     t = last ? to : t + h;
-    if (rows <= 7 && !last) step = h * 1.3L;
-    else if (rows >= 10) step = h * 0.8L;
+    if (rows <= 7 && !last)
+      step = h * 1.3L;
+    else if (rows >= 10)
+      step = h * 0.8L;
   }
 }
 

@@ -41,9 +41,12 @@ void set_option(Params& options, std::string_view assignment) {
   const std::string_view text = assignment.substr(equals + 1);
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error == std::errc() && end == text.data() + text.size()) options.set(std::move(key), number);
-  else if (text == "true" || text == "false") options.set(std::move(key), text == "true");
-  else options.set(std::move(key), std::string(text));
+  if (error == std::errc() && end == text.data() + text.size())
+    options.set(std::move(key), number);
+  else if (text == "true" || text == "false")
+    options.set(std::move(key), text == "true");
+  else
+    options.set(std::move(key), std::string(text));
 }
 
 const char* name_of(ReferenceKind kind) {

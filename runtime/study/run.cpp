@@ -14,7 +14,7 @@ namespace {
 constexpr int kWatched = 2048;
 constexpr double kFar = 1e6, kFast = 1e3, kHot = 1e3;  // x_scale, v_scale, energy_scale
 constexpr double kHorizon = 1e-3;
-constexpr double kSlowShare = 0.01;                    // of the solves may miss their tolerance
+constexpr double kSlowShare = 0.01;                             // of the solves may miss their tolerance
 constexpr double kTwinBelow = sizeof(Real) == 4 ? 1e-2 : 1e-7;  // larger errors are not rounding's
 
 bool finite(const Observation& o) {
@@ -42,13 +42,9 @@ void raise(double& worst, double x) {
 class RunWatch {
  public:
   RunWatch(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, StudyPoint& point,
-        StudySeries* series)
-      : problem_(problem),
-        info_(problem.info()),
-        h_(info_.t_end / spec.steps),
-        dense_(info_.dense && !method.adaptive),
-        point_(point),
-        series_(series) {}
+           StudySeries* series)
+      : problem_(problem), info_(problem.info()), h_(info_.t_end / spec.steps), dense_(info_.dense && !method.adaptive),
+        point_(point), series_(series) {}
 
   void start(StudyRun& run) {
     run.observe(now_);

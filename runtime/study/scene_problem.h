@@ -14,23 +14,23 @@ class SceneWorld {
  public:
   virtual ~SceneWorld() = default;
   virtual World& world() = 0;
-  virtual void step() = 0;                        // the world's step and what the scene does after it
-  virtual double own_error() { return NAN; }      // the scene's own measure, asked once at t_end
+  virtual void step() = 0;                    // the world's step and what the scene does after it
+  virtual double own_error() { return NAN; }  // the scene's own measure, asked once at t_end
 };
 
 struct SceneDescription {
   std::string name, summary;
   double t_end = 1;
-  double dt = 1.0 / 60;                           // the scene's own step, s
-  int threads = 1;                                // worker threads of its world
-  std::vector<MethodInfo> methods;                // the first is the scene's own
-  std::vector<int> steps;                         // of the ladder; empty: about dt, from 2 dt to dt/8
-  std::vector<int> substeps;                      // likewise; empty: the scene's own
-  std::vector<ProblemParam> params;               // values for listings
+  double dt = 1.0 / 60;              // the scene's own step, s
+  int threads = 1;                   // worker threads of its world
+  std::vector<MethodInfo> methods;   // the first is the scene's own
+  std::vector<int> steps;            // of the ladder; empty: about dt, from 2 dt to dt/8
+  std::vector<int> substeps;         // likewise; empty: the scene's own
+  std::vector<ProblemParam> params;  // values for listings
   // Every combination is run: name and values.
   std::vector<std::pair<std::string, std::vector<std::string>>> axes;
-  bool has_error = false;                         // own_error() is the error: nothing is refined
-  std::string error_source;                       // in words, for has_error
+  bool has_error = false;    // own_error() is the error: nothing is refined
+  std::string error_source;  // in words, for has_error
   // Observed points to be at t_end, in the order of observe_world(); empty: refined.
   std::vector<double> reference;
   std::function<std::unique_ptr<SceneWorld>(const RunSpec&)> make;
@@ -56,8 +56,8 @@ class SceneProblem final : public StudyProblem {
   struct Refined {
     std::vector<Observation> states;  // at the 257 times
     std::vector<double> energy;
-    double kinetic = 0;               // largest
-    std::string failure;              // of the run, empty when it reached the end
+    double kinetic = 0;   // largest
+    std::string failure;  // of the run, empty when it reached the end
   };
   Refined run_refined(const std::string& method, int steps, const Settings& settings) const;
   const Refined& refined() const;

@@ -87,9 +87,7 @@ ClothCell hang(std::unique_ptr<World> world, const std::string& solver, double x
 }
 
 // x = stretch stiffness, y = mass of the bar by that of the sheet.
-ClothCell hung(const std::string& solver, double x, double y) {
-  return hang(make_world(60), solver, x, y, 0);
-}
+ClothCell hung(const std::string& solver, double x, double y) { return hang(make_world(60), solver, x, y, 0); }
 
 // x = stretch stiffness, y = steps a second. It must not pass the ball, nor stretch where its material would not.
 ClothCell draped(const std::string& solver, double x, double y) {
@@ -137,8 +135,8 @@ ShapePtr mast(int kind) {
     case 4: return make_cylinder(r, 2);
     case 5: return make_cone(2 * r, 2);
     case 6: {
-      const Vec3 corners[] = {Vec3(-r, -1, 0), Vec3(r, -1, -r), Vec3(r, -1, r), Vec3(-r, 1, 0),
-                              Vec3(r, 1, -r), Vec3(r, 1, r)};
+      const Vec3 corners[] = {Vec3(-r, -1, 0), Vec3(r, -1, -r), Vec3(r, -1, r),
+                              Vec3(-r, 1, 0),  Vec3(r, 1, -r),  Vec3(r, 1, r)};
       return make_hull(corners);
     }
     case 7: return make_plane(Vec3(1, 0, 0), r);
@@ -225,8 +223,12 @@ const std::vector<ClothMapRow>& rows() {
       {{"pinned_gap",
         "a sail of 10 x 10 cells pinned beside, on and in a shape, in wind of 9.5 m/s, 60 steps/s",
         {"gap", "gap", "mm", false, {-20, -10, -5, -2, 0, 2, 5, 10, 20}, {-20, 0, 5}},
-        {"shape", "1 sphere, 2 box, 3 capsule, 4 cylinder, 5 cone, 6 hull, 7 plane, 8 mesh", "", false,
-         {1, 2, 3, 4, 5, 6, 7, 8}, {2, 4, 6}},
+        {"shape",
+         "1 sphere, 2 box, 3 capsule, 4 cylinder, 5 cone, 6 hull, 7 plane, 8 mesh",
+         "",
+         false,
+         {1, 2, 3, 4, 5, 6, 7, 8},
+         {2, 4, 6}},
         false,
         "cloth"},
        &pinned},
@@ -300,9 +302,7 @@ StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double
 
 }  // namespace
 
-bool is_cloth_stability(std::string_view problem) {
-  return find_row(problem) != nullptr;
-}
+bool is_cloth_stability(std::string_view problem) { return find_row(problem) != nullptr; }
 
 std::vector<StabilityProblemInfo> cloth_stability_infos() {
   std::vector<StabilityProblemInfo> out;

@@ -23,7 +23,7 @@ constexpr double kBeam = 0.25;  // m, side of the beam
 struct FluidCell {
   std::unique_ptr<World> world;
   ObjectId water, body;
-  double low = NAN, high = NAN;  // where it belongs, m: the fluid's middle, or the beam's lower side
+  double low = NAN, high = NAN;          // where it belongs, m: the fluid's middle, or the beam's lower side
   double level = kLevel, width = kTank;  // m
   double highest = INFINITY;             // m, no particle may be higher
 };
@@ -263,9 +263,7 @@ StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double
 
 }  // namespace
 
-bool is_fluid_stability(std::string_view problem) {
-  return find_row(problem) != nullptr;
-}
+bool is_fluid_stability(std::string_view problem) { return find_row(problem) != nullptr; }
 
 std::vector<StabilityProblemInfo> fluid_stability_infos() {
   std::vector<StabilityProblemInfo> out;

@@ -153,8 +153,8 @@ StabilityCell NetStability::cell(const std::string& method, double x, double y,
     for (; done < s.steps; ++done) {
       t.world.step();
       const IntegratorStats stats = t.springs().stats(t.net);
-      cell.iters_max = std::max(std::isnan(cell.iters_max) ? 0 : cell.iters_max,
-                                static_cast<double>(stats.linear_solves - solves));
+      cell.iters_max =
+          std::max(std::isnan(cell.iters_max) ? 0 : cell.iters_max, static_cast<double>(stats.linear_solves - solves));
       solves = stats.linear_solves;
       missed_steps += stats.unconverged > misses;
       misses = stats.unconverged;
@@ -206,8 +206,10 @@ StabilityLimit NetStability::limit(const std::string& method, double y) const {
     double below = kFirst;
     while (out.z_observed <= kLast && !unstable(out.z_observed)) below = out.z_observed, out.z_observed *= 1.25;
     double above = out.z_observed;
-    if (above > kLast) out.z_observed = static_cast<double>(kInfinity);
-    else if (above == kFirst) out.z_observed = 0;
+    if (above > kLast)
+      out.z_observed = static_cast<double>(kInfinity);
+    else if (above == kFirst)
+      out.z_observed = 0;
     else {
       while (above - below > 1e-4 * above) {
         const double middle = (below + above) / 2;

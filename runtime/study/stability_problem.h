@@ -13,14 +13,14 @@ struct StabilityScene {
   NetDesc net;
   std::vector<std::size_t> pins;
   Vec3 gravity = Vec3::Zero();
-  double h = 1.0 / 60;          // s
+  double h = 1.0 / 60;  // s
   int steps = 200;
-  int judged_step = 200;        // where the error is taken
-  double length = 1, speed = 1; // m, m/s: size of the motion
-  double energy = 1;            // J, scale
-  double energy_zero = 0;       // J, added to the world's energy: the rest state then has none
-  double frequency = NAN;       // rad/s, the fastest
-  double damping_ratio = 0;     // of that
+  int judged_step = 200;         // where the error is taken
+  double length = 1, speed = 1;  // m, m/s: size of the motion
+  double energy = 1;             // J, scale
+  double energy_zero = 0;        // J, added to the world's energy: the rest state then has none
+  double frequency = NAN;        // rad/s, the fastest
+  double damping_ratio = 0;      // of that
 };
 
 struct StabilityMethod {

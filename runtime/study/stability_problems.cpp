@@ -31,9 +31,11 @@ int run_steps(double period) {
 class OscillatorProblem final : public NetStability {
  public:
   StabilityProblemInfo info() const override {
-    return {"oscillator", "one mass on a linear spring, released from 1 m",
+    return {"oscillator",
+            "one mass on a linear spring, released from 1 m",
             {"kh2m", "stiffness k h\u00b2/m", "", true, decades(-4, 12, 2)},
-            {"zeta", "damping ratio \u03b6", "", false, {0, 0.01, 0.1, 0.5, 1, 2, 5}}, true};
+            {"zeta", "damping ratio \u03b6", "", false, {0, 0.01, 0.1, 0.5, 1, 2, 5}},
+            true};
   }
   bool single_oscillator() const override { return true; }
   double x_of(double z, double) const override { return z * z; }
@@ -76,9 +78,11 @@ class OscillatorProblem final : public NetStability {
 class ChainProblem final : public NetStability {
  public:
   StabilityProblemInfo info() const override {
-    return {"chain", "equal masses between two walls, longitudinal, on the slowest mode",
+    return {"chain",
+            "equal masses between two walls, longitudinal, on the slowest mode",
             {"kh2m", "stiffness k h\u00b2/m", "", true, decades(-4, 12, 1)},
-            {"masses", "free masses", "", true, {1, 2, 5, 10, 20}, {1, 5}}, true};
+            {"masses", "free masses", "", true, {1, 2, 5, 10, 20}, {1, 5}},
+            true};
   }
   double x_of(double z, double y) const override {
     const double share = 2 * std::sin(y * kTurn / (2 * (y + 1)));  // of sqrt(k/m)
@@ -129,9 +133,11 @@ class ChainProblem final : public NetStability {
 class SwingingChain final : public NetStability {
  public:
   StabilityProblemInfo info() const override {
-    return {"swinging_chain", "ten stiff links swing from the horizontal, a heavy last mass, 60 steps/s",
+    return {"swinging_chain",
+            "ten stiff links swing from the horizontal, a heavy last mass, 60 steps/s",
             {"stiffness", "stiffness k", "N/m", true, decades(2, 12, 1)},
-            {"ratio", "mass ratio", "", true, decades(0, 6, 1)}, false};
+            {"ratio", "mass ratio", "", true, decades(0, 6, 1)},
+            false};
   }
   double x_of(double, double) const override { return NAN; }
 

@@ -1,12 +1,13 @@
 // Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or
 // the place of a scene leave the usual (axes of numerics.md 3.6). Each scene ends where it is known: at rest in its
 // place, or before the wall.
+#include "study/stability_rigid.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "collide/collide.h"
 #include "rigid/solver.h"
-#include "study/stability_rigid.h"
 #include "world/world.h"
 
 namespace feder {
@@ -23,8 +24,10 @@ BodyDesc box(double width, double height, double depth, const Vec3d& at, double 
   BodyDesc d;
   d.shape = make_box(static_cast<Real>(width), static_cast<Real>(height), static_cast<Real>(depth));
   d.position = at.cast<Real>();
-  if (mass > 0) d.mass = static_cast<Real>(mass);
-  else d.type = BodyType::fixed;
+  if (mass > 0)
+    d.mass = static_cast<Real>(mass);
+  else
+    d.type = BodyType::fixed;
   return d;
 }
 
@@ -122,8 +125,8 @@ RigidScene friction(double degrees, double ratio) {
   const double seconds = std::ceil(s.seconds / s.h - 1e-9) * s.h;
   for (const double share : {1.02, 0.75}) {
     const Vec3d at(0, 0, share > 1 ? 0 : 5);
-    const double way = share > 1 ? 0 : s.gravity * (std::sin(angle) - ratio * share * slope * std::cos(angle)) *
-                                           seconds * seconds / 2;
+    const double way =
+        share > 1 ? 0 : s.gravity * (std::sin(angle) - ratio * share * slope * std::cos(angle)) * seconds * seconds / 2;
     for (BodyDesc d : {box(40, 1, 2, at - 0.5 * up, 0), box(1, 0.5, 1, at + 0.25 * up, 1)}) {
       d.rotation = turn;
       d.friction_static = static_cast<Real>(share * slope);
@@ -141,41 +144,41 @@ RigidScene friction(double degrees, double ratio) {
 const std::vector<RigidMap>& maps() {
   static const std::vector<RigidMap> table = [] {
     std::vector<RigidMap> all = {
-      {{"stack",
-        "boxes on each other for 3 s",
-        rigid_step_axis(),
-        {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}},
-       &stack},
-      {{"heavy",
-        "a box on a lighter one",
-        rigid_step_axis(),
-        {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}},
-       &heavy},
-      {{"size",
-        "a box on one of 1 m",
-        rigid_step_axis(),
-        {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
-       &small},
-      {{"far",
-        "two boxes on each other and one that slides, away from the origin",
-        rigid_step_axis(),
-        {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}},
-       &far},
-      {{"bullet",
-        "a ball of 0.1 m, marked as bullet, against a wall",
-        {"speed", "speed", "m/s", true, {1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4}, {1, 100, 1e4}},
-        {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}},
-       &bullet},
-      {{"spin",
-        "a weightless box spins about its axis of largest inertia",
-        rigid_step_axis(),
-        {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
-       &spin},
-      {{"friction",
-        "crates on slopes with friction 2 % above and 25 % below what holds, 60 steps/s",
-        {"slope", "slope", "deg", false, {5, 10, 20, 30, 40}, {5, 40}},
-        {"ratio", "dynamic by static friction", "", false, {0, 0.1, 0.25, 0.5, 0.9, 1}, {0, 0.25, 1}}},
-       &friction}};
+        {{"stack",
+          "boxes on each other for 3 s",
+          rigid_step_axis(),
+          {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}},
+         &stack},
+        {{"heavy",
+          "a box on a lighter one",
+          rigid_step_axis(),
+          {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}},
+         &heavy},
+        {{"size",
+          "a box on one of 1 m",
+          rigid_step_axis(),
+          {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
+         &small},
+        {{"far",
+          "two boxes on each other and one that slides, away from the origin",
+          rigid_step_axis(),
+          {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}},
+         &far},
+        {{"bullet",
+          "a ball of 0.1 m, marked as bullet, against a wall",
+          {"speed", "speed", "m/s", true, {1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4}, {1, 100, 1e4}},
+          {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}},
+         &bullet},
+        {{"spin",
+          "a weightless box spins about its axis of largest inertia",
+          rigid_step_axis(),
+          {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
+         &spin},
+        {{"friction",
+          "crates on slopes with friction 2 % above and 25 % below what holds, 60 steps/s",
+          {"slope", "slope", "deg", false, {5, 10, 20, 30, 40}, {5, 40}},
+          {"ratio", "dynamic by static friction", "", false, {0, 0.1, 0.25, 0.5, 0.9, 1}, {0, 0.25, 1}}},
+         &friction}};
     for (RigidMap& map : joint_stability_maps()) all.push_back(std::move(map));
     return all;
   }();
@@ -316,10 +319,10 @@ std::unique_ptr<StabilityProblem> make() {
 }  // namespace
 
 std::span<const StabilityProblemRow> rigid_stability_problems() {
-  static const StabilityProblemRow table[] = {{"stack", &make<0>}, {"heavy", &make<1>}, {"size", &make<2>},
-                                              {"far", &make<3>},   {"bullet", &make<4>}, {"spin", &make<5>},
-                                              {"friction", &make<6>}, {"hinged_rod", &make<7>},
-                                              {"jointed_chain", &make<8>}};
+  static const StabilityProblemRow table[] = {
+      {"stack", &make<0>},    {"heavy", &make<1>},      {"size", &make<2>},
+      {"far", &make<3>},      {"bullet", &make<4>},     {"spin", &make<5>},
+      {"friction", &make<6>}, {"hinged_rod", &make<7>}, {"jointed_chain", &make<8>}};
   return table;
 }
 

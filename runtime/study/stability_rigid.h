@@ -17,14 +17,14 @@ struct RigidScene {
 
   double h = 1.0 / 60, seconds = 2;
   double gravity = 9.81;
-  double length = 1;             // m, what errors are divided by
-  double size = 1;               // m, what penetrations and errors of joints are divided by
-  double speed = 1;              // m/s, the largest that should be seen
-  double energy = 1;             // J, scale
-  double energy_start = 0;       // J, kept to the end where keeps_energy
-  double energy_zero = 0;        // J, added to the world's energy where keeps_energy
+  double length = 1;        // m, what errors are divided by
+  double size = 1;          // m, what penetrations and errors of joints are divided by
+  double speed = 1;         // m/s, the largest that should be seen
+  double energy = 1;        // J, scale
+  double energy_start = 0;  // J, kept to the end where keeps_energy
+  double energy_zero = 0;   // J, added to the world's energy where keeps_energy
   bool keeps_energy = false;
-  bool known = true;             // where the watched bodies end; false: chaos decides
+  bool known = true;  // where the watched bodies end; false: chaos decides
   std::vector<BodyDesc> bodies;
   std::vector<Joint> joints;
   std::vector<std::size_t> watched;  // of bodies

@@ -41,11 +41,16 @@ void apply(const Ladder& ladder, double value, double t_end, RunSpec& spec) {
   const auto whole = [&](double lowest) {
     return static_cast<int>(std::min(2e9, std::max(lowest, std::round(value))));
   };
-  if (ladder.axis == "h") spec.steps = static_cast<int>(std::min(2e9, std::max(1.0, std::round(t_end / value))));
-  else if (ladder.axis == "steps") spec.steps = whole(1);
-  else if (ladder.axis == "tol") spec.tolerance = value;
-  else if (ladder.axis == "iters") spec.iterations = whole(1);
-  else if (ladder.axis == "substeps") spec.substeps = whole(1);
+  if (ladder.axis == "h")
+    spec.steps = static_cast<int>(std::min(2e9, std::max(1.0, std::round(t_end / value))));
+  else if (ladder.axis == "steps")
+    spec.steps = whole(1);
+  else if (ladder.axis == "tol")
+    spec.tolerance = value;
+  else if (ladder.axis == "iters")
+    spec.iterations = whole(1);
+  else if (ladder.axis == "substeps")
+    spec.substeps = whole(1);
 }
 
 // A tolerance means nothing to fixed steps, and a step nothing to methods that choose their own.
@@ -123,7 +128,8 @@ Ladder parse_ladder(std::string_view text) {
   ladder.axis = std::string(text.substr(0, colon));
   static const char* const known[] = {"h", "tol", "iters", "substeps", "steps"};
   if (colon == std::string_view::npos || std::find(std::begin(known), std::end(known), ladder.axis) == std::end(known))
-    throw SceneError("ladder '" + std::string(text) + "': expected h:, steps:, tol:, iters: or substeps:, then "
+    throw SceneError("ladder '" + std::string(text) +
+                     "': expected h:, steps:, tol:, iters: or substeps:, then "
                      "FROM..TO:xFACTOR or a list");
   std::string_view rest = text.substr(colon + 1);
   if (rest.find("..") != std::string_view::npos) {

@@ -19,7 +19,7 @@ struct TimingOptions {
 };
 
 struct Ladder {
-  std::string axis;              // "h", "tol", "iters", "substeps", "steps"
+  std::string axis;  // "h", "tol", "iters", "substeps", "steps"
   std::vector<double> values;
 };
 
@@ -35,11 +35,12 @@ struct SweepOptions {
   RunLimits limits;
   TimingOptions timing;
   WorkWeights weights;
-  int shard = 0, shards = 1;         // points with index % shards == shard
-  std::string machine;               // written into each point that is run here
+  int shard = 0, shards = 1;  // points with index % shards == shard
+  std::string machine;        // written into each point that is run here
   // Points of the same study that ran before it was stopped: taken over instead of run. Timed anew with the others.
   std::vector<FinishedPoint> done;
-  // The problem as the last of them knew it (references of scenes are learned in runs); used when nothing is left to run.
+  // The problem as the last of them knew it (references of scenes are learned in runs); used when nothing is left to
+  // run.
   std::optional<ProblemInfo> learned;
   // Called with each point that was run, as soon as its errors are known; may be empty.
   std::function<void(const FinishedPoint&, const ProblemInfo&)> finished;

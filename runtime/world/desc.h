@@ -13,11 +13,11 @@ struct WorldDesc {
   double dt = 1.0 / 60.0;                  // s per step, in (0, 1]
   int substeps = 4;                        // 1 .. 1000
   std::uint64_t seed = 1;
-  int threads = 1;                         // 1 .. 64; results do not depend on it
+  int threads = 1;  // 1 .. 64; results do not depend on it
   bool sleeping = true;
-  int dimension = 3;                       // 2: bodies move in the xy plane
-  Params options;                          // broad_phase, narrow_phase
-  std::map<std::string, Params> systems;   // options per system: systems["rigid"] holds solver = "soft_step" ...
+  int dimension = 3;                      // 2: bodies move in the xy plane
+  Params options;                         // broad_phase, narrow_phase
+  std::map<std::string, Params> systems;  // options per system: systems["rigid"] holds solver = "soft_step" ...
 };
 
 // SceneError naming the field when something is out of range.

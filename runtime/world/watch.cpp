@@ -1,9 +1,10 @@
 // The watchdog's last word: suspects of this step against what the whole world could have given them.
+#include "step/watch.h"
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 
-#include "step/watch.h"
 #include "world/world.h"
 
 namespace feder {

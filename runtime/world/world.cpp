@@ -114,8 +114,11 @@ void World::warn_of_forces() {
   for (ForceEntry& f : forces->list) {
     if (f.warned || !f.force || f.force->faults() == 0) continue;
     f.warned = true;
-    events_.warn("force_domain", objects_.describe(f.object) + " had no value at some point (division by zero, root or "
-                 "logarithm of a negative number, overflow) and counted as 0 there; guard it with max or min", f.object);
+    events_.warn("force_domain",
+                 objects_.describe(f.object) +
+                     " had no value at some point (division by zero, root or "
+                     "logarithm of a negative number, overflow) and counted as 0 there; guard it with max or min",
+                 f.object);
   }
 }
 
@@ -153,6 +156,11 @@ void World::step() {
   stepping_ = true;
   plan_.run(c);
   stepping_ = false;
+  if constexpr (kAsserts) validate();
+}
+
+void World::validate() const {
+  for (const Present& p : systems_) p.system->validate();
 }
 
 ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name,

@@ -30,9 +30,9 @@ class World final : private SystemFinder {
   World& operator=(const World&) = delete;
 
   const WorldDesc& desc() const { return desc_; }
-  double time() const { return time_; }              // s, simulated
+  double time() const { return time_; }  // s, simulated
   std::uint64_t step_count() const { return steps_; }
-  void set_gravity(const Vec3& g);                   // wakes nobody: see Rigid::wake_all
+  void set_gravity(const Vec3& g);  // wakes nobody: see Rigid::wake_all
 
   // The system with S::kName, made (with what it needs) on first use. SceneError when this host leaves it out.
   template <class S>
@@ -55,7 +55,7 @@ class World final : private SystemFinder {
   Events& events() { return events_; }
   Store& store() { return store_; }
   Rng& rng() { return rng_; }
-  const StepPlan& plan();                            // rebuilt when needed
+  const StepPlan& plan();  // rebuilt when needed
   void reset_profile() { plan_.reset_counters(); }
 
   // Forces: made by kind name; the target is everything, objects with a tag, or one object.
@@ -69,15 +69,15 @@ class World final : private SystemFinder {
   Momentum momentum() const;
   std::vector<Residual> residuals() const;
   bool is_finite() const;
-  std::uint64_t hash() const;                        // FNV-1a over the systems' states
+  std::uint64_t hash() const;  // FNV-1a over the systems' states
 
-  std::vector<SystemReport> report() const;          // systems present, in the order they were made
+  std::vector<SystemReport> report() const;  // systems present, in the order they were made
   std::size_t bytes() const;
-  std::uint64_t allocations() const;                 // since birth, of all arenas: constant while only stepping
+  std::uint64_t allocations() const;  // since birth, of all arenas: constant while only stepping
 
   // A byte image of the state; restore then run = run, bit for bit. Belongs to the world that made it.
   std::string snapshot() const;
-  void restore(std::string_view image);              // SceneError, world unchanged, when it does not fit
+  void restore(std::string_view image);  // SceneError, world unchanged, when it does not fit
 
  private:
   struct Present {
@@ -94,6 +94,7 @@ class World final : private SystemFinder {
   void load_image(std::string_view image);
   void warn_of_forces();
   void warn_of_energy(const StepContext& c);  // watch.cpp
+  void validate() const;
 
   WorldDesc desc_;
   Catalog catalog_;

@@ -20,7 +20,8 @@ return feder.scene {
         position = { (i - 1) * gap, 0.5, 0 }, density = 600, friction = 0.4,
       }
     end
-    -- a push at the top edge; tipping the first takes 6 N s: m g (diagonal - height)/2 of rotational energy about its foot
+    -- a push at the top edge; tipping the first takes 6 N s: m g (diagonal - height)/2 of rotational energy about its
+    -- foot
     world:after(0.5, function() scene.dominoes[1]:apply_impulse(12, 0, 0, 0, 1, 0) end)
     world:on("contact_begin", { tag = "domino" }, function(e)
       local a, b = e.a:name():match("^domino(%d+)$"), e.b:name():match("^domino(%d+)$")

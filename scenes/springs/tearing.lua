@@ -1,5 +1,5 @@
--- A net torn by a falling ball: its threads break where they are stretched too far, each of them once, and the ball goes
--- through the hole. A second ball, light enough to be held, stays in the other net.
+-- A net torn by a falling ball: its threads break where they are stretched too far, each of them once, and the ball
+-- goes through the hole. A second ball, light enough to be held, stays in the other net.
 local feder = require "feder"
 local build = require "feder.build"
 

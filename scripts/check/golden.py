@@ -109,7 +109,10 @@ def main(arguments):
         if broken:
             return 1
         kept = [line for line in lines if not mine(line, real)]
-        FILE.write_text("\n".join(kept + sorted(f"{key} {value}" for key, value in now.items())) + "\n")
+        scenes = [line for line in kept if mine(line, "float") or mine(line, "double")]
+        scenes += [f"{key} {value}" for key, value in now.items()]
+        others = [line for line in kept if line not in scenes]
+        FILE.write_text("\n".join(others + sorted(scenes, key=lambda s: (s.startswith("double"), s))) + "\n")
         print(f"golden: stored {len(now)} hashes of {real}")
         return 0
     stored = dict(line.rsplit(" ", 1) for line in lines if mine(line, real))

@@ -1,7 +1,7 @@
 # One set of compile flags, and the three words that add things:
-#   feder_module(name [APART] SOURCES a.cpp ... NEEDS base geom ...)   a static library feder_<name>; APART: see pch.cmake
-#   feder_variant(module name [FILE file.cpp])                 one source and one row of the module's table
-#   feder_pair(a b)                                            the same for a narrow-phase pair test
+#   feder_module(name [APART] SOURCES a.cpp ... NEEDS base ...)   a static library feder_<name>; APART: see pch.cmake
+#   feder_variant(module name [FILE file.cpp])                    one source and one row of the module's table
+#   feder_pair(a b)                                               the same for a narrow-phase pair test
 # A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
 # generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
 

@@ -6,8 +6,8 @@ set(feder_pch_standard <algorithm> <array> <cmath> <cstdint> <cstring> <function
                        <string_view> <utility> <vector> <Eigen/Core>)
 
 # feder_in_lumps(target): several sources per compilation, as half of what is left is the same templates again. Names in
-# unnamed namespaces must then differ within the folder; modules of variants, which look alike on purpose, are APART, and
-# so is each registry.cpp.
+# unnamed namespaces must then differ within the folder; modules of variants, which look alike on purpose, are APART,
+# and so is each registry.cpp.
 function(feder_in_lumps target)
   if(FEDER_PCH AND TARGET ${target})
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 7)

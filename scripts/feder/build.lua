@@ -2,7 +2,7 @@
 --
 -- Every builder takes one options table and returns three lists for world:net{ ... }, all counting from 1:
 --   points   { {x, y, z}, ... }
---   springs  { {i, j, stiffness =, damping =, break_strain =, tension_only =}, ... }   rest lengths are the distances as built
+--   springs  { {i, j, stiffness =, damping =, break_strain =, tension_only =}, ... }   rest lengths: as built
 --   faces    { {i, j, k}, ... }   triangles, counter-clockwise from outside (grid: from above; chain: none)
 --
 --   local points, springs, faces = build.lattice { count = { 4, 4, 4 }, size = { 1, 1, 1 }, stiffness = 2000 }

@@ -14,8 +14,9 @@ fluid.materials = {
   alcohol = { density = 789, viscosity = 0.0011, surface_tension = 0.0223 },
 }
 
--- Martin and Moyce's films (Phil. Trans. R. Soc. A 244, 1952) start later than an instant release would: their diaphragm
--- took time. What to add to T = t sqrt(g/a) of a run before comparing fronts; runtime/study/martin_moyce.h says whence.
+-- Martin and Moyce's films (Phil. Trans. R. Soc. A 244, 1952) start later than an instant release would: their
+-- diaphragm took time. What to add to T = t sqrt(g/a) of a run before comparing fronts; runtime/study/martin_moyce.h
+-- says whence.
 fluid.diaphragm_delay = 0.124
 
 local function names()

@@ -2,8 +2,8 @@
 #include <limits>
 #include <numeric>
 
-#include "base/cast.h"
 #include "base/arena.h"
+#include "base/cast.h"
 #include "base/jobs.h"
 #include "base/params.h"
 #include "base/rng.h"

@@ -7,6 +7,7 @@
 
 #ifdef __linux__
 #include <pthread.h>
+
 #include <csignal>
 #endif
 
@@ -37,10 +38,9 @@ struct Chain {
       for (std::uint32_t i = first; i < last; ++i) s = s * 31 + a[i];
       sums[first / kHeavy.items] = s;
     };
-    const JobPool::Stage stages[] = {
-        JobPool::stage(0, kCount, kHeavy, there), JobPool::stage(0, 200, kHeavy, back),
-        JobPool::stage(200, 200, kHeavy, back),  // empty
-        JobPool::stage(200, kCount, kHeavy, back), JobPool::stage(0, kCount, kHeavy, sum)};
+    const JobPool::Stage stages[] = {JobPool::stage(0, kCount, kHeavy, there), JobPool::stage(0, 200, kHeavy, back),
+                                     JobPool::stage(200, 200, kHeavy, back),  // empty
+                                     JobPool::stage(200, kCount, kHeavy, back), JobPool::stage(0, kCount, kHeavy, sum)};
     std::uint64_t all = 0;
     for (int k = 0; k < rounds; ++k) {
       pool.run_stages(stages);
@@ -75,9 +75,9 @@ TEST_CASE("forks follow the stated work, not a clock", "[base][jobs][threads]") 
     const auto body = [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) ++hits[i];
     };
-    pool.for_blocks(10'000, {100, 300}, body);    // 30 us
+    pool.for_blocks(10'000, {100, 300}, body);  // 30 us
     CHECK(pool.forks() == 0);
-    pool.for_blocks(10'000, {100, 500}, body);    // 50 us
+    pool.for_blocks(10'000, {100, 500}, body);  // 50 us
     CHECK(pool.forks() == 1);
     pool.for_blocks(100, {100, 1'000'000}, body);  // long, but one block
     CHECK(pool.forks() == 1);
@@ -98,7 +98,9 @@ TEST_CASE("threads of a host may help at once, late or never", "[base][jobs][thr
   CHECK(Chain().run(pool, rounds) == expected);  // never
   CHECK(host.asked.load() > 0);
   host.pool = &pool;
-  std::thread eager([&] { while (!host.stop) host.pool.load()->help(1); });
+  std::thread eager([&] {
+    while (!host.stop) host.pool.load()->help(1);
+  });
   std::thread late([&] {
     while (!host.stop) {
       std::this_thread::sleep_for(std::chrono::microseconds(300));

@@ -123,7 +123,8 @@ int main(int argc, char** argv) {
   for (int k = 0; k < repeats; ++k)
     for (Entry& e : rows) {
       const std::uint64_t start = clock_nanoseconds();
-      if (e.whole) e.whole->world.step();
+      if (e.whole)
+        e.whole->world.step();
       else
         for (int i = 0; i < kSmallSteps; ++i) plain.step(Real(1) / 60 / kSmallSteps);
       e.least = std::min(e.least, static_cast<double>(clock_nanoseconds() - start));

@@ -16,9 +16,7 @@ using namespace feder;
 
 namespace {
 
-double seconds() {
-  return 1e-9 * static_cast<double>(clock_nanoseconds());
-}
+double seconds() { return 1e-9 * static_cast<double>(clock_nanoseconds()); }
 
 // Cubic spline over lists, as one writes it down; microseconds per particle.
 double plain_density(const std::vector<Vec3>& x, Real spacing, double& pairs) {

@@ -73,7 +73,8 @@ struct Kernel {
     layout.build(arrays, static_cast<std::uint32_t>(x.size()));
   }
   void run() {
-    layout.eval(x, v, jobs.threads() > 1 ? &jobs : nullptr, [](std::uint32_t) { return Vec3(0, Real(-0.981), 0); }, f);
+    layout.eval(
+        x, v, jobs.threads() > 1 ? &jobs : nullptr, [](std::uint32_t) { return Vec3(0, Real(-0.981), 0); }, f);
   }
   Arena arena{"bench"};
   JobPool jobs;

@@ -1,11 +1,10 @@
 // The tree of boxes against all pairs.
-#include "bounds/box_tree.h"
-
 #include <algorithm>
 #include <iterator>
 #include <vector>
 
 #include "base/rng.h"
+#include "bounds/box_tree.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -4,8 +4,8 @@
 
 #include "base/params.h"
 #include "base/rng.h"
+#include "bounds/segment_box.h"
 #include "broad/broad_phase.h"
-#include "broad/segment_box.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -38,7 +38,7 @@ Aabb random_box(Rng& rng, const char* layout) {
   for (int k = 0; k < 3; ++k) {
     center[k] = uniform(rng, -10, 10), half[k] = uniform(rng, 0.1, 1);
     if (kind == "clustered") center[k] = uniform(rng, -1, 1) * uniform(rng, 0, 1) * uniform(rng, 0, 3);
-    if (kind == "grid") center[k] = Real(below(rng, 6)), half[k] = Real(0.5);          // touching faces, equal boxes
+    if (kind == "grid") center[k] = Real(below(rng, 6)), half[k] = Real(0.5);  // touching faces, equal boxes
     if (kind == "mixed") half[k] = below(rng, 8) == 0 ? uniform(rng, 5, 50) : uniform(rng, 1e-6, 1e-3);
     if (kind == "flat") half[k] = k == 1 ? 0 : half[k], center[k] = k == 1 ? Real(below(rng, 3)) : center[k];
     if (kind == "identical") center[k] = 1, half[k] = 2;

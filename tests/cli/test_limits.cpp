@@ -14,7 +14,8 @@ bool says(const std::string& text, const std::string& what) { return text.find(w
 
 // A scene whose update or study never ends.
 std::string with(const std::string& key, const std::string& value) {
-  return "local feder = require 'feder'\nreturn feder.scene {\n  title = 'Probe', seconds = 0.1,\n  build = function(world) "
+  return "local feder = require 'feder'\nreturn feder.scene {\n  title = 'Probe', seconds = 0.1,\n  build = "
+         "function(world) "
          "world:body { shape = feder.sphere(0.5) } end,\n" +
          key + " = " + value + ",\n  check = function(world, scene, expect) expect(true) end }\n";
 }
@@ -44,7 +45,8 @@ TEST_CASE("a script that never ends ends with status 4 in every command", "[cli]
   ends("test check.lua", "check.lua:8");
   ends("study --repeat 0 study.lua", "study.lua:6");
   const Outcome drawn = p.run("render -o out.png update.lua" + limit);
-  if (says(p.run("--help").out, "render") && !says(drawn.err, "OpenGL")) ends("render -o out.png update.lua", "update.lua:6");
+  if (says(p.run("--help").out, "render") && !says(drawn.err, "OpenGL"))
+    ends("render -o out.png update.lua", "update.lua:6");
 }
 
 TEST_CASE("the limits need no option, and the summary is not lost", "[cli][limits]") {
@@ -94,9 +96,11 @@ TEST_CASE("one signal ends a run, its summary is kept", "[cli][limits]") {
   p.write("plain.lua", "local w = require('feder').world {} w:step(2)\nprint 'ready' while true do end\n");
   for (const auto& [signal, status] : {std::pair{"INT", 130}, {"TERM", 143}}) {
     for (const std::string file : {"update.lua", "plain.lua"}) {
-      const Outcome o = p.shell("{ '" FEDER_BINARY_DIR "/feder' run " + file +
-                                " --limit 0 --json & pid=$!; for i in $(seq 200); do grep -q ready .err && break; sleep 0.1; "
-                                "done; kill -" + signal + " $pid; wait $pid; }");
+      const Outcome o =
+          p.shell("{ '" FEDER_BINARY_DIR "/feder' run " + file +
+                  " --limit 0 --json & pid=$!; for i in $(seq 200); do grep -q ready .err && break; sleep 0.1; "
+                  "done; kill -" +
+                  signal + " $pid; wait $pid; }");
       CAPTURE(signal, file, o.err, o.out);
       CHECK(o.status == status);
       CHECK(o.json()["interrupted"] == true);
@@ -110,8 +114,8 @@ TEST_CASE("statuses and messages of wrong words and files", "[cli][limits]") {
   p.write("scene.lua", "local n = require('feder').param('n', 3, { max = 5 })\n" + scene(kBall));
   p.write("plain.lua", "local w = require('feder').world {} w:step(2)\n");
   for (const std::string wrong :
-       {"--set m=1", "--set n=9", "--set n=x", "--world bogus=1", "--world rigid.solver=bogus", "--world dt=-1", "--dt 7",
-        "--seconds 1e30", "--seconds 1e300"}) {
+       {"--set m=1", "--set n=9", "--set n=x", "--world bogus=1", "--world rigid.solver=bogus", "--world dt=-1",
+        "--dt 7", "--seconds 1e30", "--seconds 1e300"}) {
     for (const std::string file : {"scene.lua", "plain.lua"}) {
       if (file == "plain.lua" && (wrong.find("n=") != std::string::npos || wrong.find("seconds") != std::string::npos))
         continue;
@@ -131,7 +135,8 @@ TEST_CASE("statuses and messages of wrong words and files", "[cli][limits]") {
 TEST_CASE("a state that was not finite on the way fails a run", "[cli][limits]") {
   const Program p;
   // the sum of two finite forces is not finite; the body is held and the state is finite again
-  p.write("wild.lua", scene("local b = world:body { shape = feder.sphere(0.5), density = 1e-8 }\nfor i = 1, 100 do b:apply_force(1e30, 0, 0) end"));
+  p.write("wild.lua", scene("local b = world:body { shape = feder.sphere(0.5), density = 1e-8 }\nfor i = 1, 100 do "
+                            "b:apply_force(1e30, 0, 0) end"));
   const Outcome o = p.run("run wild.lua --json");
   CAPTURE(o.out, o.err);
   const auto json = o.json();
@@ -169,10 +174,11 @@ TEST_CASE("a crash is one failed test by name, and the rest goes on", "[cli][lim
   // a sanitized program must die of a signal, too
   const std::string program = "ASAN_OPTIONS=$ASAN_OPTIONS:handle_segv=0 '" FEDER_BINARY_DIR "/feder'";
   // the child is killed as soon as the first result is there: it runs the endless test then
-  const Outcome o = p.shell(
-      "{ " + program + " test --isolate --junit out.xml --limit 0 a_test.lua b_test.lua c_test.lua >text & pid=$!\n"
-      "for i in $(seq 300); do grep -q a_test.lua text && break; sleep 0.1; done; sleep 0.2\n"
-      "child=$(cat /proc/$pid/task/$pid/children); kill -SEGV $child; wait $pid; }");
+  const Outcome o =
+      p.shell("{ " + program +
+              " test --isolate --junit out.xml --limit 0 a_test.lua b_test.lua c_test.lua >text & pid=$!\n"
+              "for i in $(seq 300); do grep -q a_test.lua text && break; sleep 0.1; done; sleep 0.2\n"
+              "child=$(cat /proc/$pid/task/$pid/children); kill -SEGV $child; wait $pid; }");
   const std::string text = p.read("text");
   CAPTURE(text, o.err);
   CHECK(o.status == 1);
@@ -180,9 +186,12 @@ TEST_CASE("a crash is one failed test by name, and the rest goes on", "[cli][lim
   CHECK(says(text, "2 passed, 1 failed, 0 skipped"));
   CHECK(says(p.read("out.xml"), "killed by signal 11"));
   // CI isolates by itself; an interrupted run says what it has and leaves no child
-  const Outcome stopped = p.shell("{ CI=1 " + program + " test --limit 0 a_test.lua b_test.lua c_test.lua >text & pid=$!\n"
-      "for i in $(seq 300); do grep -q a_test.lua text && break; sleep 0.1; done; sleep 0.2\n"
-      "kill -TERM $pid; wait $pid; s=$?; cat text; pgrep -f 'worke[r].*b_test' | while read c; do [ \"$(readlink /proc/$c/cwd)\" = \"$PWD\" ] && echo left $c; done; (exit $s); }");
+  const Outcome stopped =
+      p.shell("{ CI=1 " + program +
+              " test --limit 0 a_test.lua b_test.lua c_test.lua >text & pid=$!\n"
+              "for i in $(seq 300); do grep -q a_test.lua text && break; sleep 0.1; done; sleep 0.2\n"
+              "kill -TERM $pid; wait $pid; s=$?; cat text; pgrep -f 'worke[r].*b_test' | while read c; do [ "
+              "\"$(readlink /proc/$c/cwd)\" = \"$PWD\" ] && echo left $c; done; (exit $s); }");
   CAPTURE(stopped.out, stopped.err);
   CHECK(stopped.status == 143);
   CHECK(says(stopped.out, "1 passed"));

@@ -124,10 +124,11 @@ TEST_CASE("holes, foreign shards and altered reports end a merge with status 1 a
     const char* name;
     std::string command, named;
   };
-  for (const Foreign& f : {Foreign{"methods", base + ladder + "--methods rk4,leapfrog ", "plan_hash"},
-                           Foreign{"ladder", base + "--methods rk4,explicit_euler --ladder steps:60..240:x2 ", "plan_hash"},
-                           Foreign{"set", base + ladder + "--methods rk4,explicit_euler --set stiffness=2 ", "overrides"},
-                           Foreign{"shards", kSmall + "--shard 2/4 ", "shards are 4, expected 3"}}) {
+  for (const Foreign& f :
+       {Foreign{"methods", base + ladder + "--methods rk4,leapfrog ", "plan_hash"},
+        Foreign{"ladder", base + "--methods rk4,explicit_euler --ladder steps:60..240:x2 ", "plan_hash"},
+        Foreign{"set", base + ladder + "--methods rk4,explicit_euler --set stiffness=2 ", "overrides"},
+        Foreign{"shards", kSmall + "--shard 2/4 ", "shards are 4, expected 3"}}) {
     REQUIRE(p.run(f.command + "--out " + f.name).status == 0);
     refused(two + f.name + "/report.json", f.named);
   }
@@ -171,10 +172,13 @@ TEST_CASE("a study that was stopped goes on where it was", "[cli]") {
 
 TEST_CASE("each row says with what settings, threads and precision it was made", "[cli]") {
   const Program p;
-  p.write("ball.lua", "local feder = require 'feder'\nlocal drop = feder.param('drop', 1, { min = 1, max = 3 })\n"
-          "return feder.scene { title = 'Ball', seconds = 0.2, study = { axes = { drop = { 1, 2 }, dt = { 1 / 60, 1 / 120 } },\n"
+  p.write("ball.lua",
+          "local feder = require 'feder'\nlocal drop = feder.param('drop', 1, { min = 1, max = 3 })\n"
+          "return feder.scene { title = 'Ball', seconds = 0.2, study = { axes = { drop = { 1, 2 }, dt = { 1 / 60, 1 / "
+          "120 } },\n"
           "  error = function(world) local _, y = world:find('ball'):position() return math.abs(y) end },\n"
-          "  build = function(world) world:body { name = 'ball', shape = feder.sphere(0.1), position = { 0, drop, 0 } } end }\n");
+          "  build = function(world) world:body { name = 'ball', shape = feder.sphere(0.1), position = { 0, drop, 0 } "
+          "} end }\n");
   const std::string study = "study ball.lua --repeat 0 --threads 2 --world gravity=0,-5,0 ";
   REQUIRE(p.run(study + "--out d").status == 0);
   const std::string csv = p.read("d/points.csv");
@@ -190,7 +194,8 @@ TEST_CASE("each row says with what settings, threads and precision it was made",
 
 TEST_CASE("a scene whose own error is no number has no point that is ok", "[cli]") {
   const Program p;
-  p.write("nan.lua", "local feder = require 'feder'\nreturn feder.scene { title = 'x', seconds = 0.1,\n"
+  p.write("nan.lua",
+          "local feder = require 'feder'\nreturn feder.scene { title = 'x', seconds = 0.1,\n"
           "  study = { axes = { dt = { 1 / 60, 1 / 120 } }, error = function() return 0 / 0 end },\n"
           "  build = function(world) world:body { shape = feder.sphere(0.1) } end }\n");
   const Outcome o = p.run("study nan.lua --repeat 0 --json");

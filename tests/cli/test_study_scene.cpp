@@ -12,7 +12,8 @@ std::string spring_scene(const std::string& study) {
 local integrator = feder.param("integrator", "velocity_verlet", { choices = { "velocity_verlet", "rk4" } })
 local k = feder.param("stiffness", 30, { min = 1, max = 1000 })
 return feder.scene { title = "Spring", seconds = 1, world = { gravity = { 0, 0, 0 }, dt = 1 / 50, substeps = 1 },
-  )" + study + R"(
+  )" + study +
+         R"(
   build = function(world, scene)
     scene.net = world:net { points = { { 0, 0, 0 }, { 1.5, 0, 0 } }, masses = 1, integrator = integrator,
       springs = { { 1, 2, stiffness = k, rest_length = 1 } } }

@@ -76,9 +76,9 @@ TEST_CASE("vertices on one spot, or triangles without area, give no number that 
   ClothDesc d = sheet(9, 9, Real(0.2), Real(0.2));
   const ObjectId id = cloth.add_cloth(d);
   const Vec3 at = cloth.point(id, 40);
-  if (kind == 0) cloth.set_point(id, 41, at);                                   // an edge
-  if (kind == 1) cloth.set_point(id, 41, at), cloth.set_point(id, 49, at);      // a triangle
-  if (kind == 2) cloth.set_point(id, 41, cloth.point(id, 12));                  // far vertices
+  if (kind == 0) cloth.set_point(id, 41, at);                               // an edge
+  if (kind == 1) cloth.set_point(id, 41, at), cloth.set_point(id, 49, at);  // a triangle
+  if (kind == 2) cloth.set_point(id, 41, cloth.point(id, 12));              // far vertices
   if (kind == 3)
     for (std::size_t i = 0; i < 81; ++i) cloth.set_point(id, i, at);
   for (int k = 0; k < 30; ++k) w.step();

@@ -37,7 +37,9 @@ void random_edit(Rng& rng, FakeWorld& w, std::vector<std::pair<ObjectId, ObjectI
   FakeBody& body = w.bodies[b];
   Colliders& c = w.c();
   switch (below(rng, 12)) {
-    case 0: if (w.bodies.size() < 24) random_body(rng, w); break;
+    case 0:
+      if (w.bodies.size() < 24) random_body(rng, w);
+      break;
     case 1: w.remove(b); break;
     case 2: w.changed(b), body.pose = random_pose(rng), w.place(b); break;
     case 3: {
@@ -52,9 +54,9 @@ void random_edit(Rng& rng, FakeWorld& w, std::vector<std::pair<ObjectId, ObjectI
       w.each(b, [&](std::uint32_t k) { c.motion[k] = motion, c.awake[k] = motion == ColliderMotion::dynamic; });
       break;
     }
-    case 6: case 7:
-      if (c.motion[body.colliders[0]] == ColliderMotion::dynamic)
-        w.each(b, [&](std::uint32_t k) { c.awake[k] ^= 1; });
+    case 6:
+    case 7:
+      if (c.motion[body.colliders[0]] == ColliderMotion::dynamic) w.each(b, [&](std::uint32_t k) { c.awake[k] ^= 1; });
       break;
     case 8: {
       if (excluded.size() > 4) break;
@@ -116,8 +118,7 @@ bool may_touch(FakeWorld& w, std::uint32_t i, std::uint32_t j, const std::vector
 }
 
 // Which pairs of objects certainly touch, and which certainly do not, by testing every collider against every other.
-void compare(FakeWorld& w, const Ledger& ledger, const std::vector<PairOfObjects>& excluded,
-             std::string& problem) {
+void compare(FakeWorld& w, const Ledger& ledger, const std::vector<PairOfObjects>& excluded, std::string& problem) {
   std::map<PairOfObjects, Real> gap, sensed;
   Colliders& c = w.c();
   for (const FakeBody& x : w.bodies) {

@@ -17,8 +17,8 @@ namespace feder {
 
 inline Catalog mixed_catalog() {
   static const SystemDescriptor* const list[] = {
-      &Collide::descriptor(), &Rigid::descriptor(),      &Springs::descriptor(),    &SpringsRigid::descriptor(),
-      &Cloth::descriptor(),   &ClothCloth::descriptor(), &ClothRigid::descriptor(), &Fluid::descriptor(),
+      &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),     &SpringsRigid::descriptor(),
+      &Cloth::descriptor(),      &ClothCloth::descriptor(), &ClothRigid::descriptor(),  &Fluid::descriptor(),
       &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor()};
   return list;
 }

@@ -62,21 +62,44 @@ struct Lives {
     Cloth& cloth = w.need<Cloth>();
     const bool body = !bodies.empty(), sheet = !cloths.empty();
     switch (below(12)) {
-      case 0: case 1: if (bodies.size() < 6) add_body(); image.clear(); break;
-      case 2: if (cloths.size() < 3) add_cloth(); image.clear(); break;
-      case 3: if (body) destroy(bodies, false); break;
-      case 4: if (below(3) == 0) while (!bodies.empty()) destroy(bodies, false); break;
-      case 5: if (sheet) destroy(cloths, true); break;
-      case 6: if (body) rigid.set_type(some(bodies), below(2) ? BodyType::kinematic : BodyType::dynamic); break;
-      case 7: if (body) rigid.set_velocity(some(bodies), within(40)); break;
-      case 8: if (body) rigid.set_pose(some(bodies), {within(1), Quat{}}); break;
-      case 9: if (body && sheet) {
+      case 0:
+      case 1:
+        if (bodies.size() < 6) add_body();
+        image.clear();
+        break;
+      case 2:
+        if (cloths.size() < 3) add_cloth();
+        image.clear();
+        break;
+      case 3:
+        if (body) destroy(bodies, false);
+        break;
+      case 4:
+        if (below(3) == 0)
+          while (!bodies.empty()) destroy(bodies, false);
+        break;
+      case 5:
+        if (sheet) destroy(cloths, true);
+        break;
+      case 6:
+        if (body) rigid.set_type(some(bodies), below(2) ? BodyType::kinematic : BodyType::dynamic);
+        break;
+      case 7:
+        if (body) rigid.set_velocity(some(bodies), within(40));
+        break;
+      case 8:
+        if (body) rigid.set_pose(some(bodies), {within(1), Quat{}});
+        break;
+      case 9:
+        if (body && sheet) {
           const ObjectId c = some(cloths);
           cloth.attach(c, below(cloth.vertex_count(c)), some(bodies), within(Real(0.1)));
           image.clear();
         }
         break;
-      case 10: if (sheet) cloth.sleep(some(cloths)); break;
+      case 10:
+        if (sheet) cloth.sleep(some(cloths));
+        break;
       default:
         if (image.empty()) {
           image = w.snapshot();

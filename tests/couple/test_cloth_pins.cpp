@@ -105,7 +105,8 @@ Outcome run(std::uint64_t seed, std::size_t kind, Real gap) {
   Cloth& cloth = w.need<Cloth>();
   const ObjectId id = cloth.add_cloth(d);
   Params wind;
-  const Vec3 u = rng.uniform(0, 10) * normalized_or(Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)), n);
+  const Vec3 u =
+      rng.uniform(0, 10) * normalized_or(Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)), n);
   wind.set("velocity", std::vector<double>{u[0], u[1], u[2]});
   ForceEntry all;
   all.all = true;
@@ -155,6 +156,4 @@ TEST_CASE("sheets pinned at gaps of -2 to 2 cm to every shape: finite, outside, 
   fuzz(72, 9);
 }
 
-TEST_CASE("a thousand sheets pinned at gaps of -2 to 2 cm to every shape", "[.][map]") {
-  fuzz(1000, 1);
-}
+TEST_CASE("a thousand sheets pinned at gaps of -2 to 2 cm to every shape", "[.][map]") { fuzz(1000, 1); }

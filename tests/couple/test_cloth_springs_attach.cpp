@@ -10,8 +10,9 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(),      &Springs::descriptor(),
-                                            &Cloth::descriptor(),   &SpringsRigid::descriptor(), &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),      &Rigid::descriptor(),
+                                            &Springs::descriptor(),      &Cloth::descriptor(),
+                                            &SpringsRigid::descriptor(), &ClothRigid::descriptor()};
 
 // A square of 5 x 5 points, 1 m wide: 1 kg as net, 0.2 kg as cloth.
 ObjectId add_net(World& w) {

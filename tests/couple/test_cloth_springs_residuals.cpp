@@ -11,10 +11,9 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),    &Rigid::descriptor(),
-                                            &Springs::descriptor(),    &Cloth::descriptor(),
-                                            &ClothRigid::descriptor(), &SpringsRigid::descriptor(),
-                                            &ClothCloth::descriptor()};
+const SystemDescriptor* const kCatalog[] = {
+    &Collide::descriptor(),    &Rigid::descriptor(),        &Springs::descriptor(),   &Cloth::descriptor(),
+    &ClothRigid::descriptor(), &SpringsRigid::descriptor(), &ClothCloth::descriptor()};
 
 WorldDesc weightless() {
   WorldDesc d;

@@ -55,8 +55,8 @@ class Thief final : public System {
 
 Catalog with_thief() {
   static const SystemDescriptor* const list[] = {
-      &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),     &SpringsRigid::descriptor(),
-      &Cloth::descriptor(),      &ClothCloth::descriptor(), &ClothRigid::descriptor(),  &Fluid::descriptor(),
+      &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),      &SpringsRigid::descriptor(),
+      &Cloth::descriptor(),      &ClothCloth::descriptor(), &ClothRigid::descriptor(),   &Fluid::descriptor(),
       &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor(), &Thief::descriptor()};
   return list;
 }

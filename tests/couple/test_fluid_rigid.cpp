@@ -15,12 +15,8 @@ std::size_t heap_calls = 0;
   if (void* p = std::malloc(n ? n : 1)) return p;
   throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-  std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 #endif
 
 using namespace feder;
@@ -138,8 +134,8 @@ TEST_CASE("a sensor of several parts says one number, for each of two fluids", "
   const ObjectId oil = w.fluid().add_fluid(d);
   w.fluid().fill(oil, block(4, 1, 1, kSpacing, Vec3(0, 1, 0)), Vec3::Zero());
   const Pose left{Vec3(-1, 0, 0), Quat{}}, right{Vec3(1, 0, 0), Quat{}};
-  const ObjectId eye = w.add_sensor(make_compound({{make_box(2, 4, 4), left}, {make_box(2, 4, 4), right}}),
-                                    Vec3::Zero());
+  const ObjectId eye =
+      w.add_sensor(make_compound({{make_box(2, 4, 4), left}, {make_box(2, 4, 4), right}}), Vec3::Zero());
   w.world.step();
   int water = 0, oils = 0, events = 0;
   for (const Event& e : w.world.events().list()) {

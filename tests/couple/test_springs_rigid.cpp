@@ -146,7 +146,7 @@ TEST_CASE("a pinned net carries a body dropped on it, and the body stays awake",
   CAPTURE(centre, b.position[i][1], b.velocity[i][1]);
   CHECK(b.awake[i] == 1);
   CHECK(centre < Real(-0.02));
-  CHECK(b.position[i][1] > centre + Real(0.2));       // lies on it
+  CHECK(b.position[i][1] > centre + Real(0.2));  // lies on it
   CHECK(b.position[i][1] < centre + Real(0.30));
   CHECK(length(b.velocity[i]) < Real(0.5));
   // the net pulls with the weight of both, in the mean; an implicit one is known to yield more, and says so

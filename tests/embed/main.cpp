@@ -1,6 +1,7 @@
 // feder in a program of one's own: load a scene, step it, read events.
-#include <cstdio>
 #include <lua/host.h>
+
+#include <cstdio>
 
 static const char* const kScene = R"(
 local feder = require "feder"

@@ -1,5 +1,6 @@
 # Installs a build to a temporary prefix, builds tests/embed against it with find_package(feder) and runs it.
-#   cmake -DBUILD=<build folder> -DSOURCE=<this folder> -DCOMPILER=<c++> -DTYPE=<build type> -DFLAGS=<flags> -P run.cmake
+#   cmake -DBUILD=<build folder> -DSOURCE=<this folder> -DCOMPILER=<c++> -DTYPE=<build type> -DFLAGS=<flags> -P
+#   run.cmake
 set(work ${BUILD}/embed)
 file(REMOVE_RECURSE ${work}/prefix ${work}/build)
 

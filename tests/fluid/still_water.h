@@ -9,18 +9,18 @@ namespace feder {
 
 struct StillWater {
   int dimension = 2, layers = 25, iterations = 4, substeps = 4;
-  double spacing = 0.0125;  // m
+  double spacing = 0.0125;        // m
   double seconds = 10, calm = 2;  // s; after `calm` nobody may be fast
   std::string solver = "pbf";
 };
 
 struct StillWaterResult {
-  double top = 0;        // largest height of a particle, by H + 2 d
-  double speed = 0;      // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep)
-  double burst = -1;     // s, when either first went beyond; -1: never
-  double warned = -1;    // s, of the first warning
-  double excess = 0;     // mean over particles and the last half of the time of max(0, density ratio - 1)
-  double per_step = 0;   // inner substeps in a substep of the world, mean
+  double top = 0;       // largest height of a particle, by H + 2 d
+  double speed = 0;     // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep)
+  double burst = -1;    // s, when either first went beyond; -1: never
+  double warned = -1;   // s, of the first warning
+  double excess = 0;    // mean over particles and the last half of the time of max(0, density ratio - 1)
+  double per_step = 0;  // inner substeps in a substep of the world, mean
   bool burst_unwarned() const { return burst >= 0 && (warned < 0 || warned > burst); }
 };
 

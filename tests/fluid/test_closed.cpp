@@ -125,12 +125,8 @@ void check_draught(const std::string& solver, int dimension, double share) {
 }
 
 TEST_CASE("a floating beam lies as deep as its density says", "[fluid][closed]") {
-  SECTION("pbf") {
-    check_draught("pbf", 2, GENERATE(0.2, 0.35, 0.5, 0.65, 0.8, 0.9));
-  }
-  SECTION("wcsph") {
-    check_draught("wcsph", 2, GENERATE(0.2, 0.9));
-  }
+  SECTION("pbf") { check_draught("pbf", 2, GENERATE(0.2, 0.35, 0.5, 0.65, 0.8, 0.9)); }
+  SECTION("wcsph") { check_draught("wcsph", 2, GENERATE(0.2, 0.9)); }
   if (kLarge) SECTION("in space") {
       check_draught("pbf", 3, GENERATE(0.2, 0.9));
     }

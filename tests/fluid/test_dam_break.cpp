@@ -67,7 +67,8 @@ TEST_CASE("scenes, studies and tests shift the films of the dam break by one num
   std::ifstream file(FEDER_SOURCE_DIR "/scripts/feder/fluid.lua");
   const std::string name = "fluid.diaphragm_delay = ";
   std::string line;
-  while (std::getline(file, line) && line.compare(0, name.size(), name) != 0) {}
+  while (std::getline(file, line) && line.compare(0, name.size(), name) != 0) {
+  }
   REQUIRE(line.size() > name.size());
   CHECK(std::stod(line.substr(name.size())) == kDelay);
   CHECK(std::fabs(kDelay - 0.175 / std::sqrt(2.0)) < 1e-3);
@@ -98,11 +99,25 @@ TEST_CASE("the front of a dam break runs as Martin and Moyce measured", "[fluid]
   const std::string solver = GENERATE("pbf", "wcsph");
   CAPTURE(solver);
   Column c(solver);
-  const double fronts[][2] = {{0.62, 1.22},  {0.80, 1.44},   {1.02, 1.67},   {1.19, 1.89},   {1.34, 2.11},
-                              {1.50, 2.33},  {1.66, 2.56},   {1.81, 2.78},   {1.97, 3.00},
+  const double fronts[][2] = {{0.62, 1.22},
+                              {0.80, 1.44},
+                              {1.02, 1.67},
+                              {1.19, 1.89},
+                              {1.34, 2.11},
+                              {1.50, 2.33},
+                              {1.66, 2.56},
+                              {1.81, 2.78},
+                              {1.97, 3.00},
                               // the other copy
-                              {0.614, 1.218}, {0.796, 1.437}, {0.970, 1.671}, {1.137, 1.893}, {1.292, 2.109},
-                              {1.442, 2.334}, {1.621, 2.564}, {1.757, 2.787}, {1.929, 3.001}};
+                              {0.614, 1.218},
+                              {0.796, 1.437},
+                              {0.970, 1.671},
+                              {1.137, 1.893},
+                              {1.292, 2.109},
+                              {1.442, 2.334},
+                              {1.621, 2.564},
+                              {1.757, 2.787},
+                              {1.929, 3.001}};
   const double heights[][2] = {{0.80, 0.89}, {1.29, 0.78}, {1.74, 0.67}};
   std::vector<double> t{0}, z{1}, h{1};
   for (int k = 0; k < static_cast<int>(40 * kShare) + 1; ++k) {

@@ -34,8 +34,7 @@ std::vector<Vec3> drop(int dimension, double spacing, double stretch) {
   for (int i = 1; dimension == 3 && points.size() < count; ++i) {
     const auto at = [&](double step) { return 2 * (i / step - std::floor(i / step)) - 1; };
     const double x = at(g), y = at(g * g), z = at(g * g * g);
-    if (x * x + y * y + z * z < 1)
-      points.push_back(place(stretch * r * x, thin * r * y, thin * r * z));
+    if (x * x + y * y + z * z < 1) points.push_back(place(stretch * r * x, thin * r * y, thin * r * z));
   }
   return points;
 }

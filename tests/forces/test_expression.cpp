@@ -51,7 +51,8 @@ TEST_CASE("a formula that cannot be read names the column", "[forces][expression
   CHECK(message("-k*xx") == "column 4 of '-k*xx': unknown name 'xx'; did you mean 'x'?");
   CHECK_THAT(message("1 +"), Catch::Contains("column 4") && Catch::Contains("got the end"));
   CHECK_THAT(message("(1 + x"), Catch::Contains("column 7") && Catch::Contains("expected ')'"));
-  CHECK_THAT(message("x y"), Catch::Contains("column 3") && Catch::Contains("expected an operator or the end, got 'y'"));
+  CHECK_THAT(message("x y"),
+             Catch::Contains("column 3") && Catch::Contains("expected an operator or the end, got 'y'"));
   CHECK_THAT(message("sin x"), Catch::Contains("column 5") && Catch::Contains("expected '(' after sin"));
   CHECK_THAT(message("min(x)"), Catch::Contains("column 6") && Catch::Contains("second argument of min"));
   CHECK_THAT(message("x; os.exit()"), Catch::Contains("column 2") && Catch::Contains("got ';'"));
@@ -68,9 +69,9 @@ TEST_CASE("what has no value says so", "[forces][expression]") {
 }
 
 TEST_CASE("derivatives of formulas agree with differences", "[forces][expression]") {
-  const char* const text = GENERATE("-k*x - k*x^3 + cos(w*t)", "x*y*z/(1 + x^2)", "exp(-x)*sin(y*z)", "sqrt(x + 9)*abs(y)",
-                                    "pow(x, y)", "min(x*y, z)*max(x, z)", "log(x^2 + y^2)", "-vx*abs(vy) + vz^3*x",
-                                    "pow(x*vy, 1.7)", "x^-2 + 2^x");
+  const char* const text =
+      GENERATE("-k*x - k*x^3 + cos(w*t)", "x*y*z/(1 + x^2)", "exp(-x)*sin(y*z)", "sqrt(x + 9)*abs(y)", "pow(x, y)",
+               "min(x*y, z)*max(x, z)", "log(x^2 + y^2)", "-vx*abs(vy) + vz^3*x", "pow(x*vy, 1.7)", "x^-2 + 2^x");
   CAPTURE(text);
   const Expression e(text, kParameters);
   for (const int first : {0, Expression::kVelocity}) {
@@ -91,7 +92,8 @@ TEST_CASE("derivatives of formulas agree with differences", "[forces][expression
 
 TEST_CASE("own exponential, logarithm and power keep their digits", "[base]") {
   for (double x = -700; x <= 700; x += 3.7) CHECK(exponential(x) == Approx(std::exp(x)).epsilon(2e-15));
-  for (double x = 1e-300; x < 1e300; x *= 7.3) CHECK(natural_log(x) == Approx(std::log(x)).epsilon(2e-15).margin(2e-16));
+  for (double x = 1e-300; x < 1e300; x *= 7.3)
+    CHECK(natural_log(x) == Approx(std::log(x)).epsilon(2e-15).margin(2e-16));
   for (const double b : {-3.0, -0.5, 0.3, 1.0, 1.5, 2.0, 3.7, 20.0, 100.0})
     for (double a = 0.01; a < 100; a *= 1.9) CHECK(power(a, b) == Approx(std::pow(a, b)).epsilon(1e-13));
   CHECK(power(-2, 101) == Approx(std::pow(-2.0, 101)).epsilon(1e-13));

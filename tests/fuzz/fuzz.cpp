@@ -2,6 +2,9 @@
 // undefined-behaviour sanitizers by the preset `fuzz`; each report, also that of a sanitizer, ends with the seed.
 //   fuzz [--seconds S] [--seed N] [--count N] [--operations N] [--keep-going]
 // --seconds is processor time (default 60); a seed that takes 60 s of it is a failure too.
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -10,9 +13,6 @@
 #include <fstream>
 #include <sstream>
 #include <string>
-
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "lua/host.h"
 

@@ -1,6 +1,6 @@
--- Random operations over all kinds of objects, by the numbers SEED and OPERATIONS; about one number in twenty is hostile.
--- An operation may be refused with an error: what must not happen is a crash, a state that is not finite where all
--- numbers were ordinary (it is printed), or a snapshot that does not run on as the world did.
+-- Random operations over all kinds of objects, by the numbers SEED and OPERATIONS; about one number in twenty is
+-- hostile. An operation may be refused with an error: what must not happen is a crash, a state that is not finite where
+-- all numbers were ordinary (it is printed), or a snapshot that does not run on as the world did.
 local feder = require "feder"
 local state = SEED * 2654435761 % 4294967296
 local function random()

@@ -21,9 +21,7 @@ Pose pose(Rng& rng, bool planar) {
 }
 
 // Height of the rounded surface along the unit vector u.
-Real reach(const Shape& s, const Vec3& u) {
-  return dot(u, s.support(u)) + s.radius();
-}
+Real reach(const Shape& s, const Vec3& u) { return dot(u, s.support(u)) + s.radius(); }
 
 // A ray without length hits exactly where it starts inside.
 bool inside(const Shape& s, const Vec3& p) {
@@ -31,9 +29,7 @@ bool inside(const Shape& s, const Vec3& p) {
   return s.raycast(p, Vec3::Zero(), hit);
 }
 
-bool solid(const Shape& s) {
-  return s.mass(1).mass > 0;
-}
+bool solid(const Shape& s) { return s.mass(1).mass > 0; }
 
 template <class Check>
 void for_samples(const Check& check) {

@@ -45,11 +45,23 @@ std::vector<Problem> problems(int order) {
   const auto spring = std::make_shared<SpringField>();
   spring->springs.push_back({spring->add_point(1), kNone, 100, 0, 1});
   spring->gravity = Vec3(0, Real(-9.81), 0);
-  all.push_back({"spring pendulum", spring, {{Vec3(1, 0, 0)}, {Vec3(0, 0, 0)}}, 1,
-                 Vec3(Real(-0.98019693612978), Real(-0.61505532144325), 0), Vec3(0, 0, 0), 0, 10});
+  all.push_back({"spring pendulum",
+                 spring,
+                 {{Vec3(1, 0, 0)}, {Vec3(0, 0, 0)}},
+                 1,
+                 Vec3(Real(-0.98019693612978), Real(-0.61505532144325), 0),
+                 Vec3(0, 0, 0),
+                 0,
+                 10});
   // numerics 2.3: released at a right angle
-  all.push_back({"pendulum", std::make_shared<PendulumField>(), {{Vec3(kPi / 2, 0, 0)}, {Vec3(0, 0, 0)}}, 10,
-                 Vec3(Real(-0.94686245325590347), 0, 0), Vec3(Real(-1.0809554582362733), 0, 0), 1, 10});
+  all.push_back({"pendulum",
+                 std::make_shared<PendulumField>(),
+                 {{Vec3(kPi / 2, 0, 0)}, {Vec3(0, 0, 0)}},
+                 10,
+                 Vec3(Real(-0.94686245325590347), 0, 0),
+                 Vec3(Real(-1.0809554582362733), 0, 0),
+                 1,
+                 10});
   // numerics 2.2: eccentricity 0.9, from pericentre. In 113 bits, errors of order 5 at t = 1 fall by 5 +- 0.1 below
   // 1e-14 only, which is rounding here; at t = 10 they do so from 1e-9 on.
   const State start = {{Vec3(Real(0.1), 0, 0)}, {Vec3(0, Real(4.3588989435406736), 0)}};
@@ -89,8 +101,8 @@ TEST_CASE("integrators converge with their stated order", "[integrate][contract]
     State s = p.start;
     const int whole = static_cast<int>(steps + 0.5);
     run(*m, *p.field, s, p.t_end, whole);
-    const double error = static_cast<double>(length(s.x[0] - p.x_end)) +
-                         p.v_scale * static_cast<double>(length(s.v[0] - p.v_end));
+    const double error =
+        static_cast<double>(length(s.x[0] - p.x_end)) + p.v_scale * static_cast<double>(length(s.v[0] - p.v_end));
     rough = std::max(rough, error);
     if (!(error > floor)) break;
     if (error < 0.1) errors.push_back(error);

@@ -107,6 +107,8 @@ TEST_CASE("the library of fluids", "[lua][fluid]") {
     local fluid = require "feder.fluid"
     local honey = world:fluid(fluid.of("honey", { spacing = 0.1 }))
     print(honey:kind(), select(2, pcall(function() return (fluid.of("hony")) end)))
-  )", options) == "fluid\ttest.lua:4: fluid.of: unknown material 'hony'; known: alcohol, honey, mercury, oil, water\n");
+  )",
+                  options) ==
+        "fluid\ttest.lua:4: fluid.of: unknown material 'hony'; known: alcohol, honey, mercury, oil, water\n");
 }
 #endif

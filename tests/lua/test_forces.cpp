@@ -26,8 +26,8 @@ double place(const std::string& force, int steps) {
 }  // namespace
 
 TEST_CASE("formulas and functions asked at every stage keep the order of the method", "[lua][forces]") {
-  const std::string formula = GENERATE("each = '-x - b*x^3', params = { b = 2 }",
-                                       "each = function(x) return -x - 2*x^3 end, stages = true");
+  const std::string formula =
+      GENERATE("each = '-x - b*x^3', params = { b = 2 }", "each = function(x) return -x - 2*x^3 end, stages = true");
   const std::string held = "each = function(x) return -x - 2*x^3 end";
   CAPTURE(formula);
   const double exact = place("each = { '-x - 2*x^3', '0', 0 }", 2000);
@@ -39,10 +39,10 @@ TEST_CASE("formulas and functions asked at every stage keep the order of the met
 }
 
 TEST_CASE("a held force is warned about with the order and the cure", "[lua][forces]") {
-  const std::string out =
-      output_of("local w = feder.world{} local net = w:net{ name = 'mast', points = {{1,0,0}}, integrator = 'rk4' } "
-                "w:on('warning', function(e) print(e.code, e.message) end) "
-                "w:force{ name = 'pull', on = net, each = function(x) return -x end } w:step(3)");
+  const std::string out = output_of(
+      "local w = feder.world{} local net = w:net{ name = 'mast', points = {{1,0,0}}, integrator = 'rk4' } "
+      "w:on('warning', function(e) print(e.code, e.message) end) "
+      "w:force{ name = 'pull', on = net, each = function(x) return -x end } w:step(3)");
   CHECK(out ==
         "frozen_force\tforce \"pull\" is asked once before each step and held through it: with it net \"mast\" moves "
         "with order 1, not 4 of rk4; give each as a formula in quotes, or stages = true\n");
@@ -63,9 +63,10 @@ TEST_CASE("formulas in world:force name what is wrong", "[lua][forces]") {
 
 TEST_CASE("a force asked at every stage may read the world and not edit it", "[lua][forces]") {
   const std::string start = "local net = world:net{ points = {{1,0,0}}, integrator = 'rk4', gravity_scale = 0 } ";
-  CHECK(output_of(start + "local calls, late = 0, 0 world:force{ on = net, stages = true, each = function(x,y,z,vx,vy,vz,m,t) "
-                          "calls = calls + 1 if t > world:time() then late = late + 1 end return -net:mass(1) end } "
-                          "world:step() print(calls, late)") == "16\t15\n");
+  CHECK(output_of(start +
+                  "local calls, late = 0, 0 world:force{ on = net, stages = true, each = function(x,y,z,vx,vy,vz,m,t) "
+                  "calls = calls + 1 if t > world:time() then late = late + 1 end return -net:mass(1) end } "
+                  "world:step() print(calls, late)") == "16\t15\n");
   for (const std::string edit : {"net:set_point(1, 0, 0, 0)", "net:pin(1)", "world:body{ shape = feder.sphere(1) }",
                                  "net:destroy()", "world:step()", "world:set_gravity(0,0,0)"}) {
     const Ran ran = run(start + "world:force{ on = net, stages = true, each = function() " + edit +
@@ -79,11 +80,12 @@ TEST_CASE("a force asked at every stage may read the world and not edit it", "[l
 }
 
 TEST_CASE("after an error the force is nothing for the rest of the step and asked again in the next", "[lua][forces]") {
-  const Ran ran = run(
-      "local w = feder.world{ gravity = {0,0,0}, dt = 1, substeps = 1 } "
-      "local net = w:net{ points = {{0,0,0}}, integrator = 'symplectic_euler' } local calls = 0 "
-      "w:force{ on = net, stages = true, each = function() calls = calls + 1 if calls == 1 then error('no') end return 3 end } "
-      "w:step() print(calls, (net:velocity(1))) w:step() print(calls > 1, (net:velocity(1)))");
+  const Ran ran =
+      run("local w = feder.world{ gravity = {0,0,0}, dt = 1, substeps = 1 } "
+          "local net = w:net{ points = {{0,0,0}}, integrator = 'symplectic_euler' } local calls = 0 "
+          "w:force{ on = net, stages = true, each = function() calls = calls + 1 if calls == 1 then error('no') end "
+          "return 3 end } "
+          "w:step() print(calls, (net:velocity(1))) w:step() print(calls > 1, (net:velocity(1)))");
   CHECK(ran.error == "");
   CHECK(ran.output == "1\t0.0\ntrue\t3.0\n");
   REQUIRE(ran.errors.size() == 1);

@@ -49,5 +49,6 @@ TEST_CASE("a missed tolerance reaches the script as a warning", "[lua][integrate
       integrator_options = { solver = "cg", cg_iterations = 1, iterations = 2 } }
     world:on("warning", function(e) print(e.code or e.warning) end)
     world:step(3)
-  )").find("unconverged") != std::string::npos);
+  )")
+            .find("unconverged") != std::string::npos);
 }

@@ -91,9 +91,11 @@ TEST_CASE("few instructions that take long end by their time", "[lua][limits]") 
 TEST_CASE("no limit can be caught", "[lua][limits]") {
   const char* const attacks[] = {
       "while true do pcall(function() while true do end end) end",
-      "local function g() local x <close> = setmetatable({}, { __close = function() error('other') end }) while true do end end "
+      "local function g() local x <close> = setmetatable({}, { __close = function() error('other') end }) while true "
+      "do end end "
       "while true do pcall(g) end",
-      "local function g() local x <close> = setmetatable({}, { __close = function() error('other') end }) while true do end end "
+      "local function g() local x <close> = setmetatable({}, { __close = function() error('other') end }) while true "
+      "do end end "
       "local n = 0 while n < 1e9 do n = n + 1 pcall(pcall, g) xpcall(g, print) end",
       "while true do pcall(coroutine.wrap(function() while true do end end)) end",
       "while true do local co = coroutine.create(function() while true do end end) print(coroutine.resume(co)) end",
@@ -109,7 +111,8 @@ TEST_CASE("no limit can be caught", "[lua][limits]") {
   }
   lua::HostOptions small;
   small.memory_limit = 4 << 20;
-  for (const char* attack : {"print(pcall(string.rep, 'x', 1e8))", "print(coroutine.resume(coroutine.create(function() local t = {} while "
+  for (const char* attack : {"print(pcall(string.rep, 'x', 1e8))",
+                             "print(coroutine.resume(coroutine.create(function() local t = {} while "
                              "true do t[#t + 1] = #t end end)))",
                              "print(xpcall(function() local s = 'x' while true do s = s .. s end end, print))"}) {
     const Ran ran = run(attack, small);
@@ -158,7 +161,6 @@ TEST_CASE("a host stops a script from another thread", "[lua][limits]") {
 }
 
 TEST_CASE("error objects say what their __tostring says", "[lua][limits]") {
-  CHECK(error_of("error(setmetatable({}, { __tostring = function() return 'my text' end }))") ==
-        "test.lua:1: my text");
+  CHECK(error_of("error(setmetatable({}, { __tostring = function() return 'my text' end }))") == "test.lua:1: my text");
   CHECK(error_of("error({})") == "test.lua:1: error object is a table");
 }

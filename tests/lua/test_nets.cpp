@@ -70,7 +70,8 @@ TEST_CASE("a ball of tetrahedra is round, filled and well shaped", "[lua][nets]"
       end
     end
     print("good")
-  )", options) == "good\n");
+  )",
+                  options) == "good\n");
 }
 
 TEST_CASE("advice names the limit, and what would do", "[lua][nets]") {

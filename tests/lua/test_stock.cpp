@@ -146,10 +146,14 @@ TEST_CASE("patterns match as in stock Lua", "[lua][stock]") {
       {R"x(('a$'):match('a$'))x", "nil"},
       {R"x(('a$b'):match('a$b'))x", "a$b"},
       {R"x(('^a'):match('^^a'))x", "^a"},
-      {R"x(table.concat((function() local t = {} for k, v in ('a=1, b=2'):gmatch('(%w+)=(%w+)') do t[#t + 1] = k .. v end return t end)(), ' '))x", "a1 b2"},
-      {R"x(table.concat((function() local t = {} for w in ('ab'):gmatch('') do t[#t + 1] = '[' .. w .. ']' end return t end)(), ' '))x", "[] [] []"},
-      {R"x(table.concat((function() local t = {} for w in ('^a^a'):gmatch('^a') do t[#t + 1] = w end return t end)(), ' '))x", "^a ^a"},
-      {R"x(table.concat((function() local t = {} for w in ('abcd'):gmatch('.', 3) do t[#t + 1] = w end return t end)(), ' '))x", "c d"},
+      {R"x(table.concat((function() local t = {} for k, v in ('a=1, b=2'):gmatch('(%w+)=(%w+)') do t[#t + 1] = k .. v end return t end)(), ' '))x",
+       "a1 b2"},
+      {R"x(table.concat((function() local t = {} for w in ('ab'):gmatch('') do t[#t + 1] = '[' .. w .. ']' end return t end)(), ' '))x",
+       "[] [] []"},
+      {R"x(table.concat((function() local t = {} for w in ('^a^a'):gmatch('^a') do t[#t + 1] = w end return t end)(), ' '))x",
+       "^a ^a"},
+      {R"x(table.concat((function() local t = {} for w in ('abcd'):gmatch('.', 3) do t[#t + 1] = w end return t end)(), ' '))x",
+       "c d"},
       {R"x(('abc'):gsub('^a', 'x'))x", "xbc\t1"},
       {R"x(('aaa'):gsub('^a', 'x'))x", "xaa\t1"},
       {R"x(('x'):gsub('x', '%%'))x", "%\t1"},
@@ -302,7 +306,8 @@ TEST_CASE("random seeds keep their bits", "[lua][stock]") {
 }
 
 TEST_CASE("collectgarbage collects", "[lua][stock]") {
-  CHECK(output_of("local t = setmetatable({}, { __mode = 'v' }) t[1] = {} print(collectgarbage(), t[1])") == "0\tnil\n");
+  CHECK(output_of("local t = setmetatable({}, { __mode = 'v' }) t[1] = {} print(collectgarbage(), t[1])") ==
+        "0\tnil\n");
   CHECK(output_of("print(collectgarbage('step'), collectgarbage('isrunning'), collectgarbage('generational'), "
                   "collectgarbage('incremental'), collectgarbage('stop'), collectgarbage('restart'))") ==
         "true\ttrue\tincremental\tincremental\t0\t0\n");
@@ -325,7 +330,8 @@ TEST_CASE("an order that contradicts itself is an error of sort", "[lua][stock]"
         "test.lua:1: invalid order function for sorting");
   CHECK(error_of("table.sort({ 5, 3, 3, 1 }, function(a, b) return a <= b end)") ==
         "test.lua:1: invalid order function for sorting");
-  CHECK(output_of("local t = { 5, 3, 3, 1 } table.sort(t, function(a, b) return a > b end) print(table.concat(t, ' '))") ==
+  CHECK(output_of(
+            "local t = { 5, 3, 3, 1 } table.sort(t, function(a, b) return a > b end) print(table.concat(t, ' '))") ==
         "5 3 3 1\n");
 }
 

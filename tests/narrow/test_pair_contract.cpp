@@ -123,13 +123,11 @@ TEST_CASE("a pair that a build has no test for is known", "[narrow]") {
   const ShapePtr cone = make_cone(1, 1), box = make_box(1, 1, 1), plane = make_plane(Vec3(0, 1, 0), 0);
   CHECK(lean.lacks(*cone, *box));
   CHECK(lean.lacks(*box, *cone));
-  CHECK_FALSE(lean.lacks(*box, *box));      // it has box_box
+  CHECK_FALSE(lean.lacks(*box, *box));  // it has box_box
   CHECK_FALSE(lean.lacks(*cone, *plane));
   CHECK_FALSE(lean.lacks(*plane, *plane));
   CHECK_FALSE(lean.lacks(*cone, *make_circle(1)));
   CHECK_FALSE(NarrowPhase("auto", std::span<const PairRow>()).complete());
 }
 
-TEST_CASE("unknown narrow phase is a scene mistake", "[narrow]") {
-  CHECK_THROWS_AS(NarrowPhase("sat"), SceneError);
-}
+TEST_CASE("unknown narrow phase is a scene mistake", "[narrow]") { CHECK_THROWS_AS(NarrowPhase("sat"), SceneError); }

@@ -19,9 +19,7 @@ Hit collide(const Shape& a, const Pose& pa, const Shape& b, const Pose& pb, Real
   return hit;
 }
 
-Real distance(const Shape& a, const Vec3& at, const Shape& b) {
-  return closest_points(a, {at, {}}, b, {}).distance;
-}
+Real distance(const Shape& a, const Vec3& at, const Shape& b) { return closest_points(a, {at, {}}, b, {}).distance; }
 
 }  // namespace
 

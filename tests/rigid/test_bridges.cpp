@@ -21,7 +21,9 @@ struct Bridge {
         return Vec3(Real(slack * k - half), Real(-std::sin(tilt) * (count / 2.0 - std::abs(k - count / 2.0))), 0);
       };
       BodyDesc d = body_of(make_box(1, Real(thick), Real(wide)), (at(i) + at(i + 1)) / 2, Real(mass), Real(0.6));
-      d.rotation = from_axis_angle(Vec3(0, 0, 1), Real(i + 0.5 < count / 2.0 ? -tilt : i + 0.5 > count / 2.0 ? tilt : 0));
+      d.rotation = from_axis_angle(Vec3(0, 0, 1), Real(i + 0.5 < count / 2.0   ? -tilt
+                                                       : i + 0.5 > count / 2.0 ? tilt
+                                                                               : 0));
       planks.push_back(s.rigid().add_body(d));
       join(type, last, planks.back(), at(i));
       last = planks.back();

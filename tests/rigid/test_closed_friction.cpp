@@ -142,8 +142,8 @@ TEST_CASE("rolling down an incline", "[rigid][closed]") {
     if (cylinder) d.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
     const ObjectId body = s.rigid().add_body(d);
     s.run(1);
-    const double a = mu > needed ? kG * std::sin(slope.angle) / (1 + k)
-                                 : kG * (std::sin(slope.angle) - mu * std::cos(slope.angle));
+    const double a =
+        mu > needed ? kG * std::sin(slope.angle) / (1 + k) : kG * (std::sin(slope.angle) - mu * std::cos(slope.angle));
     CHECK(along(s.velocity(body), slope.down) == Approx(a).epsilon(closed_tolerance(solver).rolling));
     if (mu > needed) CHECK(-double(s.spin(body)[2]) * r == Approx(a).epsilon(closed_tolerance(solver).rolling));
   }

@@ -105,8 +105,8 @@ TEST_CASE("stacks come to rest, few crates or many", "[rigid][closed]") {
   const Real height = flat ? Real(0.25) : Real(1);
   std::vector<ObjectId> stack;
   for (int i = 0; i < n; ++i)
-    stack.push_back(s.rigid().add_body(
-        body_of(make_box(1, height, 1), Vec3(0, height * (Real(i) + Real(0.5)), 0), 3, Real(0.5))));
+    stack.push_back(
+        s.rigid().add_body(body_of(make_box(1, height, 1), Vec3(0, height * (Real(i) + Real(0.5)), 0), 3, Real(0.5))));
   s.run(8);
   for (const ObjectId body : stack) {
     CHECK(length(s.velocity(body)) < Real(1e-3));
@@ -123,9 +123,9 @@ TEST_CASE("a pyramid comes to rest", "[rigid][closed]") {
   std::vector<ObjectId> crates;
   for (int row = 0; row < base; ++row)
     for (int k = 0; k < base - row; ++k)
-      crates.push_back(s.rigid().add_body(body_of(make_box(1, 1, 1),
-                                                  Vec3((Real(k) - Real(base - 1 - row) / 2) * Real(1.1),
-                                                       Real(row) + Real(0.5), 0), 100, Real(0.6))));
+      crates.push_back(s.rigid().add_body(
+          body_of(make_box(1, 1, 1), Vec3((Real(k) - Real(base - 1 - row) / 2) * Real(1.1), Real(row) + Real(0.5), 0),
+                  100, Real(0.6))));
   s.run(10);
   Real fastest = 0;
   for (const ObjectId body : crates) fastest = std::max(fastest, length(s.velocity(body)));

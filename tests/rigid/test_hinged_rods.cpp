@@ -20,7 +20,8 @@ struct RodChain {
       : s(solver, dt, substeps) {
     ObjectId above;
     for (int k = 0; k < count; ++k) {
-      BodyDesc d = body_of(make_box(1, Real(thick), Real(thick)), Vec3(Real(k + 0.5), 0, 0), Real(mass), Real(friction));
+      BodyDesc d =
+          body_of(make_box(1, Real(thick), Real(thick)), Vec3(Real(k + 0.5), 0, 0), Real(mass), Real(friction));
       d.velocity = Vec3(0, 0, Real(-turn * (k + 0.5)));
       d.angular_velocity = Vec3(0, Real(turn), 0);
       rods.push_back(s.rigid().add_body(d));

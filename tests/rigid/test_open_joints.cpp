@@ -37,8 +37,7 @@ double energy_share(const char* solver, const Opened& o, Real& left) {
   join(a, b, Vec3(0, 5, 0));
   if (o.shape == "twice") join(b, a, Vec3(Real(0.1), Real(5.2), Real(0.1)));
   if (o.shape == "loop") {
-    const ObjectId c =
-        rigid.add_body(body_of(make_box(Real(0.3), Real(0.3), Real(0.4)), Vec3(0, Real(5.6), 0), mass));
+    const ObjectId c = rigid.add_body(body_of(make_box(Real(0.3), Real(0.3), Real(0.4)), Vec3(0, Real(5.6), 0), mass));
     all += double(mass);
     join(b, c, Vec3(Real(0.3), Real(5.3), 0));
     join(c, a, Vec3(0, Real(5.3), 0));

@@ -27,8 +27,7 @@ std::vector<double> flips(ClosedScene& s, ObjectId id, int k, double seconds) {
   for (double t = 0; t < seconds; t += s.desc.dt) {
     s.world().step();
     const Real now = rotate_inverse(b.rotation[i], b.angular_velocity[i])[k];
-    if (last != 0 && (now > 0) != (last > 0))
-      times.push_back(t + s.desc.dt * static_cast<double>(last / (last - now)));
+    if (last != 0 && (now > 0) != (last > 0)) times.push_back(t + s.desc.dt * static_cast<double>(last / (last - now)));
     last = now;
   }
   return times;

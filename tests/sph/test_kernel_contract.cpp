@@ -88,8 +88,11 @@ TEST_CASE("the sum over a lattice is nearly one", "[sph][contract]") {
 TEST_CASE("published sums of the cubic spline over a lattice", "[sph]") {
   for (const Kernel& k : kernels()) {
     if (std::string(k.name) != "cubic") continue;
-    const struct { int d; double h, sum; } rows[] = {{3, 1.0, 0.99997}, {3, 1.2, 1.00081}, {3, 1.3, 0.99726},
-                                                     {2, 1.0, 1.00086}, {2, 1.2, 0.99976}, {2, 1.3, 0.99995}};
+    const struct {
+      int d;
+      double h, sum;
+    } rows[] = {{3, 1.0, 0.99997}, {3, 1.2, 1.00081}, {3, 1.3, 0.99726},
+                {2, 1.0, 1.00086}, {2, 1.2, 0.99976}, {2, 1.3, 0.99995}};
     for (const auto& r : rows) {
       double sum = 0;
       for (int x = -4; x <= 4; ++x)

@@ -71,10 +71,9 @@ TEST_CASE("chains swing with their eigenfrequencies", "[springs]") {
     double w;
     int mode;
   };
-  const Case c = GENERATE(Case{"fixed-fixed", true, true, 2.846296765465703, 1},
-                          Case{"fixed-fixed", true, true, 19.79642883761865, 10},
-                          Case{"fixed-free", true, false, 1.494601871728485, 1},
-                          Case{"free-free", false, false, 3.128689300804617, 1});
+  const Case c = GENERATE(
+      Case{"fixed-fixed", true, true, 2.846296765465703, 1}, Case{"fixed-fixed", true, true, 19.79642883761865, 10},
+      Case{"fixed-free", true, false, 1.494601871728485, 1}, Case{"free-free", false, false, 3.128689300804617, 1});
   const char* integrator = any_integrator();
   if (!order_two_or_symplectic(integrator)) return;
   CAPTURE(c.ends, c.mode, integrator);
@@ -96,8 +95,7 @@ TEST_CASE("chains swing with their eigenfrequencies", "[springs]") {
   if (c.right) s.pin(net, n + extra - 1);
   const std::size_t probe = c.left;  // the first free mass moves in every mode
   const double rest = static_cast<double>(probe);
-  const double period =
-      mean_period(w, 480 * 10, [&] { return static_cast<double>(s.point(net, probe)[0]) - rest; });
+  const double period = mean_period(w, 480 * 10, [&] { return static_cast<double>(s.point(net, probe)[0]) - rest; });
   CHECK(2 * pi / period == Approx(c.w).epsilon(1e-3));
 }
 

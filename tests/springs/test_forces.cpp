@@ -17,7 +17,7 @@ constexpr bool kFloat = sizeof(Real) == 4;
 struct Motion {
   const char* name;
   std::vector<Vec3> points, velocities;
-  std::string formula;    // along x; empty: pairwise attraction
+  std::string formula;  // along x; empty: pairwise attraction
   double t_end;
   int first_steps;
   std::function<void(long double, const long double*, long double*)> accelerate;  // written apart: x y per point
@@ -25,9 +25,20 @@ struct Motion {
 
 std::vector<Motion> motions() {
   std::vector<Motion> all;
-  all.push_back({"Duffing", {Vec3(1, 0, 0)}, {Vec3(0, 0, 0)}, "-x - 2*x^3", 10, 80,
-                 [](long double, const long double* y, long double* a) { a[0] = -y[0] - 2 * y[0] * y[0] * y[0], a[1] = 0; }});
-  all.push_back({"driven and damped", {Vec3(1, 0, 0)}, {Vec3(0, 0, 0)}, "-4*x - 0.2*vx + 0.5*cos(1.5*t)", 10, 80,
+  all.push_back(
+      {"Duffing",
+       {Vec3(1, 0, 0)},
+       {Vec3(0, 0, 0)},
+       "-x - 2*x^3",
+       10,
+       80,
+       [](long double, const long double* y, long double* a) { a[0] = -y[0] - 2 * y[0] * y[0] * y[0], a[1] = 0; }});
+  all.push_back({"driven and damped",
+                 {Vec3(1, 0, 0)},
+                 {Vec3(0, 0, 0)},
+                 "-4*x - 0.2*vx + 0.5*cos(1.5*t)",
+                 10,
+                 80,
                  [](long double t, const long double* y, long double* a) {
                    a[0] = -4 * y[0] - 0.2L * y[2] + 0.5L * std::cos(1.5L * t), a[1] = 0;
                  }});
@@ -36,7 +47,9 @@ std::vector<Motion> motions() {
   all.push_back({"three bodies",
                  {Vec3(Real(px), Real(py), 0), Vec3(Real(-px), Real(-py), 0), Vec3(0, 0, 0)},
                  {Vec3(Real(vx), Real(vy), 0), Vec3(Real(vx), Real(vy), 0), Vec3(Real(-2 * vx), Real(-2 * vy), 0)},
-                 "", 2, 40,
+                 "",
+                 2,
+                 40,
                  [](long double, const long double* y, long double* a) {
                    for (int i = 0; i < 6; ++i) a[i] = 0;
                    for (int i = 0; i < 3; ++i)
@@ -50,7 +63,8 @@ std::vector<Motion> motions() {
   return all;
 }
 
-// x y of every point at t_end, then their velocities, by the classical Runge-Kutta method with 40,000 steps in long double.
+// x y of every point at t_end, then their velocities, by the classical Runge-Kutta method with 40,000 steps in long
+// double.
 std::vector<double> reference(const Motion& m) {
   const std::size_t n = 2 * m.points.size();
   std::vector<long double> y(2 * n), slope(2 * n), stage(2 * n), sum(2 * n);
@@ -89,8 +103,10 @@ double error_of(const Motion& m, const std::string& integrator, int steps, const
   ForceEntry target;
   target.target = springs.add_net(d);
   Params options;
-  if (m.formula.empty()) options.set("between", true);
-  else options.set("x", m.formula);
+  if (m.formula.empty())
+    options.set("between", true);
+  else
+    options.set("x", m.formula);
   const ObjectId net = target.target;
   w.add_force(m.formula.empty() ? "attractor" : "expression", options, std::move(target), "", 0);
   step(w, steps);
@@ -171,8 +187,10 @@ TEST_CASE("advice counts the stiffness of anchors and formulas", "[springs][forc
   const ObjectId net = target.target;
   CHECK(springs.advice(net, 1.0 / 60, 1).stable);
   Params options;
-  if (kind == std::string("spring")) options.set("stiffness", 1e6);
-  else options.set("x", std::string("-1e6*x"));
+  if (kind == std::string("spring"))
+    options.set("stiffness", 1e6);
+  else
+    options.set("x", std::string("-1e6*x"));
   w.add_force(kind, options, std::move(target), "", 0);
   const NetAdvice advice = springs.advice(net, 1.0 / 60, 1);
   CHECK_FALSE(advice.stable);

@@ -69,8 +69,8 @@ struct Pass {
     f.resize(d.points.size());
   }
   unsigned run(const NetDesc& d, const Vec3& outside) {
-    return layout.eval(d.points, d.velocities, jobs.threads() > 1 ? &jobs : nullptr,
-                       [&](std::uint32_t) { return outside; }, f);
+    return layout.eval(
+        d.points, d.velocities, jobs.threads() > 1 ? &jobs : nullptr, [&](std::uint32_t) { return outside; }, f);
   }
   Arena arena{"test"};
   JobPool jobs;

@@ -324,7 +324,8 @@ TEST_CASE("impossible nets are refused and leave the world as it was", "[springs
   CHECK_THROWS_AS(s.set_velocity(net, 0, Vec3(nan, 0, 0)), SceneError);
 }
 
-TEST_CASE("a net with faces sinks through still air as a sheet does; one without falls as in vacuum", "[springs][air]") {
+TEST_CASE("a net with faces sinks through still air as a sheet does; one without falls as in vacuum",
+          "[springs][air]") {
   const bool faces = GENERATE(true, false);
   const double density = GENERATE(0.0, 1.2);
   WorldDesc wd;
@@ -341,6 +342,8 @@ TEST_CASE("a net with faces sinks through still air as a sheet does; one without
   for (int k = 0; k < 180; ++k) w.step();
   const double speed = -static_cast<double>(s.velocity(net, 0)[1] + s.velocity(net, 2)[1]) / 2;
   CAPTURE(faces, density);
-  if (faces && density > 0) CHECK(speed == Approx(std::sqrt(2 * 0.2 * 9.81 / (1.02 * density))).epsilon(0.05));
-  else CHECK(speed == Approx(9.81 * 3).epsilon(1e-3));
+  if (faces && density > 0)
+    CHECK(speed == Approx(std::sqrt(2 * 0.2 * 9.81 / (1.02 * density))).epsilon(0.05));
+  else
+    CHECK(speed == Approx(9.81 * 3).epsilon(1e-3));
 }

@@ -103,12 +103,10 @@ TEST_CASE("rows run by stage, cadence and rank; a coupling appears with its part
   CHECK(world.find<Fake<2>>() != nullptr);
   trace.clear();
   world.step();
-  const std::vector<std::string> expected = {
-      "alpha.bounds", "beta.bounds", "alpha_beta.bounds",
-      "alpha.before", "beta.before", "alpha_beta.before",
-      "alpha_beta.solve", "beta.solve", "alpha.solve",
-      "alpha_beta.solve", "beta.solve", "alpha.solve",
-      "alpha.after", "beta.after", "alpha_beta.after"};
+  const std::vector<std::string> expected = {"alpha.bounds", "beta.bounds",       "alpha_beta.bounds", "alpha.before",
+                                             "beta.before",  "alpha_beta.before", "alpha_beta.solve",  "beta.solve",
+                                             "alpha.solve",  "alpha_beta.solve",  "beta.solve",        "alpha.solve",
+                                             "alpha.after",  "beta.after",        "alpha_beta.after"};
   CHECK(trace == expected);
   for (const StepRow& row : world.plan().rows())
     CHECK(row.counter.calls == (row.stage == Stage::solve && row.when == When::each_substep ? 2u : 1u));

@@ -119,8 +119,10 @@ TEST_CASE("parameters are listed with their range and refuse what is outside", "
     CHECK(param.value == param.fallback);
     CHECK_FALSE(param.help.empty());
     Params bad;
-    if (std::isfinite(param.hi)) bad.set(param.name, param.hi * 2 + 1);
-    else bad.set(param.name, std::string("no such choice"));
+    if (std::isfinite(param.hi))
+      bad.set(param.name, param.hi * 2 + 1);
+    else
+      bad.set(param.name, std::string("no such choice"));
     CHECK_THROWS_AS(make_study_problem(p->info().name, bad), SceneError);
   }
 }

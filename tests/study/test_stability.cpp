@@ -1,8 +1,8 @@
 // Stability maps: limits against theory, verdicts that must not be, and the thresholds at work.
 #include <set>
 
-#include "study/stability.h"
 #include "integrate/integrator.h"
+#include "study/stability.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -53,7 +53,7 @@ TEST_CASE("no verdict of an implicit method is nan, and explicit ones fail by na
   p.y_values = std::string(problem) == "oscillator" ? std::vector<double>{0, 0.1, 2, 5} : std::vector<double>{1, 10};
   if (std::string(problem) == "swinging_chain") p.y_values = {1, 1e3, 1e6};
   p.x_values = std::string(problem) == "swinging_chain" ? std::vector<double>{1e4, 1e8, 1e12}
-                                                         : std::vector<double>{1e-2, 1, 1e2, 1e6, 1e9, 1e12};
+                                                        : std::vector<double>{1e-2, 1, 1e2, 1e6, 1e9, 1e12};
   std::set<std::string> exempt = {"implicit_midpoint"};  // numerics 3.4: gains energy on the stiff swinging chain
   for (const StabilityMap& m : run_stability(p).maps) {
     std::size_t failures = 0;
@@ -106,7 +106,7 @@ TEST_CASE("cloth and fluids at the corners of every map: nothing is nan, nothing
     p.problem = info.name;
     p.x_values = {info.x.values.front(), info.x.values.back()},
     p.y_values = {info.y.values.front(), info.y.values.back()};
-    if (info.y.name == "rate") p.y_values = {30, 60};  // the many short steps take long
+    if (info.y.name == "rate") p.y_values = {30, 60};     // the many short steps take long
     if (info.y.name == "layers") p.y_values.back() = 50;  // deeper ones: the map of tests/fluid
     for (const StabilityMap& m : run_stability(p).maps)
       for (const StabilityCell& c : m.cells) {

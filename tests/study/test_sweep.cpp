@@ -112,9 +112,8 @@ TEST_CASE("orders of synthetic points are found, floor and coarse rungs left out
   CHECK(r.fits[0].slope == Approx(3).epsilon(1e-9));
   CHECK(r.fits[0].expected == 3);
   // cost at an error of 1e-3: h = (1e-3/7)^(1/3), work = 1/h
-  const auto at = std::find_if(r.cost_to_accuracy.begin(), r.cost_to_accuracy.end(), [](auto& c) {
-    return std::fabs(c.target - 1e-3) < 1e-9;
-  });
+  const auto at = std::find_if(r.cost_to_accuracy.begin(), r.cost_to_accuracy.end(),
+                               [](auto& c) { return std::fabs(c.target - 1e-3) < 1e-9; });
   REQUIRE(at != r.cost_to_accuracy.end());
   CHECK(at->h_s == Approx(std::cbrt(1e-3 / 7)));
   CHECK(at->work == Approx(1 / std::cbrt(1e-3 / 7)));
@@ -198,7 +197,8 @@ TEST_CASE("what rounding does to a run is measured by a twin", "[study]") {
   }
 }
 
-TEST_CASE("settings of a scene are problems of their own: fronts and orders for each, costs of the dearest", "[study]") {
+TEST_CASE("settings of a scene are problems of their own: fronts and orders for each, costs of the dearest",
+          "[study]") {
   StudyResult r;
   r.methods = {{"m", "", 2, 1, 0, false, false}};
   for (const double scale : {1.0, 100.0})

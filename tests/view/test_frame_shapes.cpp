@@ -23,18 +23,10 @@ Instance placed(const Fitted& f, const Pose& pose) {
 struct D3 {
   double x, y, z;
 };
-D3 d3(const float p[3]) {
-  return {p[0], p[1], p[2]};
-}
-D3 minus(D3 a, D3 b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-D3 crossed(D3 a, D3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-double dotted(D3 a, D3 b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+D3 d3(const float p[3]) { return {p[0], p[1], p[2]}; }
+D3 minus(D3 a, D3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+D3 crossed(D3 a, D3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+double dotted(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 // Calls f(a, b, c, vertex of a) for each triangle.
 template <class F>

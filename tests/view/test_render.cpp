@@ -22,18 +22,10 @@ struct Shot {
   }
 };
 
-int red(const Image& i, int x, int y) {
-  return i.pixel(x, y)[0];
-}
-int green(const Image& i, int x, int y) {
-  return i.pixel(x, y)[1];
-}
-int blue(const Image& i, int x, int y) {
-  return i.pixel(x, y)[2];
-}
-int brightness(const Image& i, int x, int y) {
-  return red(i, x, y) + green(i, x, y) + blue(i, x, y);
-}
+int red(const Image& i, int x, int y) { return i.pixel(x, y)[0]; }
+int green(const Image& i, int x, int y) { return i.pixel(x, y)[1]; }
+int blue(const Image& i, int x, int y) { return i.pixel(x, y)[2]; }
+int brightness(const Image& i, int x, int y) { return red(i, x, y) + green(i, x, y) + blue(i, x, y); }
 
 // A frame with one instance of the unit box.
 Frame one_box(Color color) {

@@ -1,6 +1,5 @@
 // Picking, dragging, throwing, pinning and shooting without a window.
 #include "live.h"
-
 #include "rigid/rigid.h"
 #include "springs/springs.h"
 

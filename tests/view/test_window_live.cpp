@@ -1,6 +1,5 @@
 // The running scene: the same as headless, exact about its past, unmoved by broken files.
 #include "live.h"
-
 #include "rigid/rigid.h"
 #include "springs/springs.h"
 

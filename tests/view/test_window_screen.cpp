@@ -26,7 +26,8 @@ return feder.scene { title = "Still", world = { gravity = { 0, 0, 0 }, sleeping 
   world:body { name = "crate", shape = feder.box(1, 1, 1), position = { 0, 0.5, 0 } }
   world:body { name = "post1", type = "static", shape = feder.box(0.2, 2, 0.2), position = { -3, 1, 0 } }
   world:body { name = "post2", type = "static", shape = feder.box(0.2, 2, 0.2), position = { 3, 1, 0 } }
-)") + extra + "\nend }\n";
+)") + extra +
+         "\nend }\n";
 }
 
 const char* const kTurning = R"(local feder = require "feder"
@@ -52,7 +53,8 @@ std::string run(const std::string& command, int& status) {
 TEST_CASE("without a display the viewer says so in one line", "[view][screen]") {
   int status = 0;
   const std::string said = run("env -u DISPLAY -u WAYLAND_DISPLAY '" FEDER_BINARY_DIR "/feder' view '" FEDER_SOURCE_DIR
-                               "/scenes/rigid/tower.lua'", status);
+                               "/scenes/rigid/tower.lua'",
+                               status);
   CHECK(status == 1);
   CHECK_THAT(said, Catch::StartsWith("feder view: no display"));
   CHECK(std::count(said.begin(), said.end(), '\n') == 1);
@@ -164,7 +166,8 @@ TEST_CASE("viewer and headless run end in the same state", "[view][screen]") {
   const std::string file = std::string("'" FEDER_SOURCE_DIR "/scenes/") + scene + "'";
   int status = 0;
   const std::string seen = run("DISPLAY=" + screen.display() + " '" FEDER_BINARY_DIR "/feder' view " + file +
-                               " --size 400x300 --seconds 0.7 --hash", status);
+                                   " --size 400x300 --seconds 0.7 --hash",
+                               status);
   CHECK(status == 0);
   const json plain = json::parse(run("'" FEDER_BINARY_DIR "/feder' run " + file + " --seconds 0.7 --json", status));
   CHECK(seen == plain["hash"].get<std::string>() + "\n");

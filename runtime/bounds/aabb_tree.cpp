@@ -1,4 +1,4 @@
-#include "broad/aabb_tree.h"
+#include "bounds/aabb_tree.h"
 
 #include <algorithm>
 

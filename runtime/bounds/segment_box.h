@@ -2,7 +2,7 @@
 // prunes with it finds what a linear scan finds.
 #pragma once
 #include "base/math.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
 
 namespace feder {
 

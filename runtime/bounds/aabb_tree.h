@@ -8,8 +8,8 @@
 #include <span>
 
 #include "base/arena.h"
-#include "broad/segment_box.h"
-#include "geom/aabb.h"
+#include "bounds/aabb.h"
+#include "bounds/segment_box.h"
 
 namespace feder {
 
@@ -39,8 +39,8 @@ class AabbTree {
  private:
   struct Node {
     Aabb box;
-    std::uint32_t parent = kNone;               // next free node when free
-    std::uint32_t child[2] = {kNone, kNone};    // a leaf has child[0] == kNone and its item in child[1]
+    std::uint32_t parent = kNone;             // next free node when free
+    std::uint32_t child[2] = {kNone, kNone};  // a leaf has child[0] == kNone and its item in child[1]
     bool leaf() const { return child[0] == kNone; }
   };
 
