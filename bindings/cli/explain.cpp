@@ -34,6 +34,7 @@ class Explain final : public Command {
     if (session.is_scene()) {
       session.step();  // the first one fills caches and makes room
       world->reset_profile();
+      world->clock_every(1);
       for (int i = 0; i < steps_; ++i) {
         session.need_to_go_on();
         session.step();
@@ -77,12 +78,6 @@ class Explain final : public Command {
     return "";
   }
 
-  static double total_nanoseconds(World& world) {
-    double sum = 0;
-    for (const StepRow& row : world.plan().rows()) sum += static_cast<double>(row.counter.nanoseconds);
-    return sum;
-  }
-
   static report::Json advice_json(World& world) {
     report::Json rows = report::Json::array();
     for (const lua::AdviceRow& r : lua::advise(world)) {
@@ -113,14 +108,15 @@ class Explain final : public Command {
     report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
     for (const SystemReport& s : world.report())
       systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", unit_of(s.name)}, {"bytes", s.bytes}});
-    const double sum = total_nanoseconds(world);
+    const double sum = world.plan().total_nanoseconds();
     const double per_step = steps ? 1e-6 / static_cast<double>(steps) : 0;
-    for (const StepRow& row : world.plan().rows()) {
-      const auto ns = static_cast<double>(row.counter.nanoseconds);
-      plan.push_back({{"stage", stage_name(row.stage)},
-                      {"system", row.system},
-                      {"name", row.name},
-                      {"calls", row.counter.calls},
+    for (const PlanNode& n : world.plan().nodes()) {
+      const double ns = n.counter.total_nanoseconds();
+      plan.push_back({{"name", n.name},
+                      {"system", n.system},
+                      {"path", StepPlan::path(n)},
+                      {"kind", n.is_loop ? "loop" : "pass"},
+                      {n.is_loop ? "count" : "calls", n.counter.calls},
                       {"ms", ns * per_step},
                       {"share", sum > 0 ? ns / sum : 0}});
     }
@@ -161,7 +157,7 @@ class Explain final : public Command {
 }  // namespace
 
 Row cli_explain() {
-  return {"explain", "shows what a scene uses and leaves out: systems, step rows, bytes, time",
+  return {"explain", "shows what a scene uses and leaves out: systems, the tree of passes, bytes, time",
           [] { return std::unique_ptr<Command>(new Explain); }};
 }
 

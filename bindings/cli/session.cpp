@@ -141,10 +141,10 @@ void Session::step() {
 double Session::step_milliseconds() const {
   if (steps_ == 0) return 0;
   std::uint64_t sum = nanoseconds_;
-  // a plain script steps its world itself: only the rows are timed, and only those of its last world
+  // a plain script steps its world itself: only its steps are timed, and only those of its last world
   if (!script_->is_scene() && script_->world()) {
     const std::uint64_t steps = script_->world()->step_count();
-    for (const StepRow& row : script_->world()->plan().rows()) sum += row.counter.nanoseconds;
+    sum += static_cast<std::uint64_t>(script_->world()->plan().total_nanoseconds());
     return steps ? static_cast<double>(sum) * 1e-6 / static_cast<double>(steps) : 0;
   }
   return static_cast<double>(sum) * 1e-6 / static_cast<double>(steps_);

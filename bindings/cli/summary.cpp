@@ -112,15 +112,21 @@ report::Json summary_json(const Summary& s) {
 
 std::string profile_text(Session& session, std::uint64_t steps) {
   if (steps == 0) return "";
-  const auto rows = session.world()->plan().rows();
-  std::uint64_t sum = 0;
-  for (const StepRow& row : rows) sum += row.counter.nanoseconds;
-  report::Table table({"stage", "system", "row", ">calls", ">ms/step", ">share"});
-  for (const StepRow& row : rows)
-    table.add({stage_name(row.stage), row.system, row.name, fmt::format("{}", row.counter.calls),
-               fmt::format("{:.4f}", static_cast<double>(row.counter.nanoseconds) * 1e-6 / static_cast<double>(steps)),
-               fmt::format("{:.1f} %",
-                           sum ? 100.0 * static_cast<double>(row.counter.nanoseconds) / static_cast<double>(sum) : 0)});
+  const StepPlan& plan = session.world()->plan();
+  const double sum = plan.total_nanoseconds(), per_step = 1e-6 / static_cast<double>(steps);
+  report::Table table({"pass", "system", ">calls", ">ms/step", ">share"});
+  double around[kLoopCount] = {static_cast<double>(steps)};  // iterations of the loop at a depth
+  for (const PlanNode& n : plan.nodes()) {
+    const double ns = n.counter.total_nanoseconds();
+    const auto depth = static_cast<std::size_t>(StepPlan::depth(n));
+    std::string name = std::string(2 * depth, ' ') + n.name;
+    if (n.is_loop) {
+      around[depth + 1] = static_cast<double>(n.counter.calls);
+      name += fmt::format(" x {:.3g}", around[depth] > 0 ? around[depth + 1] / around[depth] : 0);
+    }
+    table.add({name, n.system, fmt::format("{}", n.counter.calls), fmt::format("{:.4f}", ns * per_step),
+               fmt::format("{:.1f} %", sum > 0 ? 100 * ns / sum : 0)});
+  }
   std::string text = table.text("  ");
   report::Table lua({"Lua handler", ">calls", ">ms/call"});
   for (const auto& h : session.script().handler_profile())

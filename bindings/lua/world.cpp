@@ -155,13 +155,15 @@ int world_report(lua_State* L) {
   lua_newtable(L);
   n = 0;
   const double steps = static_cast<double>(std::max<std::uint64_t>(1, w.step_count()));
-  for (const StepRow& row : w.plan().rows()) {
+  const StepPlan& plan = w.plan();
+  for (const PlanNode& node : plan.nodes()) {
     lua_newtable(L);
-    text_field(L, "stage", stage_name(row.stage));
-    text_field(L, "name", row.name);
-    text_field(L, "system", row.system);
-    number_field(L, "ms", static_cast<double>(row.counter.nanoseconds) * 1e-6 / steps);
-    count_field(L, "calls", row.counter.calls);
+    text_field(L, "name", node.name);
+    text_field(L, "system", node.system);
+    text_field(L, "kind", node.is_loop ? "loop" : "pass");
+    text_field(L, "path", plan.path(node).c_str());
+    number_field(L, "ms", node.counter.total_nanoseconds() * 1e-6 / steps);
+    count_field(L, node.is_loop ? "count" : "calls", node.counter.calls);
     lua_rawseti(L, -2, ++n);
   }
   lua_setfield(L, -2, "plan");

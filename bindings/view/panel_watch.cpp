@@ -9,27 +9,33 @@ namespace feder::view {
 namespace {
 
 void draw_times(Desk& desk) {
-  std::vector<TimeRow> rows = desk.sampler.rows();
-  std::stable_sort(rows.begin(), rows.end(), [](const TimeRow& a, const TimeRow& b) { return a.ms > b.ms; });
+  // the plan as it runs, loops before their passes, then Lua
+  const std::vector<TimeRow>& rows = desk.sampler.rows();
   double longest = 1e-6, sum = 0;
-  for (const TimeRow& r : rows) longest = std::max(longest, r.ms), sum += r.ms;
+  for (const TimeRow& r : rows) {
+    if (!r.detail.empty()) longest = std::max(longest, r.ms);
+    if (r.depth == 0) sum += r.ms;
+  }
   if (rows.empty()) ImGui::TextDisabled("nothing has run yet");
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float width = ImGui::GetContentRegionAvail().x;
   for (const TimeRow& r : rows) {
-    const bool lua = r.detail == "Lua";
+    const bool lua = r.detail == "Lua", loop = r.detail.empty();
     if (r.ms < 0.0005 && !lua) continue;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float height = ImGui::GetTextLineHeight();
-    list->AddRectFilled({at.x, at.y}, {at.x + width * static_cast<float>(r.ms / longest), at.y + height},
-                        lua ? IM_COL32(120, 96, 52, 140) : IM_COL32(60, 92, 128, 130), 2);
+    if (!loop)
+      list->AddRectFilled({at.x, at.y}, {at.x + width * static_cast<float>(r.ms / longest), at.y + height},
+                          lua ? IM_COL32(120, 96, 52, 140) : IM_COL32(60, 92, 128, 130), 2);
     char value[32];
     std::snprintf(value, sizeof value, "%.3f", r.ms);
     const float value_width = ImGui::CalcTextSize(value).x;
     // of a script's path the file counts
-    const std::string text = lua ? r.label.substr(r.label.find_last_of('/') + 1) : r.detail + ": " + r.label;
+    const std::string text = lua    ? r.label.substr(r.label.find_last_of('/') + 1)
+                             : loop ? r.label
+                                    : r.detail + ": " + r.label;
     ImGui::PushClipRect(at, {at.x + width - value_width - 10, at.y + height + 2}, true);
-    list->AddText({at.x + 4, at.y}, ink::kText, text.c_str());
+    list->AddText({at.x + 4 + 10 * static_cast<float>(r.depth), at.y}, ink::kText, text.c_str());
     ImGui::PopClipRect();
     list->AddText({at.x + width - value_width - 2, at.y}, ink::kText, value);
     ImGui::Dummy({width, height - 2});

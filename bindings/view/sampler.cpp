@@ -1,5 +1,6 @@
 #include "view/sampler.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "collide/collide.h"
@@ -40,7 +41,7 @@ void Sampler::sample(LiveScene& live, bool curves) {
 TimeRow& Sampler::row(const std::string& label, const std::string& detail) {
   for (TimeRow& r : rows_)
     if (r.label == label && r.detail == detail) return r;
-  rows_.push_back({label, detail, 0, 0});
+  rows_.push_back({label, detail, 0, 0, 0});
   counted_.push_back({0, 0});
   return rows_.back();
 }
@@ -51,18 +52,23 @@ void Sampler::sample_times(LiveScene& live) {
   if (steps < 6 && times_step_ > 0) return;
   if (steps == 0) return;
   times_step_ = step_;
-  const auto count = [&](const std::string& label, const std::string& detail, std::uint64_t ns, std::uint64_t calls) {
+  const auto count = [&](const std::string& label, const std::string& detail, int depth, std::uint64_t ns,
+                         std::uint64_t calls) {
     TimeRow& r = row(label, detail);
+    r.depth = depth;
     auto& last = counted_[static_cast<std::size_t>(&r - rows_.data())];
-    if (ns < last.first || calls < last.second) last = {0, 0};  // counters were reset
+    if (calls < last.second) last = {0, 0};  // counters were reset
+    last.first = std::min(last.first, ns);   // what was not clocked is estimated
     const double per_step = 1.0 / static_cast<double>(steps);
     const double ms = static_cast<double>(ns - last.first) * 1e-6 * per_step;
     r.ms = last.second == 0 ? ms : r.ms + 0.3 * (ms - r.ms);
     r.calls = static_cast<double>(calls - last.second) * per_step;
     last = {ns, calls};
   };
-  for (const StepRow& r : live.world().plan().rows()) count(r.name, r.system, r.counter.nanoseconds, r.counter.calls);
-  for (const lua::HandlerProfile& p : live.script().handler_profile()) count(p.where, "Lua", p.nanoseconds, p.calls);
+  for (const PlanNode& n : live.world().plan().nodes())
+    count(n.name, n.system, StepPlan::depth(n), static_cast<std::uint64_t>(n.counter.total_nanoseconds()),
+          n.counter.calls);
+  for (const lua::HandlerProfile& p : live.script().handler_profile()) count(p.where, "Lua", 0, p.nanoseconds, p.calls);
 }
 
 }  // namespace feder::view

@@ -1,5 +1,5 @@
-// Curves and times for the panels: values over simulated time, and how long each row of the plan and each handler
-// takes. Looks at a scene once per picture; computes nothing that is not asked for.
+// Curves and times for the panels: values over simulated time, and how long each pass of the plan and each
+// handler takes. Looks at a scene once per picture; computes nothing that is not asked for.
 #pragma once
 #include <string>
 #include <vector>
@@ -29,7 +29,8 @@ class Curve {
 };
 
 struct TimeRow {
-  std::string label, detail;  // "find pairs", "collide"; or "tower.lua:23", "Lua"
+  std::string label, detail;  // "find pairs", "collide"; or "tower.lua:23", "Lua"; of a loop its name and nothing
+  int depth = 0;              // loops around it, below the step
   double ms = 0;              // per step, smoothed
   double calls = 0;           // per step
 };

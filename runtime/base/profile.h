@@ -1,4 +1,4 @@
-// Time spent in a row of the step plan.
+// Time spent in a pass or loop of the step plan.
 #pragma once
 #include <chrono>
 
@@ -8,7 +8,12 @@ namespace feder {
 
 struct Counter {
   std::uint64_t calls = 0;
-  std::uint64_t nanoseconds = 0;
+  std::uint64_t clocked = 0;      // calls that were measured
+  std::uint64_t nanoseconds = 0;  // in these
+  // Of all calls, taking those that were not measured for like the others.
+  double total_nanoseconds() const {
+    return clocked ? static_cast<double>(nanoseconds) * static_cast<double>(calls) / static_cast<double>(clocked) : 0;
+  }
 };
 
 inline std::uint64_t clock_nanoseconds() {

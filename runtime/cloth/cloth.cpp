@@ -113,7 +113,7 @@ const SystemDescriptor& Cloth::descriptor() {
 Cloth::Cloth(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) { impl_->owner = this; }
 Cloth::~Cloth() = default;
 
-void Cloth::add_rows(StepPlan& plan) {
+void Cloth::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
   if (m->sheets.empty()) return;
   std::size_t count = 0;
@@ -121,9 +121,16 @@ void Cloth::add_rows(StepPlan& plan) {
   if (count != m->force_count)
     for (auto& s : m->sheets) m->wake(*s, WakeCause::force, {});
   m->force_count = count;
-  plan.add<&Impl::prepare>(Stage::advance, When::before_substeps, 12, "prepare", kName, m);
-  plan.add<&Impl::solve>(Stage::solve, When::each_substep, 15, "small steps", kName, m);
-  plan.add<&Impl::commit>(Stage::finish, When::each_substep, 20, "commit", kName, m);
+  plan.add<&Impl::prepare>(Rank::cloth_prepare, "prepare", kName, m);
+  plan.add<&Impl::begin_substep>(Rank::cloth_forces, "forces", kName, m);
+  plan.add<&Impl::find_near>(Rank::cloth_near, "near cloth", kName, m);
+  plan.add<&Impl::advance>(Rank::cloth_integrate, "advance", kName, m);
+  plan.add<&Impl::advance_movers>(Rank::cloth_bodies, "bodies", kName, m);
+  plan.add<&Impl::solve>(Rank::cloth_rows, "contacts", kName, m);
+  plan.add<&Impl::read_velocities>(Rank::cloth_velocities, "velocities", kName, m);
+  plan.add<&Impl::damp>(Rank::cloth_damp, "damping", kName, m);
+  plan.add<&Impl::project>(Rank::cloth_project, "non-penetration", kName, m);
+  plan.add<&Impl::commit>(Rank::commit, "commit", kName, m);
 }
 
 void Cloth::Impl::attach_solver(Sheet& s, const std::string& name, const Params& options) {

@@ -92,7 +92,7 @@ class Cloth final : public System {
   explicit Cloth(SystemSetup& setup);
   ~Cloth() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // vertices
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
@@ -160,13 +160,11 @@ class Cloth final : public System {
   // In a step: displacements since its start (w: inverse mass), and velocities.
   std::span<const Row4> moved() const;
   std::span<const Row4> speed() const;
-  // Rows for this substep, filled before the cloth's own row in `solve` (rank 15); the movers they name.
+  // Rows for this substep, filled before Rank::cloth_forces, and anew at Rank::cloth_refresh where things pass each
+  // other fast; the movers they name.
   Array<ClothRow>& contact_rows();
   Array<ClothHold>& holds();
   void set_movers(Movers* movers);
-  // Called in `solve` before each small step but the first: rows may be made anew for where things are now.
-  void (*on_small_step)(void* self, StepContext& c, int done, int count) = nullptr;
-  void* on_small_step_self = nullptr;
   // What a mover has done since the start of the substep, as the small steps see it.
   Vec3 mover_shift(std::uint32_t solver) const;  // m
   Vec3 mover_turn(std::uint32_t solver) const;   // rad

@@ -62,6 +62,10 @@ struct Cloth::Impl {
   Array<ClothHold> holds;
   Array<ClothRow> near_rows;  // of cloth against cloth
   int small_steps = 1;        // per substep, of all cloths
+  Real step = 0;              // s, of a small step
+  bool near = false;          // cloth may touch cloth
+  int near_every = 1;         // small steps from one search for what is near to the next
+  std::size_t own_rows = 0;   // links and hinges of the cloths that move
   bool any_active = false;
   bool crowded = false;         // cloth touches cloth in this substep
   std::size_t force_count = 0;  // forces known when the rows were made
@@ -102,10 +106,18 @@ struct Cloth::Impl {
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);
 
-  // Rows of the plan.
+  // Passes: of the step, of the substep, of the loop of small steps, of the step.
   void prepare(StepContext& c);
+  void begin_substep(StepContext& c);
+  void find_near(StepContext& c);
+  void advance(StepContext& c);
+  void advance_movers(StepContext& c);
   void solve(StepContext& c);
+  void read_velocities(StepContext& c);
+  void damp(StepContext& c);
+  void project(StepContext& c);
   void commit(StepContext& c);
+  bool touches() const { return !rows.empty() || !holds.empty() || !near_rows.empty(); }
 
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
@@ -129,7 +141,6 @@ struct Cloth::Impl {
   void share_mass(Sheet& s);
 
   // rows.cpp
-  void advance_movers(Real h);
   void solve_rows(Array<ClothRow>& list, Real h);
   void solve_holds(Real h);
   void velocities(Real h);

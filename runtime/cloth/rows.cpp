@@ -54,11 +54,11 @@ void Cloth::Impl::push_mover(std::uint32_t m, const Vec3& arm, const Vec3& corre
 }
 
 // Movers go on with the velocity they have.
-void Cloth::Impl::advance_movers(Real h) {
+void Cloth::Impl::advance_movers(StepContext&) {
   if (!movers) return;
   for (std::size_t m = 1; m < mover_shift.size(); ++m) {
-    mover_shift[m] += h * movers->state[m].velocity;
-    mover_turn[m] += h * movers->state[m].angular_velocity;
+    mover_shift[m] += step * movers->state[m].velocity;
+    mover_turn[m] += step * movers->state[m].angular_velocity;
   }
 }
 

@@ -1,4 +1,4 @@
-// The rows of the cloth system. A substep of the world is cut into small steps, the same number for all cloths, so
+// The passes of the cloth system. A substep of the world is cut into small steps, the same number for all cloths, so
 // that they may touch. What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
 // at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
 // chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
@@ -192,49 +192,66 @@ void Cloth::Impl::prepare(StepContext& c) {
   pairs.clear(), near_rows.clear();
 }
 
-void Cloth::Impl::solve(StepContext& c) {
+void Cloth::Impl::begin_substep(StepContext& c) {
+  std::vector<int>& counts = c.counts(Loop::cloth).count;
+  counts.clear();
   if (!any_active) return;
-  const Real h = c.h / static_cast<Real>(small_steps);
+  counts.push_back(small_steps);
+  step = c.h / static_cast<Real>(small_steps);
   const std::size_t mover_count = movers ? movers->state.size() : 1;
   mover_shift.assign(mover_count, Vec3::Zero());
   mover_turn.assign(mover_count, Vec3::Zero());
   add_forces(c);
-  const bool near = near_wanted();
-  const int parts = near ? near_parts(c) : 1, every = (small_steps + parts - 1) / parts;
-  std::size_t own_rows = 0;
+  near = near_wanted();
+  const int parts = near ? near_parts(c) : 1;
+  near_every = (small_steps + parts - 1) / parts;
+  own_rows = 0;
   for (const auto& s : sheets)
     if (s->active()) own_rows += s->mesh.links.size() + s->mesh.hinges.size();
+}
+
+// The pairs of the coming part of the substep.
+void Cloth::Impl::find_near(StepContext& c) {
+  const int k = c.inner.index;
+  const Real part = step * static_cast<Real>(std::min(near_every, small_steps - k));
+  if (near && k % near_every == 0)
+    make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * step, part);
+  if (k == 0) crowded = near && !near_rows.empty();
+}
+
+void Cloth::Impl::advance(StepContext& c) {
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
-  for (int k = 0; k < small_steps; ++k) {
-    if (k > 0 && owner->on_small_step) owner->on_small_step(owner->on_small_step_self, c, k, small_steps);
-    const Real part = h * static_cast<Real>(std::min(every, small_steps - k));
-    if (near && k % every == 0)
-      make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * h, part);
-    if (k == 0) crowded = near && !near_rows.empty();
-    const bool touches = !rows.empty() || !holds.empty() || !near_rows.empty();
-    for (auto& s : sheets)
-      if (s->active()) s->solver->advance(view(*s), start + k * static_cast<double>(h), h, c);
-    advance_movers(h);
-    row_updates += own_rows + holds.size() + near_rows.size() + rows.size();
-    if (touches) {
-      solve_holds(h);
-      solve_body_ties(h);
-      solve_rows(near_rows, h);
-      solve_rows(rows, h);
-    }
-    velocities(h);
-    if (touches) {
-      stop_rebound(near_rows, h);
-      stop_rebound(rows, h);
-    }
-    const bool last = k + 1 == small_steps;
-    if (last)
-      for (auto& s : sheets)
-        if (s->active()) s->solver->damp(view(*s), c.h, c);
-    if (!near || (!last && (k + 1) % every != 0)) continue;
-    guard(h * static_cast<Real>(k % every + 1));
-    collect_near();
-  }
+  for (auto& s : sheets)
+    if (s->active()) s->solver->advance(view(*s), start + c.inner.index * static_cast<double>(step), step, c);
+}
+
+void Cloth::Impl::solve(StepContext&) {
+  row_updates += own_rows + holds.size() + near_rows.size() + rows.size();
+  if (!touches()) return;
+  solve_holds(step);
+  solve_body_ties(step);
+  solve_rows(near_rows, step);
+  solve_rows(rows, step);
+}
+
+void Cloth::Impl::read_velocities(StepContext&) {
+  velocities(step);
+  if (!touches()) return;
+  stop_rebound(near_rows, step);
+  stop_rebound(rows, step);
+}
+
+void Cloth::Impl::damp(StepContext& c) {
+  if (!c.inner.last()) return;
+  for (auto& s : sheets)
+    if (s->active()) s->solver->damp(view(*s), c.h, c);
+}
+
+void Cloth::Impl::project(StepContext& c) {
+  const int k = c.inner.index;
+  if (!near || (!c.inner.last() && (k + 1) % near_every != 0)) return;
+  guard(step * static_cast<Real>(k % near_every + 1));
+  collect_near();
 }
 
 void Cloth::Impl::commit(StepContext& c) {

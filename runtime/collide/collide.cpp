@@ -28,11 +28,11 @@ const SystemDescriptor& Collide::descriptor() {
 }
 
 // Ends that wait for a step need the rows even when the last collider is gone.
-void Collide::add_rows(StepPlan& plan) {
+void Collide::add_passes(StepPlan& plan) {
   if (count() == 0 && impl_->transitions.empty() && impl_->entries.empty()) return;
-  plan.add<&Impl::find_pairs>(Stage::broad, When::each_substep, 0, "find pairs", kName, impl_.get());
-  plan.add<&Impl::collide>(Stage::narrow, When::each_substep, 0, "collide", kName, impl_.get());
-  plan.add<&Impl::report_touches>(Stage::finish, When::each_substep, 100, "touches", kName, impl_.get());
+  plan.add<&Impl::find_pairs>(Rank::broad, "find pairs", kName, impl_.get());
+  plan.add<&Impl::collide>(Rank::narrow, "collide", kName, impl_.get());
+  plan.add<&Impl::report_touches>(Rank::contact_events, "touches", kName, impl_.get());
 }
 
 std::size_t Collide::count() const { return impl_->colliders->size() - impl_->colliders->free_list.size(); }

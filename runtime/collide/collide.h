@@ -35,7 +35,7 @@ class Collide final : public System, public ContactService {
   explicit Collide(SystemSetup& setup);
   ~Collide() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // colliders
   void hash(Hash& h) const override;
   void save(Writer& w) const override;

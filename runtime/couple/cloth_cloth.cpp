@@ -27,12 +27,12 @@ ClothCloth::ClothCloth(SystemSetup& s)
     : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), objects_(s.objects), events_(s.events),
       box_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {}
 
-void ClothCloth::add_rows(StepPlan& plan) {
+void ClothCloth::add_passes(StepPlan& plan) {
   sync();
   if (cloth_.cloth_count() < 2) return;
   using S = ClothCloth;
-  plan.add<&S::list_pairs>(Stage::advance, When::before_substeps, 13, "who may touch", kName, this);
-  plan.add<&S::finish>(Stage::finish, When::each_substep, 4, "touches", kName, this);
+  plan.add<&S::list_pairs>(Rank::cloth_pairs, "who may touch", kName, this);
+  plan.add<&S::finish>(Rank::cloth_pair_events, "touches", kName, this);
 }
 
 std::size_t ClothCloth::count() const { return touches_.size(); }

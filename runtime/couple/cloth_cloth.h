@@ -12,8 +12,8 @@ class ClothCloth final : public System {
   static const SystemDescriptor& descriptor();
   explicit ClothCloth(SystemSetup& setup);
 
-  void add_rows(StepPlan& plan) override;  // none with fewer than two cloths
-  std::size_t count() const override;      // pairs that touch now
+  void add_passes(StepPlan& plan) override;  // none with fewer than two cloths
+  std::size_t count() const override;        // pairs that touch now
   void hash(Hash& h) const override;
   void save(Writer& w) const override { w.list(touches_); }
   void load(Reader& r) override { r.list(touches_); }

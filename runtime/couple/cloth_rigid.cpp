@@ -34,26 +34,20 @@ ClothRigid::ClothRigid(SystemSetup& s)
       box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)),
       deep_pins_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
-  cloth_.on_small_step = [](void* self, StepContext& c, int done, int count) {
-    static_cast<ClothRigid*>(self)->refresh_rows(c, done, count);
-  };
-  cloth_.on_small_step_self = this;
 }
 
-ClothRigid::~ClothRigid() {
-  cloth_.on_small_step = nullptr;
-  cloth_.set_movers(nullptr);
-}
+ClothRigid::~ClothRigid() { cloth_.set_movers(nullptr); }
 
-void ClothRigid::add_rows(StepPlan& plan) {
+void ClothRigid::add_passes(StepPlan& plan) {
   sync();
   if (cloth_.cloth_count() == 0 || rigid_.count() == 0) return;
   using S = ClothRigid;
-  plan.add<&S::look_ahead>(Stage::advance, When::before_substeps, 11, "look ahead", kName, this);
-  plan.add<&S::find_candidates>(Stage::advance, When::before_substeps, 16, "find candidates", kName, this);
-  plan.add<&S::make_rows>(Stage::solve, When::each_substep, 13, "contacts", kName, this);
-  plan.add<&S::collect>(Stage::solve, When::each_substep, 16, "collect", kName, this);
-  plan.add<&S::finish>(Stage::finish, When::each_substep, 5, "touches", kName, this);
+  plan.add<&S::look_ahead>(Rank::cloth_approach, "look ahead", kName, this);
+  plan.add<&S::find_candidates>(Rank::cloth_candidates, "find candidates", kName, this);
+  plan.add<&S::make_rows>(Rank::cloth_contact, "contacts", kName, this);
+  plan.add<&S::refresh_rows>(Rank::cloth_refresh, "refresh contacts", kName, this);
+  plan.add<&S::collect>(Rank::cloth_collect, "collect", kName, this);
+  plan.add<&S::finish>(Rank::keep_awake, "touches", kName, this);
 }
 
 std::size_t ClothRigid::count() const { return touches_.size(); }

@@ -16,7 +16,7 @@ class ClothRigid final : public System {
   explicit ClothRigid(SystemSetup& setup);
   ~ClothRigid() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // cloths and bodies that touch now
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
@@ -52,11 +52,11 @@ class ClothRigid final : public System {
     std::uint32_t solver = 0;  // in Movers; 0 = does not move
   };
 
-  // Rows.
+  // Passes.
   void look_ahead(StepContext& c);
   void find_candidates(StepContext& c);
   void make_rows(StepContext& c);
-  void refresh_rows(StepContext& c, int done, int count);
+  void refresh_rows(StepContext& c);
   void fill_rows(StepContext& c);
   void collect(StepContext& c);
   void finish(StepContext& c);

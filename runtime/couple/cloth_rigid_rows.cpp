@@ -42,8 +42,9 @@ void ClothRigid::make_rows(StepContext& c) {
 }
 
 // Where things pass each other fast, rows are made anew several times in a substep: the cloth wraps what strikes it.
-void ClothRigid::refresh_rows(StepContext& c, int done, int count) {
-  if (!(hurry_ > 1)) return;
+void ClothRigid::refresh_rows(StepContext& c) {
+  const int done = c.inner.index, count = c.inner.count;
+  if (done == 0 || !(hurry_ > 1)) return;
   // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
   const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_));
   const int parts = std::min(count, hurried + 1), every = count / parts;

@@ -37,16 +37,16 @@ FluidCloth::FluidCloth(SystemSetup& s)
 
 std::size_t FluidCloth::count() const { return guests_.size(); }
 
-void FluidCloth::add_rows(StepPlan& plan) {
+void FluidCloth::add_passes(StepPlan& plan) {
   drop_rows();
   sync();
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   using F = FluidCloth;
-  plan.add<&F::wake>(Stage::advance, When::before_substeps, 11, "wake sheets", kName, this);
-  plan.add<&F::begin>(Stage::advance, When::each_substep, 23, "screen by sheets", kName, this);
-  plan.add<&F::make_rows>(Stage::solve, When::each_substep, 14, "particles on sheets", kName, this);
-  plan.add<&F::read_back>(Stage::solve, When::each_substep, 16, "read back and guard", kName, this);
-  plan.add<&F::finish>(Stage::finish, When::each_substep, 6, "loads", kName, this);
+  plan.add<&F::wake>(Rank::cloth_approach, "wake sheets", kName, this);
+  plan.add<&F::begin>(Rank::face_screen, "screen by sheets", kName, this);
+  plan.add<&F::make_rows>(Rank::cloth_particles, "particles on sheets", kName, this);
+  plan.add<&F::read_back>(Rank::cloth_read_back, "read back and guard", kName, this);
+  plan.add<&F::finish>(Rank::cloth_load, "loads", kName, this);
 }
 
 // Rows of an earlier substep; those of bodies have an owner.

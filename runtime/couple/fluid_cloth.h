@@ -13,7 +13,7 @@ class FluidCloth final : public System {
   static const SystemDescriptor& descriptor();
   explicit FluidCloth(SystemSetup& setup);
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // particles that touch cloth
   void hash(Hash&) const override {}   // what it keeps follows from the two systems
   void save(Writer& w) const override { w.list(pressed_), w.list(touches_); }

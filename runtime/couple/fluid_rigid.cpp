@@ -47,23 +47,23 @@ FluidRigid::~FluidRigid() {
 
 std::size_t FluidRigid::count() const { return walls_.list.size(); }
 
-void FluidRigid::add_rows(StepPlan& plan) {
+void FluidRigid::add_passes(StepPlan& plan) {
   walls_.list.clear(), walls_.bodies.clear();
   // what was touched must be let go before the rows go
   if ((fluid_.pool_count() == 0 || rigid_.count() == 0) && touching_.empty() && inside_.empty()) return;
   using F = FluidRigid;
-  plan.add<&F::collect>(Stage::advance, When::before_substeps, 32, "list walls", kName, this);
-  plan.add<&F::set_walls>(Stage::advance, When::each_substep, 23, "place walls", kName, this);
-  plan.add<&F::weigh>(Stage::advance, When::each_substep, 32, "weigh impulses", kName, this);
-  plan.add<&F::push_bodies>(Stage::advance, When::each_substep, 35, "push bodies", kName, this);
-  plan.add<&F::move_walls>(Stage::solve, When::each_substep, 39, "move walls", kName, this);
-  plan.add<&F::push_again>(Stage::solve, When::each_substep, 41, "push bodies after guard", kName, this);
-  plan.add<&F::keep_awake>(Stage::finish, When::each_substep, 5, "keep awake", kName, this);
-  plan.add<&F::report_contacts>(Stage::finish, When::each_substep, 29, "contacts", kName, this);
+  plan.add<&F::collect>(Rank::boundary_list, "list walls", kName, this);
+  plan.add<&F::set_walls>(Rank::boundary_place, "place walls", kName, this);
+  plan.add<&F::weigh>(Rank::boundary_weigh, "weigh impulses", kName, this);
+  plan.add<&F::push_bodies>(Rank::boundary_push, "push bodies", kName, this);
+  plan.add<&F::move_walls>(Rank::boundary_follow, "move walls", kName, this);
+  plan.add<&F::push_again>(Rank::boundary_return, "push bodies after guard", kName, this);
+  plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
+  plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
   bool sensors = !inside_.empty();
   for (std::uint32_t k = 0; k < colliders_.size(); ++k)
     sensors = sensors || (colliders_.sensor[k] && colliders_.motion[k] != ColliderMotion::none);
-  if (sensors) plan.add<&F::report_sensors>(Stage::finish, When::each_substep, 30, "sensors", kName, this);
+  if (sensors) plan.add<&F::report_sensors>(Rank::fluid_events, "sensors", kName, this);
 }
 
 void FluidRigid::list_walls() {

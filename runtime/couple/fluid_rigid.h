@@ -16,7 +16,7 @@ class FluidRigid final : public System {
   explicit FluidRigid(SystemSetup& setup);
   ~FluidRigid() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // walls
   void hash(Hash& h) const override;
   void save(Writer& w) const override { w.list(inside_), w.list(touching_); }

@@ -36,12 +36,12 @@ std::size_t FluidSprings::count() const {
   return sum;
 }
 
-void FluidSprings::add_rows(StepPlan& plan) {
+void FluidSprings::add_passes(StepPlan& plan) {
   if (fluid_.pool_count() == 0 || count() == 0) return;
   using F = FluidSprings;
-  plan.add<&F::remember>(Stage::advance, When::each_substep, 18, "remember points", kName, this);
-  plan.add<&F::begin>(Stage::advance, When::each_substep, 23, "screen by faces", kName, this);
-  plan.add<&F::solve>(Stage::advance, When::each_substep, 33, "particles on faces", kName, this);
+  plan.add<&F::remember>(Rank::net_faces, "remember points", kName, this);
+  plan.add<&F::begin>(Rank::face_screen, "screen by faces", kName, this);
+  plan.add<&F::solve>(Rank::net_contact, "particles on faces", kName, this);
 }
 
 void FluidSprings::list_surfaces() {

@@ -14,7 +14,7 @@ class FluidSprings final : public System {
   static const SystemDescriptor& descriptor();
   explicit FluidSprings(SystemSetup& setup);
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // faces that fluid may meet
   void hash(Hash&) const override {}   // all state is that of the two systems
   void save(Writer&) const override {}

@@ -33,18 +33,18 @@ SpringsRigid::~SpringsRigid() { springs_.on_remove = nullptr; }
 
 std::size_t SpringsRigid::count() const { return coupled_.size(); }
 
-void SpringsRigid::add_rows(StepPlan& plan) {
+void SpringsRigid::add_passes(StepPlan& plan) {
   sync();
   if (coupled_.empty() || rigid_.count() == 0) return;
   using S = SpringsRigid;
-  plan.add<&S::update_boxes>(Stage::bounds, When::each_substep, 20, "point boxes", kName, this);
-  plan.add<&S::append>(Stage::advance, When::before_substeps, 15, "append points", kName, this);
-  plan.add<&S::before_integrate>(Stage::advance, When::each_substep, 19, "before integrate", kName, this);
-  plan.add<&S::after_integrate>(Stage::advance, When::each_substep, 21, "after integrate", kName, this);
-  plan.add<&S::hand_over>(Stage::solve, When::each_substep, 10, "hand over", kName, this);
-  plan.add<&S::read_back>(Stage::solve, When::each_substep, 30, "read back", kName, this);
-  plan.add<&S::read_back_velocities>(Stage::solve, When::after_substeps, 30, "read back bounces", kName, this);
-  plan.add<&S::keep_awake>(Stage::finish, When::each_substep, 5, "keep awake", kName, this);
+  plan.add<&S::update_boxes>(Rank::point_bounds, "point boxes", kName, this);
+  plan.add<&S::append>(Rank::append_points, "append points", kName, this);
+  plan.add<&S::before_integrate>(Rank::net_hold, "before integrate", kName, this);
+  plan.add<&S::after_integrate>(Rank::net_release, "after integrate", kName, this);
+  plan.add<&S::hand_over>(Rank::net_hand_over, "hand over", kName, this);
+  plan.add<&S::read_back>(Rank::net_read_back, "read back", kName, this);
+  plan.add<&S::read_back_velocities>(Rank::net_read_bounces, "read back bounces", kName, this);
+  plan.add<&S::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
 }
 
 std::uint32_t SpringsRigid::find_coupled(std::uint32_t particle) const {

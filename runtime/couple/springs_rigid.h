@@ -16,7 +16,7 @@ class SpringsRigid final : public System {
   explicit SpringsRigid(SystemSetup& setup);
   ~SpringsRigid() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // points that meet bodies
   void hash(Hash&) const override {}   // all state is that of the two systems
   void save(Writer&) const override {}

@@ -67,22 +67,37 @@ void Fluid::Impl::group_pools() {
   for (auto& p : pools) solver_of(*p).pools.push_back(p.get());
 }
 
-void Fluid::add_rows(StepPlan& plan) {
+// Pools that take their substeps together: all that iterate, each of the others alone.
+void Fluid::Impl::make_groups(StepContext& c) {
+  std::vector<int>& counts = c.counts(Loop::fluid).count;
+  counts.clear();
+  for (auto& s : solvers) {
+    if (!s || s->pools.empty()) continue;
+    for (FluidPool* p : s->pools) {
+      if (p == s->pools.front() || !s->iterates()) counts.push_back(0);
+      p->group = static_cast<std::uint32_t>(counts.size() - 1);
+    }
+  }
+  walls.start();
+}
+
+void Fluid::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
   m->make_room();
   m->group_pools();
   std::size_t most = 0;
   for (const auto& p : m->pools) most += p->capacity();
   if (most == 0) return;
-  if (!m->emitters.empty()) plan.add<&Impl::emit>(Stage::advance, When::each_substep, 22, "emit", kName, m);
+  if (!m->emitters.empty()) plan.add<&Impl::emit>(Rank::fluid_emit, "emit", kName, m);
   bool fresh = false;
   for (const auto& p : m->pools) fresh = fresh || p->fresh;
-  if (fresh) plan.add<&Impl::relax>(Stage::advance, When::each_substep, 24, "make room", kName, m);
+  if (fresh) plan.add<&Impl::relax>(Rank::fluid_settle, "make room", kName, m);
+  plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
   for (auto& s : m->solvers)
-    if (s && !s->pools.empty()) s->add_rows(plan);
-  plan.add<&Impl::guard>(Stage::solve, When::each_substep, 40, "guard walls", kName, m);
-  if (!m->drains.empty()) plan.add<&Impl::drain>(Stage::finish, When::each_substep, 15, "drain", kName, m);
-  plan.add<&Impl::check>(Stage::finish, When::each_substep, 20, "check fluids", kName, m);
+    if (s && !s->pools.empty()) s->add_passes(plan);
+  plan.add<&Impl::guard>(Rank::boundary_project, "guard walls", kName, m);
+  if (!m->drains.empty()) plan.add<&Impl::drain>(Rank::fluid_drain, "drain", kName, m);
+  plan.add<&Impl::check>(Rank::check, "check fluids", kName, m);
 }
 
 std::size_t Fluid::count() const {

@@ -57,7 +57,7 @@ class Fluid final : public System {
   explicit Fluid(SystemSetup& setup);
   ~Fluid() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // particles
   void hash(Hash& h) const override;
   void save(Writer& w) const override;

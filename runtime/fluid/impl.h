@@ -50,7 +50,8 @@ struct Fluid::Impl {
   std::vector<Vec3> sites(const FluidEmitter& e, const FluidPool& p) const;
   double full_rate(const FluidEmitter& e, const FluidPool& p) const;
 
-  // Rows.
+  // Passes.
+  void make_groups(StepContext& c);
   void emit(StepContext& c);
   void relax(StepContext& c);
   void guard(StepContext& c);

@@ -79,14 +79,15 @@ class SemiIteration {
 
 class Pbf final : public FluidSolver {
  public:
-  void add_rows(StepPlan& plan) override {
-    plan.add<&Pbf::own_steps>(Stage::advance, When::each_substep, 25, "own steps but the last", Fluid::kName, this);
-    plan.add<&Pbf::predict>(Stage::advance, When::each_substep, 26, "predict and sort", Fluid::kName, this);
-    plan.add<&Pbf::search>(Stage::advance, When::each_substep, 27, "neighbors", Fluid::kName, this);
-    plan.add<&Pbf::meet_walls>(Stage::advance, When::each_substep, 28, "wall contacts", Fluid::kName, this);
-    plan.add<&Pbf::solve>(Stage::advance, When::each_substep, 29, "density", Fluid::kName, this);
-    plan.add<&Pbf::rub>(Stage::advance, When::each_substep, 30, "friction and tension", Fluid::kName, this);
-    plan.add<&Pbf::judge>(Stage::advance, When::each_substep, 31, "compression", Fluid::kName, this);
+  void add_passes(StepPlan& plan) override {
+    plan.add<&Pbf::choose_steps>(Rank::fluid_choose, "choose substeps", Fluid::kName, this);
+    plan.add<&Pbf::predict>(Rank::fluid_predict, "predict and sort", Fluid::kName, this);
+    plan.add<&Pbf::search>(Rank::fluid_neighbors, "neighbors", Fluid::kName, this);
+    plan.add<&Pbf::meet_walls>(Rank::fluid_boundary, "wall contacts", Fluid::kName, this);
+    plan.add<&Pbf::solve>(Rank::fluid_pressure, "density", Fluid::kName, this);
+    plan.add<&Pbf::rub>(Rank::fluid_friction, "friction and tension", Fluid::kName, this);
+    plan.add<&Pbf::project>(Rank::fluid_project, "guard walls within", Fluid::kName, this);
+    plan.add<&Pbf::judge>(Rank::fluid_check, "compression", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override {
     if (!(p.last_h > 0)) return 0;
@@ -96,7 +97,7 @@ class Pbf final : public FluidSolver {
   bool iterates() const override { return true; }
 
  private:
-  void own_steps(StepContext& c);
+  void choose_steps(StepContext& c);
   struct Wanted {
     Real way = 1, load = 1;  // steps for what moves, and for the weight of the column
   };
@@ -107,16 +108,12 @@ class Pbf final : public FluidSolver {
   void meet_walls(StepContext& c);
   void solve(StepContext& c);
   void rub(StepContext& c);
+  void project(StepContext& c);
   void judge(StepContext& c);
   double correct(FluidPool& p, bool first_round, const SemiIteration& scheme, StepContext& c);
   void displace(FluidPool& p, StepContext& c);
   Real distance(const FluidPool& p, const WallContact& k) const;
-  template <class F>
-  void each(F&& f) {
-    for (FluidPool* p : pools)
-      if (p->count > 0 && !p->frozen) f(*p);
-  }
-  Real h_ = 0;  // s, of an own step
+  Real h_ = 0;  // s, of a fluid substep
 };
 
 // For particles in company: what flies alone meets nobody on its way but walls, and is guarded from these.
@@ -155,24 +152,23 @@ Pbf::Wanted Pbf::wanted_steps(const FluidPool& p, const StepContext& c) const {
   return wanted;
 }
 
-// All of the substep but its last own step, which is what the rows that follow do. All fluids of this solver take the
-// same.
-void Pbf::own_steps(StepContext& c) {
-  Real wanted = 1;
-  each([&](FluidPool& p) {
-    const Wanted own = wanted_steps(p, c);
-    if (own.load > static_cast<Real>(p.desc.max_substeps)) warn_budget(p, own.load, c);
-    wanted = std::max(wanted, std::min(std::max(own.way, own.load), static_cast<Real>(p.desc.max_substeps)));
-  });
-  const int steps = static_cast<int>(std::ceil(wanted));
-  h_ = c.h / static_cast<Real>(steps);
-  for (int k = 1; k < steps; ++k) {
-    predict(c), search(c), meet_walls(c), solve(c), rub(c);
-    walls->drift(h_);
-    each([&](FluidPool& p) { p.guard_walls(*walls); });
-    for (WallBody& b : walls->bodies) b.touching = 0;
+// All fluids of a group take the same.
+void Pbf::choose_steps(StepContext& c) {
+  for (FluidPool* p : pools) {
+    if (p->count == 0 || p->frozen) continue;
+    const Wanted own = wanted_steps(*p, c);
+    const Real most = static_cast<Real>(p->desc.max_substeps);
+    if (own.load > most) warn_budget(*p, own.load, c);
+    want_steps(*p, static_cast<int>(std::ceil(std::min(std::max({own.way, own.load, Real(1)}), most))), c);
   }
-  walls->drifted = false;  // the last step goes on from here; then bodies are placed anew
+}
+
+// After the last substep bodies are placed anew, and guarded then.
+void Pbf::project(StepContext& c) {
+  if (c.inner.last()) return;
+  walls->move_to(h_ * static_cast<Real>(c.inner.index + 1));
+  each(c, [&](FluidPool& p) { p.guard_walls(*walls); });
+  for (WallBody& b : walls->bodies) b.touching = 0;
 }
 
 // Before it bursts.
@@ -190,24 +186,28 @@ void Pbf::warn_budget(FluidPool& p, Real wanted, StepContext& c) const {
 
 // After the last iteration: says once when the fluid stays denser than wanted.
 void Pbf::judge(StepContext& c) {
-  each([&](FluidPool& p) {
+  for (FluidPool* pool : pools) {
+    FluidPool& p = *pool;
+    if (p.count == 0 || p.frozen) continue;
     double sum = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) sum += std::max(0.0, static_cast<double>(p.ratio[i]) - 1);
     const Real mean = static_cast<Real>(sum / p.count);
     const Real wanted = p.desc.compression > 0 ? p.desc.compression : Real(0.05);
     p.too_dense = mean > wanted ? p.too_dense + c.h : Real(0);
-    if (p.too_dense < kPatience || p.warned_budget) return;
+    if (p.too_dense < kPatience || p.warned_budget) continue;
     p.warned_budget = true;
     c.events->warn("fluid_budget",
                    "pbf is compressed by " + std::to_string(mean) + " on average, wanted " + std::to_string(wanted) +
                        ": " + std::to_string(p.desc.iterations) +
                        " iterations do not hold it; take more of them, more substeps or a larger spacing",
                    p.object);
-  });
+  }
 }
 
 void Pbf::predict(StepContext& c) {
-  each([&](FluidPool& p) {
+  h_ = c.h / static_cast<Real>(c.inner.count);
+  if (c.inner.index == 0) walls->move_to(0);
+  each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
@@ -222,11 +222,11 @@ void Pbf::predict(StepContext& c) {
 }
 
 void Pbf::search(StepContext& c) {
-  each([&](FluidPool& p) { p.find_neighbors(*c.jobs, 0); });
+  each(c, [&](FluidPool& p) { p.find_neighbors(*c.jobs, 0); });
 }
 
 void Pbf::meet_walls(StepContext& c) {
-  each([&](FluidPool& p) {
+  each(c, [&](FluidPool& p) {
     p.find_contacts(*c.jobs, *walls, h_, c.gravity, true);
     p.share_bodies(*walls);
   });
@@ -241,7 +241,7 @@ Real Pbf::distance(const FluidPool& p, const WallContact& k) const {
 }
 
 void Pbf::solve(StepContext& c) {
-  each([&](FluidPool& p) {
+  each(c, [&](FluidPool& p) {
     std::fill(p.lambda.begin(), p.lambda.begin() + p.count, Real(0));
     SemiIteration scheme(p.desc.iterations);
     double least = kInfinity;
@@ -347,7 +347,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
 }
 
 void Pbf::rub(StepContext& c) {
-  each([&](FluidPool& p) {
+  each(c, [&](FluidPool& p) {
     for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = 0;
     if (p.desc.viscosity > 0) add_viscosity(p, *walls, h_, c);
     if (p.desc.surface_tension > 0) add_tension(p, *walls, h_, c);

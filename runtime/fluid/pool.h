@@ -54,6 +54,7 @@ struct FluidPool {
   Real too_dense = 0;       // pbf: s for which it has been denser than wanted
   std::uint64_t steps = 0;  // of its own, for reports
   bool frozen = false;      // quarantined
+  std::uint32_t group = 0;  // of the loop of fluid substeps, in this substep; work
   bool fresh = false;       // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
@@ -77,6 +78,7 @@ struct FluidPool {
   Array<std::uint32_t> swap_id;
   CellGrid grid;
   NeighborLists lists;
+  bool lists_stale = true;                // wcsph: in a substep
   Array<WallContact> contacts;            // by particle
   Array<std::uint32_t> contact_first;     // of a particle; one more than particles
   Array<std::uint32_t> dynamic_contacts;  // places of contacts with bodies that the fluid moves

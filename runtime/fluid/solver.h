@@ -3,6 +3,8 @@
 // of its weight and keeps its level; a free blob keeps its momentum; nothing passes a wall; same bits for any number
 // of threads.
 #pragma once
+#include <algorithm>
+
 #include "base/registry.h"
 #include "fluid/pool.h"
 #include "step/plan.h"
@@ -12,9 +14,10 @@ namespace feder {
 class FluidSolver {
  public:
   virtual ~FluidSolver() = default;
-  // Rows of the stage `advance` with ranks 24 to 31: before them new particles have come in and the walls are set,
-  // after them the velocities of the bodies are read; positions and velocities are those of the end of the substep.
-  virtual void add_rows(StepPlan& plan) = 0;
+  // Passes at Rank::fluid_choose, where want_steps() says how many fluid substeps each pool needs, in the loop of fluid
+  // substeps, and at Rank::fluid_check. Before them new particles have come in and the walls are set, after them the
+  // velocities of the bodies are read; positions and velocities are those of the end of the substep.
+  virtual void add_passes(StepPlan& plan) = 0;
   // Pa, from `ratio` and what the pool keeps; without what balances the cohesion.
   virtual Real pressure(const FluidPool& p, std::uint32_t i) const = 0;
   // Does a substep solve for the pressure in `iterations`, with `stiffness`? Others derive both from `compression`, and
@@ -23,6 +26,19 @@ class FluidSolver {
 
   std::vector<FluidPool*> pools;
   Walls* walls = nullptr;
+
+ protected:
+  // At Rank::fluid_choose. A pool that asks for none is left out.
+  static void want_steps(const FluidPool& p, int count, StepContext& c) {
+    int& of_group = c.counts(Loop::fluid).count[p.group];
+    of_group = std::max(of_group, count);
+  }
+  // In the loop: the pools of the running group that are this solver's.
+  template <class F>
+  void each(const StepContext& c, F&& f) {
+    for (FluidPool* p : pools)
+      if (p->count > 0 && !p->frozen && p->group == static_cast<std::uint32_t>(c.inner.group)) f(*p);
+  }
 };
 
 std::span<const Variant<FluidSolver>> fluid_solvers();

@@ -29,31 +29,24 @@ bool crosses(const Wall& w, const Vec3& from, const Vec3& to, RayHit& hit) {
 
 }  // namespace
 
-void Walls::drift(Real seconds) {
-  if (!drifted) {
-    drifted = true;
-    for (Wall& w : list) w.placed = w.pose;
-    for (WallBody& b : bodies) b.placed = b.center;
-  }
-  for (Wall& w : list) {
-    const WallBody& b = bodies[w.body];
-    if (b.velocity.isZero(0) && b.spin.isZero(0)) continue;
-    const Quat turn = integrate_rotation(Quat::identity(), seconds * b.spin);
-    w.pose.position = b.center + rotate(turn, Vec3(w.pose.position - b.center)) + seconds * b.velocity;
-    w.pose.rotation = integrate_rotation(w.pose.rotation, seconds * b.spin);
-    w.box = w.shape->bounds(w.pose);
-  }
-  for (WallBody& b : bodies) b.center += seconds * b.velocity;
+void Walls::start() {
+  away = false;
+  for (Wall& w : list) w.start = w.pose;
+  for (WallBody& b : bodies) b.start = b.center;
 }
 
-void Walls::rewind() {
-  if (!drifted) return;
-  drifted = false;
+void Walls::move_to(Real seconds) {
+  if (seconds == 0 && !away) return;
+  away = seconds != 0;
   for (Wall& w : list) {
-    w.pose = w.placed;
+    const WallBody& b = bodies[w.body];
+    if (b.velocity.isZero(0) && b.spin.isZero(0) && b.center == b.start) continue;
+    const Quat turn = integrate_rotation(Quat::identity(), seconds * b.spin);
+    w.pose.position = b.start + rotate(turn, Vec3(w.start.position - b.start)) + seconds * b.velocity;
+    w.pose.rotation = integrate_rotation(w.start.rotation, seconds * b.spin);
     w.box = w.shape->bounds(w.pose);
   }
-  for (WallBody& b : bodies) b.center = b.placed;
+  for (WallBody& b : bodies) b.center = b.start + seconds * b.velocity;
 }
 
 void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out) {

@@ -1,5 +1,5 @@
 // What holds a fluid: solids as shapes with poses and velocities. Filled by a coupling (or a test) before the fluid's
-// rows of a substep; the fluid adds its impulses to the bodies' velocities as it goes, so that each next iteration
+// passes of a substep; the fluid adds its impulses to the bodies' velocities as it goes, so that each next iteration
 // meets the wall where it is by then.
 #pragma once
 #include "base/arena.h"
@@ -11,8 +11,8 @@ namespace feder {
 
 struct WallBody {
   ObjectId object;
-  Vec3 center = Vec3::Zero();       // centre of mass, world, at the start of the substep, m
-  Vec3 placed = Vec3::Zero();       // likewise, kept by drift, for rewind
+  Vec3 center = Vec3::Zero();       // centre of mass, world, m
+  Vec3 start = Vec3::Zero();        // where it was at the start of the substep, m
   Vec3 velocity = Vec3::Zero();     // m/s
   Vec3 spin = Vec3::Zero();         // rad/s
   Vec3 inv_mass = Vec3::Zero();     // by world axis, 1/kg; zero: is not moved by the fluid
@@ -43,10 +43,10 @@ struct Wall {
   const Shape* shape = nullptr;
   std::uint32_t body = 0;  // in Walls::bodies
   std::uint32_t group = 1, mask = 0xffffffffu;
-  Pose local;   // in the centre-of-mass frame of the body
-  Pose pose;    // now, world
-  Pose placed;  // kept by drift, for rewind
-  Aabb box;     // of the pose, world
+  Pose local;  // in the centre-of-mass frame of the body
+  Pose pose;   // now, world
+  Pose start;  // at the start of the substep
+  Aabb box;    // of the pose, world
 };
 
 // What particles of a fluid did at a body in a step.
@@ -61,12 +61,14 @@ struct FluidTouch {
 // Walls are sorted as the coupling adds them: always in the same order.
 struct Walls {
   explicit Walls(Arena& a) : list(&a), bodies(&a) {}
-  // Moves what moves, for solvers that take several steps in a substep; rewind: back to where it was placed.
-  void drift(Real seconds);
-  void rewind();
+  // The substep starts where they stand.
+  void start();
+  // Poses at an inner time of the substep, s since its start: from the pose there and the velocity now, so that a
+  // loop finds them where it began however often it runs.
+  void move_to(Real seconds);
   Array<Wall> list;
   Array<WallBody> bodies;
-  bool drifted = false;
+  bool away = false;     // from the start
   bool weighed = false;  // the coupling wants to know what all walls took, also those that do not move
 };
 

@@ -33,22 +33,28 @@ Real compression_of(const FluidPool& p) { return p.desc.compression > 0 ? p.desc
 
 class Wcsph final : public FluidSolver {
  public:
-  void add_rows(StepPlan& plan) override {
-    plan.add<&Wcsph::advance>(Stage::advance, When::each_substep, 24, "wcsph substeps", Fluid::kName, this);
+  void add_passes(StepPlan& plan) override {
+    plan.add<&Wcsph::choose_steps>(Rank::fluid_choose, "wcsph substeps", Fluid::kName, this);
+    plan.add<&Wcsph::begin>(Rank::fluid_predict, "wcsph begin", Fluid::kName, this);
+    plan.add<&Wcsph::find_neighbors>(Rank::fluid_neighbors, "wcsph neighbors", Fluid::kName, this);
+    plan.add<&Wcsph::press>(Rank::fluid_pressure, "wcsph pressure", Fluid::kName, this);
+    plan.add<&Wcsph::move>(Rank::fluid_move, "wcsph move", Fluid::kName, this);
+    plan.add<&Wcsph::project>(Rank::fluid_project, "wcsph guard walls", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override { return tait(p, p.ratio[i]) - p.inward; }
 
  private:
-  struct Plan {
-    int steps = 1;
-    Real h = 0;
-  };
-  void advance(StepContext& c);
-  Plan choose_step(FluidPool& p, StepContext& c);
-  void refresh(FluidPool& p, StepContext& c, bool& stale);
+  void choose_steps(StepContext& c);
+  int wanted_steps(FluidPool& p, StepContext& c);
+  void begin(StepContext& c);
+  void find_neighbors(StepContext& c);
+  void press(StepContext& c);
+  void move(StepContext& c);
+  void project(StepContext& c);
+  void refresh(FluidPool& p, StepContext& c);
   void touch(FluidPool& p, StepContext& c);
-  void accelerate(FluidPool& p, StepContext& c, Real h);
-  void move(FluidPool& p, StepContext& c, Real h);
+  void accelerate(FluidPool& p, StepContext& c);
+  Real h_ = 0;  // s, of a fluid substep
   static Real tait(const FluidPool& p, Real ratio) {
     ratio = std::min(ratio, kMostRatio);
     const Real r2 = ratio * ratio, r7 = r2 * r2 * r2 * ratio;
@@ -56,25 +62,35 @@ class Wcsph final : public FluidSolver {
   }
 };
 
-void Wcsph::advance(StepContext& c) {
-  for (FluidPool* pool : pools) {
-    FluidPool& p = *pool;
-    if (p.count == 0 || p.frozen) continue;
-    const Plan plan = choose_step(p, c);
-    bool stale = true;
-    p.steps += static_cast<std::uint64_t>(plan.steps);
-    for (int k = 0; k < plan.steps; ++k) {
-      refresh(p, c, stale);
-      accelerate(p, c, plan.h);
-      move(p, c, plan.h);
-      walls->drift(plan.h);
-      p.guard_walls(*walls);
-    }
-    walls->rewind();  // for the other fluids
-  }
+void Wcsph::choose_steps(StepContext& c) {
+  for (FluidPool* p : pools)
+    if (p->count > 0 && !p->frozen) want_steps(*p, wanted_steps(*p, c), c);
 }
 
-Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
+void Wcsph::begin(StepContext& c) {
+  h_ = c.h / static_cast<Real>(c.inner.count);
+  if (c.inner.index > 0) return;
+  walls->move_to(0);
+  each(c, [&](FluidPool& p) { p.lists_stale = true; });
+}
+
+void Wcsph::find_neighbors(StepContext& c) {
+  each(c, [&](FluidPool& p) { refresh(p, c), ++p.steps; });
+}
+
+void Wcsph::press(StepContext& c) {
+  each(c, [&](FluidPool& p) { accelerate(p, c); });
+}
+
+void Wcsph::project(StepContext& c) {
+  bool any = false;
+  each(c, [&](FluidPool&) { any = true; });
+  if (!any) return;
+  walls->move_to(h_ * static_cast<Real>(c.inner.index + 1));
+  each(c, [&](FluidPool& p) { p.guard_walls(*walls); });
+}
+
+int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), length_unit = p.support / 2;
   Real low = kInfinity, high = -kInfinity, speed2 = 0;
@@ -106,14 +122,12 @@ Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
   if (p.desc.surface_tension > 0)
     step = std::min(step, Real(0.4) * std::sqrt(p.desc.density * length_unit * length_unit * length_unit /
                                                 (2 * kPi * p.desc.surface_tension)));
-  Plan plan;
   const Real wanted = std::ceil(c.h / step);
-  plan.steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
-  plan.h = c.h / static_cast<Real>(plan.steps);
+  const int steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
   if (wanted > static_cast<Real>(p.desc.max_substeps)) {
     // the sound that the budget carries
-    const Real carried =
-        std::max((kCourant * length_unit / plan.h - others) / std::sqrt(light), Real(0.1) * sound / 10);
+    const Real carried = std::max((kCourant * length_unit * static_cast<Real>(steps) / c.h - others) / std::sqrt(light),
+                                  Real(0.1) * sound / 10);
     if (!p.warned_budget) {
       p.warned_budget = true;
       const Real squeezed = compression_of(p) * (sound / carried) * (sound / carried);
@@ -127,27 +141,27 @@ Wcsph::Plan Wcsph::choose_step(FluidPool& p, StepContext& c) {
     sound = std::min(sound, carried);
   }
   p.sound = sound;
-  return plan;
+  return steps;
 }
 
 // Lists and wall contacts for the coming step.
-void Wcsph::refresh(FluidPool& p, StepContext& c, bool& stale) {
+void Wcsph::refresh(FluidPool& p, StepContext& c) {
   const Real skin = kSkin * p.support;
-  if (!stale) {
+  if (!p.lists_stale) {
     Real far = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       const Vec3 d = p.x[i].vec() - p.swap4[i].vec();
       far = std::max(far, dot(d, d));
     }
-    stale = far > skin * skin / 4;
+    p.lists_stale = far > skin * skin / 4;
   }
-  bool moving = stale;  // planes of walls at rest hold as long as the lists
+  bool moving = p.lists_stale;  // planes of walls at rest hold as long as the lists
   for (const WallBody& b : walls->bodies) moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.spin.isZero(0);
-  if (stale) {
+  if (p.lists_stale) {
     p.sort_by_cell(skin);
     p.find_neighbors(*c.jobs, skin);
     std::copy(p.x.begin(), p.x.begin() + p.count, p.swap4.begin());
-    stale = false;
+    p.lists_stale = false;
   }
   if (moving) touch(p, c);
 }
@@ -160,7 +174,8 @@ void Wcsph::touch(FluidPool& p, StepContext& c) {
   p.share_bodies(*walls);
 }
 
-void Wcsph::accelerate(FluidPool& p, StepContext& c, Real h) {
+void Wcsph::accelerate(FluidPool& p, StepContext& c) {
+  const Real h = h_;
   p.find_ratios(*c.jobs);
   for (std::uint32_t i = 0; i < p.count; ++i) {
     const Real r = std::min(p.ratio[i], kMostRatio);
@@ -194,14 +209,16 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c, Real h) {
   if (walls->weighed) p.weigh_fixed(*walls);
 }
 
-void Wcsph::move(FluidPool& p, StepContext& c, Real h) {
-  for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + h * p.move[i].vec());
-  if (p.desc.viscosity > 0) add_viscosity(p, *walls, h, c);
-  if (p.desc.surface_tension > 0) add_tension(p, *walls, h, c);
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    p.x[i].set(p.x[i].vec() + h * p.v[i].vec());
-    p.x[i].w = 0;
-  }
+void Wcsph::move(StepContext& c) {
+  each(c, [&](FluidPool& p) {
+    for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + h_ * p.move[i].vec());
+    if (p.desc.viscosity > 0) add_viscosity(p, *walls, h_, c);
+    if (p.desc.surface_tension > 0) add_tension(p, *walls, h_, c);
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
+      p.x[i].w = 0;
+    }
+  });
 }
 
 }  // namespace

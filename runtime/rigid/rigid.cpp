@@ -49,23 +49,23 @@ Rigid::~Rigid() = default;
 
 // Ranks leave room: couplings append their movers between gather (10) and prepare (30), and work before and after
 // solve (20).
-void Rigid::add_rows(StepPlan& plan) {
+void Rigid::add_passes(StepPlan& plan) {
   Impl* s = impl_.get();
   if (s->body_count == 0) return;
-  plan.add<&Impl::update_boxes>(Stage::bounds, When::each_substep, 10, "update boxes", kName, s);
-  plan.add<&Impl::gather>(Stage::advance, When::before_substeps, 10, "gather", kName, s);
-  plan.add<&Impl::prepare>(Stage::advance, When::before_substeps, 30, "prepare rows", kName, s);
+  plan.add<&Impl::update_boxes>(Rank::body_bounds, "update boxes", kName, s);
+  plan.add<&Impl::gather>(Rank::gather_bodies, "gather", kName, s);
+  plan.add<&Impl::prepare>(Rank::joint_rows, "prepare rows", kName, s);
   const Forces* forces = s->store.find<Forces>();
   std::size_t count = 0;
   if (forces)
     for (const ForceEntry& f : forces->list) count += f.force != nullptr;
-  if (count) plan.add<&Impl::add_forces>(Stage::advance, When::each_substep, 5, "forces", kName, s);
+  if (count) plan.add<&Impl::add_forces>(Rank::body_forces, "forces", kName, s);
   if (count != s->force_count) wake_all(WakeCause::force);
   s->force_count = count;
-  plan.add<&Impl::integrate_velocities>(Stage::advance, When::each_substep, 10, "integrate velocities", kName, s);
-  plan.add<&Impl::solve>(Stage::solve, When::each_substep, 20, "solve", kName, s);
-  plan.add<&Impl::finish_solve>(Stage::solve, When::after_substeps, 20, "restitution and impulses", kName, s);
-  plan.add<&Impl::commit>(Stage::finish, When::each_substep, 10, "commit", kName, s);
+  plan.add<&Impl::integrate_velocities>(Rank::body_velocities, "integrate velocities", kName, s);
+  plan.add<&Impl::solve>(Rank::body_solve, "solve", kName, s);
+  plan.add<&Impl::finish_solve>(Rank::restitution, "restitution and impulses", kName, s);
+  plan.add<&Impl::commit>(Rank::commit, "commit", kName, s);
 }
 
 std::size_t Rigid::count() const { return impl_->body_count; }

@@ -57,7 +57,7 @@ class Rigid final : public System {
   explicit Rigid(SystemSetup& setup);
   ~Rigid() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // bodies
   void hash(Hash& h) const override;
   void save(Writer& w) const override;

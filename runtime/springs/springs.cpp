@@ -16,11 +16,11 @@ const SystemDescriptor& Springs::descriptor() {
 Springs::Springs(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Springs::~Springs() = default;
 
-void Springs::add_rows(StepPlan& plan) {
+void Springs::add_passes(StepPlan& plan) {
   if (impl_->nets.empty()) return;
-  plan.add<&Impl::remember>(Stage::advance, When::before_substeps, 10, "remember", kName, impl_.get());
-  plan.add<&Impl::integrate>(Stage::advance, When::each_substep, 20, "integrate", kName, impl_.get());
-  plan.add<&Impl::finish>(Stage::finish, When::each_substep, 20, "check nets", kName, impl_.get());
+  plan.add<&Impl::remember>(Rank::gather_points, "remember", kName, impl_.get());
+  plan.add<&Impl::integrate>(Rank::net_integrate, "integrate", kName, impl_.get());
+  plan.add<&Impl::finish>(Rank::check, "check nets", kName, impl_.get());
 }
 
 std::size_t Springs::count() const { return impl_->particles.size(); }

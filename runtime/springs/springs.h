@@ -71,7 +71,7 @@ class Springs final : public System {
   explicit Springs(SystemSetup& setup);
   ~Springs() override;
 
-  void add_rows(StepPlan& plan) override;
+  void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // points
   void hash(Hash& h) const override;
   void save(Writer& w) const override;

@@ -2,66 +2,130 @@
 
 #include <algorithm>
 #include <cstring>
-#include <tuple>
+
+#include "base/assert.h"
 
 namespace feder {
 namespace {
 
-// Advance rows and solve rows that run each substep form the inner loop; the others run outside it.
-int phase(const StepRow& row) {
-  if (row.stage < Stage::advance) return 0;
-  if (row.stage == Stage::finish) return 4;
-  return row.when == When::before_substeps ? 1 : row.when == When::each_substep ? 2 : 3;
+bool same(const PlanNode& a, const PlanNode& b) {
+  return a.is_loop == b.is_loop && !std::strcmp(a.name, b.name) && !std::strcmp(a.system, b.system);
 }
 
-// Runs the row; `clock`: when the row before it ended, and then when this one did.
-void run_row(StepRow& row, StepContext& context, std::uint64_t& clock) {
-  const std::uint64_t start = clock;
-  row.run(row.self, context);
-  clock = clock_nanoseconds();
-  row.counter.nanoseconds += clock - start;
-  ++row.counter.calls;
-}
+Loop loop_around(const PlanNode& n) { return n.is_loop ? kLoops[static_cast<int>(n.loop)].parent : n.loop; }
 
 }  // namespace
 
-const char* stage_name(Stage stage) {
-  static const char* const names[] = {"begin", "bounds", "broad", "narrow", "advance", "solve", "finish"};
-  return names[static_cast<int>(stage)];
-}
-
 void StepPlan::clear() {
-  old_ = std::move(rows_);
-  rows_.clear();
+  old_ = std::move(nodes_);
+  nodes_.clear();
 }
 
-void StepPlan::add(const StepRow& row) {
-  rows_.push_back(row);
-  for (const StepRow& was : old_)
-    if (!std::strcmp(was.name, row.name) && !std::strcmp(was.system, row.system)) rows_.back().counter = was.counter;
+void StepPlan::add(Place place, const char* name, const char* system, PassFunction run, void* self) {
+  PlanNode pass;
+  pass.place = place, pass.loop = loop_of(place.rank);
+  pass.name = name, pass.system = system;
+  pass.run = run, pass.self = self;
+  nodes_.push_back(pass);
 }
 
 void StepPlan::finish() {
-  std::stable_sort(rows_.begin(), rows_.end(), [](const StepRow& a, const StepRow& b) {
-    return std::make_tuple(phase(a), a.stage, a.rank) < std::make_tuple(phase(b), b.stage, b.rank);
-  });
+  const auto earlier = [](const PlanNode& a, const PlanNode& b) { return a.place < b.place; };
+  std::stable_sort(nodes_.begin(), nodes_.end(), earlier);
+  // a loop goes before its first pass, the outer one first; one without passes is not there
+  for (int i = kLoopCount - 1; i > 0; --i) {
+    const LoopSpan& span = kLoops[i];
+    const auto inside = [&](const PlanNode& n) { return n.place.rank >= span.first && n.place.rank <= span.last; };
+    const auto first = std::find_if(nodes_.begin(), nodes_.end(), inside);
+    if (first == nodes_.end()) continue;
+    PlanNode loop;
+    loop.place = before(span.first), loop.is_loop = true, loop.loop = static_cast<Loop>(i), loop.name = span.name;
+    nodes_.insert(first, loop);
+  }
+  for (std::uint32_t k = 0; k < nodes_.size(); ++k) {
+    PlanNode& n = nodes_[k];
+    for (const PlanNode& was : old_)
+      if (same(was, n)) n.counter = was.counter;
+    if (!n.is_loop) continue;
+    n.end = k + 1;
+    while (n.end < nodes_.size() && nodes_[n.end].place.rank <= kLoops[static_cast<int>(n.loop)].last) ++n.end;
+  }
   old_.clear();
 }
 
-void StepPlan::run(StepContext& context) {
-  std::size_t i = 0;
-  std::uint64_t clock = clock_nanoseconds();
-  while (i < rows_.size() && phase(rows_[i]) < 2) run_row(rows_[i++], context, clock);
-  const std::size_t first = i;
-  while (i < rows_.size() && phase(rows_[i]) == 2) ++i;
-  for (context.substep = 0; context.substep < context.substeps; ++context.substep)
-    for (std::size_t k = first; k < i; ++k) run_row(rows_[k], context, clock);
-  context.substep = 0;
-  while (i < rows_.size()) run_row(rows_[i++], context, clock);
+void StepPlan::run(StepContext& c) {
+  c.loops = counts_;
+  counts_[static_cast<int>(Loop::substep)].count.assign(1, c.substeps);
+  run_nodes(0, static_cast<std::uint32_t>(nodes_.size()), c, true);
+}
+
+void StepPlan::run_nodes(std::uint32_t first, std::uint32_t end, StepContext& c, bool clocked) {
+  std::uint64_t clock = clocked ? clock_nanoseconds() : 0;
+  for (std::uint32_t k = first; k < end; ++k) {
+    PlanNode& n = nodes_[k];
+    if (n.is_loop) {
+      run_loop(n, k + 1, c);
+      k = n.end - 1;
+      if (clocked) clock = clock_nanoseconds();
+      continue;
+    }
+    n.run(n.self, c);
+    ++n.counter.calls;
+    if (!clocked) continue;
+    const std::uint64_t now = clock_nanoseconds();
+    n.counter.nanoseconds += now - clock;
+    ++n.counter.clocked;
+    clock = now;
+  }
+}
+
+void StepPlan::run_loop(PlanNode& loop, std::uint32_t first, StepContext& c) {
+  const std::uint64_t start = clock_nanoseconds();
+  const bool substeps = loop.loop == Loop::substep;
+  const std::vector<int>& counts = counts_[static_cast<int>(loop.loop)].count;
+  int& idle = idle_[static_cast<int>(loop.loop)];
+  for (std::size_t g = 0; g < counts.size(); ++g)
+    for (int k = 0; k < counts[g]; ++k) {
+      if (substeps)
+        c.substep = k;
+      else
+        c.inner = {static_cast<int>(g), k, counts[g]};
+      const bool clocked = --idle < 0;
+      if (clocked) idle = clock_every_ - 1;
+      run_nodes(first, loop.end, c, clocked);
+      ++loop.counter.calls;
+    }
+  if (substeps)
+    c.substep = 0;
+  else
+    c.inner = {};
+  loop.counter.clocked = loop.counter.calls;
+  loop.counter.nanoseconds += clock_nanoseconds() - start;
+}
+
+std::string StepPlan::path(const PlanNode& node) {
+  std::string path;
+  for (Loop l = loop_around(node); l != Loop::step; l = kLoops[static_cast<int>(l)].parent)
+    path.insert(0, kLoops[static_cast<int>(l)].name).insert(0, "/");
+  path.insert(0, kLoops[0].name);
+  return path;
+}
+
+int StepPlan::depth(const PlanNode& node) {
+  int depth = 0;
+  for (Loop l = loop_around(node); l != Loop::step; l = kLoops[static_cast<int>(l)].parent) ++depth;
+  return depth;
+}
+
+double StepPlan::total_nanoseconds() const {
+  double sum = 0;
+  for (const PlanNode& n : nodes_)
+    if (loop_around(n) == Loop::step) sum += n.counter.total_nanoseconds();
+  return sum;
 }
 
 void StepPlan::reset_counters() {
-  for (StepRow& row : rows_) row.counter = {};
+  for (PlanNode& n : nodes_) n.counter = {};
 }
 
 }  // namespace feder

@@ -1,47 +1,64 @@
-// The step plan: the rows that run, in order. Built when the scene's structure changes, run every step.
+// The step plan: a tree of loops of passes, built when the scene's structure changes, run every step from top to
+// bottom (step/order.h). Clocks stand around every loop; inside a loop passes are counted each time and clocked in one
+// iteration of kClockEvery, so that small steps are not made of clocks.
 #pragma once
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/profile.h"
 #include "step/context.h"
-#include "step/stage.h"
 
 namespace feder {
 
-using RowFunction = void (*)(void* self, StepContext& context);
+using PassFunction = void (*)(void* self, StepContext& context);
 
-struct StepRow {
-  Stage stage = Stage::begin;
-  When when = When::each_substep;  // advance and solve only
-  int rank = 0;                    // order within a stage; equal ranks run in the order they were added
-  const char* name = "";           // "integrate", "find pairs": unique within a system
-  const char* system = "";
-  RowFunction run = nullptr;
+// A pass, or a loop around the passes that follow it.
+struct PlanNode {
+  Place place = Rank::begin;  // of a loop: its first rank
+  bool is_loop = false;
+  Loop loop = Loop::step;   // a loop: which; a pass: the one it runs in
+  const char* name = "";    // "integrate", "find pairs": unique within a system
+  const char* system = "";  // empty for a loop
+  PassFunction run = nullptr;
   void* self = nullptr;
-  Counter counter;
+  std::uint32_t end = 0;  // of a loop: the node after its last one
+  Counter counter;        // of a loop: calls are its iterations
 };
 
 class StepPlan {
  public:
   void clear();
-  void add(const StepRow& row);
-  // Member function form: plan.add<&Rigid::integrate>(Stage::advance, When::each_substep, 10, "integrate", "rigid",
-  // this)
+  // Member function form: plan.add<&Rigid::integrate>(Rank::body_velocities, "integrate", "rigid", this)
   template <auto Method, class T>
-  void add(Stage stage, When when, int rank, const char* name, const char* system, T* self) {
-    add(StepRow{
-        stage, when, rank, name, system, [](void* s, StepContext& c) { (static_cast<T*>(s)->*Method)(c); }, self, {}});
+  void add(Place place, const char* name, const char* system, T* self) {
+    add(
+        place, name, system, [](void* s, StepContext& c) { (static_cast<T*>(s)->*Method)(c); }, self);
   }
-  void finish();  // sorts; counters of rows that were there before are kept
+  void add(Place place, const char* name, const char* system, PassFunction run, void* self);
+  void finish();  // sorts and nests; counters of passes that were there before are kept
   void run(StepContext& context);
 
-  std::span<const StepRow> rows() const { return rows_; }
+  // In running order; a loop stands before its passes.
+  std::span<const PlanNode> nodes() const { return nodes_; }
+  static std::string path(const PlanNode& node);  // "step/substep/cloth substeps": the loops around it
+  static int depth(const PlanNode& node);         // 0: in the step itself
+  double total_nanoseconds() const;
   void reset_counters();
+  void clock_every(int iterations) {
+    clock_every_ = iterations, std::fill(idle_, idle_ + kLoopCount, 0);
+  }  // 1: `explain` pays for exact shares
 
  private:
-  std::vector<StepRow> rows_, old_;
+  void run_nodes(std::uint32_t first, std::uint32_t end, StepContext& c, bool clocked);
+  void run_loop(PlanNode& loop, std::uint32_t first, StepContext& c);
+
+  std::vector<PlanNode> nodes_, old_;
+  LoopCounts counts_[kLoopCount];
+  int idle_[kLoopCount] = {};            // iterations until the next that is clocked
+  static constexpr int kClockEvery = 7;  // no divisor of usual counts of substeps: the first is not like the others
+  int clock_every_ = kClockEvery;
 };
 
 }  // namespace feder

@@ -51,9 +51,9 @@ struct SystemSetup {
 class System {
  public:
   virtual ~System() = default;
-  virtual void add_rows(StepPlan& plan) = 0;  // only rows that have work: no bodies, no rows
-  virtual std::size_t count() const = 0;      // bodies, points ...: what `explain` prints
-  virtual void hash(Hash& h) const = 0;       // state that decides the future, in index order
+  virtual void add_passes(StepPlan& plan) = 0;  // only rows that have work: no bodies, no rows
+  virtual std::size_t count() const = 0;        // bodies, points ...: what `explain` prints
+  virtual void hash(Hash& h) const = 0;         // state that decides the future, in index order
   virtual void save(Writer& w) const = 0;
   virtual void load(Reader& r) = 0;
   // Systems without such a thing inherit the empty answer.

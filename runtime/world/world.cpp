@@ -124,9 +124,9 @@ void World::warn_of_forces() {
 
 void World::rebuild_plan() {
   plan_.clear();
-  plan_.add(StepRow{Stage::begin, When::each_substep, 0, "begin", "world", &World::begin_step, this, {}});
-  for (Present& p : systems_) p.system->add_rows(plan_);
-  plan_.add(StepRow{Stage::finish, When::each_substep, 1000, "finish", "world", &World::finish_step, this, {}});
+  plan_.add(Rank::begin, "begin", "world", &World::begin_step, this);
+  for (Present& p : systems_) p.system->add_passes(plan_);
+  plan_.add(Rank::finish, "finish", "world", &World::finish_step, this);
   plan_.finish();
   structure_changed_ = false;
 }

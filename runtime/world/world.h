@@ -57,6 +57,7 @@ class World final : private SystemFinder {
   Rng& rng() { return rng_; }
   const StepPlan& plan();  // rebuilt when needed
   void reset_profile() { plan_.reset_counters(); }
+  void clock_every(int iterations) { plan_.clock_every(iterations); }  // of loops, see step/plan.h
 
   // Forces: made by kind name; the target is everything, objects with a tag, or one object.
   ObjectId add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name, TagMask tags);

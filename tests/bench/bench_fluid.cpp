@@ -73,8 +73,9 @@ void bench(const char* solver, Real spacing, int steps) {
       "%s: %.0f particles, %.1f neighbours: %.3f us per particle and step = %.1f plain density sums of %.3f us\n",
       solver, count, pairs, least, least / plain, plain);
   double total = 0;
-  for (const StepRow& row : w.plan().rows()) total += static_cast<double>(row.counter.nanoseconds);
-  for (const StepRow& row : w.plan().rows())
+  for (const PlanNode& row : w.plan().nodes())
+    if (!row.is_loop) total += row.counter.total_nanoseconds();
+  for (const PlanNode& row : w.plan().nodes())
     if (static_cast<double>(row.counter.nanoseconds) > 0.005 * total)
       std::printf("  %5.1f %%  %s / %s\n", 100 * static_cast<double>(row.counter.nanoseconds) / total, row.system,
                   row.name);

@@ -146,7 +146,7 @@ TEST_CASE("explain lists what is used and names the rest", "[cli]") {
   CHECK(std::count(j["absent"].begin(), j["absent"].end(), "rigid") == 0);
   double share = 0;
   for (const auto& row : j["plan"]) {
-    for (const char* key : {"stage", "system", "name", "ms", "share"}) CHECK(row.contains(key));
+    for (const char* key : {"path", "kind", "system", "name", "ms", "share"}) CHECK(row.contains(key));
     CHECK(row["system"] != "springs");
     share += row["share"].get<double>();
   }

@@ -94,8 +94,8 @@ class FakeWorld {
   void step() {
     if (!planned) {
       plan.clear();
-      collide->add_rows(plan);
-      plan.add(StepRow{Stage::solve, When::each_substep, 0, "fake", "fake", &FakeWorld::press, this, {}});
+      collide->add_passes(plan);
+      plan.add(Rank::body_solve, "fake", "fake", &FakeWorld::press, this);
       plan.finish();
       planned = collide->count() > 0;
     }

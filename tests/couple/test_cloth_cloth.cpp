@@ -13,10 +13,10 @@ namespace {
 
 const SystemDescriptor* const kCatalog[] = {&Cloth::descriptor(), &ClothCloth::descriptor()};
 
-std::size_t rows_of(World& w) {
-  const auto& rows = w.plan().rows();
-  return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [](const StepRow& r) { return std::string(r.system) == "cloth_cloth"; }));
+std::size_t passes_of(World& w) {
+  const auto nodes = w.plan().nodes();
+  return static_cast<std::size_t>(std::count_if(
+      nodes.begin(), nodes.end(), [](const PlanNode& n) { return std::string(n.system) == "cloth_cloth"; }));
 }
 
 }  // namespace
@@ -27,15 +27,15 @@ TEST_CASE("a world of one cloth has no row for cloth on cloth; the second brings
   Cloth& cloth = w.need<Cloth>();
   cloth.add_cloth(sheet(5, 5, 1, 1));
   w.step();
-  CHECK(rows_of(w) == 0);
+  CHECK(passes_of(w) == 0);
   ClothDesc d = sheet(5, 5, 1, 1);
   d.pose.position = Vec3(0, 1, 0);
   const ObjectId second = cloth.add_cloth(d);
   w.step();
-  CHECK(rows_of(w) == 2);
+  CHECK(passes_of(w) == 2);
   cloth.destroy_cloth(second, "");
   w.step();
-  CHECK(rows_of(w) == 0);
+  CHECK(passes_of(w) == 0);
 }
 
 TEST_CASE("the end of a contact between cloths comes with the end of one of them, and after a restore",

@@ -12,7 +12,7 @@ using namespace feder;
 namespace {
 
 // Meddles with the state in the middle of a substep: in the stage `advance` behind the fluid's own passes and before
-// the couplings look (rank 31 and 32), or in `solve` between the rows of sheets and their reading back (rank 15).
+// the couplings look, or between the rows of sheets and their reading back.
 class Thief final : public System {
  public:
   static constexpr const char* kName = "thief";
@@ -23,11 +23,11 @@ class Thief final : public System {
   }
   explicit Thief(SystemSetup& s)
       : points(s.store.need<Particles>(Springs::kName)), movers(s.store.need<Movers>(Rigid::kName)) {}
-  void add_rows(StepPlan& plan) override {
-    plan.add<&Thief::advance>(Stage::advance, When::each_substep, 31, "steal", kName, this);
-    plan.add<&Thief::weigh>(Stage::advance, When::each_substep, 32, "steal", kName, this);
-    plan.add<&Thief::unweigh>(Stage::advance, When::each_substep, 34, "steal", kName, this);
-    plan.add<&Thief::solve>(Stage::solve, When::each_substep, 15, "steal", kName, this);
+  void add_passes(StepPlan& plan) override {
+    plan.add<&Thief::advance>(before(Rank::boundary_weigh), "steal", kName, this);
+    plan.add<&Thief::weigh>(after(Rank::boundary_weigh), "steal before faces", kName, this);
+    plan.add<&Thief::unweigh>(after(Rank::net_contact), "give back", kName, this);
+    plan.add<&Thief::solve>(before(Rank::cloth_collect), "steal from sheets", kName, this);
   }
   std::size_t count() const override { return 0; }
   void hash(Hash&) const override {}

@@ -172,12 +172,12 @@ TEST_CASE("a world without fluid has no rows and no bytes of it", "[fluid]") {
   World w(fluid_world(), fluid_catalog());
   add_plane(w, vec3(0, 1, 0), 0);
   w.step();
-  for (const StepRow& row : w.plan().rows()) CHECK(std::string(row.system).find("fluid") == std::string::npos);
+  for (const PlanNode& row : w.plan().nodes()) CHECK(std::string(row.system).find("fluid") == std::string::npos);
   for (const auto& arena : w.store().arenas()) CHECK(arena->name() != "fluid");
   // made, but empty: no rows yet
   w.need<Fluid>().add_fluid({});
   w.step();
   std::size_t rows = 0;
-  for (const StepRow& row : w.plan().rows()) rows += std::string(row.system) == "fluid";
+  for (const PlanNode& row : w.plan().nodes()) rows += std::string(row.system) == "fluid";
   CHECK(rows == 0);
 }

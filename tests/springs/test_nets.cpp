@@ -104,7 +104,7 @@ TEST_CASE("nets are separate, and destroying one leaves the others as they were"
   for (std::size_t i = 0; i < 12; ++i) CHECK(sa.point(kept, i) == sb.point(alone, i));
   sa.destroy_net(kept, "test");
   CHECK(sa.count() == 0);
-  CHECK(a.plan().rows().size() == 2);  // begin and finish: no nets, no rows
+  CHECK(a.plan().nodes().size() == 2);  // begin and finish: no nets, no passes
   a.step();
 }
 

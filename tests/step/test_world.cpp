@@ -23,11 +23,11 @@ class Fake final : public System {
   explicit Fake(SystemSetup& setup) : counts_(setup.store.need<Counts>(kName)) {
     counts_.values.assign(10, setup.options.number("start", 1, 0, 100));
   }
-  void add_rows(StepPlan& plan) override {
-    plan.add<&Fake::solve>(Stage::solve, When::each_substep, 20 - Which, "solve", kName, this);
-    plan.add<&Fake::before>(Stage::advance, When::before_substeps, 10, "before", kName, this);
-    plan.add<&Fake::after>(Stage::solve, When::after_substeps, 10, "after", kName, this);
-    plan.add<&Fake::bounds>(Stage::bounds, When::each_substep, 10, "bounds", kName, this);
+  void add_passes(StepPlan& plan) override {
+    plan.add<&Fake::solve>(Place(Rank::body_solve, 1 - Which), "solve", kName, this);
+    plan.add<&Fake::before>(Rank::gather_bodies, "before", kName, this);
+    plan.add<&Fake::after>(Rank::restitution, "after", kName, this);
+    plan.add<&Fake::bounds>(Rank::body_bounds, "bounds", kName, this);
   }
   std::size_t count() const override { return counts_.values.size(); }
   // numbers that are finite, and an energy that is not
@@ -74,10 +74,10 @@ WorldDesc two_substeps() {
 
 }  // namespace
 
-TEST_CASE("a world without systems has a plan of its own two rows and no system bytes", "[world]") {
+TEST_CASE("a world without systems has a plan of its own two passes and no system bytes", "[world]") {
   World world(two_substeps(), kCatalog);
   world.step();
-  CHECK(world.plan().rows().size() == 2);
+  CHECK(world.plan().nodes().size() == 2);
   CHECK(world.report().empty());
   CHECK(world.absent().size() == 4);
   CHECK(world.step_count() == 1);
@@ -95,7 +95,7 @@ TEST_CASE("a world whose energy is not finite is not finite", "[world]") {
   CHECK_FALSE(wild.is_finite());
 }
 
-TEST_CASE("rows run by stage, cadence and rank; a coupling appears with its partners", "[world]") {
+TEST_CASE("passes run by rank, in their loop; a coupling appears with its partners", "[world]") {
   World world(two_substeps(), kCatalog);
   world.need<Fake<0>>();
   CHECK(world.find<Fake<2>>() == nullptr);
@@ -108,8 +108,7 @@ TEST_CASE("rows run by stage, cadence and rank; a coupling appears with its part
                                              "alpha.solve",  "alpha_beta.solve",  "beta.solve",        "alpha.solve",
                                              "alpha.after",  "beta.after",        "alpha_beta.after"};
   CHECK(trace == expected);
-  for (const StepRow& row : world.plan().rows())
-    CHECK(row.counter.calls == (row.stage == Stage::solve && row.when == When::each_substep ? 2u : 1u));
+  for (const PlanNode& n : world.plan().nodes()) CHECK(n.counter.calls == (n.loop == Loop::substep ? 2u : 1u));
 }
 
 TEST_CASE("a system that needs an absent module says so", "[world]") {

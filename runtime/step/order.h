@@ -1,0 +1,126 @@
+// The order of a step, from top to bottom: every rank by name, once. A pass stands at a rank, or, when its system is
+// none of the house's, before or after one. Passes of one place run in the order in which their systems were made.
+// A loop is a run of ranks; loops nest. tests/step/test_order.cpp.
+#pragma once
+#include "base/types.h"
+
+namespace feder {
+
+enum class Rank : std::uint8_t {
+  // step: what is near what
+  begin,
+  body_bounds,
+  point_bounds,
+  broad,
+  narrow,
+  wake_touched,
+  // step: what the substeps work on
+  gather_bodies,
+  gather_points,
+  cloth_approach,
+  cloth_prepare,
+  cloth_pairs,
+  append_points,
+  cloth_candidates,
+  joint_rows,
+  boundary_list,
+
+  // substep: velocities and nets
+  body_forces,
+  body_velocities,
+  net_faces,
+  net_hold,
+  net_integrate,
+  net_release,
+  // substep: fluids
+  fluid_emit,
+  boundary_place,
+  face_screen,
+  fluid_settle,
+  fluid_choose,
+  fluid_predict,  // fluid substeps
+  fluid_neighbors,
+  fluid_boundary,
+  fluid_pressure,
+  fluid_friction,
+  fluid_move,
+  boundary_move,
+  fluid_project,
+  fluid_check,
+  boundary_weigh,
+  net_contact,
+  boundary_push,
+  // substep: cloth
+  net_hand_over,
+  cloth_contact,
+  cloth_particles,
+  cloth_forces,
+  cloth_refresh,  // cloth substeps
+  cloth_near,
+  cloth_integrate,
+  cloth_bodies,
+  cloth_rows,
+  cloth_velocities,
+  cloth_damp,
+  cloth_project,
+  cloth_collect,
+  cloth_read_back,
+  // substep: contacts and joints of bodies
+  body_solve,
+  net_read_back,
+  boundary_follow,
+  boundary_project,
+  boundary_return,
+
+  // step: after the last substep
+  restitution,
+  net_read_bounces,
+  cloth_pair_events,
+  keep_awake,
+  cloth_load,
+  commit,
+  fluid_drain,
+  check,
+  fluid_events,
+  contact_events,
+  finish,
+};
+inline constexpr int kRankCount = static_cast<int>(Rank::finish) + 1;
+
+enum class Loop : std::uint8_t { step, substep, fluid, cloth };
+inline constexpr int kLoopCount = 4;
+
+struct LoopSpan {
+  const char* name;
+  Loop parent;
+  Rank first, last;  // inclusive
+};
+inline constexpr LoopSpan kLoops[kLoopCount] = {
+    {"step", Loop::step, Rank::begin, Rank::finish},
+    {"substep", Loop::step, Rank::body_forces, Rank::boundary_return},
+    {"fluid substeps", Loop::substep, Rank::fluid_predict, Rank::fluid_project},
+    {"cloth substeps", Loop::substep, Rank::cloth_refresh, Rank::cloth_project},
+};
+
+// The innermost loop around a rank.
+constexpr Loop loop_of(Rank rank) {
+  Loop inner = Loop::step;
+  for (int i = 1; i < kLoopCount; ++i)
+    if (rank >= kLoops[i].first && rank <= kLoops[i].last) inner = static_cast<Loop>(i);
+  return inner;
+}
+
+// Where a pass runs: at a rank, or just before or after all that stand there.
+struct Place {
+  constexpr Place(Rank r, int s = 0) : rank(r), side(s) {}  // implicit: a rank is a place
+  Rank rank;
+  int side;
+  friend constexpr bool operator==(const Place&, const Place&) = default;
+  friend constexpr bool operator<(const Place& a, const Place& b) {
+    return a.rank != b.rank ? a.rank < b.rank : a.side < b.side;
+  }
+};
+constexpr Place before(Rank rank) { return {rank, -1}; }
+constexpr Place after(Rank rank) { return {rank, 1}; }
+
+}  // namespace feder
