@@ -27,6 +27,9 @@ inline Vec3 normalized_or(const Vec3& a, const Vec3& fallback) {
 inline bool is_finite(Real x) { return std::isfinite(x); }
 inline bool is_finite(const Vec3& a) { return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]); }
 
+// Of length 1 to a thousandth: for asserts, so that numbers gone bad (NaN), which are nobody's mistake, pass.
+inline bool is_unit(const Vec3& a) { return !(std::fabs(dot(a, a) - 1) > Real(2e-3)); }
+
 inline Real clamp(Real x, Real lo, Real hi) { return x < lo ? lo : (x > hi ? hi : x); }
 
 // [a]x, so that skew(a) * b == cross(a, b).
@@ -68,6 +71,10 @@ inline Quat normalized(const Quat& q) {
   if (!(n > 0)) return {};
   const double s = 1 / n;
   return {Real(x * s), Real(y * s), Real(z * s), Real(w * s)};
+}
+
+inline bool is_unit(const Quat& q) {
+  return !(std::fabs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) > Real(2e-3));
 }
 
 inline Vec3 rotate(const Quat& q, const Vec3& v) {

@@ -1,5 +1,8 @@
 #include "state/bodies.h"
 
+#include "base/assert.h"
+#include "base/hash.h"
+
 namespace feder {
 namespace {
 
@@ -25,6 +28,7 @@ std::uint32_t Bodies::add() {
   if (!free_list.empty()) {
     i = free_list.back();
     free_list.pop_back();
+    FEDER_ASSERT(i < size() && type[i] == BodyType::free);
   } else {
     i = size();
     each_array(*this, [](auto& array) { array.emplace_back(); });
@@ -44,12 +48,14 @@ std::uint32_t Bodies::add() {
 }
 
 void Bodies::remove(std::uint32_t i) {
+  FEDER_ASSERT(i < size() && type[i] != BodyType::free);
   type[i] = BodyType::free;
   awake[i] = 0;
   free_list.push_back(i);
 }
 
 Mat3 Bodies::world_inv_inertia(std::uint32_t i) const {
+  FEDER_ASSERT(is_unit(rotation[i]));
   const Mat3 r = to_matrix(rotation[i]);
   Mat3 m = r * inv_inertia[i] * r.transpose();
   for (int k = 0; k < 3; ++k) {
@@ -58,6 +64,17 @@ Mat3 Bodies::world_inv_inertia(std::uint32_t i) const {
     m.col(k).setZero();
   }
   return m;
+}
+
+void Bodies::validate() const {
+  each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == size()); });
+  MultisetHash free, listed;
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    if (type[i] == BodyType::free) free.add(i);
+    FEDER_ASSERT(awake[i] <= (type[i] == BodyType::dynamic || type[i] == BodyType::kinematic));
+  }
+  for (const std::uint32_t i : free_list) listed.add(i);
+  FEDER_ASSERT(free == listed);
 }
 
 void Bodies::save(Writer& w) const {

@@ -45,6 +45,7 @@ struct Bodies {
   std::uint32_t size() const { return static_cast<std::uint32_t>(type.size()); }
   std::uint32_t add();  // index with defaults: fixed, identity, at rest
   void remove(std::uint32_t i);
+  void validate() const;  // asserts what holds of the arrays by themselves
 
   Vec3 origin(std::uint32_t i) const { return position[i] - rotate(rotation[i], local_com[i]); }
   Pose origin_pose(std::uint32_t i) const { return {origin(i), rotation[i]}; }

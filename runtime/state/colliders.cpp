@@ -1,6 +1,8 @@
 #include "state/colliders.h"
 
+#include "base/assert.h"
 #include "base/error.h"
+#include "base/hash.h"
 
 namespace feder {
 namespace {
@@ -21,6 +23,7 @@ std::uint32_t Colliders::add() {
   if (!free_list.empty()) {
     i = free_list.back();
     free_list.pop_back();
+    FEDER_ASSERT(i < size() && motion[i] == ColliderMotion::none);
   } else {
     i = size();
     each_array(*this, [](auto& array) { array.emplace_back(); });
@@ -47,12 +50,26 @@ std::uint32_t Colliders::add() {
 }
 
 void Colliders::remove(std::uint32_t i) {
+  FEDER_ASSERT(i < size() && motion[i] != ColliderMotion::none);
   motion[i] = ColliderMotion::none;
   awake[i] = 0;
   shape[i] = nullptr;
   shapes[i].reset();
   box[i] = Aabb{};
   free_list.push_back(i);
+}
+
+void Colliders::validate() const {
+  each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == size()); });
+  FEDER_ASSERT(shape.size() == size() && shapes.size() == size());
+  MultisetHash free, listed;
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    const bool used = motion[i] != ColliderMotion::none;
+    if (!used) free.add(i);
+    FEDER_ASSERT(shape[i] == shapes[i].get() && used == (shape[i] != nullptr));
+  }
+  for (const std::uint32_t i : free_list) listed.add(i);
+  FEDER_ASSERT(free == listed);
 }
 
 void Colliders::save(Writer& w) const {

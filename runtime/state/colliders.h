@@ -48,6 +48,7 @@ struct Colliders {
   std::uint32_t size() const { return static_cast<std::uint32_t>(motion.size()); }
   std::uint32_t add();  // index with defaults: fixed, group 1, mask all
   void remove(std::uint32_t i);
+  void validate() const;  // asserts what holds of the arrays by themselves
 
   // Shapes stay in memory while a snapshot may need them: a snapshot belongs to the world that made it.
   mutable std::vector<std::shared_ptr<const Shape>> pinned;

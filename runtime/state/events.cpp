@@ -3,14 +3,23 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/assert.h"
+
 namespace feder {
 namespace {
 const char* const kEventNames[kEventKinds] = {
     "contact_begin", "contact_stay", "contact_end", "hit",          "sleep",   "wake", "sensor_enter", "sensor_leave",
     "joint_break",   "spring_break", "tear",        "emitter_done", "drained", "step", "warning"};
-}
 
-const char* event_name(EventKind kind) { return kEventNames[static_cast<int>(kind)]; }
+bool earlier(const Event& x, const Event& y) {
+  return std::tie(x.kind, x.a, x.b, x.index, x.order) < std::tie(y.kind, y.a, y.b, y.index, y.order);
+}
+}  // namespace
+
+const char* event_name(EventKind kind) {
+  FEDER_ASSERT(static_cast<int>(kind) < kEventKinds);
+  return kEventNames[static_cast<int>(kind)];
+}
 
 bool event_kind_from_name(std::string_view name, EventKind& out) {
   for (int i = 0; i < kEventKinds; ++i)
@@ -39,6 +48,7 @@ void Events::add_pending(const Event& e) { pending_.push_back(e); }
 void Events::warn(std::string code, std::string message, ObjectId object) {
   for (const auto& w : warnings_)
     if (w.first == code) return;
+  FEDER_ASSERT(!code.empty() && !message.empty());
   Event e;
   e.kind = EventKind::warning;
   e.a = object;
@@ -55,9 +65,20 @@ void Events::clear() {
 void Events::finish() {
   for (const Event& e : pending_) add(e);
   pending_.clear();
-  std::sort(list_.begin(), list_.end(), [](const Event& x, const Event& y) {
-    return std::tie(x.kind, x.a, x.b, x.index, x.order) < std::tie(y.kind, y.a, y.b, y.index, y.order);
-  });
+  std::sort(list_.begin(), list_.end(), earlier);
+}
+
+void Events::validate() const {
+  FEDER_ASSERT(pending_.empty());
+  std::size_t warnings = 0;
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    const Event& e = list_[k];
+    FEDER_ASSERT(k == 0 || earlier(list_[k - 1], e));
+    FEDER_ASSERT((e.kind == EventKind::wake) == (e.cause != WakeCause::none));
+    FEDER_ASSERT((e.kind == EventKind::warning) == (e.text < warnings_.size()));
+    warnings += e.kind == EventKind::warning;
+  }
+  FEDER_ASSERT(warnings == warnings_.size());
 }
 
 }  // namespace feder

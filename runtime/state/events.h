@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/arena.h"
+#include "base/assert.h"
 #include "state/objects.h"
 
 namespace feder {
@@ -69,10 +70,16 @@ class Events {
   void finish();  // takes the pending ones in and sorts by (kind, a, b, index, order)
 
   const Array<Event>& list() const { return list_; }
-  const std::string& warning_code(const Event& e) const { return warnings_[e.text].first; }
-  const std::string& warning_message(const Event& e) const { return warnings_[e.text].second; }
+  void validate() const;  // after finish(): asserts order and contents
+  const std::string& warning_code(const Event& e) const { return warning(e).first; }
+  const std::string& warning_message(const Event& e) const { return warning(e).second; }
 
  private:
+  const std::pair<std::string, std::string>& warning(const Event& e) const {
+    FEDER_ASSERT(e.kind == EventKind::warning && e.text < warnings_.size());
+    return warnings_[e.text];
+  }
+
   Array<Event> list_, pending_;
   std::vector<std::pair<std::string, std::string>> warnings_;
   std::uint32_t wanted_ = 0;

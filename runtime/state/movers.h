@@ -3,6 +3,7 @@
 // writes its solver index there. Index 0 is the world: infinite mass, at rest, never written.
 #pragma once
 #include "base/arena.h"
+#include "base/assert.h"
 #include "base/math.h"
 
 namespace feder {
@@ -39,6 +40,7 @@ struct Movers {
     if (!free_list.empty()) {
       const std::uint32_t m = free_list.back();
       free_list.pop_back();
+      FEDER_ASSERT(m < solver.size() && solver[m] == 0);
       solver[m] = 0;
       return m;
     }
@@ -46,6 +48,7 @@ struct Movers {
     return static_cast<std::uint32_t>(solver.size() - 1);
   }
   void remove(std::uint32_t mover) {
+    FEDER_ASSERT(mover < solver.size() && free_list.size() < solver.size());
     solver[mover] = 0;
     free_list.push_back(mover);
   }
@@ -60,6 +63,8 @@ struct Movers {
     mass.resize(count + 1);
   }
   std::uint32_t append(std::uint32_t mover, const MoverState& s, const MoverMass& m) {
+    FEDER_ASSERT(solver[mover] == 0 && state.size() == mass.size() && !state.empty());
+    FEDER_ASSERT(!(m.inv_mass < 0));
     state.push_back(s);
     mass.push_back(m);
     return solver[mover] = static_cast<std::uint32_t>(state.size() - 1);

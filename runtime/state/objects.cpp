@@ -1,6 +1,7 @@
 #include "state/objects.h"
 
 #include "base/assert.h"
+#include "base/hash.h"
 
 namespace feder {
 namespace {
@@ -20,6 +21,7 @@ const Objects::Slot* Objects::slot(ObjectId id) const {
 }
 
 ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags) {
+  FEDER_ASSERT(kind != ObjectKind::none);
   std::uint32_t i;
   if (free_.size() - free_head_ > kTombstones) {
     i = free_[free_head_++];
@@ -30,6 +32,7 @@ ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, Ta
     slots_.emplace_back();
   }
   Slot& s = slots_[i];
+  FEDER_ASSERT(!s.alive);
   ++s.generation;
   s.index = index, s.kind = kind, s.alive = true, s.tags = tags;
   s.name = std::move(name);
@@ -120,6 +123,18 @@ std::size_t Objects::count(ObjectKind kind) const {
 
 std::size_t Objects::bytes() const {
   return slots_.capacity() * sizeof(Slot) + free_.capacity() * sizeof(std::uint32_t);
+}
+
+void Objects::validate() const {
+  FEDER_ASSERT(free_head_ <= free_.size());
+  FEDER_ASSERT(tag_names_.size() <= 64);
+  MultisetHash dead, listed;
+  for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+    if (!slots_[i].alive) dead.add(i);
+    FEDER_ASSERT(slots_[i].generation > 0);
+  }
+  for (std::size_t k = free_head_; k < free_.size(); ++k) listed.add(free_[k]);
+  FEDER_ASSERT(dead == listed);
 }
 
 void Objects::save(Writer& w) const {

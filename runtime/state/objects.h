@@ -61,6 +61,7 @@ class Objects {
   }
   std::size_t count(ObjectKind kind) const;
   std::size_t bytes() const;
+  void validate() const;  // asserts what holds of the table by itself
 
   void save(Writer& w) const;
   void load(Reader& r);
