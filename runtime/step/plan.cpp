@@ -22,6 +22,7 @@ void StepPlan::clear() {
 }
 
 void StepPlan::add(Place place, const char* name, const char* system, PassFunction run, void* self) {
+  FEDER_ASSERT(run && self && *name && *system);
   PlanNode pass;
   pass.place = place, pass.loop = loop_of(place.rank);
   pass.name = name, pass.system = system;
@@ -54,6 +55,7 @@ void StepPlan::finish() {
 }
 
 void StepPlan::run(StepContext& c) {
+  FEDER_ASSERT(c.substeps >= 1 && old_.empty());  // finished
   c.loops = counts_;
   counts_[static_cast<int>(Loop::substep)].count.assign(1, c.substeps);
   run_nodes(0, static_cast<std::uint32_t>(nodes_.size()), c, true);
@@ -84,6 +86,7 @@ void StepPlan::run_loop(PlanNode& loop, std::uint32_t first, StepContext& c) {
   const bool substeps = loop.loop == Loop::substep;
   const std::vector<int>& counts = counts_[static_cast<int>(loop.loop)].count;
   int& idle = idle_[static_cast<int>(loop.loop)];
+  FEDER_ASSERT(first < loop.end && loop.end <= nodes_.size());
   for (std::size_t g = 0; g < counts.size(); ++g)
     for (int k = 0; k < counts[g]; ++k) {
       if (substeps)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/arena.h"
+#include "base/assert.h"
 
 namespace feder {
 
@@ -29,7 +30,9 @@ class Store {
   // For rows, which only run when their blocks exist.
   template <class Block>
   Block& get() const {
-    return *find<Block>();
+    Block* block = find<Block>();
+    FEDER_ASSERT(block);
+    return *block;
   }
 
   Arena& arena(const char* name);

@@ -7,6 +7,7 @@
 // All bounds are from above: the watchdog would rather be late than cry wolf. tests/world/test_watchdog.cpp.
 #pragma once
 #include "base/arena.h"
+#include "base/assert.h"
 #include "base/math.h"
 #include "step/context.h"
 
@@ -24,6 +25,7 @@ inline double quiet_energy(const StepContext& c) {
 
 // Largest mean work of a force g per mass on a mass m whose kinetic energy went from k0 to k1 in dt.
 inline double gravity_work(double g, double dt, double m, double k0, double k1) {
+  FEDER_ASSERT(m > 0 && dt > 0);
   return m * g * dt * (std::sqrt(2 * std::fmax(k0, k1) / m) + g * dt);
 }
 

@@ -12,6 +12,8 @@ void check(const WorldDesc& d) {
     throw SceneError("world.dt: expected a number above 0 and at most 1 s, got " + std::to_string(d.dt));
   if (d.substeps < 1 || d.substeps > 1000)
     throw SceneError("world.substeps: expected a whole number from 1 to 1000, got " + std::to_string(d.substeps));
+  if (!(static_cast<Real>(d.dt / d.substeps) > 0))
+    throw SceneError(std::string("world.dt: too small for ") + kRealName + ", where a substep would last 0 s");
   if (d.threads < 1 || d.threads > 64)
     throw SceneError("world.threads: expected a whole number from 1 to 64, got " + std::to_string(d.threads));
   if (d.dimension != 2 && d.dimension != 3)
@@ -66,7 +68,9 @@ System& World::make_system(const SystemDescriptor& d) {
   const auto it = desc_.systems.find(d.name);
   const Params& options = it == desc_.systems.end() ? no_options_ : it->second;
   SystemSetup setup{store_, objects_, events_, options, desc_.options, desc_.dimension, *this, &structure_changed_};
+  FEDER_ASSERT(!find_system(d.name));
   auto system = d.make(setup);
+  FEDER_ASSERT(system);
   options.check_all_read(d.name);
   systems_.push_back({&d, std::move(system)});
   structure_changed_ = true;
@@ -128,6 +132,7 @@ void World::rebuild_plan() {
   for (Present& p : systems_) p.system->add_passes(plan_);
   plan_.add(Rank::finish, "finish", "world", &World::finish_step, this);
   plan_.finish();
+  if constexpr (kAsserts) check_names();
   structure_changed_ = false;
 }
 
@@ -153,14 +158,11 @@ void World::step() {
   c.events = &events_;
   c.jobs = &jobs_;
   c.scratch = &scratch_;
+  FEDER_ASSERT(plan_.nodes().size() >= 2);  // begin and finish, whatever the systems add
   stepping_ = true;
   plan_.run(c);
   stepping_ = false;
   if constexpr (kAsserts) validate();
-}
-
-void World::validate() const {
-  for (const Present& p : systems_) p.system->validate();
 }
 
 ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name,
@@ -180,6 +182,7 @@ ObjectId World::add_force(ForceEntry entry, std::string name, TagMask tags) {
 }
 
 void World::remove_force(ObjectId force, std::string where) {
+  FEDER_ASSERT(objects_.alive(force) && objects_.kind(force) == ObjectKind::force);
   Forces& forces = store_.need<Forces>("forces");
   for (std::size_t i = 0; i < forces.list.size(); ++i) {
     if (forces.list[i].object != force) continue;

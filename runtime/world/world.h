@@ -95,7 +95,9 @@ class World final : private SystemFinder {
   void load_image(std::string_view image);
   void warn_of_forces();
   void warn_of_energy(const StepContext& c);  // watch.cpp
-  void validate() const;
+  // validate.cpp, where asserts are on
+  void check_names() const;  // of a new plan
+  void validate() const;     // after each step
 
   WorldDesc desc_;
   Catalog catalog_;

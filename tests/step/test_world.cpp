@@ -1,6 +1,7 @@
 // The world with systems made up for the test: plan order, systems on demand, couplings, snapshots, absence.
 #include <limits>
 
+#include "support/aborts.h"
 #include "support/catch.h"
 #include "world/world.h"
 
@@ -211,4 +212,39 @@ TEST_CASE("events are sorted by kind and partners, pending ones included", "[wor
   events.clear();
   events.finish();
   CHECK(events.list().empty());
+}
+
+TEST_CASE("a system that names two passes alike is found when the plan is built", "[world][validate]") {
+  if constexpr (!kAsserts) return;
+  struct Twice final : System {
+    void add_rows(StepPlan& plan) override {
+      for (int k = 0; k < 2; ++k) plan.add<&Twice::run>(Stage::broad, When::each_substep, k, "run", "twice", this);
+    }
+    void run(StepContext&) {}
+    std::size_t count() const override { return 0; }
+    void hash(Hash&) const override {}
+    void save(Writer&) const override {}
+    void load(Reader&) override {}
+  };
+  const SystemDescriptor descriptor{"twice", {kNoNames, 0}, {kNoNames, 0}, [](SystemSetup&) -> std::unique_ptr<System> {
+                                      return std::make_unique<Twice>();
+                                    }};
+  const SystemDescriptor* const catalog[] = {&descriptor};
+  World world(WorldDesc{}, catalog);
+  world.need_system("twice");
+  CHECK_THAT(failed_assert([&] { world.step(); }), Catch::Contains("world/validate.cpp"));
+}
+
+TEST_CASE("validate finds a table of objects and events that went wrong", "[world][validate]") {
+  if constexpr (!kAsserts) return;
+  Objects objects;
+  const ObjectId a = objects.add(ObjectKind::body, 0, "", 0);
+  objects.remove(a, "");
+  CHECK_THAT(failed_assert([&] { objects.remove(a, ""); }), Catch::Contains("alive"));
+  Store store;
+  Events events(store.arena("events"));
+  Event e;
+  e.kind = EventKind::warning;  // without its text
+  events.add(e);
+  CHECK_THAT(failed_assert([&] { events.validate(); }), Catch::Contains("warnings_"));
 }
