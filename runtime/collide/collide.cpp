@@ -75,6 +75,7 @@ void Collide::include(ObjectId a, ObjectId b) {
   Array<Exclusion>& list = impl_->exclusions;
   const auto it = place_of(list, a, b);
   if (it == list.end() || std::pair{it->a, it->b} != ordered(a, b)) return;
+  FEDER_ASSERT(it->count > 0);
   if (--it->count > 0) return;
   list.erase(it);
   // two sleeping ones would not be looked at otherwise
@@ -104,6 +105,7 @@ std::uint16_t Collide::material(std::string_view name) {
 void Collide::set_material_pair(const MaterialPair& pair) {
   MaterialPair p = pair;
   if (p.a > p.b) std::swap(p.a, p.b);
+  FEDER_ASSERT(p.b <= impl_->materials.size());
   std::vector<MaterialPair>& list = impl_->material_pairs;
   const auto same = [&](const MaterialPair& q) { return q.a == p.a && q.b == p.b; };
   const auto it = std::find_if(list.begin(), list.end(), same);

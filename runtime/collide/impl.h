@@ -1,8 +1,10 @@
 // What Collide keeps, and the parts of its step. One file per part: pairs.cpp (boxes -> list of contacts), update.cpp
-// (narrow tests and recycling), touches.cpp (events), queries.cpp, collide.cpp (system, filters, snapshots).
+// (narrow tests and recycling), touches.cpp (events), queries.cpp, validate.cpp (what holds after a step), collide.cpp
+// (system, filters, snapshots).
 #pragma once
 #include <tuple>
 
+#include "base/assert.h"
 #include "collide/collide.h"
 
 namespace feder {
@@ -147,6 +149,10 @@ struct Collide::Impl {
   void merge_transitions(StepContext& c);
   void report(StepContext& c, bool began, std::size_t first, std::size_t last);
 
+  // validate.cpp
+  void check_entries() const;
+  void check_touches() const;
+
   // queries.cpp
   bool passes(std::uint32_t i, const QueryFilter& f) const;
   void refresh_boxes();
@@ -177,6 +183,7 @@ struct Collide::Impl {
 
 // Object pairs of exclusions are unordered.
 inline std::pair<ObjectId, ObjectId> ordered(ObjectId a, ObjectId b) {
+  FEDER_ASSERT(a && b && a != b);
   return a < b ? std::pair{a, b} : std::pair{b, a};
 }
 

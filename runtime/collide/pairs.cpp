@@ -16,7 +16,10 @@ void Collide::Impl::look_at_colliders() {
   motion.resize(count);
   if (seen.size() < count) seen.resize(count);
   for (SeenCollider& s : seen) s.bits &= kConveyor | kAwake;
-  for (const std::uint32_t i : c.changed) seen[i].bits |= kChanged;
+  for (const std::uint32_t i : c.changed) {
+    FEDER_ASSERT(i < count);
+    seen[i].bits |= kChanged;
+  }
   c.changed.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
     SeenCollider& s = seen[i];
@@ -54,6 +57,7 @@ void Collide::Impl::look_at_colliders() {
 
 void Collide::Impl::find_pairs(StepContext&) {
   look_at_colliders();
+  FEDER_ASSERT(colliders->box.size() == motion.size());
   broad->find_pairs(colliders->box, motion, pairs);
 }
 
@@ -82,6 +86,7 @@ bool Collide::Impl::keep(const ContactEntry& e, bool reported) {
 
 void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   const Colliders& c = *colliders;
+  FEDER_ASSERT(a < b && c.motion[a] != ColliderMotion::none && c.motion[b] != ColliderMotion::none);
   const bool sensor = c.sensor[a] || c.sensor[b];
   // only shapes that are neither convex nor a half-space can touch in several places
   const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].reach < kInfinity; };
@@ -102,6 +107,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
       contacts->free_list.pop_back();
     }
     Contact& contact = contacts->slots[slot];
+    FEDER_ASSERT(contact.collider_a == kNone && contact.point_count == 0);  // free until now
     contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;
     memory[slot] = fresh;
     const int bits = kNew | (many ? kMany : 0) | (sensor ? kSensorPair : 0) | (c.sensor[b] ? kSensorIsB : 0);
@@ -112,6 +118,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
 // Gives the slot back; a touching that was reported gets its end.
 void Collide::Impl::release(const ContactEntry& e) {
   if (e.bits & kReported) add_transition(e, -1);
+  FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);
   contacts->slots[e.slot] = Contact{};
   memory[e.slot] = ContactMemory{};
   contacts->free_list.push_back(e.slot);
@@ -123,6 +130,7 @@ void Collide::Impl::merge_pairs() {
   std::size_t n = 0;
   const auto drop_or_keep = [&](bool reported) {
     const ContactEntry head = entries[n];
+    FEDER_ASSERT(head.sub == 0);
     const bool stays = keep(head, reported);
     for (; n < entries.size() && entries[n].a == head.a && entries[n].b == head.b; ++n) {
       if (stays)
@@ -134,6 +142,7 @@ void Collide::Impl::merge_pairs() {
     return stays;
   };
   for (const IndexPair& p : pairs) {
+    FEDER_ASSERT(&p == pairs.data() || *(&p - 1) < p);
     while (n < entries.size() && IndexPair{entries[n].a, entries[n].b} < p) drop_or_keep(false);
     const bool known = n < entries.size() && entries[n].a == p.a && entries[n].b == p.b;
     if (known && drop_or_keep(true)) continue;
@@ -154,15 +163,21 @@ void Collide::Impl::write_order() {
 }
 
 void Collide::Impl::forget(std::uint32_t collider) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
+  FEDER_ASSERT(collider < colliders->size() && colliders->motion[collider] != ColliderMotion::none);
+  std::uint32_t kept = 0;
+  std::size_t next_watched = 0, kept_watched = 0;
+  for (std::uint32_t i = 0; i < entries.size(); ++i) {
+    const bool is_watched = next_watched < watched.size() && watched[next_watched] == i;
+    next_watched += is_watched;
     if (entries[i].a == collider || entries[i].b == collider) {
       release(entries[i]);
-    } else {
-      entries[kept++] = entries[i];
+      continue;
     }
+    if (is_watched) watched[kept_watched++] = kept;
+    entries[kept++] = entries[i];
   }
   if (kept == entries.size()) return;
+  watched.resize(kept_watched);
   entries.resize(kept);
   write_order();
   // `active` may name freed slots until the next step

@@ -17,6 +17,7 @@ bool nearer(const RaycastHit& x, const RaycastHit& y) {
 bool Collide::Impl::passes(std::uint32_t i, const QueryFilter& f) const {
   const Colliders& c = *colliders;
   if (c.motion[i] == ColliderMotion::none) return false;
+  FEDER_ASSERT(c.shape[i]);
   if (c.sensor[i] && !f.sensors) return false;
   if (f.ignore && c.object[i] == f.ignore) return false;
   return (f.group & c.mask[i]) && (c.group[i] & f.mask);

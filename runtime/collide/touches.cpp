@@ -24,6 +24,8 @@ TouchKey Collide::Impl::key(const ContactEntry& e, bool& flipped) const {
 }
 
 void Collide::Impl::add_transition(const ContactEntry& e, int change) {
+  FEDER_ASSERT(change == 1 || change == -1);
+  FEDER_ASSERT(((e.bits & kReported) != 0) == (change < 0));
   Transition t;
   bool flipped;
   t.key = key(e, flipped);
@@ -46,6 +48,7 @@ void Collide::Impl::add_transition(const ContactEntry& e, int change) {
 
 void Collide::Impl::judge_watched() {
   for (const std::uint32_t i : watched) {
+    FEDER_ASSERT(i < entries.size() && (entries[i].bits & kWatch));
     ContactEntry& e = entries[i];
     const Contact& contact = contacts->slots[e.slot];
     const bool reported = e.bits & kReported;
@@ -125,6 +128,7 @@ void Collide::Impl::merge_transitions(StepContext& c) {
     Touch touch{pair, 0, 0, c.step};
     if (n < touches.size() && touches[n].key == pair) touch = touches[n++];
     const std::uint32_t before = touch.count;
+    FEDER_ASSERT(static_cast<int>(before) + change >= 0);
     touch.count = static_cast<std::uint32_t>(static_cast<int>(before) + change);
     if (touch.count) next_touches.push_back(touch);
     if ((before == 0) != (touch.count == 0)) report(c, touch.count != 0, first, last);

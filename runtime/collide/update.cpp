@@ -82,6 +82,8 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
   const Colliders& c = *colliders;
   const std::uint32_t count = entries[head].bits & kMany ? kMaxManifolds : 1;
+  FEDER_ASSERT(head + count <= entries.size() && entries[head + count - 1].a == entries[head].a &&
+               entries[head + count - 1].sub == count - 1);
   const std::span<ContactEntry> group(&entries[head], count);
   const std::uint32_t a = group[0].a, b = group[0].b;
   const bool is_new = group[0].bits & kNew;
@@ -168,6 +170,7 @@ void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin)
   const std::uint32_t a = group[0].a, b = group[0].b;
   Manifold found[kMaxManifolds];
   const int count = narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
+  FEDER_ASSERT(count >= 0 && static_cast<std::size_t>(count) <= group.size());
   m.valid = 1;
   m.between = c.center[b] - c.center[a];
   m.rotation_a = c.pose[a].rotation, m.rotation_b = c.pose[b].rotation;
@@ -184,6 +187,9 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   const Colliders& c = *colliders;
   Contact& contact = contacts->slots[e.slot];
   ContactMemory& mem = memory[e.slot];
+  FEDER_ASSERT(m.count >= 0 && m.count <= kMaxContactPoints);
+  // wide: normals across distances whose squares underflow are rough, and overflow leaves none of huge shapes
+  FEDER_ASSERT(m.count == 0 || m.normal.isZero(0) || !(std::fabs(length(m.normal) - 1) > Real(0.5)));
   contact.fresh = 1;
   contact.point_count = static_cast<std::uint8_t>(m.count);
   contact.normal = mem.normal = m.normal;
@@ -217,6 +223,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
 void Collide::Impl::mix(Contact& contact) const {
   const Colliders& c = *colliders;
   const std::uint32_t a = contact.collider_a, b = contact.collider_b;
+  FEDER_ASSERT(c.friction_static[a] >= 0 && c.friction_dynamic[a] >= 0 && c.restitution[a] >= 0);
   contact.friction_static = std::sqrt(c.friction_static[a] * c.friction_static[b]);
   contact.friction_dynamic = std::sqrt(c.friction_dynamic[a] * c.friction_dynamic[b]);
   contact.restitution = std::max(c.restitution[a], c.restitution[b]);
@@ -267,6 +274,7 @@ void Collide::Impl::wake_arrivals() {
   for (std::uint32_t i = 0; i < entries.size(); ++i) {
     ContactEntry& e = entries[i];
     if (!(e.bits & kTested)) continue;
+    FEDER_ASSERT(!(e.bits & kNew));
     if (e.bits & kSensorPair) {
       const bool inside = e.bits & kTouching, reported = e.bits & kReported;
       if (inside != reported) add_transition(e, inside ? 1 : -1), e.bits ^= kReported;

@@ -1,6 +1,7 @@
 // A stand-in for the owner of bodies: writes colliders, boxes and awake flags, plays the solver's part for impulses.
 // It moves bodies only when a test says so.
 #pragma once
+#include <functional>
 #include <memory>
 #include <set>
 #include <vector>
@@ -105,10 +106,12 @@ class FakeWorld {
     plan.run(context);
     events.finish();
     ++context.step;
+    if (planned) collide->validate();
   }
 
   // Overlapping points push.
   static void press(void* self, StepContext&) {
+    if (static_cast<FakeWorld*>(self)->meanwhile) static_cast<FakeWorld*>(self)->meanwhile();
     if (!static_cast<FakeWorld*>(self)->pressing) return;
     Contacts& contacts = static_cast<FakeWorld*>(self)->collide->contacts();
     for (const std::uint32_t slot : contacts.active)
@@ -137,6 +140,7 @@ class FakeWorld {
   StepPlan plan;
   bool planned = false;
   bool pressing = true;
+  std::function<void()> meanwhile;  // between narrow phase and touches
   StepContext context;
   std::vector<FakeBody> bodies;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> wakes;

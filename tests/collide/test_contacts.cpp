@@ -381,3 +381,21 @@ TEST_CASE("a step allocates nothing after warm-up", "[collide]") {
   }
   CHECK(allocations() == before);
 }
+
+// As when a body is quarantined at the end of a step.
+TEST_CASE("a collider forgotten after the narrow phase does not hide what waits for the solve", "[collide][events]") {
+  FakeWorld w;
+  const std::uint32_t floor = ground(w);
+  const std::uint32_t gone = w.add(make_sphere(Real(0.5)), Vec3(-3, Real(0.499), 0));
+  const std::uint32_t near = w.add(make_sphere(Real(0.5)), Vec3(3, Real(0.51), 0));  // touches if it takes an impulse
+  w.meanwhile = [&] {
+    for (const std::uint32_t k : w.bodies[gone].colliders) w.collide->forget(k);
+    Contacts& contacts = w.collide->contacts();
+    for (const std::uint32_t slot : contacts.order) contacts.slots[slot].points[0].total_impulse = 1;
+  };
+  w.step();
+  const std::vector<Event> begun = w.of(EventKind::contact_begin);
+  REQUIRE(begun.size() == 1);
+  CHECK(begun[0].a == w.bodies[floor].object);
+  CHECK(begun[0].b == w.bodies[near].object);
+}
