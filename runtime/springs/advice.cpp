@@ -27,6 +27,7 @@ double factorial(int n) {
 
 // Relative error after one period of a mode with h w = z.
 double period_error(const IntegratorInfo& m, double z) {
+  FEDER_ASSERT(m.order >= 1 && !(z < 0));
   if (m.order == 1 && m.symplectic) return z / 2 + kTwoPi * z * z / 24;
   return kTwoPi * std::pow(z, m.order) / factorial(m.order + 1);
 }
@@ -53,6 +54,7 @@ bool beyond_limit(const IntegratorInfo& m, double reach) {
 }
 
 NetAdvice Springs::advice(ObjectId id, double dt, int substeps) const {
+  FEDER_ASSERT(dt > 0 && substeps >= 1);
   Net& n = impl_->net(id);
   NetAdvice a;
   a.net = id;

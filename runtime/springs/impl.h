@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/assert.h"
 #include "forces/area.h"
 #include "springs/net.h"
 #include "step/watch.h"
@@ -41,7 +42,10 @@ struct Springs::Impl {
   std::vector<std::unique_ptr<Net>> nets;  // the object's index is the place here
   std::vector<Attachment> attachments;     // in the order they were made
 
-  Net& net(ObjectId id) const { return *nets[objects.index(id)]; }
+  Net& net(ObjectId id) const {
+    FEDER_ASSERT(objects.kind(id) == ObjectKind::net && nets[objects.index(id)]->object == id);
+    return *nets[objects.index(id)];
+  }
   // Index in Particles; SceneError when there is no such point.
   std::uint32_t point(ObjectId id, std::size_t i) const;
   std::uint32_t spring(ObjectId id, std::size_t k) const;  // index within the net, likewise
@@ -54,6 +58,9 @@ struct Springs::Impl {
   void finish(StepContext& c);
   void watch(StepContext& c);  // watch.cpp
   void suspect(const Net& n);
+  // validate.cpp
+  void check_points(const Net& n) const;
+  void check_colliders() const;
 
   void check_stiffness(StepContext& c);
   void warn_held_forces(const Forces& forces, Events& events);

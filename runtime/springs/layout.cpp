@@ -29,6 +29,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
     power = power || s.power[k] != 1;
   }
   row_begin_.assign(slice_count + 1, 0);
+  FEDER_ASSERT(std::all_of(degree.begin() + points, degree.end(), [](std::uint32_t d) { return d == 0; }));
   for (std::uint32_t c = 0; c < slice_count; ++c)
     row_begin_[c + 1] =
         row_begin_[c] + *std::max_element(degree.begin() + c * kLanes, degree.begin() + (c + 1) * kLanes);
@@ -61,6 +62,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
     for (std::uint32_t r = begin + degree[i]; r < end; ++r)
       rows_[r].other[lane] = degree[i] > 0 ? rows_[r - 1].other[lane] : i < points ? i : slice_count * kLanes;
   }
+  if constexpr (kAsserts) check_built(s);
 }
 
 void SpringLayout::remove(std::uint32_t k) {
@@ -68,6 +70,7 @@ void SpringLayout::remove(std::uint32_t k) {
   for (std::size_t end = 0; end < 2; ++end) {
     const std::uint64_t place = place_[std::size_t{2} * k + end];
     const std::size_t row = place / kLanes, lane = place % kLanes;
+    FEDER_ASSERT(row < rows_.size());
     rows_[row].stiffness.v[lane] = 0;
     if (!damping_.empty()) damping_[row].v[lane] = 0;
   }
@@ -80,6 +83,7 @@ void SpringLayout::pack(std::span<const Vec3> x, std::span<const Vec3> v, std::u
 }
 
 unsigned SpringLayout::add_forces(std::uint32_t first, std::uint32_t last) {
+  FEDER_ASSERT(first <= last && last <= slices());
   SpringPass p;
   p.position = &position_.data()->x;
   p.velocity = damped() ? &velocity_.data()->x : nullptr;
@@ -98,6 +102,7 @@ bool SpringLayout::find_snapped(std::span<const Vec3> x, const SpringArrays& s, 
     const auto count = static_cast<std::uint32_t>(x.size());
     for (std::uint32_t i = first * kLanes; i < std::min(last * kLanes, count); ++i) position_[i] = row_of(x[i]);
   });
+  FEDER_ASSERT(snapped_.size() == (s.size() + kLanes - 1) / kLanes);  // built since springs were added
   std::atomic<unsigned> found{0};
   blocks(jobs, static_cast<std::uint32_t>(snapped_.size()), kSnapGrain, [&](std::uint32_t first, std::uint32_t last) {
     SnapPass p;

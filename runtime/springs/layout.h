@@ -4,6 +4,7 @@
 #include <span>
 
 #include "base/arena.h"
+#include "base/assert.h"
 #include "base/jobs.h"
 #include "base/math.h"
 #include "springs/spring_batch.h"
@@ -45,6 +46,7 @@ class SpringLayout {
   static PointRow row_of(const Vec3& a) { return {a[0], a[1], a[2], 0}; }
   void pack(std::span<const Vec3> x, std::span<const Vec3> v, std::uint32_t first, std::uint32_t last);
   unsigned add_forces(std::uint32_t first, std::uint32_t last);
+  void check_built(const SpringArrays& springs) const;  // validate.cpp
 
   template <class Body>
   static void blocks(JobPool* jobs, std::uint32_t count, JobGrain grain, Body&& body) {
@@ -68,6 +70,7 @@ template <class Outside>
 unsigned SpringLayout::eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside,
                             std::span<Vec3> force) {
   const auto count = static_cast<std::uint32_t>(x.size());
+  FEDER_ASSERT(slices() == (count + kLanes - 1) / kLanes && force.size() == count);
   const auto end_of = [&](std::uint32_t slice) { return slice * kLanes < count ? slice * kLanes : count; };
   blocks(jobs, slices(), kPackGrain, [&](std::uint32_t first, std::uint32_t last) {
     pack(x, v, first * kLanes, end_of(last));

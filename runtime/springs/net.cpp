@@ -71,6 +71,7 @@ Mat3d negative_part(const Mat3& m) {
 }  // namespace
 
 void SpringArrays::add(const SpringDesc& s, Real rest) {
+  FEDER_ASSERT(s.i != s.j && rest >= 0 && s.stiffness >= 0);
   i.push_back(s.i), j.push_back(s.j);
   stiffness.push_back(s.stiffness), damping.push_back(s.damping);
   rest_length.push_back(rest), break_strain.push_back(s.break_strain);
@@ -80,6 +81,7 @@ void SpringArrays::add(const SpringDesc& s, Real rest) {
 }
 
 void SpringArrays::remove(std::uint32_t k) {
+  FEDER_ASSERT(k < size() && alive[k]);
   alive[k] = 0;
   stiffness[k] = damping[k] = 0;
   break_strain[k] = limit[k] = kInfinity;
@@ -108,6 +110,7 @@ void Net::prepare(const Vec3& gravity, Real air_density, const Forces* forces, T
   if (forces)
     for (const ForceEntry& f : forces->list)
       if (acts_on(f, object, tags)) {
+        FEDER_ASSERT(f.points.empty() || f.points.back() < points);
         acting_.push_back(&f);
         generators_damp_ = generators_damp_ || f.force->depends_on_velocity();
         on_stepping_thread = on_stepping_thread || f.force->on_stepping_thread();
@@ -118,6 +121,8 @@ void Net::prepare(const Vec3& gravity, Real air_density, const Forces* forces, T
 
 void Net::integrate(double t, Real h, JobPool* jobs) {
   if (frozen) return;
+  FEDER_ASSERT(h > 0 && laid_out_ == version);
+  FEDER_ASSERT(!jobs_);  // one call at a time
   jobs_ = jobs;
   step_ = h;
   const std::span<Vec3> x(particles_.position.data() + first, points), v(particles_.velocity.data() + first, points);
@@ -147,6 +152,7 @@ bool Net::all_points_finite(JobPool* jobs, bool places_only) const {
 }
 
 void Net::eval(std::span<const Vec3> x, std::span<const Vec3> v, double t, std::span<Vec3> force) {
+  FEDER_ASSERT(x.size() == points && v.size() == points && force.size() == points);
   const Real* mass = particles_.mass.data() + first;
   const Vec3* script = particles_.script_force.data() + first;
   const auto outside = [&](std::uint32_t i) {
@@ -208,6 +214,7 @@ void Net::pattern(std::vector<BlockIndex>& blocks) const {
 }
 
 void Net::damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& d) {
+  FEDER_ASSERT(d.diagonal.size() == points && d.off.size() == springs.size());
   d.set_zero();
   for (std::uint32_t i = 0; i < points; ++i)
     d.diagonal[i].diagonal().setConstant(-static_cast<double>(settings.damping * particles_.mass[first + i]));
@@ -226,6 +233,7 @@ void Net::damping(std::span<const Vec3> x, std::span<const Vec3> v, double t, Bl
 
 void Net::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, double t, BlockSparse& k, BlockSparse& d) {
   damping(x, v, t, d);
+  FEDER_ASSERT(k.off.size() == d.off.size());
   k.set_zero();
   for (std::uint32_t s = 0; s < springs.size(); ++s) {
     const std::uint32_t i = springs.i[s], j = springs.j[s];
@@ -250,6 +258,7 @@ void Net::add_force_derivative(std::span<const Vec3> x, std::span<const Vec3> v,
   for (const ForceEntry* f : acting_) any = any || !by_velocity || f->force->depends_on_velocity();
   if (!any) return;
   fill_points(x, v);
+  FEDER_ASSERT(out.diagonal.size() == points);
   derivative_.assign(points, Mat3::Zero());
   for (const ForceEntry* f : acting_)
     if ((!by_velocity || f->force->depends_on_velocity()) && !add_known_derivative(*f, t, by_velocity)) unknown = true;
@@ -324,6 +333,7 @@ void Net::bounds(double& frequency, double& decay, bool with_generators, double 
 }
 
 Real Net::length_of(std::uint32_t k) const {
+  FEDER_ASSERT(k < springs.size() && first + points <= particles_.size());
   return length(particles_.position[first + springs.j[k]] - particles_.position[first + springs.i[k]]);
 }
 

@@ -36,6 +36,7 @@ struct SpringArrays {
   double tension(std::uint32_t k, double stretch) const { return stiffness_at(k, stretch, power[k]) * stretch; }
   double slope(std::uint32_t k, double stretch) const { return power[k] * stiffness_at(k, stretch, power[k]); }
   double stiffness_at(std::uint32_t k, double stretch, int p) const {
+    FEDER_ASSERT(p >= 1 && p <= 9);
     double s = stiffness[k];
     for (; p > 1; --p) s *= std::fabs(stretch);
     return s;
@@ -92,6 +93,7 @@ class Net final : public ForceField {
   // count as they are now; those after prepare() only, and those that do not tell their derivative not at all.
   void bounds(double& frequency, double& decay, bool with_generators = false, double time = 0);
   Energy energy();
+  void validate() const;  // validate.cpp: springs and faces
   // watch.cpp
   Real squared_speeds() const;
   double kinetic_energy() const;

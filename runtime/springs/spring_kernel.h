@@ -8,6 +8,7 @@
 // is exact to rounding. A spring without length pulls along x, from the lower point number to the higher.
 // One division and one square root per spring end, no estimates of either (rsqrt differs between processors).
 #pragma once
+#include "base/assert.h"
 #include "springs/spring_batch.h"
 
 namespace feder {
@@ -37,6 +38,7 @@ template <bool kDamped, bool kSlack, bool kPower>
   const Lanes3 x = load_points(p.position, own);
   Lanes3 v{};
   if constexpr (kDamped) v = load_points(p.velocity, own);
+  FEDER_ASSERT(p.row_begin[slice] <= p.row_begin[slice + 1] && kPower == (p.power != nullptr));
   Lanes3 sum = load(p.force[slice]);
   for (unsigned r = p.row_begin[slice]; r < p.row_begin[slice + 1]; ++r) {
     const SpringRow& row = p.rows[r];
@@ -94,6 +96,7 @@ unsigned add_forces_of(const SpringPass& p) {
 unsigned add_forces(const SpringPass& p) { return p.power ? add_forces_of<true>(p) : add_forces_of<false>(p); }
 
 unsigned find_snapped(const SnapPass& p) {
+  FEDER_ASSERT(p.first == p.last || (p.last - 1) * kLanes < p.count);
   unsigned found = 0;
   for (unsigned g = p.first; g < p.last; ++g) {
     unsigned i[kLanes], j[kLanes];

@@ -80,6 +80,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
 
   // nothing can fail any more
   Particles& p = m.particles;
+  FEDER_ASSERT(p.size() == (m.nets.empty() ? 0 : m.nets.back()->first + m.nets.back()->points));
   n->first = p.size();
   n->points = static_cast<std::uint32_t>(desc.points.size());
   n->object = m.objects.add(ObjectKind::net, static_cast<std::uint32_t>(m.nets.size()), desc.name, desc.tags);
@@ -112,8 +113,10 @@ void Springs::destroy_net(ObjectId id, std::string where) {
   Particles::each_array(m.particles,
                         [&](auto& array) { array.erase(array.begin() + first, array.begin() + first + count); });
   std::erase_if(m.attachments, [&](const Attachment& a) { return a.net == id; });
-  for (Attachment& a : m.attachments)
+  for (Attachment& a : m.attachments) {
+    FEDER_ASSERT(a.point < first || a.point >= first + count);
     if (a.point > first) a.point -= count;
+  }
   m.nets.erase(m.nets.begin() + place);
   for (std::uint32_t k = place; k < m.nets.size(); ++k) {
     m.nets[k]->first -= count;
@@ -221,6 +224,7 @@ bool Springs::quarantined(ObjectId id) const { return impl_->net(id).frozen; }
 std::size_t Springs::net_count() const { return impl_->nets.size(); }
 
 Springs::NetInfo Springs::net_info(std::size_t k) const {
+  FEDER_ASSERT(k < impl_->nets.size());
   const Net& n = *impl_->nets[k];
   const NetSettings& s = n.settings;
   return {n.object,

@@ -80,6 +80,7 @@ class Springs final : public System {
   Momentum momentum() const override;
   void residuals(std::vector<Residual>& out) const override;  // springs.max_strain ...
   bool finite() const override;
+  void validate() const override;
   double held(const StepContext& c) override;
 
   ObjectId add_net(const NetDesc& desc);

@@ -15,6 +15,7 @@ JobPool* threads_of(const StepContext& c) { return c.jobs->threads() > 1 ? c.job
 }  // namespace
 
 void Springs::Impl::remember(StepContext& c) {
+  FEDER_ASSERT(!any_bad());  // the last step has quarantined them
   particles.start.resize(particles.position.size());
   c.jobs->for_blocks(particles.size(), kPointGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     std::copy(particles.position.begin() + first, particles.position.begin() + last, particles.start.begin() + first);
@@ -106,6 +107,7 @@ void Springs::Impl::break_springs(Net& n, Events& events) {
   for (std::uint32_t group = 0; group < snapped.size(); ++group)
     for (std::uint32_t bits = snapped[group]; bits != 0; bits &= bits - 1) {
       const std::uint32_t k = group * kLanes + static_cast<std::uint32_t>(std::countr_zero(bits));
+      FEDER_ASSERT(k < s.size() && s.alive[k]);  // a dead one would report its end again
       Event e;
       e.kind = EventKind::spring_break;
       e.a = n.object;
@@ -140,9 +142,11 @@ void Springs::Impl::quarantine(StepContext& c) {
   ObjectId object;
   for (auto& n : nets) {
     if (!n->bad()) continue;
+    FEDER_ASSERT(n->bad_point < n->points);
     n->frozen = true;
     suspect(*n);
     for (std::uint32_t i = n->first; i < n->first + n->points; ++i) {
+      FEDER_ASSERT(is_finite(particles.start[i]));
       particles.place(i, particles.start[i]);
       particles.velocity[i] = Vec3::Zero();
       particles.inv_mass[i] = 0;

@@ -36,6 +36,7 @@ double Net::kinetic_energy() const {
 }
 
 double Net::kinetic_before() const {
+  FEDER_ASSERT(!(squares_before < 0));
   Real most = 0;
   for (std::uint32_t i = first; i < first + points; ++i) most = std::max(most, particles_.mass[i]);
   return 0.5 * static_cast<double>(most) * static_cast<double>(squares_before);
@@ -43,6 +44,7 @@ double Net::kinetic_before() const {
 
 // J: strain at the start of the step, and what weight, scripts and generators did in it at most.
 double Net::given(double dt) {
+  FEDER_ASSERT(particles_.start.size() == particles_.size());
   const Vec3* from = particles_.start.data() + first;
   const std::span<const Vec3> x = positions(), v = velocities();
   double sum = 0, all = 0;
