@@ -81,11 +81,13 @@ void require(bool good, const char* what, double came) {
 std::uint32_t Rigid::Impl::index(ObjectId body) const {
   if (!objects.alive(body) || objects.kind(body) != ObjectKind::body)
     throw SceneError("expected a living body, got " + objects.describe(body));
+  FEDER_ASSERT(objects.index(body) < bodies.size() && bodies.object[objects.index(body)] == body);
   return objects.index(body);
 }
 
 void Rigid::Impl::set_mass(std::uint32_t i) {
   const bool dynamic = bodies.type[i] == BodyType::dynamic;
+  FEDER_ASSERT(!dynamic || (bodies.mass[i] >= kLightest && bodies.mass[i] <= kHeaviest));
   bodies.inv_mass[i] = dynamic ? 1 / bodies.mass[i] : 0;
   bodies.inv_inertia[i] = Mat3::Zero();
   if (!dynamic) return;
@@ -106,6 +108,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   d.rotation = normalized(d.rotation);
   std::vector<CompoundPart> parts;
   flatten(dimension == 2 ? desc.shape->section() : desc.shape, Pose{}, parts);
+  FEDER_ASSERT(!parts.empty());
   std::vector<MassProperties> solids;
   for (const CompoundPart& p : parts) solids.push_back(transformed(p.shape->mass(1), p.pose));
   MassProperties m = combined(solids);
@@ -135,6 +138,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
     next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
     resize_watch();
   }
+  FEDER_ASSERT(volume.size() == bodies.size() && parent.size() == bodies.size());
   pace[i] = 0;
   bodies.type[i] = d.type;
   bodies.lock[i] = dimension == 2 ? std::uint8_t(d.lock | kLockZ | kLockRx | kLockRy) : d.lock;
@@ -213,6 +217,7 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d) {
 
 // Poses and boxes of a body's colliders now; boxes reach as far as the body can move within `dt`.
 void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity) {
+  FEDER_ASSERT(dt >= 0 && bodies.type[i] != BodyType::free);
   const Vec3& v = bodies.velocity[i];
   const Vec3& w = bodies.angular_velocity[i];
   const bool dynamic = bodies.type[i] == BodyType::dynamic;
@@ -223,6 +228,7 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
   const bool moves =
       dynamic ? bodies.awake[i] != 0 : bodies.type[i] == BodyType::kinematic && (!v.isZero(0) || !w.isZero(0));
   each_collider(i, [&](std::uint32_t k) {
+    FEDER_ASSERT(colliders.owner[k] == ObjectKind::body && colliders.owner_index[k] == i);
     const Pose pose = com * colliders.local[k];
     colliders.pose[k] = pose;
     colliders.center[k] = com.position;
@@ -231,6 +237,7 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
     colliders.awake[k] = moves;
     const Shape& shape = *colliders.shape[k];
     Aabb box = shape.bounds(pose);
+    FEDER_ASSERT(!(box.lo[0] > box.hi[0] || box.lo[1] > box.hi[1] || box.lo[2] > box.hi[2]));
     // a turning shape leaves its box by at most the arc of its farthest point, and by its whole extent
     const Real reach = bodies.extent[i];
     const Real arc = turn > 0 && is_finite(reach) ? std::min(turn * reach, 2 * reach) : Real(0);
@@ -264,6 +271,7 @@ void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
 void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
   if (type == BodyType::free) throw SceneError("set_type: expected static, kinematic or dynamic");
   if (type == bodies.type[i]) return;
+  FEDER_ASSERT(bodies.type[i] != BodyType::free && bodies.mover[i] < movers.solver.size());
   if (type == BodyType::dynamic) {
     each_collider(i, [&](std::uint32_t k) {
       if (!(colliders.shape[k]->mass(1).mass > 0))
@@ -299,6 +307,7 @@ void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
       remove_joint(j, where, WakeCause::destroyed);
   wake_touching(i, WakeCause::destroyed);
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::destroyed, bodies.object[i]);
+  FEDER_ASSERT(next_in_island[i] == kNone);  // awake, or its ring would lead to a free index
   std::uint32_t k = bodies.first_collider[i];
   while (k != kNone) {
     const std::uint32_t next = colliders.next_of_body[k];
@@ -309,6 +318,7 @@ void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
   movers.remove(bodies.mover[i]);
   objects.remove(bodies.object[i], where);
   bodies.remove(i);
+  FEDER_ASSERT(body_count > 0);
   if (--body_count == 0) *structure_changed = true;
   list_stale = true;
 }

@@ -7,6 +7,7 @@
 // pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's
 // centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
 #pragma once
+#include "base/assert.h"
 #include "rigid/contact_batch.h"
 
 namespace feder {
@@ -208,6 +209,10 @@ void prepare_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     ContactBatch& c = p.batches[i];
     BatchSide& side = p.sides[i];
+    FEDER_ASSERT(c.points >= 1 && c.points <= kBatchPoints);
+    // the world is never written
+    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.mover_a[k] > 0 || !(c.writes_a >> k & 1u));
+    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.mover_b[k] > 0 || !(c.writes_b >> k & 1u));
     prepare_center(c);
     prepare_normals(p, c);
     prepare_friction(c);
@@ -361,8 +366,10 @@ template <bool kBiased>
 }
 
 void solve_batches(const ContactPass& p) {
+  FEDER_ASSERT(p.h > 0 && p.first <= p.last);
   for (unsigned i = p.first; i < p.last; ++i) {
     ContactBatch& c = p.batches[i];
+    FEDER_ASSERT(c.rounds >= 1);
     Sides s;
     gather_velocity(p, c, s);
     gather_displacement(p, c, s);

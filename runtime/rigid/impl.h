@@ -1,5 +1,6 @@
 // The inside of the rigid system, shared by its source files.
 #pragma once
+#include "base/assert.h"
 #include "forces/force.h"
 #include "rigid/rigid.h"
 #include "rigid/solver.h"
@@ -89,6 +90,7 @@ struct Rigid::Impl {
   void watch(const StepContext& c);
   void suspect(std::uint32_t i);
   void edited(std::uint32_t i) {
+    FEDER_ASSERT(i == kNone || i < edited_step.size());
     if (i != kNone) edited_step[i] = now;
   }
 
@@ -103,6 +105,14 @@ struct Rigid::Impl {
   JointedBody* uneven_mover(std::uint32_t mover) {
     return mover < jointed.size() && jointed[mover].uneven ? &jointed[mover] : nullptr;
   }
+  // validate.cpp
+  void check_gathered() const;
+  void check_body(std::uint32_t i) const;
+  std::uint32_t check_colliders(std::uint32_t i) const;  // how many it has
+  void check_islands() const;
+  void check_joint(std::uint32_t j) const;
+  void check_lists() const;
+
   void check_mass_ratio(std::uint32_t j, StepContext& c);
   void break_joints(StepContext& c);
   JointInput joint_input(std::uint32_t j) const;

@@ -14,6 +14,7 @@
 // need many pops, and an island runs on one thread.
 #include <algorithm>
 
+#include "base/hash.h"
 #include "rigid/impulse_heap.h"
 #include "rigid/impulse_parts.h"
 #include "rigid/joint_trees.h"
@@ -47,6 +48,7 @@ class ImpulseSolver final : public RigidSolver {
   void load_contacts(const SolverInput& in, const ImpulseScene& s);
   void load_joints(const SolverInput& in);
   void find_islands();
+  void check_islands();
   void index_nodes();
   std::uint32_t root(std::uint32_t body);
   void node_bodies(std::uint32_t node, std::uint32_t& a, std::uint32_t& b) const;
@@ -123,11 +125,13 @@ void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) 
   };
   contacts_.clear();
   for (const std::uint32_t slot : in.contacts->active) {
+    FEDER_ASSERT(slot < in.contacts->slots.size());
     Contact& from = in.contacts->slots[slot];
     ImpulseContact c;
     c.slot = slot;
     c.a = solver_index(from.collider_a);
     c.b = solver_index(from.collider_b);
+    FEDER_ASSERT(c.a < bodies_.size() && c.b < bodies_.size() && (c.a != c.b || c.a == 0));
     for (ContactPoint& p : from.points) p.total_impulse = 0;
     if (!bodies_[c.a].movable && !bodies_[c.b].movable) continue;
     load_contact(from, s, c);
@@ -149,11 +153,13 @@ void ImpulseSolver::load_joints(const SolverInput& in) {
     j.joint = i;
     j.a = solver_index(in.joints[i].mover_a);
     j.b = solver_index(in.joints[i].mover_b);
+    FEDER_ASSERT(j.a < bodies_.size() && j.b < bodies_.size());
     if (in.joints[i].active && (bodies_[j.a].movable || bodies_[j.b].movable)) joints_.push_back(j);
   }
 }
 
 void ImpulseSolver::node_bodies(std::uint32_t node, std::uint32_t& a, std::uint32_t& b) const {
+  FEDER_ASSERT(node < contacts_.size() + joints_.size());
   if (node < contacts_.size())
     a = contacts_[node].a, b = contacts_[node].b;
   else
@@ -198,6 +204,26 @@ void ImpulseSolver::find_islands() {
   }
   order_.resize(node_count);
   for (std::uint32_t node = 0; node < node_count; ++node) order_[islands_[node_island_[node]].last++] = node;
+  if constexpr (kAsserts) check_islands();
+}
+
+// Each node lies in one island, and both its movable bodies in no other; islands follow each other.
+void ImpulseSolver::check_islands() {
+  MultisetHash nodes, listed;
+  for (std::uint32_t node = 0; node < order_.size(); ++node) nodes.add(node);
+  std::uint32_t next = 0, ends[2];
+  for (const Island& island : islands_) {
+    FEDER_ASSERT(island.first == next && island.first < island.last);
+    next = island.last;
+    const std::uint32_t name = node_island_[order_[island.first]];
+    for (std::uint32_t place = island.first; place < island.last; ++place) {
+      listed.add(order_[place]);
+      FEDER_ASSERT(place == island.first || order_[place - 1] < order_[place]);
+      node_bodies(order_[place], ends[0], ends[1]);
+      for (const std::uint32_t body : ends) FEDER_ASSERT(!bodies_[body].movable || island_of_[root(body)] == name);
+    }
+  }
+  FEDER_ASSERT(next == order_.size() && nodes == listed);
 }
 
 // The places of the nodes of each movable body.
@@ -217,6 +243,7 @@ void ImpulseSolver::index_nodes() {
   std::uint32_t* next = parent_.data();  // union-find is done with it
   std::copy(first_place_.begin(), first_place_.end() - 1, next);
   each([&](std::uint32_t body, std::uint32_t place) { body_places_[next[body]++] = place; });
+  for (std::size_t i = 0; i < bodies_.size(); ++i) FEDER_ASSERT(next[i] == first_place_[i + 1]);
 }
 
 ImpulseScene ImpulseSolver::scene(const SolverInput& in, const StepContext& c) {
@@ -241,6 +268,7 @@ Pose ImpulseSolver::body_pose(std::uint32_t body, std::uint32_t slot, const Impu
 
 void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s,
                          RowWriter& out) const {
+  FEDER_ASSERT(joint.joint < in.joints.size() && in.joints[joint.joint].active);
   const SolverJoint& j = in.joints[joint.joint];
   JointInput input;
   input.joint = &j.shape;
@@ -293,6 +321,7 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
 }
 
 void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
+  FEDER_ASSERT(bodies_.size() == movers.state.size());
   for (std::size_t i = 1; i < movers.state.size(); ++i) {
     MoverState& m = s.state[i];
     ImpulseBody& b = bodies_[i];
@@ -307,6 +336,7 @@ void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
 
 void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
   if (c.substep == 0) trees_.find(rows_, blocks_, *in.movers);
+  FEDER_ASSERT(trees_.knows(blocks_.size()));
   if (trees_.empty()) return;
   tree_inertia_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) tree_inertia_[i] = bodies_[i].inv_inertia;
@@ -388,6 +418,7 @@ void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseScene& s, const
   spare_blocks_.clear();
   RowWriter out(spare_rows_, spare_blocks_);
   fill(in, joint, s, out);
+  FEDER_ASSERT(spare_blocks_.size() == joint.block_count);
 }
 
 Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
@@ -440,6 +471,7 @@ void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, co
       return;
     }
     const std::uint32_t place = heap_.top();
+    FEDER_ASSERT(place >= island.first && place < island.last);
     (this->*Fix)(in, s, place);
     std::uint32_t ends[2];
     node_bodies(order_[place], ends[0], ends[1]);
@@ -462,6 +494,7 @@ bool ImpulseSolver::judge_slip(const ImpulseScene& s, const Island& island) {
 
 void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   const ImpulseScene s = scene(in, c);
+  FEDER_ASSERT(in.movers->mass.size() == bodies_.size());  // prepared for these movers
   start_substep(in, s);
   if (!joints_.empty()) factor_trees(in, c);
   if (!trees_.empty()) solve_tree_speeds(in, s);
@@ -485,6 +518,7 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   }
   for (const ImpulseContact& contact : contacts_) {
     Contact& to = in.contacts->slots[contact.slot];
+    FEDER_ASSERT(to.collider_a != kNone && to.point_count == contact.count);
     for (int i = 0; i < contact.count; ++i)
       to.points[i].total_impulse += dot(contact.normal, contact.points[i].impulse) + contact.points[i].bounced;
   }

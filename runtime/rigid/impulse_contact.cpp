@@ -26,6 +26,7 @@ Vec3 point_velocity(const ImpulseContact& c, const ImpulsePoint& p, const Impuls
 // Adds the part of mover i to K: M^-1 - [r] I^-1 [r].
 void add_inverse_mass(const ImpulseScene& s, std::uint32_t i, const Vec3& arm, Mat3& k) {
   if (!s.body[i].movable) return;
+  FEDER_ASSERT(i != 0);
   const Mat3 r = skew(arm);
   k -= r * s.body[i].inv_inertia * r;
   for (int axis = 0; axis < 3; ++axis) k(axis, axis) += s.mass[i].inv_mass_axes[axis];
@@ -206,6 +207,7 @@ Real separation_now(const ImpulseContact& c, const ImpulsePoint& p, const Impuls
 }  // namespace
 
 void load_contact(const Contact& from, const ImpulseScene& s, ImpulseContact& c) {
+  FEDER_ASSERT(from.touching && from.point_count >= 1 && from.point_count <= kMaxContactPoints);
   c.count = from.point_count;
   c.normal = from.normal;
   c.surface_velocity = from.surface_velocity;
@@ -278,6 +280,7 @@ Real contact_speed_error(const ImpulseContact& c, const ImpulseScene& s) {
 }
 
 void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real tolerance) {
+  FEDER_ASSERT(s.body[c.a].movable || s.body[c.b].movable);
   Real late = 0;
   if (!(c.restitution > 0) || !find_impacts(c, s, late)) return sweep_points(c, s, tolerance);
   // targets of an impact hold for impulses from here on

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/arena.h"
+#include "base/assert.h"
 
 namespace feder {
 
@@ -17,6 +18,7 @@ class WorstFirst {
   // Nodes [first, last) with the keys given by key_of(node).
   template <class KeyOf>
   void build(std::uint32_t first, std::uint32_t last, KeyOf&& key_of) {
+    FEDER_ASSERT(first < last && last <= key_.size());
     count_ = last - first;
     for (std::uint32_t i = 0; i < count_; ++i) {
       heap_[i] = first + i;
@@ -28,6 +30,7 @@ class WorstFirst {
   std::uint32_t top() const { return heap_[0]; }
   Real top_key() const { return key_[heap_[0]]; }
   void update(std::uint32_t node, Real key) {
+    FEDER_ASSERT(place_[node] < count_ && heap_[place_[node]] == node);  // one of those it was built of
     key_[node] = key;
     rise(place_[node]);
     sink(place_[node]);

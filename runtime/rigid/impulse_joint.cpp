@@ -33,6 +33,7 @@ Real response(const Row& i, const Row& j, std::uint32_t a, std::uint32_t b, cons
 
 // L D L^T of the matrix in the lower half of `m`.
 void factor(Real m[6][6], int count, Real* inv_d) {
+  FEDER_ASSERT(count >= 1 && count <= 6);
   Real d[6];
   for (int j = 0; j < count; ++j) {
     const Real size = m[j][j];
@@ -67,6 +68,7 @@ void wanted_change(const Row* rows, int count, std::uint32_t a, std::uint32_t b,
   solve(block.factor, block.inv_d, count, change);
   for (int i = 0; i < count; ++i) {
     if (!is_bounded(rows[i])) continue;
+    FEDER_ASSERT(rows[i].lower <= rows[i].upper);
     const Real sum = clamp(impulse[i] + change[i], rows[i].lower * s.h, rows[i].upper * s.h);
     change[i] = sum - impulse[i];
   }
@@ -182,6 +184,7 @@ Real block_position_error(const Row* rows, int count) {
 }
 
 void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s) {
+  FEDER_ASSERT(a != b);
   if (!(block_position_error(rows, count) > 0)) return;
   Real m[6][6], inv_d[6], move[6];
   for (int i = 0; i < count; ++i) {

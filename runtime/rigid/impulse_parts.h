@@ -1,6 +1,7 @@
 // What the impulse solver works on: movers, contacts and joint blocks of one substep, and the closed-form answers for
 // a single one of them. impulse.cpp decides the order.
 #pragma once
+#include "base/assert.h"
 #include "rigid/solver.h"
 
 namespace feder {

@@ -8,6 +8,8 @@
 // springs, limits and motors stay with the iterative rows.
 #include "rigid/joint_trees.h"
 
+#include "base/hash.h"
+
 namespace feder {
 namespace {
 
@@ -19,6 +21,7 @@ constexpr double kClosingCompliance = 1e-3;
 
 // In place L D L^T of a symmetric matrix in packed rows (lower triangle); the diagonal becomes 1/D.
 void factorize(double* m, int n) {
+  FEDER_ASSERT(n >= 0 && n <= 6);
   for (int i = 0; i < n; ++i) {
     double* row = m + i * (i + 1) / 2;
     for (int j = 0; j < i; ++j) {
@@ -52,6 +55,7 @@ bool stiff(const Row& r) { return r.lower == -kInfinity && r.upper == kInfinity 
 
 // Mass matrix, packed. A locked axis gets a mass beyond all others.
 void mass_matrix(const MoverMass& m, const JointedBody* uneven, const Mat3& inv_inertia, double* out) {
+  FEDER_ASSERT(m.inv_mass > 0);
   const double heavy = 1e9 / static_cast<double>(m.inv_mass);
   for (int i = 0; i < 21; ++i) out[i] = 0;
   for (int k = 0; k < 3; ++k) {
@@ -112,6 +116,7 @@ void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlo
     bool all = true;
     for (std::uint32_t k = 0; k < block.count; ++k) all = all && stiff(rows[block.first + k]);
     if (!all) continue;
+    FEDER_ASSERT(links_.empty() || links_.back().joint <= block.joint);
     if (links_.empty() || links_.back().joint != block.joint) {
       Link link;
       link.mover_a = moves(movers.mass[block.mover_a]) ? block.mover_a : 0;
@@ -150,6 +155,7 @@ void JointTrees::accept_trees() {
 }
 
 void JointTrees::grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link) {
+  FEDER_ASSERT(mover != 0 && !visited_[mover]);  // a body twice would be a loop
   Node node;
   node.mover = mover;
   node.parent = parent;
@@ -209,6 +215,23 @@ void JointTrees::order_nodes(std::size_t mover_count) {
   }
 }
 
+// Parents come before children; each link belongs to one node, and to one that it moves.
+void JointTrees::check_nodes() const {
+  MultisetHash accepted, placed;
+  for (std::uint32_t l = 0; l < links_.size(); ++l)
+    if (links_[l].root != kNone) accepted.add(l);
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+    const Node& node = nodes_[n];
+    FEDER_ASSERT(node.parent == kNone || (node.parent < n && !nodes_[node.parent].leaf));
+    if (node.link == kNone) continue;
+    placed.add(node.link);
+    const Link& link = links_[node.link];
+    FEDER_ASSERT(node.leaf || (node.body_is_a ? link.mover_a : link.mover_b) == node.mover);
+    FEDER_ASSERT(node.rows == link.rows && node.rows >= 1);
+  }
+  FEDER_ASSERT(accepted == placed);
+}
+
 void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers) {
   const std::size_t count = movers.state.size();
   nodes_.clear();
@@ -222,6 +245,7 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   visited_.assign(count, 0);
   accept_trees();
   order_nodes(count);
+  if constexpr (kAsserts) check_nodes();
   // blocks of accepted links
   std::size_t l = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -273,6 +297,7 @@ void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Solver
 }
 
 void JointTrees::factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia) {
+  FEDER_ASSERT(inv_inertia.size() == in.movers->state.size());
   for (Node& node : nodes_)
     if (!node.leaf)
       mass_matrix(in.movers->mass[node.mover], in.uneven(node.mover), inv_inertia[node.mover], node.inertia);
@@ -287,6 +312,8 @@ Real JointTrees::speed(const Row& row, const Link& link, const Movers& movers) {
 
 void JointTrees::solve(std::span<const Row> rows, const Movers* movers, std::span<const Real> bias,
                        std::span<Real> step) {
+  FEDER_ASSERT(bias.size() == rows.size() && step.size() == rows.size());
+  FEDER_ASSERT(response_.size() == nodes_.size() * 6);
   for (Node& node : nodes_)
     for (double& x : node.load) x = 0;
   // up: what each link asks for, less what its child can do alone

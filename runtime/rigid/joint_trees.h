@@ -1,6 +1,7 @@
 // Direct solution of the stiff joints of bodies that hang together like a tree (chains, ragdolls): exact in one pass,
 // whatever the mass ratio.
 #pragma once
+#include "base/assert.h"
 #include "rigid/solver.h"
 
 namespace feder {
@@ -15,7 +16,11 @@ class JointTrees {
   void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
   void clear() { nodes_.clear(); }
   bool empty() const { return nodes_.empty(); }
-  bool direct(std::size_t block) const { return direct_[block] != 0; }
+  bool knows(std::size_t blocks) const { return direct_.size() == blocks; }  // as many as when trees were found
+  bool direct(std::size_t block) const {
+    FEDER_ASSERT(block < direct_.size());
+    return direct_[block] != 0;
+  }
 
   // Once per substep. `inv_inertia`: of even bodies now, world, by mover; uneven ones are solved in principal axes.
   void factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
@@ -55,6 +60,7 @@ class JointTrees {
   void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
   void accept_trees();
   void order_nodes(std::size_t mover_count);
+  void check_nodes() const;
   void grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link);
   void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/assert.h"
+
 namespace feder {
 namespace {
 
@@ -26,6 +28,7 @@ Vec3d turned_back(const Vec3d& t, const Vec3d& v) {
 }  // namespace
 
 Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
+  FEDER_ASSERT(is_unit(j.principal) && is_unit(rotation));
   const Quat& p = j.principal;
   const double ax = rotation.x, ay = rotation.y, az = rotation.z, aw = rotation.w;
   const double bx = p.x, by = p.y, bz = p.z, bw = p.w;
@@ -47,6 +50,7 @@ Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
 Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
   constexpr int kRounds = 8;
   constexpr double kConverged = 1e-12;  // rad; what is left acts on the smallest moment
+  FEDER_ASSERT(h > 0);
   const double step = static_cast<double>(h);
   const Vec3d local = j.axes.transpose() * momentum, d = (j.inv_moments * step).cwiseInverse();
   const Vec3d adjugate(d[1] * d[2], d[2] * d[0], d[0] * d[1]);
@@ -62,6 +66,7 @@ Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
 }
 
 void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s) {
+  FEDER_ASSERT(j.uneven);
   j.axes = j.free_axes = jointed_axes(j, s.rotation);
   j.momentum = momentum;
   j.share = Vec3d::Ones();
@@ -72,6 +77,7 @@ void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s)
 }
 
 Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s, bool late) {
+  FEDER_ASSERT(j.uneven && !(j.share.maxCoeff() > 1));
   const Vec3d felt = j.share.cwiseProduct(j.axes.transpose() * moment);
   const Vec3 change = (j.axes * j.inv_moments.cwiseProduct(felt)).cast<Real>();
   s.angular_velocity += change;

@@ -41,6 +41,7 @@ void check_options(const JointDesc& d, const JointKind& kind) {
 std::uint32_t Rigid::Impl::joint_index(ObjectId joint) const {
   if (!objects.alive(joint) || objects.kind(joint) != ObjectKind::joint)
     throw SceneError("expected a living joint, got " + objects.describe(joint));
+  FEDER_ASSERT(objects.index(joint) < records.size() && records[objects.index(joint)].object == joint);
   return objects.index(joint);
 }
 
@@ -68,6 +69,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   if (!free_joints.empty()) {
     j = free_joints.back();
     free_joints.pop_back();
+    FEDER_ASSERT(j < records.size() && !records[j].alive);
   } else {
     j = static_cast<std::uint32_t>(records.size());
     records.emplace_back();
@@ -93,6 +95,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
 }
 
 void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCause cause) {
+  FEDER_ASSERT(j < records.size() && records[j].alive && joint_count > 0);
   JointRecord& r = records[j];
   if (!r.collide && r.a && r.b) collide.include(r.a, r.b);
   if (r.body_a != kNone) wake(r.body_a, cause, r.b);
@@ -108,6 +111,7 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
 void Rigid::Impl::refresh_joint(std::uint32_t j) {
   const JointRecord& r = records[j];
   SolverJoint& s = joints[j];
+  FEDER_ASSERT(is_unit(r.local_a.rotation) && is_unit(r.local_b.rotation));
   const auto side = [&](std::uint32_t body, const Pose& local, std::uint32_t& mover, Pose& frame) {
     const bool world = body == kNone || bodies.type[body] == BodyType::fixed;
     mover = world ? kNone : bodies.mover[body];
@@ -126,6 +130,7 @@ void Rigid::Impl::activate_joints(StepContext& c) {
   const auto moves = [&](std::uint32_t body) {
     return body != kNone && bodies.type[body] == BodyType::dynamic && bodies.awake[body];
   };
+  FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     joints[j].active = r.alive && (moves(r.body_a) || moves(r.body_b));
@@ -141,6 +146,7 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
   const std::uint32_t index = movers.solver[bodies.mover[body]];
   if (index == 0) return;  // asleep beside one that is awake: it does not move
   if (jointed.empty()) jointed.assign(movers.state.size(), JointedBody{});
+  FEDER_ASSERT(index < jointed.size() && moving[index - 1] == body);
   JointedBody& to = jointed[index];
   if (to.uneven) return;
   to.given_spin = movers.state[index].angular_velocity;
@@ -165,6 +171,7 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
 
 void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
   JointRecord& r = records[j];
+  FEDER_ASSERT(joints[j].active && !r.mass_checked);
   r.mass_checked = 1;
   if (r.body_a == kNone || r.body_b == kNone) return;
   const Real a = bodies.inv_mass[r.body_a], b = bodies.inv_mass[r.body_b];
@@ -199,6 +206,7 @@ void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
   RowWriter writer(rows, blocks);
   writer.start(in, j);
   s.kind->fill(in, writer);
+  FEDER_ASSERT(last_h > 0);
   force = torque = Vec3::Zero();
   for (const RowBlock& block : blocks) {
     for (std::uint32_t k = 0; k < block.count; ++k) {
@@ -215,6 +223,7 @@ void Rigid::Impl::break_joints(StepContext&) {
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     if (!joints[j].active || !(r.break_force < kInfinity)) continue;
+    FEDER_ASSERT(r.alive);  // a removed one would break again
     Vec3 force, torque;
     joint_load(j, force, torque);
     const Real size = length(force);

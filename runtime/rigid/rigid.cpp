@@ -97,6 +97,7 @@ struct SavedJoint {
 
 void Rigid::save(Writer& w) const {
   const Impl& s = *impl_;
+  FEDER_ASSERT(s.records.size() == s.joints.size());
   s.bodies.save(w);
   w.list(s.movers.solver), w.list(s.movers.free_list);
   w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.kept_momentum), w.list(s.kept_spin), w.list(s.calm),

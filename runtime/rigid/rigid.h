@@ -66,6 +66,7 @@ class Rigid final : public System {
   Momentum momentum() const override;
   void residuals(std::vector<Residual>& out) const override;  // rigid.joint_error_m, ...
   bool finite() const override;
+  void validate() const override;
   double held(const StepContext& c) override;
   double drive(const StepContext& c) override;
 

@@ -42,6 +42,7 @@ void Rigid::Impl::refresh() {
 
 // Velocities that take kinematic bodies to their targets; one that starts to move wakes what rests on it.
 void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
+  FEDER_ASSERT(bodies.type[i] == BodyType::kinematic && bodies.has_target[i] <= 2);
   if (bodies.has_target[i] == 1) {
     const Pose& to = bodies.target[i];
     const Vec3 center = to.position + rotate(to.rotation, bodies.local_com[i]);
@@ -82,10 +83,13 @@ void Rigid::Impl::gather(StepContext& c) {
     for (std::uint32_t p = first; p < last; ++p) gather_body(p, c);
   });
   activate_joints(c);
+  if constexpr (kAsserts) check_gathered();
 }
 
 void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
   const std::uint32_t i = moving[p];
+  FEDER_ASSERT(bodies.awake[i] && bodies.mover[i] < movers.solver.size());
+  FEDER_ASSERT(movers.solver[bodies.mover[i]] == 0);  // taken: listed twice, or a slot of two bodies
   MoverState& s = movers.state[p + 1];
   MoverMass& m = movers.mass[p + 1];
   movers.solver[bodies.mover[i]] = p + 1;
@@ -112,6 +116,7 @@ void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
 void Rigid::Impl::add_forces(StepContext& c) {
   const Forces& forces = store.get<Forces>();
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  FEDER_ASSERT(force_count > 0 && applied_force.size() == count);
   for (std::uint32_t p = 0; p < count; ++p) applied_force[p] = bodies.force[moving[p]];
   const double now = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   const Real share = forces.drag_share() / c.h;
@@ -141,6 +146,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
 }
 
 void Rigid::Impl::integrate_velocities(StepContext& c) {
+  FEDER_ASSERT(last_h == c.h && given_spin.size() == moving.size() && movers.state.size() > moving.size());
   c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
                      [&](std::uint32_t first, std::uint32_t last, int) {
                        for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
@@ -152,6 +158,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   if (bodies.type[i] != BodyType::dynamic) return;
   MoverState& s = movers.state[p + 1];
   const MoverMass& m = movers.mass[p + 1];
+  FEDER_ASSERT(m.inv_mass == bodies.inv_mass[i]);
   const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
   const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
   for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
@@ -180,10 +187,12 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
 }
 
 SolverInput Rigid::Impl::input() {
+  FEDER_ASSERT(jointed.empty() || jointed.size() > moving.size());
   return {&contacts, &colliders, &movers, {joints.data(), joints.size()}, {jointed.data(), jointed.size()}};
 }
 
 void Rigid::Impl::prepare(StepContext& c) {
+  if constexpr (kAsserts) check_gathered();
   SolverInput in = input();
   if (joint_count == 0) in.joints = {};
   solver->prepare(in, c);
@@ -245,10 +254,12 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
     if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
   }
   bodies.angular_velocity[i] = kept_spin[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
+  bad[p] = !all_finite(bodies.angular_velocity[i]);
 }
 
 // A body whose numbers went bad stays where it last was, fixed.
 void Rigid::Impl::quarantine(std::uint32_t i) {
+  FEDER_ASSERT(bodies.type[i] == BodyType::dynamic);
   suspect(i);
   events.warn("non_finite",
               objects.describe(bodies.object[i]) + " got a velocity or position that is not finite; it is fixed now",
@@ -259,6 +270,7 @@ void Rigid::Impl::quarantine(std::uint32_t i) {
 
 void Rigid::Impl::commit(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  FEDER_ASSERT(bad.size() == count && applied_torque.size() == count);
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t p = first; p < last; ++p) commit_body(p, c);
   });

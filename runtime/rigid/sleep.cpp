@@ -39,6 +39,7 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
     calm[i] = 0;
     return;
   }
+  FEDER_ASSERT(sleeping_count > 0 && next_in_island[i] != kNone);
   std::uint32_t next = next_in_island[i];
   next_in_island[i] = kNone;
   wake_one(i, cause, other);
@@ -46,6 +47,7 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
   while (next != kNone && next != i) {
     const std::uint32_t k = next;
     next = next_in_island[k];
+    FEDER_ASSERT(next != kNone && bodies.type[k] == BodyType::dynamic && !bodies.awake[k]);
     next_in_island[k] = kNone;
     wake_one(k, WakeCause::neighbor, bodies.object[i]);
     --sleeping_count;
@@ -75,6 +77,7 @@ void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
 // One body on its own; a ring of one.
 void Rigid::Impl::put_to_sleep(std::uint32_t i) {
   if (bodies.type[i] != BodyType::dynamic || !bodies.awake[i]) return;
+  FEDER_ASSERT(next_in_island[i] == kNone && sleeping_count < bodies.size());
   bodies.awake[i] = 0;
   bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
   bodies.sleep_energy[i] = 0;
@@ -95,6 +98,7 @@ void Rigid::Impl::measure_motion(StepContext& c) {
   any_calm = false;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
+    FEDER_ASSERT(is_finite(bodies.velocity[i]) && is_finite(bodies.angular_velocity[i]));  // commit saw to it
     const Vec3 w = rotate_inverse(bodies.rotation[i], bodies.angular_velocity[i]);
     const Vec3 turning = bodies.inertia[i] * w;
     const Real energy =
@@ -109,6 +113,7 @@ void Rigid::Impl::measure_motion(StepContext& c) {
 }
 
 std::uint32_t Rigid::Impl::root(std::uint32_t i) {
+  FEDER_ASSERT(i < parent.size() && parent[i] <= i);
   while (parent[i] != i) i = parent[i] = parent[parent[i]];  // path halving
   return i;
 }
@@ -137,6 +142,7 @@ void Rigid::Impl::join_islands() {
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
+    FEDER_ASSERT(ca < colliders.size() && cb < colliders.size() && contact.touching && !contact.sensor);
     link(colliders.owner[ca] == ObjectKind::body ? colliders.owner_index[ca] : kNone,
          colliders.owner[cb] == ObjectKind::body ? colliders.owner_index[cb] : kNone);
   }
@@ -159,6 +165,7 @@ void Rigid::Impl::sleep_islands() {
     // members come in ascending order, the root first: insert behind the root
     bodies.island[i] = r;
     if (i == r) continue;
+    FEDER_ASSERT(r < i && bodies.island[r] == r && !bodies.awake[r]);
     next_in_island[i] = next_in_island[r];
     next_in_island[r] = i;
   }

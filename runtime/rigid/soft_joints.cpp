@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/assert.h"
+
 namespace feder {
 namespace {
 
@@ -17,6 +19,7 @@ constexpr Real kStrain = 2;          // (h omega)^2 up to which a body keeps its
 }  // namespace
 
 SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
+  FEDER_ASSERT(h > 0);
   if (!(hertz > 0)) return {0, 1, 0};
   const Real omega = 2 * kPi * hertz;
   const Real a1 = 2 * damping_ratio + h * omega;
@@ -35,6 +38,7 @@ void SoftJoints::stabilize(const SolverInput& in, Real h) {
   strain_.assign(in.movers->state.size(), Real(0));
   if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
   for (const RowBlock& block : blocks_) {
+    FEDER_ASSERT(block.mover_a < strain_.size() && block.mover_b < strain_.size());
     const SolverJoint& joint = in.joints[block.joint];
     Vec3 pull = Vec3::Zero();
     for (std::uint32_t k = 0; k < block.count; ++k)
@@ -60,6 +64,7 @@ void SoftJoints::add_strain(const SolverInput& in, std::uint32_t mover, const Ve
 // Inverse inertias that joints feel in this substep.
 void SoftJoints::turn_inertias(const SolverInput& in) {
   const Movers& movers = *in.movers;
+  FEDER_ASSERT(strain_.size() == movers.mass.size());
   inv_inertia_.resize(strain_.size());
   inv_inertia_[0] = movers.mass[0].inv_inertia;
   for (std::uint32_t i = 1; i < strain_.size(); ++i) {
@@ -94,6 +99,7 @@ void SoftJoints::find_touched(const SolverInput& in) {
   }
   const auto touch = [&](std::uint32_t collider) {
     const std::uint32_t mover = in.colliders->mover[collider];
+    FEDER_ASSERT(mover == kNone || movers.solver[mover] < touched_.size());
     if (mover != kNone) touched_[find_group(movers.solver[mover])] = 1;
   };
   for (const std::uint32_t slot : in.contacts->active) {
@@ -105,6 +111,7 @@ void SoftJoints::find_touched(const SolverInput& in) {
 
 void SoftJoints::load_motions(const SolverInput& in, Real h) {
   const Movers& movers = *in.movers;
+  FEDER_ASSERT(touched_.size() == movers.state.size());  // found in the first substep
   motions_.resize(movers.state.size());
   motions_[0] = BodyMotion{};
   for (std::uint32_t i = 1; i < motions_.size(); ++i) {
@@ -117,6 +124,7 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
 }
 
 Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const {
+  FEDER_ASSERT(row.lower <= row.upper && !(row.hertz < 0));
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
@@ -154,6 +162,7 @@ Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, Read
 // solved as a tree slides, and gains no energy.)
 void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
   Real squares[2] = {0, 0};  // of linear and angular rows
+  FEDER_ASSERT(push_speed_ >= 0 && block.first + block.count <= ready_.size());
   const auto is_angular = [](const ReadyRow& r) { return r.linear.isZero(0); };
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
     const Real wanted = ready_[k].bias - ready_[k].relaxed_bias;
@@ -180,6 +189,7 @@ void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
 }
 
 void SoftJoints::prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const {
+  FEDER_ASSERT(block.count >= 1 && block.count <= 6);
   const ReadyRow* r = &ready_[block.first];
   const Vec3 inv_mass = a.inv_mass_axes + b.inv_mass_axes;
   // LDL^T, row by row; a vanishing pivot (locked axis, repeated row) takes no part
@@ -210,6 +220,7 @@ void SoftJoints::prepare_block(const RowBlock& block, const MoverMass& a, const 
 }
 
 void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
+  FEDER_ASSERT(block.mover_a != block.mover_b && change);
   MoverState& sa = in.movers->state[block.mover_a];
   MoverState& sb = in.movers->state[block.mover_b];
   Vec3 push = Vec3::Zero(), turn_a = Vec3::Zero(), turn_b = Vec3::Zero();
@@ -282,6 +293,7 @@ void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
     input.h = c.h;
     writer.start(input, j);
     joint.kind->fill(input, writer);
+    FEDER_ASSERT(c.substep == 0 || joint.rows == writer.rows_written());  // impulses and trees know rows by number
     joint.rows = static_cast<std::uint8_t>(writer.rows_written());
   }
 }
@@ -318,6 +330,7 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
   }
   if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, movers);
   if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
+  FEDER_ASSERT(!use_trees_ || trees_.knows(blocks_.size()));
   for (const std::uint32_t i : torn_)
     if (!is_direct(i)) bound_bias(blocks_[i], in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse);
   all_direct_ = !trees_.empty();
@@ -363,6 +376,7 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
 // Positions are corrected by velocities that no momentum comes to know of: what a biased impulse does in one pose would
 // not be taken back by the relax pass in another.
 void SoftJoints::slide_trees(const SolverInput& in) {
+  FEDER_ASSERT(slides_.size() == in.movers->state.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = ready_[i].bias - ready_[i].relaxed_bias;
   trees_.solve(rows_, nullptr, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -397,6 +411,7 @@ void SoftJoints::solve_directly(const SolverInput& in, Real* change) {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;
     const RowBlock& block = blocks_[i];
+    FEDER_ASSERT(block.first_impulse + block.count <= in.joints[block.joint].rows);
     Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
     for (std::uint32_t k = 0; k < block.count; ++k) impulse[k] += step_[block.first + k];
     push(block, &step_[block.first], in, change);
@@ -404,6 +419,7 @@ void SoftJoints::solve_directly(const SolverInput& in, Real* change) {
 }
 
 void SoftJoints::solve(const SolverInput& in, bool biased, Real* change) {
+  FEDER_ASSERT(ready_.size() == rows_.size() && prepared_.size() == blocks_.size());
   drifted_ = !biased;
   if (!trees_.empty()) solve_trees(in, biased, change);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {

@@ -8,6 +8,8 @@
 // with few substeps; simultaneous hits are resolved in colour order.
 #include <algorithm>
 
+#include "base/assert.h"
+#include "base/hash.h"
 #include "base/simd.h"
 #include "rigid/contact_batch.h"
 #include "rigid/soft_joints.h"
@@ -56,6 +58,7 @@ class SoftStep final : public RigidSolver {
     return static_cast<Real>(p.number(key, fallback, lo, hi));
   }
   void color(const SolverInput& in, StepContext& c);
+  void check_colors(const SolverInput& in, StepContext& c) const;
   void fill(const Contacts& contacts, const Colliders& colliders, const Movers& movers, std::uint32_t batch);
   void fill_lane(const Contact& contact, std::uint32_t batch, int lane);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;
@@ -81,8 +84,9 @@ class SoftStep final : public RigidSolver {
   Real* contact_change_ = nullptr;  // what contacts did in the last substep, 6 per mover
   Real* joint_change_ = nullptr;    // what joints did in this substep; null without joints
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
-  std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0
-  JobPool::Stage stages_[kColors];               // of the pass that runs: its colours
+  std::size_t mover_count_ = 0, contact_count_ = 0;  // when the step was prepared
+  std::uint32_t color_first_[kColors + 1] = {};      // first batch of each colour; the overflow comes before colour 0
+  JobPool::Stage stages_[kColors];                   // of the pass that runs: its colours
   bool bounces_ = false;
   Vec3 gravity_ = Vec3::Zero();
 };
@@ -110,6 +114,7 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
     const bool moves_a = masses_[a].pad[0] > 0, moves_b = masses_[b].pad[0] > 0;
     std::uint64_t used = (moves_a ? taken[a] : 0) | (moves_b ? taken[b] : 0);
     used |= moves_a && moves_b ? kFixedMask : ~kFixedMask;
+    FEDER_ASSERT(a < mover_count && b < mover_count);
     const Real wa = movers.mass[a].inv_mass, wb = movers.mass[b].inv_mass;
     const bool both = wa > 0 && wb > 0;
     crowd_[a] += both ? wa / (wa + wb) : kSupport;
@@ -141,9 +146,40 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
     lanes_[at] = contacts.active[i];
     at += color_of[i] == kColors ? kLanes : 1;
   }
+  if constexpr (kAsserts) check_colors(in, c);
+}
+
+// Each active contact lies in one lane; lanes of a colour, and those of an overflow batch, push different movers.
+void SoftStep::check_colors(const SolverInput& in, StepContext& c) const {
+  std::uint32_t* last = c.scratch->take<std::uint32_t>(in.movers->state.size());  // by mover: the colour it was met in
+  std::fill(last, last + in.movers->state.size(), kNone);
+  MultisetHash active, listed;
+  for (const std::uint32_t slot : in.contacts->active) active.add(slot);
+  FEDER_ASSERT(color_first_[0] == overflow_count_ && color_first_[kColors] == batch_count_);
+  int color = 0;
+  for (std::uint32_t batch = 0; batch < batch_count_; ++batch) {
+    while (batch >= overflow_count_ && batch >= color_first_[color + 1]) ++color;
+    const std::uint32_t name = batch < overflow_count_ ? kColors + batch : static_cast<std::uint32_t>(color);
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+      const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + lane];
+      if (slot == kNone) continue;
+      listed.add(slot);
+      const Contact& contact = in.contacts->slots[slot];
+      for (const std::uint32_t collider : {contact.collider_a, contact.collider_b}) {
+        const std::uint32_t mover = in.colliders->mover[collider];
+        const std::uint32_t i = mover == kNone ? 0 : in.movers->solver[mover];
+        if (!(masses_[i].pad[0] > 0)) continue;
+        FEDER_ASSERT(last[i] != name);
+        last[i] = name;
+      }
+    }
+  }
+  FEDER_ASSERT(active == listed);
 }
 
 void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) {
+  FEDER_ASSERT(contact.touching && !contact.sensor);
+  FEDER_ASSERT(contact.point_count >= 1 && contact.point_count <= kBatchPoints);
   ContactBatch& c = batches_[batch];
   BatchSide& side = sides_[batch];
   const auto put = [lane](Lane8x3& to, const Vec3& v) {
@@ -187,6 +223,7 @@ void SoftStep::fill(const Contacts& contacts, const Colliders& colliders, const 
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
     if (slot == kNone) continue;
+    FEDER_ASSERT(slot < contacts.slots.size());
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = colliders.mover[contact.collider_a], cb = colliders.mover[contact.collider_b];
     const std::uint32_t a = ca == kNone ? 0 : movers.solver[ca], b = cb == kNone ? 0 : movers.solver[cb];
@@ -201,6 +238,7 @@ void SoftStep::fill(const Contacts& contacts, const Colliders& colliders, const 
 }
 
 ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
+  FEDER_ASSERT(in.movers->state.size() == mover_count_);  // masses and batches are those of the movers of prepare
   ContactPass p{};
   p.batches = batches_;
   p.sides = sides_;
@@ -241,6 +279,8 @@ void SoftStep::run(void (*kernel)(const ContactPass&), const SolverInput& in, St
 void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   const Movers& movers = *in.movers;
   const std::uint32_t mover_count = static_cast<std::uint32_t>(movers.state.size());
+  FEDER_ASSERT(mover_count >= 1 && movers.mass.size() == mover_count);
+  mover_count_ = mover_count, contact_count_ = in.contacts->active.size();
   before_ = c.scratch->take<Real>(std::size_t(mover_count) * 6);
   contact_change_ = c.scratch->take<Real>(std::size_t(mover_count) * 6);
   joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(mover_count) * 6);
@@ -271,6 +311,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
 }
 
 void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
+  FEDER_ASSERT(before_ && in.movers->state.size() == mover_count_);
   MoverState* state = in.movers->state.data();
   const bool again = c.substep > 0 && batch_count_ > 0;
   const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
@@ -318,6 +359,7 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   const Real h = c.h;
   const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
   const std::span<const BodySlide> slides = joint_change_ ? joints_.slides() : std::span<const BodySlide>();
+  FEDER_ASSERT(slides.empty() || slides.size() == count);
   c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
       MoverState& s = state[i];
@@ -364,6 +406,7 @@ void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
     const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
     if (slot == kNone) continue;
     Contact& contact = contacts.slots[slot];
+    FEDER_ASSERT(contact.collider_a != kNone && contact.point_count <= c.points);  // as it was filled
     for (int j = 0; j < contact.point_count; ++j) {
       ContactPoint& to = contact.points[j];
       const bool bounced = contact.restitution > 0 && side.approach[j].v[lane] < -bounce_speed_;
@@ -380,6 +423,7 @@ void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
 }
 
 void SoftStep::finish(const SolverInput& in, StepContext& c) {
+  FEDER_ASSERT(in.contacts->active.size() == contact_count_);
   // several rounds, so that bodies that bounce together do not overshoot
   if (bounces_)
     for (int round = 0; round < bounce_rounds_; ++round) run(kernels_->restitution, in, c);

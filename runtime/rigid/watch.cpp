@@ -45,6 +45,7 @@ void Rigid::Impl::measure_pace(const StepContext& c) {
 // Weight, scripts and generators: J, at most, on one body in this step.
 double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
   const std::uint32_t p = movers.solver[bodies.mover[i]] - 1;
+  FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
   const MoverState& s = movers.state[p + 1];
   const double way = number(length(s.moved)), dt = number(c.dt);
   const double turn = dt * number(length(bodies.angular_velocity[i])) +
@@ -186,6 +187,7 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
 
 // Work, overlap and strain by island, at their roots; kinetic energies likewise.
 void Rigid::Impl::account(const StepContext& c) {
+  FEDER_ASSERT(island_before.size() == bodies.size() && edited_step.size() == bodies.size());
   join_islands();
   for (const std::uint32_t i : moving)
     island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
@@ -227,6 +229,7 @@ void Rigid::Impl::watch(const StepContext& c) {
 // A body that went non-finite.
 void Rigid::Impl::suspect(std::uint32_t i) {
   const std::uint32_t k = bodies.first_collider[i];
+  FEDER_ASSERT(k != kNone && colliders.owner_index[k] == i);
   watched.suspects.push_back({kName, bodies.object[i],
                               0.5 * number(bodies.mass[i]) * number(dot(colliders.velocity[k], colliders.velocity[k])),
                               NAN, 0, 0, false, kCure});

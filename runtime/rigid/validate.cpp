@@ -1,0 +1,149 @@
+// What holds of bodies and joints after each step, asserted where asserts are on (base/assert.h): bodies, colliders and
+// objects know each other, sleeping islands are rings whose members sleep, joints follow their bodies' types, movers
+// lie where their bodies look for them, and the numbers of bodies that the solver moves are finite.
+#include "base/hash.h"
+#include "rigid/impl.h"
+
+namespace feder {
+
+// Between gather and commit: the mover of the body at place p is p + 1, and what couplings appended lies behind.
+void Rigid::Impl::check_gathered() const {
+  FEDER_ASSERT(movers.state.size() == movers.mass.size() && movers.state.size() > moving.size());
+  for (std::uint32_t p = 0; p < moving.size(); ++p) {
+    FEDER_ASSERT(p == 0 || moving[p - 1] < moving[p]);
+    FEDER_ASSERT(movers.solver[bodies.mover[moving[p]]] == p + 1);
+    FEDER_ASSERT(is_unit(movers.state[p + 1].rotation));
+  }
+  for (const std::uint32_t index : movers.solver) FEDER_ASSERT(index < movers.state.size());
+  const MoverMass& world = movers.mass[0];
+  FEDER_ASSERT(world.inv_mass == 0 && world.inv_inertia.isZero(0));
+  for (const SolverJoint& j : joints) {
+    if (!j.active) continue;
+    FEDER_ASSERT(j.kind && (j.mover_a != kNone || j.mover_b != kNone) && j.mover_a != j.mover_b);
+    FEDER_ASSERT(j.mover_a == kNone || j.mover_a < movers.solver.size());
+    FEDER_ASSERT(j.mover_b == kNone || j.mover_b < movers.solver.size());
+  }
+}
+
+void Rigid::Impl::check_body(std::uint32_t i) const {
+  FEDER_ASSERT(objects.alive(bodies.object[i]) && objects.kind(bodies.object[i]) == ObjectKind::body);
+  FEDER_ASSERT(objects.index(bodies.object[i]) == i);
+  FEDER_ASSERT(bodies.mover[i] < movers.solver.size());
+  FEDER_ASSERT(is_unit(bodies.rotation[i]));
+  const bool dynamic = bodies.type[i] == BodyType::dynamic;
+  FEDER_ASSERT(dynamic == (bodies.inv_mass[i] > 0));
+  FEDER_ASSERT(bodies.has_target[i] == 0 || bodies.type[i] == BodyType::kinematic);
+  if (!dynamic) {
+    FEDER_ASSERT(bodies.inv_inertia[i].isZero(0) && next_in_island[i] == kNone);
+    return;
+  }
+  // what went bad has been quarantined
+  FEDER_ASSERT(is_finite(bodies.position[i]));
+  FEDER_ASSERT(is_finite(bodies.velocity[i]));
+  FEDER_ASSERT(is_finite(bodies.angular_velocity[i]));
+  if (bodies.awake[i]) {
+    FEDER_ASSERT(bodies.island[i] == kNone && next_in_island[i] == kNone);
+    return;
+  }
+  FEDER_ASSERT(bodies.velocity[i].isZero(0) && bodies.angular_velocity[i].isZero(0));
+  const std::uint32_t root = bodies.island[i], next = next_in_island[i];
+  FEDER_ASSERT(root < bodies.size() && bodies.island[root] == root);
+  FEDER_ASSERT(next < bodies.size() && bodies.island[next] == root);
+}
+
+std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
+  const bool dynamic = bodies.type[i] == BodyType::dynamic, fixed = bodies.type[i] == BodyType::fixed;
+  const ColliderMotion motion = dynamic ? ColliderMotion::dynamic
+                                : fixed ? ColliderMotion::fixed
+                                        : ColliderMotion::kinematic;
+  std::uint32_t count = 0;
+  each_collider(i, [&](std::uint32_t k) {
+    FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion);
+    FEDER_ASSERT(colliders.owner[k] == ObjectKind::body && colliders.owner_index[k] == i);
+    FEDER_ASSERT(colliders.object[k] == bodies.object[i]);
+    FEDER_ASSERT(colliders.mover[k] == (fixed ? kNone : bodies.mover[i]));
+    FEDER_ASSERT(!dynamic || colliders.awake[k] == bodies.awake[i]);
+    ++count;
+    FEDER_ASSERT(count <= colliders.size());  // the list ends
+  });
+  return count;
+}
+
+// Each sleeper lies in the ring of its island, once: rings from all roots have as many members as there are sleepers.
+void Rigid::Impl::check_islands() const {
+  std::uint32_t members = 0;
+  for (std::uint32_t i = 0; sleeping_count > 0 && i < bodies.size(); ++i) {
+    if (bodies.type[i] != BodyType::dynamic || bodies.island[i] != i) continue;
+    std::uint32_t at = i;
+    do {
+      ++members;
+      FEDER_ASSERT(!bodies.awake[at] && members <= sleeping_count);
+      at = next_in_island[at];
+    } while (at != i);
+  }
+  FEDER_ASSERT(members == sleeping_count);
+}
+
+void Rigid::Impl::check_joint(std::uint32_t j) const {
+  const JointRecord& r = records[j];
+  const SolverJoint& s = joints[j];
+  FEDER_ASSERT(objects.alive(r.object) && objects.index(r.object) == j);
+  FEDER_ASSERT(s.kind == &joint_kinds()[r.kind] && s.rows <= kMaxJointRows);
+  FEDER_ASSERT(r.body_a != r.body_b && !(r.break_force <= 0));
+  const auto side = [&](ObjectId object, std::uint32_t body, std::uint32_t mover) {
+    FEDER_ASSERT((body == kNone) == !object);
+    if (body == kNone) {
+      FEDER_ASSERT(mover == kNone);
+      return;
+    }
+    FEDER_ASSERT(body < bodies.size() && bodies.object[body] == object);
+    FEDER_ASSERT(mover == (bodies.type[body] == BodyType::fixed ? kNone : bodies.mover[body]));
+  };
+  side(r.a, r.body_a, s.mover_a);
+  side(r.b, r.body_b, s.mover_b);
+}
+
+// Lists and counts that follow from bodies and joints.
+void Rigid::Impl::check_lists() const {
+  for (const std::size_t size : {volume.size(), area.size(), spins.size(), kept_momentum.size(), kept_spin.size(),
+                                 calm.size(), next_in_island.size(), parent.size(), pace.size(), edited_step.size()})
+    FEDER_ASSERT(size == bodies.size());
+  std::uint32_t alive = 0, asleep = 0, awake = 0;
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    alive += bodies.type[i] != BodyType::free;
+    asleep += bodies.type[i] == BodyType::dynamic && !bodies.awake[i];
+    awake += bodies.awake[i];
+  }
+  FEDER_ASSERT(alive == body_count);
+  FEDER_ASSERT(asleep == sleeping_count);
+  FEDER_ASSERT(list_stale || awake == moving.size());
+  for (std::size_t p = 0; !list_stale && p < moving.size(); ++p)
+    FEDER_ASSERT(bodies.awake[moving[p]] && (p == 0 || moving[p - 1] < moving[p]));
+  MultisetHash dead, listed;
+  for (std::uint32_t j = 0; j < records.size(); ++j)
+    if (!records[j].alive) dead.add(j);
+  for (const std::uint32_t j : free_joints) listed.add(j);
+  FEDER_ASSERT(dead == listed && records.size() - free_joints.size() == joint_count);
+}
+
+void Rigid::validate() const {
+  const Impl& s = *impl_;
+  s.bodies.validate();
+  s.check_lists();
+  std::uint32_t owned = 0;
+  for (std::uint32_t i = 0; i < s.bodies.size(); ++i) {
+    if (s.bodies.type[i] == BodyType::free) continue;
+    s.check_body(i);
+    owned += s.check_colliders(i);
+  }
+  s.check_islands();
+  std::uint32_t colliders = 0;
+  for (std::uint32_t k = 0; k < s.colliders.size(); ++k)
+    colliders += s.colliders.motion[k] != ColliderMotion::none && s.colliders.owner[k] == ObjectKind::body;
+  FEDER_ASSERT(owned == colliders);
+  FEDER_ASSERT(s.joints.size() == s.records.size());
+  for (std::uint32_t j = 0; j < s.records.size(); ++j)
+    if (s.records[j].alive) s.check_joint(j);
+}
+
+}  // namespace feder
