@@ -24,6 +24,7 @@ class SpringLayout {
   void build(const SpringArrays& springs, std::uint32_t points);
   void remove(std::uint32_t k);  // the spring stays in its place without stiffness and damping
 
+  std::size_t spring_count() const { return place_.size() / 2; }
   bool damped() const { return !damping_.empty(); }
 
   // force = outside(i) + what the springs do; `jobs` may be null. Returns how many spring ends had no direction.

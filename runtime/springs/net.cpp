@@ -121,7 +121,7 @@ void Net::prepare(const Vec3& gravity, Real air_density, const Forces* forces, T
 
 void Net::integrate(double t, Real h, JobPool* jobs) {
   if (frozen) return;
-  FEDER_ASSERT(h > 0 && laid_out_ == version);
+  FEDER_ASSERT(h > 0 && laid_out_ == version && layout.spring_count() == springs.size());
   FEDER_ASSERT(!jobs_);  // one call at a time
   jobs_ = jobs;
   step_ = h;
