@@ -48,7 +48,10 @@ std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total,
   std::uint32_t count = 0, alone = 0;
   for (const std::uint32_t e : order_) {
     std::uint64_t taken = 0;
-    points(elements[e], [&](std::uint32_t v) { taken |= used_[v]; });
+    points(elements[e], [&](std::uint32_t v) {
+      FEDER_ASSERT(v + 1 < total);  // the last is the spare
+      taken |= used_[v];
+    });
     if (taken == ~std::uint64_t(0)) {
       color_[e] = kColors + alone++;
       continue;
@@ -66,21 +69,25 @@ std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total,
 
 void ClothBatches::build(const ClothView& v) {
   if (version_ == v.version) return;
+  FEDER_ASSERT(v.mesh && v.total > v.points);
   version_ = v.version;
   const std::uint32_t spare = v.total - 1;
   const auto fill = [&](auto& batches, auto& colors, std::uint32_t count, const auto& elements, auto&& empty,
                         auto&& put) {
     batches.clear(), colors.clear();
+    std::size_t placed = 0;
     for (std::uint32_t c = 0; c < count; ++c) {
       const auto first = static_cast<unsigned>(batches.size());
       int lane = kLanes;
       for (std::size_t e = 0; e < elements.size(); ++e) {
         if (color_[e] != c) continue;
         if (lane == kLanes) batches.push_back(empty), lane = 0;
+        ++placed;
         put(batches.back(), lane++, elements[e]);
       }
       colors.push_back({first, static_cast<unsigned>(batches.size())});
     }
+    FEDER_ASSERT(placed == elements.size());
   };
   const auto compliance = [](Real k) { return k > 0 ? 1 / k : Real(1e30); };
 
@@ -118,6 +125,7 @@ void ClothBatches::place(const ClothView& v) {
 
 void ClothBatches::limit(const ClothView& v, StepContext& c) {
   if (!(v.max_strain < kInfinity)) return;
+  FEDER_ASSERT(v.max_strain > 0);
   ClothPass p = pass(v, 1);
   p.stretched = 1 + v.max_strain;
   run(kernels_->limit_links, link_colors_, p, c);
@@ -128,6 +136,7 @@ void ClothBatches::tie(const ClothView& v, Real h, StepContext& c) {
   p.ties = v.ties.data();
   std::uint32_t first = 0;
   for (const std::uint32_t last : v.tie_layers) {
+    FEDER_ASSERT(first <= last && last <= v.ties.size());
     c.jobs->for_blocks(last - first, kBatchGrain, [&](std::uint32_t a, std::uint32_t b, int) {
       ClothPass part = p;
       part.first = first + a, part.last = first + b;
@@ -138,6 +147,8 @@ void ClothBatches::tie(const ClothView& v, Real h, StepContext& c) {
 }
 
 ClothPass ClothBatches::pass(const ClothView& v, Real h) {
+  FEDER_ASSERT(version_ == v.version);  // batches of another mesh name other vertices
+  FEDER_ASSERT(h > 0);
   ClothPass p{};
   p.links = links_.data(), p.hinges = hinges_.data();
   p.moved = &v.moved->x, p.speed = &v.speed->x;
@@ -147,6 +158,7 @@ ClothPass ClothBatches::pass(const ClothView& v, Real h) {
 
 void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c) {
   if (colors.empty()) return;
+  FEDER_ASSERT(colors.front().first == 0);
   if (c.jobs->threads() == 1) {  // batches lie in the order of their colours
     pass.first = colors.front().first, pass.last = colors.back().last;
     kernel(pass);

@@ -1,5 +1,6 @@
 // Elements in colours of eight: what the kernels run over. Private to the module.
 #pragma once
+#include "base/checks.h"
 #include "cloth/batch.h"
 #include "cloth/damping.h"
 #include "cloth/solver.h"
@@ -28,6 +29,7 @@ class ClothBatches {
   void damp_hinges(const ClothView& v, Real h, StepContext& c);
   // Is that more than a sweep? Then it wants velocities of the same moment as the positions.
   bool damps_in_stages(const ClothView& v, Real h) const { return stability(v, h) > kOneSweep; }
+  void validate(const ClothView& v) const;  // asserts that the batches are those of the mesh; validate.cpp
   // The longest damping that bending gets in a substep of h, s; longer ones act as this one.
   double longest_damping(Real h) const;
 
@@ -54,7 +56,7 @@ class ClothBatches {
   Array<HingeBatch> hinges_;
   Array<Color> link_colors_, hinge_colors_;
   JobPool::Stage stages_[kStages];      // of the pass that runs: its colours
-  Array<std::uint64_t> used_;           // by vertex: colours taken
+  mutable Array<std::uint64_t> used_;   // by vertex: colours taken; marks of validate()
   Array<std::uint32_t> color_, order_;  // by element; the order they are coloured in
   double bending_ = 0;                  // 1/s^2: no bending mode has a larger square of its frequency
   // stages of damping; empty where one sweep does

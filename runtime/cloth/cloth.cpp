@@ -102,7 +102,8 @@ Cloth::Impl::Impl(SystemSetup& s)
       rows(&arena), holds(&arena), near_rows(&arena), pairs(&arena), near_vertex(&arena), near_triangle(&arena),
       near_edge(&arena), vertex_box(&arena), triangle_box(&arena), edge_box(&arena), found_place(&arena),
       found_speed(&arena), stray(&arena), found(&arena), triangle_tree(arena), edge_tree(arena), guard_start(&arena),
-      held_with(&arena), zones(&arena), wished(&arena), swapped(&arena), between(&arena), near_sheet(&arena) {}
+      held_with(&arena), zones(&arena), wished(&arena), swapped(&arena), between(&arena), near_sheet(&arena),
+      marks(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const SystemDescriptor d = {
@@ -210,6 +211,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   if (!ghosts.empty()) make_elements(s->mesh, rest, s->settings.stiffness);
   m.attach_solver(*s, desc.solver, desc.solver_options);
   rest.push_back(Vec3(0, 0, 0));
+  FEDER_ASSERT(rest.size() == points + ghosts.size() + 1 && s->mesh.edges.size() <= s->mesh.links.size());
 
   // nothing can fail any more
   ClothVertices& all = m.vertices;
@@ -239,6 +241,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
 void Cloth::destroy_cloth(ObjectId id, std::string where) {
   Impl& m = *impl_;
   const std::uint32_t place = m.objects.index(id);
+  FEDER_ASSERT(place < m.sheets.size() && m.sheets[place]->object == id);
   const std::uint32_t first = m.sheets[place]->first, count = m.sheets[place]->total;
   // later vertices, sheets and attachments move down
   ClothVertices::each_array(m.vertices,
@@ -248,6 +251,7 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
     if (a.vertex > first) a.vertex -= count;
   m.sheets.erase(m.sheets.begin() + place);
   for (std::uint32_t k = place; k < m.sheets.size(); ++k) {
+    FEDER_ASSERT(m.sheets[k]->first >= first + count);
     m.sheets[k]->first -= count;
     m.objects.set_index(m.sheets[k]->object, k);
   }

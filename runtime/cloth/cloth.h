@@ -101,6 +101,7 @@ class Cloth final : public System {
   Momentum momentum() const override;
   void residuals(std::vector<Residual>& out) const override;
   bool finite() const override;
+  void validate() const override;
   double held(const StepContext& c) override;
 
   ObjectId add_cloth(const ClothDesc& desc);  // SceneError on impossible input, nothing changed

@@ -24,6 +24,7 @@ constexpr std::uint32_t kDampGrain = 1024;  // vertices per job
 
 // w0 = cosh(acosh(kLeft)/s), by its series; T_s'(w0) = s U_(s-1)(w0).
 DampingStages::DampingStages(int count) {
+  FEDER_ASSERT(count >= 1);
   const double x = 1.7627471740390861 / count, x2 = x * x;  // acosh(3)
   w0_ = 1 + x2 / 2 * (1 + x2 / 12 * (1 + x2 / 30 * (1 + x2 / 56 * (1 + x2 / 90 * (1 + x2 / 132)))));
   double t0 = 1, t1 = w0_, u0 = 0, u1 = 1;  // T_0, T_1; U_-1, U_0
@@ -32,6 +33,7 @@ DampingStages::DampingStages(int count) {
     t0 = t1, t1 = t2, u0 = u1, u1 = u2;
   }
   w1_ = t1 / (count * u1);
+  FEDER_ASSERT(w0_ > 1 && w1_ > 0 && std::fabs(t1 - kLeft) < 0.01);
   last_ = 0, now_ = 1;
 }
 
@@ -43,6 +45,7 @@ DampingStage DampingStages::next() {
     return s;
   }
   const double then = 2 * w0_ * now_ - last_;
+  FEDER_ASSERT(then > now_ && then < 1.01 * kLeft);  // one stage more than asked for goes beyond
   s.mu = 2 * w0_ * now_ / then, s.nu = -last_ / then, s.rate = 2 * w1_ * now_ / then;
   last_ = now_, now_ = then;
   return s;
@@ -50,6 +53,7 @@ DampingStage DampingStages::next() {
 
 int DampingStages::needed(double z, int most) {
   int s = std::max(1, static_cast<int>(std::sqrt(std::fmin(z, 1e12) / 1.4)));  // reach is 1.33 s^2 for 1, less after
+  FEDER_ASSERT(s >= 1 && most >= 1);
   while (s < most && DampingStages(s).reach() < z) ++s;
   return std::min(s, most);
 }
@@ -64,6 +68,7 @@ void ClothBatches::measure_hinges(const ClothView& v) {
   }
   bending_ = 0;
   for (const double s : sum) bending_ = std::fmax(bending_, s);
+  FEDER_ASSERT(bending_ >= 0);
   damping_.clear();
 }
 
@@ -103,6 +108,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
   const int count = DampingStages::needed(z, kMaxStages);
   DampingStages stages(count);
   prepare_stages(v);
+  FEDER_ASSERT(pushes_.size() == v.total && stage_.size() == v.total && damping_.size() == hinges_.size());
   ClothPass p = pass(v, h);
   p.damping = damping_.data();
   p.damping_time = static_cast<Real>(double(v.damping) * double(h) * std::fmin(1, stages.reach() / z));

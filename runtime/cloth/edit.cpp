@@ -63,6 +63,7 @@ void Cloth::unpin(ObjectId id, std::size_t i) {
   Sheet& s = impl_->sheet(id);
   if (s.state.frozen) return;
   impl_->wake(s, WakeCause::script, {});
+  FEDER_ASSERT(!(impl_->vertices.mass[at] < 0));
   impl_->vertices.inv_mass[at] = 1 / impl_->vertices.mass[at];
   s.paths_stale = true;
 }
@@ -73,6 +74,7 @@ Real Cloth::strain(ObjectId id, std::size_t k) const {
     throw SceneError(impl_->objects.describe(id) + ": expected an edge number from 1 to " +
                      std::to_string(s.mesh.edges.size()) + ", got " + std::to_string(k + 1));
   const ClothLink& l = s.mesh.links[k];
+  FEDER_ASSERT(l.a == s.mesh.edges[k].a && l.b == s.mesh.edges[k].b);
   const Vec3* x = impl_->vertices.position.data() + s.first;
   return length(x[l.b] - x[l.a]) / l.rest - 1;
 }
@@ -156,6 +158,7 @@ void Cloth::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local)
     throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
   if (!is_finite(local)) throw SceneError("attach: expected three finite numbers");
   detach(id, i);
+  FEDER_ASSERT(at < impl_->vertices.size() && impl_->vertices.cloth[at] == id);
   impl_->attachments.push_back({id, body, at, local});
   impl_->sheet(id).paths_stale = true;
   *impl_->structure_changed = true;
@@ -181,6 +184,7 @@ const std::vector<Cloth::Attachment>& Cloth::attachments() const { return impl_-
 std::size_t Cloth::cloth_count() const { return impl_->sheets.size(); }
 
 Cloth::Info Cloth::info(std::size_t n) const {
+  FEDER_ASSERT(n < impl_->sheets.size());
   const Sheet& s = *impl_->sheets[n];
   return {s.object,
           s.first,
@@ -202,14 +206,27 @@ std::span<const Row4> Cloth::speed() const { return {impl_->speed.data(), impl_-
 Array<ClothRow>& Cloth::contact_rows() { return impl_->rows; }
 Array<Cloth::Between>& Cloth::between() { return impl_->between; }
 Array<ClothHold>& Cloth::holds() { return impl_->holds; }
-Vec3 Cloth::mover_shift(std::uint32_t m) const { return impl_->mover_shift[m]; }
-Vec3 Cloth::mover_turn(std::uint32_t m) const { return impl_->mover_turn[m]; }
+Vec3 Cloth::mover_shift(std::uint32_t m) const {
+  FEDER_ASSERT(m > 0 && m < impl_->mover_shift.size());
+  return impl_->mover_shift[m];
+}
+Vec3 Cloth::mover_turn(std::uint32_t m) const {
+  FEDER_ASSERT(m > 0 && m < impl_->mover_turn.size());
+  return impl_->mover_turn[m];
+}
 void Cloth::set_movers(Movers* movers) { impl_->movers = movers; }
 void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
+  FEDER_ASSERT(!(acceleration < 0 || speed < 0));
   impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->strike = speed;
 }
-void Cloth::set_load(std::size_t n, Real mass) { impl_->sheets[n]->state.load = mass; }
+void Cloth::set_load(std::size_t n, Real mass) {
+  FEDER_ASSERT(n < impl_->sheets.size() && !(mass < 0));
+  impl_->sheets[n]->state.load = mass;
+}
 Real Cloth::load(std::size_t n) const { return impl_->sheets[n]->state.load; }
-void Cloth::push(std::uint32_t i, const Vec3& p) { impl_->speed[i].add(impl_->moved[i].w * p); }
+void Cloth::push(std::uint32_t i, const Vec3& p) {
+  FEDER_ASSERT(impl_->sheet_of(i).active() || impl_->moved[i].w == 0);
+  impl_->speed[i].add(impl_->moved[i].w * p);
+}
 
 }  // namespace feder

@@ -14,6 +14,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
     Sheet& s = *p;
     if (!s.active()) continue;
     const Vec3 g = c.gravity * s.settings.gravity_scale;
+    FEDER_ASSERT(s.first + s.total <= acceleration.size());
     force.resize(s.total);
     for (std::uint32_t i = 0; i < s.points; ++i) force[i] = vertices.script_force[s.first + i];
     bool blown = false;
@@ -33,6 +34,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
             points.push_back({vertices.position[i] + moved[i].vec(), speed[i].vec(), vertices.mass[i], area,
                               area * s.settings.thickness, share * vertices.mass[i]});
           }
+        FEDER_ASSERT(points.size() == s.points);  // work memory that wind uses, too
         f.force->add(points.data(), s.points, time, force.data());
       }
       if (blown && s.settings.wind) add_wind(s, time, c.h);
@@ -87,6 +89,7 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
 }
 
 void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
+  FEDER_ASSERT(force.size() >= s.points && air_density > 0);
   const AreaShares shares{s.settings.drag, s.settings.lift};
   for (std::size_t t = 0; t < s.mesh.triangles.size(); t += 3) {
     const std::uint32_t* v = &s.mesh.triangles[t];

@@ -24,6 +24,7 @@ Vec3 Cloth::Impl::astray(std::uint32_t i) const { return place(i) - found_place[
 bool Cloth::Impl::near_path(Real part) {
   bool good = true;
   for (const std::uint32_t i : near_vertex) {
+    FEDER_ASSERT(near_sheet[i] < sheets.size() && !(stray[i] < 0));
     if (moved[i].w == 0) continue;
     const Real far = length(astray(i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
     const Real most = Real(0.75) * kStray * sheets[near_sheet[i]]->settings.thickness;
@@ -36,6 +37,7 @@ bool Cloth::Impl::near_path(Real part) {
 // Are the features apart along the normal? With `push`, moves those that are not.
 bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
   if (!p.live) return true;
+  FEDER_ASSERT(is_direction(p.normal) && !(p.distance < 0));
   const std::uint32_t split = p.edges ? 2 : 1;
   const Real wanted = kKept * p.distance;
   Real along[4];
@@ -60,7 +62,11 @@ bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
 
 // The first vertex of the group that `i` is held with.
 std::uint32_t Cloth::Impl::held_root(std::uint32_t i) {
-  while (held_with[i] != i) i = held_with[i] = held_with[held_with[i]];
+  FEDER_ASSERT(held_with[i] != kNone);
+  while (held_with[i] != i) {
+    FEDER_ASSERT(held_with[i] < i);  // the first of a group is its root
+    i = held_with[i] = held_with[held_with[i]];
+  }
   return i;
 }
 
@@ -110,6 +116,7 @@ Real share_within(const Vec3& a, const Vec3& b, Real r) {
 
 // Velocities of the zones, and their vertices moved by them, as far as the search allows.
 void Cloth::Impl::move_zones(Real part) {
+  FEDER_ASSERT(wished.size() == moved.size() && guard_start.size() == moved.size());
   zones.assign(moved.size(), Zone());
   const auto each = [&](auto&& f) {
     for (const std::uint32_t i : near_vertex)
@@ -157,12 +164,14 @@ Real Cloth::Impl::freedom(const NearPair& p) {
       const Real gap = now[i] - now[j], then = wish[i] - wish[j];
       if (then < kept) share = std::min(share, gap > kept ? (gap - kept) / (gap - then) : Real(0));
     }
+  FEDER_ASSERT(!(share < 0 || share > 1));
   return share;
 }
 
 // Searches this part anew, from where it began, along the ways that vertices really went: some left those that the
 // search ahead foresaw, or are to be held back, which asks for more pairs.
 void Cloth::Impl::widen(Real part) {
+  FEDER_ASSERT(swapped.empty());
   wished.assign(moved.begin(), moved.end());
   for (const std::uint32_t i : near_vertex) {
     if (moved[i].w == 0) continue;
@@ -179,6 +188,7 @@ void Cloth::Impl::widen(Real part) {
   std::size_t n = 0;
   for (const std::uint32_t i : near_vertex)
     if (moved[i].w != 0) moved[i] = wished[i], speed[i] = swapped[n++];
+  FEDER_ASSERT(n == swapped.size());  // the search lists the same vertices again
   swapped.clear();
   since_found = part;
   pairs_stale = true;
@@ -186,6 +196,7 @@ void Cloth::Impl::widen(Real part) {
 }
 
 void Cloth::Impl::guard(Real part) {
+  FEDER_ASSERT(part > 0);
   since_found += part;
   bool wide = !near_path(part);
   if (wide) widen(part);

@@ -92,10 +92,14 @@ struct Cloth::Impl {
   Array<std::uint32_t> near_sheet;         // by vertex: place of its cloth
   std::uint64_t guarded = 0, widened = 0;  // corrections and second searches of the last step
   std::uint64_t row_updates = 0;           // of the last step: links, hinges, contacts and holds by small steps
+  mutable Array<std::uint32_t> marks;      // of validate(), by vertex
   bool pairs_stale = true;                 // motion is not what it was at the search
   bool trees_stale = true;                 // of this step there are none
 
-  Sheet& sheet(ObjectId id) const { return *sheets[objects.index(id)]; }
+  Sheet& sheet(ObjectId id) const {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::cloth);
+    return *sheets[objects.index(id)];
+  }
   std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none
   ClothView view(Sheet& s);
   void attach_solver(Sheet& s, const std::string& name, const Params& options);
@@ -122,6 +126,7 @@ struct Cloth::Impl {
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
   void check_damping(Sheet& s, StepContext& c);
+  void prepare_solver(Sheet& s, StepContext& c);
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);
   void add_wind(Sheet& s, double time, Real h);
@@ -139,6 +144,12 @@ struct Cloth::Impl {
   std::uint32_t split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& triangles);
   void lump_mass(Sheet& s);
   void share_mass(Sheet& s);
+  // validate.cpp
+  void validate_sheet(std::uint32_t n) const;
+  void validate_mesh(const Sheet& s) const;
+  void validate_motion(const Sheet& s) const;
+  void validate_ties(const Sheet& s) const;
+  void validate_pairs() const;
 
   // rows.cpp
   void solve_rows(Array<ClothRow>& list, Real h);
@@ -152,7 +163,10 @@ struct Cloth::Impl {
   // near.cpp: pairs that may come close in this step, and their rows
   bool near_wanted() const;
   std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
-  Sheet& sheet_of(std::uint32_t vertex) const { return *sheets[objects.index(vertices.cloth[vertex])]; }
+  Sheet& sheet_of(std::uint32_t vertex) const {
+    FEDER_ASSERT(vertex < vertices.size());
+    return *sheets[objects.index(vertices.cloth[vertex])];
+  }
   Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
   // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: vertices may stay
   // behind.

@@ -95,6 +95,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   }
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
+    FEDER_ASSERT(version_ == v.version && inv_mass_.size() == v.points && h > 0);
     view_ = v;
     Method& method = at(h);
     x_.resize(v.points), v_.resize(v.points);
@@ -112,6 +113,13 @@ class MassSpring final : public ClothSolver, private ForceField {
     if (v.damping > 0) batches_.damp_links(v, h, c), batches_.damp_hinges(v, h, c);
   }
   double longest_damping(Real h) const override { return batches_.longest_damping(h); }
+
+  void validate(const ClothView& v) const override {
+    batches_.validate(v);
+    if (version_ != v.version) return;
+    FEDER_ASSERT(springs_.size() >= v.mesh->links.size());
+    for (const Spring& s : springs_) FEDER_ASSERT(s.i <= s.j && s.j < v.points && !(s.rest < 0));
+  }
 
   double wanted_substeps(const ClothView& v, Real h) const override {
     return std::sqrt(fastest(v)) * double(h) / reach();
@@ -183,6 +191,7 @@ class MassSpring final : public ClothSolver, private ForceField {
     for (const ClothLink& l : v.mesh->links) f(Spring{l.a, l.b, l.rest, l.stiffness});
     for (const ClothHinge& k : v.mesh->hinges) {
       const std::uint32_t i = std::min(k.v[2], k.v[3]), j = std::max(k.v[2], k.v[3]);
+      FEDER_ASSERT(i < v.points && j + 1 < v.total);
       if (j >= v.points) continue;  // the far side of a clamp: nothing for springs to lean on
       const Vec3 e = v.rest[k.v[1]] - v.rest[k.v[0]];
       const Real size = length(e), a = length(cross(e, v.rest[k.v[2]] - v.rest[k.v[0]])) / size,
@@ -210,6 +219,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   bool damped() const override { return false; }
   bool stiff_damping(Real) const override { return false; }
   void eval(std::span<const Vec3> x, std::span<const Vec3>, double, std::span<Vec3> force) override {
+    FEDER_ASSERT(x.size() == view_.points && force.size() == view_.points);
     for (std::uint32_t i = 0; i < view_.points; ++i) force[i] = view_.mass[i] * view_.acceleration[i];
     for (const Spring& s : springs_) {
       const Vec3 e = edge(s, x);
@@ -222,6 +232,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   // As for nets: the indefinite part of a compressed spring is dropped (Choi & Ko 2002).
   void jacobian(std::span<const Vec3> x, std::span<const Vec3>, double, BlockSparse& k, BlockSparse& d) override {
     d.set_zero(), k.set_zero();
+    FEDER_ASSERT(k.off.size() == springs_.size());  // in the order of pattern()
     for (std::size_t n = 0; n < springs_.size(); ++n) {
       const Spring& s = springs_[n];
       const Vec3d e = edge(s, x).cast<double>();

@@ -36,6 +36,7 @@ struct Side {
 };
 
 std::vector<Side> sides_of(std::span<const std::uint32_t> triangles) {
+  FEDER_ASSERT(triangles.size() % 3 == 0);
   std::vector<Side> sides;
   sides.reserve(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size() / 3; ++t) {
@@ -60,6 +61,7 @@ bool shares_edge(const std::uint32_t* s, const std::uint32_t* t, std::uint32_t& 
     if (!in_t) own = s[i];
     if (!in_s) other = t[i];
   }
+  FEDER_ASSERT(common != 2 || (own != kNone && other != kNone));
   return common == 2;
 }
 
@@ -67,6 +69,7 @@ bool shares_edge(const std::uint32_t* s, const std::uint32_t* t, std::uint32_t& 
 
 void make_sheet(const Real size[2], std::uint32_t nx, std::uint32_t ny, std::vector<Vec3>& vertices,
                 std::vector<std::uint32_t>& triangles) {
+  FEDER_ASSERT(nx >= 2 && ny >= 2);
   vertices.clear(), triangles.clear();
   for (std::uint32_t j = 0; j < ny; ++j)
     for (std::uint32_t i = 0; i < nx; ++i)
@@ -80,6 +83,7 @@ void make_sheet(const Real size[2], std::uint32_t nx, std::uint32_t ny, std::vec
       else
         triangles.insert(triangles.end(), {a, c, b, b, c, d});
     }
+  FEDER_ASSERT(triangles.size() == std::size_t(6) * (nx - 1) * (ny - 1) && triangles.back() + 1 == vertices.size());
 }
 
 void check_mesh(std::span<const Vec3> x, std::span<const std::uint32_t> triangles) {
@@ -131,6 +135,7 @@ static bool cell_corners(const ClothMesh& m, std::uint32_t c, std::uint32_t (&v)
   int n = 0;
   for (int i = 0; i < 3; ++i)
     if (s[i] != v[2] && n < 2) v[n++] = s[i];
+  FEDER_ASSERT(n == 2 && v[0] != v[1] && v[2] != v[3]);
   return true;
 }
 
@@ -139,6 +144,7 @@ static bool across(const ClothMesh& m, std::span<const Vec3> rest, std::uint32_t
                    std::uint32_t (&inner)[2]) {
   std::uint32_t v[4], others[2];
   if (!cell_corners(m, t / 2, v)) return false;
+  FEDER_ASSERT(std::count(v, v + 4, a) == 1 && std::count(v, v + 4, b) == 1);
   int n = 0;
   for (const std::uint32_t i : v)
     if (i != a && i != b && n < 2) others[n++] = i;
@@ -148,12 +154,15 @@ static bool across(const ClothMesh& m, std::span<const Vec3> rest, std::uint32_t
 }
 
 void inner_neighbors(const ClothMesh& m, std::span<const Vec3> rest, const ClothEdge& e, std::uint32_t (&inner)[2]) {
-  across(m, rest, e.triangle[0], e.a, e.b, inner);
+  const bool whole = across(m, rest, e.triangle[0], e.a, e.b, inner);
+  FEDER_ASSERT(whole);
 }
 
 void lump_masses(const ClothMesh& m, std::span<const Vec3> rest, Real density, std::span<Real> mass) {
+  FEDER_ASSERT(mass.size() <= rest.size());  // hidden vertices have none
   std::fill(mass.begin(), mass.end(), Real(0));
   const auto give = [&](const std::uint32_t* v, int n, Real total) {
+    FEDER_ASSERT(!(total < 0));
     for (int k = 0; k < n; ++k) mass[v[k]] += total / static_cast<Real>(n);
   };
   for (std::uint32_t t = 0; t < m.triangles.size() / 3; ++t) {
@@ -177,6 +186,7 @@ struct RowHinge {
 };
 
 static void add_hinge(ClothMesh& m, std::span<const Vec3> rest, const std::uint32_t (&v)[4], Real stiffness) {
+  FEDER_ASSERT(v[0] != v[1] && std::max({v[0], v[1], v[2], v[3]}) < rest.size());
   ClothHinge h;
   std::copy(v, v + 4, h.v);
   h.angle = hinge_angle(rest[v[0]], rest[v[1]], rest[v[2]], rest[v[3]]);
@@ -188,6 +198,7 @@ static void add_hinge(ClothMesh& m, std::span<const Vec3> rest, const std::uint3
 static void add_edge_hinge(ClothMesh& m, std::span<const Vec3> rest, const ClothEdge& e, Real stiffness) {
   const std::uint32_t* t = &m.triangles[3 * e.triangle[0]];
   const int at = t[0] == e.opposite[0] ? 1 : t[1] == e.opposite[0] ? 2 : 0;
+  FEDER_ASSERT(std::minmax(t[at], t[(at + 1) % 3]) == std::minmax(e.a, e.b));
   add_hinge(m, rest, {t[at], t[(at + 1) % 3], e.opposite[0], e.opposite[1]}, stiffness);
 }
 
@@ -198,6 +209,7 @@ static void add_row_hinges(ClothMesh& m, std::span<const Vec3> rest, std::vector
   std::stable_sort(list.begin(), list.end());
   for (std::size_t i = 0; i < list.size();) {
     RowHinge h = list[i++];
+    FEDER_ASSERT(h.axis != h.middle && h.axis != h.wing[0] && h.axis != h.wing[1]);
     for (; i < list.size() && list[i].same(h); ++i) h.stiffness += list[i].stiffness;
     add_hinge(m, rest, {h.middle, h.axis, h.wing[0], h.wing[1]}, h.stiffness);
   }
@@ -215,6 +227,7 @@ static void make_hinges(ClothMesh& m, std::span<const Vec3> rest, Real bend) {
         for (int k = 0; k < 2; ++k) {
           const std::uint32_t middle = k ? e.b : e.a;
           if (g.clamped != middle || !across(m, rest, e.triangle[0], e.a, e.b, near) || near[k] != g.inner) continue;
+          FEDER_ASSERT(g.vertex < rest.size() && g.vertex > std::max(g.inner, g.clamped));
           const Real cell = length(rest[g.inner] - rest[middle]);
           rows.push_back({middle, {g.inner, g.vertex}, k ? e.a : e.b, bend * size / cell});  // size/2 over cell/2
         }
@@ -246,6 +259,7 @@ void make_elements(ClothMesh& m, std::span<const Vec3> rest, const ClothStiffnes
     int n = 0;
     for (; i < sides.size() && sides[i].a == e.a && sides[i].b == e.b; ++i, ++n)
       if (n < 2) e.triangle[n] = sides[i].triangle, e.opposite[n] = sides[i].opposite;
+    FEDER_ASSERT(n <= 2 && e.a != e.b && e.b < rest.size());
     m.edges.push_back(e);
   }
 
@@ -266,6 +280,7 @@ void make_elements(ClothMesh& m, std::span<const Vec3> rest, const ClothStiffnes
     std::uint32_t a = 0, b = 0;
     const std::uint32_t *s = &m.triangles[6 * c], *t = s + 3;
     if (!shares_edge(s, t, a, b)) continue;  // torn
+    FEDER_ASSERT(a != b);                    // across the diagonal that is an edge
     const Real size = length(rest[b] - rest[a]), area = area_of(rest, s) + area_of(rest, t);
     m.links.push_back({std::min(a, b), std::max(a, b), size, k.shear * size * size / (2 * area), 1});
   }

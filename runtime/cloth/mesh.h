@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/arena.h"
-#include "base/math.h"
+#include "base/checks.h"
 
 namespace feder {
 

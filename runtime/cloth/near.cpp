@@ -55,6 +55,7 @@ void closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
   t = share(uv * s + vr, vv);
   if (t < 0) t = 0, s = clamp(share(-ur, uu), 0, 1);
   if (t > 1) t = 1, s = clamp(share(uv - ur, uu), 0, 1);
+  FEDER_ASSERT(!(s < 0 || s > 1 || t < 0 || t > 1));
 }
 
 template <class Place>
@@ -70,6 +71,7 @@ Vec3 gap_vector(const std::uint32_t* v, bool edges, Place&& place, Real (&weight
     weight[0] = 1;
     for (int k = 0; k < 3; ++k) weight[k + 1] = -w[k];
   }
+  FEDER_ASSERT(sums_to(weight, 0));
   return weight[0] * x0 + weight[1] * x1 + weight[2] * x2 + weight[3] * x3;
 }
 
@@ -123,6 +125,7 @@ void Cloth::Impl::list_features(Real time, bool held) {
     for (const std::uint32_t v : s->mesh.triangles) near_triangle.push_back(s->first + v);
     for (const ClothEdge& e : s->mesh.edges) near_edge.push_back(s->first + e.a), near_edge.push_back(s->first + e.b);
   }
+  FEDER_ASSERT(near_triangle.size() % 3 == 0 && near_vertex.size() <= vertices.size());
   triangle_box.resize(near_triangle.size() / 3), edge_box.resize(near_edge.size() / 2);
   for (std::size_t t = 0; t < triangle_box.size(); ++t) {
     triangle_box[t] = vertex_box[near_triangle[3 * t]];
@@ -137,7 +140,10 @@ void Cloth::Impl::list_features(Real time, bool held) {
 
 // Keeps the pair unless it is farther apart than it can close in `time`.
 void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
+  FEDER_ASSERT(v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3] && v[2] != v[3]);
   const std::uint32_t place_a = near_sheet[v[0]], place_b = near_sheet[v[3]];
+  FEDER_ASSERT(place_a < sheets.size() && place_b < sheets.size());
+  FEDER_ASSERT(near_sheet[v[2]] == place_b && near_sheet[v[1]] == (edges ? place_a : place_b));
   const Sheet &a = *sheets[place_a], &b = *sheets[place_b];
   const std::uint32_t both = place_a == place_b ? kNone : between_of(place_a, place_b);
   if (place_a == place_b ? !a.active() || !a.settings.self_collision : both == kNone) return;
@@ -162,6 +168,7 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
   p.between = both;
   p.thickness = wanted;
   p.idle = free > 0 ? free / closing : Real(0);
+  FEDER_ASSERT(!(p.idle < 0));
   if (&a == &b) {
     Real rest_weight[4];
     const Real rest = length(gap_vector(
@@ -187,6 +194,7 @@ void Cloth::Impl::find_pairs(Real time, bool held) {
     found.clear();
     triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
     for (const std::uint32_t t : found) {
+      FEDER_ASSERT(t < triangle_box.size());
       const std::uint32_t* k = &near_triangle[3 * t];
       if (k[0] == i || k[1] == i || k[2] == i) continue;
       add_pair({i, k[0], k[1], k[2]}, false, time);
@@ -197,6 +205,7 @@ void Cloth::Impl::find_pairs(Real time, bool held) {
     edge_tree.query(edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
     const std::uint32_t a = near_edge[2 * e], b = near_edge[2 * e + 1];
     for (const std::uint32_t f : found) {
+      FEDER_ASSERT(f > e && f < edge_box.size());  // each pair once
       const std::uint32_t p = near_edge[2 * f], q = near_edge[2 * f + 1];
       if (a == p || a == q || b == p || b == q) continue;
       add_pair({a, b, p, q}, true, time);
@@ -218,6 +227,7 @@ int Cloth::Impl::near_parts(StepContext& c) const {
   for (const auto& s : sheets)
     if (s->active())
       most = std::max(most, std::min(c.h * s->strike / (Real(0.5) * s->settings.thickness), Real(kMostParts)));
+  FEDER_ASSERT(most >= 1 && most <= kMostParts);
   return std::min(static_cast<int>(std::ceil(most)), small_steps);
 }
 
@@ -246,6 +256,7 @@ void Cloth::Impl::make_near_rows(Real time, Real part) {
     r.normal = p.normal;
     r.offset = p.distance - p.thickness - dot(p.normal, d);
     const Sheet &a = *sheets[near_sheet[p.v[0]]], &b = *sheets[near_sheet[p.v[3]]];
+    FEDER_ASSERT((p.between == kNone) == (&a == &b) && (p.between == kNone || p.between < between.size()));
     r.touch = p.between;
     r.friction = std::sqrt(a.settings.friction * b.settings.friction);
     r.relaxation = std::min(a.solver->relaxation(), b.solver->relaxation());
@@ -263,6 +274,7 @@ void Cloth::Impl::collect_near() {
     k.strongest = r.impulse, k.speed = r.approach;
     const bool turned = near_sheet[r.vertex[0]] != k.a;
     const std::uint32_t at = r.vertex[turned ? 3 : 0];
+    FEDER_ASSERT(near_sheet[at] == k.a && near_sheet[r.vertex[turned ? 0 : 3]] == k.b);
     k.index = at - sheets[k.a]->first, k.point = place(at), k.normal = turned ? r.normal : Vec3(-r.normal);
   }
 }
@@ -272,6 +284,7 @@ void Cloth::Impl::collect_near() {
 void Cloth::Impl::account(const ClothRow& r, int k, const Vec3& change, const Vec3& wanted, Real h) {
   Between& pair = between[r.touch];
   const std::uint32_t i = r.vertex[k];
+  FEDER_ASSERT(h > 0 && (near_sheet[i] == pair.a || near_sheet[i] == pair.b));
   double(&to)[3] = pair.given[near_sheet[i] == pair.a ? 0 : 1];
   const bool held = moved[i].w == 0;
   const double scale = (held ? 1.0 : static_cast<double>(vertices.mass[i])) / static_cast<double>(h);

@@ -32,11 +32,13 @@ struct RowResponse {
 }  // namespace
 
 Vec3 Cloth::Impl::mover_displacement(std::uint32_t m, const Vec3& arm) const {
+  FEDER_ASSERT(m < mover_shift.size());
   return mover_shift[m] + cross(mover_turn[m], arm);
 }
 
 Real Cloth::Impl::mover_response(std::uint32_t m, const Vec3& arm, const Vec3& n) const {
   if (m == 0) return 0;
+  FEDER_ASSERT(movers && m < movers->mass.size());
   const MoverMass& mass = movers->mass[m];
   const Vec3 turn = cross(arm, n);
   return dot(n, mass.inv_mass_axes.cwiseProduct(n)) + dot(turn, mass.inv_inertia * turn);
@@ -44,6 +46,7 @@ Real Cloth::Impl::mover_response(std::uint32_t m, const Vec3& arm, const Vec3& n
 
 void Cloth::Impl::push_mover(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
   if (m == 0) return;
+  FEDER_ASSERT(h > 0);
   const MoverMass& mass = movers->mass[m];
   MoverState& state = movers->state[m];
   const Vec3 shift = mass.inv_mass_axes.cwiseProduct(correction), turn = mass.inv_inertia * cross(arm, correction);
@@ -56,6 +59,7 @@ void Cloth::Impl::push_mover(std::uint32_t m, const Vec3& arm, const Vec3& corre
 // Movers go on with the velocity they have.
 void Cloth::Impl::advance_movers(StepContext&) {
   if (!movers) return;
+  FEDER_ASSERT(mover_shift.size() == movers->state.size());  // nobody joins within a substep
   for (std::size_t m = 1; m < mover_shift.size(); ++m) {
     mover_shift[m] += step * movers->state[m].velocity;
     mover_turn[m] += step * movers->state[m].angular_velocity;
@@ -64,6 +68,7 @@ void Cloth::Impl::advance_movers(StepContext&) {
 
 void Cloth::Impl::solve_holds(Real h) {
   for (const ClothHold& k : holds) {
+    FEDER_ASSERT(k.vertex < moved.size());
     Row4& x = moved[k.vertex];
     Mat3 response = Mat3::Zero();
     if (k.mover != 0) {
@@ -96,6 +101,7 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
+      FEDER_ASSERT(r.vertex[k] < moved.size());
       const Row4& x = moved[r.vertex[k]];
       d += r.weight[k] * x.vec();
       change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
@@ -104,6 +110,8 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
     }
     const Real gap = r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm));
     if (!(gap < 0)) continue;
+    FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
+    FEDER_ASSERT(!two_cloths || r.touch == kNone || r.touch < between.size());
     if (r.mover != 0) {
       const MoverState& m = movers->state[r.mover];
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
@@ -115,6 +123,7 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
     const Real push = r.relaxation * need / along;  // kg m
     if (r.impulse == 0) r.approach = std::max(-closing / h, Real(0));
     r.impulse += push / h;
+    FEDER_ASSERT(!(push < 0));  // contacts do not pull
 
     // friction takes what it can of the sliding of this small step
     Vec3 total = push * r.normal;
@@ -139,7 +148,9 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
 void Cloth::Impl::velocities(Real h) {
   for (auto& s : sheets) {
     if (!s->active()) continue;
+    FEDER_ASSERT(moved[s->first + s->total - 1].vec().isZero(0));  // what empty lanes push
     for (std::uint32_t i = s->first; i < s->first + s->total; ++i) {
+      FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
       const Vec3 u = (moved[i].vec() - before[i].vec()) / h;
       before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
     }
@@ -167,6 +178,7 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
     if (!(parting > 0) || !(along > 0)) continue;
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;
+    FEDER_ASSERT(!(impulse < 0 || impulse > r.impulse));
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
       Row4& v = speed[r.vertex[k]];

@@ -80,6 +80,7 @@ struct Sheet {
   std::uint32_t bad_vertex = kNone;
   Real mass = 0;  // kg
   bool any_pin = false;
+  bool prepared = false;      // its solver, for this step
   double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity
   double kinetic_before = 0;  // J at the start of the step
 

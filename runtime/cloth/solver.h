@@ -54,6 +54,8 @@ class ClothSolver {
   // What it remembers between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}
+  // Asserts that what it keeps of the mesh is that of this cloth; nothing to say while the mesh is new to it.
+  virtual void validate(const ClothView&) const {}
   virtual Real relaxation() const { return 1; }                     // of contact corrections
   virtual bool sheds_strain() const { return true; }                // the stretch law of step.cpp applies
   virtual double least_cap() const { return 1; }                    // small steps that `max_substeps` cannot forbid

@@ -15,6 +15,7 @@ constexpr Real kLeastGravity = 1;  // m/s^2: weightless cloth is pulled by somet
 }
 
 ClothView Cloth::Impl::view(Sheet& s) {
+  FEDER_ASSERT(moved.size() == vertices.size() && before.size() == vertices.size());
   ClothView v;
   v.mesh = &s.mesh;
   v.points = s.points, v.total = s.total;
@@ -64,6 +65,7 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   std::vector<std::uint32_t> at(start.begin(), start.end() - 1);
   for (std::uint32_t k = 0; k < s.mesh.links.size(); ++k)
     if (walked(s.mesh.links[k])) next[at[s.mesh.links[k].a]++] = k, next[at[s.mesh.links[k].b]++] = k;
+  FEDER_ASSERT(at.back() == start.back());  // as many neighbours as were counted
   s.rows = 1, s.path = s.mesh.links[0].rest;
   for (std::size_t q = 0; q < queue.size(); ++q) {
     const std::uint32_t i = queue[q];
@@ -123,6 +125,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       if (wanted > cap) wanted = s.solver->substeps_beyond(cap);
       s.state.substeps = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
     }
+    FEDER_ASSERT(s.state.substeps >= 1);
     small_steps = std::max(small_steps, static_cast<int>(s.state.substeps));
   }
 }
@@ -137,6 +140,13 @@ void Cloth::Impl::check_damping(Sheet& s, StepContext& c) {
                  s.object);
 }
 
+void Cloth::Impl::prepare_solver(Sheet& s, StepContext& c) {
+  if (s.paths_stale) measure_paths(s), make_ties(s);
+  place_ties(s);
+  s.solver->prepare(view(s), c);
+  s.prepared = true;
+}
+
 // Work arrays of the step. A sleeping or frozen cloth cannot be moved.
 void Cloth::Impl::gather(Sheet& s, Real h) {
   const Vec3 ahead = s.solver->lead(h) * h * s.flight();
@@ -149,6 +159,7 @@ void Cloth::Impl::gather(Sheet& s, Real h) {
 }
 
 void Cloth::Impl::prepare(StepContext& c) {
+  FEDER_ASSERT(c.h > 0 && c.h <= c.dt);
   const std::uint32_t size = vertices.size();
   moved.resize(size), before.resize(size), speed.resize(size), acceleration.resize(size);
   any_active = false;
@@ -160,6 +171,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   for (auto& s : sheets) {
     any_active = any_active || s->active();
     s->bad_vertex = kNone;
+    s->prepared = false;
     if (s->kinetic < 0) s->kinetic = kinetic_energy(*s);
     s->kinetic_before = s->kinetic;
     for (const ClothGhost& g : s->mesh.ghosts) {
@@ -182,8 +194,7 @@ void Cloth::Impl::prepare(StepContext& c) {
       if (!s->any_pin) s->set_flight(c.gravity * s->settings.gravity_scale);
     }
     if (s->active()) {
-      place_ties(*s);
-      s->solver->prepare(view(*s), c);
+      prepare_solver(*s, c);
       check_damping(*s, c);
     }
     gather(*s, h);
@@ -221,8 +232,11 @@ void Cloth::Impl::find_near(StepContext& c) {
 
 void Cloth::Impl::advance(StepContext& c) {
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
-  for (auto& s : sheets)
-    if (s->active()) s->solver->advance(view(*s), start + c.inner.index * static_cast<double>(step), step, c);
+  for (auto& s : sheets) {
+    if (!s->active()) continue;
+    if (!s->prepared) prepare_solver(*s, c);  // woken by a coupling since: held in this step, it moves from the next
+    s->solver->advance(view(*s), start + c.inner.index * static_cast<double>(step), step, c);
+  }
 }
 
 void Cloth::Impl::solve(StepContext&) {
@@ -295,6 +309,7 @@ void Cloth::Impl::quarantine(StepContext& c) {
   ObjectId object;
   for (auto& s : sheets) {
     if (s->bad_vertex == kNone || s->state.frozen) continue;
+    FEDER_ASSERT(s->bad_vertex < s->points);
     s->state.frozen = 1;
     suspect(*s);
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i)

@@ -14,6 +14,7 @@ constexpr int kTearsPerStep = 16;
 
 // A vertex like `vertex`, for those of its triangles in the list. Its number within the cloth.
 std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& list) {
+  FEDER_ASSERT(!list.empty() && vertex < s.points && vertices.inv_mass[s.first + vertex] != 0);
   const std::uint32_t added = s.points, at = s.first + added;
   ClothVertices::each_array(vertices, [&](auto& array) {
     auto copy = array[s.first + vertex];
@@ -32,10 +33,12 @@ std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const st
       std::uint32_t& v = s.mesh.triangles[3 * t + static_cast<std::uint32_t>(k)];
       if (v == vertex) v = added;
     }
+  FEDER_ASSERT(s.total == s.points + s.mesh.ghosts.size() + 1);
   return added;
 }
 
 bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
+  FEDER_ASSERT(link < s.mesh.edges.size());  // links along edges come first
   const ClothLink l = s.mesh.links[link];
   const Vec3* x = vertices.position.data() + s.first;
   const Vec3 along = x[l.b] - x[l.a];
@@ -73,6 +76,7 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
       }
       ++fans;
     }
+    FEDER_ASSERT(std::find(fan.begin(), fan.end(), kNone) == fan.end());
     if (fans < 2) continue;
     Event e;
     e.kind = EventKind::tear;
@@ -95,7 +99,9 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
 // Masses anew. What a vertex gives away, and with it its momentum, goes to those that gain.
 void Cloth::Impl::share_mass(Sheet& s) {
   const std::vector<Real> before(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.points);
+  const Real all = s.mass;
   lump_mass(s);
+  FEDER_ASSERT(nearly_equal(double(s.mass), double(all)));
   Vec3 carried = Vec3::Zero();
   Real given = 0;
   for (std::uint32_t i = 0; i < s.points; ++i) {
@@ -105,6 +111,7 @@ void Cloth::Impl::share_mass(Sheet& s) {
   for (std::uint32_t i = 0; i < s.points; ++i) {
     const Real more = vertices.mass[s.first + i] - before[i];
     Vec3& v = vertices.velocity[s.first + i];
+    if (vertices.inv_mass[s.first + i] == 0) continue;  // its pin takes that momentum
     if (more > 0 && given > 0) v = (before[i] * v + more / given * carried) / vertices.mass[s.first + i];
   }
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)

@@ -40,6 +40,7 @@ class Geodesic {
   }
 
   void spread(std::span<const std::uint32_t> anchors) {
+    FEDER_ASSERT(!anchors.empty() && queue_.empty());
     for (const std::uint32_t a : anchors) queue_.push({0, a, a});
     while (!queue_.empty()) {
       const auto [distance, vertex, anchor] = queue_.top();
@@ -50,6 +51,7 @@ class Geodesic {
       for (std::uint32_t k = start_[vertex]; k < start_[vertex + 1]; ++k) {
         const std::uint32_t* t = &mesh_.triangles[3 * round_[k]];
         const int at = t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+        FEDER_ASSERT(t[at] == vertex);  // round_ lists the triangles of this vertex
         pass_on(*l, vertex, t[(at + 1) % 3], t[(at + 2) % 3]);
         pass_on(*l, vertex, t[(at + 2) % 3], t[(at + 1) % 3]);
       }
@@ -137,6 +139,7 @@ void Cloth::Impl::make_ties(Sheet& s) {
         }
         t.batches.back().a[lane] = i;
         const std::size_t at = (t.batches.size() - 1) * kLanes + static_cast<std::size_t>(lane++);
+        FEDER_ASSERT(t.anchor[at] == kNone && vertices.inv_mass[s.first + l.anchor] == 0);
         t.anchor[at] = l.anchor, t.rest[at] = static_cast<Real>(l.distance);
       }
       t.layers.push_back(static_cast<std::uint32_t>(t.batches.size()));
@@ -166,6 +169,7 @@ void Cloth::Impl::place_ties(Sheet& s) {
       const std::uint32_t i = t.pins[a], j = t.pins[b];
       apart = std::max(apart, length(x[i] - x[j]) / (longest * length(rest[i] - rest[j])));
     }
+  FEDER_ASSERT(t.anchor.size() == t.batches.size() * kLanes && !s.paths_stale);
   for (std::size_t n = 0; n < t.batches.size(); ++n)
     for (int k = 0; k < kLanes; ++k) {
       const std::size_t at = n * kLanes + static_cast<std::size_t>(k);
@@ -194,6 +198,7 @@ void Cloth::Impl::solve_body_ties(Real h) {
         if (found == holds.end()) continue;
         hold = &*found;
       }
+      FEDER_ASSERT(t.vertex < s.points && t.anchor < s.points);
       Row4& x = moved[i];
       const Vec3 point = vertices.position[anchor] - hold->error + mover_displacement(hold->mover, hold->arm);
       const Vec3 e = vertices.position[i] + x.vec() - point;

@@ -91,6 +91,7 @@ void Cloth::Impl::watch(StepContext& c) {
   for (auto& p : sheets) {
     Sheet& s = *p;
     if (!s.active() || s.bad_vertex != kNone) continue;  // quarantine reports the second
+    FEDER_ASSERT(!(s.kinetic_before < 0));               // known since the step began
     s.kinetic = kinetic_energy(s);
     if (s.kinetic <= kDiverged * s.kinetic_before) continue;  // most steps end here
     const double mass = number(s.mass), before = s.kinetic_before + least * mass;

@@ -36,6 +36,7 @@ class Xpbd final : public ClothSolver {
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
     // soft hinges push at the state that the last small step left, all at once: exact at rest, where a sweep is not
+    FEDER_ASSERT(version_ == v.version);
     soft_ = stiffest_ * double(h) * double(h) <= kSoftHinge;
     const int now = static_cast<int>(std::lround((t - c.time - c.substep * double(c.h)) / double(h)));
     const int together = !soft_ ? 0 : v.crowded ? 1 : pushed_now(now, h, c);
@@ -58,6 +59,7 @@ class Xpbd final : public ClothSolver {
     if (!soft_ || !batches_.damps_in_stages(v, h)) batches_.damp_hinges(v, h, c);
   }
   double longest_damping(Real h) const override { return batches_.longest_damping(h); }
+  void validate(const ClothView& v) const override { batches_.validate(v); }
 
   // Bending waves have to be resolved, whatever the load: beyond that hinges are swept, and too soft.
   double wanted_substeps(const ClothView& v, Real h) const override {
@@ -86,6 +88,7 @@ class Xpbd final : public ClothSolver {
     const auto odd = [](int n) { return n - 1 + n % 2; };
     const double most = std::sqrt(kSoftHinge / std::fmax(stiffest_, 1e-30)) / double(h);
     const int full = odd(static_cast<int>(std::fmax(1, std::fmin(most, kTogether)))), rest = count - count % full;
+    FEDER_ASSERT(full % 2 == 1 && now >= 0 && now < count);
     const int group = now < rest ? full : odd(count - rest);
     now = now < rest ? now % full : now - rest;
     if (now >= group) return 1;  // one is left over
