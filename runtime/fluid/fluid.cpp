@@ -127,6 +127,10 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
   for (const ObjectId e : emitters) destroy_emitter(e, where);
   for (const ObjectId d : drains) destroy_drain(d, where);
   const std::uint32_t place = m.objects.index(id);
+  FEDER_ASSERT(place < m.pools.size() && m.pools[place]->object == id);
+  FEDER_ASSERT(
+      std::none_of(m.emitters.begin(), m.emitters.end(), [&](const FluidEmitter& e) { return e.fluid == id; }));
+  FEDER_ASSERT(std::none_of(m.drains.begin(), m.drains.end(), [&](const FluidDrain& d) { return d.fluid == id; }));
   m.pools.erase(m.pools.begin() + place);
   for (std::uint32_t k = place; k < m.pools.size(); ++k) m.objects.set_index(m.pools[k]->object, k);
   m.objects.remove(id, std::move(where));
@@ -185,6 +189,7 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
     const Real dx = rng.uniform(-e, e), dy = rng.uniform(-e, e), dz = rng.uniform(-e, e);
     p.add(vec3(x[0] + dx, x[1] + dy, p.dimension == 2 ? Real(0) : x[2] + dz), velocity);
   }
+  FEDER_ASSERT(p.next_id >= p.count);
   p.fresh = true;
   p.crowded = kScriptWindow;
   *m.structure_changed = true;
@@ -198,7 +203,10 @@ Walls& Fluid::walls() { return impl_->walls; }
 
 std::size_t Fluid::pool_count() const { return impl_->pools.size(); }
 
-FluidPool& Fluid::pool_at(std::size_t n) { return *impl_->pools[n]; }
+FluidPool& Fluid::pool_at(std::size_t n) {
+  FEDER_ASSERT(n < impl_->pools.size());
+  return *impl_->pools[n];
+}
 
 void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
   FluidPool& p = impl_->pool(id);
@@ -209,6 +217,7 @@ void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
     if (!is_finite(v[i]))
       throw SceneError("set_velocities: expected finite numbers, but velocity " + std::to_string(i + 1) + " is not");
   const std::vector<std::uint32_t> order = impl_->by_id(p);
+  FEDER_ASSERT(order.size() == v.size());
   for (std::size_t k = 0; k < order.size(); ++k) p.v[order[k]].set(v[k]);
   p.kinetic = p.kinetic_energy();
 }

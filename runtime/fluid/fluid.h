@@ -66,6 +66,7 @@ class Fluid final : public System {
   Momentum momentum() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid.density_error ...
   bool finite() const override;
+  void validate() const override;
   double held(const StepContext& c) override;
 
   ObjectId add_fluid(const FluidDesc& desc);

@@ -23,6 +23,7 @@ constexpr int kMostRounds = 64;
 Real wall_distance(const FluidPool& p, const WallContact& k) { return dot(k.normal, p.x[k.particle].vec()) - k.offset; }
 
 void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
+  FEDER_ASSERT(h > 0 && p.desc.viscosity > 0);
   const int d = p.dimension;
   const Real nu = p.viscous_scale * p.desc.viscosity / p.desc.density;
   const Real r2 = p.support * p.support;
@@ -42,10 +43,12 @@ void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
     for (const WallContact& k : p.contacts_of(i)) {
       const Real s = wall_distance(p, k) / p.support;
       if (s >= 1) continue;
+      FEDER_ASSERT(k.particle == i && k.wall < walls.list.size());
       WallBody& b = walls.bodies[walls.list[k.wall].body];
       const Vec3 at = p.x[i].vec(), slip = p.v[i].vec() - b.velocity_at(at);
       const Vec3 along = slip - dot(slip, k.normal) * k.normal;
       const Real rate = h * nu * p.table->at(std::max(s, Real(0))).friction / (std::max(s, Real(0.05)) * r2);
+      FEDER_ASSERT(!(rate < 0));
       const Vec3 change = -(rate / (1 + rate)) * along;  // implicit: never turns round
       p.v[i].set(p.v[i].vec() + change);
       if (b.dynamic)
@@ -77,6 +80,7 @@ void add_viscosity(FluidPool& p, Walls& walls, Real h, StepContext& c) {
 void add_tension(FluidPool& p, Walls&, Real h, StepContext& c) {
   const SweepInput in = p.sweep_input();
   const Real pull = h * p.cohesion / (p.mass * p.support);
+  FEDER_ASSERT(!(pull < 0));
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->cohere(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() - pull * p.move[i].vec());

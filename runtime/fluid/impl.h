@@ -43,8 +43,12 @@ struct Fluid::Impl {
   Array<std::uint8_t> gone;      // work
   std::uint64_t lost = 0;        // particles taken away because they went non-finite
 
-  FluidPool& pool(ObjectId id) const { return *pools[objects.index(id)]; }
+  FluidPool& pool(ObjectId id) const {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::fluid);
+    return *pools[objects.index(id)];
+  }
   FluidSolver& solver_of(const FluidPool& p);
+  void validate_sources() const;  // validate.cpp
   void group_pools();
   void make_room();  // outside steps: for what the emitters will give
   std::vector<Vec3> sites(const FluidEmitter& e, const FluidPool& p) const;

@@ -49,6 +49,7 @@ constexpr Real kPatience = Real(0.25);    // s for which the fluid is too dense 
 class SemiIteration {
  public:
   explicit SemiIteration(int n) {
+    FEDER_ASSERT(n >= 1);
     const double sigma = cosh(kDecay / n), shift = (sigma - 1) / (sigma + 1);
     half_ = kSpectrum * (1 - shift) / 2;
     ratio_ = sigma;
@@ -59,6 +60,7 @@ class SemiIteration {
     rho_ = before > 0 ? 1 / (2 * ratio_ - before) : 1 / ratio_;
     step_ = before > 0 ? 2 * rho_ / half_ : rho_ / half_;
     carry_ = rho_ * before;
+    FEDER_ASSERT(rho_ > 0 && rho_ < 1 && carry_ < 1);  // else the rounds would make errors larger
   }
   // From here on plain Jacobi steps, which never make an eigenvalue's part larger or turn it round.
   void stop() { stopped_ = true; }
@@ -90,6 +92,7 @@ class Pbf final : public FluidSolver {
     plan.add<&Pbf::judge>(Rank::fluid_check, "compression", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override {
+    FEDER_ASSERT(i < p.count);
     if (!(p.last_h > 0)) return 0;
     const Real r2 = p.ratio[i] * p.ratio[i];
     return -r2 * p.lambda[i] / (p.last_h * p.last_h * p.volume) - p.inward;
@@ -206,6 +209,7 @@ void Pbf::judge(StepContext& c) {
 
 void Pbf::predict(StepContext& c) {
   h_ = c.h / static_cast<Real>(c.inner.count);
+  FEDER_ASSERT(h_ > 0 && h_ <= c.h);
   if (c.inner.index == 0) walls->move_to(0);
   each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
@@ -234,6 +238,7 @@ void Pbf::meet_walls(StepContext& c) {
 
 // From the plane, which has gone with its body since the start of the substep.
 Real Pbf::distance(const FluidPool& p, const WallContact& k) const {
+  FEDER_ASSERT(k.particle < p.count && k.wall < walls->list.size());
   const Vec3 x = p.x[k.particle].vec();
   const Real d = dot(k.normal, x) - k.offset;
   const WallBody& b = walls->bodies[walls->list[k.wall].body];
@@ -275,6 +280,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       Real walled = 0, shared = 0, opposed = 0;
       Vec3 wall = Vec3::Zero();
       for (const WallContact& k : p.contacts_of(i)) {
+        FEDER_ASSERT(k.particle == i);
         const WallSample s = p.table->at(distance(p, k) / p.support);
         walled += s.value;
         if (!first_round) continue;
@@ -307,6 +313,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
     const bool counts = excess > 0 || p.lambda[i] < p.sum[i];  // it was under pressure before this round
     if (counts && p.diagonal[i] > 0) residual += excess * excess / static_cast<double>(p.diagonal[i]);
   }
+  FEDER_ASSERT(!(residual < 0));
   return residual;
 }
 
@@ -316,6 +323,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
   const Real inv_mass = 1 / p.mass, rate = 1 / h_;
   // Along the lines of the substep's start, as SHAKE does, angular momentum is kept. Where the particles are predicted,
   // pressure against cohesion turns a drop faster and faster; pressure against gravity turns nothing, and is spared it.
+  FEDER_ASSERT(p.start.size() > p.count);
   p.start[p.count] = {};
   in.velocity = &p.start[0].x;
   const auto push = p.desc.surface_tension > 0 ? p.sweeps->push_from : p.sweeps->push;
@@ -340,6 +348,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
     }
   });
   for (const std::uint32_t at : p.dynamic_contacts) {
+    FEDER_ASSERT(at < p.contact_first[p.count]);
     const WallContact& k = p.contacts[at];
     walls->bodies[walls->list[k.wall].body].push(p.start[k.particle].vec(), -k.impulse * k.normal);
   }

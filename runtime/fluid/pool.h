@@ -84,12 +84,18 @@ struct FluidPool {
   Array<std::uint32_t> dynamic_contacts;  // places of contacts with bodies that the fluid moves
   Array<FluidTouch> touches;              // by body of the walls, sums in point and normal
   std::uint32_t worst = 0;                // bit 0: something is not finite
+  std::uint64_t ids_there = 0;            // of validate(): sum of id_key over the particles added and not removed
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   void grow(std::uint32_t wanted);                       // outside steps; all arrays by particle
   void keep_origins();                                   // origin is there from now on, and grows with the others
   void add(const Vec3& position, const Vec3& velocity);  // there is room
   void remove_marked(const Array<std::uint8_t>& gone);   // keeps the order
+  static std::uint64_t id_key(std::uint32_t id);         // lists with the same numbers have the same sum; validate.cpp
+  std::uint64_t id_sum() const;
+  void validate() const;
+  void validate_order() const;                 // after sort_by_cell: each particle lies in its cell
+  void validate_neighbors(Real radius) const;  // a sample of the rows
   void find_cohesion();
   void put_sentinel();
 
@@ -102,6 +108,7 @@ struct FluidPool {
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
   }
   std::span<WallContact> contacts_of(std::uint32_t i) {
+    FEDER_ASSERT(i < count && contact_first[i] <= contact_first[i + 1] && contact_first[i + 1] <= contacts.size());
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
   }
   // Density over density at rest of all particles where they are; lists must be fresh.

@@ -8,6 +8,7 @@ namespace feder {
 
 void Fluid::Impl::refresh(FluidPool& p) {
   if (p.count == 0) return;
+  FEDER_ASSERT(p.start.size() > p.count && !walls.drifted);
   std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
   p.put_sentinel();
   p.find_neighbors(one_thread, 0);
@@ -19,6 +20,8 @@ std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {
   std::vector<std::uint32_t> order(p.count);
   for (std::uint32_t i = 0; i < p.count; ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
+  if constexpr (kAsserts)
+    for (std::size_t k = 1; k < order.size(); ++k) FEDER_ASSERT(p.id[order[k - 1]] < p.id[order[k]]);
   return order;
 }
 
@@ -158,6 +161,7 @@ void Fluid::list_touches(Array<FluidTouch>& out) const {
   for (const auto& p : impl_->pools)
     for (const FluidTouch& t : p->touches) {
       if (t.count == 0) continue;
+      FEDER_ASSERT(t.body && !(t.speed < 0));
       out.push_back(t);
       out.back().fluid = p->object;
       out.back().point = t.point / static_cast<Real>(t.count);

@@ -51,6 +51,8 @@ void make_way(FluidPool& p, JobPool& jobs) {
   for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = p.sum[i];
   const SweepInput in = p.sweep_input();
   const Real longest = kMostMove * p.desc.spacing;
+  if constexpr (kAsserts)
+    for (std::uint32_t i = 0; i < p.count; ++i) FEDER_ASSERT(!(p.x[i].w > 0));  // room is made, never taken
   jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->push(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {

@@ -69,6 +69,7 @@ void Fluid::load(Reader& r) {
     for (std::uint32_t i = 0; i < count; ++i)
       r.get(p->x[i]), r.get(p->v[i]), r.get(p->lambda[i]), r.get(p->ratio[i]), r.get(p->id[i]);
     p->put_sentinel();
+    if constexpr (kAsserts) p->ids_there = p->id_sum();
     p->kinetic = p->kinetic_energy();
     p->crowded = kScriptWindow;
     m.pools.push_back(std::move(p));

@@ -15,6 +15,7 @@ constexpr double kRoomAhead = 0.25;  // s of emission that there is room for
 }  // namespace
 
 std::vector<Vec3> Fluid::Impl::sites(const FluidEmitter& e, const FluidPool& p) const {
+  FEDER_ASSERT(is_direction(e.direction));
   std::vector<Vec3> all;
   const Real d = p.desc.spacing;
   const int n = static_cast<int>(e.radius / d);
@@ -40,6 +41,7 @@ void Fluid::Impl::make_room() {
     FluidPool& p = pool(e.fluid);
     const double rate = full_rate(e, p);
     double more = std::ceil(kRoomAhead * (e.rate > 0 ? std::min(rate, static_cast<double>(e.rate)) : rate)) + 64;
+    FEDER_ASSERT(e.limit == 0 || e.made <= e.limit);
     if (e.limit > 0) more = std::min(more, static_cast<double>(e.limit - e.made));
     const double wanted = std::min(static_cast<double>(p.desc.max_particles), static_cast<double>(p.count) + more);
     p.grow(static_cast<std::uint32_t>(wanted));
@@ -95,6 +97,7 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
 void Fluid::destroy_emitter(ObjectId id, std::string where) {
   Impl& m = *impl_;
   const std::uint32_t place = m.objects.index(id);
+  FEDER_ASSERT(place < m.emitters.size() && m.emitters[place].object == id);
   m.emitters.erase(m.emitters.begin() + place);
   for (std::uint32_t k = place; k < m.emitters.size(); ++k) m.objects.set_index(m.emitters[k].object, k);
   m.objects.remove(id, std::move(where));
@@ -104,6 +107,7 @@ void Fluid::destroy_emitter(ObjectId id, std::string where) {
 void Fluid::destroy_drain(ObjectId id, std::string where) {
   Impl& m = *impl_;
   const std::uint32_t place = m.objects.index(id);
+  FEDER_ASSERT(place < m.drains.size() && m.drains[place].object == id);
   m.drains.erase(m.drains.begin() + place);
   for (std::uint32_t k = place; k < m.drains.size(); ++k) m.objects.set_index(m.drains[k].object, k);
   m.objects.remove(id, std::move(where));
@@ -111,6 +115,7 @@ void Fluid::destroy_drain(ObjectId id, std::string where) {
 }
 
 void Fluid::set_running(ObjectId id, bool running) {
+  FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == ObjectKind::emitter);
   FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
   e.running = running && !e.done;
   *impl_->structure_changed = true;
@@ -156,6 +161,7 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
     a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
   else
     tangent_frame(e.direction, a, b);
+  FEDER_ASSERT(count > 0);  // the nozzle's middle is one
   // sites in an order that spreads them: steps of about the golden part of their number, which must be coprime to it
   std::uint64_t stride = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(0.618 * static_cast<double>(count)));
   while (std::gcd(stride, count) != 1) ++stride;
@@ -184,6 +190,7 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
       return;  // the clock stands
     }
     const std::uint64_t number = e.rate > 0 ? e.made % count * stride % count : e.made % count;
+    FEDER_ASSERT(number < count);
     const Real behind = static_cast<Real>((due(e.made) - e.clock) * static_cast<double>(e.speed));
     p.add(e.position + site(number) - behind * e.direction, e.speed * e.direction);
     ++e.made;

@@ -15,6 +15,7 @@ void Fluid::Impl::guard(StepContext&) {
 void Fluid::Impl::drain(StepContext& c) {
   for (FluidDrain& d : drains) {
     FluidPool& p = pool(d.fluid);
+    FEDER_ASSERT(d.shape < shapes.size() && shapes[d.shape]);
     const Shape& shape = *shapes[d.shape];
     gone.assign(p.count, 0);
     std::uint32_t taken = 0;
@@ -25,6 +26,7 @@ void Fluid::Impl::drain(StepContext& c) {
     }
     if (taken == 0) continue;
     p.remove_marked(gone);
+    FEDER_ASSERT(p.count + taken == gone.size());
     p.contact_first[p.count] = 0;
     d.taken += taken;
     Event e;
@@ -55,6 +57,7 @@ void Fluid::Impl::check(StepContext& c) {
     }
     suspect(p);
     p.remove_marked(gone);
+    FEDER_ASSERT(p.count + bad == gone.size());
     p.kinetic = p.kinetic_energy();
     lost += bad;
     message += (message.empty() ? "" : "; ") + objects.describe(p.object) + ": " + std::to_string(bad) +

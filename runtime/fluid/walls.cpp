@@ -31,7 +31,7 @@ bool crosses(const Wall& w, const Vec3& from, const Vec3& to, RayHit& hit) {
 
 void Walls::start() {
   away = false;
-  for (Wall& w : list) w.start = w.pose;
+  for (Wall& w : list) w.start = w.pose, w.away = false;
   for (WallBody& b : bodies) b.start = b.center;
 }
 
@@ -39,8 +39,11 @@ void Walls::move_to(Real seconds) {
   if (seconds == 0 && !away) return;
   away = seconds != 0;
   for (Wall& w : list) {
+    FEDER_ASSERT(w.body < bodies.size());
     const WallBody& b = bodies[w.body];
-    if (b.velocity.isZero(0) && b.spin.isZero(0) && b.center == b.start) continue;
+    const bool rests = b.velocity.isZero(0) && b.spin.isZero(0);
+    if (rests && !w.away) continue;
+    w.away = !rests;
     const Quat turn = integrate_rotation(Quat::identity(), seconds * b.spin);
     w.pose.position = b.start + rotate(turn, Vec3(w.start.position - b.start)) + seconds * b.velocity;
     w.pose.rotation = integrate_rotation(w.start.rotation, seconds * b.spin);
@@ -50,6 +53,7 @@ void Walls::move_to(Real seconds) {
 }
 
 void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out) {
+  FEDER_ASSERT(ahead >= 0 && contact_first.size() > count);
   const Real fall = length(gravity) * ahead * ahead;
   const auto reach_of = [&](std::uint32_t i, const WallBody& b) {
     return support + fall + ahead * length(Vec3(v[i].vec() - wall_speed(b, start[i].vec())));
@@ -125,6 +129,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, con
         const Wall& wall = walls.list[w];
         WallContact& c = contacts[at++];
         c.wall = w, c.particle = i;
+        FEDER_ASSERT(at <= contact_first[i + 1] && is_direction(n_local));
         c.normal = rotate(wall.pose.rotation, n_local);
         c.offset = dot(c.normal, start[i].vec()) - d;
         c.local_normal = n_local;
@@ -133,6 +138,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, con
         c.impulse = 0;
         if (d < guard) out += (guard - d) * c.normal;
       });
+      FEDER_ASSERT(at == contact_first[i + 1]);  // as many as were counted
       if (!push_out || out.isZero(0)) continue;
       // a wall has come over it since: moved, but not accelerated
       start[i].set(start[i].vec() + out);
@@ -156,6 +162,7 @@ void FluidPool::note_touches(const Walls& walls) {
     const WallContact& c = contacts[k];
     const Vec3 place = x[c.particle].vec();
     if (dot(c.normal, place) - c.offset > near) continue;
+    FEDER_ASSERT(c.particle < count && c.wall < walls.list.size());
     FluidTouch& t = at(c);
     t.body = walls.bodies[walls.list[c.wall].body].object;
     ++t.count;
@@ -176,9 +183,11 @@ void FluidPool::weigh_fixed(Walls& walls) const {
 
 void FluidPool::share_bodies(Walls& walls) {
   for (const std::uint32_t k : dynamic_contacts) {
+    FEDER_ASSERT(k < contact_first[count]);
     const WallContact& c = contacts[k];
     const Real d = dot(c.normal, x[c.particle].vec()) - c.offset;
     walls.bodies[walls.list[c.wall].body].touching += table->at(d / support).slope / support;
+    FEDER_ASSERT(!(walls.bodies[walls.list[c.wall].body].touching < 0));
   }
 }
 
@@ -189,6 +198,7 @@ void FluidPool::guard_walls(Walls& walls) {
     for (int round = 0; round < kGuardRounds && moved; ++round) {
       moved = false;
       for (const WallContact& c : contacts_of(i)) {
+        FEDER_ASSERT(c.particle == i && c.wall < walls.list.size());
         const Wall& w = walls.list[c.wall];
         Vec3 at = x[i].vec(), n = rotate(w.pose.rotation, c.local_normal);
         Real d = dot(n, at - w.pose.position) - c.local_offset;
@@ -219,6 +229,7 @@ void FluidPool::guard_walls(Walls& walls) {
         if (closing >= 0) continue;
         // fully plastic, the pair's own masses: what the particle loses the body gains
         const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
+        FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
         const Vec3 p = (-closing * share * mass) * n;
         v[i].set(v[i].vec() + p / mass);
         if (b.dynamic)

@@ -3,7 +3,7 @@
 // meets the wall where it is by then.
 #pragma once
 #include "base/arena.h"
-#include "base/math.h"
+#include "base/checks.h"
 #include "geom/shape.h"
 #include "state/objects.h"
 
@@ -26,6 +26,7 @@ struct WallBody {
 
   Vec3 velocity_at(const Vec3& x) const { return velocity + cross(spin, x - center); }
   void push(const Vec3& at, const Vec3& p) {
+    FEDER_ASSERT(dynamic);  // the others take impulses only, where they are weighed
     const Vec3 t = cross(at - center, p);
     velocity += inv_mass.cwiseProduct(p);
     spin += inv_inertia * t;

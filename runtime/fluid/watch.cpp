@@ -17,6 +17,7 @@ double given(const FluidPool& p, const StepContext& c) {
   const double g = static_cast<double>(length(c.gravity)) * std::fabs(static_cast<double>(p.desc.gravity_scale));
   double sum = gravity_work(g, dt, n * m + 1e-30, p.kinetic_before, std::fmin(p.kinetic, 1e300));
   sum += 8 * n * static_cast<double>(p.desc.surface_tension) * d * d;  // all the surface a particle can lose
+  FEDER_ASSERT(h > 0 && !(p.kinetic_before < 0));
   const double push = d / h + static_cast<double>(p.sound);
   if (p.crowded > 0) sum += 0.5 * n * m * push * push;
   return sum;

@@ -68,6 +68,7 @@ void Wcsph::choose_steps(StepContext& c) {
 }
 
 void Wcsph::begin(StepContext& c) {
+  FEDER_ASSERT(c.inner.index < c.inner.count);
   h_ = c.h / static_cast<Real>(c.inner.count);
   if (c.inner.index > 0) return;
   walls->move_to(0);
@@ -140,6 +141,7 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
     }
     sound = std::min(sound, carried);
   }
+  FEDER_ASSERT(!(sound < 0) && light >= 1);
   p.sound = sound;
   return steps;
 }
@@ -192,6 +194,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 a = factor * p.move[i].vec() + gravity;
       for (WallContact& k : p.contacts_of(i)) {
+        FEDER_ASSERT(k.particle == i && h > 0);
         const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
         const Vec3 off = p.v[i].vec() - walls->bodies[walls->list[k.wall].body].velocity_at(p.x[i].vec()) + h * a;
         const Real most = std::max(Real(0), (leave - dot(k.normal, off)) / h);

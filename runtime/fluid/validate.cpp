@@ -1,0 +1,120 @@
+// Validation of fluids: after a step the arrays of each pool, its particles' numbers and what is known of emitters,
+// drains and solvers; within it the order of the particles after a sort by cell, and a sample of the neighbours' rows.
+// That no particle is lost or doubled is told by a sum over their numbers that does not depend on the order (hash of a
+// multiset, Bellare and Micciancio 1997). No memory.
+#include <algorithm>
+
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr std::uint32_t kSample = 16;  // of so many rows of neighbours one is looked at
+
+bool listed(const NeighborLists& lists, std::uint32_t i, std::uint32_t j) {
+  const auto row = lists.row(i);
+  return std::binary_search(row.begin(), row.end(), j);
+}
+
+}  // namespace
+
+std::uint64_t FluidPool::id_key(std::uint32_t number) {
+  std::uint64_t k = (number + 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull;
+  k = (k ^ k >> 27) * 0x94d049bb133111ebull;
+  return k ^ k >> 31;
+}
+
+std::uint64_t FluidPool::id_sum() const {
+  std::uint64_t sum = 0;
+  for (std::uint32_t i = 0; i < count; ++i) sum += id_key(id[i]);
+  return sum;
+}
+
+void FluidPool::validate_order() const {
+  FEDER_ASSERT(id_sum() == ids_there);  // each in one place
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const int cx = grid.coordinate(0, x[i].x), cy = grid.coordinate(1, x[i].y), cz = grid.coordinate(2, x[i].z);
+    FEDER_ASSERT(grid.first(cx, cy, cz) <= i && i < grid.last(cx, cy, cz));
+  }
+}
+
+// Lists made of numbers that are not finite hold places of particles, and no more is said of them.
+void FluidPool::validate_neighbors(Real radius) const {
+  bool finite = true;
+  for (std::uint32_t i = 0; i < count && finite; ++i) finite = is_finite(x[i].vec());
+  for (std::uint32_t i = 0; i < count; i += kSample) {
+    const auto row = lists.row(i);
+    FEDER_ASSERT(row.size() <= lists.stride && row.size() <= NeighborLists::kMost);
+    FEDER_ASSERT(lists.rounded[i] % 8 == 0 && lists.rounded[i] >= row.size() && lists.rounded[i] < row.size() + 8);
+    for (std::uint32_t k = lists.count[i]; k < lists.rounded[i]; ++k) FEDER_ASSERT(row.data()[k] == count);
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const std::uint32_t j = row[k];
+      FEDER_ASSERT(j < count && j != i);
+      if (!finite) continue;
+      FEDER_ASSERT(k == 0 || row[k - 1] < j);
+      // pushes are equal and opposite only if both know; a crowd's row that is full may have been cut
+      FEDER_ASSERT(listed(lists, j, i) || lists.count[j] == NeighborLists::kMost);
+      FEDER_ASSERT(!(length(Vec3(x[i].vec() - x[j].vec())) > Real(1.001) * radius));
+    }
+  }
+}
+
+void FluidPool::validate() const {
+  const std::size_t room = capacity();
+  FEDER_ASSERT(count <= room && room <= desc.max_particles);
+  FEDER_ASSERT(support > desc.spacing && table && search && kernel && sweeps);
+  if (room > 0) {
+    for (const auto* array : {&x, &v, &start, &move, &extra, &swap4}) FEDER_ASSERT(array->size() == room + 1);
+    for (const auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &swap1})
+      FEDER_ASSERT(array->size() == room);
+    FEDER_ASSERT(swap_id.size() == room && contact_first.size() == room + 1);
+    FEDER_ASSERT(origin.empty() || origin.size() == x.size());
+  }
+  FEDER_ASSERT(x.size() > count && x[count].w == 0 && length(x[count].vec()) > Real(1e8));
+  FEDER_ASSERT(v[count].vec().isZero(0) && extra[count].vec().isZero(0));  // nobody has pushed the sentinel
+
+  FEDER_ASSERT(id_sum() == ids_there);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    FEDER_ASSERT(id[i] < next_id);
+    FEDER_ASSERT(is_finite(x[i].vec()) && is_finite(v[i].vec()) && is_finite(lambda[i]));  // else taken out
+    FEDER_ASSERT(x[i].w == 0);                                                             // weights live in a sweep
+  }
+  FEDER_ASSERT(nearly_equal(kinetic, kinetic_energy()));  // the watchdog knows of every change
+}
+
+void Fluid::Impl::validate_sources() const {
+  const auto owned = [&](ObjectId object, ObjectKind kind, std::size_t place, ObjectId fluid) {
+    return objects.alive(object) && objects.kind(object) == kind && objects.index(object) == place &&
+           objects.alive(fluid) && objects.kind(fluid) == ObjectKind::fluid;
+  };
+  for (std::size_t n = 0; n < emitters.size(); ++n) {
+    const FluidEmitter& e = emitters[n];
+    FEDER_ASSERT(owned(e.object, ObjectKind::emitter, n, e.fluid));
+    FEDER_ASSERT((e.limit == 0 || e.made <= e.limit) && !(e.done && e.running) && e.clock >= 0);
+  }
+  for (std::size_t n = 0; n < drains.size(); ++n)
+    FEDER_ASSERT(owned(drains[n].object, ObjectKind::drain, n, drains[n].fluid) && drains[n].shape < shapes.size());
+}
+
+void Fluid::validate() const {
+  const Impl& m = *impl_;
+  FEDER_ASSERT(!m.walls.drifted);  // bodies are put back, or placed anew
+  for (const Wall& w : m.walls.list) FEDER_ASSERT(w.shape && w.body < m.walls.bodies.size());
+  // each pool is moved by the solver it asks for, and by no other
+  std::size_t moved = 0;
+  for (std::size_t k = 0; k < m.solvers.size(); ++k) {
+    if (!m.solvers[k]) continue;
+    for (const FluidPool* p : m.solvers[k]->pools) {
+      FEDER_ASSERT(p->desc.solver == fluid_solvers()[k].name && &m.pool(p->object) == p);
+      ++moved;
+    }
+  }
+  FEDER_ASSERT(moved == m.pools.size());
+  for (std::size_t n = 0; n < m.pools.size(); ++n) {
+    FEDER_ASSERT(m.objects.index(m.pools[n]->object) == n);
+    m.pools[n]->validate();
+  }
+  m.validate_sources();
+}
+
+}  // namespace feder
