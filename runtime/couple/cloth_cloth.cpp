@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/checks.h"
+
 namespace feder {
 namespace {
 
@@ -52,6 +54,7 @@ void ClothCloth::sync() {
 Aabb ClothCloth::reach(std::size_t n, StepContext& c) const {
   const Cloth::Info info = cloth_.info(n);
   const ClothVertices& v = cloth_.vertices();
+  FEDER_ASSERT(info.count > 0 && info.first + info.count <= v.size());
   Aabb box;
   Real fastest = 0;
   for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
@@ -70,6 +73,7 @@ void ClothCloth::list_pairs(StepContext& c) {
   box_.resize(count);
   for (std::uint32_t n = 0; n < count; ++n) box_[n] = reach(n, c);
   Array<Cloth::Between>& list = cloth_.between();
+  FEDER_ASSERT(list.empty());  // of this step there are none yet
   list.clear();
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t j = i + 1; j < count; ++j) {
@@ -89,6 +93,8 @@ void ClothCloth::gather(const Cloth::Between& k) {
   given_ += static_cast<double>(k.impulse);
   if (!(k.impulse > 0)) return;
   const ObjectId a = cloth_.info(k.a).object, b = cloth_.info(k.b).object;
+  FEDER_ASSERT(a < b && k.index < cloth_.info(k.a).count);
+  FEDER_ASSERT(is_direction(k.normal) && !(k.strongest > Real(1.001) * k.impulse));
   auto t = std::find_if(touches_.begin(), touches_.end(), [&](const Touch& x) { return x.a == a && x.b == b; });
   if (t == touches_.end()) {
     Touch fresh;
@@ -102,6 +108,7 @@ void ClothCloth::gather(const Cloth::Between& k) {
 }
 
 Event ClothCloth::event(EventKind kind, const Touch& t) {
+  open_.count(kind);
   Event e;
   e.kind = kind;
   e.a = t.a, e.b = t.b;
@@ -112,6 +119,7 @@ Event ClothCloth::event(EventKind kind, const Touch& t) {
 
 void ClothCloth::report(Touch& t, StepContext& c) {
   const Cloth::Info a = cloth_.info(objects_.index(t.a)), b = cloth_.info(objects_.index(t.b));
+  FEDER_ASSERT(a.object == t.a && b.object == t.b);
   if (a.asleep && b.asleep && t.begun) t.seen = 1;  // nothing has moved
   if (t.seen && a.asleep && b.moving) cloth_.wake(t.a, WakeCause::cloth, t.b);
   if (t.seen && b.asleep && a.moving) cloth_.wake(t.b, WakeCause::cloth, t.a);
@@ -141,6 +149,16 @@ void ClothCloth::residuals(std::vector<Residual>& out) const {
   out.push_back({"cloth_cloth.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
   out.push_back({"cloth_cloth.impulse_ns", given_});
   out.push_back({"cloth_cloth.pairs", static_cast<double>(pairs_)});
+}
+
+void ClothCloth::validate() const {
+  validate_records<Touch>({touches_.data(), touches_.size()}, &Touch::a, ObjectKind::cloth, &Touch::b,
+                          ObjectKind::cloth, objects_, open_);
+  for (const Touch& t : touches_) {
+    FEDER_ASSERT(t.a < t.b);
+    FEDER_ASSERT(t.begun == 1 && t.seen == 1);  // others have ended
+  }
+  FEDER_ASSERT(cloth_.cloth_count() < 2 || box_.size() == cloth_.cloth_count());
 }
 
 }  // namespace feder

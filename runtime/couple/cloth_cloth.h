@@ -2,6 +2,7 @@
 #pragma once
 #include "bounds/aabb.h"
 #include "cloth/cloth.h"
+#include "couple/event_balance.h"
 #include "step/system.h"
 
 namespace feder {
@@ -16,7 +17,8 @@ class ClothCloth final : public System {
   std::size_t count() const override;        // pairs that touch now
   void hash(Hash& h) const override;
   void save(Writer& w) const override { w.list(touches_); }
-  void load(Reader& r) override { r.list(touches_); }
+  void load(Reader& r) override { r.list(touches_), open_.set(touches_.size()); }
+  void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // cloth_cloth.impulse_mismatch, .impulse_ns, .pairs
 
  private:
@@ -36,7 +38,7 @@ class ClothCloth final : public System {
   Aabb reach(std::size_t n, StepContext& c) const;
   void gather(const Cloth::Between& k);
   void report(Touch& t, StepContext& c);
-  static Event event(EventKind kind, const Touch& t);
+  Event event(EventKind kind, const Touch& t);
 
   Cloth& cloth_;
   Objects& objects_;
@@ -45,6 +47,7 @@ class ClothCloth final : public System {
   Array<Touch> touches_;             // in the order of the objects
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
   std::size_t pairs_ = 0;            // that might touch in the last step
+  EventBalance open_;
 };
 
 }  // namespace feder

@@ -52,22 +52,13 @@ void ClothRigid::add_passes(StepPlan& plan) {
 
 std::size_t ClothRigid::count() const { return touches_.size(); }
 
-// Attachments to bodies that are gone end; a cloth that lay on one wakes.
+// Attachments to bodies that are gone end.
 void ClothRigid::sync() {
   std::vector<ObjectId> gone;
   for (const Cloth::Attachment& a : cloth_.attachments())
     if (!objects_.alive(a.body)) gone.push_back(a.body);
   for (const ObjectId body : gone) cloth_.detach_body(body);
-  for (const Touch& t : touches_) {
-    if (objects_.alive(t.body) && objects_.alive(t.cloth)) continue;
-    if (objects_.alive(t.cloth)) cloth_.wake(t.cloth, WakeCause::destroyed, t.body);
-    Event e;
-    e.kind = EventKind::contact_end;
-    e.a = t.cloth, e.b = t.body, e.index = t.index, e.point = t.point, e.normal = t.normal;
-    events_.add_pending(e);
-  }
-  std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.cloth); });
-  std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.cloth); });
+  end_contacts();
   candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
   hurry_ = 0;
   vertex_shapes_.clear();
@@ -77,16 +68,33 @@ void ClothRigid::sync() {
   cloth_.holds().clear();
 }
 
+// Contacts with what is gone end; a cloth that lay on it wakes.
+void ClothRigid::end_contacts() {
+  for (const Touch& t : touches_) {
+    if (objects_.alive(t.body) && objects_.alive(t.cloth)) continue;
+    if (objects_.alive(t.cloth)) cloth_.wake(t.cloth, WakeCause::destroyed, t.body);
+    open_.count(EventKind::contact_end);
+    Event e;
+    e.kind = EventKind::contact_end;
+    e.a = t.cloth, e.b = t.body, e.index = t.index, e.point = t.point, e.normal = t.normal;
+    events_.add_pending(e);
+  }
+  std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.cloth); });
+  std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.cloth); });
+}
+
 ClothRigid::Place ClothRigid::place(std::uint32_t k) const {
   Place p;
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = colliders_.owner_index[k];
+  FEDER_ASSERT(colliders_.owner[k] == ObjectKind::body && b.object[body] == colliders_.object[k]);
   p.solver = movers_.solver[b.mover[body]];
   if (p.solver == 0) {
     p.center = b.position[body];
     p.pose = b.com_pose(body) * colliders_.local[k];
     return p;
   }
+  FEDER_ASSERT(p.solver < movers_.state.size() && p.solver < movers_.mass.size());
   const MoverState& s = movers_.state[p.solver];
   p.center = movers_.mass[p.solver].center + s.moved;
   p.velocity = s.velocity, p.spin = s.angular_velocity;
@@ -114,6 +122,7 @@ Real ClothRigid::attachments_of(ObjectId body, ObjectId cloth) const {
 std::uint32_t ClothRigid::touch_of(ObjectId cloth, ObjectId body) {
   for (std::uint32_t k = 0; k < touches_.size(); ++k)
     if (touches_[k].cloth == cloth && touches_[k].body == body) return k;
+  FEDER_ASSERT(objects_.kind(cloth) == ObjectKind::cloth && objects_.kind(body) == ObjectKind::body);
   Touch t;
   t.cloth = cloth, t.body = body;
   touches_.push_back(t);
@@ -133,6 +142,7 @@ Aabb ClothRigid::reach_of(std::uint32_t k, StepContext& c) const {
 
 // What comes at a cloth has to be stopped within a quarter of its size: that takes small steps, from the first touch.
 void ClothRigid::look_ahead(StepContext& c) {
+  end_contacts();  // a body may go without a new plan
   const ClothVertices& v = cloth_.vertices();
   const Bodies& b = rigid_.bodies();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
@@ -170,6 +180,7 @@ void ClothRigid::find_candidates(StepContext& c) {
   for (Touch& t : touches_) t.seen = 0, t.impulse = t.support = t.speed = t.slip = t.strongest = 0;
   const ClothVertices& v = cloth_.vertices();
   if (cloth_.moved().size() != v.size()) return;
+  FEDER_ASSERT(vertex_shapes_.size() == cloth_.cloth_count());
   smallest_.resize(colliders_.size());
   box_.resize(v.size());
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) candidates_of(n, c);
@@ -235,6 +246,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     const Aabb own = shape.bounds(Pose{});
     const Vec3 half = Real(0.5) * (own.hi - own.lo);
     smallest_[k] = shape.convex() ? half.minCoeff() : Real(0);
+    FEDER_ASSERT(!(smallest_[k] < 0));
     if (!info.asleep && colliders_.motion[k] != ColliderMotion::dynamic) warn_of_pins(info, k, c);
     const ObjectId body = colliders_.object[k];
     const std::uint32_t place = static_cast<std::uint32_t>(n);
@@ -262,9 +274,11 @@ void ClothRigid::make_holds() {
       continue;
     }
     const std::uint32_t body = rigid_.index(a.body);
+    FEDER_ASSERT(cloth_.vertices().cloth[a.vertex] == a.cloth && b.object[body] == a.body);
     ClothHold k;
     k.vertex = a.vertex;
     k.mover = movers_.solver[b.mover[body]];
+    FEDER_ASSERT(k.mover < movers_.state.size());
     const Vec3 local = a.local - b.local_com[body];
     const Vec3 center = k.mover ? Vec3(movers_.mass[k.mover].center + movers_.state[k.mover].moved) : b.position[body];
     k.arm = rotate(k.mover ? movers_.state[k.mover].rotation : b.rotation[body], local);
@@ -278,6 +292,7 @@ void ClothRigid::collect(StepContext& c) {
   const Real g = length(c.gravity);
   for (const ClothRow& r : cloth_.contact_rows()) {
     if (r.touch == kNone) continue;
+    FEDER_ASSERT(r.touch < touches_.size());
     Touch& t = touches_[r.touch];
     if (!(r.impulse > 0)) continue;
     t.seen = 1;
@@ -289,6 +304,7 @@ void ClothRigid::collect(StepContext& c) {
     int heaviest = 0;
     for (int k = 1; k < 3; ++k)
       if (r.weight[k] > r.weight[heaviest]) heaviest = k;
+    FEDER_ASSERT(cloth_.vertices().cloth[r.vertex[heaviest]] == t.cloth);
     t.index = r.vertex[heaviest] - cloth_.info(objects_.index(t.cloth)).first;
     t.point = vertex_place(r.vertex[heaviest]);
     t.normal = -r.normal;
@@ -302,6 +318,7 @@ void ClothRigid::collect(StepContext& c) {
 void ClothRigid::finish(StepContext& c) {
   const Bodies& b = rigid_.bodies();
   const auto event = [&](EventKind kind, const Touch& t) {
+    open_.count(kind);
     Event e;
     e.kind = kind;
     e.a = t.cloth, e.b = t.body;
@@ -317,6 +334,7 @@ void ClothRigid::finish(StepContext& c) {
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
     for (const Touch& t : touches_) {
       if (t.cloth != info.object || !t.seen || !objects_.alive(t.body)) continue;
+      FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // a part of it
       const std::uint32_t body = rigid_.index(t.body);
       if (t.support > Real(0.1) * t.impulse && b.type[body] == BodyType::dynamic) load += b.mass[body];
       if (info.moving && b.type[body] == BodyType::dynamic && !b.awake[body])
@@ -361,6 +379,7 @@ void ClothRigid::save(Writer& w) const { w.list(touches_), w.list(warned_); }
 
 void ClothRigid::load(Reader& r) {
   r.list(touches_), r.list(warned_);
+  open_.set(touches_.size());
   candidates_.clear();
   hurry_ = 0;
   cloth_.contact_rows().clear();
@@ -416,6 +435,15 @@ void ClothRigid::residuals(std::vector<Residual>& out) const {
         deepest = std::max(deepest, penetration(info, k, b.com_pose(colliders_.owner_index[k]) * colliders_.local[k]));
   }
   out.push_back({"cloth_rigid.penetration_m", static_cast<double>(deepest)});
+}
+
+void ClothRigid::validate() const {
+  validate_records<Touch>({touches_.data(), touches_.size()}, &Touch::cloth, ObjectKind::cloth, &Touch::body,
+                          ObjectKind::body, objects_, open_);
+  for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.seen == 1);
+  for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.cloth) && objects_.alive(w.body));
+  for (const ClothRow& r : cloth_.contact_rows()) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
+  FEDER_ASSERT(vertex_shapes_.size() == cloth_.cloth_count() && !refreshing_);
 }
 
 }  // namespace feder

@@ -3,6 +3,7 @@
 #pragma once
 #include "cloth/cloth.h"
 #include "collide/collide.h"
+#include "couple/event_balance.h"
 #include "rigid/rigid.h"
 #include "state/movers.h"
 #include "step/system.h"
@@ -21,6 +22,7 @@ class ClothRigid final : public System {
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
   void load(Reader& r) override;
+  void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // cloth_rigid.attachment_error_m, ...penetration_m
 
  private:
@@ -62,6 +64,7 @@ class ClothRigid final : public System {
   void finish(StepContext& c);
 
   void sync();
+  void end_contacts();
   Aabb reach_of(std::uint32_t collider, StepContext& c) const;
   void candidates_of(std::size_t n, StepContext& c);
   void make_holds();
@@ -102,6 +105,7 @@ class ClothRigid final : public System {
     ObjectId cloth, body;
   };
   Array<Warned> warned_;
+  EventBalance open_;
 };
 
 }  // namespace feder

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/checks.h"
 #include "couple/cloth_rigid.h"
 #include "couple/cloth_triangle.h"
 
@@ -28,6 +29,7 @@ void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) 
   w[1] = clamp(dot(n, cross(q, c)) / nn, 0, 1);
   w[2] = clamp(dot(n, cross(b, q)) / nn, 0, 1 - w[1]);
   w[0] = 1 - w[1] - w[2];
+  FEDER_ASSERT(!(w[0] < Real(-1e-6)));
 }
 
 }  // namespace
@@ -47,6 +49,7 @@ void ClothRigid::refresh_rows(StepContext& c) {
   if (done == 0 || !(hurry_ > 1)) return;
   // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
   const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_));
+  FEDER_ASSERT(done > 0 && done < count);
   const int parts = std::min(count, hurried + 1), every = count / parts;
   if (done % every != 0) return;
   collect(c);
@@ -67,6 +70,7 @@ void ClothRigid::fill_rows(StepContext& c) {
   deep_pins_.clear();
   for (const Candidate& k : candidates_) {
     if (k.collider != collider || k.cloth != cloth) {
+      FEDER_ASSERT(may_touch(cloth_.info(k.cloth), k.collider));
       collider = k.collider, cloth = k.cloth, at = place(collider);
       for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
       deep_pins_.clear();
@@ -81,6 +85,7 @@ void ClothRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
   const Vec3 x = to_local(at.pose, vertex_place(k.index));
   const Real depth = radius - colliders_.shape[k.collider]->distance(x, radius, normal);
   if (!(depth > 0)) return;
+  FEDER_ASSERT(pin_depth_[k.index] == 0);  // once for a collider
   pin_depth_[k.index] = depth;
   deep_pins_.push_back(k.index);
 }
@@ -89,10 +94,13 @@ void ClothRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
 void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                          const Vec3& normal, Real gap, const Vec3& point) {
   const Cloth::Info info = cloth_.info(k.cloth);
+  FEDER_ASSERT(!info.asleep);  // it is woken instead
+  FEDER_ASSERT(is_direction(normal) && sums_to(weight, 1));
   ClothRow r;
   Vec3 d = Vec3::Zero();
   Real free = 0;
   for (int i = 0; i < 3; ++i) {
+    FEDER_ASSERT(v[i] - info.first < info.count);
     const Row4& x = cloth_.moved()[v[i]];
     r.vertex[i] = v[i], r.weight[i] = weight[i];
     d += weight[i] * x.vec();
@@ -123,6 +131,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const Cloth::Info info = cloth_.info(k.cloth);
   const Real radius = Real(0.5) * info.thickness;
   const Shape& ball = *vertex_shapes_[k.cloth];
+  FEDER_ASSERT(ball.radius() == radius);
   const Vec3 x = vertex_place(k.index);
   if (!info.asleep && cloth_.moved()[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
     return measure_pin(k, at, radius);
@@ -137,8 +146,9 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
     CastHit hit;
     if (shape_cast(ball, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
-      if (closing > 0) add_row(k, at, v, weight, hit.normal, hit.fraction * closing, x);
-      return;
+      if (!(closing > 0)) return;
+      if (info.asleep) return cloth_.wake(info.object, WakeCause::contact, colliders_.object[k.collider]);
+      return add_row(k, at, v, weight, hit.normal, hit.fraction * closing, x);
     }
   }
   Manifold m[kMaxManifolds];
@@ -159,6 +169,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
 
 void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext& c) {
   const Cloth::Info info = cloth_.info(k.cloth);
+  FEDER_ASSERT(3 * k.index + 2 < info.triangles.size());
   const std::uint32_t* q = &info.triangles[3 * k.index];
   const std::uint32_t v[3] = {info.first + q[0], info.first + q[1], info.first + q[2]};
   const Vec3 a = vertex_place(v[0]), b = vertex_place(v[1]) - a, e = vertex_place(v[2]) - a;

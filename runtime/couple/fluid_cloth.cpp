@@ -91,6 +91,7 @@ void FluidCloth::wake(StepContext& c) {
 void FluidCloth::place_vertices() {
   const ClothVertices& v = cloth_.vertices();
   const std::span<const Row4> moved = cloth_.moved();
+  FEDER_ASSERT(moved.size() == v.size());
   faces_.start.resize(v.size()), faces_.end.resize(v.size());
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + moved[i].vec();
 }
@@ -109,10 +110,12 @@ void FluidCloth::make_rows(StepContext& c) {
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * speed[i].vec();
   faces_.find(fluid_);
   own_movers_ = static_cast<std::uint32_t>(movers_.state.size());
+  FEDER_ASSERT(own_movers_ > 0 && movers_.mass.size() == own_movers_);  // the world is one
   const std::span<const Row4> moved = cloth_.moved();
   for (const FaceContact& k : faces_.contacts) {
     const FluidPool& p = fluid_.pool_at(k.pool);
     if (guests_.empty() || guests_.back().pool != k.pool || guests_.back().particle != k.particle) {
+      FEDER_ASSERT(k.particle < p.count && p.origin.size() > k.particle);
       Guest g;
       g.pool = k.pool, g.particle = k.particle;
       g.mover = static_cast<std::uint32_t>(movers_.state.size());
@@ -131,6 +134,7 @@ void FluidCloth::make_rows(StepContext& c) {
       r.vertex[i] = k.vertex[i], r.weight[i] = k.weight[i];
       d += k.weight[i] * moved[k.vertex[i]].vec();
     }
+    FEDER_ASSERT(r.vertex[0] < v.size() && v.cloth[r.vertex[0]] == faces_.surfaces[k.surface].object);
     r.vertex[3] = k.vertex[0];
     r.normal = -k.normal;
     r.mover = guests_.back().mover;
@@ -146,16 +150,23 @@ void FluidCloth::read_back(StepContext& c) {
   for (const ClothRow& r :
        cloth_.contact_rows()) {  // in the order of the contacts, with those of bodies before or after
     if (r.touch != kNone) continue;
-    while (guests_[at].mover != r.mover) ++at;
+    while (guests_[at].mover != r.mover) {
+      ++at;
+      FEDER_ASSERT(at < guests_.size());
+    }
     const Real net = r.impulse - r.returned;
     guests_[at].pushed -= net * r.normal;
+    FEDER_ASSERT(contact < faces_.contacts.size());
     const FaceContact& k = faces_.contacts[contact++];
+    FEDER_ASSERT(k.pool == guests_[at].pool && k.particle == guests_[at].particle);
     if (net > 0) note(k, net, r.approach, -r.normal);
     Pressed& to = pressed_[faces_.surfaces[k.surface].place];
     to.all += std::abs(net);
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
   }
+  FEDER_ASSERT(contact == faces_.contacts.size());  // no row is lost on the way, and with it its impulse
+  FEDER_ASSERT(movers_.state.size() == own_movers_ + guests_.size());
   for (const Guest& k : guests_) {
     FluidPool& p = fluid_.pool_at(k.pool);
     const Vec3 gain = movers_.state[k.mover].velocity - k.given;
@@ -188,6 +199,7 @@ void FluidCloth::hold_back(const FaceContact& k, const FaceHit& hit, StepContext
   }
   const Real closing = -dot(hit.normal, u);
   if (!(closing > 0)) return;
+  FEDER_ASSERT(!(response < 0) && is_direction(hit.normal));
   const Vec3 impulse = (closing / response) * hit.normal;
   p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
   for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -hit.weight[i] * impulse);
@@ -204,6 +216,7 @@ void FluidCloth::finish(StepContext& c) {
   for (std::size_t n = 0; n < pressed_.size(); ++n) {
     Pressed& p = pressed_[n];
     const Cloth::Info info = cloth_.info(n);
+    FEDER_ASSERT(p.cloth == info.object && !(p.all < std::abs(p.along) * Real(0.999)));
     Real own = 0;
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
     if (p.all < kWakeCloth * own) p.all = 0;
@@ -221,11 +234,13 @@ void FluidCloth::sync() {
   for (Touch& t : touches_)
     if (gone(t)) t.count = 0, events_.add_pending(event(EventKind::contact_end, t));
   std::erase_if(touches_, gone);
+  guests_.clear();  // their fluid may be gone, and with it the rows that would list them anew
 }
 
 // A particle pushed a cloth. Contacts come by pool and particle.
 void FluidCloth::note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal) {
   const ObjectId cloth = faces_.surfaces[k.surface].object, fluid = fluid_of(k.pool);
+  FEDER_ASSERT(!(impulse < 0 || speed < 0));
   std::size_t at = 0;
   while (at < touches_.size() && (touches_[at].cloth != cloth || touches_[at].fluid != fluid)) ++at;
   if (at == touches_.size()) {
@@ -251,6 +266,7 @@ void FluidCloth::end_substep() {
 }
 
 Event FluidCloth::event(EventKind kind, const Touch& t) {
+  open_.count(kind);
   Event e;
   e.kind = kind;
   e.a = t.cloth, e.b = t.fluid, e.index = t.count;
@@ -262,6 +278,7 @@ Event FluidCloth::event(EventKind kind, const Touch& t) {
 // A fluid touches a cloth from its first particle that pushes to its last; the event tells how many there are.
 void FluidCloth::report(StepContext& c) {
   for (Touch& t : touches_) {
+    FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0);
     if (t.count > 0 && !t.begun) {
       c.events->add(event(EventKind::contact_begin, t));
       if (c.events->wanted(EventKind::hit)) c.events->add(event(EventKind::hit, t));
@@ -279,6 +296,18 @@ void FluidCloth::residuals(std::vector<Residual>& out) const {
   out.push_back({"fluid_cloth.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
   out.push_back({"fluid_cloth.force_n", force_});
   out.push_back({"fluid_cloth.guarded", static_cast<double>(guarded_)});
+}
+
+void FluidCloth::validate() const {
+  validate_records<Touch>({touches_.data(), touches_.size()}, &Touch::cloth, ObjectKind::cloth, &Touch::fluid,
+                          ObjectKind::fluid, objects_, open_);
+  for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.count > 0 && t.now == 0 && t.last == kNone);
+  for (const ClothRow& r : cloth_.contact_rows()) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
+  for (std::size_t k = 0; k < guests_.size(); ++k)
+    FEDER_ASSERT(guests_[k].mover == own_movers_ + k && guests_[k].pool < fluid_.pool_count());
+  if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
+  FEDER_ASSERT(pressed_.size() == cloth_.cloth_count());
+  faces_.validate();
 }
 
 }  // namespace feder

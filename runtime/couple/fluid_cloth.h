@@ -1,6 +1,7 @@
 // Fluids and cloth in one world: sheets hold, catch and shed fluid, and are moved by it.
 #pragma once
 #include "cloth/cloth.h"
+#include "couple/event_balance.h"
 #include "couple/fluid_faces.h"
 #include "state/movers.h"
 #include "step/system.h"
@@ -17,7 +18,8 @@ class FluidCloth final : public System {
   std::size_t count() const override;  // particles that touch cloth
   void hash(Hash&) const override {}   // what it keeps follows from the two systems
   void save(Writer& w) const override { w.list(pressed_), w.list(touches_); }
-  void load(Reader& r) override { r.list(pressed_), r.list(touches_); }
+  void load(Reader& r) override { r.list(pressed_), r.list(touches_), open_.set(touches_.size()); }
+  void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_cloth.impulse_mismatch, .force_n
 
  private:
@@ -61,7 +63,7 @@ class FluidCloth final : public System {
   void note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
   void end_substep();
   void report(StepContext& c);
-  static Event event(EventKind kind, const Touch& t);
+  Event event(EventKind kind, const Touch& t);
 
   Fluid& fluid_;
   Cloth& cloth_;
@@ -77,6 +79,7 @@ class FluidCloth final : public System {
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
   double force_ = 0;                 // N, of the last step, along gravity
   std::uint64_t guarded_ = 0;        // corrections of the last step
+  EventBalance open_;
 };
 
 }  // namespace feder

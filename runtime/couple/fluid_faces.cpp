@@ -21,6 +21,7 @@ void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c,
   plane_weights(q, a, b, c, w);
   Real sum = 0;
   for (Real& k : w) k = clamp(k, 0, 1), sum += k;
+  FEDER_ASSERT(!(sum <= 0));
   for (Real& k : w) k /= sum;
 }
 
@@ -43,8 +44,11 @@ void FluidFaces::list_faces() {
       Face f;
       f.surface = k;
       Aabb box;
-      for (int i = 0; i < 3; ++i)
-        f.v[i] = s.first + s.triangles[t + static_cast<std::size_t>(i)], box.include(start[f.v[i]]);
+      for (int i = 0; i < 3; ++i) {
+        f.v[i] = s.first + s.triangles[t + static_cast<std::size_t>(i)];
+        FEDER_ASSERT(f.v[i] < start.size());
+        box.include(start[f.v[i]]);
+      }
       box.grow(s.half);
       faces_.push_back(f), box_.push_back(box);
     }
@@ -61,6 +65,7 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
     if (p.count == 0 || p.frozen) continue;
     p.keep_origins();
     const bool first = p.screened != number;  // of the couplings that do this
+    FEDER_ASSERT(p.screened <= number);
     p.screened = number;
     const Real rest = p.desc.spacing / 2;
     c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t from, std::uint32_t to, int) {
@@ -86,6 +91,7 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
 }
 
 void FluidFaces::find(Fluid& fluid) {
+  FEDER_ASSERT(end.size() == start.size() && box_.size() == faces_.size());
   contacts.clear();
   allowed_ = kInfinity;
   for (std::size_t n = 0; n < fluid.pool_count(); ++n)
@@ -98,6 +104,7 @@ void FluidFaces::find(Fluid& fluid) {
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     FluidPool& p = fluid.pool_at(n);
     if (p.count == 0 || p.frozen || p.origin.empty()) continue;
+    FEDER_ASSERT(p.origin.size() > p.count);
     const Real slack = kSlack * p.desc.spacing, half = p.desc.spacing / 2;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       const Vec3 from = p.origin[i].vec(), to = p.x[i].vec();
@@ -126,6 +133,7 @@ void FluidFaces::find(Fluid& fluid) {
         // on the face itself: it goes back where it came from
         const Vec3 back = dot(up, way) > 0 ? Vec3(-up) : up;
         k.normal = k.distance > Real(1e-4) * p.desc.spacing ? Vec3((from - q) / k.distance) : back;
+        FEDER_ASSERT(is_direction(k.normal) && sums_to(k.weight, 1) && k.rest > 0);
         contacts.push_back(k);
       });
       // of all faces near, in the order of their points: the tree's own order may depend on the past
@@ -171,6 +179,7 @@ bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, 
   plane_weights(from, a, b, e, w0), plane_weights(to, now[0], now[1], now[2], w1);
   const bool passed = after * side < 0;
   const Real s = passed ? before / (before - after) : Real(1);
+  FEDER_ASSERT(!(s < 0 || s > 1));
   for (int i = 0; i < 3; ++i) {
     hit.weight[i] = w0[i] + s * (w1[i] - w0[i]);
     if (hit.weight[i] < -kInside) return false;
@@ -181,6 +190,21 @@ bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, 
   hit.place = keep * hit.normal;
   for (int i = 0; i < 3; ++i) hit.place += hit.weight[i] * now[i];
   return true;
+}
+
+void FluidFaces::validate() const {
+  FEDER_ASSERT(start.size() == end.size() && box_.size() == faces_.size());
+  for (const Face& f : faces_)
+    FEDER_ASSERT(f.surface < surfaces.size() && std::max({f.v[0], f.v[1], f.v[2]}) < start.size());
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const FaceContact& k = contacts[n];
+    FEDER_ASSERT(k.surface < surfaces.size() && std::max({k.vertex[0], k.vertex[1], k.vertex[2]}) < end.size());
+    if (n == 0) continue;
+    const FaceContact& last = contacts[n - 1];
+    FEDER_ASSERT(last.pool != k.pool ? last.pool < k.pool : last.particle <= k.particle);
+    FEDER_ASSERT(last.pool != k.pool || last.particle != k.particle ||
+                 !std::lexicographical_compare(k.vertex, k.vertex + 3, last.vertex, last.vertex + 3));
+  }
 }
 
 }  // namespace feder

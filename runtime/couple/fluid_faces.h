@@ -77,6 +77,7 @@ class FluidFaces {
   void guard(Fluid& fluid, Point&& point, F&& hit) const {
     for (std::size_t n = 0; n < contacts.size();) {
       const FaceContact& first = contacts[n];
+      FEDER_ASSERT(n == 0 || contacts[n - 1].pool < first.pool || contacts[n - 1].particle < first.particle);
       const FluidPool& p = fluid.pool_at(first.pool);
       const FaceContact* by = nullptr;
       FaceHit best;
@@ -95,6 +96,7 @@ class FluidFaces {
   // Did the particle, going from its origin to `to` while the face went from `start` to `now`, pass it, or does it end
   // too near to it? Then `when` (0 to 1, 2: did not pass) and where it has to be.
   bool caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3], FaceHit& hit) const;
+  void validate() const;
 
  private:
   struct Face {

@@ -76,6 +76,7 @@ void FluidRigid::list_walls() {
       continue;
     const std::uint32_t i = colliders_.owner_index[k];
     if (place_[i] == kNone) {
+      FEDER_ASSERT(body_.size() == walls_.bodies.size());
       place_[i] = static_cast<std::uint32_t>(walls_.bodies.size());
       WallBody body;
       body.object = b.object[i];
@@ -100,6 +101,9 @@ void FluidRigid::place_walls(bool between_steps) {
     WallBody& w = walls_.bodies[n];
     const std::uint32_t i = body_[n];
     const std::uint32_t at = between_steps ? 0 : movers_.solver[b.mover[i]];
+    FEDER_ASSERT(b.object[i] == w.object && (at == 0 || at < movers_.state.size()));
+    // what the fluid gave to a body that moves has been handed over: the velocity is read anew below
+    FEDER_ASSERT(w.mover == 0 || !w.dynamic || w.impulse.isZero(0));
     w.mover = at;
     w.touching = 0;
     w.impulse = Vec3::Zero();
@@ -125,10 +129,11 @@ void FluidRigid::place_walls(bool between_steps) {
 }
 
 void FluidRigid::give_velocities() {
-  for (const WallBody& w : walls_.bodies) {
+  for (WallBody& w : walls_.bodies) {
     if (w.mover == 0 || !w.dynamic) continue;
     MoverState& s = movers_.state[w.mover];
     s.velocity = w.velocity, s.angular_velocity = w.spin;
+    w.impulse = Vec3::Zero();  // handed over
   }
 }
 
@@ -208,6 +213,7 @@ void FluidRigid::keep_awake(StepContext&) {
   for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
     WallBody& w = walls_.bodies[n];
     const std::uint32_t i = body_[n];
+    FEDER_ASSERT(!(w.pressed < 0));
     if (!w.dynamic || w.pressed <= kWakeImpulse * b.mass[i]) continue;
     ObjectId fluid;
     for (const FluidTouch& t : next_touching_)
@@ -224,6 +230,7 @@ void FluidRigid::report_contacts(StepContext& c) {
   next_touching_.clear();
   fluid_.list_touches(next_touching_);
   const auto tell = [&](EventKind kind, const FluidTouch& t) {
+    open_.count(kind);
     Event e;
     e.kind = kind;
     e.a = t.body, e.b = t.fluid, e.index = t.count;
@@ -274,6 +281,7 @@ void FluidRigid::report_sensors(StepContext& c) {
     });
   }
   const auto tell = [&](EventKind kind, const Inside& i, std::uint32_t count) {
+    entered_.count(kind);
     Event e;
     e.kind = kind;
     e.a = i.sensor, e.b = i.fluid, e.index = count;
@@ -299,6 +307,35 @@ void FluidRigid::hash(Hash& h) const {
 void FluidRigid::residuals(std::vector<Residual>& out) const {
   out.push_back({"fluid_rigid.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
   out.push_back({"fluid_rigid.impulse_ns", pushed_});
+}
+
+void FluidRigid::validate() const {
+  const Bodies& b = rigid_.bodies();
+  FEDER_ASSERT(walls_.list.empty() || (walls_.list.size() == collider_.size() && walls_.bodies.size() == body_.size()));
+  for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
+    FEDER_ASSERT(body_[n] < b.size() && place_[body_[n]] == n && b.object[body_[n]] == walls_.bodies[n].object);
+    FEDER_ASSERT(walls_.bodies[n].dynamic == (b.type[body_[n]] == BodyType::dynamic));
+  }
+  for (std::size_t n = 0; n < walls_.list.size(); ++n) {
+    const Wall& w = walls_.list[n];
+    FEDER_ASSERT(colliders_.shape[collider_[n]] == w.shape && colliders_.owner_index[collider_[n]] == body_[w.body]);
+  }
+  FEDER_ASSERT(open_.open() == touching_.size());  // each begin event with its record, or its end event
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    const FluidTouch& t = touching_[k];
+    FEDER_ASSERT(t.count > 0 && objects_.kind(t.fluid) == ObjectKind::fluid &&
+                 objects_.kind(t.body) == ObjectKind::body);
+    const auto order = [&](const FluidTouch& x) {
+      return std::pair(objects_.index(x.fluid), place_[rigid_.index(x.body)]);
+    };
+    FEDER_ASSERT(k == 0 || order(touching_[k - 1]) < order(t));
+  }
+  FEDER_ASSERT(entered_.open() == inside_.size());
+  for (std::size_t k = 0; k < inside_.size(); ++k) {
+    FEDER_ASSERT(inside_[k].count > 0 && objects_.alive(inside_[k].sensor) && objects_.alive(inside_[k].fluid));
+    for (std::size_t n = 0; n < k; ++n)
+      FEDER_ASSERT(inside_[n].sensor != inside_[k].sensor || inside_[n].fluid != inside_[k].fluid);
+  }
 }
 
 }  // namespace feder

@@ -1,6 +1,7 @@
 // Fluids and rigid bodies in one world: bodies are the fluid's walls, and the fluid pushes them in the same substep.
 // Buoyancy and drag are nothing of their own: they are what the pressure and friction on the walls add up to.
 #pragma once
+#include "couple/event_balance.h"
 #include "fluid/fluid.h"
 #include "rigid/rigid.h"
 #include "state/movers.h"
@@ -20,7 +21,11 @@ class FluidRigid final : public System {
   std::size_t count() const override;  // walls
   void hash(Hash& h) const override;
   void save(Writer& w) const override { w.list(inside_), w.list(touching_); }
-  void load(Reader& r) override { r.list(inside_), r.list(touching_); }
+  void load(Reader& r) override {
+    r.list(inside_), r.list(touching_);
+    open_.set(touching_.size()), entered_.set(inside_.size());
+  }
+  void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch, .impulse_ns
 
  private:
@@ -62,6 +67,7 @@ class FluidRigid final : public System {
   double before_[3] = {0, 0, 0};                // momentum of the fluids when the walls were placed, kg m/s
   double mismatch_ = 0, given_ = 0;             // N s, of the last step: largest of a substep, and sum
   double pushed_ = 0;                           // N s, on bodies that move
+  EventBalance open_, entered_;                 // contacts; sensors
 };
 
 }  // namespace feder

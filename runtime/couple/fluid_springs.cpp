@@ -49,6 +49,7 @@ void FluidSprings::list_surfaces() {
   for (std::size_t n = 0; n < springs_.net_count(); ++n) {
     const Springs::NetInfo i = springs_.net_info(n);
     if (i.faces.empty()) continue;
+    FEDER_ASSERT(i.faces.size() % 3 == 0 && i.first + i.count <= points_.size());
     const Real half = points_.radius[i.first];
     faces_.surfaces.push_back({i.object, i.first, i.faces, half, i.group, i.mask, static_cast<std::uint32_t>(n)});
   }
@@ -66,6 +67,7 @@ void FluidSprings::remember(StepContext& c) {
 void FluidSprings::begin(StepContext& c) { faces_.screen(fluid_, c); }
 
 void FluidSprings::solve(StepContext&) {
+  FEDER_ASSERT(faces_.start.size() == points_.size());  // remembered in this substep
   faces_.end.assign(points_.position.begin(), points_.position.end());
   faces_.find(fluid_);
   if (faces_.contacts.empty()) return;
@@ -99,6 +101,7 @@ void FluidSprings::push_apart(const FaceContact& k) {
   const Real older = std::max(k.rest - k.distance, Real(0));
   const Real need = std::max(-gap - older, Real(0)) + std::min({older, -gap, kPush * p.desc.spacing});
   const Real push = std::min(need, -gap) / response;
+  FEDER_ASSERT(!(push < 0));
   p.x[k.particle].set(p.x[k.particle].vec() + (push / p.mass) * n);
   for (int i = 0; i < 3; ++i) {
     const std::uint32_t v = k.vertex[i];
@@ -117,6 +120,7 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
   }
   const Real closing = -dot(n, u);
   if (!(closing > 0)) return;
+  FEDER_ASSERT(!(response < 0) && is_direction(n) && k.particle < p.count);
   const Vec3 impulse = (closing / response) * n;
   double before[3], after[3];
   const auto sum = [&](double(&out)[3]) {
@@ -146,6 +150,11 @@ void FluidSprings::residuals(std::vector<Residual>& out) const {
   out.push_back({"fluid_springs.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
   out.push_back({"fluid_springs.impulse_ns", given_});
   out.push_back({"fluid_springs.guarded", static_cast<double>(guarded_)});
+}
+
+void FluidSprings::validate() const {
+  faces_.validate();
+  for (const FaceSurface& s : faces_.surfaces) FEDER_ASSERT(s.first < points_.size() && s.place < springs_.net_count());
 }
 
 }  // namespace feder

@@ -19,6 +19,7 @@ class FluidSprings final : public System {
   void hash(Hash&) const override {}   // all state is that of the two systems
   void save(Writer&) const override {}
   void load(Reader&) override {}
+  void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_springs.impulse_mismatch
 
  private:

@@ -58,8 +58,10 @@ void SpringsRigid::sync() {
   std::vector<Springs::Attachment> dead;
   for (const Springs::Attachment& a : springs_.attachments())
     if (!objects_.alive(a.body)) dead.push_back(a);
-  for (const Springs::Attachment& a : dead)
+  for (const Springs::Attachment& a : dead) {
+    FEDER_ASSERT(particles_.net[a.point] == a.net);
     springs_.detach(a.net, a.point - springs_.net_info(objects_.index(a.net)).first);
+  }
 
   std::vector<std::uint8_t> attached(particles_.size(), 0);
   for (const Springs::Attachment& a : springs_.attachments()) attached[a.point] = 1;
@@ -69,6 +71,7 @@ void SpringsRigid::sync() {
     for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
       sync_collider(i, net, attached[i] != 0);
       if (particles_.mover[i] == kNone) continue;
+      FEDER_ASSERT(coupled_.empty() || coupled_.back().particle < i);  // find_coupled searches by halves
       Coupled k;
       k.particle = i;
       k.implicit = net.implicit;
@@ -96,6 +99,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
     const ShapePtr ball = share ? colliders_.shapes[first] : make_sphere(particles_.radius[i]);
     collide_.check_shape(*ball);
     k = colliders_.add();
+    FEDER_ASSERT(mover != kNone && particles_.net[i] == net.object);
     colliders_.shapes[k] = ball;
     colliders_.shape[k] = colliders_.shapes[k].get();
     colliders_.motion[k] = ColliderMotion::dynamic;
@@ -105,6 +109,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
     colliders_.friction_static[k] = colliders_.friction_dynamic[k] = net.friction;
     colliders_.restitution[k] = net.restitution;
   }
+  FEDER_ASSERT(colliders_.owner[k] == ObjectKind::net && colliders_.object[k] == net.object);
   colliders_.owner_index[k] = i;
   colliders_.mover[k] = mover;
   colliders_.group[k] = attached ? 0 : net.group;
@@ -112,6 +117,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
 }
 
 void SpringsRigid::release(std::uint32_t first, std::uint32_t count) {
+  FEDER_ASSERT(first + count <= particles_.size());
   for (std::uint32_t i = first; i < first + count; ++i) {
     if (particles_.collider[i] != kNone) {
       collide_.forget(particles_.collider[i]);
@@ -130,6 +136,31 @@ void SpringsRigid::residuals(std::vector<Residual>& out) const {
     worst = std::max(worst, static_cast<double>(length(particles_.position[a.point] - anchor)));
   }
   if (!springs_.attachments().empty()) out.push_back({"springs_rigid.attachment_error_m", worst});
+}
+
+void SpringsRigid::validate() const {
+  std::uint32_t last = 0;
+  for (std::size_t n = 0; n < coupled_.size(); ++n) {
+    const Coupled& k = coupled_[n];
+    const std::uint32_t i = k.particle, collider = particles_.collider[i];
+    FEDER_ASSERT(i < particles_.size() && (n == 0 || coupled_[n - 1].particle < i));
+    FEDER_ASSERT(particles_.mover[i] < movers_.solver.size());
+    FEDER_ASSERT(particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
+    FEDER_ASSERT(k.attached || collider != kNone);
+    if (collider != kNone) {
+      FEDER_ASSERT(colliders_.owner[collider] == ObjectKind::net && colliders_.owner_index[collider] == i);
+      FEDER_ASSERT(colliders_.object[collider] == particles_.net[i] &&
+                   colliders_.mover[collider] == particles_.mover[i]);
+    }
+    if (k.solver == 0) continue;
+    FEDER_ASSERT(k.solver > last && movers_.solver[particles_.mover[i]] == k.solver);  // no two share a mover
+    last = k.solver;
+  }
+  for (const Springs::Attachment& a : springs_.attachments()) {
+    const std::uint32_t place = find_coupled(a.point);
+    FEDER_ASSERT(place != kNone && coupled_[place].attached && particles_.net[a.point] == a.net);
+  }
+  for (const Hold& k : holds_) FEDER_ASSERT(k.coupled < coupled_.size() && k.body < rigid_.bodies().size());
 }
 
 }  // namespace feder

@@ -21,6 +21,7 @@ class SpringsRigid final : public System {
   void hash(Hash&) const override {}   // all state is that of the two systems
   void save(Writer&) const override {}
   void load(Reader&) override {}
+  void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // springs_rigid.attachment_error_m
 
  private:

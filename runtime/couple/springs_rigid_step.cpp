@@ -42,6 +42,7 @@ void SpringsRigid::update_boxes(StepContext& c) {
     const Vec3 size = Vec3::Constant(particles_.radius[i] + kBoxMargin);
     colliders_.motion[collider] = pinned ? ColliderMotion::fixed : ColliderMotion::dynamic;
     colliders_.awake[collider] = !pinned;
+    FEDER_ASSERT(colliders_.owner_index[collider] == i);
     colliders_.pose[collider] = {x, Quat::identity()};
     colliders_.center[collider] = x;
     colliders_.velocity[collider] = v;
@@ -57,6 +58,7 @@ void SpringsRigid::append(StepContext& c) {
     k.added = 0;
     const Real inv_mass = particles_.inv_mass[i];
     if (inv_mass == 0) continue;
+    FEDER_ASSERT(movers_.solver[particles_.mover[i]] == 0);  // it takes part once
     MoverState s;
     s.velocity = particles_.velocity[i];
     MoverMass m;
@@ -80,6 +82,7 @@ void SpringsRigid::find_holds() {
     }
     Hold k;
     k.coupled = find_coupled(a.point);
+    FEDER_ASSERT(k.coupled != kNone && coupled_[k.coupled].attached);
     k.body = rigid_.index(a.body);
     k.solver = movers_.solver[b.mover[k.body]];
     k.local = a.local - b.local_com[k.body];
@@ -89,6 +92,7 @@ void SpringsRigid::find_holds() {
 }
 
 Mat3 SpringsRigid::body_response(const Hold& k) const {
+  FEDER_ASSERT(k.solver < movers_.mass.size());
   const MoverMass& m = movers_.mass[k.solver];
   const Mat3 arm = skew(k.arm);
   Mat3 r = -(arm * m.inv_inertia * arm);
@@ -101,6 +105,7 @@ void SpringsRigid::add_carried_mass() {
   for (const Hold& k : holds_) ++held_[k.body];
   for (const Hold& k : holds_) {
     const Real trace = body_response(k).trace();
+    FEDER_ASSERT(held_[k.body] > 0);
     if (trace > 0) coupled_[k.coupled].added += 3 / (trace * static_cast<Real>(held_[k.body]));
   }
 }
@@ -115,6 +120,8 @@ void SpringsRigid::center_contacts(StepContext& c) {
     const bool net_b = colliders_.owner[contact.collider_b] == ObjectKind::net;
     if (!net_a && !net_b) continue;
     const std::uint32_t point = net_a ? contact.collider_a : contact.collider_b;
+    FEDER_ASSERT(particles_.collider[colliders_.owner_index[point]] == point);
+    FEDER_ASSERT(contact.point_count <= kMaxContactPoints);
     const Vec3 at = colliders_.center[point];
     for (int k = 0; k < contact.point_count; ++k) {
       contact.points[k].arm_a = net_a ? Vec3(0, 0, 0) : Vec3(at - colliders_.center[contact.collider_a]);
@@ -125,6 +132,7 @@ void SpringsRigid::center_contacts(StepContext& c) {
 }
 
 void SpringsRigid::warn_soft_contact(std::uint32_t collider, StepContext& c) {
+  FEDER_ASSERT(find_coupled(colliders_.owner_index[collider]) != kNone);
   const Coupled& k = coupled_[find_coupled(colliders_.owner_index[collider])];
   const ObjectId net = colliders_.object[collider];
   if (!k.implicit || k.solver == 0 || !(c.h * springs_.max_frequency(net) > Real(0.5))) return;
@@ -178,6 +186,7 @@ void SpringsRigid::before_integrate(StepContext&) {
     const std::uint32_t i = k.particle;
     k.given = particles_.velocity[i] = movers_.state[k.solver].velocity;
     if (k.added == 0) continue;
+    FEDER_ASSERT(k.added > 0 && particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
     particles_.inertia[i] = particles_.mass[i] + k.added;
     particles_.inv_mass[i] = 1 / particles_.inertia[i];
   }
@@ -188,6 +197,7 @@ void SpringsRigid::after_integrate(StepContext&) {
     const std::uint32_t i = k.particle;
     if (k.added == 0 || k.solver == 0) continue;
     const Real inertia = particles_.inertia[i];
+    FEDER_ASSERT(inertia >= particles_.mass[i]);
     particles_.inertia[i] = particles_.mass[i];
     if (particles_.inv_mass[i] == 0) continue;  // quarantined meanwhile
     particles_.inv_mass[i] = 1 / particles_.mass[i];
@@ -203,6 +213,7 @@ void SpringsRigid::hand_over(StepContext& c) {
     s.velocity = particles_.velocity[k.particle];
     s.moved = k.before - movers_.mass[k.solver].center;
   }
+  FEDER_ASSERT(c.h > 0);
   if (!holds_.empty()) hold(kHoldRounds, kHoldShare / c.h);
   for (Coupled& k : coupled_) {
     if (k.solver == 0) continue;
@@ -218,6 +229,7 @@ void SpringsRigid::read_back(StepContext& c) {
     if (k.solver == 0 || particles_.inv_mass[i] == 0) continue;
     const MoverState& s = movers_.state[k.solver];
     particles_.velocity[i] = s.velocity;
+    FEDER_ASSERT(movers_.solver[particles_.mover[i]] == k.solver);
     const Vec3 pushed = s.moved - k.given_moved - c.h * k.given;
     if (k.added > 0 || k.attached) particles_.place(i, movers_.mass[k.solver].center);
     particles_.move(i, k.added > 0 || k.attached ? s.moved : pushed);

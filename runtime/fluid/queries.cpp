@@ -8,7 +8,7 @@ namespace feder {
 
 void Fluid::Impl::refresh(FluidPool& p) {
   if (p.count == 0) return;
-  FEDER_ASSERT(p.start.size() > p.count && !walls.drifted);
+  FEDER_ASSERT(p.start.size() > p.count);
   std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
   p.put_sentinel();
   p.find_neighbors(one_thread, 0);

@@ -98,7 +98,6 @@ void Fluid::Impl::validate_sources() const {
 
 void Fluid::validate() const {
   const Impl& m = *impl_;
-  FEDER_ASSERT(!m.walls.drifted);  // bodies are put back, or placed anew
   for (const Wall& w : m.walls.list) FEDER_ASSERT(w.shape && w.body < m.walls.bodies.size());
   // each pool is moved by the solver it asks for, and by no other
   std::size_t moved = 0;

@@ -47,6 +47,7 @@ struct Wall {
   Pose local;  // in the centre-of-mass frame of the body
   Pose pose;   // now, world
   Pose start;  // at the start of the substep
+  bool away = false;  // from there
   Aabb box;    // of the pose, world
 };
 

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <string>
+#include <utility>
 
 #include "base/assert.h"
 
@@ -31,4 +32,12 @@ std::string failed_assert(F&& f) {
   return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT ? text : "";
 }
 
+namespace test {
+
+template <class F>
+bool aborts(F&& f) {
+  return !failed_assert(std::forward<F>(f)).empty();
+}
+
+}  // namespace test
 }  // namespace feder
