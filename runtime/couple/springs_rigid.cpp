@@ -66,6 +66,7 @@ void SpringsRigid::sync() {
   std::vector<std::uint8_t> attached(particles_.size(), 0);
   for (const Springs::Attachment& a : springs_.attachments()) attached[a.point] = 1;
   coupled_.clear();
+  holds_.clear();  // they name places in that list
   for (std::size_t n = 0; n < springs_.net_count(); ++n) {
     const Springs::NetInfo net = springs_.net_info(n);
     for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
