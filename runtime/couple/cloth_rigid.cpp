@@ -140,12 +140,29 @@ Aabb ClothRigid::reach_of(std::uint32_t k, StepContext& c) const {
   return box;
 }
 
+// What would pass through a sleeper between two looks wakes it before it strikes.
+void ClothRigid::wake_ahead(const Cloth::Info& cloth, StepContext& c) {
+  Aabb all;
+  bool boxed = false;
+  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+    if (!may_touch(cloth, k) || colliders_.motion[k] == ColliderMotion::fixed || !colliders_.awake[k] ||
+        c.dt * length(colliders_.velocity[k]) <= cloth.thickness)
+      continue;
+    for (std::uint32_t i = cloth.first; !boxed && i < cloth.first + cloth.count; ++i)
+      all.include(cloth_.vertices().position[i]);
+    if (!boxed) all.grow(cloth.thickness);
+    boxed = true;
+    if (overlaps(all, reach_of(k, c))) return cloth_.wake(cloth.object, WakeCause::contact, colliders_.object[k]);
+  }
+}
+
 // What comes at a cloth has to be stopped within a quarter of its size: that takes small steps, from the first touch.
 void ClothRigid::look_ahead(StepContext& c) {
   end_contacts();  // a body may go without a new plan
   const ClothVertices& v = cloth_.vertices();
   const Bodies& b = rigid_.bodies();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
+    if (cloth_.info(n).asleep) wake_ahead(cloth_.info(n), c);
     const Cloth::Info info = cloth_.info(n);
     if (info.asleep) continue;
     Aabb all, now;

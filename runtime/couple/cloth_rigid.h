@@ -65,6 +65,7 @@ class ClothRigid final : public System {
 
   void sync();
   void end_contacts();
+  void wake_ahead(const Cloth::Info& cloth, StepContext& c);
   Aabb reach_of(std::uint32_t collider, StepContext& c) const;
   void candidates_of(std::size_t n, StepContext& c);
   void make_holds();

@@ -107,3 +107,58 @@ TEST_CASE("coarse cloth lies on the tip of a mesh that pokes between its vertice
   CHECK(least > -(mesh ? Real(1) : Real(0.1)) * d.thickness);
   CHECK(w.is_finite());
 }
+
+TEST_CASE("a cloth asleep on a body wakes when that goes, whatever other bodies there are", "[couple][cloth]") {
+  World w(WorldDesc{}, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  BodyDesc b;
+  b.type = BodyType::fixed;
+  b.shape = make_box(2, Real(0.2), 2);
+  const ObjectId table = rigid.add_body(b);
+  b.position = Vec3(10, 0, 0);
+  rigid.add_body(b);
+  ClothDesc d;
+  d.nx = d.ny = 9;
+  d.pose.position = Vec3(0, Real(0.106), 0);
+  const ObjectId id = cloth.add_cloth(d);
+  for (int k = 0; k < 60; ++k) w.step();
+  cloth.sleep(id);
+  w.step();
+  REQUIRE(cloth.asleep(id));
+  rigid.destroy_body(table, "");
+  w.step();
+  CHECK_FALSE(cloth.asleep(id));
+  int ends = 0;
+  for (const Event& e : w.events().list()) ends += e.kind == EventKind::contact_end && e.a == id && e.b == table;
+  CHECK(ends == 1);
+  for (int k = 0; k < 60; ++k) w.step();
+  CHECK(cloth.point(id, 40)[1] < Real(-1));
+}
+
+TEST_CASE("a sleeping cloth stops what flies at it", "[couple][cloth]") {
+  const Real speed = GENERATE(Real(5), Real(40), Real(100));
+  World w(WorldDesc{}, kCatalog);
+  Rigid& rigid = w.need<Rigid>();
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d;
+  d.nx = d.ny = 17;
+  d.pin_names = {"top", "bottom", "left", "right"};
+  const ObjectId id = cloth.add_cloth(d);
+  for (int k = 0; k < 30; ++k) w.step();
+  cloth.sleep(id);
+  BodyDesc b;
+  b.shape = make_sphere(Real(0.1));
+  b.mass = Real(0.05);
+  b.position = Vec3(0, 3, 0);
+  b.velocity = Vec3(0, -speed, 0);
+  const ObjectId body = rigid.add_body(b);
+  Real lowest = 1;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    lowest = std::min(lowest, rigid.bodies().position[rigid.index(body)][1]);
+  }
+  CAPTURE(speed, lowest);
+  CHECK(lowest > -1);
+  CHECK_FALSE(cloth.asleep(id));
+}
