@@ -44,11 +44,11 @@ struct Wall {
   const Shape* shape = nullptr;
   std::uint32_t body = 0;  // in Walls::bodies
   std::uint32_t group = 1, mask = 0xffffffffu;
-  Pose local;  // in the centre-of-mass frame of the body
-  Pose pose;   // now, world
-  Pose start;  // at the start of the substep
+  Pose local;         // in the centre-of-mass frame of the body
+  Pose pose;          // now, world
+  Pose start;         // at the start of the substep
   bool away = false;  // from there
-  Aabb box;    // of the pose, world
+  Aabb box;           // of the pose, world
 };
 
 // What particles of a fluid did at a body in a step.

@@ -129,7 +129,6 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
       {"a velocity behind the watchdog's back", [&] { pool.v[4].x += 100; }},
       {"a fluid that is no object", [&] { m.w.objects().remove(m.water, ""); }},
       {"an emitter in the wrong place", [&] { m.w.objects().set_index(m.jet, 1); }},
-      {"walls that drifted away", [&] { walls.drifted = true; }},
       // couplings
       {"a wall of another body", [&] { std::swap(walls.list.front().body, walls.list.back().body); }},
       {"a wall that is gone", [&] { walls.list.pop_back(); }},

@@ -55,8 +55,8 @@ TEST_CASE("a plan runs its ranks in order, each group its whole loop before the 
   c.substeps = 2;
   trace.clear();
   plan.run(c);
-  const std::vector<std::string> substep = {"before 00!", "forces 00!",  "after 00!", "advance 00", "rows 00",
-                                            "advance 01!", "rows 01!", "advance 20!", "rows 20!"};
+  const std::vector<std::string> substep = {"before 00!",  "forces 00!", "after 00!",   "advance 00", "rows 00",
+                                            "advance 01!", "rows 01!",   "advance 20!", "rows 20!"};
   std::vector<std::string> expected = substep;
   expected.insert(expected.end(), substep.begin(), substep.end());
   expected.push_back("finish 00!");
@@ -79,10 +79,11 @@ TEST_CASE("passes of loops are counted always and clocked sometimes; counters ou
   StepPlan plan;
   const auto fill = [&] {
     plan.clear();
-    plan.add(Rank::cloth_forces, "choose", "test", [](void*, StepContext& c) {
-      c.counts(Loop::cloth).count = {100};
-    }, nullptr);
-    plan.add(Rank::cloth_rows, "rows", "test", [](void*, StepContext&) {}, nullptr);
+    plan.add(
+        Rank::cloth_forces, "choose", "test", [](void*, StepContext& c) { c.counts(Loop::cloth).count = {100}; },
+        nullptr);
+    plan.add(
+        Rank::cloth_rows, "rows", "test", [](void*, StepContext&) {}, nullptr);
     plan.finish();
   };
   fill();

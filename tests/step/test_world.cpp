@@ -217,8 +217,8 @@ TEST_CASE("events are sorted by kind and partners, pending ones included", "[wor
 TEST_CASE("a system that names two passes alike is found when the plan is built", "[world][validate]") {
   if constexpr (!kAsserts) return;
   struct Twice final : System {
-    void add_rows(StepPlan& plan) override {
-      for (int k = 0; k < 2; ++k) plan.add<&Twice::run>(Stage::broad, When::each_substep, k, "run", "twice", this);
+    void add_passes(StepPlan& plan) override {
+      for (int k = 0; k < 2; ++k) plan.add<&Twice::run>(Place(Rank::broad, k), "run", "twice", this);
     }
     void run(StepContext&) {}
     std::size_t count() const override { return 0; }
