@@ -111,7 +111,6 @@ void Cloth::Impl::share_mass(Sheet& s) {
   for (std::uint32_t i = 0; i < s.points; ++i) {
     const Real more = vertices.mass[s.first + i] - before[i];
     Vec3& v = vertices.velocity[s.first + i];
-    if (vertices.inv_mass[s.first + i] == 0) continue;  // its pin takes that momentum
     if (more > 0 && given > 0) v = (before[i] * v + more / given * carried) / vertices.mass[s.first + i];
   }
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
