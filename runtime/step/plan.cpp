@@ -107,10 +107,11 @@ void StepPlan::run_loop(PlanNode& loop, std::uint32_t first, StepContext& c) {
 }
 
 std::string StepPlan::path(const PlanNode& node) {
-  std::string path;
-  for (Loop l = loop_around(node); l != Loop::step; l = kLoops[static_cast<int>(l)].parent)
-    path.insert(0, kLoops[static_cast<int>(l)].name).insert(0, "/");
-  path.insert(0, kLoops[0].name);
+  Loop loops[kLoopCount];
+  int count = 0;
+  for (Loop l = loop_around(node); l != Loop::step; l = kLoops[static_cast<int>(l)].parent) loops[count++] = l;
+  std::string path = kLoops[0].name;
+  while (count > 0) path += '/', path += kLoops[static_cast<int>(loops[--count])].name;
   return path;
 }
 
