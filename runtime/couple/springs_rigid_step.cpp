@@ -182,8 +182,8 @@ void SpringsRigid::before_integrate(StepContext&) {
   }
   if (!holds_.empty()) hold(kHoldRounds, 0);  // forces have moved the bodies' velocities since
   for (Coupled& k : coupled_) {
-    if (k.solver == 0) continue;
     const std::uint32_t i = k.particle;
+    if (k.solver == 0 || particles_.inv_mass[i] == 0) continue;  // quarantined in the substep before: stays held
     k.given = particles_.velocity[i] = movers_.state[k.solver].velocity;
     if (k.added == 0) continue;
     FEDER_ASSERT(k.added > 0 && particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down

@@ -271,3 +271,22 @@ TEST_CASE("a coupled world restores bit for bit and does not depend on threads",
   }
   CHECK(hashes[0] == hashes[1]);
 }
+
+TEST_CASE("a net that goes bad within a step is held from there on, also where it carries a body", "[couple]") {
+  World w(WorldDesc{}, kCatalog);
+  Springs& springs = w.need<Springs>();
+  Rigid& rigid = w.need<Rigid>();
+  NetDesc d;
+  d.points = {Vec3(0, 0, 0), Vec3(0, 1, 0)}, d.masses = {1, 1};
+  d.springs = {SpringDesc{0, 1}};
+  const ObjectId net = springs.add_net(d);
+  springs.attach(net, 0, rigid.add_body(ball(Real(0.5), 5, Vec3(0, 0, 0))), Vec3(0, 0, 0));
+  springs.set_script_force(net, 1, Vec3(std::numeric_limits<Real>::max(), 0, 0));
+  for (int k = 0; k < 3; ++k) w.step();
+  REQUIRE(springs.quarantined(net));
+  for (const std::size_t i : {0u, 1u}) {
+    CHECK(springs.pinned(net, i));
+    CHECK(length(springs.velocity(net, i)) == 0);
+    CHECK(std::isfinite(springs.point(net, i)[1]));
+  }
+}
