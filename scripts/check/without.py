@@ -11,8 +11,8 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # who is named when a module that others need is left out; the others can be
-NEEDED = {"base": "geom", "geom": "state", "linear": "integrate", "state": "step", "step": "world", "integrate": "springs",
-          "forces": "world", "collide": "couple", "broad": "collide", "narrow": "collide", "bounds": "cloth", "constrain": "rigid",
+NEEDED = {"base": "bounds", "geom": "state", "linear": "integrate", "state": "step", "step": "world", "integrate": "springs",
+          "forces": "world", "collide": "couple", "broad": "collide", "narrow": "collide", "bounds": "geom", "constrain": "rigid",
           "sph": "fluid", "neighbors": "fluid"}
 FREE = ["springs", "rigid", "cloth", "fluid", "couple", "world", "study", "lua", "yaml", "report", "view",
         "live", "window", "cli"]
