@@ -1,5 +1,6 @@
 // Fluid and rigid bodies: what sensors count, whom the fluid wakes, and that a step of both allocates nothing.
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #include "couple/fluid_parts.h"
@@ -185,6 +186,22 @@ TEST_CASE("a fluid wakes the body that it presses on, and says so", "[couple][fl
   CHECK(woken == 1);
   CHECK(when > 0.15);  // the lowest falls 0.2 m
   CHECK(when < 0.25);
+}
+
+TEST_CASE("a body gone bad in water is fixed and leaves the water finite", "[couple][fluid]") {
+  for (const char* solver : {"pbf", "wcsph"}) {
+    Watched w(solver);
+    BodyDesc d;
+    d.shape = make_box(kSpacing, kSpacing, kSpacing), d.position = Vec3(0, Real(0.2), 0);
+    const ObjectId box = w.rigid().add_body(d);
+    w.world.step();
+    // the sum of two finite forces is not finite
+    for (int k = 0; k < 2; ++k) w.rigid().apply_force(box, Vec3(std::numeric_limits<Real>::max(), 0, 0), nullptr);
+    for (int k = 0; k < 3; ++k) w.world.step();
+    INFO(solver);
+    CHECK(w.rigid().bodies().type[w.rigid().index(box)] == BodyType::fixed);
+    CHECK(w.world.is_finite());
+  }
 }
 
 TEST_CASE("a step of fluid and bodies takes nothing from the heap", "[couple][fluid][threads]") {
