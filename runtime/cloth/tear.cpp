@@ -98,20 +98,20 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
 
 // Masses anew. What a vertex gives away, and with it its momentum, goes to those that gain.
 void Cloth::Impl::share_mass(Sheet& s) {
-  const std::vector<Real> before(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.points);
+  const std::vector<Real> mass_before(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.points);
   const Real all = s.mass;
   lump_mass(s);
   FEDER_ASSERT(nearly_equal(double(s.mass), double(all)));
   Vec3 carried = Vec3::Zero();
   Real given = 0;
   for (std::uint32_t i = 0; i < s.points; ++i) {
-    const Real less = before[i] - vertices.mass[s.first + i];
+    const Real less = mass_before[i] - vertices.mass[s.first + i];
     if (less > 0) carried += less * vertices.velocity[s.first + i], given += less;
   }
   for (std::uint32_t i = 0; i < s.points; ++i) {
-    const Real more = vertices.mass[s.first + i] - before[i];
+    const Real more = vertices.mass[s.first + i] - mass_before[i];
     Vec3& v = vertices.velocity[s.first + i];
-    if (more > 0 && given > 0) v = (before[i] * v + more / given * carried) / vertices.mass[s.first + i];
+    if (more > 0 && given > 0) v = (mass_before[i] * v + more / given * carried) / vertices.mass[s.first + i];
   }
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
     if (vertices.inv_mass[i] != 0) vertices.inv_mass[i] = 1 / vertices.mass[i];

@@ -193,10 +193,10 @@ void Cloth::Impl::solve_body_ties(Real h) {
     for (const ClothTies::ToBody& t : s.ties.to_body) {
       const std::uint32_t anchor = s.first + t.anchor, i = s.first + t.vertex;
       if (!hold || hold->vertex != anchor) {
-        const auto found =
+        const auto held =
             std::find_if(holds.begin(), holds.end(), [&](const ClothHold& k) { return k.vertex == anchor; });
-        if (found == holds.end()) continue;
-        hold = &*found;
+        if (held == holds.end()) continue;
+        hold = &*held;
       }
       FEDER_ASSERT(t.vertex < s.points && t.anchor < s.points);
       Row4& x = moved[i];

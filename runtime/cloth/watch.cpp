@@ -39,12 +39,12 @@ double Cloth::Impl::work(const Sheet& s) const {
     for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
       const Real size = vertices.mass[i] / s.settings.area_density;
       MassPoint point{vertices.position[i], vertices.velocity[i], vertices.mass[i], size, size * s.settings.thickness};
-      Vec3 force = Vec3::Zero();
+      Vec3 added = Vec3::Zero();
       potential[1] += f.force->potential(&point, 1);
       if (vertices.inv_mass[i] != 0) point.position -= moved[i].vec();
       potential[0] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, 0, &force);
-      if (vertices.inv_mass[i] != 0) push += number(length(force)) * number(length(moved[i].vec()));
+      f.force->add(&point, 1, 0, &added);
+      if (vertices.inv_mass[i] != 0) push += number(length(added)) * number(length(moved[i].vec()));
     }
     const bool conserves = potential[0] != 0 || potential[1] != 0;
     held = held || conserves;
@@ -94,11 +94,11 @@ void Cloth::Impl::watch(StepContext& c) {
     FEDER_ASSERT(!(s.kinetic_before < 0));               // known since the step began
     s.kinetic = kinetic_energy(s);
     if (s.kinetic <= kDiverged * s.kinetic_before) continue;  // most steps end here
-    const double mass = number(s.mass), before = s.kinetic_before + least * mass;
-    if (!Watch::jumped(before, 0, s.kinetic)) continue;
-    const double found = given(s, c);
-    if (!Watch::jumped(before, found, s.kinetic)) continue;
-    watched.suspects.push_back({kName, s.object, before, s.kinetic, found, mass, sheets.size() > 1, kCure});
+    const double mass = number(s.mass), energy = s.kinetic_before + least * mass;
+    if (!Watch::jumped(energy, 0, s.kinetic)) continue;
+    const double energy_given = given(s, c);
+    if (!Watch::jumped(energy, energy_given, s.kinetic)) continue;
+    watched.suspects.push_back({kName, s.object, energy, s.kinetic, energy_given, mass, sheets.size() > 1, kCure});
   }
 }
 

@@ -131,15 +131,15 @@ void Collide::Impl::merge_pairs() {
   const auto drop_or_keep = [&](bool reported) {
     const ContactEntry head = entries[n];
     FEDER_ASSERT(head.sub == 0);
-    const bool stays = keep(head, reported);
+    const bool kept = keep(head, reported);
     for (; n < entries.size() && entries[n].a == head.a && entries[n].b == head.b; ++n) {
-      if (stays)
+      if (kept)
         next_entries.push_back(entries[n]);
       else
         release(entries[n]);
     }
-    changed = changed || !stays;
-    return stays;
+    changed = changed || !kept;
+    return kept;
   };
   for (const IndexPair& p : pairs) {
     FEDER_ASSERT(&p == pairs.data() || *(&p - 1) < p);

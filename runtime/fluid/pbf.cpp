@@ -299,8 +299,8 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       }
       p.ratio[i] = crowd + walled;
       const Real excess = std::min(crowd - 1, kMostExcess) + std::min(walled, kMostWall), before = p.lambda[i];
-      const Real stiff = p.diagonal[i] / step + compliance, last = carry * p.x[i].w;
-      const Real wanted = stiff > 0 ? before + last - (excess + compliance * before) / stiff : Real(0);
+      const Real stiff = p.diagonal[i] / step + compliance, carried = carry * p.x[i].w;
+      const Real wanted = stiff > 0 ? before + carried - (excess + compliance * before) / stiff : Real(0);
       const Real after = clamp(wanted, least, Real(0));
       p.lambda[i] = after;
       p.sum[i] = after - before;
@@ -326,9 +326,9 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
   FEDER_ASSERT(p.start.size() > p.count);
   p.start[p.count] = {};
   in.velocity = &p.start[0].x;
-  const auto push = p.desc.surface_tension > 0 ? p.sweeps->push_from : p.sweeps->push;
+  const auto push_apart = p.desc.surface_tension > 0 ? p.sweeps->push_from : p.sweeps->push;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    push(in, first, last, &p.move[0].x);
+    push_apart(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
       for (WallContact& k : p.contacts_of(i)) {

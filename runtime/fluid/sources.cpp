@@ -70,7 +70,8 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   const double about = p.dimension == 2 ? 2 * across + 1 : 3.14159265 * across * across + 1;
   const std::string limit =
       "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
-  need(about <= 1.1 * p.desc.max_particles + 10, "radius", limit.c_str(), static_cast<double>(d.radius));
+  need(about <= 1.1 * static_cast<double>(p.desc.max_particles) + 10, "radius", limit.c_str(),
+       static_cast<double>(d.radius));
   need(m.sites(e, p).size() <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
     throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +

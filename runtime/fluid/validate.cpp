@@ -25,9 +25,9 @@ std::uint64_t FluidPool::id_key(std::uint32_t number) {
 }
 
 std::uint64_t FluidPool::id_sum() const {
-  std::uint64_t sum = 0;
-  for (std::uint32_t i = 0; i < count; ++i) sum += id_key(id[i]);
-  return sum;
+  std::uint64_t keys = 0;
+  for (std::uint32_t i = 0; i < count; ++i) keys += id_key(id[i]);
+  return keys;
 }
 
 void FluidPool::validate_order() const {

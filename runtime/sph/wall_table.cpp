@@ -101,9 +101,9 @@ WallTable::WallTable(const Kernel& kernel, int d, double support) {
     // midpoint rule downwards from the far side; the half space beyond s is what lies higher than s
     const double dz = 2.0 / kCells / kFine;
     for (int k = 0; k < kFine && i > 0; ++k) {
-      const Layer l = layer(kernel, d, s - (k + 0.5) * dz);
-      share += dz * l.colour;
-      if (s > 0) friction += dz * l.friction;
+      const Layer slice = layer(kernel, d, s - (k + 0.5) * dz);
+      share += dz * slice.colour;
+      if (s > 0) friction += dz * slice.friction;
     }
   }
 }

@@ -140,13 +140,13 @@ std::uint32_t Net::find_non_finite(JobPool* jobs, bool places_only) const {
 
 bool Net::all_points_finite(JobPool* jobs, bool places_only) const {
   const std::span<const Vec3> x = positions(), v = velocities();
-  const auto good = [&](std::uint32_t first, std::uint32_t last) {
-    return all_finite(x.subspan(first, last - first)) && (places_only || all_finite(v.subspan(first, last - first)));
+  const auto good = [&](std::uint32_t from, std::uint32_t to) {
+    return all_finite(x.subspan(from, to - from)) && (places_only || all_finite(v.subspan(from, to - from)));
   };
   if (!jobs) return good(0, points);
   std::atomic<bool> bad{false};
-  jobs->for_blocks(points, {1024, 2'000}, [&](std::uint32_t first, std::uint32_t last, int) {
-    if (!good(first, last)) bad.store(true, std::memory_order_relaxed);
+  jobs->for_blocks(points, {1024, 2'000}, [&](std::uint32_t from, std::uint32_t to, int) {
+    if (!good(from, to)) bad.store(true, std::memory_order_relaxed);
   });
   return !bad.load(std::memory_order_relaxed);
 }
@@ -295,7 +295,7 @@ void Net::add_differences(std::span<const Vec3> x, std::span<const Vec3> v, doub
   }
 }
 
-void Net::bounds(double& frequency, double& decay, bool with_generators, double time) {
+void Net::bounds(double& most_frequency, double& most_decay, bool with_generators, double time) {
   // row sums of M^-1 K: what a point's springs add to its own row, and to the columns of free neighbours
   row_stiffness_.assign(points, 0);
   row_damping_.assign(points, 0);
@@ -328,8 +328,8 @@ void Net::bounds(double& frequency, double& decay, bool with_generators, double 
     w2 = std::max(w2, stiff[i] * inv);
     rate = std::max(rate, damp[i] * inv + static_cast<double>(settings.damping));
   }
-  frequency = std::sqrt(w2);
-  decay = rate;
+  most_frequency = std::sqrt(w2);
+  most_decay = rate;
 }
 
 Real Net::length_of(std::uint32_t k) const {

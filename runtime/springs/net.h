@@ -91,7 +91,7 @@ class Net final : public ForceField {
   std::uint32_t find_non_finite(JobPool* jobs = nullptr, bool places_only = false) const;
   // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s. Springs with a power and generators
   // count as they are now; those after prepare() only, and those that do not tell their derivative not at all.
-  void bounds(double& frequency, double& decay, bool with_generators = false, double time = 0);
+  void bounds(double& most_frequency, double& most_decay, bool with_generators = false, double time = 0);
   Energy energy();
   void validate() const;  // validate.cpp: springs and faces
   // watch.cpp

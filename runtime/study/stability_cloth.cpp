@@ -108,10 +108,10 @@ ClothCell draped(const std::string& solver, double x, double y) {
   c.expected = x >= 100 ? 0 : NAN;
   c.error = [](ClothCell& e) {
     double deepest = 0;
-    const Cloth& cloth = e.world->need<Cloth>();
-    for (std::size_t i = 0; i < cloth.vertex_count(e.cloth); ++i)
-      deepest = std::max(deepest, 0.3 - static_cast<double>(length(cloth.point(e.cloth, i))));
-    return deepest > 0.01 ? deepest + 0.1 : std::max(0.0, static_cast<double>(cloth.max_strain(e.cloth)) - 0.05);
+    const Cloth& sheets = e.world->need<Cloth>();
+    for (std::size_t i = 0; i < sheets.vertex_count(e.cloth); ++i)
+      deepest = std::max(deepest, 0.3 - static_cast<double>(length(sheets.point(e.cloth, i))));
+    return deepest > 0.01 ? deepest + 0.1 : std::max(0.0, static_cast<double>(sheets.max_strain(e.cloth)) - 0.05);
   };
   return c;
 }
