@@ -200,7 +200,7 @@ int body_move_to(lua_State* L) {
 int body_contacts(lua_State* L) {
   const Body b = body(L);
   lua_newtable(L);
-  Collide* collide = b.self.world.find<Collide>();
+  Collide* collide = b.self.world.query<Collide>();
   if (!collide) return 1;
   std::vector<Collide::ContactInfo> list;
   collide->contacts_of(b.self.id, list);

@@ -76,14 +76,15 @@ int fluid_set_velocities(lua_State* L) {
 int fluid_density_error(lua_State* L) {
   const Of f = of(L);
   double mean = 0, most = 0;
-  f.fluid.density_error(f.self.id, mean, most);
+  f.self.record.world->query<Fluid>()->density_error(f.self.id, mean, most);
   lua_pushnumber(L, mean), lua_pushnumber(L, most);
   return 2;
 }
 
 int fluid_pressure_at(lua_State* L) {
   const Of f = of(L);
-  lua_pushnumber(L, f.fluid.pressure_at(f.self.id, vector_argument(L, 2, f.self.record.planar())));
+  lua_pushnumber(
+      L, f.self.record.world->query<Fluid>()->pressure_at(f.self.id, vector_argument(L, 2, f.self.record.planar())));
   return 1;
 }
 
@@ -93,7 +94,7 @@ int fluid_height_at(lua_State* L) {
   const Real z =
       lua_isnoneornil(L, 3) ? Real(0) : static_cast<Real>(check_number(L, 3, std::string(function_name(L)) + ": z"));
   Real y = 0;
-  if (f.fluid.height_at(f.self.id, x, z, y))
+  if (f.self.record.world->query<Fluid>()->height_at(f.self.id, x, z, y))
     lua_pushnumber(L, y);
   else
     lua_pushnil(L);
@@ -103,7 +104,7 @@ int fluid_height_at(lua_State* L) {
 int fluid_surface(lua_State* L) {
   const Of f = of(L);
   std::vector<Vec3> x, n;
-  f.fluid.surface(f.self.id, x, n);
+  f.self.record.world->query<Fluid>()->surface(f.self.id, x, n);
   push_vectors(L, x);
   lua_pushinteger(L, static_cast<lua_Integer>(x.size()));
   return 2;

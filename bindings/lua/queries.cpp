@@ -11,7 +11,7 @@ namespace {
 constexpr double kFar = 1e5;  // m: how far a ray goes when nothing is said
 
 // Queries see the world as it is now; a world without colliders has nothing to hit.
-Collide* collide_of(WorldRecord& r) { return r.world->find<Collide>(); }
+Collide* collide_of(WorldRecord& r) { return r.world->query<Collide>(); }
 
 void filter_options(Options& o, WorldRecord& r, QueryFilter& f) {
   std::int64_t bits = 0;

@@ -78,7 +78,7 @@ int world_is_finite(lua_State* L) {
 }
 
 int world_max_penetration(lua_State* L) {
-  Collide* collide = check_world(L).world->find<Collide>();
+  Collide* collide = check_world(L).world->query<Collide>();
   lua_pushnumber(L, collide ? collide->max_penetration() : Real(0));
   return 1;
 }

@@ -51,9 +51,9 @@ class FluidSource final : public FrameSource {
     g.scalar = c.toggles.point_scalar;
     if (by == "density" || by == "pressure") {
       if (by == "density")
-        fluid.densities(id, number_);
+        c.world.query<Fluid>()->densities(id, number_);
       else
-        fluid.pressures(id, number_);
+        c.world.query<Fluid>()->pressures(id, number_);
       for (std::size_t i = 0; i < x_.size(); ++i) value_[i] = static_cast<float>(number_[i]);
     } else {
       fluid.velocities(id, v_);

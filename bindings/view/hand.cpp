@@ -52,7 +52,7 @@ std::optional<Pick> pick(World& world, const Ray& ray, Real slack) {
   constexpr Real kFar = 10000;  // m
   std::optional<Pick> best;
   Real depth = kFar;
-  if (Collide* collide = world.find<Collide>()) {
+  if (Collide* collide = world.query<Collide>()) {
     RaycastHit hit;
     if (collide->raycast(ray.origin, ray.direction * kFar, {}, hit)) {
       depth = hit.fraction * kFar;

@@ -7,8 +7,8 @@
 
 namespace feder {
 
-Collide::Impl::Impl(SystemSetup& setup, Collide& owner)
-    : self(&owner), colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
+Collide::Impl::Impl(SystemSetup& setup)
+    : colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
       narrow(setup.world.text("narrow_phase", "auto")), motion(&setup.store.arena(kName)),
       pairs(motion.get_allocator()), seen(motion.get_allocator()), entries(motion.get_allocator()),
       next_entries(motion.get_allocator()), memory(motion.get_allocator()), watched(motion.get_allocator()),
@@ -18,7 +18,7 @@ Collide::Impl::Impl(SystemSetup& setup, Collide& owner)
   broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
 }
 
-Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup, *this)) {}
+Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Collide::~Collide() = default;
 
 const SystemDescriptor& Collide::descriptor() {
@@ -32,6 +32,7 @@ void Collide::add_passes(StepPlan& plan) {
   if (count() == 0 && impl_->transitions.empty() && impl_->entries.empty()) return;
   plan.add<&Impl::find_pairs>(Rank::broad, "find pairs", kName, impl_.get());
   plan.add<&Impl::collide>(Rank::narrow, "collide", kName, impl_.get());
+  plan.add<&Impl::list_active>(Rank::contact_list, "list contacts", kName, impl_.get());
   plan.add<&Impl::report_touches>(Rank::contact_events, "touches", kName, impl_.get());
 }
 

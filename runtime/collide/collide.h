@@ -31,6 +31,7 @@ struct MaterialPair {
 class Collide final : public System, public ContactService {
  public:
   static constexpr const char* kName = ContactService::kSystem;
+  static constexpr Rank kQuery = Rank::query_colliders;  // World::query
   static const SystemDescriptor& descriptor();
   explicit Collide(SystemSetup& setup);
   ~Collide() override;
@@ -54,7 +55,7 @@ class Collide final : public System, public ContactService {
   std::uint16_t material(std::string_view name) override;
   void set_material_pair(const MaterialPair& pair);
 
-  // Queries on the state now (boxes are refreshed from the poses when the world was edited).
+  // On the state now, asked of World::query<Collide>(): owners have placed the colliders then.
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest
   void raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, std::vector<RaycastHit>& hits);
   bool shape_cast(const Shape& shape, const Pose& pose, const Vec3& motion, const QueryFilter& filter, RaycastHit& hit);

@@ -113,7 +113,7 @@ static_assert(sizeof(Transition) == 32 + 8 * sizeof(Real));
 static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
 
 struct Collide::Impl {
-  Impl(SystemSetup& setup, Collide& owner);
+  explicit Impl(SystemSetup& setup);
 
   // Rows.
   void find_pairs(StepContext& c);
@@ -138,8 +138,8 @@ struct Collide::Impl {
   void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
   void mix(Contact& contact) const;
   void judge(ContactEntry& e, Real margin, Real dt);
-  void wake_arrivals();
-  void list_active();
+  void list_arrivals();
+  void list_active(StepContext& c);
 
   // touches.cpp
   TouchKey key(const ContactEntry& e, bool& flipped) const;
@@ -155,11 +155,9 @@ struct Collide::Impl {
 
   // queries.cpp
   bool passes(std::uint32_t i, const QueryFilter& f) const;
-  void refresh_boxes();
 
   bool excluded(ObjectId a, ObjectId b) const;
 
-  Collide* self;
   Colliders* colliders;
   Contacts* contacts;
   std::unique_ptr<BroadPhase> broad;

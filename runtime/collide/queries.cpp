@@ -1,5 +1,6 @@
 // Queries between steps: every collider's box, then its shape, in index order, so that ties fall to the lower index.
-// A linear scan over boxes: an owner may have moved any of them since the broad phase last saw them.
+// A linear scan over boxes: an owner may have moved any of them since the broad phase last saw them, and has placed
+// them anew (Rank::query_colliders).
 #include <algorithm>
 
 #include "bounds/segment_box.h"
@@ -23,13 +24,8 @@ bool Collide::Impl::passes(std::uint32_t i, const QueryFilter& f) const {
   return (f.group & c.mask[i]) && (c.group[i] & f.mask);
 }
 
-void Collide::Impl::refresh_boxes() {
-  if (self->refresh) self->refresh(self->refresh_self);
-}
-
 void Collide::raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter,
                           std::vector<RaycastHit>& hits) {
-  impl_->refresh_boxes();
   const Colliders& c = *impl_->colliders;
   hits.clear();
   for (std::uint32_t i = 0; i < c.size(); ++i) {
@@ -42,7 +38,6 @@ void Collide::raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter
 }
 
 bool Collide::raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit) {
-  impl_->refresh_boxes();
   const Colliders& c = *impl_->colliders;
   bool found = false;
   for (std::uint32_t i = 0; i < c.size(); ++i) {
@@ -58,7 +53,6 @@ bool Collide::raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& fi
 
 bool Collide::shape_cast(const Shape& shape, const Pose& pose, const Vec3& motion, const QueryFilter& filter,
                          RaycastHit& hit) {
-  impl_->refresh_boxes();
   const Colliders& c = *impl_->colliders;
   bool found = false;
   Aabb swept = shape.bounds(pose);
@@ -75,7 +69,6 @@ bool Collide::shape_cast(const Shape& shape, const Pose& pose, const Vec3& motio
 }
 
 void Collide::overlap(const Shape& shape, const Pose& pose, const QueryFilter& filter, std::vector<ObjectId>& found) {
-  impl_->refresh_boxes();
   const Colliders& c = *impl_->colliders;
   found.clear();
   const Aabb box = shape.bounds(pose);

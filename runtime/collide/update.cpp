@@ -74,8 +74,7 @@ void Collide::Impl::collide(StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i)
       if (entries[i].sub == 0) test_pair(i, c.dt);
   });
-  wake_arrivals();
-  list_active();
+  list_arrivals();
 }
 
 void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
@@ -268,9 +267,9 @@ void Collide::Impl::judge(ContactEntry& e, Real margin, Real dt) {
   e.bits = static_cast<std::uint16_t>(bits);
 }
 
-void Collide::Impl::wake_arrivals() {
-  const Colliders& c = *colliders;
+void Collide::Impl::list_arrivals() {
   watched.clear();
+  contacts->arrivals.clear();
   for (std::uint32_t i = 0; i < entries.size(); ++i) {
     ContactEntry& e = entries[i];
     if (!(e.bits & kTested)) continue;
@@ -281,18 +280,13 @@ void Collide::Impl::wake_arrivals() {
       continue;
     }
     if (e.bits & kWatch) watched.push_back(i);
-    if (!(e.bits & kArrived) || !self->on_touch_sleeping) continue;
-    const auto asleep = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && !c.awake[n]; };
-    if (c.awake[e.a] && asleep(e.b))
-      self->on_touch_sleeping(self->on_touch_self, e.b, e.a);
-    else if (c.awake[e.b] && asleep(e.a))
-      self->on_touch_sleeping(self->on_touch_self, e.a, e.b);
+    if (e.bits & kArrived) contacts->arrivals.push_back({e.a, e.b});
   }
 }
 
 // After all wakes, so that the contacts of a woken island are solved in this step: their data is that of the moment
 // it fell asleep, and nothing of it moved since.
-void Collide::Impl::list_active() {
+void Collide::Impl::list_active(StepContext&) {
   const Colliders& c = *colliders;
   const auto movable = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && c.awake[n]; };
   contacts->active.clear();

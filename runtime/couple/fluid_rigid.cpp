@@ -31,19 +31,9 @@ FluidRigid::FluidRigid(SystemSetup& s)
       colliders_(s.store.need<Colliders>(ContactService::kSystem)), movers_(s.store.need<Movers>(Rigid::kName)),
       walls_(fluid_.walls()), objects_(s.objects), collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)),
       place_(&s.store.arena(kName)), inside_(&s.store.arena(kName)), next_inside_(&s.store.arena(kName)),
-      touching_(&s.store.arena(kName)), next_touching_(&s.store.arena(kName)) {
-  fluid_.refresh_walls = [](void* self) {
-    auto& me = *static_cast<FluidRigid*>(self);
-    me.list_walls();
-    me.place_walls(true);
-  };
-  fluid_.refresh_self = this;
-}
+      touching_(&s.store.arena(kName)), next_touching_(&s.store.arena(kName)) {}
 
-FluidRigid::~FluidRigid() {
-  fluid_.refresh_walls = nullptr;
-  walls_.list.clear(), walls_.bodies.clear();
-}
+FluidRigid::~FluidRigid() { walls_.list.clear(), walls_.bodies.clear(); }
 
 std::size_t FluidRigid::count() const { return walls_.list.size(); }
 
@@ -60,6 +50,7 @@ void FluidRigid::add_passes(StepPlan& plan) {
   plan.add<&F::push_again>(Rank::boundary_return, "push bodies after guard", kName, this);
   plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
   plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
+  plan.add<&F::place_for_queries>(Rank::query_boundary, "place walls for queries", kName, this);
   bool sensors = !inside_.empty();
   for (std::uint32_t k = 0; k < colliders_.size(); ++k)
     sensors = sensors || (colliders_.sensor[k] && colliders_.motion[k] != ColliderMotion::none);
@@ -141,6 +132,11 @@ void FluidRigid::collect(StepContext&) {
   list_walls();
   mismatch_ = given_ = pushed_ = 0;
   fluid_.clear_touches();
+}
+
+void FluidRigid::place_for_queries(StepContext&) {
+  list_walls();
+  place_walls(true);
 }
 
 void FluidRigid::set_walls(StepContext&) {

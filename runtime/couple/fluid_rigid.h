@@ -43,6 +43,7 @@ class FluidRigid final : public System {
 
   // Rows.
   void collect(StepContext& c);
+  void place_for_queries(StepContext& c);
   void set_walls(StepContext& c);
   void weigh(StepContext& c);
   void push_bodies(StepContext& c);

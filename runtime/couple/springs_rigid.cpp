@@ -22,14 +22,7 @@ SpringsRigid::SpringsRigid(SystemSetup& s)
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
       movers_(s.store.need<Movers>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
       objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
-      holds_(&s.store.arena(kName)), held_(&s.store.arena(kName)) {
-  springs_.on_remove = [](void* self, std::uint32_t first, std::uint32_t count) {
-    static_cast<SpringsRigid*>(self)->release(first, count);
-  };
-  springs_.on_remove_self = this;
-}
-
-SpringsRigid::~SpringsRigid() { springs_.on_remove = nullptr; }
+      holds_(&s.store.arena(kName)), held_(&s.store.arena(kName)) {}
 
 std::size_t SpringsRigid::count() const { return coupled_.size(); }
 
@@ -54,6 +47,7 @@ std::uint32_t SpringsRigid::find_coupled(std::uint32_t particle) const {
 }
 
 void SpringsRigid::sync() {
+  release_removed();
   // attachments to bodies that are gone end
   std::vector<Springs::Attachment> dead;
   for (const Springs::Attachment& a : springs_.attachments())
@@ -117,15 +111,16 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
   colliders_.mask[k] = attached ? 0 : net.mask;
 }
 
-void SpringsRigid::release(std::uint32_t first, std::uint32_t count) {
-  FEDER_ASSERT(first + count <= particles_.size());
-  for (std::uint32_t i = first; i < first + count; ++i) {
-    if (particles_.collider[i] != kNone) {
-      collide_.forget(particles_.collider[i]);
-      colliders_.remove(particles_.collider[i]);
+void SpringsRigid::release_removed() {
+  for (const Springs::Removed& r : springs_.removed()) {
+    if (r.collider != kNone) {
+      FEDER_ASSERT(colliders_.owner[r.collider] == ObjectKind::net && !objects_.alive(colliders_.object[r.collider]));
+      collide_.forget(r.collider);
+      colliders_.remove(r.collider);
     }
-    if (particles_.mover[i] != kNone) movers_.remove(particles_.mover[i]);
+    if (r.mover != kNone) movers_.remove(r.mover);
   }
+  springs_.removed().clear();
 }
 
 void SpringsRigid::residuals(std::vector<Residual>& out) const {

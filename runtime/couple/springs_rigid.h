@@ -14,7 +14,6 @@ class SpringsRigid final : public System {
   static constexpr const char* kName = "springs_rigid";
   static const SystemDescriptor& descriptor();
   explicit SpringsRigid(SystemSetup& setup);
-  ~SpringsRigid() override;
 
   void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // points that meet bodies
@@ -49,7 +48,7 @@ class SpringsRigid final : public System {
   // Structure: colliders, movers and the list of coupled points brought up to date.
   void sync();
   void sync_collider(std::uint32_t particle, const Springs::NetInfo& net, bool attached);
-  void release(std::uint32_t first, std::uint32_t count);
+  void release_removed();
   std::uint32_t find_coupled(std::uint32_t particle) const;
 
   // Rows.

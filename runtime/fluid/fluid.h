@@ -53,6 +53,7 @@ struct EmitterDesc {
 class Fluid final : public System {
  public:
   static constexpr const char* kName = "fluid";
+  static constexpr Rank kQuery = Rank::query_boundary;  // World::query
   static const SystemDescriptor& descriptor();
   explicit Fluid(SystemSetup& setup);
   ~Fluid() override;
@@ -85,7 +86,8 @@ class Fluid final : public System {
   std::uint64_t passed(ObjectId source) const;  // emitted, or drained, so far
   void aim(ObjectId emitter, const Vec3& position, const Vec3& direction);
 
-  // Questions; particles in the order they were made.
+  // Questions; particles in the order they were made. What looks at neighbours and walls (from densities on) is asked
+  // of World::query<Fluid>().
   std::size_t particle_count(ObjectId fluid) const;
   void positions(ObjectId fluid, std::vector<Vec3>& out) const;
   void velocities(ObjectId fluid, std::vector<Vec3>& out) const;
@@ -107,16 +109,13 @@ class Fluid final : public System {
       ObjectId fluid) const;                 // its solver's, since the fluid was made; wcsph takes several in a substep
   ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
-  // For couplings: the walls of the coming substep, filled before the fluid's rows; and who is asked for them.
+  // For couplings: the walls of the coming substep, filled before the fluid's rows, and before questions.
   Walls& walls();
   // Which bodies of the walls particles were beside since clear_touches: appended, by fluid, then body.
   void clear_touches();
   void list_touches(Array<FluidTouch>& out) const;
   std::size_t pool_count() const;
   FluidPool& pool_at(std::size_t n);  // in the order the fluids were made
-  // Fills the walls for a question between steps. Set by the coupling.
-  void (*refresh_walls)(void* self) = nullptr;
-  void* refresh_self = nullptr;
 
  private:
   struct Impl;

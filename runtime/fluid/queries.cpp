@@ -1,4 +1,5 @@
-// Questions about fluids, between steps. Neighbours and walls are looked up where the particles are now.
+// Questions about fluids, between steps. Neighbours are looked up where the particles are now, walls where the
+// coupling placed them (Rank::query_boundary).
 #include <algorithm>
 #include <cmath>
 
@@ -38,7 +39,6 @@ void Fluid::velocities(ObjectId id, std::vector<Vec3>& out) const {
 }
 
 void Fluid::densities(ObjectId id, std::vector<Real>& out) {
-  if (refresh_walls) refresh_walls(refresh_self);
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
   out.clear();
@@ -46,7 +46,6 @@ void Fluid::densities(ObjectId id, std::vector<Real>& out) {
 }
 
 void Fluid::pressures(ObjectId id, std::vector<Real>& out) {
-  if (refresh_walls) refresh_walls(refresh_self);
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
   const FluidSolver& s = impl_->solver_of(p);
@@ -67,7 +66,6 @@ void Fluid::density_error(ObjectId id, double& mean, double& largest) {
 }
 
 double Fluid::pressure_at(ObjectId id, const Vec3& point) {
-  if (refresh_walls) refresh_walls(refresh_self);
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
   const FluidSolver& s = impl_->solver_of(p);
@@ -84,7 +82,6 @@ double Fluid::pressure_at(ObjectId id, const Vec3& point) {
 
 // The smoothed fluid over what walls leave of the kernel crosses one half at the surface.
 bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
-  if (refresh_walls) refresh_walls(refresh_self);
   const FluidPool& p = impl_->pool(id);
   std::vector<Vec3> near;
   Real top = -kInfinity, bottom = kInfinity;
@@ -136,7 +133,6 @@ std::uint32_t Fluid::count_inside(ObjectId id, const Shape& shape, const Pose& p
 }
 
 void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& normals) {
-  if (refresh_walls) refresh_walls(refresh_self);
   constexpr Real kSurface = Real(0.45);  // gradient of the colour field times support; a flat surface has about 1.3
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);

@@ -55,7 +55,7 @@ struct Rigid::Impl {
   void commit_body(std::uint32_t place, StepContext& c);
   bool commit_finite(std::uint32_t place) const;
   void quarantine(std::uint32_t i);
-  void refresh();
+  void refresh(StepContext& c);
   void rebuild_list();
   SolverInput input();
 
@@ -63,6 +63,7 @@ struct Rigid::Impl {
   void wake(std::uint32_t i, WakeCause cause, ObjectId other);
   void wake_one(std::uint32_t i, WakeCause cause, ObjectId other);
   void wake_touching(std::uint32_t i, WakeCause cause);
+  void wake_touched(StepContext& c);
   void put_to_sleep(std::uint32_t i);
   void update_sleep(StepContext& c);
   void measure_motion(StepContext& c);

@@ -27,14 +27,6 @@ Rigid::Impl::Impl(SystemSetup& s)
       bad(&s.store.arena(kName)), points(&s.store.arena(kName)), point_force(&s.store.arena(kName)),
       point_place(&s.store.arena(kName)) {
   if (movers.solver.empty()) movers.reset();
-  collide.on_touch_sleeping = [](void* self, std::uint32_t sleeper, std::uint32_t other) {
-    Impl& impl = *static_cast<Impl*>(self);
-    if (impl.colliders.owner[sleeper] == ObjectKind::body)
-      impl.wake(impl.colliders.owner_index[sleeper], WakeCause::contact, impl.colliders.object[other]);
-  };
-  collide.on_touch_self = this;
-  collide.refresh = [](void* self) { static_cast<Impl*>(self)->refresh(); };
-  collide.refresh_self = this;
 }
 
 const SystemDescriptor& Rigid::descriptor() {
@@ -53,6 +45,7 @@ void Rigid::add_passes(StepPlan& plan) {
   Impl* s = impl_.get();
   if (s->body_count == 0) return;
   plan.add<&Impl::update_boxes>(Rank::body_bounds, "update boxes", kName, s);
+  plan.add<&Impl::wake_touched>(Rank::wake_touched, "wake touched", kName, s);
   plan.add<&Impl::gather>(Rank::gather_bodies, "gather", kName, s);
   plan.add<&Impl::prepare>(Rank::joint_rows, "prepare rows", kName, s);
   const Forces* forces = s->store.find<Forces>();
@@ -66,6 +59,7 @@ void Rigid::add_passes(StepPlan& plan) {
   plan.add<&Impl::solve>(Rank::body_solve, "solve", kName, s);
   plan.add<&Impl::finish_solve>(Rank::restitution, "restitution and impulses", kName, s);
   plan.add<&Impl::commit>(Rank::commit, "commit", kName, s);
+  plan.add<&Impl::refresh>(Rank::query_colliders, "place colliders", kName, s);
 }
 
 std::size_t Rigid::count() const { return impl_->body_count; }

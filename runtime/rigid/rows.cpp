@@ -33,7 +33,7 @@ void Rigid::Impl::rebuild_list() {
     if (bodies.awake[i]) moving.push_back(i);
 }
 
-void Rigid::Impl::refresh() {
+void Rigid::Impl::refresh(StepContext&) {
   if (!poses_stale) return;
   poses_stale = false;
   rebuild_list();

@@ -54,6 +54,20 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
   }
 }
 
+// Wakes the sleepers that something awake came to touch.
+void Rigid::Impl::wake_touched(StepContext&) {
+  const auto asleep = [&](std::uint32_t k) {
+    return colliders.owner[k] == ObjectKind::body && colliders.motion[k] == ColliderMotion::dynamic &&
+           !colliders.awake[k];
+  };
+  for (const Arrival& t : contacts.arrivals) {
+    std::uint32_t sleeper = t.b, other = t.a;
+    if (!colliders.awake[other] || !asleep(sleeper)) std::swap(sleeper, other);
+    if (colliders.awake[other] && asleep(sleeper))
+      wake(colliders.owner_index[sleeper], WakeCause::contact, colliders.object[other]);
+  }
+}
+
 // Wakes the sleepers that touch body i, and those joined to it.
 void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   if (sleeping_count == 0) return;

@@ -41,6 +41,7 @@ struct Springs::Impl {
   const Real air_density;                  // kg/m^3, of still air
   std::vector<std::unique_ptr<Net>> nets;  // the object's index is the place here
   std::vector<Attachment> attachments;     // in the order they were made
+  std::vector<Removed> removed;            // since the last plan
 
   Net& net(ObjectId id) const {
     FEDER_ASSERT(objects.kind(id) == ObjectKind::net && nets[objects.index(id)]->object == id);

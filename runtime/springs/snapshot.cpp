@@ -25,7 +25,7 @@ void Springs::hash(Hash& h) const {
 
 void Springs::save(Writer& w) const {
   Particles::each_array(impl_->particles, [&](const auto& array) { w.list(array); });
-  w.list(impl_->attachments);
+  w.list(impl_->attachments), w.list(impl_->removed);
   w.add(static_cast<std::uint64_t>(impl_->nets.size()));
   for (const auto& n : impl_->nets) {
     w.add(n->object), w.add(n->first), w.add(n->points), w.add(n->settings);
@@ -44,7 +44,7 @@ void Springs::save(Writer& w) const {
 void Springs::load(Reader& r) {
   Impl& m = *impl_;
   Particles::each_array(m.particles, [&](auto& array) { r.list(array); });
-  r.list(m.attachments);
+  r.list(m.attachments), r.list(m.removed);
   const auto count = r.get<std::uint64_t>();
   m.nets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {

@@ -107,7 +107,9 @@ void Springs::destroy_net(ObjectId id, std::string where) {
   Impl& m = *impl_;
   const std::uint32_t place = m.objects.index(id);
   const std::uint32_t first = m.nets[place]->first, count = m.nets[place]->points;
-  if (on_remove) on_remove(on_remove_self, first, count);
+  for (std::uint32_t i = first; i < first + count; ++i)
+    if (m.particles.collider[i] != kNone || m.particles.mover[i] != kNone)
+      m.removed.push_back({m.particles.collider[i], m.particles.mover[i]});
 
   // later points, nets and attachments move down
   Particles::each_array(m.particles,
@@ -126,6 +128,7 @@ void Springs::destroy_net(ObjectId id, std::string where) {
   *m.structure_changed = true;
 }
 
+std::vector<Springs::Removed>& Springs::removed() { return impl_->removed; }
 std::size_t Springs::point_count(ObjectId id) const { return impl_->net(id).points; }
 std::size_t Springs::spring_count(ObjectId id) const { return impl_->net(id).springs.size(); }
 

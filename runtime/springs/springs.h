@@ -122,9 +122,12 @@ class Springs final : public System {
   };
   std::size_t net_count() const;
   NetInfo net_info(std::size_t n) const;  // 0 .. net_count()-1, in the order the nets were made
-  // Called before the points [first, first + count) go; later indices move down. Set by couple.
-  void (*on_remove)(void* self, std::uint32_t first, std::uint32_t count) = nullptr;
-  void* on_remove_self = nullptr;
+  // What points that are gone had in the arrays of others. The coupling that gave it takes it back, and empties the
+  // list, before the next plan.
+  struct Removed {
+    std::uint32_t collider, mover;  // kNone: had none
+  };
+  std::vector<Removed>& removed();
 
   // Point `i` is held at `local` of a mover (a body); used by couple and the binding. Kept by couple/springs_rigid.
   struct Attachment {

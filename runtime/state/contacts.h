@@ -40,14 +40,20 @@ struct Contact {
   Vec3 rolling_impulse = Vec3::Zero();   // N m s
 };
 
+// Two colliders that came to touch.
+struct Arrival {
+  std::uint32_t a, b;
+};
+
 struct Contacts {
-  explicit Contacts(Arena& a) : slots(&a), order(&a), free_list(&a), active(&a) {}
+  explicit Contacts(Arena& a) : slots(&a), order(&a), free_list(&a), arrivals(&a), active(&a) {}
 
   Array<Contact> slots;
   Array<std::uint32_t> order;  // slots in use, sorted by (collider_a, collider_b, sub)
   Array<std::uint32_t> free_list;
+  Array<Arrival> arrivals;  // of this step, in `order`, between narrow and contact_list: owners wake those asleep
   Array<std::uint32_t>
-      active;  // written by narrow each step, in `order`: touching, no sensor, one side awake and movable
+      active;  // written by contact_list each step, in `order`: touching, no sensor, one side awake and movable
 };
 
 }  // namespace feder

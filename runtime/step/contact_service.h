@@ -26,15 +26,6 @@ class ContactService {
 
   // The number of a named material, made on first use. Number 0 is "no material".
   virtual std::uint16_t material(std::string_view name) = 0;
-
-  // Called in the narrow row, in deterministic order, when a touching begins between an awake and a sleeping
-  // collider: the owner wakes it. Set by the owner of bodies.
-  void (*on_touch_sleeping)(void* self, std::uint32_t sleeping_collider, std::uint32_t other_collider) = nullptr;
-  void* on_touch_self = nullptr;
-
-  // Refreshes world poses and boxes for queries between steps. Set by the owner of bodies.
-  void (*refresh)(void* self) = nullptr;
-  void* refresh_self = nullptr;
 };
 
 }  // namespace feder

@@ -14,6 +14,7 @@ enum class Rank : std::uint8_t {
   broad,
   narrow,
   wake_touched,
+  contact_list,
   // step: what the substeps work on
   gather_bodies,
   gather_points,
@@ -84,8 +85,12 @@ enum class Rank : std::uint8_t {
   fluid_events,
   contact_events,
   finish,
+
+  // between steps, before questions about the state
+  query_colliders,
+  query_boundary,
 };
-inline constexpr int kRankCount = static_cast<int>(Rank::finish) + 1;
+inline constexpr int kRankCount = static_cast<int>(Rank::query_boundary) + 1;
 
 enum class Loop : std::uint8_t { step, substep, fluid, cloth };
 inline constexpr int kLoopCount = 4;

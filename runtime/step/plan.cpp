@@ -19,6 +19,7 @@ Loop loop_around(const PlanNode& n) { return n.is_loop ? kLoops[static_cast<int>
 void StepPlan::clear() {
   old_ = std::move(nodes_);
   nodes_.clear();
+  step_end_ = 0;
 }
 
 void StepPlan::add(Place place, const char* name, const char* system, PassFunction run, void* self) {
@@ -51,6 +52,8 @@ void StepPlan::finish() {
     n.end = k + 1;
     while (n.end < nodes_.size() && nodes_[n.end].place.rank <= kLoops[static_cast<int>(n.loop)].last) ++n.end;
   }
+  const auto of_step = [](const PlanNode& n) { return !(Rank::finish < n.place.rank); };
+  step_end_ = static_cast<std::size_t>(std::partition_point(nodes_.begin(), nodes_.end(), of_step) - nodes_.begin());
   old_.clear();
 }
 
@@ -58,7 +61,13 @@ void StepPlan::run(StepContext& c) {
   FEDER_ASSERT(c.substeps >= 1 && old_.empty());  // finished
   c.loops = counts_;
   counts_[static_cast<int>(Loop::substep)].count.assign(1, c.substeps);
-  run_nodes(0, static_cast<std::uint32_t>(nodes_.size()), c, true);
+  run_nodes(0, static_cast<std::uint32_t>(step_end_), c, true);
+}
+
+void StepPlan::run_queries(Rank last, StepContext& c) {
+  FEDER_ASSERT(old_.empty() && last > Rank::finish);
+  for (std::size_t k = step_end_; k < nodes_.size() && nodes_[k].place.rank <= last; ++k)
+    nodes_[k].run(nodes_[k].self, c);
 }
 
 void StepPlan::run_nodes(std::uint32_t first, std::uint32_t end, StepContext& c, bool clocked) {
@@ -123,7 +132,7 @@ int StepPlan::depth(const PlanNode& node) {
 
 double StepPlan::total_nanoseconds() const {
   double sum = 0;
-  for (const PlanNode& n : nodes_)
+  for (const PlanNode& n : nodes())
     if (loop_around(n) == Loop::step) sum += n.counter.total_nanoseconds();
   return sum;
 }

@@ -37,11 +37,12 @@ class StepPlan {
         place, name, system, [](void* s, StepContext& c) { (static_cast<T*>(s)->*Method)(c); }, self);
   }
   void add(Place place, const char* name, const char* system, PassFunction run, void* self);
-  void finish();  // sorts and nests; counters of passes that were there before are kept
-  void run(StepContext& context);
+  void finish();                   // sorts and nests; counters of passes that were there before are kept
+  void run(StepContext& context);  // one step
+  void run_queries(Rank last, StepContext& context);  // the passes between steps, up to a rank
 
   // In running order; a loop stands before its passes.
-  std::span<const PlanNode> nodes() const { return nodes_; }
+  std::span<const PlanNode> nodes() const { return {nodes_.data(), step_end_}; }  // of a step
   static std::string path(const PlanNode& node);  // "step/substep/cloth substeps": the loops around it
   static int depth(const PlanNode& node);         // 0: in the step itself
   double total_nanoseconds() const;
@@ -55,6 +56,7 @@ class StepPlan {
   void run_loop(PlanNode& loop, std::uint32_t first, StepContext& c);
 
   std::vector<PlanNode> nodes_, old_;
+  std::size_t step_end_ = 0;  // the passes between steps stand behind
   LoopCounts counts_[kLoopCount];
   int idle_[kLoopCount] = {};            // iterations until the next that is clocked
   static constexpr int kClockEvery = 7;  // no divisor of usual counts of substeps: the first is not like the others

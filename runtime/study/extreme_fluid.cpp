@@ -183,7 +183,7 @@ ExtremeOutcome poor(const std::string& solver, double budget) {
   s.fill(block(20, 10));
   s.run(2);
   double mean = 0, most = 0;
-  s.fluid().density_error(s.id, mean, most);
+  s.world->query<Fluid>()->density_error(s.id, mean, most);
   const bool held = mean < 0.01;
   ExtremeOutcome out = s.outcome(s.kept() && (held || s.named), labelled("mean compression", mean));
   if (out.as_expected && !held) out.verdict = Verdict::inaccurate;

@@ -44,7 +44,7 @@ class Hydrostatic final : public FluidProblem {
     s.kept.resize(kDepths + 1);
     for (int k = 0; k < kDepths; ++k) {
       const Vec3 at(static_cast<Real>(kWidth / 2), static_cast<Real>(depth(k)), 0);
-      s.kept[static_cast<std::size_t>(k)] += s.fluid->pressure_at(s.water, at);
+      s.kept[static_cast<std::size_t>(k)] += s.world->query<Fluid>()->pressure_at(s.water, at);
     }
     s.kept[kDepths] += 1;
   }
@@ -155,8 +155,8 @@ class Draught final : public FluidProblem {
   void after_step(FluidScene& s) const override {
     if (s.world->time() < 0.75 * info_.t_end) return;
     Real left = 0, right = 0;
-    if (!s.fluid->height_at(s.water, Real(0.2), 0, left) ||
-        !s.fluid->height_at(s.water, static_cast<Real>(kTank - 0.2), 0, right))
+    if (!s.world->query<Fluid>()->height_at(s.water, Real(0.2), 0, left) ||
+        !s.world->query<Fluid>()->height_at(s.water, static_cast<Real>(kTank - 0.2), 0, right))
       return;
     const double bottom = static_cast<double>(s.world->need<Rigid>().pose(s.body).position[1]) - kHigh / 2;
     if (s.kept.empty()) s.kept.assign(2, 0);

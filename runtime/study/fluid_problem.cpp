@@ -52,7 +52,7 @@ class FluidRun final : public StudyRun {
   Invariants invariants() override {
     Invariants i;
     double mean = 0;
-    scene_.fluid->density_error(scene_.water, mean, i.constraint);
+    world_.query<Fluid>()->density_error(scene_.water, mean, i.constraint);
     return i;
   }
   StudyCounters counters() const override {

@@ -141,9 +141,7 @@ const StepPlan& World::plan() {
   return plan_;
 }
 
-void World::step() {
-  if (stepping_) throw SceneError("world: step() called inside a step");
-  if (structure_changed_) rebuild_plan();
+StepContext World::context() {
   StepContext c;
   c.dt = static_cast<Real>(desc_.dt);
   c.h = static_cast<Real>(desc_.dt / desc_.substeps);
@@ -158,6 +156,20 @@ void World::step() {
   c.events = &events_;
   c.jobs = &jobs_;
   c.scratch = &scratch_;
+  return c;
+}
+
+void World::prepare_queries(Rank rank) {
+  if (stepping_) throw SceneError("world: query inside a step");
+  if (structure_changed_) rebuild_plan();
+  StepContext c = context();
+  plan_.run_queries(rank, c);
+}
+
+void World::step() {
+  if (stepping_) throw SceneError("world: step() called inside a step");
+  if (structure_changed_) rebuild_plan();
+  StepContext c = context();
   FEDER_ASSERT(plan_.nodes().size() >= 2);  // begin and finish, whatever the systems add
   stepping_ = true;
   plan_.run(c);

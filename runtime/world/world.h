@@ -43,6 +43,13 @@ class World final : private SystemFinder {
   S* find() {
     return static_cast<S*>(find_system(S::kName));
   }
+  // The system if it is there, brought up to date with the state now (the passes at S::kQuery): for questions that
+  // read more than its own arrays, such as raycasts and densities. SceneError inside a step.
+  template <class S>
+  S* query() {
+    prepare_queries(S::kQuery);
+    return find<S>();
+  }
   System& need_system(std::string_view name);
   // Names of the catalog that this world does not have.
   std::vector<std::string> absent() const;
@@ -90,6 +97,8 @@ class World final : private SystemFinder {
   System& make_system(const SystemDescriptor& descriptor);
   void make_couplings();
   void rebuild_plan();
+  void prepare_queries(Rank rank);
+  StepContext context();
   static void begin_step(void* self, StepContext& context);
   static void finish_step(void* self, StepContext& context);
   void load_image(std::string_view image);

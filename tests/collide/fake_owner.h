@@ -29,14 +29,6 @@ class FakeWorld {
     if (broad_phase) world_options.set("broad_phase", std::string(broad_phase));
     SystemSetup setup{store, objects, events, options, world_options, 3, finder, &structure_changed};
     collide = std::make_unique<Collide>(setup);
-    collide->on_touch_self = this;
-    collide->on_touch_sleeping = [](void* self, std::uint32_t sleeper, std::uint32_t other) {
-      FakeWorld& w = *static_cast<FakeWorld*>(self);
-      w.wakes.push_back({sleeper, other});
-      for (const FakeBody& b : w.bodies)
-        if (b.object == w.c().object[sleeper])
-          for (const std::uint32_t k : b.colliders) w.c().awake[k] = 1;
-    };
     for (const EventKind k : {EventKind::contact_stay, EventKind::hit}) events.set_wanted(k, true);
     context.store = &store, context.objects = &objects, context.events = &events;
     context.jobs = &jobs, context.scratch = &scratch;
@@ -96,6 +88,7 @@ class FakeWorld {
     if (!planned) {
       plan.clear();
       collide->add_passes(plan);
+      plan.add(Rank::wake_touched, "wake", "fake", &FakeWorld::wake, this);
       plan.add(Rank::body_solve, "fake", "fake", &FakeWorld::press, this);
       plan.finish();
       planned = collide->count() > 0;
@@ -107,6 +100,21 @@ class FakeWorld {
     events.finish();
     ++context.step;
     if (planned) collide->validate();
+  }
+
+  // Sleepers that something awake came to touch.
+  static void wake(void* self, StepContext&) {
+    FakeWorld& w = *static_cast<FakeWorld*>(self);
+    const auto asleep = [&](std::uint32_t k) { return w.c().motion[k] == ColliderMotion::dynamic && !w.c().awake[k]; };
+    for (const Arrival& t : w.collide->contacts().arrivals) {
+      const bool b_sleeps = w.c().awake[t.a] && asleep(t.b);
+      if (!b_sleeps && !(w.c().awake[t.b] && asleep(t.a))) continue;
+      const std::uint32_t sleeper = b_sleeps ? t.b : t.a;
+      w.wakes.push_back({sleeper, b_sleeps ? t.a : t.b});
+      for (const FakeBody& b : w.bodies)
+        if (b.object == w.c().object[sleeper])
+          for (const std::uint32_t k : b.colliders) w.c().awake[k] = 1;
+    }
   }
 
   // Overlapping points push.

@@ -81,21 +81,6 @@ TEST_CASE("equal hits fall to the lower collider", "[collide][query]") {
   CHECK(hit.normal[0] == Approx(-1));
 }
 
-TEST_CASE("queries ask the owner for the boxes of now", "[collide][query]") {
-  FakeWorld w;
-  const std::uint32_t b = w.add(make_sphere(1), Vec3::Zero());
-  w.step();
-  w.collide->refresh_self = &w;
-  w.collide->refresh = [](void* self) {
-    FakeWorld& world = *static_cast<FakeWorld*>(self);
-    for (std::uint32_t i = 0; i < world.bodies.size(); ++i) world.place(i);
-  };
-  w.bodies[b].pose.position = Vec3(0, 20, 0);
-  RaycastHit hit;
-  CHECK_FALSE(w.collide->raycast(Vec3(-5, 0, 0), Vec3(10, 0, 0), {}, hit));
-  CHECK(w.collide->raycast(Vec3(-5, 20, 0), Vec3(10, 0, 0), {}, hit));
-}
-
 TEST_CASE("overlaps and casts find what testing every shape finds", "[collide][query]") {
   FakeWorld w;
   Rng rng(22);

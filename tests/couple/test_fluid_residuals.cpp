@@ -143,7 +143,7 @@ TEST_CASE("density errors are those of the particles, lost ones are counted", "[
   CHECK(residual(s.world, "fluid.density_error_mean") == Approx(sum / p.count));
   // and what is asked for anew, where the particles have come to since, is near
   double mean = 0, largest = 0;
-  s.fluid().density_error(s.water, mean, largest);
+  s.world.query<Fluid>()->density_error(s.water, mean, largest);
   CHECK(residual(s.world, "fluid.density_error_mean") == Approx(mean).margin(0.01));
   // two particles come to nothing
   int left = 2;

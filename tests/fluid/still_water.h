@@ -64,7 +64,7 @@ inline StillWaterResult run_still_water(const StillWater& s) {
     if (k >= s.calm * 60) r.speed = std::max(r.speed, speed / std::max(0.2 * std::sqrt(g * height), 2 * g * h));
     if (2 * k >= steps) {
       double mean = 0, most = 0;
-      f.density_error(id, mean, most);
+      w.query<Fluid>()->density_error(id, mean, most);
       r.excess += mean / (steps / 2);
     }
     if (r.top > 1 || r.speed > 1 || !w.is_finite() || f.particle_count(id) != points.size()) {

@@ -116,8 +116,8 @@ void check_draught(const std::string& solver, int dimension, double share) {
   for (double t = 0; t < 1 * kShare; t += 0.1, ++n) {
     run(w, 0.1);
     Real left = 0, right = 0;
-    REQUIRE(f.height_at(id, Real(0.3), dimension == 2 ? 0 : deep / 2, left));
-    REQUIRE(f.height_at(id, tank - Real(0.3), dimension == 2 ? 0 : deep / 2, right));
+    REQUIRE(w.query<Fluid>()->height_at(id, Real(0.3), dimension == 2 ? 0 : deep / 2, left));
+    REQUIRE(w.query<Fluid>()->height_at(id, tank - Real(0.3), dimension == 2 ? 0 : deep / 2, right));
     draught += (left + right) / 2 - (w.need<Rigid>().pose(beam).position[1] - height / 2);
   }
   CHECK(w.is_finite());

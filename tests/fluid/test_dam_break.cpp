@@ -41,7 +41,7 @@ struct Column {
   }
   double height() {
     Real y = 0;
-    return world.need<Fluid>().height_at(water, desc.spacing / 2, 0, y) ? y : 0;
+    return world.query<Fluid>()->height_at(water, desc.spacing / 2, 0, y) ? y : 0;
   }
   World world;
   FluidDesc desc;

@@ -37,9 +37,9 @@ TEST_CASE("a column at rest has the pressure of its weight and keeps its level f
   for (double t = 0; t < (dimension == 2 ? 7 : 2) * kShare; t += 0.25) {  // five seconds in all do in 3D
     run(w, 0.25);
     Real y = 0;
-    REQUIRE(f.height_at(id, size[0] / 2, size[2] / 2, y));
-    low += f.pressure_at(id, vec3(size[0] / 2, Real(0.1), size[2] / 2)),
-        middle += f.pressure_at(id, vec3(size[0] / 2, Real(0.3), size[2] / 2));
+    REQUIRE(w.query<Fluid>()->height_at(id, size[0] / 2, size[2] / 2, y));
+    low += w.query<Fluid>()->pressure_at(id, vec3(size[0] / 2, Real(0.1), size[2] / 2)),
+        middle += w.query<Fluid>()->pressure_at(id, vec3(size[0] / 2, Real(0.3), size[2] / 2));
     level += y, lowest = std::min<double>(lowest, y), highest = std::max<double>(highest, y);
     ++n;
   }

@@ -273,3 +273,21 @@ TEST_CASE("a step allocates nothing after warm-up", "[rigid][system]") {
   for (int i = 0; i < 20; ++i) s.world().step();
   CHECK(s.world().allocations() == before);
 }
+
+TEST_CASE("a ray finds a body where it is now", "[rigid][system]") {
+  ClosedScene s("soft_step");
+  const ObjectId ball = s.rigid().add_body(body_of(make_sphere(Real(0.5)), Vec3(0, 0, 0), 1, Real(0.5)));
+  const auto seen_at = [&](Real y) {
+    RaycastHit hit;
+    return s.world().query<Collide>()->raycast(Vec3(-5, y, 0), Vec3(10, 0, 0), {}, hit) && hit.object == ball;
+  };
+  CHECK(seen_at(0));  // before the first step
+  s.run(1);
+  const Real fallen = s.position(ball)[1];
+  CHECK(fallen < -4);
+  CHECK(seen_at(fallen));
+  CHECK_FALSE(seen_at(fallen + Real(0.6)));
+  s.rigid().set_pose(ball, Pose{Vec3(0, 20, 0), {}});
+  CHECK(seen_at(20));
+  CHECK_FALSE(seen_at(fallen));
+}

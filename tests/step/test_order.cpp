@@ -100,3 +100,20 @@ TEST_CASE("passes of loops are counted always and clocked sometimes; counters ou
   plan.run(c);
   CHECK(rows.counter.clocked == 100);
 }
+
+TEST_CASE("passes between steps run when asked for, up to the rank that was asked", "[step][order]") {
+  StepPlan plan;
+  add(plan, Rank::query_boundary, "walls");
+  add(plan, Rank::begin, "begin");
+  add(plan, Rank::query_colliders, "colliders");
+  plan.finish();
+  CHECK(plan.nodes().size() == 1);  // of a step
+  StepContext c;
+  trace.clear();
+  plan.run(c);
+  CHECK(trace == std::vector<std::string>{"begin 00!"});
+  plan.run_queries(Rank::query_colliders, c);
+  CHECK(trace.size() == 2);
+  plan.run_queries(Rank::query_boundary, c);
+  CHECK(trace == std::vector<std::string>{"begin 00!", "colliders 00!", "colliders 00!", "walls 00!"});
+}
