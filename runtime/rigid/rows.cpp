@@ -118,7 +118,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   FEDER_ASSERT(force_count > 0 && applied_force.size() == count);
   for (std::uint32_t p = 0; p < count; ++p) applied_force[p] = bodies.force[moving[p]];
-  const double now = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   const Real share = forces.drag_share() / c.h;
   for (const ForceEntry& f : forces.list) {
     if (!f.enabled || !f.force) continue;
@@ -140,7 +140,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
       point_place.push_back(p);
     }
     point_force.assign(points.size(), Vec3::Zero());
-    f.force->add(points.data(), points.size(), now, point_force.data());
+    f.force->add(points.data(), points.size(), time, point_force.data());
     for (std::size_t k = 0; k < points.size(); ++k) applied_force[point_place[k]] += point_force[k];
   }
 }

@@ -12,7 +12,7 @@ void Springs::hash(Hash& h) const {
   for (const auto& n : impl_->nets) {
     h.add(n->points), h.add(n->frozen);
     h.bytes(n->integrator_name.data(), n->integrator_name.size());
-    for (const Vec3& p : n->integrator->memory.points) h.add(p);
+    for (const Vec3& x : n->integrator->memory.points) h.add(x);
     for (const double d : n->integrator->memory.numbers) h.add(d);
     for (std::uint32_t k = 0; k < n->springs.size(); ++k) {
       h.add(n->springs.i[k]), h.add(n->springs.j[k]), h.add(n->springs.alive[k]), h.add(n->springs.tension_only[k]);

@@ -22,12 +22,12 @@ void StepPlan::clear() {
   step_end_ = 0;
 }
 
-void StepPlan::add(Place place, const char* name, const char* system, PassFunction run, void* self) {
-  FEDER_ASSERT(run && self && *name && *system);
+void StepPlan::add(Place place, const char* name, const char* system, PassFunction function, void* self) {
+  FEDER_ASSERT(function && self && *name && *system);
   PlanNode pass;
   pass.place = place, pass.loop = loop_of(place.rank);
   pass.name = name, pass.system = system;
-  pass.run = run, pass.self = self;
+  pass.run = function, pass.self = self;
   nodes_.push_back(pass);
 }
 
