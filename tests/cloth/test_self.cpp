@@ -52,9 +52,9 @@ TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses
     w.step();
     Soup s;
     s.add(cloth, id);
-    const std::size_t n = count_crossings(s);
-    worst = std::max(worst, n);
-    frames += n > 0;
+    const std::size_t crossings = count_crossings(s);
+    worst = std::max(worst, crossings);
+    frames += crossings > 0;
     for (const Residual& r : w.residuals()) {
       if (r.name == "cloth.guarded") guarded += r.value;
       if (r.name == "cloth.widened") widened += r.value;

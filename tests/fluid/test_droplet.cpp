@@ -61,7 +61,7 @@ Swing swing(const std::string& solver, int dimension, double spacing, double per
     double length = 0, width = 0;
     for (const Vec3& x : places(w, id)) {
       length += x[0] * x[0];
-      width += (x[1] * x[1] + x[2] * x[2]) / (dimension - 1);
+      width += (x[1] * x[1] + x[2] * x[2]) / Real(dimension - 1);
     }
     s.last = (length - width) / (length + width);
     if (k == 0) s.first = s.last;

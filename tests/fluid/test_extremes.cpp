@@ -79,7 +79,7 @@ TEST_CASE("walls throw nothing back faster than it came", "[fluid][extreme]") {
   const ObjectId id = f.add_fluid(d);
   std::vector<Vec3> points;
   for (int i = 0; i < count; ++i)  // splashes of a few particles
-    points.push_back(vec3(Real(0.2), Real(0.2), Real(0.2)) + d.spacing * vec3(i & 1, i / 2, Real(0.1)));
+    points.push_back(vec3(Real(0.2), Real(0.2), Real(0.2)) + d.spacing * vec3(Real(i & 1), Real(i / 2), Real(0.1)));
   f.fill(id, points, vec3(9, 7, Real(3.3)));
   const double start = w.energy().kinetic;
   double most = 0;

@@ -94,8 +94,8 @@ TEST_CASE("mass, centre and inertia equal a sum over small cells", "[geom][contr
     const Aabb box = s.bounds({});
     // unequal counts: cell centres that lie exactly on a slanted face would all fall on one side of it
     const int nx = s.planar() ? 400 : 72, ny = s.planar() ? 391 : 71, nz = s.planar() ? 1 : 67;
-    const double dx = (box.hi[0] - box.lo[0]) / nx, dy = (box.hi[1] - box.lo[1]) / ny;
-    const double dz = s.planar() ? 1 : (box.hi[2] - box.lo[2]) / nz;
+    const double dx = (box.hi[0] - box.lo[0]) / Real(nx), dy = (box.hi[1] - box.lo[1]) / Real(ny);
+    const double dz = s.planar() ? 1 : (box.hi[2] - box.lo[2]) / Real(nz);
     double volume = 0, first[3] = {}, second[3][3] = {};
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < ny; ++j)

@@ -26,7 +26,7 @@ TEST_CASE("a ray picks the first thing, and a net point near it", "[view][hand]"
   Busy b;
   World& w = b.live.world();
   const std::uint64_t hash = w.hash();
-  auto crate = view::pick(w, ray_to(Vec3(0, 1.2, 10), Vec3(0, 1.2, 0)), Real(0.01));
+  auto crate = view::pick(w, ray_to(Vec3(0, Real(1.2), 10), Vec3(0, Real(1.2), 0)), Real(0.01));
   REQUIRE(crate);
   CHECK(w.objects().name(crate->object) == "crate1");
   CHECK(crate->movable);
@@ -34,7 +34,7 @@ TEST_CASE("a ray picks the first thing, and a net point near it", "[view][hand]"
   auto ground = view::pick(w, ray_to(Vec3(20, 5, 10), Vec3(20, 0, 0)), Real(0.01));
   REQUIRE(ground);
   CHECK_FALSE(ground->movable);
-  auto point = view::pick(w, ray_to(Vec3(4, 3, 10), Vec3(4, 3.05, 0)), Real(0.01));
+  auto point = view::pick(w, ray_to(Vec3(4, 3, 10), Vec3(4, Real(3.05), 0)), Real(0.01));
   REQUIRE(point);
   CHECK(point->point == 2);
   CHECK_FALSE(view::pick(w, ray_to(Vec3(4, 3, 10), Vec3(4, 9, 0)), Real(0.01)));
@@ -56,7 +56,7 @@ TEST_CASE("a held body follows the mouse and keeps its speed when let go", "[vie
   CHECK(length(view::grip_position(b.live.world(), *b.live.held()) - target) < Real(0.05));
   // a fast move throws
   for (int i = 1; i <= 10; ++i) {
-    b.live.move_hold(target + Vec3(Real(0.3) * i, 0, 0));
+    b.live.move_hold(target + Vec3(Real(0.3) * Real(i), 0, 0));
     test::run_to(b.live, 150 + static_cast<std::uint64_t>(i));
   }
   b.live.let_go(false);
