@@ -17,10 +17,10 @@ void measure(Geometry& g) {
 
 }  // namespace
 
-std::uint32_t GeometryCache::shared(const char* kind, Geometry (*make)()) {
+std::uint32_t GeometryCache::shared(const char* kind, Geometry (*unit)()) {
   for (const auto& [name, id] : shared_)
     if (std::strcmp(name, kind) == 0) return id;
-  auto made = std::make_shared<Geometry>(make());
+  auto made = std::make_shared<Geometry>(unit());
   measure(*made);
   geometries_.push_back(std::move(made));
   shared_.emplace_back(kind, static_cast<std::uint32_t>(geometries_.size() - 1));

@@ -44,7 +44,7 @@ class GeometryCache {
     ShapePtr shape;
     Fitted fitted;
   };
-  std::uint32_t shared(const char* kind, Geometry (*make)());
+  std::uint32_t shared(const char* kind, Geometry (*unit)());
   Fitted make(const Shape& shape);
 
   std::vector<std::shared_ptr<const Geometry>> geometries_;

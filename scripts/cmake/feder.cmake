@@ -18,6 +18,18 @@ if(FEDER_SANITIZE)
   set(CMAKE_CXX_FLAGS_DEV "-O1 -g1")  # lines are enough for reports; whole programs of 600 MB take minutes to link
 endif()
 
+# feder_silent(target...): headers of a library that is built along, as find_package would give them
+function(feder_silent)
+  foreach(target ${ARGN})
+    get_target_property(aliased ${target} ALIASED_TARGET)
+    if(aliased)
+      set(target ${aliased})
+    endif()
+    get_target_property(headers ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    set_property(TARGET ${target} PROPERTY INTERFACE_SYSTEM_INCLUDE_DIRECTORIES ${headers})
+  endforeach()
+endfunction()
+
 find_package(Eigen3 3.4 QUIET NO_MODULE)
 if(NOT TARGET Eigen3::Eigen)
   include(FetchContent)
@@ -28,6 +40,7 @@ if(NOT TARGET Eigen3::Eigen)
   if(NOT TARGET Eigen3::Eigen)
     add_library(Eigen3::Eigen ALIAS eigen)
   endif()
+  feder_silent(Eigen3::Eigen)
 endif()
 find_package(Threads REQUIRED)
 
@@ -36,7 +49,22 @@ add_library(feder_flags INTERFACE)
 add_library(feder::flags ALIAS feder_flags)
 target_compile_features(feder_flags INTERFACE cxx_std_20)
 target_compile_options(feder_flags INTERFACE
-  $<BUILD_INTERFACE:-Wall;-Wextra;-Wno-psabi;-fno-math-errno;-fno-trapping-math> -ffp-contract=off)
+  $<BUILD_INTERFACE:-Wno-psabi;-fno-math-errno;-fno-trapping-math> -ffp-contract=off)
+# Warnings are for those who build feder itself, and errors in continuous integration only: a newer compiler knows more.
+# clang counts signs as conversions, which is no use here. gcc 12 warns of std::string + const char* (its bug 105651);
+# what depends on inlining it finds within its own headers too, so that stays a warning.
+option(FEDER_WERROR "warnings of gcc are errors" OFF)
+if(PROJECT_IS_TOP_LEVEL)
+  target_compile_options(feder_flags INTERFACE $<BUILD_INTERFACE:-Wall;-Wextra>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(feder_flags INTERFACE
+      $<BUILD_INTERFACE:-Wshadow;-Wconversion;-Wold-style-cast;-Wno-restrict>)
+    if(FEDER_WERROR)
+      target_compile_options(feder_flags INTERFACE
+        $<BUILD_INTERFACE:-Werror;-Wno-error=maybe-uninitialized;-Wno-error=array-bounds;-Wno-error=stringop-overflow>)
+    endif()
+  endif()
+endif()
 if(FEDER_REAL STREQUAL "double")
   target_compile_definitions(feder_flags INTERFACE FEDER_REAL_DOUBLE=1)
 elseif(NOT FEDER_REAL STREQUAL "float")
