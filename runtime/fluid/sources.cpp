@@ -175,7 +175,9 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   };
   const double layer = static_cast<double>(d) / static_cast<double>(e.speed);
   const auto due = [&](std::uint64_t k) {
-    return e.rate > 0 ? static_cast<double>(k) / static_cast<double>(e.rate) : static_cast<double>(k / count) * layer;
+    if (e.rate > 0) return static_cast<double>(k) / static_cast<double>(e.rate);
+    const std::uint64_t full_layers = k / count;
+    return static_cast<double>(full_layers) * layer;
   };
   const double until = e.clock + static_cast<double>(c.h);
   while (due(e.made) < until && (e.limit == 0 || e.made < e.limit)) {

@@ -83,6 +83,7 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles)
     : Shape("mesh", false), vertices_(std::move(vertices)), corners_(std::move(triangles)) {
   const std::vector<Corners> given = corners_;
   std::vector<Aabb> boxes;
+  boxes.reserve(given.size()), boxes_.reserve(given.size());
   for (const Corners& c : given) boxes.push_back(box_of(c));
   tree_.build(boxes);
   std::size_t at = 0;

@@ -30,7 +30,8 @@ class WallTable {
   WallTable(const Kernel& kernel, int dimension, double support);
   // s in [-1, 1]; beyond 1 nothing, below -1 as at -1.
   WallSample at(WideReal s) const {
-    const WideReal t = (s + 1) * (kCells / 2);
+    constexpr int half = kCells / 2;
+    const WideReal t = (s + 1) * half;
     const int i = !(t > 0) ? 0 : t >= kCells - 1 ? kCells - 1 : static_cast<int>(t);  // NaN: the first
     const WideReal f = t <= 0 ? 0 : t >= kCells ? 1 : t - static_cast<WideReal>(i);
     const WallSample &a = samples_[i], &b = samples_[i + 1];
