@@ -99,11 +99,9 @@ Cloth::Impl::Impl(SystemSetup& s)
       watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
       structure_changed(s.structure_changed), air_density(still_air_density(s.world)), moved(&arena), before(&arena),
       speed(&arena), acceleration(&arena), force(&arena), points(&arena), mover_shift(&arena), mover_turn(&arena),
-      rows(&arena), holds(&arena), near_rows(&arena), pairs(&arena), near_vertex(&arena), near_triangle(&arena),
-      near_edge(&arena), vertex_box(&arena), triangle_box(&arena), edge_box(&arena), found_place(&arena),
-      found_speed(&arena), stray(&arena), found(&arena), triangle_tree(arena), edge_tree(arena), guard_start(&arena),
-      held_with(&arena), zones(&arena), wished(&arena), swapped(&arena), between(&arena), near_sheet(&arena),
-      marks(&arena) {}
+      connections(&arena), mover_cloth(&arena), joined_to(&arena), vertex_box(&arena), found_place(&arena),
+      found_speed(&arena), stray(&arena), found(&arena), guard_start(&arena), held_with(&arena), zones(&arena),
+      wished(&arena), swapped(&arena), between(&arena), near_sheet(&arena), marks(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const SystemDescriptor d = {
@@ -123,6 +121,7 @@ void Cloth::add_passes(StepPlan& plan) {
     for (auto& s : m->sheets) m->wake(*s, WakeCause::force, {});
   m->force_count = count;
   plan.add<&Impl::prepare>(Rank::cloth_prepare, "prepare", kName, m);
+  plan.add<&Impl::form_groups>(Rank::cloth_groups, "groups", kName, m);
   plan.add<&Impl::begin_substep>(Rank::cloth_forces, "forces", kName, m);
   plan.add<&Impl::find_near>(Rank::cloth_near, "near cloth", kName, m);
   plan.add<&Impl::advance>(Rank::cloth_integrate, "advance", kName, m);
@@ -233,7 +232,6 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   for (std::uint32_t i = 0; i < points; ++i)
     all.inv_mass[s->first + i] = pinned[i] ? Real(0) : 1 / all.mass[s->first + i];
   m.sheets.push_back(std::move(s));
-  m.pairs_stale = true;
   *m.structure_changed = true;
   return m.sheets.back()->object;
 }
@@ -255,8 +253,8 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
     m.sheets[k]->first -= count;
     m.objects.set_index(m.sheets[k]->object, k);
   }
-  m.rows.clear(), m.holds.clear(), m.pairs.clear(), m.between.clear();
-  m.pairs_stale = true;
+  m.groups.clear(), m.group_count = 0;
+  m.between.clear();
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;
 }

@@ -161,12 +161,21 @@ class Cloth final : public System {
   // In a step: displacements since its start (w: inverse mass), and velocities.
   std::span<const Row4> moved() const;
   std::span<const Row4> speed() const;
-  // Rows for this substep, filled before Rank::cloth_forces, and anew at Rank::cloth_refresh where things pass each
-  // other fast; the movers they name.
-  Array<ClothRow>& contact_rows();
-  Array<ClothHold>& holds();
+  // Groups: cloths that share their small steps, because what one does reaches the other within a substep: they may
+  // touch, or both act on a body that moves. Each group runs its whole loop before the next.
+  // Before Rank::cloth_groups: cloth n and a dynamic mover, or two cloths, act on each other in this step.
+  void connect_mover(std::size_t n, std::uint32_t solver);
+  void connect(std::size_t a, std::size_t b);
+  std::size_t group_count() const;
+  std::size_t group_of(std::size_t n) const;
+  // Rows of a group for this substep, filled before Rank::cloth_forces, and anew at Rank::cloth_refresh where things
+  // pass each other fast.
+  Array<ClothRow>& contact_rows(std::size_t group);
+  Array<ClothHold>& holds(std::size_t group);
+  void clear_rows();  // and holds, of all groups
   void set_movers(Movers* movers);
-  // What a mover has done since the start of the substep, as the small steps see it.
+  void use_mover(std::size_t group, std::uint32_t solver);  // its rows may name it in this substep; 0: nothing
+  // What a mover has done since the start of the substep, as the small steps of the running group see it.
   Vec3 mover_shift(std::uint32_t solver) const;  // m
   Vec3 mover_turn(std::uint32_t solver) const;   // rad
   // The mass that rests on a cloth, kg: smaller steps are chosen for it. Callers stop at kMostLoad times the cloth's

@@ -17,18 +17,20 @@ constexpr Real kSearched = Real(0.999);  // of the way that the search allows
 }  // namespace
 
 // Where a vertex is, beside where it was foreseen to be.
-Vec3 Cloth::Impl::astray(std::uint32_t i) const { return place(i) - found_place[i] - since_found * found_speed[i]; }
+Vec3 Cloth::Impl::astray(const ClothGroup& g, std::uint32_t i) const {
+  return place(i) - found_place[i] - g.since_found * found_speed[i];
+}
 
 // Is every vertex where the search allowed it to be? The search is made anew for the next part when one has used most
 // of that, or is about to.
-bool Cloth::Impl::near_path(Real part) {
+bool Cloth::Impl::near_path(ClothGroup& g, Real part) {
   bool good = true;
-  for (const std::uint32_t i : near_vertex) {
+  for (const std::uint32_t i : g.near_vertex) {
     FEDER_ASSERT(near_sheet[i] < sheets.size() && !(stray[i] < 0));
     if (moved[i].w == 0) continue;
-    const Real far = length(astray(i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
+    const Real far = length(astray(g, i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
     const Real most = Real(0.75) * kStray * sheets[near_sheet[i]]->settings.thickness;
-    pairs_stale = pairs_stale || far > most || part * faster > most;
+    g.pairs_stale = g.pairs_stale || far > most || part * faster > most;
     good = good && !(far > stray[i]);
   }
   return good;
@@ -75,9 +77,9 @@ std::uint32_t Cloth::Impl::held_root(std::uint32_t i) {
 // of their motion beside it as leaves all of them apart; the same share for all, so that momentum is kept. Without that
 // share they are as far apart as they were, so growing the zones until no pair is left ends. A zone with a held vertex
 // in it has no common velocity.
-void Cloth::Impl::hold_back(Real part) {
-  held_with.assign(moved.size(), kNone);
-  wished.assign(moved.begin(), moved.end());
+void Cloth::Impl::hold_back(ClothGroup& g, Real part) {
+  held_with.resize(moved.size()), wished.resize(moved.size());
+  for (const std::uint32_t i : g.near_vertex) held_with[i] = kNone, wished[i] = moved[i];
   const auto join = [&](std::uint32_t& root, std::uint32_t i) {
     const bool fresh = held_with[i] == kNone;
     if (fresh) held_with[i] = i, ++guarded;
@@ -87,20 +89,20 @@ void Cloth::Impl::hold_back(Real part) {
     root = std::min(root, other);
     return fresh || merged;
   };
-  for (const std::uint32_t i : near_vertex) {
+  for (const std::uint32_t i : g.near_vertex) {
     std::uint32_t root = kNone;
-    if (moved[i].w != 0 && length(astray(i)) > stray[i]) join(root, i);
+    if (moved[i].w != 0 && length(astray(g, i)) > stray[i]) join(root, i);
   }
   for (bool grown = true; grown;) {
-    move_zones(part);
+    move_zones(g, part);
     grown = false;
-    for (NearPair& p : pairs) {
+    for (NearPair& p : g.pairs) {
       if (separate(p, 1, false)) continue;
       std::uint32_t root = kNone;
       for (const std::uint32_t i : p.v) grown = join(root, i) || grown;
     }
   }
-  for (const std::uint32_t i : near_vertex) {
+  for (const std::uint32_t i : g.near_vertex) {
     if (held_with[i] == kNone || moved[i].w == 0) continue;
     const Zone& z = zones[held_root(i)];
     speed[i].set(z.velocity + z.freedom * (speed[i].vec() - z.velocity));
@@ -115,31 +117,32 @@ Real share_within(const Vec3& a, const Vec3& b, Real r) {
 }
 
 // Velocities of the zones, and their vertices moved by them, as far as the search allows.
-void Cloth::Impl::move_zones(Real part) {
+void Cloth::Impl::move_zones(const ClothGroup& g, Real part) {
   FEDER_ASSERT(wished.size() == moved.size() && guard_start.size() == moved.size());
-  zones.assign(moved.size(), Zone());
+  zones.resize(moved.size());
+  for (const std::uint32_t i : g.near_vertex) zones[i] = Zone();
   const auto each = [&](auto&& f) {
-    for (const std::uint32_t i : near_vertex)
+    for (const std::uint32_t i : g.near_vertex)
       if (held_with[i] != kNone) f(i, zones[held_root(i)]);
   };
   each([&](std::uint32_t i, Zone& z) {
     z.held = z.held || moved[i].w == 0;
     z.velocity += vertices.mass[i] * speed[i].vec(), z.mass += vertices.mass[i];
   });
-  for (const std::uint32_t i : near_vertex)
+  for (const std::uint32_t i : g.near_vertex)
     if (held_with[i] == i) zones[i].velocity = zones[i].held ? Vec3(0, 0, 0) : Vec3(zones[i].velocity / zones[i].mass);
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
-    moved[i].set(guard_start[i].vec() + part * drift);
+    moved[i].set(guard_start[i].vec() + part * g.drift);
     if (!z.held)
-      z.share = std::min(z.share, share_within(astray(i), part * (z.velocity - drift), kSearched * stray[i]));
+      z.share = std::min(z.share, share_within(astray(g, i), part * (z.velocity - g.drift), kSearched * stray[i]));
   });
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
-    if (!z.held) moved[i].add((part * z.share) * (z.velocity - drift));
-    z.freedom = std::min(z.freedom, share_within(astray(i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
+    if (!z.held) moved[i].add((part * z.share) * (z.velocity - g.drift));
+    z.freedom = std::min(z.freedom, share_within(astray(g, i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
   });
-  for (const NearPair& p : pairs)
+  for (const NearPair& p : g.pairs)
     if (p.live && held_with[p.v[0]] != kNone) {
       Zone& z = zones[held_root(p.v[0])];
       z.freedom = std::min(z.freedom, freedom(p));
@@ -170,44 +173,45 @@ Real Cloth::Impl::freedom(const NearPair& p) {
 
 // Searches this part anew, from where it began, along the ways that vertices really went: some left those that the
 // search ahead foresaw, or are to be held back, which asks for more pairs.
-void Cloth::Impl::widen(Real part) {
+void Cloth::Impl::widen(ClothGroup& g, Real part) {
   FEDER_ASSERT(swapped.empty());
-  wished.assign(moved.begin(), moved.end());
-  for (const std::uint32_t i : near_vertex) {
+  wished.resize(moved.size());
+  for (const std::uint32_t i : g.near_vertex) wished[i] = moved[i];
+  for (const std::uint32_t i : g.near_vertex) {
     if (moved[i].w == 0) continue;
     swapped.push_back(speed[i]);
     speed[i].set((moved[i].vec() - guard_start[i].vec()) / part);
     moved[i].set(guard_start[i].vec());
   }
-  find_pairs(part, true);
-  for (NearPair& p : pairs) {
+  find_pairs(g, part, true);
+  for (NearPair& p : g.pairs) {
     Real weight[4];
     measure(p, weight);
     p.live = 1;
   }
   std::size_t n = 0;
-  for (const std::uint32_t i : near_vertex)
+  for (const std::uint32_t i : g.near_vertex)
     if (moved[i].w != 0) moved[i] = wished[i], speed[i] = swapped[n++];
   FEDER_ASSERT(n == swapped.size());  // the search lists the same vertices again
   swapped.clear();
-  since_found = part;
-  pairs_stale = true;
+  g.since_found = part;
+  g.pairs_stale = true;
   ++widened;
 }
 
-void Cloth::Impl::guard(Real part) {
+void Cloth::Impl::guard(ClothGroup& g, Real part) {
   FEDER_ASSERT(part > 0);
-  since_found += part;
-  bool wide = !near_path(part);
-  if (wide) widen(part);
+  g.since_found += part;
+  bool wide = !near_path(g, part);
+  if (wide) widen(g, part);
   bool good = false;
   for (int pass = 0; pass < kPasses && !good; ++pass) {
     good = true;
-    for (NearPair& p : pairs) good = separate(p, part, true) && good;
+    for (NearPair& p : g.pairs) good = separate(p, part, true) && good;
   }
-  if (good && near_path(part)) return;
-  if (!wide) widen(part);
-  hold_back(part);
+  if (good && near_path(g, part)) return;
+  if (!wide) widen(g, part);
+  hold_back(g, part);
 }
 
 }  // namespace feder

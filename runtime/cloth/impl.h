@@ -3,27 +3,13 @@
 #include <memory>
 #include <vector>
 
-#include "bounds/box_tree.h"
+#include "cloth/group.h"
 #include "cloth/sheet.h"
 #include "forces/force.h"
 #include "state/movers.h"
 #include "step/watch.h"
 
 namespace feder {
-
-constexpr Real kStray = Real(0.25);  // thicknesses, by which a vertex may leave the way that a search foresaw
-
-// Two features that may come close in this step: a vertex and a triangle, or two edges.
-struct NearPair {
-  std::uint32_t v[4] = {};        // vertex and the triangle's three; or two and two
-  std::uint32_t edges = 0;        // 1: edge and edge
-  Real thickness = 0;             // wanted distance, m; less where they are closer at rest
-  Vec3 normal = Vec3::Zero();     // of this part, from the second feature to the first
-  Real distance = 0;              // at its start, m
-  std::uint32_t between = kNone;  // of two cloths
-  Real idle = 0;                  // s since the search, for which it cannot come close
-  std::uint32_t live = 0;         // 1: it may come close in this part
-};
 
 // Vertices that the guard moves as one.
 struct Zone {
@@ -57,32 +43,27 @@ struct Cloth::Impl {
   Array<MassPoint> points;
   // of a step, by mover: what contacts moved it beside its own solver's account
   Array<Vec3> mover_shift, mover_turn;
-  // of a substep
-  Array<ClothRow> rows;  // of couplings
-  Array<ClothHold> holds;
-  Array<ClothRow> near_rows;  // of cloth against cloth
-  int small_steps = 1;        // per substep, of all cloths
-  Real step = 0;              // s, of a small step
-  bool near = false;          // cloth may touch cloth
-  int near_every = 1;         // small steps from one search for what is near to the next
-  std::size_t own_rows = 0;   // links and hinges of the cloths that move
+  // of a step: groups in the order of their first cloths (groups.cpp); records behind the last are kept for their
+  // memory
+  std::vector<std::unique_ptr<ClothGroup>> groups;
+  std::size_t group_count = 0;
+  // What connects cloths beside closeness, told by couplings: a cloth and a mover, or, with mover 0, two cloths.
+  struct Connection {
+    std::uint32_t a = 0, b = 0, mover = 0;
+  };
+  Array<Connection> connections;
+  Array<std::uint32_t> mover_cloth;  // by mover: the first cloth connected to it
+  Array<std::uint32_t> joined_to;    // by cloth: an earlier one of its group, or itself
   bool any_active = false;
-  bool crowded = false;         // cloth touches cloth in this substep
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
 
-  // closeness of cloth and cloth; all of it is found anew in each step
-  Array<NearPair> pairs;
-  Array<std::uint32_t> near_vertex;                // of the cloths that take part
-  Array<std::uint32_t> near_triangle, near_edge;   // three and two vertices per item of the trees
-  Array<Aabb> vertex_box, triangle_box, edge_box;  // swept over the rest of the step, beside the drift
-  Array<Vec3> found_place, found_speed;            // by vertex, when the boxes were made
-  Array<Real> stray;                               // by vertex: what it may depart from that motion, m
+  // closeness of cloth and cloth, by vertex; each group writes those of its own
+  Array<Aabb> vertex_box;                // swept over the rest of the step, beside the drift
+  Array<Vec3> found_place, found_speed;  // by vertex, when the boxes were made
+  Array<Real> stray;                     // by vertex: what it may depart from that motion, m
   Array<std::uint32_t> found;
-  BoxTree triangle_tree, edge_tree;
-  Vec3 drift = Vec3::Zero();               // mean velocity of free cloths, m/s
-  Real since_found = 0;                    // s, since the boxes were made
   Array<Row4> guard_start;                 // displacements at the start of the part
   Array<std::uint32_t> held_with;          // by vertex: one of its group, or kNone: not held
   Array<Zone> zones;                       // by lowest vertex
@@ -93,8 +74,6 @@ struct Cloth::Impl {
   std::uint64_t guarded = 0, widened = 0;  // corrections and second searches of the last step
   std::uint64_t row_updates = 0;           // of the last step: links, hinges, contacts and holds by small steps
   mutable Array<std::uint32_t> marks;      // of validate(), by vertex
-  bool pairs_stale = true;                 // motion is not what it was at the search
-  bool trees_stale = true;                 // of this step there are none
 
   Sheet& sheet(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::cloth);
@@ -106,12 +85,13 @@ struct Cloth::Impl {
   void measure_paths(Sheet& s);
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
-  void solve_body_ties(Real h);
+  void solve_body_ties(const ClothGroup& g);
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);
 
   // Passes: of the step, of the substep, of the loop of small steps, of the step.
   void prepare(StepContext& c);
+  void form_groups(StepContext& c);
   void begin_substep(StepContext& c);
   void find_near(StepContext& c);
   void advance(StepContext& c);
@@ -121,7 +101,16 @@ struct Cloth::Impl {
   void damp(StepContext& c);
   void project(StepContext& c);
   void commit(StepContext& c);
-  bool touches() const { return !rows.empty() || !holds.empty() || !near_rows.empty(); }
+
+  // groups.cpp
+  ClothGroup& group(const StepContext& c) const { return *groups[static_cast<std::size_t>(c.inner.group)]; }
+  std::uint32_t first_of(std::uint32_t sheet);
+  void join(std::uint32_t a, std::uint32_t b);
+  template <class F>
+  void each_active(const ClothGroup& g, F&& f) {
+    for (const std::uint32_t n : g.sheets)
+      if (sheets[n]->active()) f(*sheets[n]);
+  }
 
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
@@ -150,18 +139,19 @@ struct Cloth::Impl {
   void validate_motion(const Sheet& s) const;
   void validate_ties(const Sheet& s) const;
   void validate_pairs() const;
+  void validate_group(std::size_t k) const;
 
   // rows.cpp
-  void solve_rows(Array<ClothRow>& list, Real h);
-  void solve_holds(Real h);
-  void velocities(Real h);
-  void stop_rebound(Array<ClothRow>& list, Real h);
+  void solve_rows(Array<ClothRow>& list, bool cloths, Real h);
+  void solve_holds(const ClothGroup& g);
+  void velocities(const ClothGroup& g);
+  void stop_rebound(Array<ClothRow>& list, bool cloths, Real h);
   Vec3 mover_displacement(std::uint32_t mover, const Vec3& arm) const;
   void push_mover(std::uint32_t mover, const Vec3& arm, const Vec3& correction, Real h);  // correction: kg m
   Real mover_response(std::uint32_t mover, const Vec3& arm, const Vec3& n) const;         // 1/kg
 
   // near.cpp: pairs that may come close in this step, and their rows
-  bool near_wanted() const;
+  bool near_wanted(const ClothGroup& g) const;
   std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
   Sheet& sheet_of(std::uint32_t vertex) const {
     FEDER_ASSERT(vertex < vertices.size());
@@ -170,23 +160,23 @@ struct Cloth::Impl {
   Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
   // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: vertices may stay
   // behind.
-  void find_pairs(Real time, bool held);
-  void list_features(Real time, bool held);
-  void add_pair(const std::uint32_t (&v)[4], bool edges, Real time);
+  void find_pairs(ClothGroup& g, Real time, bool held);
+  void list_features(ClothGroup& g, Real time, bool held);
+  void add_pair(ClothGroup& g, const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;
-  void make_near_rows(Real time, Real part);
-  int near_parts(StepContext& c) const;  // of a substep
-  void collect_near();
+  void make_near_rows(ClothGroup& g, Real time, Real part);
+  int near_parts(const ClothGroup& g, StepContext& c) const;  // of a substep
+  void collect_near(const ClothGroup& g);
   void account(const ClothRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
   // guard.cpp: no pair crosses within a part
-  void guard(Real part);
-  Vec3 astray(std::uint32_t vertex) const;  // beside the motion foreseen at the search, m
-  bool near_path(Real part);
+  void guard(ClothGroup& g, Real part);
+  Vec3 astray(const ClothGroup& g, std::uint32_t vertex) const;  // beside the motion foreseen at the search, m
+  bool near_path(ClothGroup& g, Real part);
   bool separate(NearPair& p, Real h, bool push);
-  void widen(Real part);
-  void hold_back(Real part);
+  void widen(ClothGroup& g, Real part);
+  void hold_back(ClothGroup& g, Real part);
   std::uint32_t held_root(std::uint32_t vertex);
-  void move_zones(Real part);
+  void move_zones(const ClothGroup& g, Real part);
   Real freedom(const NearPair& p);
 };
 

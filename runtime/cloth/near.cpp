@@ -83,63 +83,68 @@ std::uint32_t Cloth::Impl::between_of(std::uint32_t a, std::uint32_t b) const {
   return kNone;
 }
 
-bool Cloth::Impl::near_wanted() const {
-  for (const auto& s : sheets)
-    if (s->active() && s->settings.self_collision) return true;
-  return !between.empty();
+bool Cloth::Impl::near_wanted(const ClothGroup& g) const {
+  for (const std::uint32_t n : g.sheets) {
+    if (sheets[n]->active() && sheets[n]->settings.self_collision) return true;
+    for (const Between& k : between)
+      if (k.a == n) return true;  // and the other one is in the group too
+  }
+  return false;
 }
 
 // Vertices, triangles and edges of the cloths that take part, with the boxes they may move in.
-void Cloth::Impl::list_features(Real time, bool held) {
-  near_vertex.clear(), near_triangle.clear(), near_edge.clear();
-  drift = Vec3::Zero();
+void Cloth::Impl::list_features(ClothGroup& g, Real time, bool held) {
+  g.near_vertex.clear(), g.near_triangle.clear(), g.near_edge.clear();
+  g.drift = Vec3::Zero();
   Real mass = 0;
   bool free = true;
-  for (auto& s : sheets) {
+  for (const std::uint32_t n : g.sheets) {
+    const auto& s = sheets[n];
     free = free && !s->any_pin && s->active();
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i)
-      drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
+      g.drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
   }
-  drift = free ? Vec3(drift / mass) : Vec3(0, 0, 0);
+  g.drift = free ? Vec3(g.drift / mass) : Vec3(0, 0, 0);
   vertex_box.resize(vertices.size()), found_place.resize(vertices.size()), found_speed.resize(vertices.size());
   stray.resize(vertices.size());
   near_sheet.resize(vertices.size());
-  for (std::uint32_t n = 0; n < sheets.size(); ++n) {
+  for (const std::uint32_t n : g.sheets) {
     const auto& s = sheets[n];
     bool takes_part = s->active() && s->settings.self_collision;
     for (const Between& k : between) takes_part = takes_part || k.a == n || k.b == n;
     if (!takes_part) continue;
     const Real half = Real(0.5) * s->settings.thickness;
     for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
-      near_vertex.push_back(i);
+      g.near_vertex.push_back(i);
       near_sheet[i] = n;
       found_place[i] = place(i);
       found_speed[i] = moved[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
-      const Vec3 beside = found_speed[i] - drift, far = found_place[i] + time * beside;
-      // what the guard holds back to the drift strays by all of its way
+      const Vec3 beside = found_speed[i] - g.drift, far = found_place[i] + time * beside;
+      // what the guard holds back to the g.drift strays by all of its way
       stray[i] = moved[i].w == 0 ? Real(0) : kStray * s->settings.thickness + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
       b.grow(stray[i] + Real(1.1) * half);
     }
-    for (const std::uint32_t v : s->mesh.triangles) near_triangle.push_back(s->first + v);
-    for (const ClothEdge& e : s->mesh.edges) near_edge.push_back(s->first + e.a), near_edge.push_back(s->first + e.b);
+    for (const std::uint32_t v : s->mesh.triangles) g.near_triangle.push_back(s->first + v);
+    for (const ClothEdge& e : s->mesh.edges)
+      g.near_edge.push_back(s->first + e.a), g.near_edge.push_back(s->first + e.b);
   }
-  FEDER_ASSERT(near_triangle.size() % 3 == 0 && near_vertex.size() <= vertices.size());
-  triangle_box.resize(near_triangle.size() / 3), edge_box.resize(near_edge.size() / 2);
-  for (std::size_t t = 0; t < triangle_box.size(); ++t) {
-    triangle_box[t] = vertex_box[near_triangle[3 * t]];
-    triangle_box[t].include(vertex_box[near_triangle[3 * t + 1]]);
-    triangle_box[t].include(vertex_box[near_triangle[3 * t + 2]]);
+  FEDER_ASSERT(g.near_triangle.size() % 3 == 0 && g.near_vertex.size() <= vertices.size());
+  g.triangle_box.resize(g.near_triangle.size() / 3), g.edge_box.resize(g.near_edge.size() / 2);
+  for (std::size_t t = 0; t < g.triangle_box.size(); ++t) {
+    g.triangle_box[t] = vertex_box[g.near_triangle[3 * t]];
+    g.triangle_box[t].include(vertex_box[g.near_triangle[3 * t + 1]]);
+    g.triangle_box[t].include(vertex_box[g.near_triangle[3 * t + 2]]);
   }
-  for (std::size_t e = 0; e < edge_box.size(); ++e) {
-    edge_box[e] = vertex_box[near_edge[2 * e]];
-    edge_box[e].include(vertex_box[near_edge[2 * e + 1]]);
+  for (std::size_t e = 0; e < g.edge_box.size(); ++e) {
+    g.edge_box[e] = vertex_box[g.near_edge[2 * e]];
+    g.edge_box[e].include(vertex_box[g.near_edge[2 * e + 1]]);
   }
 }
 
 // Keeps the pair unless it is farther apart than it can close in `time`.
-void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
+void Cloth::Impl::add_pair(ClothGroup& g, const std::uint32_t (&v)[4], bool edges, Real time) {
   FEDER_ASSERT(v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3] && v[2] != v[3]);
   const std::uint32_t place_a = near_sheet[v[0]], place_b = near_sheet[v[3]];
   FEDER_ASSERT(place_a < sheets.size() && place_b < sheets.size());
@@ -175,40 +180,40 @@ void Cloth::Impl::add_pair(const std::uint32_t (&v)[4], bool edges, Real time) {
         v, edges, [&](std::uint32_t i) { return vertices.rest[i]; }, rest_weight));
     p.thickness = std::min(wanted, kRestShare * rest);
   }
-  pairs.push_back(p);
+  g.pairs.push_back(p);
 }
 
-void Cloth::Impl::find_pairs(Real time, bool held) {
-  pairs_stale = false;
-  since_found = 0;
-  pairs.clear();
-  list_features(time, held);
-  // trees of the step's first search serve the others too, but not the next step: the order of pairs must follow from
+void Cloth::Impl::find_pairs(ClothGroup& g, Real time, bool held) {
+  g.pairs_stale = false;
+  g.since_found = 0;
+  g.pairs.clear();
+  list_features(g, time, held);
+  // trees of the step's first search serve the others too, but not the next step: the order of g.pairs must follow from
   // the state at the start of a step
-  const std::span<const Aabb> triangle_boxes(triangle_box.data(), triangle_box.size()),
-      edge_boxes(edge_box.data(), edge_box.size());
-  trees_stale ? triangle_tree.build(triangle_boxes) : triangle_tree.refit(triangle_boxes);
-  trees_stale ? edge_tree.build(edge_boxes) : edge_tree.refit(edge_boxes);
-  trees_stale = false;
-  for (const std::uint32_t i : near_vertex) {
+  const std::span<const Aabb> triangle_boxes(g.triangle_box.data(), g.triangle_box.size()),
+      edge_boxes(g.edge_box.data(), g.edge_box.size());
+  g.trees_stale ? g.triangle_tree.build(triangle_boxes) : g.triangle_tree.refit(triangle_boxes);
+  g.trees_stale ? g.edge_tree.build(edge_boxes) : g.edge_tree.refit(edge_boxes);
+  g.trees_stale = false;
+  for (const std::uint32_t i : g.near_vertex) {
     found.clear();
-    triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
+    g.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
     for (const std::uint32_t t : found) {
-      FEDER_ASSERT(t < triangle_box.size());
-      const std::uint32_t* k = &near_triangle[3 * t];
+      FEDER_ASSERT(t < g.triangle_box.size());
+      const std::uint32_t* k = &g.near_triangle[3 * t];
       if (k[0] == i || k[1] == i || k[2] == i) continue;
-      add_pair({i, k[0], k[1], k[2]}, false, time);
+      add_pair(g, {i, k[0], k[1], k[2]}, false, time);
     }
   }
-  for (std::uint32_t e = 0; e < edge_box.size(); ++e) {
+  for (std::uint32_t e = 0; e < g.edge_box.size(); ++e) {
     found.clear();
-    edge_tree.query(edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
-    const std::uint32_t a = near_edge[2 * e], b = near_edge[2 * e + 1];
+    g.edge_tree.query(g.edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
+    const std::uint32_t a = g.near_edge[2 * e], b = g.near_edge[2 * e + 1];
     for (const std::uint32_t f : found) {
-      FEDER_ASSERT(f > e && f < edge_box.size());  // each pair once
-      const std::uint32_t p = near_edge[2 * f], q = near_edge[2 * f + 1];
+      FEDER_ASSERT(f > e && f < g.edge_box.size());  // each pair once
+      const std::uint32_t p = g.near_edge[2 * f], q = g.near_edge[2 * f + 1];
       if (a == p || a == q || b == p || b == q) continue;
-      add_pair({a, b, p, q}, true, time);
+      add_pair(g, {a, b, p, q}, true, time);
     }
   }
 }
@@ -222,21 +227,25 @@ void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
 }
 
 // Where something strikes faster than the candidates foresee, a substep is searched and guarded in parts.
-int Cloth::Impl::near_parts(StepContext& c) const {
+int Cloth::Impl::near_parts(const ClothGroup& g, StepContext& c) const {
   Real most = 1;
-  for (const auto& s : sheets)
-    if (s->active())
+  for (const std::uint32_t n : g.sheets)
+    if (const auto& s = sheets[n]; s->active())
       most = std::max(most, std::min(c.h * s->strike / (Real(0.5) * s->settings.thickness), Real(kMostParts)));
   FEDER_ASSERT(most >= 1 && most <= kMostParts);
-  return std::min(static_cast<int>(std::ceil(most)), small_steps);
+  return std::min(static_cast<int>(std::ceil(most)), g.steps);
 }
 
-void Cloth::Impl::make_near_rows(Real time, Real part) {
-  near_rows.clear();
-  guard_start.assign(moved.begin(), moved.end());
-  if (pairs_stale) find_pairs(time, false);
-  for (NearPair& p : pairs) {
-    p.live = since_found + part >= p.idle;
+void Cloth::Impl::make_near_rows(ClothGroup& g, Real time, Real part) {
+  g.near_rows.clear();
+  guard_start.resize(moved.size());
+  for (const std::uint32_t n : g.sheets) {
+    const auto first = moved.begin() + sheets[n]->first;
+    std::copy(first, first + sheets[n]->total, guard_start.begin() + sheets[n]->first);
+  }
+  if (g.pairs_stale) find_pairs(g, time, false);
+  for (NearPair& p : g.pairs) {
+    p.live = g.since_found + part >= p.idle;
     if (!p.live) continue;
     Real weight[4];
     measure(p, weight);
@@ -260,13 +269,13 @@ void Cloth::Impl::make_near_rows(Real time, Real part) {
     r.touch = p.between;
     r.friction = std::sqrt(a.settings.friction * b.settings.friction);
     r.relaxation = std::min(a.solver->relaxation(), b.solver->relaxation());
-    near_rows.push_back(r);
+    g.near_rows.push_back(r);
   }
 }
 
 // What the rows between two cloths did. Self-contact has no events.
-void Cloth::Impl::collect_near() {
-  for (const ClothRow& r : near_rows) {
+void Cloth::Impl::collect_near(const ClothGroup& g) {
+  for (const ClothRow& r : g.near_rows) {
     if (r.touch == kNone || r.impulse == 0) continue;
     Between& k = between[r.touch];
     k.impulse += r.impulse;

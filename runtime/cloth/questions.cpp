@@ -61,7 +61,9 @@ void Cloth::residuals(std::vector<Residual>& out) const {
     frozen += s->state.frozen != 0, sleeping += s->state.asleep != 0;
   }
   out.push_back({"cloth.max_strain", strain});
-  out.push_back({"cloth.small_steps", static_cast<double>(impl_->small_steps)});
+  int steps = 1;
+  for (std::size_t k = 0; k < impl_->group_count; ++k) steps = std::max(steps, impl_->groups[k]->steps);
+  out.push_back({"cloth.small_steps", static_cast<double>(steps)});
   out.push_back({"cloth.row_updates", static_cast<double>(impl_->row_updates)});
   out.push_back({"cloth.guarded", static_cast<double>(impl_->guarded)});
   out.push_back({"cloth.widened", static_cast<double>(impl_->widened)});

@@ -56,18 +56,20 @@ void Cloth::Impl::push_mover(std::uint32_t m, const Vec3& arm, const Vec3& corre
   state.angular_velocity += turn / h;
 }
 
-// Movers go on with the velocity they have.
-void Cloth::Impl::advance_movers(StepContext&) {
-  if (!movers) return;
-  FEDER_ASSERT(mover_shift.size() == movers->state.size());  // nobody joins within a substep
-  for (std::size_t m = 1; m < mover_shift.size(); ++m) {
-    mover_shift[m] += step * movers->state[m].velocity;
-    mover_turn[m] += step * movers->state[m].angular_velocity;
+// Movers go on with the velocity they have. Each group begins where they stood when the substep did.
+void Cloth::Impl::advance_movers(StepContext& c) {
+  const ClothGroup& g = group(c);
+  FEDER_ASSERT(g.movers.empty() || mover_shift.size() == movers->state.size());  // nobody joins within a substep
+  for (const std::uint32_t m : g.movers) {
+    if (c.inner.index == 0) mover_shift[m] = mover_turn[m] = Vec3::Zero();
+    mover_shift[m] += g.step * movers->state[m].velocity;
+    mover_turn[m] += g.step * movers->state[m].angular_velocity;
   }
 }
 
-void Cloth::Impl::solve_holds(Real h) {
-  for (const ClothHold& k : holds) {
+void Cloth::Impl::solve_holds(const ClothGroup& g) {
+  const Real h = g.step;
+  for (const ClothHold& k : g.holds) {
     FEDER_ASSERT(k.vertex < moved.size());
     Row4& x = moved[k.vertex];
     Mat3 response = Mat3::Zero();
@@ -94,8 +96,7 @@ void Cloth::Impl::solve_holds(Real h) {
   }
 }
 
-void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
-  const bool two_cloths = &list == &near_rows;
+void Cloth::Impl::solve_rows(Array<ClothRow>& list, bool cloths, Real h) {
   for (ClothRow& r : list) {
     Vec3 d = Vec3::Zero(), change = Vec3::Zero();
     RowResponse response;
@@ -111,7 +112,7 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
     const Real gap = r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm));
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
-    FEDER_ASSERT(!two_cloths || r.touch == kNone || r.touch < between.size());
+    FEDER_ASSERT(!cloths || r.touch == kNone || r.touch < between.size());
     if (r.mover != 0) {
       const MoverState& m = movers->state[r.mover];
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
@@ -139,26 +140,25 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, Real h) {
       Row4& x = moved[r.vertex[k]];
       const Vec3 was = x.vec();
       x.add((x.w * r.weight[k]) * total);
-      if (two_cloths && r.touch != kNone) account(r, k, x.vec() - was, r.weight[k] * total, h);
+      if (cloths && r.touch != kNone) account(r, k, x.vec() - was, r.weight[k] * total, h);
     }
     push_mover(r.mover, r.arm, -total, h);
   }
 }
 
-void Cloth::Impl::velocities(Real h) {
-  for (auto& s : sheets) {
-    if (!s->active()) continue;
-    FEDER_ASSERT(moved[s->first + s->total - 1].vec().isZero(0));  // what empty lanes push
-    for (std::uint32_t i = s->first; i < s->first + s->total; ++i) {
+void Cloth::Impl::velocities(const ClothGroup& g) {
+  each_active(g, [&](const Sheet& s) {
+    FEDER_ASSERT(moved[s.first + s.total - 1].vec().isZero(0));  // what empty lanes push
+    for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
       FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
-      const Vec3 u = (moved[i].vec() - before[i].vec()) / h;
+      const Vec3 u = (moved[i].vec() - before[i].vec()) / g.step;
       before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
     }
-  }
+  });
 }
 
 // Rows that pushed and now part: the relative velocity along the normal goes to zero.
-void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
+void Cloth::Impl::stop_rebound(Array<ClothRow>& list, bool cloths, Real h) {
   for (ClothRow& r : list) {
     if (r.impulse == 0) continue;
     Vec3 d = Vec3::Zero(), u = Vec3::Zero();
@@ -184,7 +184,7 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, Real h) {
       Row4& v = speed[r.vertex[k]];
       const Vec3 was = v.vec(), push = (-r.weight[k] * impulse) * r.normal;
       v.add(moved[r.vertex[k]].w * push);
-      if (&list == &near_rows && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
+      if (cloths && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
     }
     if (r.mover == 0) continue;
     // velocities only: the displacement stands

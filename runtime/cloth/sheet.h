@@ -34,7 +34,7 @@ struct ClothState {
   std::uint32_t fresh = 1;   // not stepped yet
   std::uint32_t frozen = 0;  // quarantined
   std::uint32_t asleep = 0;
-  std::int32_t substeps = 1;         // as last chosen
+  std::int32_t substeps = 1;         // as last chosen for it; its group takes the most of its members
   std::uint32_t warned = 0;          // the cap of small steps was reported
   std::uint32_t warned_damping = 0;  // so was a damping that is too long
   Real load = 0;                     // kg that rests on it
@@ -81,6 +81,7 @@ struct Sheet {
   Real mass = 0;  // kg
   bool any_pin = false;
   bool prepared = false;      // its solver, for this step
+  std::uint32_t group = 0;    // place among the groups of this step
   double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity
   double kinetic_before = 0;  // J at the start of the step
 

@@ -10,7 +10,7 @@ void Cloth::hash(Hash& h) const {
   }
   for (const auto& s : impl_->sheets) {
     h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.calm_energy);
-    h.add(s->flight()), h.add(s->state.load);
+    h.add(s->flight()), h.add(s->state.load), h.add(s->state.substeps);
     h.bytes(s->solver_name.data(), s->solver_name.size());
     for (const std::uint32_t v : s->mesh.triangles) h.add(v);
   }
@@ -59,8 +59,8 @@ void Cloth::load(Reader& r) {
     r.list(s->mesh.ghosts);
     m.sheets.push_back(std::move(s));
   }
-  m.rows.clear(), m.holds.clear(), m.pairs.clear(), m.between.clear();
-  m.pairs_stale = true;
+  m.groups.clear(), m.group_count = 0;
+  m.between.clear();
   *m.structure_changed = true;
 }
 

@@ -22,7 +22,7 @@ struct ClothView {
   Real max_strain = kInfinity;  // of links
   std::span<TieBatch> ties;     // to anchors that stay, in `tie_layers` that end here
   std::span<const std::uint32_t> tie_layers;
-  bool crowded = false;                // cloth touches cloth in this substep
+  bool crowded = false;                // its group touches cloth in this substep
   const Vec3* position = nullptr;      // at the start of the step, m
   const Vec3* rest = nullptr;          // unstrained, m
   Row4* moved = nullptr;               // displacement since then, m; w: inverse mass

@@ -1,5 +1,5 @@
-// The passes of the cloth system. A substep of the world is cut into small steps, the same number for all cloths, so
-// that they may touch. What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
+// The passes of the cloth system. A substep of the world is cut into small steps, the same number for the cloths of a
+// group (groups.cpp). What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
 // at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
 // chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
 // mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a
@@ -12,7 +12,8 @@
 namespace feder {
 namespace {
 constexpr Real kLeastGravity = 1;  // m/s^2: weightless cloth is pulled by something else
-}
+constexpr double kStay = 0.9;      // of a count of substeps, down to which a smaller one leaves it as it is
+}  // namespace
 
 ClothView Cloth::Impl::view(Sheet& s) {
   FEDER_ASSERT(moved.size() == vertices.size() && before.size() == vertices.size());
@@ -21,7 +22,6 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.points = s.points, v.total = s.total;
   v.version = s.version;
   v.damping = s.settings.damping;
-  v.crowded = crowded;
   v.max_strain = s.limited() ? s.settings.max_strain : kInfinity;
   v.ties = s.ties.batches, v.tie_layers = s.ties.layers;
   v.position = vertices.position.data() + s.first;
@@ -94,8 +94,8 @@ double Cloth::Impl::swing(const Sheet& s) const {
   return std::fmax(square / double(s.mass) - (s.any_pin ? 0 : double(dot(mean, mean))), 0) / double(s.path);
 }
 
+// A count that is chosen falls only by more than kStay: contacts and sweeps work alike from step to step.
 void Cloth::Impl::choose_steps(StepContext& c) {
-  small_steps = 1;
   for (auto& p : sheets) {
     Sheet& s = *p;
     if (!s.active()) continue;
@@ -123,10 +123,11 @@ void Cloth::Impl::choose_steps(StepContext& c) {
                        s.object);
       }
       if (wanted > cap) wanted = s.solver->substeps_beyond(cap);
-      s.state.substeps = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
+      const std::int32_t count = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
+      const bool stays = count<s.state.substeps&& static_cast<double>(count)> kStay * s.state.substeps;
+      if (!stays || s.state.fresh || s.state.substeps > cap) s.state.substeps = count;
     }
     FEDER_ASSERT(s.state.substeps >= 1);
-    small_steps = std::max(small_steps, static_cast<int>(s.state.substeps));
   }
 }
 
@@ -187,7 +188,6 @@ void Cloth::Impl::prepare(StepContext& c) {
   }
   if (!any_active) return;
   choose_steps(c);
-  const Real h = c.h / static_cast<Real>(small_steps);
   for (auto& s : sheets) {
     if (s->active() && s->state.fresh) {
       s->state.fresh = 0;
@@ -197,89 +197,98 @@ void Cloth::Impl::prepare(StepContext& c) {
       prepare_solver(*s, c);
       check_damping(*s, c);
     }
-    gather(*s, h);
+    gather(*s, c.h / static_cast<Real>(s->state.substeps));
   }
-  pairs_stale = trees_stale = true;
-  pairs.clear(), near_rows.clear();
 }
 
 void Cloth::Impl::begin_substep(StepContext& c) {
   std::vector<int>& counts = c.counts(Loop::cloth).count;
   counts.clear();
   if (!any_active) return;
-  counts.push_back(small_steps);
-  step = c.h / static_cast<Real>(small_steps);
-  const std::size_t mover_count = movers ? movers->state.size() : 1;
-  mover_shift.assign(mover_count, Vec3::Zero());
-  mover_turn.assign(mover_count, Vec3::Zero());
   add_forces(c);
-  near = near_wanted();
-  const int parts = near ? near_parts(c) : 1;
-  near_every = (small_steps + parts - 1) / parts;
-  own_rows = 0;
-  for (const auto& s : sheets)
-    if (s->active()) own_rows += s->mesh.links.size() + s->mesh.hinges.size();
+  const std::size_t mover_count = movers ? movers->state.size() : 1;
+  mover_shift.assign(mover_count, Vec3::Zero()), mover_turn.assign(mover_count, Vec3::Zero());
+  for (std::size_t k = 0; k < group_count; ++k) {
+    ClothGroup& g = *groups[k];
+    counts.push_back(g.steps);
+    g.movers.swap(g.named);
+    g.named.clear();
+    std::sort(g.movers.begin(), g.movers.end());
+    g.movers.erase(std::unique(g.movers.begin(), g.movers.end()), g.movers.end());
+    if (g.steps == 0) continue;
+    g.near = near_wanted(g);
+    const int parts = g.near ? near_parts(g, c) : 1;
+    g.near_every = (g.steps + parts - 1) / parts;
+    g.own_rows = 0;
+    each_active(g, [&](const Sheet& s) { g.own_rows += s.mesh.links.size() + s.mesh.hinges.size(); });
+  }
 }
 
 // The pairs of the coming part of the substep.
 void Cloth::Impl::find_near(StepContext& c) {
+  ClothGroup& g = group(c);
   const int k = c.inner.index;
-  const Real part = step * static_cast<Real>(std::min(near_every, small_steps - k));
-  if (near && k % near_every == 0)
-    make_near_rows(c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * step, part);
-  if (k == 0) crowded = near && !near_rows.empty();
+  const Real part = g.step * static_cast<Real>(std::min(g.near_every, g.steps - k));
+  if (g.near && k % g.near_every == 0)
+    make_near_rows(g, c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * g.step, part);
+  if (k == 0) g.crowded = g.near && !g.near_rows.empty();
 }
 
 void Cloth::Impl::advance(StepContext& c) {
+  const ClothGroup& g = group(c);
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
-  for (auto& s : sheets) {
-    if (!s->active()) continue;
-    if (!s->prepared) prepare_solver(*s, c);  // woken by a coupling since: held in this step, it moves from the next
-    s->solver->advance(view(*s), start + c.inner.index * static_cast<double>(step), step, c);
-  }
+  each_active(g, [&](Sheet& s) {
+    if (!s.prepared) prepare_solver(s, c);  // woken by a coupling since: held in this step, it moves from the next
+    ClothView v = view(s);
+    v.crowded = g.crowded;
+    s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
+  });
 }
 
-void Cloth::Impl::solve(StepContext&) {
-  row_updates += own_rows + holds.size() + near_rows.size() + rows.size();
-  if (!touches()) return;
-  solve_holds(step);
-  solve_body_ties(step);
-  solve_rows(near_rows, step);
-  solve_rows(rows, step);
+void Cloth::Impl::solve(StepContext& c) {
+  ClothGroup& g = group(c);
+  row_updates += g.own_rows + g.holds.size() + g.near_rows.size() + g.rows.size();
+  if (!g.touches()) return;
+  solve_holds(g);
+  solve_body_ties(g);
+  solve_rows(g.near_rows, true, g.step);
+  solve_rows(g.rows, false, g.step);
 }
 
-void Cloth::Impl::read_velocities(StepContext&) {
-  velocities(step);
-  if (!touches()) return;
-  stop_rebound(near_rows, step);
-  stop_rebound(rows, step);
+void Cloth::Impl::read_velocities(StepContext& c) {
+  ClothGroup& g = group(c);
+  velocities(g);
+  if (!g.touches()) return;
+  stop_rebound(g.near_rows, true, g.step);
+  stop_rebound(g.rows, false, g.step);
 }
 
 void Cloth::Impl::damp(StepContext& c) {
   if (!c.inner.last()) return;
-  for (auto& s : sheets)
-    if (s->active()) s->solver->damp(view(*s), c.h, c);
+  each_active(group(c), [&](Sheet& s) { s.solver->damp(view(s), c.h, c); });
 }
 
 void Cloth::Impl::project(StepContext& c) {
+  ClothGroup& g = group(c);
   const int k = c.inner.index;
-  if (!near || (!c.inner.last() && (k + 1) % near_every != 0)) return;
-  guard(step * static_cast<Real>(k % near_every + 1));
-  collect_near();
+  if (!g.near || (!c.inner.last() && (k + 1) % g.near_every != 0)) return;
+  guard(g, g.step * static_cast<Real>(k % g.near_every + 1));
+  collect_near(g);
 }
 
 void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {
-    const Real h = c.h / static_cast<Real>(small_steps);
     // whoever was pushed is not in free flight
     for (auto& s : sheets) {
       s->impact = s->strike = 0;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
     }
-    for (const ClothRow& r : rows)
-      if (r.impulse > 0) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
+    for (std::size_t k = 0; k < group_count; ++k)
+      for (const ClothRow& r : groups[k]->rows)
+        if (r.impulse > 0) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
     for (auto& s : sheets) {
       if (!s->active()) continue;
+      const Real h = groups[s->group]->step;
       const Vec3 ahead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;

@@ -148,7 +148,8 @@ void Cloth::Impl::tear(StepContext& c) {
   }
   if (!torn) return;
   // numbers of vertices have changed: what points to them is made anew in the next step
-  rows.clear(), holds.clear(), near_rows.clear(), pairs.clear(), between.clear();
+  for (auto& g : groups) g->rows.clear(), g->holds.clear(), g->near_rows.clear(), g->pairs.clear();
+  between.clear();
   *structure_changed = true;
 }
 

@@ -183,10 +183,12 @@ void Cloth::Impl::place_ties(Sheet& s) {
 }
 
 // Vertices to the point of a body where the cloth is attached, and that point to the pin that the cloth hangs from.
-void Cloth::Impl::solve_body_ties(Real h) {
-  if (!movers) return;
-  for (auto& p : sheets) {
-    Sheet& s = *p;
+void Cloth::Impl::solve_body_ties(const ClothGroup& g) {
+  if (g.holds.empty()) return;
+  const Real h = g.step;
+  const Array<ClothHold>& holds = g.holds;
+  for (const std::uint32_t n : g.sheets) {
+    Sheet& s = *sheets[n];
     if (!s.active() || s.ties.to_body.empty()) continue;
     const Real longest = 1 + s.settings.max_strain;
     const ClothHold* hold = nullptr;

@@ -176,16 +176,35 @@ void Cloth::Impl::validate_pairs() const {
     FEDER_ASSERT(b.a < sheets.size() && b.b < sheets.size() && sheets[b.a]->object < sheets[b.b]->object);
     FEDER_ASSERT(k == 0 || std::minmax(between[k - 1].a, between[k - 1].b) < std::minmax(b.a, b.b));
   }
-  for (const ClothHold& k : holds) FEDER_ASSERT(k.vertex < vertices.size());
-  for (const ClothRow& r : rows)
+  std::size_t members = 0;
+  for (std::size_t k = 0; k < group_count; ++k) {
+    members += groups[k]->sheets.size();
+    validate_group(k);
+  }
+  FEDER_ASSERT(members == sheets.size());  // each cloth in one
+}
+
+void Cloth::Impl::validate_group(std::size_t k) const {
+  const ClothGroup& g = *groups[k];
+  int most = 0;
+  for (std::size_t i = 0; i < g.sheets.size(); ++i) {
+    FEDER_ASSERT(g.sheets[i] < sheets.size() && (i == 0 || g.sheets[i - 1] < g.sheets[i]));
+    FEDER_ASSERT(sheets[g.sheets[i]]->group == k);
+    most = std::max(most, static_cast<int>(sheets[g.sheets[i]]->state.substeps));
+  }
+  FEDER_ASSERT(g.steps <= most);
+  for (const ClothHold& hold : g.holds) FEDER_ASSERT(hold.vertex < vertices.size());
+  for (const ClothRow& r : g.rows)
     for (const std::uint32_t i : r.vertex) FEDER_ASSERT(i < vertices.size());
-  if (!any_active || pairs.empty()) return;
-  for (std::size_t k = 1; k < near_vertex.size(); ++k) FEDER_ASSERT(near_vertex[k - 1] < near_vertex[k]);
-  for (const NearPair& p : pairs) {
+  if (!any_active || g.pairs.empty()) return;
+  for (std::size_t i = 1; i < g.near_vertex.size(); ++i) FEDER_ASSERT(g.near_vertex[i - 1] < g.near_vertex[i]);
+  for (const NearPair& p : g.pairs) {
     FEDER_ASSERT(p.edges <= 1 && p.live <= 1);
     FEDER_ASSERT(p.between == kNone || p.between < between.size());
-    for (const std::uint32_t i : p.v)
+    for (const std::uint32_t i : p.v) {
       FEDER_ASSERT(i < vertices.size() && vertices.cloth[i] == sheets[near_sheet[i]]->object);
+      FEDER_ASSERT(sheets[near_sheet[i]]->group == k);
+    }
   }
 }
 

@@ -32,7 +32,7 @@ ClothRigid::ClothRigid(SystemSetup& s)
       movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events),
       structure_changed_(s.structure_changed), candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)),
       box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)),
-      deep_pins_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+      deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
   cloth_.set_movers(&movers_);
 }
 
@@ -60,12 +60,11 @@ void ClothRigid::sync() {
   for (const ObjectId body : gone) cloth_.detach_body(body);
   end_contacts();
   candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
-  hurry_ = 0;
+  hurry_.clear();
   vertex_shapes_.clear();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n)
     vertex_shapes_.push_back(make_sphere(Real(0.5) * cloth_.info(n).thickness));
-  cloth_.contact_rows().clear();
-  cloth_.holds().clear();
+  cloth_.clear_rows();
 }
 
 // Contacts with what is gone end; a cloth that lay on it wakes.
@@ -99,7 +98,7 @@ ClothRigid::Place ClothRigid::place(std::uint32_t k) const {
   p.center = movers_.mass[p.solver].center + s.moved;
   p.velocity = s.velocity, p.spin = s.angular_velocity;
   Quat rotation = s.rotation;
-  if (refreshing_) {
+  if (refreshing()) {
     p.center += cloth_.mover_shift(p.solver);
     rotation = integrate_rotation(rotation, cloth_.mover_turn(p.solver));
   }
@@ -201,6 +200,15 @@ void ClothRigid::find_candidates(StepContext& c) {
   smallest_.resize(colliders_.size());
   box_.resize(v.size());
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) candidates_of(n, c);
+  for (const Cloth::Attachment& a : cloth_.attachments())
+    if (objects_.alive(a.body)) connect(objects_.index(a.cloth), rigid_.index(a.body));
+}
+
+// What a dynamic body gets from one cloth reaches the others that act on it within a substep.
+void ClothRigid::connect(std::size_t cloth, std::uint32_t body) {
+  const Bodies& b = rigid_.bodies();
+  const std::uint32_t solver = movers_.solver[b.mover[body]];
+  if (b.type[body] == BodyType::dynamic && solver != 0) cloth_.connect_mover(cloth, solver);
 }
 
 // A pin inside a shape asks for what cannot be. Said once for a cloth and a body, with the deepest pin.
@@ -259,6 +267,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
     if (info.asleep && !body_moves) continue;
+    connect(n, colliders_.owner_index[k]);
     const Shape& shape = *colliders_.shape[k];
     const Aabb own = shape.bounds(Pose{});
     const Vec3 half = Real(0.5) * (own.hi - own.lo);
@@ -283,7 +292,6 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
 }
 
 void ClothRigid::make_holds() {
-  cloth_.holds().clear();
   const Bodies& b = rigid_.bodies();
   for (const Cloth::Attachment& a : cloth_.attachments()) {
     if (!objects_.alive(a.body)) {
@@ -300,14 +308,20 @@ void ClothRigid::make_holds() {
     const Vec3 center = k.mover ? Vec3(movers_.mass[k.mover].center + movers_.state[k.mover].moved) : b.position[body];
     k.arm = rotate(k.mover ? movers_.state[k.mover].rotation : b.rotation[body], local);
     k.error = cloth_.vertices().position[a.vertex] - center - k.arm;
-    cloth_.holds().push_back(k);
+    const std::size_t group = cloth_.group_of(objects_.index(a.cloth));
+    cloth_.use_mover(group, k.mover);
+    cloth_.holds(group).push_back(k);
   }
 }
 
 // What the rows of this substep did.
 void ClothRigid::collect(StepContext& c) {
+  for (std::size_t k = 0; k < cloth_.group_count(); ++k) collect_group(k, c);
+}
+
+void ClothRigid::collect_group(std::size_t group, StepContext& c) {
   const Real g = length(c.gravity);
-  for (const ClothRow& r : cloth_.contact_rows()) {
+  for (const ClothRow& r : cloth_.contact_rows(group)) {
     if (r.touch == kNone) continue;
     FEDER_ASSERT(r.touch < touches_.size());
     Touch& t = touches_[r.touch];
@@ -385,7 +399,7 @@ void ClothRigid::finish(StepContext& c) {
     t.begun = t.seen;
   }
   std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
-  cloth_.contact_rows().clear();
+  cloth_.clear_rows();
 }
 
 void ClothRigid::hash(Hash& h) const {
@@ -398,9 +412,8 @@ void ClothRigid::load(Reader& r) {
   r.list(touches_), r.list(warned_);
   open_.set(touches_.size());
   candidates_.clear();
-  hurry_ = 0;
-  cloth_.contact_rows().clear();
-  cloth_.holds().clear();
+  hurry_.clear();
+  cloth_.clear_rows();
 }
 
 // How deep the cloth, half its thickness included, is in a collider: by the distances of vertices, and where something
@@ -459,8 +472,9 @@ void ClothRigid::validate() const {
                           ObjectKind::body, objects_, open_);
   for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.seen == 1);
   for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.cloth) && objects_.alive(w.body));
-  for (const ClothRow& r : cloth_.contact_rows()) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
-  FEDER_ASSERT(vertex_shapes_.size() == cloth_.cloth_count() && !refreshing_);
+  for (std::size_t k = 0; k < cloth_.group_count(); ++k)
+    for (const ClothRow& r : cloth_.contact_rows(k)) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
+  FEDER_ASSERT(vertex_shapes_.size() == cloth_.cloth_count() && !refreshing());
 }
 
 }  // namespace feder

@@ -61,6 +61,7 @@ class ClothRigid final : public System {
   void refresh_rows(StepContext& c);
   void fill_rows(StepContext& c);
   void collect(StepContext& c);
+  void collect_group(std::size_t group, StepContext& c);
   void finish(StepContext& c);
 
   void sync();
@@ -69,6 +70,7 @@ class ClothRigid final : public System {
   Aabb reach_of(std::uint32_t collider, StepContext& c) const;
   void candidates_of(std::size_t n, StepContext& c);
   void make_holds();
+  void connect(std::size_t cloth, std::uint32_t body);
   void measure_pin(const Candidate& k, const Place& at, Real radius);
   void warn_of_pins(const Cloth::Info& cloth, std::uint32_t collider, StepContext& c);
   bool may_touch(const Cloth::Info& cloth, std::uint32_t collider) const;
@@ -97,10 +99,11 @@ class ClothRigid final : public System {
   Array<Real> smallest_;                 // by collider: half of its least size, m
   std::vector<ShapePtr> vertex_shapes_;  // by cloth: a sphere of half the thickness
   Real horizon_ = 0;                     // s, for which rows are made
-  Real hurry_ = 0;                       // the largest travel in a substep over what a row stands
-  bool refreshing_ = false;              // between small steps
   Array<Real> pin_depth_;                // by vertex: of pins in the collider whose rows are being made, m
   Array<std::uint32_t> deep_pins_;       // those where it is not 0
+  Array<Real> hurry_;                    // by group: the largest travel in a substep over what a row stands
+  std::uint32_t refreshing_ = kNone;     // the group whose rows are made between small steps
+  bool refreshing() const { return refreshing_ != kNone; }
   // Pairs whose warning of pins inside was sent.
   struct Warned {
     ObjectId cloth, body;

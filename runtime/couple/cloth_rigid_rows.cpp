@@ -35,46 +35,52 @@ void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) 
 }  // namespace
 
 void ClothRigid::make_rows(StepContext& c) {
-  cloth_.contact_rows().clear();
+  cloth_.clear_rows();
   if (cloth_.moved().size() != cloth_.vertices().size()) return;
   make_holds();
-  refreshing_ = false;
+  refreshing_ = kNone;
   horizon_ = c.h;
+  hurry_.assign(cloth_.group_count(), 0);
   fill_rows(c);
 }
 
 // Where things pass each other fast, rows are made anew several times in a substep: the cloth wraps what strikes it.
 void ClothRigid::refresh_rows(StepContext& c) {
   const int done = c.inner.index, count = c.inner.count;
-  if (done == 0 || !(hurry_ > 1)) return;
+  const std::size_t group = static_cast<std::size_t>(c.inner.group);
+  if (done == 0 || hurry_.size() != cloth_.group_count() || !(hurry_[group] > 1)) return;
   // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
-  const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_));
+  const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_[group]));
   FEDER_ASSERT(done > 0 && done < count);
   const int parts = std::min(count, hurried + 1), every = count / parts;
   if (done % every != 0) return;
-  collect(c);
-  std::erase_if(cloth_.contact_rows(), [](const ClothRow& r) { return r.touch != kNone; });  // those of fluids stay
-  refreshing_ = true;
+  collect_group(group, c);
+  Array<ClothRow>& rows = cloth_.contact_rows(group);
+  std::erase_if(rows, [](const ClothRow& r) { return r.touch != kNone; });  // those of fluids stay
+  refreshing_ = static_cast<std::uint32_t>(group);
   horizon_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
-  const Real hurry = hurry_;
   fill_rows(c);
-  hurry_ = hurry;
-  refreshing_ = false;
+  refreshing_ = kNone;
 }
 
 void ClothRigid::fill_rows(StepContext& c) {
-  hurry_ = 0;
   std::uint32_t collider = kNone, cloth = kNone;
+  bool wanted = true;
   Place at;
   pin_depth_.assign(cloth_.vertices().size(), 0);
   deep_pins_.clear();
   for (const Candidate& k : candidates_) {
     if (k.collider != collider || k.cloth != cloth) {
       FEDER_ASSERT(may_touch(cloth_.info(k.cloth), k.collider));
-      collider = k.collider, cloth = k.cloth, at = place(collider);
+      collider = k.collider, cloth = k.cloth;
+      const std::size_t group = cloth_.group_of(cloth);
+      wanted = !refreshing() || refreshing_ == group;
+      if (wanted) at = place(collider);
+      if (!refreshing()) cloth_.use_mover(group, at.solver);
       for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
       deep_pins_.clear();
     }
+    if (!wanted) continue;
     k.triangle ? triangle_rows(k, at, c) : vertex_rows(k, at, c);
   }
 }
@@ -116,7 +122,7 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
   r.normal = normal;
   r.mover = at.solver;
   r.arm = point - at.center;
-  if (refreshing_ && at.solver) d -= cloth_.mover_shift(at.solver) + cross(cloth_.mover_turn(at.solver), r.arm);
+  if (refreshing() && at.solver) d -= cloth_.mover_shift(at.solver) + cross(cloth_.mover_turn(at.solver), r.arm);
   r.offset = gap - dot(normal, d);
   r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
   const Vec3 slide = colliders_.surface_velocity[k.collider];
@@ -124,7 +130,7 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
     r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
   r.touch = touch_of(info.object, colliders_.object[k.collider]);
-  cloth_.contact_rows().push_back(r);
+  cloth_.contact_rows(cloth_.group_of(k.cloth)).push_back(r);
 }
 
 void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c) {
@@ -138,7 +144,10 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const Vec3 u = cloth_.speed()[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
   const Vec3 travel = horizon_ * u + (horizon_ * horizon_) * c.gravity;
   const Real reach = length(travel);
-  if (!refreshing_) hurry_ = std::max(hurry_, reach / (radius + kCastShare * smallest_[k.collider]));
+  if (!refreshing()) {
+    Real& hurry = hurry_[cloth_.group_of(k.cloth)];
+    hurry = std::max(hurry, reach / (radius + kCastShare * smallest_[k.collider]));
+  }
   const std::uint32_t v[3] = {k.index, k.index, k.index};
   const Real weight[3] = {1, 0, 0};
   const Shape& shape = *colliders_.shape[k.collider];

@@ -30,7 +30,8 @@ FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), movers_(s.store.need<Movers>(kName)),
       systems_(s.systems), objects_(s.objects), events_(s.events), faces_(s.store.arena(kName)),
-      guests_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
+      guests_(&s.store.arena(kName)), box_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)),
+      pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
   cloth_.set_movers(&movers_);
 }
@@ -43,6 +44,7 @@ void FluidCloth::add_passes(StepPlan& plan) {
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   using F = FluidCloth;
   plan.add<&F::wake>(Rank::cloth_approach, "wake sheets", kName, this);
+  if (cloth_.cloth_count() > 1) plan.add<&F::connect>(Rank::cloth_candidates, "connect sheets", kName, this);
   plan.add<&F::begin>(Rank::face_screen, "screen by sheets", kName, this);
   plan.add<&F::make_rows>(Rank::cloth_particles, "particles on sheets", kName, this);
   plan.add<&F::read_back>(Rank::cloth_read_back, "read back and guard", kName, this);
@@ -51,7 +53,8 @@ void FluidCloth::add_passes(StepPlan& plan) {
 
 // Rows of an earlier substep; those of bodies have an owner.
 void FluidCloth::drop_rows() {
-  std::erase_if(cloth_.contact_rows(), [](const ClothRow& r) { return r.touch == kNone; });
+  for (std::size_t k = 0; k < cloth_.group_count(); ++k)
+    std::erase_if(cloth_.contact_rows(k), [](const ClothRow& r) { return r.touch == kNone; });
 }
 
 void FluidCloth::list_surfaces() {
@@ -86,6 +89,26 @@ void FluidCloth::wake(StepContext& c) {
   for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0});
   mismatch_ = given_ = force_ = 0;
   guarded_ = 0;
+}
+
+// Sheets so near that a particle may press on both act on each other through it.
+void FluidCloth::connect(StepContext& c) {
+  Real spacing = 0;
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) spacing = std::max(spacing, fluid_.pool_at(n).desc.spacing);
+  box_.resize(cloth_.cloth_count());
+  for (std::size_t n = 0; n < box_.size(); ++n) {
+    const Cloth::Info info = cloth_.info(n);
+    const std::span<const Row4> speed = cloth_.speed();
+    Real fastest = 0;
+    box_[n] = Aabb();
+    for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
+      box_[n].include(cloth_.vertices().position[i]);
+      fastest = std::max(fastest, dot(speed[i].vec(), speed[i].vec()));
+    }
+    box_[n].grow(info.thickness + spacing + c.dt * (std::sqrt(fastest) + c.dt * length(c.gravity)));
+    for (std::size_t k = 0; k < n; ++k)
+      if (overlaps(box_[k], box_[n])) cloth_.connect(k, n);
+  }
 }
 
 void FluidCloth::place_vertices() {
@@ -139,25 +162,31 @@ void FluidCloth::make_rows(StepContext& c) {
     r.normal = -k.normal;
     r.mover = guests_.back().mover;
     r.offset = k.distance - k.rest - dot(r.normal, d);
-    r.relaxation = cloth_.info(faces_.surfaces[k.surface].place).relaxation;
-    cloth_.contact_rows().push_back(r);
+    const std::size_t cloth = faces_.surfaces[k.surface].place, group = cloth_.group_of(cloth);
+    r.relaxation = cloth_.info(cloth).relaxation;
+    cloth_.use_mover(group, r.mover);
+    cloth_.contact_rows(group).push_back(r);
   }
 }
 
 void FluidCloth::read_back(StepContext& c) {
   const Real g = length(c.gravity);
-  std::size_t at = 0, contact = 0;
-  for (const ClothRow& r :
-       cloth_.contact_rows()) {  // in the order of the contacts, with those of bodies before or after
-    if (r.touch != kNone) continue;
+  std::size_t at = 0;
+  next_row_.assign(cloth_.group_count(), 0);
+  for (const FaceContact& k : faces_.contacts) {
+    // its row: they are in the order of the contacts, with those of bodies before or after
+    const std::size_t group = cloth_.group_of(faces_.surfaces[k.surface].place);
+    const Array<ClothRow>& rows = cloth_.contact_rows(group);
+    std::uint32_t& next = next_row_[group];
+    while (next < rows.size() && rows[next].touch != kNone) ++next;
+    FEDER_ASSERT(next < rows.size());  // no row is lost on the way, and with it its impulse
+    const ClothRow& r = rows[next++];
     while (guests_[at].mover != r.mover) {
       ++at;
       FEDER_ASSERT(at < guests_.size());
     }
     const Real net = r.impulse - r.returned;
     guests_[at].pushed -= net * r.normal;
-    FEDER_ASSERT(contact < faces_.contacts.size());
-    const FaceContact& k = faces_.contacts[contact++];
     FEDER_ASSERT(k.pool == guests_[at].pool && k.particle == guests_[at].particle);
     if (net > 0) note(k, net, r.approach, -r.normal);
     Pressed& to = pressed_[faces_.surfaces[k.surface].place];
@@ -165,7 +194,6 @@ void FluidCloth::read_back(StepContext& c) {
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
   }
-  FEDER_ASSERT(contact == faces_.contacts.size());  // no row is lost on the way, and with it its impulse
   FEDER_ASSERT(movers_.state.size() == own_movers_ + guests_.size());
   for (const Guest& k : guests_) {
     FluidPool& p = fluid_.pool_at(k.pool);
@@ -302,7 +330,8 @@ void FluidCloth::validate() const {
   validate_records<Touch>({touches_.data(), touches_.size()}, &Touch::cloth, ObjectKind::cloth, &Touch::fluid,
                           ObjectKind::fluid, objects_, open_);
   for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.count > 0 && t.now == 0 && t.last == kNone);
-  for (const ClothRow& r : cloth_.contact_rows()) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
+  for (std::size_t k = 0; k < cloth_.group_count(); ++k)
+    for (const ClothRow& r : cloth_.contact_rows(k)) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
   for (std::size_t k = 0; k < guests_.size(); ++k)
     FEDER_ASSERT(guests_[k].mover == own_movers_ + k && guests_[k].pool < fluid_.pool_count());
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;

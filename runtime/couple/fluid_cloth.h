@@ -49,6 +49,7 @@ class FluidCloth final : public System {
 
   // Rows.
   void wake(StepContext& c);
+  void connect(StepContext& c);
   void begin(StepContext& c);
   void make_rows(StepContext& c);
   void read_back(StepContext& c);
@@ -73,6 +74,8 @@ class FluidCloth final : public System {
   Events& events_;
   FluidFaces faces_;
   Array<Guest> guests_;
+  Array<Aabb> box_;                  // by cloth: where it may be in the step, and particles beside it
+  Array<std::uint32_t> next_row_;    // by group of cloths
   Array<Pressed> pressed_;           // by cloth
   Array<Touch> touches_;             // in the order of the objects
   std::uint32_t own_movers_ = 0;     // how many there were without the guests

@@ -23,6 +23,7 @@ enum class Rank : std::uint8_t {
   cloth_pairs,
   append_points,
   cloth_candidates,
+  cloth_groups,
   joint_rows,
   boundary_list,
 

@@ -21,6 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FILE = ROOT / "tests" / "golden" / "hashes.txt"
 STEPS = (60, 240)
 PAIR = "tests/golden/pair.lua"
+GROUPS = "tests/golden/groups.lua"  # cloths that do not meet
 KINDS = {"rigid": ["", "--world rigid.solver=impulse"], "net": [""],
          "cloth": ["--set cloth=xpbd", "--set cloth=mass_spring"], "fluid": ["--set fluid=pbf", "--set fluid=wcsph"]}
 # scenes that take long at their own size run smaller
@@ -62,6 +63,7 @@ def cases():
                 solvers = {f"{x} {y}".strip() for x in KINDS[below] for y in KINDS[above]}
             for solver in sorted(solvers):
                 yield PAIR, f"--set below={below} --set above={above} {solver}".strip(), 1 / 60
+    yield GROUPS, "--set sheets=3", 1 / 60
     for integrator in integrators()[:1] + integrators()[2:]:
         yield PAIR, f"--set below=net --set above=rigid --set integrator={integrator}", 1 / 60
 
@@ -91,7 +93,7 @@ def measure(feder, real):
 
 
 def mine(line, real):
-    return line.startswith((f"{real} scenes/", f"{real} {PAIR}"))
+    return line.startswith((f"{real} scenes/", f"{real} {PAIR}", f"{real} {GROUPS}"))
 
 
 def main(arguments):

@@ -113,9 +113,9 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
       {"a vertex of another cloth", [&] { vertices.cloth[3] = m.sheets[1]; }},
       {"an array that did not grow", [&] { vertices.script_force.pop_back(); }},
       {"a cloth that is no object", [&] { m.w.objects().remove(m.sheets[0], ""); }},
-      {"a row of contact on a vertex that is gone", [&] { m.cloth.contact_rows().emplace_back().vertex[2] = 1000; }},
-      {"a row of a body that outlives its substep", [&] { m.cloth.contact_rows().emplace_back().touch = 0; }},
-      {"a row of a fluid that outlives its substep", [&] { m.cloth.contact_rows().emplace_back(); }},
+      {"a row of contact on a vertex that is gone", [&] { m.cloth.contact_rows(0).emplace_back().vertex[2] = 1000; }},
+      {"a row of a body that outlives its substep", [&] { m.cloth.contact_rows(0).emplace_back().touch = 0; }},
+      {"a row of a fluid that outlives its substep", [&] { m.cloth.contact_rows(0).emplace_back(); }},
       {"a pair of cloths listed twice",
        [&] {
          m.cloth.between().insert(m.cloth.between().end(), 2, Cloth::Between{0, 1});
