@@ -25,6 +25,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid/components.h"
 #include "fluid/solver.h"
 
 namespace feder {
@@ -104,7 +105,7 @@ class Pbf final : public FluidSolver {
   struct Wanted {
     Real way = 1, load = 1;  // steps for what moves, and for the weight of the column
   };
-  Wanted wanted_steps(const FluidPool& p, const StepContext& c) const;
+  Wanted wanted_steps(FluidPool& p, const StepContext& c) const;
   void warn_budget(FluidPool& p, Real wanted, StepContext& c) const;
   void predict(StepContext& c);
   void search(StepContext& c);
@@ -119,8 +120,8 @@ class Pbf final : public FluidSolver {
   Real h_ = 0;  // s, of a fluid substep
 };
 
-// For particles in company: what flies alone meets nobody on its way but walls, and is guarded from these.
-Pbf::Wanted Pbf::wanted_steps(const FluidPool& p, const StepContext& c) const {
+// The column is of particles in company: what flies alone does not weigh on it.
+Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), d = p.desc.spacing;
   Real speed2 = 0, low = kInfinity;
@@ -128,16 +129,19 @@ Pbf::Wanted Pbf::wanted_steps(const FluidPool& p, const StepContext& c) const {
   std::uint32_t n = 0;
   Aabb box;
   for (std::uint32_t i = 0; i < p.count; ++i) {
-    if (p.ratio[i] < p.own_value + kCompany) continue;
     const Vec3 v = p.v[i].vec();
     speed2 = std::max(speed2, dot(v, v));
+    if (p.ratio[i] < p.own_value + kCompany) continue;
     const Real s = -dot(gravity, p.x[i].vec());
     low = std::min(low, s), sum += static_cast<double>(s), ++n;
     box.include(p.x[i].vec());
   }
   Wanted wanted;
-  if (n == 0) return wanted;
+  // who meets whom matters only where somebody goes farther than a single step carries
+  if (c.h * std::sqrt(speed2) > kMostWay * d) speed2 = flow_scales(p, *walls, c).speed2;
   Real speed = std::sqrt(speed2);
+  wanted.way = c.h * speed / (kMostWay * d);
+  if (n == 0) return wanted;
   box.grow(p.support);
   for (const Wall& w : walls->list) {
     const WallBody& b = walls->bodies[w.body];

@@ -1,0 +1,246 @@
+// Connected components of a fluid, for the CFL number. What the number bounds is how far particles move against what
+// acts on them in a substep (Courant, Friedrichs & Lewy 1928), so a velocity that a whole component shares is none of
+// it: the equations are the same in its frame (Galilei). Components are runs of occupied cells of the neighbour grid
+// that touch, corners included, so that what is apart is farther apart than the support; as runs of pixels are labelled
+// (Rosenfeld & Pfaltz 1966). Those whose boxes come nearer than the support within the substep, along the difference of
+// their velocities, are one. A component of one particle that meets walls alone does not count: it has no pressure to
+// resolve, and the non-penetration projection keeps it from passing. One of several that meets a wall, the pool in its
+// tank, counts in the frame of the world; so does one that hardly moves as a whole.
+// Kept between calls: nothing. Weak spot: boxes. A drop within the box of a large component (between the walls of a
+// splash) or on a slanted way beside one counts as met before it is.
+#include "fluid/components.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+namespace feder {
+namespace {
+
+constexpr int kMaxTraceSteps = 16;  // of a way beside a wall, before it counts as met
+
+// Occupied cells side by side along x. Their particles are order[first .. last).
+struct CellRun {
+  int x0, x1;
+  std::uint32_t first, last;
+  std::uint32_t parent;  // of the union-find: a run with a smaller number, or itself
+};
+
+struct Component {
+  Aabb box, velocities;  // m, m/s
+  Real low = kInfinity, high = -kInfinity;  // of g . x, m^2/s^2
+  Real speed2 = 0;                          // largest in the frame of the world, m^2/s^2
+  std::uint32_t count = 0, parent = 0;
+  bool meets_wall = false, meets_fluid = false;
+
+  // Its frame, m/s: the middle of its velocities where that is faster than it moves within itself.
+  Vec3 velocity() const { return moves() ? middle() : Vec3(Vec3::Zero()); }
+  // In this frame, m^2/s^2; from the middle no corner of the box is farther than half its diagonal.
+  Real frame_speed2() const { return moves() ? spread2() : speed2; }
+  Real frame_speed() const { return std::sqrt(frame_speed2()); }
+  bool moves() const { return !meets_wall && dot(middle(), middle()) > spread2(); }
+  Vec3 middle() const { return (velocities.lo + velocities.hi) / 2; }
+  Real spread2() const {
+    const Vec3 half = (velocities.hi - velocities.lo) / 2;
+    return dot(half, half);
+  }
+
+  void include(const Vec3& x, const Vec3& v, Real potential) {
+    box.include(x), velocities.include(v);
+    low = std::min(low, potential), high = std::max(high, potential);
+    speed2 = std::max(speed2, dot(v, v));
+    ++count;
+  }
+  void include(const Component& c) {
+    box.include(c.box), velocities.include(c.velocities);
+    low = std::min(low, c.low), high = std::max(high, c.high);
+    speed2 = std::max(speed2, c.speed2);
+    count += c.count;
+    meets_wall = meets_wall || c.meets_wall;
+    meets_fluid = true;
+  }
+};
+
+template <class T>
+std::uint32_t root_of(T* nodes, std::uint32_t i) {
+  while (nodes[i].parent != i) {
+    nodes[i].parent = nodes[nodes[i].parent].parent;
+    i = nodes[i].parent;
+  }
+  return i;
+}
+
+template <class T>
+void unite(T* nodes, std::uint32_t a, std::uint32_t b) {
+  a = root_of(nodes, a), b = root_of(nodes, b);
+  nodes[std::max(a, b)].parent = std::min(a, b);
+}
+
+// The runs of all rows, row by row; row_first gets the first of each, and one more.
+std::uint32_t find_runs(const CellGrid& g, CellRun* runs, std::uint32_t* row_first) {
+  std::uint32_t n = 0, row = 0;
+  const int last_x = g.cells(0) - 1;
+  for (int z = 0; z < g.cells(2); ++z)
+    for (int y = 0; y < g.cells(1); ++y) {
+      row_first[row++] = n;
+      std::uint32_t at = g.first(0, y, z);
+      const std::uint32_t end = g.last(last_x, y, z);
+      bool open = false;
+      for (int x = 0; x <= last_x && (at < end || open); ++x) {
+        const std::uint32_t next = g.last(x, y, z);
+        const bool occupied = next > at;
+        if (occupied && !open) runs[n] = {x, x, at, next, n}, ++n;
+        if (occupied) runs[n - 1].x1 = x, runs[n - 1].last = next;
+        open = occupied, at = next;
+      }
+    }
+  row_first[row] = n;
+  return n;
+}
+
+// Joins the runs of two rows side by side that touch.
+void join_rows(CellRun* runs, const std::uint32_t* row_first, std::uint32_t a, std::uint32_t b) {
+  std::uint32_t i = row_first[a], j = row_first[b];
+  while (i < row_first[a + 1] && j < row_first[b + 1]) {
+    if (runs[i].x0 <= runs[j].x1 + 1 && runs[j].x0 <= runs[i].x1 + 1) unite(runs, i, j);
+    runs[i].x1 < runs[j].x1 ? ++i : ++j;
+  }
+}
+
+void join_runs(const CellGrid& g, CellRun* runs, const std::uint32_t* row_first) {
+  const int ny = g.cells(1);
+  for (int z = 0; z < g.cells(2); ++z)
+    for (int y = 0; y < ny; ++y) {
+      const auto row = static_cast<std::uint32_t>(z * ny + y), below = row - static_cast<std::uint32_t>(ny);
+      if (row_first[row] == row_first[row + 1]) continue;
+      if (y > 0) join_rows(runs, row_first, row - 1, row);
+      if (z == 0) continue;
+      if (y > 0) join_rows(runs, row_first, below - 1, row);
+      join_rows(runs, row_first, below, row);
+      if (y + 1 < ny) join_rows(runs, row_first, below + 1, row);
+    }
+}
+
+// Does a box that moves by `way` come nearer than `margin` to a wall? The plane through the nearest point of a convex
+// shape has it all behind; else a ball about the box is traced along the way in steps of the distance, like a ray in a
+// distance field (Hart 1996). A wall beside the way is not met.
+bool meets_wall(const Aabb& box, const Vec3& way, Real margin, const Wall& w) {
+  const Vec3 middle = (box.lo + box.hi) / 2, half = (box.hi - box.lo) / 2;
+  const Real reach = length(half) + margin, whole = length(way);
+  Aabb swept{middle, middle};
+  swept.include(Vec3(middle + way));
+  swept.grow(reach);
+  if (!overlaps(swept, w.box)) return false;
+  Real gone = 0;
+  for (int step = 0;; ++step) {
+    const Vec3 at = whole > 0 ? Vec3(middle + (gone / whole) * way) : middle;
+    Vec3 normal = Vec3::Zero();
+    const Real d = w.shape->distance(to_local(w.pose, at), reach + whole, normal);
+    if (d >= reach + whole) return false;
+    if (step == 0 && w.shape->convex()) {
+      const Vec3 n = rotate(w.pose.rotation, normal);
+      if (d + std::min(Real(0), dot(n, way)) > dot(n.cwiseAbs(), half) + margin) return false;
+    }
+    if (!(d > reach) || step == kMaxTraceSteps) return true;
+    gone += d - reach;
+    if (gone >= whole) return false;
+  }
+}
+
+bool meets_walls(const Component& c, const FluidPool& p, const Walls& walls, Real h, Real fall) {
+  const Vec3 velocity = c.velocity();
+  const Real margin = p.support + h * c.frame_speed() + fall;
+  for (const Wall& w : walls.list) {
+    if (!p.meets(w)) continue;
+    const WallBody& b = walls.bodies[w.body];
+    const Real turn = b.spin.isZero(0) ? Real(0) : h * length(b.spin) * w.shape->extent(Vec3::Zero());
+    if (meets_wall(c.box, h * (velocity - b.velocity), margin + turn, w)) return true;
+  }
+  return false;
+}
+
+// Do they come nearer than the support within h? Of the two what moves within each counts in all directions.
+bool meet(const Component& a, const Component& b, Real support, Real h, Real fall) {
+  Aabb swept = a.box;
+  const Vec3 way = h * (a.velocity() - b.velocity());
+  swept.include(Aabb{a.box.lo + way, a.box.hi + way});
+  swept.grow(support + h * (a.frame_speed() + b.frame_speed()) + fall);
+  return overlaps(swept, b.box);
+}
+
+// Unites the components that meet: sorted along x by the boxes of their ways.
+void unite_meeting(Component* list, std::uint32_t n, Real support, const StepContext& c, Real fall) {
+  struct Entry {
+    Aabb swept;
+    std::uint32_t component;
+  };
+  Entry* entries = c.scratch->take<Entry>(n);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const Vec3 way = c.h * list[k].velocity();
+    Aabb swept = list[k].box;
+    swept.include(Aabb{swept.lo + way, swept.hi + way});
+    swept.grow(support / 2 + c.h * list[k].frame_speed() + fall);
+    entries[k] = {swept, k};
+  }
+  std::sort(entries, entries + n, [](const Entry& a, const Entry& b) {
+    return a.swept.lo[0] != b.swept.lo[0] ? a.swept.lo[0] < b.swept.lo[0] : a.component < b.component;
+  });
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = i + 1; j < n && entries[j].swept.lo[0] <= entries[i].swept.hi[0]; ++j) {
+      const std::uint32_t a = entries[i].component, b = entries[j].component;
+      if (overlaps(entries[i].swept, entries[j].swept) && meet(list[a], list[b], support, c.h, fall))
+        unite(list, a, b);
+    }
+  // roots have the smallest number of theirs, so they come first; what moves with whom is settled before it is summed
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t root = root_of(list, k);
+    FEDER_ASSERT(root <= k);
+    if (root != k) list[root].include(list[k]);
+  }
+}
+
+}  // namespace
+
+FlowScales flow_scales(FluidPool& p, const Walls& walls, const StepContext& c) {
+  FEDER_ASSERT(p.count > 0 && c.h > 0);
+  p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, p.order);
+  const std::size_t rows = static_cast<std::size_t>(p.grid.cells(1)) * static_cast<std::size_t>(p.grid.cells(2));
+  std::uint32_t* row_first = c.scratch->take<std::uint32_t>(rows + 1);
+  CellRun* runs = c.scratch->take<CellRun>(p.count);
+  const std::uint32_t n = find_runs(p.grid, runs, row_first);
+  FEDER_ASSERT(n >= 1 && n <= p.count);
+  join_runs(p.grid, runs, row_first);
+
+  // a run's root has a smaller number than the run, hence its component by now
+  std::uint32_t components = 0;
+  std::uint32_t* component_of = c.scratch->take<std::uint32_t>(n);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t root = root_of(runs, k);
+    component_of[k] = root == k ? components++ : component_of[root];
+  }
+  Component* list = c.scratch->take<Component>(components);
+  for (std::uint32_t k = 0; k < components; ++k) new (&list[k]) Component, list[k].parent = k;
+  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at) {
+      const std::uint32_t i = p.order[at];
+      const Vec3 x = p.x[i].vec();
+      list[component_of[k]].include(x, p.v[i].vec(), dot(gravity, x));
+    }
+
+  const Real fall = length(gravity) * c.h * c.h;
+  for (std::uint32_t k = 0; k < components; ++k)
+    list[k].meets_wall = list[k].count > 1 && meets_walls(list[k], p, walls, c.h, fall);
+  if (components > 1) unite_meeting(list, components, p.support, c, fall);
+
+  FlowScales scales;
+  for (std::uint32_t k = 0; k < components; ++k) {
+    const Component& one = list[k];
+    if (one.parent != k || (one.count == 1 && !one.meets_fluid)) continue;
+    scales.speed2 = std::max(scales.speed2, one.frame_speed2());
+    scales.head = std::max(scales.head, one.high - one.low);
+  }
+  return scales;
+}
+
+}  // namespace feder
