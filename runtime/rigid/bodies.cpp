@@ -110,6 +110,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   flatten(dimension == 2 ? desc.shape->section() : desc.shape, Pose{}, parts);
   FEDER_ASSERT(!parts.empty());
   std::vector<MassProperties> solids;
+  solids.reserve(parts.size());
   for (const CompoundPart& p : parts) solids.push_back(transformed(p.shape->mass(1), p.pose));
   MassProperties m = combined(solids);
   const Real whole = m.mass;

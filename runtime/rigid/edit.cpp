@@ -19,7 +19,7 @@ void check_not_negative(Real x, const char* what) {
 }  // namespace
 
 ObjectId Rigid::add_body(const BodyDesc& desc) { return impl_->add(desc); }
-void Rigid::destroy_body(ObjectId body, std::string where) { impl_->remove(impl_->index(body), where); }
+void Rigid::destroy_body(ObjectId body, const std::string& where) { impl_->remove(impl_->index(body), where); }
 const Bodies& Rigid::bodies() const { return impl_->bodies; }
 std::uint32_t Rigid::index(ObjectId body) const { return impl_->index(body); }
 Pose Rigid::pose(ObjectId body) const { return impl_->bodies.origin_pose(impl_->index(body)); }
@@ -165,7 +165,7 @@ Mat3 Rigid::inertia(ObjectId body) const { return impl_->bodies.inertia[impl_->i
 Vec3 Rigid::center_of_mass(ObjectId body) const { return impl_->bodies.position[impl_->index(body)]; }
 
 ObjectId Rigid::add_joint(const JointDesc& desc) { return impl_->add_joint(desc); }
-void Rigid::destroy_joint(ObjectId joint, std::string where) {
+void Rigid::destroy_joint(ObjectId joint, const std::string& where) {
   impl_->remove_joint(impl_->joint_index(joint), where, WakeCause::joint);
 }
 

@@ -72,7 +72,7 @@ class Rigid final : public System {
 
   // Bodies. SceneError on impossible input, nothing changed.
   ObjectId add_body(const BodyDesc& desc);
-  void destroy_body(ObjectId body, std::string where);  // and its joints; end events are queued
+  void destroy_body(ObjectId body, const std::string& where);  // and its joints; end events are queued
   const Bodies& bodies() const;
   std::uint32_t index(ObjectId body) const;
 
@@ -102,7 +102,7 @@ class Rigid final : public System {
 
   // Joints.
   ObjectId add_joint(const JointDesc& desc);
-  void destroy_joint(ObjectId joint, std::string where);
+  void destroy_joint(ObjectId joint, const std::string& where);
   Vec3 joint_force(ObjectId joint) const;       // on b, last step, N
   Vec3 joint_torque(ObjectId joint) const;      // N m
   Real joint_coordinate(ObjectId joint) const;  // hinge angle (rad), distance (m)
