@@ -22,16 +22,16 @@ struct NearPair {
 
 struct ClothGroup {
   explicit ClothGroup(Arena& a)
-      : sheets(&a), rows(&a), near_rows(&a), holds(&a), named(&a), movers(&a), pairs(&a), near_vertex(&a), near_triangle(&a),
-        near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a) {}
+      : sheets(&a), rows(&a), near_rows(&a), holds(&a), named(&a), movers(&a), pairs(&a), near_vertex(&a),
+        near_triangle(&a), near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a) {}
 
   // of a step
   Array<std::uint32_t> sheets;  // ascending; the first names the group
   int steps = 0;                // substeps in a substep of the world; 0: none of them moves
   Real step = 0;                // s, of one
   // of a substep
-  Array<ClothRow> rows;         // of couplings
-  Array<ClothRow> near_rows;    // of cloth against cloth
+  Array<ClothRow> rows;       // of couplings
+  Array<ClothRow> near_rows;  // of cloth against cloth
   Array<ClothHold> holds;
   Array<std::uint32_t> named;   // solver indices of what they may touch or hang on, by couplings
   Array<std::uint32_t> movers;  // the same, each once

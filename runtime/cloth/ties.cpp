@@ -187,8 +187,8 @@ void Cloth::Impl::solve_body_ties(const ClothGroup& g) {
   if (g.holds.empty()) return;
   const Real h = g.step;
   const Array<ClothHold>& holds = g.holds;
-  for (const std::uint32_t n : g.sheets) {
-    Sheet& s = *sheets[n];
+  for (const std::uint32_t place : g.sheets) {
+    Sheet& s = *sheets[place];
     if (!s.active() || s.ties.to_body.empty()) continue;
     const Real longest = 1 + s.settings.max_strain;
     const ClothHold* hold = nullptr;

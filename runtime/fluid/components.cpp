@@ -27,7 +27,7 @@ struct CellRun {
 };
 
 struct Component {
-  Aabb box, velocities;  // m, m/s
+  Aabb box, velocities;                     // m, m/s
   Real low = kInfinity, high = -kInfinity;  // of g . x, m^2/s^2
   Real speed2 = 0;                          // largest in the frame of the world, m^2/s^2
   std::uint32_t count = 0, parent = 0;
@@ -188,8 +188,7 @@ void unite_meeting(Component* list, std::uint32_t n, Real support, const StepCon
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::uint32_t j = i + 1; j < n && entries[j].swept.lo[0] <= entries[i].swept.hi[0]; ++j) {
       const std::uint32_t a = entries[i].component, b = entries[j].component;
-      if (overlaps(entries[i].swept, entries[j].swept) && meet(list[a], list[b], support, c.h, fall))
-        unite(list, a, b);
+      if (overlaps(entries[i].swept, entries[j].swept) && meet(list[a], list[b], support, c.h, fall)) unite(list, a, b);
     }
   // roots have the smallest number of theirs, so they come first; what moves with whom is settled before it is summed
   for (std::uint32_t k = 0; k < n; ++k) {
