@@ -58,7 +58,7 @@ if(PROJECT_IS_TOP_LEVEL)
   target_compile_options(feder_flags INTERFACE $<BUILD_INTERFACE:-Wall;-Wextra>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(feder_flags INTERFACE
-      $<BUILD_INTERFACE:-Wshadow;-Wconversion;-Wold-style-cast;-Wno-restrict>)
+      $<BUILD_INTERFACE:-Wshadow;-Wconversion;-Wold-style-cast;-Wno-restrict;-Wno-subobject-linkage>)  # the last: sources in lumps
     if(FEDER_WERROR)
       target_compile_options(feder_flags INTERFACE
         $<BUILD_INTERFACE:-Werror;-Wno-error=maybe-uninitialized;-Wno-error=array-bounds;-Wno-error=stringop-overflow>)
