@@ -30,8 +30,8 @@ FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), movers_(s.store.need<Movers>(kName)),
       systems_(s.systems), objects_(s.objects), events_(s.events), faces_(s.store.arena(kName)),
-      guests_(&s.store.arena(kName)), box_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)),
-      pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
+      guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
+      touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
   cloth_.set_movers(&movers_);
 }
@@ -91,24 +91,35 @@ void FluidCloth::wake(StepContext& c) {
   guarded_ = 0;
 }
 
-// Sheets so near that a particle may press on both act on each other through it.
+// Sheets that particles may reach in this step act on each other through them: one group.
 void FluidCloth::connect(StepContext& c) {
-  Real spacing = 0;
-  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) spacing = std::max(spacing, fluid_.pool_at(n).desc.spacing);
-  box_.resize(cloth_.cloth_count());
-  for (std::size_t n = 0; n < box_.size(); ++n) {
+  const ClothVertices& v = cloth_.vertices();
+  std::size_t first = cloth_.cloth_count();
+  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
     const Cloth::Info info = cloth_.info(n);
-    const std::span<const Row4> speed = cloth_.speed();
+    Aabb box;
     Real fastest = 0;
-    box_[n] = Aabb();
     for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
-      box_[n].include(cloth_.vertices().position[i]);
-      fastest = std::max(fastest, dot(speed[i].vec(), speed[i].vec()));
+      box.include(v.position[i]);
+      fastest = std::max(fastest, dot(v.velocity[i], v.velocity[i]));
     }
-    box_[n].grow(info.thickness + spacing + c.dt * (std::sqrt(fastest) + c.dt * length(c.gravity)));
-    for (std::size_t k = 0; k < n; ++k)
-      if (overlaps(box_[k], box_[n])) cloth_.connect(k, n);
+    const Real way = c.dt * (std::sqrt(fastest) + 2 * c.dt * length(c.gravity));
+    box.grow(info.thickness + way);
+    if (!wet(box, c.dt)) continue;
+    if (first < n) cloth_.connect(first, n);
+    first = std::min(first, n);
   }
+}
+
+bool FluidCloth::wet(const Aabb& box, Real seconds) const {
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
+    const FluidPool& p = fluid_.pool_at(n);
+    Aabb reach = box;
+    reach.grow(p.desc.spacing + seconds * p.max_speed());
+    for (std::uint32_t i = 0; i < p.count; ++i)
+      if (overlaps(reach, Aabb{p.x[i].vec(), p.x[i].vec()})) return true;
+  }
+  return false;
 }
 
 void FluidCloth::place_vertices() {

@@ -55,6 +55,7 @@ class FluidCloth final : public System {
   void read_back(StepContext& c);
   void finish(StepContext& c);
 
+  bool wet(const Aabb& box, Real seconds) const;
   void list_surfaces();
   void place_vertices();
   void drop_rows();
@@ -74,7 +75,6 @@ class FluidCloth final : public System {
   Events& events_;
   FluidFaces faces_;
   Array<Guest> guests_;
-  Array<Aabb> box_;                  // by cloth: where it may be in the step, and particles beside it
   Array<std::uint32_t> next_row_;    // by group of cloths
   Array<Pressed> pressed_;           // by cloth
   Array<Touch> touches_;             // in the order of the objects
