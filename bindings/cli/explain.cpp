@@ -68,7 +68,7 @@ class Explain final : public Command {
                                                                          {"cloth", "vertices"},
                                                                          {"fluid", "particles"},
                                                                          {"springs_rigid", "points that meet bodies"},
-                                                                         {"cloth_cloth", "touchings"},
+                                                                         {"contact", "touchings"},
                                                                          {"cloth_rigid", "touchings"},
                                                                          {"fluid_rigid", "walls"},
                                                                          {"fluid_cloth", "particles at cloth"},

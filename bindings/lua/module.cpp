@@ -1,7 +1,7 @@
 // The module "feder", the classes without a world, and the list of all functions.
 #include "couple/springs_rigid.h"
 #ifdef FEDER_HAS_CLOTH
-#include "couple/cloth_cloth.h"
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #endif
 #ifdef FEDER_HAS_FLUID
@@ -112,9 +112,9 @@ Catalog catalog() {
       &SpringsRigid::descriptor(),
 #endif
 #ifdef FEDER_HAS_CLOTH
-      &Cloth::descriptor(),
+      &SurfaceContact::descriptor(), &Cloth::descriptor(),
 #ifdef FEDER_HAS_COUPLE
-      &ClothCloth::descriptor(),   &ClothRigid::descriptor(),
+      &ClothRigid::descriptor(),
 #endif
 #endif
 #ifdef FEDER_HAS_FLUID

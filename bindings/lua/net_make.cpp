@@ -185,6 +185,7 @@ void read_net(Options& o, NetDesc& desc, std::vector<std::uint32_t>& faces) {
   o.real("friction", desc.friction, kNotNegative);
   o.real("restitution", desc.restitution, Range{0, 1});
   std::int64_t bits = 0;
+  o.flag("self_collision", desc.self_collision);
   if (o.integer("group", bits, 0, 0xffffffffll)) desc.group = static_cast<std::uint32_t>(bits);
   if (o.integer("mask", bits, 0, 0xffffffffll)) desc.mask = static_cast<std::uint32_t>(bits);
   o.real("gravity_scale", desc.gravity_scale);

@@ -97,15 +97,14 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
 Cloth::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), vertices(s.store.need<ClothVertices>(kName)), store(s.store),
       watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
-      structure_changed(s.structure_changed), air_density(still_air_density(s.world)), moved(&arena), before(&arena),
-      speed(&arena), acceleration(&arena), force(&arena), points(&arena), mover_shift(&arena), mover_turn(&arena),
-      connections(&arena), mover_cloth(&arena), joined_to(&arena), vertex_box(&arena), found_place(&arena),
-      found_speed(&arena), stray(&arena), found(&arena), guard_start(&arena), held_with(&arena), zones(&arena),
-      wished(&arena), swapped(&arena), between(&arena), near_sheet(&arena), marks(&arena) {}
+      structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
+      surfaces(s.store.need<Surfaces>("contact")), moved(surfaces.moved), before(surfaces.before),
+      speed(surfaces.speed), acceleration(&arena), force(&arena), points(&arena), marks(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
+  static const char* const needs[] = {"contact"};
   static const SystemDescriptor d = {
-      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Cloth>(setup); }};
+      kName, needs, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Cloth>(setup); }};
   return d;
 }
 
@@ -114,6 +113,7 @@ Cloth::~Cloth() = default;
 
 void Cloth::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
+  m->drain_wakes();
   if (m->sheets.empty()) return;
   std::size_t count = 0;
   if (const Forces* forces = m->store.find<Forces>()) count = forces->list.size();
@@ -121,15 +121,13 @@ void Cloth::add_passes(StepPlan& plan) {
     for (auto& s : m->sheets) m->wake(*s, WakeCause::force, {});
   m->force_count = count;
   plan.add<&Impl::prepare>(Rank::cloth_prepare, "prepare", kName, m);
-  plan.add<&Impl::form_groups>(Rank::cloth_groups, "groups", kName, m);
+  plan.add<&Impl::gather_again>(Rank::cloth_gather, "gather", kName, m);
   plan.add<&Impl::begin_substep>(Rank::cloth_forces, "forces", kName, m);
-  plan.add<&Impl::find_near>(Rank::cloth_near, "near cloth", kName, m);
   plan.add<&Impl::advance>(Rank::cloth_integrate, "advance", kName, m);
-  plan.add<&Impl::advance_movers>(Rank::cloth_bodies, "bodies", kName, m);
-  plan.add<&Impl::solve>(Rank::cloth_rows, "contacts", kName, m);
+  plan.add<&Impl::solve_body_ties>(Rank::cloth_ties, "ties to bodies", kName, m);
   plan.add<&Impl::read_velocities>(Rank::cloth_velocities, "velocities", kName, m);
   plan.add<&Impl::damp>(Rank::cloth_damp, "damping", kName, m);
-  plan.add<&Impl::project>(Rank::cloth_project, "non-penetration", kName, m);
+  plan.add<&Impl::wake_touched>(Rank::cloth_wake, "wake", kName, m);
   plan.add<&Impl::commit>(Rank::commit, "commit", kName, m);
 }
 
@@ -232,6 +230,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   for (std::uint32_t i = 0; i < points; ++i)
     all.inv_mass[s->first + i] = pinned[i] ? Real(0) : 1 / all.mass[s->first + i];
   m.sheets.push_back(std::move(s));
+  m.surfaces.declare(kName, static_cast<std::uint32_t>(m.sheets.size()), true);
   *m.structure_changed = true;
   return m.sheets.back()->object;
 }
@@ -253,8 +252,8 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
     m.sheets[k]->first -= count;
     m.objects.set_index(m.sheets[k]->object, k);
   }
-  m.groups.clear(), m.group_count = 0;
-  m.between.clear();
+  m.surfaces.declare(kName, static_cast<std::uint32_t>(m.sheets.size()), true);
+  m.surfaces.forget();
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;
 }

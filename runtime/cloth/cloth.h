@@ -1,5 +1,6 @@
 // Cloth: sheets of triangles with stretch, shear and bending stiffness, thickness and friction. Each cloth has a
-// solver of its own; contacts with movers and with cloth are solved between their small steps.
+// solver of its own. In a step they show themselves as surfaces (state/surface.h), the vertices first among the points:
+// a vertex has the same number here and there.
 // Units: stretch and shear in N/m (force per width and strain: E h for a sheet of thickness h), bend in N m
 // (E h^3 / (12 (1 - nu^2)), moment per width and curvature).
 #pragma once
@@ -9,11 +10,10 @@
 
 #include "base/params.h"
 #include "state/cloth_vertices.h"
+#include "state/surface.h"
 #include "step/system.h"
 
 namespace feder {
-
-struct Movers;
 
 std::string default_cloth_solver();
 
@@ -54,34 +54,6 @@ struct ClothDesc {
   // when the slope is held too (sheets only); and vertex numbers from 0.
   std::vector<std::string> pin_names;
   std::vector<std::uint32_t> pins;
-};
-
-// What one row of contact, attachment or closeness pushes: up to four vertices by weight, and a mover.
-//   C = offset + normal . (sum weight d - displacement of the mover's point)  >= 0
-// with d the displacement of a vertex since the start of the step.
-struct ClothRow {
-  std::uint32_t vertex[4] = {};
-  Real weight[4] = {};         // 0: unused
-  Vec3 normal = Vec3::Zero();  // unit; from the mover, or from the negative weights, to the positive ones
-  Real offset = 0;             // m
-  std::uint32_t mover = 0;     // solver index; 0: nothing that moves
-  Vec3 arm = Vec3::Zero();     // from the mover's centre of mass to the point, m
-  Vec3 slide = Vec3::Zero();   // velocity of the surface beside that of the mover (conveyor), m/s
-  Real friction = 0;
-  Real relaxation = 1;          // of the correction
-  std::uint32_t touch = kNone;  // who owns it, for its maker
-  // written by the solver
-  Real impulse = 0;   // along the normal in this substep, N s
-  Real returned = 0;  // the part of it that was taken out again as rebound, N s
-  Real approach = 0;  // closing speed before the first push of the substep, m/s
-};
-
-// A vertex held at a point of a mover: all three components.
-struct ClothHold {
-  std::uint32_t vertex = 0;
-  std::uint32_t mover = 0;
-  Vec3 arm = Vec3::Zero();    // m
-  Vec3 error = Vec3::Zero();  // vertex minus point at the start of the substep, less d then, m
 };
 
 class Cloth final : public System {
@@ -153,31 +125,10 @@ class Cloth final : public System {
     std::uint32_t group = 1, mask = 0xffffffffu;
     bool asleep = false;
     bool moving = false;  // awake, and not calm
-    Real strike = 0;      // m/s, of what comes at it in this step
   };
   std::size_t cloth_count() const;
   Info info(std::size_t n) const;  // 0 .. cloth_count()-1, in the order the cloths were made
   const ClothVertices& vertices() const;
-  // In a step: displacements since its start (w: inverse mass), and velocities.
-  std::span<const Row4> moved() const;
-  std::span<const Row4> speed() const;
-  // Groups: cloths that share their small steps, because what one does reaches the other within a substep: they may
-  // touch, or both act on a body that moves. Each group runs its whole loop before the next.
-  // Before Rank::cloth_groups: cloth n and a dynamic mover, or two cloths, act on each other in this step.
-  void connect_mover(std::size_t n, std::uint32_t solver);
-  void connect(std::size_t a, std::size_t b);
-  std::size_t group_count() const;
-  std::size_t group_of(std::size_t n) const;
-  // Rows of a group for this substep, filled before Rank::cloth_forces, and anew at Rank::cloth_refresh where things
-  // pass each other fast.
-  Array<ClothRow>& contact_rows(std::size_t group);
-  Array<ClothHold>& holds(std::size_t group);
-  void clear_rows();  // and holds, of all groups
-  void set_movers(Movers* movers);
-  void use_mover(std::size_t group, std::uint32_t solver);  // its rows may name it in this substep; 0: nothing
-  // What a mover has done since the start of the substep, as the small steps of the running group see it.
-  Vec3 mover_shift(std::uint32_t solver) const;  // m
-  Vec3 mover_turn(std::uint32_t solver) const;   // rad
   // The mass that rests on a cloth, kg: smaller steps are chosen for it. Callers stop at kMostLoad times the cloth's
   // own mass: what is heavier is carried by something below.
   static constexpr Real kMostLoad = 50;
@@ -186,18 +137,6 @@ class Cloth final : public System {
   // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its
   // speed beside that of the cloth, m/s.
   void set_impact(std::size_t n, Real acceleration, Real speed);
-  // Two cloths that may touch each other in this step. Listed before the first substep by the coupling of cloths
-  // (couple/cloth_cloth.h), without which there are none; the small steps solve their contacts together with those of
-  // a cloth with itself, and note what they did.
-  struct Between {
-    std::uint32_t a = 0, b = 0;                        // places in the order of info()
-    Real speed = 0;                                    // closing, of the contact that pushed most, m/s
-    Real impulse = 0, strongest = 0;                   // sum of sizes of a step and the largest of a part of it, N s
-    std::uint32_t index = 0;                           // of a vertex of `a` there, within its cloth
-    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from a to b
-    double given[2][3] = {};  // momentum that vertices of the two really got, those held included, N s
-  };
-  Array<Between>& between();
   void push(std::uint32_t vertex, const Vec3& impulse);  // after the small steps of a substep, N s
 
  private:

@@ -196,40 +196,10 @@ Cloth::Info Cloth::info(std::size_t n) const {
           s.settings.group,
           s.settings.mask,
           !s.active(),
-          s.active() && s.state.calm_steps == 0,
-          s.strike};
+          s.active() && s.state.calm_steps == 0};
 }
 
 const ClothVertices& Cloth::vertices() const { return impl_->vertices; }
-std::span<const Row4> Cloth::moved() const { return {impl_->moved.data(), impl_->moved.size()}; }
-std::span<const Row4> Cloth::speed() const { return {impl_->speed.data(), impl_->speed.size()}; }
-Array<Cloth::Between>& Cloth::between() { return impl_->between; }
-void Cloth::connect_mover(std::size_t n, std::uint32_t solver) {
-  FEDER_ASSERT(solver > 0);
-  impl_->connections.push_back({static_cast<std::uint32_t>(n), 0, solver});
-}
-void Cloth::connect(std::size_t a, std::size_t b) {
-  impl_->connections.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), 0});
-}
-void Cloth::use_mover(std::size_t group, std::uint32_t solver) {
-  if (solver != 0) impl_->groups[group]->named.push_back(solver);
-}
-std::size_t Cloth::group_count() const { return impl_->group_count; }
-std::size_t Cloth::group_of(std::size_t n) const { return impl_->sheets[n]->group; }
-Array<ClothRow>& Cloth::contact_rows(std::size_t group) { return impl_->groups[group]->rows; }
-Array<ClothHold>& Cloth::holds(std::size_t group) { return impl_->groups[group]->holds; }
-void Cloth::clear_rows() {
-  for (auto& g : impl_->groups) g->rows.clear(), g->holds.clear();
-}
-Vec3 Cloth::mover_shift(std::uint32_t m) const {
-  FEDER_ASSERT(m > 0 && m < impl_->mover_shift.size());
-  return impl_->mover_shift[m];
-}
-Vec3 Cloth::mover_turn(std::uint32_t m) const {
-  FEDER_ASSERT(m > 0 && m < impl_->mover_turn.size());
-  return impl_->mover_turn[m];
-}
-void Cloth::set_movers(Movers* movers) { impl_->movers = movers; }
 void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
   FEDER_ASSERT(!(acceleration < 0 || speed < 0));
   impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->strike = speed;

@@ -62,11 +62,10 @@ void Cloth::residuals(std::vector<Residual>& out) const {
   }
   out.push_back({"cloth.max_strain", strain});
   int steps = 1;
-  for (std::size_t k = 0; k < impl_->group_count; ++k) steps = std::max(steps, impl_->groups[k]->steps);
+  const Surfaces& all = impl_->surfaces;
+  for (std::size_t k = 0; k < all.group_count; ++k) steps = std::max(steps, all.groups[k]->steps);
   out.push_back({"cloth.small_steps", static_cast<double>(steps)});
-  out.push_back({"cloth.row_updates", static_cast<double>(impl_->row_updates)});
-  out.push_back({"cloth.guarded", static_cast<double>(impl_->guarded)});
-  out.push_back({"cloth.widened", static_cast<double>(impl_->widened)});
+  out.push_back({"cloth.row_updates", static_cast<double>(all.row_updates)});
   out.push_back({"cloth.sleeping", sleeping});
   out.push_back({"cloth.quarantined", frozen});
 }

@@ -81,7 +81,6 @@ struct Sheet {
   Real mass = 0;  // kg
   bool any_pin = false;
   bool prepared = false;      // its solver, for this step
-  std::uint32_t group = 0;    // place among the groups of this step
   double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity
   double kinetic_before = 0;  // J at the start of the step
 

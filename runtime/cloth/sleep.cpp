@@ -14,8 +14,12 @@ constexpr Real kMemory = Real(0.5);       // s, of the average: about a swing, s
 void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {
   s.state.calm_steps = 0;
   s.state.calm_energy = kCalmSpeed * kCalmSpeed * 25;
-  if (!s.state.asleep) return;
+  const bool slept = s.state.asleep != 0;
   s.state.asleep = 0;
+  const std::uint32_t n = objects.index(s.object);
+  if (n < surfaces.list.size() && surfaces.list[n].object == s.object)
+    surfaces.list[n].active = s.active(), surfaces.list[n].calm = false;
+  if (!slept) return;
   Event e;
   e.kind = EventKind::wake;
   e.cause = cause;

@@ -59,8 +59,8 @@ void Cloth::load(Reader& r) {
     r.list(s->mesh.ghosts);
     m.sheets.push_back(std::move(s));
   }
-  m.groups.clear(), m.group_count = 0;
-  m.between.clear();
+  m.surfaces.declare(kName, static_cast<std::uint32_t>(m.sheets.size()), true);
+  m.surfaces.forget();
   *m.structure_changed = true;
 }
 

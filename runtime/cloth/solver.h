@@ -7,7 +7,7 @@
 #include "base/registry.h"
 #include "cloth/batch.h"
 #include "cloth/mesh.h"
-#include "state/cloth_vertices.h"
+#include "state/surface.h"
 #include "step/context.h"
 
 namespace feder {

@@ -1,11 +1,12 @@
-// The passes of the cloth system. A substep of the world is cut into small steps, the same number for the cloths of a
-// group (groups.cpp). What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
+// The passes of the cloth system. A substep of the world is cut into small steps, the same number for the surfaces of a
+// group (contact/groups.cpp). What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
 // at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
 // chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
 // mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a
 // body that comes at it, or its own swing, takes to be stopped is added.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "cloth/impl.h"
 
@@ -16,7 +17,7 @@ constexpr double kStay = 0.9;      // of a count of substeps, down to which a sm
 }  // namespace
 
 ClothView Cloth::Impl::view(Sheet& s) {
-  FEDER_ASSERT(moved.size() == vertices.size() && before.size() == vertices.size());
+  FEDER_ASSERT(moved.size() >= vertices.size() && before.size() >= vertices.size());
   ClothView v;
   v.mesh = &s.mesh;
   v.points = s.points, v.total = s.total;
@@ -161,14 +162,14 @@ void Cloth::Impl::gather(Sheet& s, Real h) {
 
 void Cloth::Impl::prepare(StepContext& c) {
   FEDER_ASSERT(c.h > 0 && c.h <= c.dt);
-  const std::uint32_t size = vertices.size();
-  moved.resize(size), before.resize(size), speed.resize(size), acceleration.resize(size);
+  drain_wakes();
+  const std::uint32_t first = surfaces.claim(vertices.size());
+  FEDER_ASSERT(first == 0 && surfaces.list.empty());  // vertices are the first points
+  acceleration.resize(vertices.size());
   any_active = false;
   if (gravity_known && gravity != c.gravity)
     for (auto& s : sheets) wake(*s, WakeCause::force, {});
   gravity = c.gravity, gravity_known = true;
-  guarded = widened = row_updates = 0;
-  between.clear();
   for (auto& s : sheets) {
     any_active = any_active || s->active();
     s->bad_vertex = kNone;
@@ -186,9 +187,12 @@ void Cloth::Impl::prepare(StepContext& c) {
     for (std::uint32_t i = s->first; i < s->first + s->total; ++i)
       moved[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
   }
-  if (!any_active) return;
-  choose_steps(c);
+  std::copy(vertices.position.begin(), vertices.position.end(), surfaces.position.begin());
+  std::copy(vertices.mass.begin(), vertices.mass.end(), surfaces.mass.begin());
+  if (any_active) choose_steps(c);
   for (auto& s : sheets) {
+    show(*s);
+    if (!any_active) continue;
     if (s->active() && s->state.fresh) {
       s->state.fresh = 0;
       if (!s->any_pin) s->set_flight(c.gravity * s->settings.gravity_scale);
@@ -201,43 +205,47 @@ void Cloth::Impl::prepare(StepContext& c) {
   }
 }
 
-void Cloth::Impl::begin_substep(StepContext& c) {
-  std::vector<int>& counts = c.counts(Loop::cloth).count;
-  counts.clear();
-  if (!any_active) return;
-  add_forces(c);
-  const std::size_t mover_count = movers ? movers->state.size() : 1;
-  mover_shift.assign(mover_count, Vec3::Zero()), mover_turn.assign(mover_count, Vec3::Zero());
-  for (std::size_t k = 0; k < group_count; ++k) {
-    ClothGroup& g = *groups[k];
-    counts.push_back(g.steps);
-    g.movers.swap(g.named);
-    g.named.clear();
-    std::sort(g.movers.begin(), g.movers.end());
-    g.movers.erase(std::unique(g.movers.begin(), g.movers.end()), g.movers.end());
-    if (g.steps == 0) continue;
-    g.near = near_wanted(g);
-    const int parts = g.near ? near_parts(g, c) : 1;
-    g.near_every = (g.steps + parts - 1) / parts;
-    g.own_rows = 0;
-    each_active(g, [&](const Sheet& s) { g.own_rows += s.mesh.links.size() + s.mesh.hinges.size(); });
+// What others see of a cloth in this step.
+void Cloth::Impl::show(const Sheet& s) {
+  Surface f;
+  f.object = s.object;
+  f.first = s.first, f.count = s.points, f.total = s.total;
+  f.triangles = {s.mesh.triangles.data(), s.mesh.triangles.size()};
+  static_assert(sizeof(ClothEdge) % sizeof(std::uint32_t) == 0 && offsetof(ClothEdge, b) == sizeof(std::uint32_t));
+  f.edges = {s.mesh.edges.empty() ? nullptr : &s.mesh.edges[0].a, sizeof(ClothEdge) / sizeof(std::uint32_t),
+             static_cast<std::uint32_t>(s.mesh.edges.size())};
+  f.rest = vertices.rest.data() + s.first;
+  f.thickness = s.settings.thickness, f.friction = s.settings.friction;
+  f.relaxation = s.solver->relaxation();
+  f.group = s.settings.group, f.mask = s.settings.mask;
+  Real fastest = 0;
+  for (std::uint32_t i = s.first; s.active() && i < s.first + s.points; ++i)
+    fastest = std::max(fastest, dot(vertices.velocity[i], vertices.velocity[i]));
+  f.fastest = std::sqrt(fastest), f.strike = s.strike;
+  f.steps = s.state.substeps;
+  f.self = s.settings.self_collision != 0;
+  f.active = s.active(), f.calm = s.state.calm_steps != 0, f.pinned = s.any_pin;
+  surfaces.list.push_back(f);
+}
+
+// Velocities are read with the step of the group.
+void Cloth::Impl::gather_again(StepContext& c) {
+  FEDER_ASSERT(surfaces.list.size() >= sheets.size() && c.h > 0);
+  for (std::size_t n = 0; n < sheets.size(); ++n) {
+    const SurfaceGroup& g = group_of(*sheets[n]);
+    if (sheets[n]->active() && g.steps != sheets[n]->state.substeps) gather(*sheets[n], g.step);
   }
 }
 
-// The pairs of the coming part of the substep.
-void Cloth::Impl::find_near(StepContext& c) {
-  ClothGroup& g = group(c);
-  const int k = c.inner.index;
-  const Real part = g.step * static_cast<Real>(std::min(g.near_every, g.steps - k));
-  if (g.near && k % g.near_every == 0)
-    make_near_rows(g, c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * g.step, part);
-  if (k == 0) g.crowded = g.near && !g.near_rows.empty();
+void Cloth::Impl::begin_substep(StepContext& c) {
+  if (any_active) add_forces(c);
 }
 
 void Cloth::Impl::advance(StepContext& c) {
-  const ClothGroup& g = group(c);
+  const SurfaceGroup& g = group(c);
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   each_active(g, [&](Sheet& s) {
+    surfaces.row_updates += s.mesh.links.size() + s.mesh.hinges.size();
     if (!s.prepared) prepare_solver(s, c);  // woken by a coupling since: held in this step, it moves from the next
     ClothView v = view(s);
     v.crowded = g.crowded;
@@ -245,22 +253,16 @@ void Cloth::Impl::advance(StepContext& c) {
   });
 }
 
-void Cloth::Impl::solve(StepContext& c) {
-  ClothGroup& g = group(c);
-  row_updates += g.own_rows + g.holds.size() + g.near_rows.size() + g.rows.size();
-  if (!g.touches()) return;
-  solve_holds(g);
-  solve_body_ties(g);
-  solve_rows(g.near_rows, true, g.step);
-  solve_rows(g.rows, false, g.step);
-}
-
 void Cloth::Impl::read_velocities(StepContext& c) {
-  ClothGroup& g = group(c);
-  velocities(g);
-  if (!g.touches()) return;
-  stop_rebound(g.near_rows, true, g.step);
-  stop_rebound(g.rows, false, g.step);
+  const SurfaceGroup& g = group(c);
+  each_active(g, [&](const Sheet& s) {
+    FEDER_ASSERT(moved[s.first + s.total - 1].vec().isZero(0));  // what empty lanes push
+    for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
+      FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
+      const Vec3 u = (moved[i].vec() - before[i].vec()) / g.step;
+      before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
+    }
+  });
 }
 
 void Cloth::Impl::damp(StepContext& c) {
@@ -268,13 +270,16 @@ void Cloth::Impl::damp(StepContext& c) {
   each_active(group(c), [&](Sheet& s) { s.solver->damp(view(s), c.h, c); });
 }
 
-void Cloth::Impl::project(StepContext& c) {
-  ClothGroup& g = group(c);
-  const int k = c.inner.index;
-  if (!g.near || (!c.inner.last() && (k + 1) % g.near_every != 0)) return;
-  guard(g, g.step * static_cast<Real>(k % g.near_every + 1));
-  collect_near(g);
+// Contact found that something moves against a sleeper, or that what it lay on is gone.
+void Cloth::Impl::drain_wakes() {
+  for (const Surfaces::Wake& w : surfaces.wakes)
+    if (objects.alive(w.object) && objects.kind(w.object) == ObjectKind::cloth) wake(sheet(w.object), w.cause, w.other);
+  std::erase_if(surfaces.wakes, [&](const Surfaces::Wake& w) {
+    return !objects.alive(w.object) || objects.kind(w.object) == ObjectKind::cloth;
+  });
 }
+
+void Cloth::Impl::wake_touched(StepContext&) { drain_wakes(); }
 
 void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {
@@ -283,12 +288,12 @@ void Cloth::Impl::commit(StepContext& c) {
       s->impact = s->strike = 0;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
     }
-    for (std::size_t k = 0; k < group_count; ++k)
-      for (const ClothRow& r : groups[k]->rows)
-        if (r.impulse > 0) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
+    for (std::size_t k = 0; k < surfaces.group_count; ++k)
+      for (const SurfaceRow& r : surfaces.groups[k]->rows)
+        if (r.impulse > 0 && r.vertex[0] < vertices.size()) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
     for (auto& s : sheets) {
       if (!s->active()) continue;
-      const Real h = groups[s->group]->step;
+      const Real h = group_of(*s).step;
       const Vec3 ahead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;

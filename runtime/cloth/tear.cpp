@@ -148,8 +148,7 @@ void Cloth::Impl::tear(StepContext& c) {
   }
   if (!torn) return;
   // numbers of vertices have changed: what points to them is made anew in the next step
-  for (auto& g : groups) g->rows.clear(), g->holds.clear(), g->near_rows.clear(), g->pairs.clear();
-  between.clear();
+  surfaces.forget();
   *structure_changed = true;
 }
 

@@ -183,31 +183,34 @@ void Cloth::Impl::place_ties(Sheet& s) {
 }
 
 // Vertices to the point of a body where the cloth is attached, and that point to the pin that the cloth hangs from.
-void Cloth::Impl::solve_body_ties(const ClothGroup& g) {
+void Cloth::Impl::solve_body_ties(StepContext& c) {
+  const SurfaceGroup& g = group(c);
   if (g.holds.empty()) return;
   const Real h = g.step;
-  const Array<ClothHold>& holds = g.holds;
-  for (const std::uint32_t place : g.sheets) {
-    Sheet& s = *sheets[place];
+  const Array<SurfaceHold>& holds = g.holds;
+  const Movers* movers = surfaces.movers;
+  for (const std::uint32_t member : g.members) {
+    if (member >= sheets.size()) break;
+    Sheet& s = *sheets[member];
     if (!s.active() || s.ties.to_body.empty()) continue;
     const Real longest = 1 + s.settings.max_strain;
-    const ClothHold* hold = nullptr;
+    const SurfaceHold* hold = nullptr;
     for (const ClothTies::ToBody& t : s.ties.to_body) {
       const std::uint32_t anchor = s.first + t.anchor, i = s.first + t.vertex;
       if (!hold || hold->vertex != anchor) {
         const auto held =
-            std::find_if(holds.begin(), holds.end(), [&](const ClothHold& k) { return k.vertex == anchor; });
+            std::find_if(holds.begin(), holds.end(), [&](const SurfaceHold& k) { return k.vertex == anchor; });
         if (held == holds.end()) continue;
         hold = &*held;
       }
       FEDER_ASSERT(t.vertex < s.points && t.anchor < s.points);
       Row4& x = moved[i];
-      const Vec3 point = vertices.position[anchor] - hold->error + mover_displacement(hold->mover, hold->arm);
+      const Vec3 point = vertices.position[anchor] - hold->error + surfaces.mover_displacement(hold->mover, hold->arm);
       const Vec3 e = vertices.position[i] + x.vec() - point;
       const Real far = std::min(length(e) - t.rest * longest, t.rest * s.settings.max_strain);
       if (!(far > 0)) continue;
       const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
-      const Real response = x.w + mover_response(hold->mover, hold->arm, n);
+      const Real response = x.w + surfaces.mover_response(hold->mover, hold->arm, n);
       if (!(response > 0)) continue;
       Vec3 change = x.vec() - before[i].vec();
       if (before[i].w != 0) change += h * speed[i].vec();
@@ -219,7 +222,7 @@ void Cloth::Impl::solve_body_ties(const ClothGroup& g) {
       if (!(need > 0)) continue;
       const Vec3 push = (need / response) * n;  // kg m
       x.add(-x.w * push);
-      push_mover(hold->mover, hold->arm, push, h);
+      surfaces.push_mover(hold->mover, hold->arm, push, h);
     }
   }
 }

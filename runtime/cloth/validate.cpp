@@ -1,4 +1,4 @@
-// Validation of cloths after a step: vertices, meshes, batches of the solvers, ties, attachments and pairs, each walked
+// Validation of cloths after a step: vertices, meshes, batches of the solvers, ties and attachments, each walked
 // once, in time proportional to their size. That a list holds each element of another once is told by the hash of a
 // multiset, a sum that does not depend on the order (Bellare and Micciancio 1997); marks by vertex are kept from call
 // to call, so that a step allocates nothing.
@@ -169,45 +169,6 @@ void Cloth::Impl::validate_ties(const Sheet& s) const {
   for (const ClothTies::ToBody& b : t.to_body) FEDER_ASSERT(b.vertex < s.points && b.anchor < s.points);
 }
 
-// What may come close in the step that has ended, by vertex and by cloth.
-void Cloth::Impl::validate_pairs() const {
-  for (std::size_t k = 0; k < between.size(); ++k) {
-    const Between& b = between[k];
-    FEDER_ASSERT(b.a < sheets.size() && b.b < sheets.size() && sheets[b.a]->object < sheets[b.b]->object);
-    FEDER_ASSERT(k == 0 || std::minmax(between[k - 1].a, between[k - 1].b) < std::minmax(b.a, b.b));
-  }
-  std::size_t members = 0;
-  for (std::size_t k = 0; k < group_count; ++k) {
-    members += groups[k]->sheets.size();
-    validate_group(k);
-  }
-  FEDER_ASSERT(members == sheets.size());  // each cloth in one
-}
-
-void Cloth::Impl::validate_group(std::size_t k) const {
-  const ClothGroup& g = *groups[k];
-  int most = 0;
-  for (std::size_t i = 0; i < g.sheets.size(); ++i) {
-    FEDER_ASSERT(g.sheets[i] < sheets.size() && (i == 0 || g.sheets[i - 1] < g.sheets[i]));
-    FEDER_ASSERT(sheets[g.sheets[i]]->group == k);
-    most = std::max(most, static_cast<int>(sheets[g.sheets[i]]->state.substeps));
-  }
-  FEDER_ASSERT(g.steps <= most);
-  for (const ClothHold& hold : g.holds) FEDER_ASSERT(hold.vertex < vertices.size());
-  for (const ClothRow& r : g.rows)
-    for (const std::uint32_t i : r.vertex) FEDER_ASSERT(i < vertices.size());
-  if (!any_active || g.pairs.empty()) return;
-  for (std::size_t i = 1; i < g.near_vertex.size(); ++i) FEDER_ASSERT(g.near_vertex[i - 1] < g.near_vertex[i]);
-  for (const NearPair& p : g.pairs) {
-    FEDER_ASSERT(p.edges <= 1 && p.live <= 1);
-    FEDER_ASSERT(p.between == kNone || p.between < between.size());
-    for (const std::uint32_t i : p.v) {
-      FEDER_ASSERT(i < vertices.size() && vertices.cloth[i] == sheets[near_sheet[i]]->object);
-      FEDER_ASSERT(sheets[near_sheet[i]]->group == k);
-    }
-  }
-}
-
 void Cloth::Impl::validate_sheet(std::uint32_t n) const {
   Sheet& s = *sheets[n];
   FEDER_ASSERT(objects.alive(s.object) && objects.kind(s.object) == ObjectKind::cloth && objects.index(s.object) == n);
@@ -241,7 +202,6 @@ void Cloth::validate() const {
     FEDER_ASSERT(m.marks[a.vertex] == kNone);  // held once
     m.marks[a.vertex] = a.body.slot;
   }
-  m.validate_pairs();
 }
 
 }  // namespace feder

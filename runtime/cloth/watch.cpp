@@ -65,7 +65,7 @@ double Cloth::Impl::work(const Sheet& s) const {
 
 // J: strain at the start of the step, and work. While the step's displacements are known: before vertices are split.
 double Cloth::Impl::given(const Sheet& s, const StepContext& c) const {
-  const double rate = std::max(groups[s.group]->steps, 1) / number(c.h);
+  const double rate = std::max(group_of(s).steps, 1) / number(c.h);
   const auto start = [&](std::uint32_t i) {
     const Vec3& x = vertices.position[s.first + i];
     return vertices.inv_mass[s.first + i] == 0 ? x : Vec3(x - moved[s.first + i].vec());

@@ -26,17 +26,13 @@ const SystemDescriptor& ClothRigid::descriptor() {
 }
 
 ClothRigid::ClothRigid(SystemSetup& s)
-    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))),
+    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
       movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events),
       structure_changed_(s.structure_changed), candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)),
       box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)),
-      deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
-  cloth_.set_movers(&movers_);
-}
-
-ClothRigid::~ClothRigid() { cloth_.set_movers(nullptr); }
+      deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {}
 
 void ClothRigid::add_passes(StepPlan& plan) {
   sync();
@@ -64,7 +60,7 @@ void ClothRigid::sync() {
   vertex_shapes_.clear();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n)
     vertex_shapes_.push_back(make_sphere(Real(0.5) * cloth_.info(n).thickness));
-  cloth_.clear_rows();
+  surfaces_.clear_rows();
 }
 
 // Contacts with what is gone end; a cloth that lay on it wakes.
@@ -99,8 +95,8 @@ ClothRigid::Place ClothRigid::place(std::uint32_t k) const {
   p.velocity = s.velocity, p.spin = s.angular_velocity;
   Quat rotation = s.rotation;
   if (refreshing()) {
-    p.center += cloth_.mover_shift(p.solver);
-    rotation = integrate_rotation(rotation, cloth_.mover_turn(p.solver));
+    p.center += surfaces_.mover_shift[p.solver];
+    rotation = integrate_rotation(rotation, surfaces_.mover_turn[p.solver]);
   }
   p.pose = Pose{p.center, rotation} * colliders_.local[k];
   return p;
@@ -195,7 +191,7 @@ void ClothRigid::find_candidates(StepContext& c) {
   candidates_.clear();
   for (Touch& t : touches_) t.seen = 0, t.impulse = t.support = t.speed = t.slip = t.strongest = 0;
   const ClothVertices& v = cloth_.vertices();
-  if (cloth_.moved().size() != v.size()) return;
+  if (surfaces_.moved.size() < v.size()) return;
   FEDER_ASSERT(vertex_shapes_.size() == cloth_.cloth_count());
   smallest_.resize(colliders_.size());
   box_.resize(v.size());
@@ -208,7 +204,8 @@ void ClothRigid::find_candidates(StepContext& c) {
 void ClothRigid::connect(std::size_t cloth, std::uint32_t body) {
   const Bodies& b = rigid_.bodies();
   const std::uint32_t solver = movers_.solver[b.mover[body]];
-  if (b.type[body] == BodyType::dynamic && solver != 0) cloth_.connect_mover(cloth, solver);
+  if (b.type[body] == BodyType::dynamic && solver != 0) 
+    surfaces_.connections.push_back({static_cast<std::uint32_t>(cloth), 0, solver});
 }
 
 // A pin inside a shape asks for what cannot be. Said once for a cloth and a body, with the deepest pin.
@@ -252,7 +249,7 @@ void ClothRigid::candidates_of(std::size_t n, StepContext& c) {
   const Vec3 fall = c.gravity * (c.dt * c.dt);
   Aabb all;
   for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
-    const Vec3 x = v.position[i], u = cloth_.speed()[i].vec();
+    const Vec3 x = v.position[i], u = surfaces_.speed[i].vec();
     Aabb& b = box_[i];
     const Vec3 far = info.asleep || v.inv_mass[i] == 0 ? x : Vec3(x + c.dt * u + fall);
     b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
@@ -300,7 +297,7 @@ void ClothRigid::make_holds() {
     }
     const std::uint32_t body = rigid_.index(a.body);
     FEDER_ASSERT(cloth_.vertices().cloth[a.vertex] == a.cloth && b.object[body] == a.body);
-    ClothHold k;
+    SurfaceHold k;
     k.vertex = a.vertex;
     k.mover = movers_.solver[b.mover[body]];
     FEDER_ASSERT(k.mover < movers_.state.size());
@@ -308,20 +305,20 @@ void ClothRigid::make_holds() {
     const Vec3 center = k.mover ? Vec3(movers_.mass[k.mover].center + movers_.state[k.mover].moved) : b.position[body];
     k.arm = rotate(k.mover ? movers_.state[k.mover].rotation : b.rotation[body], local);
     k.error = cloth_.vertices().position[a.vertex] - center - k.arm;
-    const std::size_t group = cloth_.group_of(objects_.index(a.cloth));
-    cloth_.use_mover(group, k.mover);
-    cloth_.holds(group).push_back(k);
+    const std::size_t group = surfaces_.group_of(objects_.index(a.cloth));
+    surfaces_.groups[group]->use_mover(k.mover);
+    surfaces_.groups[group]->holds.push_back(k);
   }
 }
 
 // What the rows of this substep did.
 void ClothRigid::collect(StepContext& c) {
-  for (std::size_t k = 0; k < cloth_.group_count(); ++k) collect_group(k, c);
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k) collect_group(k, c);
 }
 
 void ClothRigid::collect_group(std::size_t group, StepContext& c) {
   const Real g = length(c.gravity);
-  for (const ClothRow& r : cloth_.contact_rows(group)) {
+  for (const SurfaceRow& r : surfaces_.groups[group]->rows) {
     if (r.touch == kNone) continue;
     FEDER_ASSERT(r.touch < touches_.size());
     Touch& t = touches_[r.touch];
@@ -340,7 +337,7 @@ void ClothRigid::collect_group(std::size_t group, StepContext& c) {
     t.point = vertex_place(r.vertex[heaviest]);
     t.normal = -r.normal;
     Vec3 u = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) u += r.weight[k] * cloth_.speed()[r.vertex[k]].vec();
+    for (int k = 0; k < 3; ++k) u += r.weight[k] * surfaces_.speed[r.vertex[k]].vec();
     if (r.mover) u -= movers_.state[r.mover].velocity + cross(movers_.state[r.mover].angular_velocity, r.arm);
     t.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
   }
@@ -399,7 +396,7 @@ void ClothRigid::finish(StepContext& c) {
     t.begun = t.seen;
   }
   std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
-  cloth_.clear_rows();
+  surfaces_.clear_rows();
 }
 
 void ClothRigid::hash(Hash& h) const {
@@ -413,7 +410,7 @@ void ClothRigid::load(Reader& r) {
   open_.set(touches_.size());
   candidates_.clear();
   hurry_.clear();
-  cloth_.clear_rows();
+  surfaces_.clear_rows();
 }
 
 // How deep the cloth, half its thickness included, is in a collider: by the distances of vertices, and where something
@@ -472,8 +469,8 @@ void ClothRigid::validate() const {
                           ObjectKind::body, objects_, open_);
   for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.seen == 1);
   for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.cloth) && objects_.alive(w.body));
-  for (std::size_t k = 0; k < cloth_.group_count(); ++k)
-    for (const ClothRow& r : cloth_.contact_rows(k)) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k)
+    for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
   FEDER_ASSERT(vertex_shapes_.size() == cloth_.cloth_count() && !refreshing());
 }
 

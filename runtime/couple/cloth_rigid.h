@@ -3,7 +3,7 @@
 #pragma once
 #include "cloth/cloth.h"
 #include "collide/collide.h"
-#include "couple/event_balance.h"
+#include "contact/event_balance.h"
 #include "rigid/rigid.h"
 #include "state/movers.h"
 #include "step/system.h"
@@ -15,7 +15,6 @@ class ClothRigid final : public System {
   static constexpr const char* kName = "cloth_rigid";
   static const SystemDescriptor& descriptor();
   explicit ClothRigid(SystemSetup& setup);
-  ~ClothRigid() override;
 
   void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // cloths and bodies that touch now
@@ -83,9 +82,10 @@ class ClothRigid final : public System {
   std::uint32_t touch_of(ObjectId cloth, ObjectId body);
   Real attachments_of(ObjectId body, ObjectId cloth) const;
   bool attached(std::uint32_t vertex, ObjectId body) const;
-  Vec3 vertex_place(std::uint32_t i) const { return cloth_.vertices().position[i] + cloth_.moved()[i].vec(); }
+  Vec3 vertex_place(std::uint32_t i) const { return cloth_.vertices().position[i] + surfaces_.moved[i].vec(); }
 
   Cloth& cloth_;
+  Surfaces& surfaces_;
   Rigid& rigid_;
   Collide& collide_;
   Colliders& colliders_;

@@ -35,12 +35,12 @@ void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) 
 }  // namespace
 
 void ClothRigid::make_rows(StepContext& c) {
-  cloth_.clear_rows();
-  if (cloth_.moved().size() != cloth_.vertices().size()) return;
+  surfaces_.clear_rows();
+  if (surfaces_.moved.size() < cloth_.vertices().size()) return;
   make_holds();
   refreshing_ = kNone;
   horizon_ = c.h;
-  hurry_.assign(cloth_.group_count(), 0);
+  hurry_.assign(surfaces_.group_count, 0);
   fill_rows(c);
 }
 
@@ -48,15 +48,15 @@ void ClothRigid::make_rows(StepContext& c) {
 void ClothRigid::refresh_rows(StepContext& c) {
   const int done = c.inner.index, count = c.inner.count;
   const std::size_t group = static_cast<std::size_t>(c.inner.group);
-  if (done == 0 || hurry_.size() != cloth_.group_count() || !(hurry_[group] > 1)) return;
+  if (done == 0 || hurry_.size() != surfaces_.group_count || !(hurry_[group] > 1)) return;
   // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
   const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_[group]));
   FEDER_ASSERT(done > 0 && done < count);
   const int parts = std::min(count, hurried + 1), every = count / parts;
   if (done % every != 0) return;
   collect_group(group, c);
-  Array<ClothRow>& rows = cloth_.contact_rows(group);
-  std::erase_if(rows, [](const ClothRow& r) { return r.touch != kNone; });  // those of fluids stay
+  Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
+  std::erase_if(rows, [](const SurfaceRow& r) { return r.touch != kNone; });  // those of fluids stay
   refreshing_ = static_cast<std::uint32_t>(group);
   horizon_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
   fill_rows(c);
@@ -73,10 +73,10 @@ void ClothRigid::fill_rows(StepContext& c) {
     if (k.collider != collider || k.cloth != cloth) {
       FEDER_ASSERT(may_touch(cloth_.info(k.cloth), k.collider));
       collider = k.collider, cloth = k.cloth;
-      const std::size_t group = cloth_.group_of(cloth);
+      const std::size_t group = surfaces_.group_of(cloth);
       wanted = !refreshing() || refreshing_ == group;
       if (wanted) at = place(collider);
-      if (!refreshing()) cloth_.use_mover(group, at.solver);
+      if (!refreshing()) surfaces_.groups[group]->use_mover(at.solver);
       for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
       deep_pins_.clear();
     }
@@ -102,12 +102,12 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
   const Cloth::Info info = cloth_.info(k.cloth);
   FEDER_ASSERT(!info.asleep);  // it is woken instead
   FEDER_ASSERT(is_direction(normal) && sums_to(weight, 1));
-  ClothRow r;
+  SurfaceRow r;
   Vec3 d = Vec3::Zero();
   Real free = 0;
   for (int i = 0; i < 3; ++i) {
     FEDER_ASSERT(v[i] - info.first < info.count);
-    const Row4& x = cloth_.moved()[v[i]];
+    const Row4& x = surfaces_.moved[v[i]];
     r.vertex[i] = v[i], r.weight[i] = weight[i];
     d += weight[i] * x.vec();
     if (x.w != 0) free += weight[i];
@@ -116,13 +116,13 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
   if (free < kFreeShare) {
     if (at.solver == 0) return;  // nothing here can move
     for (int i = 0; i < 3; ++i)
-      if (cloth_.moved()[v[i]].w != 0) r.weight[i] = 0;
+      if (surfaces_.moved[v[i]].w != 0) r.weight[i] = 0;
   }
   r.vertex[3] = v[0];
   r.normal = normal;
   r.mover = at.solver;
   r.arm = point - at.center;
-  if (refreshing() && at.solver) d -= cloth_.mover_shift(at.solver) + cross(cloth_.mover_turn(at.solver), r.arm);
+  if (refreshing() && at.solver) d -= surfaces_.mover_shift[at.solver] + cross(surfaces_.mover_turn[at.solver], r.arm);
   r.offset = gap - dot(normal, d);
   r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
   const Vec3 slide = colliders_.surface_velocity[k.collider];
@@ -130,7 +130,7 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
     r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
   r.touch = touch_of(info.object, colliders_.object[k.collider]);
-  cloth_.contact_rows(cloth_.group_of(k.cloth)).push_back(r);
+  surfaces_.groups[surfaces_.group_of(k.cloth)]->rows.push_back(r);
 }
 
 void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c) {
@@ -139,13 +139,13 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const Shape& ball = *vertex_shapes_[k.cloth];
   FEDER_ASSERT(ball.radius() == radius);
   const Vec3 x = vertex_place(k.index);
-  if (!info.asleep && cloth_.moved()[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
+  if (!info.asleep && surfaces_.moved[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
     return measure_pin(k, at, radius);
-  const Vec3 u = cloth_.speed()[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
+  const Vec3 u = surfaces_.speed[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
   const Vec3 travel = horizon_ * u + (horizon_ * horizon_) * c.gravity;
   const Real reach = length(travel);
   if (!refreshing()) {
-    Real& hurry = hurry_[cloth_.group_of(k.cloth)];
+    Real& hurry = hurry_[surfaces_.group_of(k.cloth)];
     hurry = std::max(hurry, reach / (radius + kCastShare * smallest_[k.collider]));
   }
   const std::uint32_t v[3] = {k.index, k.index, k.index};
@@ -188,7 +188,7 @@ void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext&
   // a corner that goes with the body is near it now: only what comes as a whole is cast
   Real reach = kInfinity, farthest = 0;
   for (int i = 0; i < 3; ++i) {
-    const Vec3 u = cloth_.speed()[v[i]].vec() - body_speed;
+    const Vec3 u = surfaces_.speed[v[i]].vec() - body_speed;
     travel += horizon_ / 3 * u;
     const Real far = length(Vec3(horizon_ * u + fall));
     reach = std::min(reach, far), farthest = std::max(farthest, far);

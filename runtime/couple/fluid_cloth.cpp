@@ -28,12 +28,12 @@ const SystemDescriptor& FluidCloth::descriptor() {
 
 FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), movers_(s.store.need<Movers>(kName)),
+      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
+      movers_(s.store.need<Movers>(kName)),
       systems_(s.systems), objects_(s.objects), events_(s.events), faces_(s.store.arena(kName)),
       guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
       touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
-  cloth_.set_movers(&movers_);
 }
 
 std::size_t FluidCloth::count() const { return guests_.size(); }
@@ -53,8 +53,8 @@ void FluidCloth::add_passes(StepPlan& plan) {
 
 // Rows of an earlier substep; those of bodies have an owner.
 void FluidCloth::drop_rows() {
-  for (std::size_t k = 0; k < cloth_.group_count(); ++k)
-    std::erase_if(cloth_.contact_rows(k), [](const ClothRow& r) { return r.touch == kNone; });
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k)
+    std::erase_if(surfaces_.groups[k]->rows, [](const SurfaceRow& r) { return r.touch == kNone; });
 }
 
 void FluidCloth::list_surfaces() {
@@ -94,8 +94,9 @@ void FluidCloth::wake(StepContext& c) {
 // Sheets that particles may reach in this step act on each other through them: one group.
 void FluidCloth::connect(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
-  std::size_t first = cloth_.cloth_count();
-  for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
+  const std::uint32_t count = static_cast<std::uint32_t>(cloth_.cloth_count());
+  std::uint32_t first = count;
+  for (std::uint32_t n = 0; n < count; ++n) {
     const Cloth::Info info = cloth_.info(n);
     Aabb box;
     Real fastest = 0;
@@ -106,7 +107,7 @@ void FluidCloth::connect(StepContext& c) {
     const Real way = c.dt * (std::sqrt(fastest) + 2 * c.dt * length(c.gravity));
     box.grow(info.thickness + way);
     if (!wet(box, c.dt)) continue;
-    if (first < n) cloth_.connect(first, n);
+    if (first < n) surfaces_.connections.push_back({first, n, 0});
     first = std::min(first, n);
   }
 }
@@ -124,8 +125,8 @@ bool FluidCloth::wet(const Aabb& box, Real seconds) const {
 
 void FluidCloth::place_vertices() {
   const ClothVertices& v = cloth_.vertices();
-  const std::span<const Row4> moved = cloth_.moved();
-  FEDER_ASSERT(moved.size() == v.size());
+  const std::span<const Row4> moved = surfaces_.moved;
+  FEDER_ASSERT(moved.size() >= v.size());
   faces_.start.resize(v.size()), faces_.end.resize(v.size());
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + moved[i].vec();
 }
@@ -138,14 +139,14 @@ void FluidCloth::begin(StepContext& c) {
 void FluidCloth::make_rows(StepContext& c) {
   drop_rows();
   guests_.clear();
-  const std::span<const Row4> speed = cloth_.speed();
+  const std::span<const Row4> speed = surfaces_.speed;
   const ClothVertices& v = cloth_.vertices();
   // where the vertices would go without fluid, roughly: the contacts follow what they do
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * speed[i].vec();
   faces_.find(fluid_);
   own_movers_ = static_cast<std::uint32_t>(movers_.state.size());
   FEDER_ASSERT(own_movers_ > 0 && movers_.mass.size() == own_movers_);  // the world is one
-  const std::span<const Row4> moved = cloth_.moved();
+  const std::span<const Row4> moved = surfaces_.moved;
   for (const FaceContact& k : faces_.contacts) {
     const FluidPool& p = fluid_.pool_at(k.pool);
     if (guests_.empty() || guests_.back().pool != k.pool || guests_.back().particle != k.particle) {
@@ -162,7 +163,7 @@ void FluidCloth::make_rows(StepContext& c) {
       movers_.state.push_back(s), movers_.mass.push_back(m);
       guests_.push_back(g);
     }
-    ClothRow r;
+    SurfaceRow r;
     Vec3 d = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
       r.vertex[i] = k.vertex[i], r.weight[i] = k.weight[i];
@@ -173,25 +174,25 @@ void FluidCloth::make_rows(StepContext& c) {
     r.normal = -k.normal;
     r.mover = guests_.back().mover;
     r.offset = k.distance - k.rest - dot(r.normal, d);
-    const std::size_t cloth = faces_.surfaces[k.surface].place, group = cloth_.group_of(cloth);
+    const std::size_t cloth = faces_.surfaces[k.surface].place, group = surfaces_.group_of(cloth);
     r.relaxation = cloth_.info(cloth).relaxation;
-    cloth_.use_mover(group, r.mover);
-    cloth_.contact_rows(group).push_back(r);
+    surfaces_.groups[group]->use_mover(r.mover);
+    surfaces_.groups[group]->rows.push_back(r);
   }
 }
 
 void FluidCloth::read_back(StepContext& c) {
   const Real g = length(c.gravity);
   std::size_t at = 0;
-  next_row_.assign(cloth_.group_count(), 0);
+  next_row_.assign(surfaces_.group_count, 0);
   for (const FaceContact& k : faces_.contacts) {
     // its row: they are in the order of the contacts, with those of bodies before or after
-    const std::size_t group = cloth_.group_of(faces_.surfaces[k.surface].place);
-    const Array<ClothRow>& rows = cloth_.contact_rows(group);
+    const std::size_t group = surfaces_.group_of(faces_.surfaces[k.surface].place);
+    const Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
     std::uint32_t& next = next_row_[group];
     while (next < rows.size() && rows[next].touch != kNone) ++next;
     FEDER_ASSERT(next < rows.size());  // no row is lost on the way, and with it its impulse
-    const ClothRow& r = rows[next++];
+    const SurfaceRow& r = rows[next++];
     while (guests_[at].mover != r.mover) {
       ++at;
       FEDER_ASSERT(at < guests_.size());
@@ -210,7 +211,7 @@ void FluidCloth::read_back(StepContext& c) {
     FluidPool& p = fluid_.pool_at(k.pool);
     const Vec3 gain = movers_.state[k.mover].velocity - k.given;
     if (k.mover >= own_movers_ && !gain.isZero(0)) {
-      p.x[k.particle].set(p.origin[k.particle].vec() + cloth_.mover_shift(k.mover));
+      p.x[k.particle].set(p.origin[k.particle].vec() + surfaces_.mover_shift[k.mover]);
       p.v[k.particle].set(p.v[k.particle].vec() + gain);
     }
     for (int i = 0; i < 3; ++i)
@@ -218,7 +219,7 @@ void FluidCloth::read_back(StepContext& c) {
   }
   movers_.state.resize(own_movers_), movers_.mass.resize(own_movers_);
   drop_rows();
-  const auto now = [&](std::uint32_t i) { return Vec3(cloth_.vertices().position[i] + cloth_.moved()[i].vec()); };
+  const auto now = [&](std::uint32_t i) { return Vec3(cloth_.vertices().position[i] + surfaces_.moved[i].vec()); };
   faces_.follow(fluid_, now);
   faces_.guard(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { hold_back(k, hit, c); });
   end_substep();
@@ -233,8 +234,8 @@ void FluidCloth::hold_back(const FaceContact& k, const FaceHit& hit, StepContext
   Vec3 u = p.v[k.particle].vec();
   Real response = 1 / p.mass;
   for (int i = 0; i < 3; ++i) {
-    u -= hit.weight[i] * cloth_.speed()[k.vertex[i]].vec();
-    response += hit.weight[i] * hit.weight[i] * cloth_.moved()[k.vertex[i]].w;
+    u -= hit.weight[i] * surfaces_.speed[k.vertex[i]].vec();
+    response += hit.weight[i] * hit.weight[i] * surfaces_.moved[k.vertex[i]].w;
   }
   const Real closing = -dot(hit.normal, u);
   if (!(closing > 0)) return;
@@ -341,8 +342,8 @@ void FluidCloth::validate() const {
   validate_records<Touch>({touches_.data(), touches_.size()}, &Touch::cloth, ObjectKind::cloth, &Touch::fluid,
                           ObjectKind::fluid, objects_, open_);
   for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.count > 0 && t.now == 0 && t.last == kNone);
-  for (std::size_t k = 0; k < cloth_.group_count(); ++k)
-    for (const ClothRow& r : cloth_.contact_rows(k)) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k)
+    for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
   for (std::size_t k = 0; k < guests_.size(); ++k)
     FEDER_ASSERT(guests_[k].mover == own_movers_ + k && guests_[k].pool < fluid_.pool_count());
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;

@@ -1,7 +1,7 @@
 // Fluids and cloth in one world: sheets hold, catch and shed fluid, and are moved by it.
 #pragma once
 #include "cloth/cloth.h"
-#include "couple/event_balance.h"
+#include "contact/event_balance.h"
 #include "couple/fluid_faces.h"
 #include "state/movers.h"
 #include "step/system.h"
@@ -69,6 +69,7 @@ class FluidCloth final : public System {
 
   Fluid& fluid_;
   Cloth& cloth_;
+  Surfaces& surfaces_;
   Movers& movers_;
   SystemFinder& systems_;
   Objects& objects_;

@@ -1,7 +1,7 @@
 // Fluids and rigid bodies in one world: bodies are the fluid's walls, and the fluid pushes them in the same substep.
 // Buoyancy and drag are nothing of their own: they are what the pressure and friction on the walls add up to.
 #pragma once
-#include "couple/event_balance.h"
+#include "contact/event_balance.h"
 #include "fluid/fluid.h"
 #include "rigid/rigid.h"
 #include "state/movers.h"

@@ -6,6 +6,7 @@
 #include "base/assert.h"
 #include "forces/area.h"
 #include "springs/net.h"
+#include "state/surface.h"
 #include "step/watch.h"
 
 namespace feder {
@@ -29,7 +30,7 @@ struct Springs::Impl {
       : kernels(pick_kernels(setup.options.text("kernels", "auto"))), arena(setup.store.arena(kName)),
         particles(setup.store.need<Particles>(kName)), watched(setup.store.need<Watch>("watch")), store(setup.store),
         objects(setup.objects), structure_changed(setup.structure_changed),
-        air_density(still_air_density(setup.world)) {}
+        air_density(still_air_density(setup.world)), surface_end(&arena), surface_speed(&arena) {}
 
   const SpringKernels& kernels;
   Arena& arena;
@@ -42,6 +43,8 @@ struct Springs::Impl {
   std::vector<std::unique_ptr<Net>> nets;  // the object's index is the place here
   std::vector<Attachment> attachments;     // in the order they were made
   std::vector<Removed> removed;            // since the last plan
+  // of a substep, by point of the surfaces: where the integrator ends, and the velocity that leads there
+  Array<Vec3> surface_end, surface_speed;
 
   Net& net(ObjectId id) const {
     FEDER_ASSERT(objects.kind(id) == ObjectKind::net && nets[objects.index(id)]->object == id);
@@ -59,6 +62,14 @@ struct Springs::Impl {
   void finish(StepContext& c);
   void watch(StepContext& c);  // watch.cpp
   void suspect(const Net& n);
+  // surface.cpp
+  void declare_surfaces();
+  void show_surfaces(StepContext& c);
+  void mark_surfaces(StepContext& c);
+  void coast_surfaces(StepContext& c);
+  void follow_surfaces(StepContext& c);
+  template <class F>
+  void each_surface(F&& f);
   // validate.cpp
   void check_points(const Net& n) const;
   void check_colliders() const;

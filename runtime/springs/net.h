@@ -1,5 +1,7 @@
 // One net: its springs as arrays, its integrator, and the force field the integrator pulls. Private to the module.
 #pragma once
+#include <array>
+
 #include "forces/force.h"
 #include "integrate/integrator.h"
 #include "springs/layout.h"
@@ -49,13 +51,14 @@ struct NetSettings {
   Real gravity_scale = 1;
   Real friction = 0, restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
+  std::uint32_t self = 0;  // collides with itself
 };
 
 // Forces of a net: weight, drag, springs, the world's force generators and scripted forces.
 class Net final : public ForceField {
  public:
   Net(Arena& a, Particles& p)
-      : springs(a), faces(&a), layout(a), particles_(p), acting_(&a), points_(&a), some_(&a), some_force_(&a),
+      : springs(a), faces(&a), edges(&a), rest_position(&a), layout(a), particles_(p), acting_(&a), points_(&a), some_(&a), some_force_(&a),
         below_(&a), above_(&a), derivative_(&a), some_derivative_(&a), row_stiffness_(&a), row_damping_(&a) {}
 
   ObjectId object;
@@ -63,6 +66,8 @@ class Net final : public ForceField {
   NetSettings settings;
   SpringArrays springs;
   Array<std::uint32_t> faces;  // triangles, three points each
+  Array<std::array<std::uint32_t, 2>> edges;  // of the faces, or each point twice where there are none
+  Array<Vec3> rest_position;                           // where the points were made, m; empty: does not collide with itself
   SpringLayout layout;         // of the springs, for the kernels
   std::string integrator_name;
   Params integrator_options;
@@ -87,6 +92,7 @@ class Net final : public ForceField {
   // `jobs`: for the springs of this net; null when nets run side by side.
   void integrate(double t, Real h, JobPool* jobs);
   void remove_spring(std::uint32_t k);
+  void list_edges();  // surface.cpp
   // First non-finite point of the net, or kNone. `jobs` as above; places_only: velocities are known to be finite.
   std::uint32_t find_non_finite(JobPool* jobs = nullptr, bool places_only = false) const;
   // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s. Springs with a power and generators

@@ -37,7 +37,7 @@ void Springs::save(Writer& w) const {
     w.add(n->integrator->stats);
     w.list(n->integrator->memory.points), w.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](const auto& array) { w.list(array); });
-    w.list(n->faces);
+    w.list(n->faces), w.list(n->rest_position);
   }
 }
 
@@ -61,9 +61,11 @@ void Springs::load(Reader& r) {
     r.get(n->integrator->stats);
     r.list(n->integrator->memory.points), r.list(n->integrator->memory.numbers);
     SpringArrays::each_array(n->springs, [&](auto& array) { r.list(array); });
-    r.list(n->faces);
+    r.list(n->faces), r.list(n->rest_position);
+    n->list_edges();
     m.nets.push_back(std::move(n));
   }
+  m.declare_surfaces();
   *m.structure_changed = true;
 }
 

@@ -21,6 +21,12 @@ void Springs::add_passes(StepPlan& plan) {
   plan.add<&Impl::remember>(Rank::gather_points, "remember", kName, impl_.get());
   plan.add<&Impl::integrate>(Rank::net_integrate, "integrate", kName, impl_.get());
   plan.add<&Impl::finish>(Rank::check, "check nets", kName, impl_.get());
+  const Surfaces* surfaces = impl_->store.find<Surfaces>();
+  if (!surfaces || !surfaces->shows(kName)) return;
+  plan.add<&Impl::show_surfaces>(Rank::net_surface, "surfaces", kName, impl_.get());
+  plan.add<&Impl::mark_surfaces>(before(Rank::net_hold), "mark", kName, impl_.get());
+  plan.add<&Impl::coast_surfaces>(Rank::net_coast, "coast", kName, impl_.get());
+  plan.add<&Impl::follow_surfaces>(Rank::net_follow, "follow contacts", kName, impl_.get());
 }
 
 std::size_t Springs::count() const { return impl_->particles.size(); }
@@ -69,8 +75,10 @@ ObjectId Springs::add_net(const NetDesc& desc) {
   Impl& m = *impl_;
   auto n = m.make_net();
   m.attach_integrator(*n, desc.integrator, desc.integrator_options);
-  n->settings = {desc.damping, desc.gravity_scale, desc.friction, desc.restitution, desc.group, desc.mask};
+  n->settings = {desc.damping, desc.gravity_scale, desc.friction, desc.restitution, desc.group, desc.mask,
+                 desc.self_collision};
   n->faces.assign(desc.faces.begin(), desc.faces.end());
+  if (desc.self_collision) n->rest_position.assign(desc.points.begin(), desc.points.end());
   for (std::size_t k = 0; k < desc.springs.size(); ++k) {
     const SpringDesc& s = desc.springs[k];
     n->springs.add(s, rest_length_of(s, desc.points[s.i], desc.points[s.j], k, owner));
@@ -98,7 +106,9 @@ ObjectId Springs::add_net(const NetDesc& desc) {
     p.script_force[at] = Vec3::Zero();
     p.collider[at] = p.mover[at] = kNone;
   }
+  n->list_edges();
   m.nets.push_back(std::move(n));
+  m.declare_surfaces();
   *m.structure_changed = true;
   return m.nets.back()->object;
 }
@@ -125,6 +135,7 @@ void Springs::destroy_net(ObjectId id, std::string where) {
     m.objects.set_index(m.nets[k]->object, k);
   }
   m.objects.remove(id, std::move(where));
+  m.declare_surfaces();
   *m.structure_changed = true;
 }
 

@@ -32,7 +32,8 @@ struct NetDesc {
   std::string integrator = default_variant(integrators(), "symplectic_euler");
   Params integrator_options;
   Real damping = 0;  // drag on every point, 1/s (force = -damping m v)
-  Real radius = 0;   // m; > 0: points collide with rigid bodies
+  Real radius = 0;   // m; > 0: points and faces collide
+  bool self_collision = false;  // also with each other, where the net has faces
   Real friction = Real(0.5), restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   Real gravity_scale = 1;

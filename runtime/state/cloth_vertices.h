@@ -27,12 +27,4 @@ struct ClothVertices {
   }
 };
 
-// One row of four numbers, as the wide kernels gather them.
-struct alignas(4 * sizeof(Real)) Row4 {
-  Real x = 0, y = 0, z = 0, w = 0;
-  Vec3 vec() const { return Vec3(x, y, z); }
-  void set(const Vec3& v) { x = v[0], y = v[1], z = v[2]; }
-  void add(const Vec3& v) { x += v[0], y += v[1], z += v[2]; }
-};
-
 }  // namespace feder

@@ -18,12 +18,15 @@ enum class Rank : std::uint8_t {
   // step: what the substeps work on
   gather_bodies,
   gather_points,
+  surface_begin,
   cloth_approach,
   cloth_prepare,
-  cloth_pairs,
+  net_surface,
+  surface_pairs,
   append_points,
   cloth_candidates,
-  cloth_groups,
+  surface_groups,
+  cloth_gather,
   joint_rows,
   boundary_list,
 
@@ -52,22 +55,30 @@ enum class Rank : std::uint8_t {
   boundary_weigh,
   net_contact,
   boundary_push,
-  // substep: cloth
-  net_hand_over,
+  // substep: surfaces, cloth and nets
   cloth_contact,
   cloth_particles,
   cloth_forces,
-  cloth_refresh,  // cloth substeps
-  cloth_near,
+  net_coast,
+  surface_movers,
+  cloth_refresh,  // surface substeps
+  surface_near,
   cloth_integrate,
-  cloth_bodies,
-  cloth_rows,
+  surface_coast,
+  surface_bodies,
+  surface_holds,
+  cloth_ties,
+  surface_rows,
   cloth_velocities,
+  surface_velocities,
+  surface_rebound,
   cloth_damp,
-  cloth_project,
+  surface_project,
   cloth_collect,
   cloth_read_back,
+  net_follow,
   // substep: contacts and joints of bodies
+  net_hand_over,
   body_solve,
   net_read_back,
   boundary_follow,
@@ -77,7 +88,8 @@ enum class Rank : std::uint8_t {
   // step: after the last substep
   restitution,
   net_read_bounces,
-  cloth_pair_events,
+  surface_events,
+  cloth_wake,
   keep_awake,
   cloth_load,
   commit,
@@ -93,7 +105,7 @@ enum class Rank : std::uint8_t {
 };
 inline constexpr int kRankCount = static_cast<int>(Rank::query_boundary) + 1;
 
-enum class Loop : std::uint8_t { step, substep, fluid, cloth };
+enum class Loop : std::uint8_t { step, substep, fluid, surface };
 inline constexpr int kLoopCount = 4;
 
 struct LoopSpan {
@@ -105,7 +117,7 @@ inline constexpr LoopSpan kLoops[kLoopCount] = {
     {"step", Loop::step, Rank::begin, Rank::finish},
     {"substep", Loop::step, Rank::body_forces, Rank::boundary_return},
     {"fluid substeps", Loop::substep, Rank::fluid_predict, Rank::fluid_project},
-    {"cloth substeps", Loop::substep, Rank::cloth_refresh, Rank::cloth_project},
+    {"surface substeps", Loop::substep, Rank::cloth_refresh, Rank::surface_project},
 };
 
 // The innermost loop around a rank.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/surface_contact.h"
 #include "cloth/solver.h"
 #include "couple/cloth_rigid.h"
 
@@ -82,7 +83,7 @@ class ClothRun final : public StudyRun {
 
  private:
   static Catalog catalog() {
-    static const SystemDescriptor* const list[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+    static const SystemDescriptor* const list[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                                    &ClothRigid::descriptor()};
     return list;
   }

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "base/rng.h"
+#include "contact/surface_contact.h"
 #include "cloth/solver.h"
 #include "couple/cloth_rigid.h"
 #include "study/extreme.h"
@@ -9,7 +10,7 @@
 namespace feder {
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                             &ClothRigid::descriptor()};
 constexpr Real kBad = std::numeric_limits<Real>::quiet_NaN();
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/surface_contact.h"
 #include "cloth/solver.h"
 #include "couple/cloth_rigid.h"
 #include "study/stability_problem.h"
@@ -13,7 +14,7 @@ namespace feder {
 namespace {
 
 constexpr double kGravity = 9.81;
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                             &ClothRigid::descriptor()};
 
 struct ClothCell {

@@ -12,7 +12,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # who is named when a module that others need is left out; the others can be
 NEEDED = {"base": "bounds", "geom": "state", "linear": "integrate", "state": "step", "step": "world", "integrate": "springs",
-          "forces": "world", "collide": "couple", "broad": "collide", "narrow": "collide", "bounds": "geom", "constrain": "rigid",
+          "forces": "world", "collide": "couple", "contact": "cloth", "broad": "collide", "narrow": "collide", "bounds": "geom", "constrain": "rigid",
           "sph": "fluid", "neighbors": "fluid"}
 FREE = ["springs", "rigid", "cloth", "fluid", "couple", "world", "study", "lua", "yaml", "report", "view",
         "live", "window", "cli"]

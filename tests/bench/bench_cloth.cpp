@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/profile.h"
+#include "contact/surface_contact.h"
 #include "cloth/cloth.h"
 #include "world/world.h"
 
@@ -17,7 +18,7 @@ using namespace feder;
 namespace {
 
 constexpr int kSubsteps = 4, kSmallSteps = 20;
-const SystemDescriptor* const kCloth[] = {&Cloth::descriptor()};
+const SystemDescriptor* const kCloth[] = {&SurfaceContact::descriptor(), &Cloth::descriptor()};
 
 ClothDesc sheet(int n, bool bends, bool self) {
   ClothDesc d;

@@ -1,5 +1,6 @@
 // Worlds with one cloth, for tests.
 #pragma once
+#include "contact/surface_contact.h"
 #include "cloth/cloth.h"
 #include "cloth/solver.h"
 #include "support/catch.h"
@@ -7,7 +8,7 @@
 
 namespace feder::test {
 
-inline const SystemDescriptor* const kClothOnly[] = {&Cloth::descriptor()};
+inline const SystemDescriptor* const kClothOnly[] = {&SurfaceContact::descriptor(), &Cloth::descriptor()};
 
 inline ClothDesc sheet(std::uint32_t nx, std::uint32_t ny, Real width, Real height) {
   ClothDesc d;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "couple/cloth_cloth.h"
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/fluid_cloth.h"
 #include "couple/fluid_rigid.h"
@@ -18,7 +18,7 @@ namespace feder {
 inline Catalog mixed_catalog() {
   static const SystemDescriptor* const list[] = {
       &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),     &SpringsRigid::descriptor(),
-      &Cloth::descriptor(),      &ClothCloth::descriptor(), &ClothRigid::descriptor(),  &Fluid::descriptor(),
+      &SurfaceContact::descriptor(), &Cloth::descriptor(), &ClothRigid::descriptor(),  &Fluid::descriptor(),
       &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor()};
   return list;
 }

@@ -4,19 +4,19 @@
 
 #include "cloth/crossings.h"
 #include "cloth/sheets.h"
-#include "couple/cloth_cloth.h"
+#include "contact/surface_contact.h"
 
 using namespace feder;
 using namespace feder::test;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Cloth::descriptor(), &ClothCloth::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&SurfaceContact::descriptor(), &Cloth::descriptor()};
 
 std::size_t passes_of(World& w) {
   const auto nodes = w.plan().nodes();
   return static_cast<std::size_t>(std::count_if(
-      nodes.begin(), nodes.end(), [](const PlanNode& n) { return std::string(n.system) == "cloth_cloth"; }));
+      nodes.begin(), nodes.end(), [](const PlanNode& n) { return std::string(n.system) == "contact"; }));
 }
 
 }  // namespace
@@ -146,8 +146,8 @@ TEST_CASE("two free cloths that collide exchange momentum and keep the sum", "[c
     w.step();
     double mismatch = 0;
     for (const Residual& r : w.residuals()) {
-      if (r.name == "cloth_cloth.impulse_mismatch") mismatch = r.value;
-      if (r.name == "cloth_cloth.impulse_ns") pushed += r.value, lost += mismatch * r.value;
+      if (r.name == "contact.impulse_mismatch") mismatch = r.value;
+      if (r.name == "contact.impulse_ns") pushed += r.value, lost += mismatch * r.value;
     }
     Soup s;
     s.add(cloth, high), s.add(cloth, low);

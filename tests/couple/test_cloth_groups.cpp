@@ -3,7 +3,7 @@
 
 #include "cloth/sheets.h"
 #include "collide/collide.h"
-#include "couple/cloth_cloth.h"
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 
 using namespace feder;
@@ -11,8 +11,8 @@ using namespace feder::test;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor(), &ClothCloth::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
+                                            &ClothRigid::descriptor()};
 
 ClothDesc hanging(Real x, std::uint32_t rows, Real stretch) {
   ClothDesc d = sheet(5, rows, 1, Real(0.25) * static_cast<Real>(rows - 1));

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "base/rng.h"
-#include "couple/cloth_cloth.h"
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -12,8 +12,8 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor(), &ClothCloth::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
+                                            &ClothRigid::descriptor()};
 
 struct Lives {
   explicit Lives(std::uint64_t seed) : rng(seed), w(WorldDesc{}, kCatalog) {}

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/rng.h"
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -13,7 +14,7 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                             &ClothRigid::descriptor()};
 const char* const kKinds[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull", "plane", "mesh", "compound"};
 

@@ -1,6 +1,7 @@
 // Bodies at rest on coarse cloth: no point of a triangle is inside them, over a second, and they lie still.
 #include <cmath>
 
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -9,7 +10,7 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                             &ClothRigid::descriptor()};
 
 // The least distance of points of all triangles (a raster finer than the body) from the shape's surface, m.

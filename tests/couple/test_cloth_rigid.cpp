@@ -1,6 +1,7 @@
 // Cloth and bodies: momentum passes both ways, nothing passes through, bodies rest on cloth, attachments hold.
 #include <cmath>
 
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -9,7 +10,7 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Cloth::descriptor(),
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                             &ClothRigid::descriptor()};
 
 ClothDesc sheet(std::uint32_t n, Real size) {

@@ -1,6 +1,7 @@
 // Points of nets and vertices of cloths attached to a body far from their place: they come to it, and it is not thrown.
 #include <cmath>
 
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/springs_rigid.h"
 #include "support/catch.h"
@@ -11,7 +12,7 @@ using namespace feder;
 namespace {
 
 const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),      &Rigid::descriptor(),
-                                            &Springs::descriptor(),      &Cloth::descriptor(),
+                                            &Springs::descriptor(),      &SurfaceContact::descriptor(), &Cloth::descriptor(),
                                             &SpringsRigid::descriptor(), &ClothRigid::descriptor()};
 
 // A square of 5 x 5 points, 1 m wide: 1 kg as net, 0.2 kg as cloth.

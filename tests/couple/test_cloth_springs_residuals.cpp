@@ -1,7 +1,7 @@
 // Every residual of cloth, nets and their contacts with bodies: made to be something, and right.
 #include <cmath>
 
-#include "couple/cloth_cloth.h"
+#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/springs_rigid.h"
 #include "support/catch.h"
@@ -12,8 +12,8 @@ using namespace feder;
 namespace {
 
 const SystemDescriptor* const kCatalog[] = {
-    &Collide::descriptor(),    &Rigid::descriptor(),        &Springs::descriptor(),   &Cloth::descriptor(),
-    &ClothRigid::descriptor(), &SpringsRigid::descriptor(), &ClothCloth::descriptor()};
+    &Collide::descriptor(),    &Rigid::descriptor(),        &Springs::descriptor(),   &SurfaceContact::descriptor(), &Cloth::descriptor(),
+    &ClothRigid::descriptor(), &SpringsRigid::descriptor()};
 
 WorldDesc weightless() {
   WorldDesc d;
@@ -78,7 +78,7 @@ TEST_CASE("cloth.guarded and cloth.widened: 0 where nothing meets, more where cl
   double guarded = 0, widened = 0;
   for (int k = 0; k < 10; ++k) {
     w.step();
-    guarded += residual(w, "cloth.guarded"), widened += residual(w, "cloth.widened");
+    guarded += residual(w, "contact.guarded"), widened += residual(w, "contact.widened");
   }
   CAPTURE(guarded, widened);
   CHECK((guarded > 0) == strikes);
@@ -183,14 +183,14 @@ TEST_CASE("cloth_cloth: pairs that may touch, what was passed on, and that both 
   const ObjectId high = add(Real(0.05), -2);
   add(9, 0);
   w.step();
-  CHECK(residual(w, "cloth_cloth.pairs") == 1);
-  CHECK(residual(w, "cloth_cloth.impulse_ns") == 0);
-  CHECK(residual(w, "cloth_cloth.impulse_mismatch") == 0);
+  CHECK(residual(w, "contact.pairs") == 1);
+  CHECK(residual(w, "contact.impulse_ns") == 0);
+  CHECK(residual(w, "contact.impulse_mismatch") == 0);
   double passed = 0, lost = 0;
   for (int k = 0; k < 12; ++k) {
     w.step();
-    passed += residual(w, "cloth_cloth.impulse_ns");
-    lost += residual(w, "cloth_cloth.impulse_mismatch") * residual(w, "cloth_cloth.impulse_ns");
+    passed += residual(w, "contact.impulse_ns");
+    lost += residual(w, "contact.impulse_mismatch") * residual(w, "contact.impulse_ns");
   }
   // fully plastic: both go on with half the speed
   double momentum = 0;
@@ -200,7 +200,7 @@ TEST_CASE("cloth_cloth: pairs that may touch, what was passed on, and that both 
   CHECK(passed == Approx(momentum).epsilon(0.02));
   CHECK(lost > 0);  // rounding
   CHECK(lost < 1e-5 * passed);
-  CHECK(residual(w, "cloth_cloth.pairs") == 1);
+  CHECK(residual(w, "contact.pairs") == 1);
 }
 
 TEST_CASE("springs: strain, quarantined nets, ends at one spot, solves that missed", "[couple][residuals]") {

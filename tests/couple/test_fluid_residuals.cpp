@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 
+#include "contact/surface_contact.h"
 #include "couple/fluid_parts.h"
 #include "fluid/pool.h"
 #include "state/movers.h"
@@ -56,7 +57,7 @@ class Thief final : public System {
 Catalog with_thief() {
   static const SystemDescriptor* const list[] = {
       &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),      &SpringsRigid::descriptor(),
-      &Cloth::descriptor(),      &ClothCloth::descriptor(), &ClothRigid::descriptor(),   &Fluid::descriptor(),
+      &SurfaceContact::descriptor(), &Cloth::descriptor(), &ClothRigid::descriptor(),   &Fluid::descriptor(),
       &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor(), &Thief::descriptor()};
   return list;
 }

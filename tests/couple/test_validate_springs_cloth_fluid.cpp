@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "contact/surface_contact.h"
 #include "couple/fluid_parts.h"
 #include "support/aborts.h"
 #include "support/catch.h"
@@ -70,7 +71,7 @@ struct Mixed {
 TEST_CASE("what everything does to everything leaves all structures in order", "[couple][cloth][fluid][springs]") {
   Mixed m;
   CHECK(m.w.need<ClothRigid>().count() > 0);
-  CHECK(m.w.need<ClothCloth>().count() > 0);
+  CHECK(m.w.need<SurfaceContact>().count() > 0);
   CHECK(m.w.need<FluidCloth>().count() > 0);
   CHECK(m.w.need<FluidRigid>().count() > 0);
   CHECK(m.w.need<FluidSprings>().count() > 0);
@@ -99,7 +100,7 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
   auto& walls = m.fluid.walls();
   FluidPool& pool = m.fluid.pool_at(0);
   const auto validate = [&] {
-    for (const char* name : {"cloth", "fluid", "cloth_rigid", "cloth_cloth", "fluid_rigid", "fluid_cloth",
+    for (const char* name : {"cloth", "fluid", "cloth_rigid", "contact", "fluid_rigid", "fluid_cloth",
                              "fluid_springs", "springs_rigid"})
       m.w.need_system(name).validate();
   };

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloth/impl.h"
+#include "contact/impl.h"
 
 namespace feder {
 namespace {
@@ -31,45 +31,24 @@ struct RowResponse {
 };
 }  // namespace
 
-Vec3 Cloth::Impl::mover_displacement(std::uint32_t m, const Vec3& arm) const {
-  FEDER_ASSERT(m < mover_shift.size());
-  return mover_shift[m] + cross(mover_turn[m], arm);
-}
-
-Real Cloth::Impl::mover_response(std::uint32_t m, const Vec3& arm, const Vec3& n) const {
-  if (m == 0) return 0;
-  FEDER_ASSERT(movers && m < movers->mass.size());
-  const MoverMass& mass = movers->mass[m];
-  const Vec3 turn = cross(arm, n);
-  return dot(n, mass.inv_mass_axes.cwiseProduct(n)) + dot(turn, mass.inv_inertia * turn);
-}
-
-void Cloth::Impl::push_mover(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
-  if (m == 0) return;
-  FEDER_ASSERT(h > 0);
-  const MoverMass& mass = movers->mass[m];
-  MoverState& state = movers->state[m];
-  const Vec3 shift = mass.inv_mass_axes.cwiseProduct(correction), turn = mass.inv_inertia * cross(arm, correction);
-  mover_shift[m] += shift;
-  mover_turn[m] += turn;
-  state.velocity += shift / h;
-  state.angular_velocity += turn / h;
-}
-
 // Movers go on with the velocity they have. Each group begins where they stood when the substep did.
-void Cloth::Impl::advance_movers(StepContext& c) {
-  const ClothGroup& g = group(c);
-  FEDER_ASSERT(g.movers.empty() || mover_shift.size() == movers->state.size());  // nobody joins within a substep
+void SurfaceContact::Impl::advance_movers(StepContext& c) {
+  const SurfaceGroup& g = group(c);
+  Array<Vec3>&shift = surfaces.mover_shift, &turn = surfaces.mover_turn;
+  const Movers* movers = surfaces.movers;
+  FEDER_ASSERT(g.movers.empty() || shift.size() == movers->state.size());  // nobody joins within a substep
   for (const std::uint32_t m : g.movers) {
-    if (c.inner.index == 0) mover_shift[m] = mover_turn[m] = Vec3::Zero();
-    mover_shift[m] += g.step * movers->state[m].velocity;
-    mover_turn[m] += g.step * movers->state[m].angular_velocity;
+    if (c.inner.index == 0) shift[m] = turn[m] = Vec3::Zero();
+    shift[m] += g.step * movers->state[m].velocity;
+    turn[m] += g.step * movers->state[m].angular_velocity;
   }
 }
 
-void Cloth::Impl::solve_holds(const ClothGroup& g) {
+void SurfaceContact::Impl::solve_holds(StepContext& c) {
+  const SurfaceGroup& g = group(c);
+  const Movers* movers = surfaces.movers;
   const Real h = g.step;
-  for (const ClothHold& k : g.holds) {
+  for (const SurfaceHold& k : g.holds) {
     FEDER_ASSERT(k.vertex < moved.size());
     Row4& x = moved[k.vertex];
     Mat3 response = Mat3::Zero();
@@ -79,7 +58,7 @@ void Cloth::Impl::solve_holds(const ClothGroup& g) {
       response.diagonal() += movers->mass[k.mover].inv_mass_axes;
     }
     response.diagonal().array() += x.w;
-    Vec3 error = k.error + x.vec() - mover_displacement(k.mover, k.arm);
+    Vec3 error = k.error + x.vec() - surfaces.mover_displacement(k.mover, k.arm);
     // what was open before closes at kPullSpeed: a vertex attached far from its place must not throw the body
     Vec3 change = x.vec() - before[k.vertex].vec();
     if (before[k.vertex].w != 0) change += h * speed[k.vertex].vec();
@@ -92,12 +71,13 @@ void Cloth::Impl::solve_holds(const ClothGroup& g) {
     if (open > closed) error -= (1 - closed / open) * start;
     const Vec3 push = -(inverse(response) * error);  // kg m
     x.add(x.w * push);
-    push_mover(k.mover, k.arm, -push, h);
+    surfaces.push_mover(k.mover, k.arm, -push, h);
   }
 }
 
-void Cloth::Impl::solve_rows(Array<ClothRow>& list, bool cloths, Real h) {
-  for (ClothRow& r : list) {
+void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h) {
+  const Movers* movers = surfaces.movers;
+  for (SurfaceRow& r : rows) {
     Vec3 d = Vec3::Zero(), change = Vec3::Zero();
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
@@ -109,16 +89,16 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, bool cloths, Real h) {
       if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * speed[r.vertex[k]].vec();
       response.add(x.w, r.weight[k]);
     }
-    const Real gap = r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm));
+    const Real gap = r.offset + dot(r.normal, d - surfaces.mover_displacement(r.mover, r.arm));
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
-    FEDER_ASSERT(!cloths || r.touch == kNone || r.touch < between.size());
+    FEDER_ASSERT(!near || r.touch == kNone || r.touch < between.size());
     if (r.mover != 0) {
       const MoverState& m = movers->state[r.mover];
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
     }
     const Real closing = dot(r.normal, change);
-    const Real along = response.with(mover_response(r.mover, r.arm, r.normal));
+    const Real along = response.with(surfaces.mover_response(r.mover, r.arm, r.normal));
     if (!(along > 0)) continue;
     const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
     const Real push = r.relaxation * need / along;  // kg m
@@ -132,7 +112,7 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, bool cloths, Real h) {
     const Real slid = length(sliding);
     if (r.friction > 0 && slid > 0) {
       const Vec3 t = sliding / slid;
-      const Real across = response.with(mover_response(r.mover, r.arm, t));
+      const Real across = response.with(surfaces.mover_response(r.mover, r.arm, t));
       total -= std::min(r.friction * push, slid / across) * t;
     }
     for (int k = 0; k < 4; ++k) {
@@ -140,26 +120,16 @@ void Cloth::Impl::solve_rows(Array<ClothRow>& list, bool cloths, Real h) {
       Row4& x = moved[r.vertex[k]];
       const Vec3 was = x.vec();
       x.add((x.w * r.weight[k]) * total);
-      if (cloths && r.touch != kNone) account(r, k, x.vec() - was, r.weight[k] * total, h);
+      if (near && r.touch != kNone) account(r, k, x.vec() - was, r.weight[k] * total, h);
     }
-    push_mover(r.mover, r.arm, -total, h);
+    surfaces.push_mover(r.mover, r.arm, -total, h);
   }
 }
 
-void Cloth::Impl::velocities(const ClothGroup& g) {
-  each_active(g, [&](const Sheet& s) {
-    FEDER_ASSERT(moved[s.first + s.total - 1].vec().isZero(0));  // what empty lanes push
-    for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
-      FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
-      const Vec3 u = (moved[i].vec() - before[i].vec()) / g.step;
-      before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
-    }
-  });
-}
-
 // Rows that pushed and now part: the relative velocity along the normal goes to zero.
-void Cloth::Impl::stop_rebound(Array<ClothRow>& list, bool cloths, Real h) {
-  for (ClothRow& r : list) {
+void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real h) {
+  Movers* movers = surfaces.movers;
+  for (SurfaceRow& r : rows) {
     if (r.impulse == 0) continue;
     Vec3 d = Vec3::Zero(), u = Vec3::Zero();
     RowResponse response;
@@ -169,12 +139,12 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, bool cloths, Real h) {
       u += r.weight[k] * speed[r.vertex[k]].vec();
       response.add(moved[r.vertex[k]].w, r.weight[k]);
     }
-    if (r.offset + dot(r.normal, d - mover_displacement(r.mover, r.arm)) > Real(1e-3) * h) continue;
+    if (r.offset + dot(r.normal, d - surfaces.mover_displacement(r.mover, r.arm)) > Real(1e-3) * h) continue;
     if (r.mover != 0) {
       const MoverState& m = movers->state[r.mover];
       u -= m.velocity + cross(m.angular_velocity, r.arm);
     }
-    const Real parting = dot(r.normal, u), along = response.with(mover_response(r.mover, r.arm, r.normal));
+    const Real parting = dot(r.normal, u), along = response.with(surfaces.mover_response(r.mover, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;
@@ -184,15 +154,28 @@ void Cloth::Impl::stop_rebound(Array<ClothRow>& list, bool cloths, Real h) {
       Row4& v = speed[r.vertex[k]];
       const Vec3 was = v.vec(), push = (-r.weight[k] * impulse) * r.normal;
       v.add(moved[r.vertex[k]].w * push);
-      if (cloths && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
+      if (near && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
     }
     if (r.mover == 0) continue;
     // velocities only: the displacement stands
-    const MoverMass& mass = movers->mass[r.mover];
+    const MoverMass& mm = movers->mass[r.mover];
     MoverState& m = movers->state[r.mover];
-    m.velocity += mass.inv_mass_axes.cwiseProduct(impulse * r.normal);
-    m.angular_velocity += mass.inv_inertia * cross(r.arm, impulse * r.normal);
+    m.velocity += mm.inv_mass_axes.cwiseProduct(impulse * r.normal);
+    m.angular_velocity += mm.inv_inertia * cross(r.arm, impulse * r.normal);
   }
+}
+
+void SurfaceContact::Impl::solve(StepContext& c) {
+  SurfaceGroup& g = group(c);
+  surfaces.row_updates += g.holds.size() + g.near_rows.size() + g.rows.size();
+  solve_rows(g.near_rows, true, g.step);
+  solve_rows(g.rows, false, g.step);
+}
+
+void SurfaceContact::Impl::rebound(StepContext& c) {
+  SurfaceGroup& g = group(c);
+  stop_rebound(g.near_rows, true, g.step);
+  stop_rebound(g.rows, false, g.step);
 }
 
 }  // namespace feder

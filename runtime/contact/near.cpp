@@ -1,4 +1,4 @@
-// Cloth against cloth, itself included: vertices near triangles and edges near edges. A search foresees uniform motion
+// Surface against surface, itself included: points near triangles and edges near edges. A search foresees uniform motion
 // for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could come
 // close then, from trees of swept boxes. The guard (guard.cpp) asks for a new search before a vertex needs more, and
 // makes one along the ways really gone when one did: usually there is one search per step, and one per substep while
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloth/impl.h"
+#include "contact/impl.h"
 
 namespace feder {
 namespace {
@@ -77,85 +77,86 @@ Vec3 gap_vector(const std::uint32_t* v, bool edges, Place&& place, Real (&weight
 
 }  // namespace
 
-std::uint32_t Cloth::Impl::between_of(std::uint32_t a, std::uint32_t b) const {
+std::uint32_t SurfaceContact::Impl::between_of(std::uint32_t a, std::uint32_t b) const {
   for (std::uint32_t k = 0; k < between.size(); ++k)
     if ((between[k].a == a && between[k].b == b) || (between[k].a == b && between[k].b == a)) return k;
   return kNone;
 }
 
-bool Cloth::Impl::near_wanted(const ClothGroup& g) const {
-  for (const std::uint32_t n : g.sheets) {
-    if (sheets[n]->active() && sheets[n]->settings.self_collision) return true;
-    for (const Between& k : between)
+bool SurfaceContact::Impl::near_wanted(const SurfaceGroup& g) const {
+  for (const std::uint32_t n : g.members) {
+    if (list[n].active && list[n].self) return true;
+    for (const SurfacePair& k : between)
       if (k.a == n) return true;  // and the other one is in the group too
   }
   return false;
 }
 
-// Vertices, triangles and edges of the cloths that take part, with the boxes they may move in.
-void Cloth::Impl::list_features(ClothGroup& g, Real time, bool held) {
-  g.near_vertex.clear(), g.near_triangle.clear(), g.near_edge.clear();
-  g.drift = Vec3::Zero();
-  Real mass = 0;
+// Points, triangles and edges of the surfaces that take part, with the boxes they may move in.
+void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
+  near.near_vertex.clear(), near.near_triangle.clear(), near.near_edge.clear();
+  near.drift = Vec3::Zero();
+  Real sum = 0;
   bool free = true;
-  for (const std::uint32_t n : g.sheets) {
-    const auto& s = sheets[n];
-    free = free && !s->any_pin && s->active();
-    for (std::uint32_t i = s->first; i < s->first + s->points; ++i)
-      g.drift += vertices.mass[i] * speed[i].vec(), mass += vertices.mass[i];
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    free = free && !s.pinned && s.active;
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) near.drift += mass[i] * speed[i].vec(), sum += mass[i];
   }
-  g.drift = free ? Vec3(g.drift / mass) : Vec3(0, 0, 0);
-  vertex_box.resize(vertices.size()), found_place.resize(vertices.size()), found_speed.resize(vertices.size());
-  stray.resize(vertices.size());
-  near_sheet.resize(vertices.size());
-  for (const std::uint32_t n : g.sheets) {
-    const auto& s = sheets[n];
-    bool takes_part = s->active() && s->settings.self_collision;
-    for (const Between& k : between) takes_part = takes_part || k.a == n || k.b == n;
+  near.drift = free ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
+  const std::uint32_t size = surfaces.size();
+  vertex_box.resize(size), found_place.resize(size), found_speed.resize(size), stray.resize(size);
+  near_surface.resize(size);
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    bool takes_part = s.active && s.self;
+    for (const SurfacePair& k : between) takes_part = takes_part || k.a == n || k.b == n;
     if (!takes_part) continue;
-    const Real half = Real(0.5) * s->settings.thickness;
-    for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
-      g.near_vertex.push_back(i);
-      near_sheet[i] = n;
+    const Real half = Real(0.5) * s.thickness;
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
+      near.near_vertex.push_back(i);
+      near_surface[i] = n;
       found_place[i] = place(i);
       found_speed[i] = moved[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
-      const Vec3 beside = found_speed[i] - g.drift, far = found_place[i] + time * beside;
-      // what the guard holds back to the g.drift strays by all of its way
-      stray[i] = moved[i].w == 0 ? Real(0) : kStray * s->settings.thickness + (held ? time * length(beside) : Real(0));
+      const Vec3 beside = found_speed[i] - near.drift, far = found_place[i] + time * beside;
+      // what the guard holds back to the drift strays by all of its way
+      stray[i] = moved[i].w == 0 ? Real(0) : kStray * s.thickness + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
       b.grow(stray[i] + Real(1.1) * half);
     }
-    for (const std::uint32_t v : s->mesh.triangles) g.near_triangle.push_back(s->first + v);
-    for (const ClothEdge& e : s->mesh.edges)
-      g.near_edge.push_back(s->first + e.a), g.near_edge.push_back(s->first + e.b);
+    for (const std::uint32_t v : s.triangles) near.near_triangle.push_back(s.first + v);
+    const std::uint32_t* ends = s.edges.ends;
+    for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride)
+      near.near_edge.push_back(s.first + ends[0]), near.near_edge.push_back(s.first + ends[1]);
   }
-  FEDER_ASSERT(g.near_triangle.size() % 3 == 0 && g.near_vertex.size() <= vertices.size());
-  g.triangle_box.resize(g.near_triangle.size() / 3), g.edge_box.resize(g.near_edge.size() / 2);
-  for (std::size_t t = 0; t < g.triangle_box.size(); ++t) {
-    g.triangle_box[t] = vertex_box[g.near_triangle[3 * t]];
-    g.triangle_box[t].include(vertex_box[g.near_triangle[3 * t + 1]]);
-    g.triangle_box[t].include(vertex_box[g.near_triangle[3 * t + 2]]);
+  FEDER_ASSERT(near.near_triangle.size() % 3 == 0 && near.near_vertex.size() <= size);
+  near.triangle_box.resize(near.near_triangle.size() / 3), near.edge_box.resize(near.near_edge.size() / 2);
+  for (std::size_t t = 0; t < near.triangle_box.size(); ++t) {
+    near.triangle_box[t] = vertex_box[near.near_triangle[3 * t]];
+    near.triangle_box[t].include(vertex_box[near.near_triangle[3 * t + 1]]);
+    near.triangle_box[t].include(vertex_box[near.near_triangle[3 * t + 2]]);
   }
-  for (std::size_t e = 0; e < g.edge_box.size(); ++e) {
-    g.edge_box[e] = vertex_box[g.near_edge[2 * e]];
-    g.edge_box[e].include(vertex_box[g.near_edge[2 * e + 1]]);
+  for (std::size_t e = 0; e < near.edge_box.size(); ++e) {
+    near.edge_box[e] = vertex_box[near.near_edge[2 * e]];
+    near.edge_box[e].include(vertex_box[near.near_edge[2 * e + 1]]);
   }
 }
 
 // Keeps the pair unless it is farther apart than it can close in `time`.
-void Cloth::Impl::add_pair(ClothGroup& g, const std::uint32_t (&v)[4], bool edges, Real time) {
-  FEDER_ASSERT(v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3] && v[2] != v[3]);
-  const std::uint32_t place_a = near_sheet[v[0]], place_b = near_sheet[v[3]];
-  FEDER_ASSERT(place_a < sheets.size() && place_b < sheets.size());
-  FEDER_ASSERT(near_sheet[v[2]] == place_b && near_sheet[v[1]] == (edges ? place_a : place_b));
-  const Sheet &a = *sheets[place_a], &b = *sheets[place_b];
+void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time) {
+  FEDER_ASSERT(v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]);
+  FEDER_ASSERT(edges || (v[0] != v[1] && v[2] != v[3]));
+  const std::uint32_t place_a = near_surface[v[0]], place_b = near_surface[v[3]];
+  FEDER_ASSERT(place_a < list.size() && place_b < list.size());
+  FEDER_ASSERT(near_surface[v[2]] == place_b && near_surface[v[1]] == (edges ? place_a : place_b));
+  const Surface &a = list[place_a], &b = list[place_b];
   const std::uint32_t both = place_a == place_b ? kNone : between_of(place_a, place_b);
-  if (place_a == place_b ? !a.active() || !a.settings.self_collision : both == kNone) return;
+  if (place_a == place_b ? !a.active || !a.self : both == kNone) return;
   Real weight[4];
   const Vec3 gap = gap_vector(
       v, edges, [&](std::uint32_t i) { return found_place[i]; }, weight);
-  const Real distance = length(gap), wanted = Real(0.5) * (a.settings.thickness + b.settings.thickness);
+  const Real distance = length(gap), wanted = Real(0.5) * (a.thickness + b.thickness);
   const std::uint32_t split = edges ? 2 : 1;
   Real closing = 0, own[2] = {0, 0};
   for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], stray[v[i]]);
@@ -177,49 +178,49 @@ void Cloth::Impl::add_pair(ClothGroup& g, const std::uint32_t (&v)[4], bool edge
   if (&a == &b) {
     Real rest_weight[4];
     const Real rest = length(gap_vector(
-        v, edges, [&](std::uint32_t i) { return vertices.rest[i]; }, rest_weight));
+        v, edges, [&](std::uint32_t i) { return a.rest[i - a.first]; }, rest_weight));
     p.thickness = std::min(wanted, kRestShare * rest);
   }
-  g.pairs.push_back(p);
+  near.pairs.push_back(p);
 }
 
-void Cloth::Impl::find_pairs(ClothGroup& g, Real time, bool held) {
-  g.pairs_stale = false;
-  g.since_found = 0;
-  g.pairs.clear();
-  list_features(g, time, held);
-  // trees of the step's first search serve the others too, but not the next step: the order of g.pairs must follow from
+void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
+  near.pairs_stale = false;
+  near.since_found = 0;
+  near.pairs.clear();
+  list_features(g, near, time, held);
+  // trees of the step's first search serve the others too, but not the next step: the order of near.pairs must follow from
   // the state at the start of a step
-  const std::span<const Aabb> triangle_boxes(g.triangle_box.data(), g.triangle_box.size()),
-      edge_boxes(g.edge_box.data(), g.edge_box.size());
-  g.trees_stale ? g.triangle_tree.build(triangle_boxes) : g.triangle_tree.refit(triangle_boxes);
-  g.trees_stale ? g.edge_tree.build(edge_boxes) : g.edge_tree.refit(edge_boxes);
-  g.trees_stale = false;
-  for (const std::uint32_t i : g.near_vertex) {
+  const std::span<const Aabb> triangle_boxes(near.triangle_box.data(), near.triangle_box.size()),
+      edge_boxes(near.edge_box.data(), near.edge_box.size());
+  near.trees_stale ? near.triangle_tree.build(triangle_boxes) : near.triangle_tree.refit(triangle_boxes);
+  near.trees_stale ? near.edge_tree.build(edge_boxes) : near.edge_tree.refit(edge_boxes);
+  near.trees_stale = false;
+  for (const std::uint32_t i : near.near_vertex) {
     found.clear();
-    g.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
+    near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
     for (const std::uint32_t t : found) {
-      FEDER_ASSERT(t < g.triangle_box.size());
-      const std::uint32_t* k = &g.near_triangle[3 * t];
+      FEDER_ASSERT(t < near.triangle_box.size());
+      const std::uint32_t* k = &near.near_triangle[3 * t];
       if (k[0] == i || k[1] == i || k[2] == i) continue;
-      add_pair(g, {i, k[0], k[1], k[2]}, false, time);
+      add_pair(near, {i, k[0], k[1], k[2]}, false, time);
     }
   }
-  for (std::uint32_t e = 0; e < g.edge_box.size(); ++e) {
+  for (std::uint32_t e = 0; e < near.edge_box.size(); ++e) {
     found.clear();
-    g.edge_tree.query(g.edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
-    const std::uint32_t a = g.near_edge[2 * e], b = g.near_edge[2 * e + 1];
+    near.edge_tree.query(near.edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
+    const std::uint32_t a = near.near_edge[2 * e], b = near.near_edge[2 * e + 1];
     for (const std::uint32_t f : found) {
-      FEDER_ASSERT(f > e && f < g.edge_box.size());  // each pair once
-      const std::uint32_t p = g.near_edge[2 * f], q = g.near_edge[2 * f + 1];
+      FEDER_ASSERT(f > e && f < near.edge_box.size());  // each pair once
+      const std::uint32_t p = near.near_edge[2 * f], q = near.near_edge[2 * f + 1];
       if (a == p || a == q || b == p || b == q) continue;
-      add_pair(g, {a, b, p, q}, true, time);
+      add_pair(near, {a, b, p, q}, true, time);
     }
   }
 }
 
 // Normal, distance and weights now.
-void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
+void SurfaceContact::Impl::measure(NearPair& p, Real (&weight)[4]) const {
   const Vec3 gap = gap_vector(
       p.v, p.edges, [&](std::uint32_t i) { return place(i); }, weight);
   p.distance = length(gap);
@@ -227,25 +228,25 @@ void Cloth::Impl::measure(NearPair& p, Real (&weight)[4]) const {
 }
 
 // Where something strikes faster than the candidates foresee, a substep is searched and guarded in parts.
-int Cloth::Impl::near_parts(const ClothGroup& g, StepContext& c) const {
+int SurfaceContact::Impl::near_parts(const SurfaceGroup& g, StepContext& c) const {
   Real most = 1;
-  for (const std::uint32_t n : g.sheets)
-    if (const auto& s = sheets[n]; s->active())
-      most = std::max(most, std::min(c.h * s->strike / (Real(0.5) * s->settings.thickness), Real(kMostParts)));
+  for (const std::uint32_t n : g.members)
+    if (const Surface& s = list[n]; s.active)
+      most = std::max(most, std::min(c.h * s.strike / (Real(0.5) * s.thickness), Real(kMostParts)));
   FEDER_ASSERT(most >= 1 && most <= kMostParts);
   return std::min(static_cast<int>(std::ceil(most)), g.steps);
 }
 
-void Cloth::Impl::make_near_rows(ClothGroup& g, Real time, Real part) {
+void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part) {
   g.near_rows.clear();
   guard_start.resize(moved.size());
-  for (const std::uint32_t n : g.sheets) {
-    const auto first = moved.begin() + sheets[n]->first;
-    std::copy(first, first + sheets[n]->total, guard_start.begin() + sheets[n]->first);
+  for (const std::uint32_t n : g.members) {
+    const auto first = moved.begin() + list[n].first;
+    std::copy(first, first + list[n].total, guard_start.begin() + list[n].first);
   }
-  if (g.pairs_stale) find_pairs(g, time, false);
-  for (NearPair& p : g.pairs) {
-    p.live = g.since_found + part >= p.idle;
+  if (near.pairs_stale) find_pairs(g, near, time, false);
+  for (NearPair& p : near.pairs) {
+    p.live = near.since_found + part >= p.idle;
     if (!p.live) continue;
     Real weight[4];
     measure(p, weight);
@@ -259,44 +260,44 @@ void Cloth::Impl::make_near_rows(ClothGroup& g, Real time, Real part) {
     if (held > 2 * (1 - kFreeShare)) continue;
     const Real closing = std::max(-dot(u, p.normal), Real(0));
     if (p.distance > kNear * p.thickness + 2 * part * closing) continue;
-    ClothRow r;
+    SurfaceRow r;
     std::copy(p.v, p.v + 4, r.vertex);
     std::copy(weight, weight + 4, r.weight);
     r.normal = p.normal;
     r.offset = p.distance - p.thickness - dot(p.normal, d);
-    const Sheet &a = *sheets[near_sheet[p.v[0]]], &b = *sheets[near_sheet[p.v[3]]];
+    const Surface &a = list[near_surface[p.v[0]]], &b = list[near_surface[p.v[3]]];
     FEDER_ASSERT((p.between == kNone) == (&a == &b) && (p.between == kNone || p.between < between.size()));
     r.touch = p.between;
-    r.friction = std::sqrt(a.settings.friction * b.settings.friction);
-    r.relaxation = std::min(a.solver->relaxation(), b.solver->relaxation());
+    r.friction = std::sqrt(a.friction * b.friction);
+    r.relaxation = std::min(a.relaxation, b.relaxation);
     g.near_rows.push_back(r);
   }
 }
 
-// What the rows between two cloths did. Self-contact has no events.
-void Cloth::Impl::collect_near(const ClothGroup& g) {
-  for (const ClothRow& r : g.near_rows) {
+// What the rows between two surfaces did. Self-contact has no events.
+void SurfaceContact::Impl::collect_near(const SurfaceGroup& g) {
+  for (const SurfaceRow& r : g.near_rows) {
     if (r.touch == kNone || r.impulse == 0) continue;
-    Between& k = between[r.touch];
+    SurfacePair& k = between[r.touch];
     k.impulse += r.impulse;
     if (!(r.impulse > k.strongest)) continue;
     k.strongest = r.impulse, k.speed = r.approach;
-    const bool turned = near_sheet[r.vertex[0]] != k.a;
+    const bool turned = near_surface[r.vertex[0]] != k.a;
     const std::uint32_t at = r.vertex[turned ? 3 : 0];
-    FEDER_ASSERT(near_sheet[at] == k.a && near_sheet[r.vertex[turned ? 0 : 3]] == k.b);
-    k.index = at - sheets[k.a]->first, k.point = place(at), k.normal = turned ? r.normal : Vec3(-r.normal);
+    FEDER_ASSERT(near_surface[at] == k.a && near_surface[r.vertex[turned ? 0 : 3]] == k.b);
+    k.index = at - list[k.a].first, k.point = place(at), k.normal = turned ? r.normal : Vec3(-r.normal);
   }
 }
 
-// Momentum that vertex k of a row between two cloths got: by what it really changed, or, when held, by what the pin
+// Momentum that vertex k of a row between two surfaces got: by what it really changed, or, when held, by what the pin
 // took.
-void Cloth::Impl::account(const ClothRow& r, int k, const Vec3& change, const Vec3& wanted, Real h) {
-  Between& pair = between[r.touch];
+void SurfaceContact::Impl::account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h) {
+  SurfacePair& pair = between[r.touch];
   const std::uint32_t i = r.vertex[k];
-  FEDER_ASSERT(h > 0 && (near_sheet[i] == pair.a || near_sheet[i] == pair.b));
-  double(&to)[3] = pair.given[near_sheet[i] == pair.a ? 0 : 1];
+  FEDER_ASSERT(h > 0 && (near_surface[i] == pair.a || near_surface[i] == pair.b));
+  double(&to)[3] = pair.given[near_surface[i] == pair.a ? 0 : 1];
   const bool held = moved[i].w == 0;
-  const double scale = (held ? 1.0 : static_cast<double>(vertices.mass[i])) / static_cast<double>(h);
+  const double scale = (held ? 1.0 : static_cast<double>(mass[i])) / static_cast<double>(h);
   for (int j = 0; j < 3; ++j) to[j] += scale * static_cast<double>(held ? wanted[j] : change[j]);
 }
 

@@ -6,7 +6,7 @@
 // the guard acts where they failed. Its corrections are counted in the residuals.
 #include <algorithm>
 
-#include "cloth/impl.h"
+#include "contact/impl.h"
 
 namespace feder {
 namespace {
@@ -17,27 +17,27 @@ constexpr Real kSearched = Real(0.999);  // of the way that the search allows
 }  // namespace
 
 // Where a vertex is, beside where it was foreseen to be.
-Vec3 Cloth::Impl::astray(const ClothGroup& g, std::uint32_t i) const {
-  return place(i) - found_place[i] - g.since_found * found_speed[i];
+Vec3 SurfaceContact::Impl::astray(const NearSearch& near, std::uint32_t i) const {
+  return place(i) - found_place[i] - near.since_found * found_speed[i];
 }
 
 // Is every vertex where the search allowed it to be? The search is made anew for the next part when one has used most
 // of that, or is about to.
-bool Cloth::Impl::near_path(ClothGroup& g, Real part) {
+bool SurfaceContact::Impl::near_path(NearSearch& near, Real part) {
   bool good = true;
-  for (const std::uint32_t i : g.near_vertex) {
-    FEDER_ASSERT(near_sheet[i] < sheets.size() && !(stray[i] < 0));
+  for (const std::uint32_t i : near.near_vertex) {
+    FEDER_ASSERT(near_surface[i] < list.size() && !(stray[i] < 0));
     if (moved[i].w == 0) continue;
-    const Real far = length(astray(g, i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
-    const Real most = Real(0.75) * kStray * sheets[near_sheet[i]]->settings.thickness;
-    g.pairs_stale = g.pairs_stale || far > most || part * faster > most;
+    const Real far = length(astray(near, i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
+    const Real most = Real(0.75) * kStray * list[near_surface[i]].thickness;
+    near.pairs_stale = near.pairs_stale || far > most || part * faster > most;
     good = good && !(far > stray[i]);
   }
   return good;
 }
 
 // Are the features apart along the normal? With `push`, moves those that are not.
-bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
+bool SurfaceContact::Impl::separate(NearPair& p, Real h, bool push) {
   if (!p.live) return true;
   FEDER_ASSERT(is_direction(p.normal) && !(p.distance < 0));
   const std::uint32_t split = p.edges ? 2 : 1;
@@ -49,6 +49,7 @@ bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
     for (std::uint32_t j = split; j < 4; ++j) {
       const Real gap = along[i] - along[j];
       if (gap >= wanted) continue;
+      if (p.edges && ((i == 1 && p.v[1] == p.v[0]) || (j == 3 && p.v[3] == p.v[2]))) continue;  // a point: once
       good = false;
       Row4 &a = moved[p.v[i]], &b = moved[p.v[j]];
       const Real w = a.w + b.w;
@@ -63,7 +64,7 @@ bool Cloth::Impl::separate(NearPair& p, Real h, bool push) {
 }
 
 // The first vertex of the group that `i` is held with.
-std::uint32_t Cloth::Impl::held_root(std::uint32_t i) {
+std::uint32_t SurfaceContact::Impl::held_root(std::uint32_t i) {
   FEDER_ASSERT(held_with[i] != kNone);
   while (held_with[i] != i) {
     FEDER_ASSERT(held_with[i] < i);  // the first of a group is its root
@@ -77,9 +78,9 @@ std::uint32_t Cloth::Impl::held_root(std::uint32_t i) {
 // of their motion beside it as leaves all of them apart; the same share for all, so that momentum is kept. Without that
 // share they are as far apart as they were, so growing the zones until no pair is left ends. A zone with a held vertex
 // in it has no common velocity.
-void Cloth::Impl::hold_back(ClothGroup& g, Real part) {
+void SurfaceContact::Impl::hold_back(NearSearch& near, Real part) {
   held_with.resize(moved.size()), wished.resize(moved.size());
-  for (const std::uint32_t i : g.near_vertex) held_with[i] = kNone, wished[i] = moved[i];
+  for (const std::uint32_t i : near.near_vertex) held_with[i] = kNone, wished[i] = moved[i];
   const auto join = [&](std::uint32_t& root, std::uint32_t i) {
     const bool fresh = held_with[i] == kNone;
     if (fresh) held_with[i] = i, ++guarded;
@@ -89,20 +90,20 @@ void Cloth::Impl::hold_back(ClothGroup& g, Real part) {
     root = std::min(root, other);
     return fresh || merged;
   };
-  for (const std::uint32_t i : g.near_vertex) {
+  for (const std::uint32_t i : near.near_vertex) {
     std::uint32_t root = kNone;
-    if (moved[i].w != 0 && length(astray(g, i)) > stray[i]) join(root, i);
+    if (moved[i].w != 0 && length(astray(near, i)) > stray[i]) join(root, i);
   }
   for (bool grown = true; grown;) {
-    move_zones(g, part);
+    move_zones(near, part);
     grown = false;
-    for (NearPair& p : g.pairs) {
+    for (NearPair& p : near.pairs) {
       if (separate(p, 1, false)) continue;
       std::uint32_t root = kNone;
       for (const std::uint32_t i : p.v) grown = join(root, i) || grown;
     }
   }
-  for (const std::uint32_t i : g.near_vertex) {
+  for (const std::uint32_t i : near.near_vertex) {
     if (held_with[i] == kNone || moved[i].w == 0) continue;
     const Zone& z = zones[held_root(i)];
     speed[i].set(z.velocity + z.freedom * (speed[i].vec() - z.velocity));
@@ -117,32 +118,32 @@ Real share_within(const Vec3& a, const Vec3& b, Real r) {
 }
 
 // Velocities of the zones, and their vertices moved by them, as far as the search allows.
-void Cloth::Impl::move_zones(const ClothGroup& g, Real part) {
+void SurfaceContact::Impl::move_zones(const NearSearch& near, Real part) {
   FEDER_ASSERT(wished.size() == moved.size() && guard_start.size() == moved.size());
   zones.resize(moved.size());
-  for (const std::uint32_t i : g.near_vertex) zones[i] = Zone();
+  for (const std::uint32_t i : near.near_vertex) zones[i] = Zone();
   const auto each = [&](auto&& f) {
-    for (const std::uint32_t i : g.near_vertex)
+    for (const std::uint32_t i : near.near_vertex)
       if (held_with[i] != kNone) f(i, zones[held_root(i)]);
   };
   each([&](std::uint32_t i, Zone& z) {
     z.held = z.held || moved[i].w == 0;
-    z.velocity += vertices.mass[i] * speed[i].vec(), z.mass += vertices.mass[i];
+    z.velocity += mass[i] * speed[i].vec(), z.mass += mass[i];
   });
-  for (const std::uint32_t i : g.near_vertex)
+  for (const std::uint32_t i : near.near_vertex)
     if (held_with[i] == i) zones[i].velocity = zones[i].held ? Vec3(0, 0, 0) : Vec3(zones[i].velocity / zones[i].mass);
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
-    moved[i].set(guard_start[i].vec() + part * g.drift);
+    moved[i].set(guard_start[i].vec() + part * near.drift);
     if (!z.held)
-      z.share = std::min(z.share, share_within(astray(g, i), part * (z.velocity - g.drift), kSearched * stray[i]));
+      z.share = std::min(z.share, share_within(astray(near, i), part * (z.velocity - near.drift), kSearched * stray[i]));
   });
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
-    if (!z.held) moved[i].add((part * z.share) * (z.velocity - g.drift));
-    z.freedom = std::min(z.freedom, share_within(astray(g, i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
+    if (!z.held) moved[i].add((part * z.share) * (z.velocity - near.drift));
+    z.freedom = std::min(z.freedom, share_within(astray(near, i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
   });
-  for (const NearPair& p : g.pairs)
+  for (const NearPair& p : near.pairs)
     if (p.live && held_with[p.v[0]] != kNone) {
       Zone& z = zones[held_root(p.v[0])];
       z.freedom = std::min(z.freedom, freedom(p));
@@ -153,7 +154,7 @@ void Cloth::Impl::move_zones(const ClothGroup& g, Real part) {
 }
 
 // Which share of the way from `moved` to `wished` keeps the pair apart, if it is within one zone.
-Real Cloth::Impl::freedom(const NearPair& p) {
+Real SurfaceContact::Impl::freedom(const NearPair& p) {
   const std::uint32_t root = held_root(p.v[0]), split = p.edges ? 2 : 1;
   Real now[4], wish[4], share = 1;
   for (int k = 0; k < 4; ++k) {
@@ -173,45 +174,45 @@ Real Cloth::Impl::freedom(const NearPair& p) {
 
 // Searches this part anew, from where it began, along the ways that vertices really went: some left those that the
 // search ahead foresaw, or are to be held back, which asks for more pairs.
-void Cloth::Impl::widen(ClothGroup& g, Real part) {
+void SurfaceContact::Impl::widen(const SurfaceGroup& g, NearSearch& near, Real part) {
   FEDER_ASSERT(swapped.empty());
   wished.resize(moved.size());
-  for (const std::uint32_t i : g.near_vertex) wished[i] = moved[i];
-  for (const std::uint32_t i : g.near_vertex) {
+  for (const std::uint32_t i : near.near_vertex) wished[i] = moved[i];
+  for (const std::uint32_t i : near.near_vertex) {
     if (moved[i].w == 0) continue;
     swapped.push_back(speed[i]);
     speed[i].set((moved[i].vec() - guard_start[i].vec()) / part);
     moved[i].set(guard_start[i].vec());
   }
-  find_pairs(g, part, true);
-  for (NearPair& p : g.pairs) {
+  find_pairs(g, near, part, true);
+  for (NearPair& p : near.pairs) {
     Real weight[4];
     measure(p, weight);
     p.live = 1;
   }
   std::size_t n = 0;
-  for (const std::uint32_t i : g.near_vertex)
+  for (const std::uint32_t i : near.near_vertex)
     if (moved[i].w != 0) moved[i] = wished[i], speed[i] = swapped[n++];
   FEDER_ASSERT(n == swapped.size());  // the search lists the same vertices again
   swapped.clear();
-  g.since_found = part;
-  g.pairs_stale = true;
+  near.since_found = part;
+  near.pairs_stale = true;
   ++widened;
 }
 
-void Cloth::Impl::guard(ClothGroup& g, Real part) {
+void SurfaceContact::Impl::guard(const SurfaceGroup& g, NearSearch& near, Real part) {
   FEDER_ASSERT(part > 0);
-  g.since_found += part;
-  bool wide = !near_path(g, part);
-  if (wide) widen(g, part);
+  near.since_found += part;
+  bool wide = !near_path(near, part);
+  if (wide) widen(g, near, part);
   bool good = false;
   for (int pass = 0; pass < kPasses && !good; ++pass) {
     good = true;
-    for (NearPair& p : g.pairs) good = separate(p, part, true) && good;
+    for (NearPair& p : near.pairs) good = separate(p, part, true) && good;
   }
-  if (good && near_path(g, part)) return;
-  if (!wide) widen(g, part);
-  hold_back(g, part);
+  if (good && near_path(near, part)) return;
+  if (!wide) widen(g, near, part);
+  hold_back(near, part);
 }
 
 }  // namespace feder

@@ -1,0 +1,196 @@
+// Before a step: boxes of all surfaces, swept over it, say which pairs may touch. The loop of solver substeps finds and
+// solves the contacts of those pairs together with self-contact, in one search, because a fold that lies on another
+// cloth is one pile; both sides get the opposite impulse at the same moment. After the step: what each side really got
+// makes the mismatch of the residuals, and contacts begin and end. A sleeper that is touched by what moves wakes.
+// Kept between steps: who touches whom.
+#include <algorithm>
+#include <cmath>
+
+#include "contact/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kHaste = Real(1.5);  // of the fastest point: others may be drawn along faster in the step
+
+}  // namespace
+
+const SystemDescriptor& SurfaceContact::descriptor() {
+  static const char* const joins[] = {"springs"};  // cloth asks for it
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<SurfaceContact>(setup);
+                                     }};
+  return d;
+}
+
+SurfaceContact::SurfaceContact(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
+SurfaceContact::~SurfaceContact() = default;
+
+SurfaceContact::Impl::Impl(SystemSetup& s)
+    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), events(s.events),
+      surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list), position(surfaces.position), mass(surfaces.mass),
+      moved(surfaces.moved), before(surfaces.before), speed(surfaces.speed), between(surfaces.pairs),
+      mover_surface(&arena), joined_to(&arena), vertex_box(&arena), found_place(&arena), found_speed(&arena),
+      stray(&arena), found(&arena), guard_start(&arena), held_with(&arena), zones(&arena), wished(&arena),
+      swapped(&arena), near_surface(&arena), box(&arena), touches(&arena) {}
+
+void SurfaceContact::add_passes(StepPlan& plan) {
+  Impl* m = impl_.get();
+  m->sync();
+  m->surfaces.forget();  // what it names may be gone
+  m->surfaces.movers = m->store.find<Movers>();
+  if (!m->surfaces.wanted()) return;
+  plan.add<&Impl::begin_step>(Rank::surface_begin, "begin", kName, m);
+  plan.add<&Impl::list_pairs>(Rank::surface_pairs, "who may touch", kName, m);
+  plan.add<&Impl::form_groups>(Rank::surface_groups, "groups", kName, m);
+  plan.add<&Impl::begin_substep>(Rank::surface_movers, "movers", kName, m);
+  plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
+  plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);
+  plan.add<&Impl::advance_movers>(Rank::surface_bodies, "bodies", kName, m);
+  plan.add<&Impl::solve_holds>(Rank::surface_holds, "attachments", kName, m);
+  plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
+  plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
+  plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
+  plan.add<&Impl::project>(Rank::surface_project, "non-penetration", kName, m);
+  plan.add<&Impl::finish>(Rank::surface_events, "touches", kName, m);
+}
+
+std::size_t SurfaceContact::count() const { return impl_->touches.size(); }
+
+void SurfaceContact::Impl::begin_step(StepContext&) {
+  surfaces.begin();
+  surfaces.row_updates = 0;
+  guarded = widened = 0;
+  mismatch = given = 0;
+}
+
+const Surface* SurfaceContact::Impl::surface_of(ObjectId object) const {
+  for (const Surface& s : list)
+    if (s.object == object) return &s;
+  return nullptr;
+}
+
+void SurfaceContact::Impl::wake(ObjectId sleeper, ObjectId other) {
+  const bool cloth = objects.alive(other) && objects.kind(other) == ObjectKind::cloth;
+  surfaces.wakes.push_back({sleeper, other, cloth ? WakeCause::cloth : WakeCause::contact});
+}
+
+// A contact with what is gone ends; the other one wakes.
+void SurfaceContact::Impl::sync() {
+  for (const Touch& t : touches) {
+    if (objects.alive(t.a) && objects.alive(t.b)) continue;
+    for (const auto& [left, gone] : {std::pair(t.a, t.b), std::pair(t.b, t.a)})
+      if (objects.alive(left)) surfaces.wakes.push_back({left, gone, WakeCause::destroyed});
+    events.add_pending(event(EventKind::contact_end, t));
+  }
+  std::erase_if(touches, [&](const Touch& t) { return !objects.alive(t.a) || !objects.alive(t.b); });
+}
+
+// Where a surface may be in this step, whatever strikes it.
+Aabb SurfaceContact::Impl::reach(const Surface& s, StepContext& c) const {
+  FEDER_ASSERT(s.count > 0 && s.first + s.total <= surfaces.size());
+  Aabb all;
+  for (std::uint32_t i = s.first; i < s.first + s.count; ++i) all.include(position[i]);
+  const Real haste = kHaste * s.fastest + s.strike + (s.active ? c.dt * length(c.gravity) : Real(0));
+  all.grow(s.thickness + c.dt * haste);
+  return all;
+}
+
+void SurfaceContact::Impl::list_pairs(StepContext& c) {
+  for (Touch& t : touches) t.seen = 0;
+  FEDER_ASSERT(between.empty());  // of this step there are none yet
+  pairs_seen = 0;
+  const auto count = static_cast<std::uint32_t>(list.size());
+  if (count < 2) return;
+  box.resize(count);
+  for (std::uint32_t n = 0; n < count; ++n) box[n] = reach(list[n], c);
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t j = i + 1; j < count; ++j) {
+      const Surface &a = list[i], &b = list[j];
+      if ((!a.active && !b.active) || !(a.group & b.mask) || !(b.group & a.mask)) continue;
+      if (!overlaps(box[i], box[j])) continue;
+      SurfacePair k;
+      k.a = a.object < b.object ? i : j, k.b = a.object < b.object ? j : i;
+      between.push_back(k);
+    }
+  pairs_seen = between.size();
+}
+
+// What the step did to a pair.
+void SurfaceContact::Impl::gather(const SurfacePair& k) {
+  for (int j = 0; j < 3; ++j) mismatch = std::max(mismatch, std::abs(k.given[0][j] + k.given[1][j]));
+  given += static_cast<double>(k.impulse);
+  if (!(k.impulse > 0)) return;
+  const ObjectId a = list[k.a].object, b = list[k.b].object;
+  FEDER_ASSERT(a < b && k.index < list[k.a].count);
+  FEDER_ASSERT(is_direction(k.normal) && !(k.strongest > Real(1.001) * k.impulse));
+  auto t = std::find_if(touches.begin(), touches.end(), [&](const Touch& x) { return x.a == a && x.b == b; });
+  if (t == touches.end()) {
+    Touch fresh;
+    fresh.a = a, fresh.b = b;
+    t = touches.insert(
+        std::find_if(touches.begin(), touches.end(), [&](const Touch& x) { return a != x.a ? a < x.a : b < x.b; }),
+        fresh);
+  }
+  t->what = k;
+  t->seen = 1;
+}
+
+Event SurfaceContact::Impl::event(EventKind kind, const Touch& t) {
+  begun.count(kind);
+  Event e;
+  e.kind = kind;
+  e.a = t.a, e.b = t.b;
+  e.index = t.what.index, e.point = t.what.point, e.normal = t.what.normal;
+  e.speed = t.what.speed, e.impulse = t.what.impulse;
+  return e;
+}
+
+void SurfaceContact::Impl::report(Touch& t, StepContext& c) {
+  const Surface *a = surface_of(t.a), *b = surface_of(t.b);
+  FEDER_ASSERT(!t.seen || (a && b));
+  if (a && b) {
+    if (!a->active && !b->active && t.begun) t.seen = 1;  // nothing has moved
+    if (t.seen && !a->active && b->active && !b->calm) wake(t.a, t.b);
+    if (t.seen && !b->active && a->active && !a->calm) wake(t.b, t.a);
+  }
+  if (t.seen && !t.begun) {
+    c.events->add(event(EventKind::contact_begin, t));
+    if (c.events->wanted(EventKind::hit)) c.events->add(event(EventKind::hit, t));
+  } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
+    c.events->add(event(EventKind::contact_stay, t));
+  } else if (!t.seen && t.begun) {
+    c.events->add(event(EventKind::contact_end, t));
+  }
+  t.begun = t.seen;
+}
+
+void SurfaceContact::Impl::finish(StepContext& c) {
+  for (const SurfacePair& k : between) gather(k);
+  for (Touch& t : touches) report(t, c);
+  std::erase_if(touches, [](const Touch& t) { return !t.begun; });
+}
+
+void SurfaceContact::hash(Hash& h) const {
+  for (const Impl::Touch& t : impl_->touches) h.add(t.a.slot), h.add(t.b.slot);
+}
+
+void SurfaceContact::save(Writer& w) const { w.list(impl_->touches); }
+
+void SurfaceContact::load(Reader& r) {
+  r.list(impl_->touches);
+  impl_->begun.set(impl_->touches.size());
+  impl_->surfaces.forget();
+  impl_->surfaces.wakes.clear();
+}
+
+void SurfaceContact::residuals(std::vector<Residual>& out) const {
+  const Impl& m = *impl_;
+  out.push_back({"contact.guarded", static_cast<double>(m.guarded)});
+  out.push_back({"contact.widened", static_cast<double>(m.widened)});
+  out.push_back({"contact.impulse_mismatch", m.given > 0 ? m.mismatch / m.given : 0});
+  out.push_back({"contact.impulse_ns", m.given});
+  out.push_back({"contact.pairs", static_cast<double>(m.pairs_seen)});
+}
+
+}  // namespace feder

@@ -1,0 +1,59 @@
+// Groups of surfaces: connected over pairs that may touch in this step, and over dynamic bodies that two of them act on
+// (couplings tell); static and kinematic bodies connect nothing. A group takes the largest count of solver substeps
+// of its members, so the hungriest cloth of a scene does not make all pay. Surfaces of different groups do not meet
+// within a step: pairs and candidates are found for the whole of it.
+#include <algorithm>
+
+#include "contact/impl.h"
+
+namespace feder {
+
+// The first surface of those that n has been joined with.
+std::uint32_t SurfaceContact::Impl::first_of(std::uint32_t n) {
+  while (joined_to[n] != n) n = joined_to[n] = joined_to[joined_to[n]];
+  return n;
+}
+
+void SurfaceContact::Impl::join(std::uint32_t a, std::uint32_t b) {
+  a = first_of(a), b = first_of(b);
+  joined_to[std::max(a, b)] = std::min(a, b);
+}
+
+void SurfaceContact::Impl::form_groups(StepContext& c) {
+  const std::uint32_t count = static_cast<std::uint32_t>(list.size());
+  joined_to.resize(count);
+  for (std::uint32_t n = 0; n < count; ++n) joined_to[n] = n;
+  for (const SurfacePair& k : between) join(k.a, k.b);
+  mover_surface.assign(surfaces.movers ? surfaces.movers->state.size() : 0, kNone);
+  for (const Surfaces::Connection& l : surfaces.connections) {
+    if (l.mover == 0) {
+      join(l.a, l.b);
+      continue;
+    }
+    FEDER_ASSERT(l.mover < mover_surface.size());
+    std::uint32_t& first = mover_surface[l.mover];
+    if (first == kNone) first = l.a;
+    join(first, l.a);
+  }
+  surfaces.connections.clear();
+
+  std::size_t& groups = surfaces.group_count;
+  groups = 0;
+  for (std::uint32_t n = 0; n < count; ++n) {
+    Surface& s = list[n];
+    const std::uint32_t first = first_of(n);
+    FEDER_ASSERT(first <= n);
+    s.loop = first == n ? static_cast<std::uint32_t>(groups) : list[first].loop;
+    if (first == n && ++groups > surfaces.groups.size())
+      surfaces.groups.push_back(std::make_unique<SurfaceGroup>(surfaces.arena));
+    if (groups > searches.size()) searches.push_back(std::make_unique<NearSearch>(arena));
+    SurfaceGroup& g = *surfaces.groups[s.loop];
+    if (first == n) g.begin(), searches[s.loop]->begin();
+    g.members.push_back(n);
+    if (s.active) g.steps = std::max(g.steps, static_cast<int>(s.steps));
+  }
+  for (std::size_t k = 0; k < groups; ++k)
+    if (SurfaceGroup& g = *surfaces.groups[k]; g.steps > 0) g.step = c.h / static_cast<Real>(g.steps);
+}
+
+}  // namespace feder

@@ -1,0 +1,130 @@
+// The parts of contact that its files share. Private to the module.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "base/checks.h"
+#include "contact/event_balance.h"
+#include "contact/near_search.h"
+#include "contact/surface_contact.h"
+
+namespace feder {
+
+// Points that the guard moves as one.
+struct Zone {
+  Vec3 velocity = Vec3::Zero();  // their momentum while it is summed up, m/s
+  Real mass = 0;
+  Real share = 1;     // of the way it would go with that velocity
+  Real freedom = 1;   // of its points' motion beside it
+  bool held = false;  // a pinned point is in it
+};
+
+struct SurfaceContact::Impl {
+  explicit Impl(SystemSetup& setup);
+
+  Arena& arena;
+  Store& store;
+  Objects& objects;
+  Events& events;
+  Surfaces& surfaces;
+  // of surfaces, by short names
+  Array<Surface>& list;
+  Array<Vec3>& position;
+  Array<Real>& mass;
+  Array<Row4>&moved, &before, &speed;
+  Array<SurfacePair>& between;
+  std::vector<std::unique_ptr<NearSearch>> searches;  // by group
+
+  // groups.cpp
+  Array<std::uint32_t> mover_surface;  // by mover: the first surface connected to it
+  Array<std::uint32_t> joined_to;      // by surface: an earlier one of its group, or itself
+
+  // closeness, by point; each group writes those of its own
+  Array<Aabb> vertex_box;                // swept over the rest of the step, beside the drift
+  Array<Vec3> found_place, found_speed;  // by point, when the boxes were made
+  Array<Real> stray;                     // by point: what it may depart from that motion, m
+  Array<std::uint32_t> found;
+  Array<Row4> guard_start;                 // displacements at the start of the part
+  Array<std::uint32_t> held_with;          // by point: one of its zone, or kNone: not held
+  Array<Zone> zones;                       // by lowest point
+  Array<Row4> wished;                      // displacements before the zones were made
+  Array<Row4> swapped;                     // speeds while the guard searches
+  Array<std::uint32_t> near_surface;       // by point: its surface
+  std::uint64_t guarded = 0, widened = 0;  // corrections and second searches of the last step
+
+  // Two things in contact, over steps.
+  struct Touch {
+    ObjectId a, b;            // a < b
+    std::uint32_t seen = 0;   // in this step
+    std::uint32_t begun = 0;  // reported
+    SurfacePair what;         // of this step
+  };
+  Array<Aabb> box;                   // by surface
+  Array<Touch> touches;              // in the order of the objects
+  double mismatch = 0, given = 0;    // N s, of the last step
+  std::size_t pairs_seen = 0;        // that might touch in the last step
+  EventBalance begun;
+
+  // Passes: of the step, of the substep, of the loop of solver substeps, of the step.
+  void begin_step(StepContext& c);
+  void list_pairs(StepContext& c);
+  void form_groups(StepContext& c);
+  void begin_substep(StepContext& c);
+  void find_near(StepContext& c);
+  void coast(StepContext& c);
+  void advance_movers(StepContext& c);
+  void solve_holds(StepContext& c);
+  void solve(StepContext& c);
+  void read_velocities(StepContext& c);
+  void rebound(StepContext& c);
+  void project(StepContext& c);
+  void finish(StepContext& c);
+
+  // groups.cpp
+  SurfaceGroup& group(const StepContext& c) const { return *surfaces.groups[static_cast<std::size_t>(c.inner.group)]; }
+  NearSearch& search(const StepContext& c) const { return *searches[static_cast<std::size_t>(c.inner.group)]; }
+  std::uint32_t first_of(std::uint32_t surface);
+  void join(std::uint32_t a, std::uint32_t b);
+
+  // rows.cpp
+  void solve_rows(Array<SurfaceRow>& rows, bool near, Real h);
+  void stop_rebound(Array<SurfaceRow>& rows, bool near, Real h);
+
+  // near.cpp: pairs that may come close in this step, and their rows
+  bool near_wanted(const SurfaceGroup& g) const;
+  std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
+  Vec3 place(std::uint32_t vertex) const { return position[vertex] + moved[vertex].vec(); }
+  // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: points may stay
+  // behind.
+  void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
+  void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
+  void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
+  void measure(NearPair& p, Real (&weight)[4]) const;
+  void make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part);
+  int near_parts(const SurfaceGroup& g, StepContext& c) const;  // of a substep
+  void collect_near(const SurfaceGroup& g);
+  void account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
+  // guard.cpp: no pair crosses within a part
+  void guard(const SurfaceGroup& g, NearSearch& near, Real part);
+  Vec3 astray(const NearSearch& near, std::uint32_t vertex) const;  // beside the motion foreseen at the search, m
+  bool near_path(NearSearch& near, Real part);
+  bool separate(NearPair& p, Real h, bool push);
+  void hold_back(NearSearch& near, Real part);
+  void move_zones(const NearSearch& near, Real part);
+  Real freedom(const NearPair& p);
+  void widen(const SurfaceGroup& g, NearSearch& near, Real part);
+  std::uint32_t held_root(std::uint32_t vertex);
+
+  // book.cpp
+  void sync();
+  const Surface* surface_of(ObjectId object) const;
+  Aabb reach(const Surface& s, StepContext& c) const;
+  void gather(const SurfacePair& k);
+  void report(Touch& t, StepContext& c);
+  void wake(ObjectId sleeper, ObjectId other);
+  Event event(EventKind kind, const Touch& t);
+  // validate.cpp
+  void validate_group(std::size_t k) const;
+};
+
+}  // namespace feder

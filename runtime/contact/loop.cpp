@@ -1,0 +1,75 @@
+// Contact's passes in the loop of solver substeps, and what they need before it. What coasts goes straight on between
+// contacts: its own solver has been and gone, and takes what contact changed when the loop is over.
+#include <algorithm>
+
+#include "contact/impl.h"
+
+namespace feder {
+
+void SurfaceContact::Impl::begin_substep(StepContext& c) {
+  std::vector<int>& counts = c.counts(Loop::surface).count;
+  counts.clear();
+  bool any = false;
+  for (const Surface& s : list) any = any || s.active;
+  if (!any) return;
+  const std::size_t movers = std::max<std::size_t>(surfaces.movers ? surfaces.movers->state.size() : 1, 1);
+  surfaces.mover_shift.assign(movers, Vec3::Zero()), surfaces.mover_turn.assign(movers, Vec3::Zero());
+  for (std::size_t k = 0; k < surfaces.group_count; ++k) {
+    SurfaceGroup& g = *surfaces.groups[k];
+    counts.push_back(g.steps);
+    g.movers.swap(g.named);
+    g.named.clear();
+    std::sort(g.movers.begin(), g.movers.end());
+    g.movers.erase(std::unique(g.movers.begin(), g.movers.end()), g.movers.end());
+    if (g.steps == 0) continue;
+    NearSearch& near = *searches[k];
+    near.near = near_wanted(g);
+    const int parts = near.near ? near_parts(g, c) : 1;
+    near.near_every = (g.steps + parts - 1) / parts;
+  }
+}
+
+// The pairs of the coming part of the substep.
+void SurfaceContact::Impl::find_near(StepContext& c) {
+  SurfaceGroup& g = group(c);
+  NearSearch& near = search(c);
+  const int k = c.inner.index;
+  const Real part = g.step * static_cast<Real>(std::min(near.near_every, g.steps - k));
+  if (near.near && k % near.near_every == 0)
+    make_near_rows(g, near, c.dt - static_cast<Real>(c.substep) * c.h - static_cast<Real>(k) * g.step, part);
+  if (k == 0) g.crowded = near.near && !g.near_rows.empty();
+}
+
+void SurfaceContact::Impl::coast(StepContext& c) {
+  const SurfaceGroup& g = group(c);
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    if (!s.coasts || !s.active) continue;
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
+      if (moved[i].w != 0) moved[i].add(g.step * speed[i].vec());
+      before[i] = {moved[i].x, moved[i].y, moved[i].z, 1};
+    }
+  }
+}
+
+// Velocities of what coasts, by what contacts moved it.
+void SurfaceContact::Impl::read_velocities(StepContext& c) {
+  const SurfaceGroup& g = group(c);
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    if (!s.coasts || !s.active) continue;
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
+      speed[i].add((moved[i].vec() - before[i].vec()) / g.step);
+  }
+}
+
+void SurfaceContact::Impl::project(StepContext& c) {
+  const SurfaceGroup& g = group(c);
+  NearSearch& near = search(c);
+  const int k = c.inner.index;
+  if (!near.near || (!c.inner.last() && (k + 1) % near.near_every != 0)) return;
+  guard(g, near, g.step * static_cast<Real>(k % near.near_every + 1));
+  collect_near(g);
+}
+
+}  // namespace feder

@@ -1,0 +1,32 @@
+// Contact of surfaces (state/surface.h) with each other and with themselves: who may touch whom, groups that share
+// their substeps, rows, non-penetration, and what began and ended. Knows neither cloth nor nets.
+// Here are the rows of couplings, too: contact solves them, in the loop of the group, between its members' own sweeps.
+#pragma once
+#include <memory>
+
+#include "state/surface.h"
+#include "step/system.h"
+
+namespace feder {
+
+class SurfaceContact final : public System {
+ public:
+  static constexpr const char* kName = "contact";
+  static const SystemDescriptor& descriptor();
+  explicit SurfaceContact(SystemSetup& setup);
+  ~SurfaceContact() override;
+
+  void add_passes(StepPlan& plan) override;
+  std::size_t count() const override;  // pairs of things that touch now
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override;
+  void load(Reader& r) override;
+  void validate() const override;
+  void residuals(std::vector<Residual>& out) const override;  // contact.impulse_mismatch, .impulse_ns, .pairs ...
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace feder

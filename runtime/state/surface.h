@@ -1,0 +1,230 @@
+// Surfaces: how things made of points (cloth, nets) show themselves to contact. Each step their owners claim runs of
+// points and describe what lies on them; contact forms groups and finds and solves rows, couplings add rows of their
+// own. Valid from the owners' passes at cloth_prepare and net_surface to the end of the step.
+#pragma once
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/arena.h"
+#include "base/assert.h"
+#include "base/math.h"
+#include "state/events.h"
+#include "state/movers.h"
+#include "state/objects.h"
+
+namespace feder {
+
+// One row of four numbers, as the wide kernels gather them.
+struct alignas(4 * sizeof(Real)) Row4 {
+  Real x = 0, y = 0, z = 0, w = 0;
+  Vec3 vec() const { return Vec3(x, y, z); }
+  void set(const Vec3& v) { x = v[0], y = v[1], z = v[2]; }
+  void add(const Vec3& v) { x += v[0], y += v[1], z += v[2]; }
+};
+
+// Edges where their owner keeps them: the two ends of one lie together, those of the next `stride` numbers on.
+struct EdgeView {
+  const std::uint32_t* ends = nullptr;
+  std::uint32_t stride = 2, count = 0;
+};
+
+// What one thing shows. Indices of triangles and edges count from 0 within it.
+struct Surface {
+  ObjectId object;
+  std::uint32_t first = 0, count = 0, total = 0;  // run of points: visible ones, with hidden ones behind them
+  std::span<const std::uint32_t> triangles;       // three numbers each
+  EdgeView edges;
+  const Vec3* rest = nullptr;  // by point, unstrained, m; null: it does not touch itself
+  Real thickness = 0;          // m, between two layers; half of it to bodies
+  Real friction = 0;
+  Real relaxation = 1;  // of contact corrections, as its solver wants it
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  Real fastest = 0;         // m/s, of its points at the start of the step
+  Real strike = 0;          // m/s, of bodies that come at it in this step
+  std::int32_t steps = 1;   // solver substeps in a substep that it asks for
+  bool self = false;        // may touch itself
+  bool active = true;       // moves: neither asleep nor held by quarantine
+  bool calm = false;        // about to fall asleep
+  bool pinned = false;      // a point of it is held
+  bool coasts = false;      // its own solver runs once per substep: between contacts its points go straight on
+  std::uint32_t loop = 0;   // its group, in Surfaces::groups
+};
+
+// What one row of contact or closeness pushes: up to four points by weight, and a mover.
+//   C = offset + normal . (sum weight d - displacement of the mover's point)  >= 0
+// with d the displacement of a point since the start of the step.
+struct SurfaceRow {
+  std::uint32_t vertex[4] = {};
+  Real weight[4] = {};         // 0: unused
+  Vec3 normal = Vec3::Zero();  // unit; from the mover, or from the negative weights, to the positive ones
+  Real offset = 0;             // m
+  std::uint32_t mover = 0;     // solver index; 0: nothing that moves
+  Vec3 arm = Vec3::Zero();     // from the mover's centre of mass to the point, m
+  Vec3 slide = Vec3::Zero();   // velocity of the surface beside that of the mover (conveyor), m/s
+  Real friction = 0;
+  Real relaxation = 1;          // of the correction
+  std::uint32_t touch = kNone;  // who owns it, for its maker
+  // written by the solver
+  Real impulse = 0;   // along the normal in this substep, N s
+  Real returned = 0;  // the part of it that was taken out again as rebound, N s
+  Real approach = 0;  // closing speed before the first push of the substep, m/s
+};
+
+// A point held at a point of a mover: all three components.
+struct SurfaceHold {
+  std::uint32_t vertex = 0;
+  std::uint32_t mover = 0;
+  Vec3 arm = Vec3::Zero();    // m
+  Vec3 error = Vec3::Zero();  // vertex minus point at the start of the substep, less d then, m
+};
+
+// Two surfaces that may touch each other in this step, and what they did.
+struct SurfacePair {
+  std::uint32_t a = 0, b = 0;                        // in Surfaces::list; the object of a is the smaller
+  Real speed = 0;                                    // closing, of the contact that pushed most, m/s
+  Real impulse = 0, strongest = 0;                   // sum of sizes of a step and the largest of a part of it, N s
+  std::uint32_t index = 0;                           // of a point of `a` there, within its surface
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from a to b
+  double given[2][3] = {};  // momentum that points of the two really got, those held included, N s
+};
+
+// Surfaces that share their solver substeps: what one of them does in a substep may reach the others within it. Each
+// group runs its whole loop before the next.
+struct SurfaceGroup {
+  explicit SurfaceGroup(Arena& a)
+      : members(&a), rows(&a), near_rows(&a), holds(&a), named(&a), movers(&a) {}
+
+  // of a step
+  Array<std::uint32_t> members;  // in Surfaces::list, ascending; the first names the group
+  int steps = 0;                 // solver substeps in a substep; 0: none of them moves
+  Real step = 0;                 // s, of one
+  // of a substep
+  Array<SurfaceRow> rows;       // of couplings
+  Array<SurfaceRow> near_rows;  // of surface against surface
+  Array<SurfaceHold> holds;
+  Array<std::uint32_t> named;   // solver indices of what they may touch or hang on, by couplings
+  Array<std::uint32_t> movers;  // the same, each once
+  bool crowded = false;         // surface touches surface in this substep
+
+  void begin() {  // of a step
+    members.clear(), rows.clear(), near_rows.clear(), holds.clear(), named.clear();
+    steps = 0, step = 0, crowded = false;
+  }
+  bool touches() const { return !rows.empty() || !holds.empty() || !near_rows.empty(); }
+  void use_mover(std::uint32_t solver) {  // its rows may name it in this substep; 0: nothing
+    if (solver != 0) named.push_back(solver);
+  }
+};
+
+struct Surfaces {
+  explicit Surfaces(Arena& a)
+      : arena(a), list(&a), position(&a), mass(&a), moved(&a), before(&a), speed(&a), pairs(&a), connections(&a),
+        wakes(&a), mover_shift(&a), mover_turn(&a) {}
+
+  Arena& arena;
+  Array<Surface> list;  // of this step
+  // By point. Solvers and contact work on these; the first owner's points have the numbers that it gives them.
+  Array<Vec3> position;              // at the start of the step, m
+  Array<Real> mass;                  // kg
+  Array<Row4> moved, before, speed;  // displacement since then, at the start of the solver substep; velocity; w: 1/kg
+  Array<SurfacePair> pairs;
+
+  // Groups of this step, in the order of their first members; records behind the last are kept for their memory.
+  std::vector<std::unique_ptr<SurfaceGroup>> groups;
+  std::size_t group_count = 0;
+  // What connects surfaces beside closeness, told by couplings before Rank::surface_groups: a surface and a dynamic
+  // mover, or, with mover 0, two surfaces.
+  struct Connection {
+    std::uint32_t a = 0, b = 0, mover = 0;
+  };
+  Array<Connection> connections;
+  // Sleepers that contact wants awake; their owners read it behind Rank::surface_events, and before the plan.
+  struct Wake {
+    ObjectId object, other;
+    WakeCause cause = WakeCause::contact;
+  };
+  Array<Wake> wakes;
+  std::uint64_t row_updates = 0;  // of the last step: elements, contacts and holds by solver substeps
+
+  // By mover: what it has done since the start of the substep, as the running group sees it.
+  Movers* movers = nullptr;              // null: nothing moves beside surfaces
+  Array<Vec3> mover_shift, mover_turn;  // m, rad
+
+  // Who has surfaces, told when that changes: contact has passes where two things may meet, or where one of them takes
+  // its substeps in the loop (cloth) or touches itself.
+  struct Owner {
+    std::string_view name;
+    std::uint32_t count;
+    bool loops;
+  };
+  std::vector<Owner> owners;
+  void declare(std::string_view name, std::uint32_t count, bool loops) {
+    for (Owner& o : owners)
+      if (o.name == name) return void((o.count = count, o.loops = loops));
+    owners.push_back({name, count, loops});
+  }
+  bool wanted() const {
+    std::uint32_t all = 0;
+    for (const Owner& o : owners) {
+      if (o.count > 0 && o.loops) return true;
+      all += o.count;
+    }
+    return all > 1;
+  }
+  // Does this owner have surfaces that contact asks for?
+  bool shows(std::string_view name) const {
+    for (const Owner& o : owners)
+      if (o.name == name) return o.count > 0 && wanted();
+    return false;
+  }
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
+  std::size_t group_of(std::size_t n) const { return list[n].loop; }
+  // A run of `count` more points.
+  std::uint32_t claim(std::uint32_t count) {
+    const std::uint32_t first = size(), end = first + count;
+    position.resize(end), mass.resize(end), moved.resize(end), before.resize(end), speed.resize(end);
+    return first;
+  }
+  void begin() {  // of a step
+    list.clear(), pairs.clear(), connections.clear();
+    position.clear(), mass.clear(), moved.clear(), before.clear(), speed.clear();
+  }
+  // What it names is no more.
+  void forget() {
+    begin();
+    clear_rows();
+    group_count = 0;
+  }
+  void clear_rows() {  // and holds, of all groups
+    for (auto& g : groups) g->rows.clear(), g->holds.clear();
+  }
+  Vec3 mover_displacement(std::uint32_t m, const Vec3& arm) const {
+    FEDER_ASSERT(m < mover_shift.size());
+    return mover_shift[m] + cross(mover_turn[m], arm);
+  }
+  // Change of velocity along n at `arm` per impulse there, 1/kg.
+  Real mover_response(std::uint32_t m, const Vec3& arm, const Vec3& n) const {
+    if (m == 0) return 0;
+    FEDER_ASSERT(movers && m < movers->mass.size());
+    const MoverMass& mm = movers->mass[m];
+    const Vec3 turn = cross(arm, n);
+    return dot(n, mm.inv_mass_axes.cwiseProduct(n)) + dot(turn, mm.inv_inertia * turn);
+  }
+  // By displacement: correction in kg m, within a solver substep of h.
+  void push_mover(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
+    if (m == 0) return;
+    FEDER_ASSERT(h > 0);
+    const MoverMass& mm = movers->mass[m];
+    MoverState& state = movers->state[m];
+    const Vec3 shift = mm.inv_mass_axes.cwiseProduct(correction), turn = mm.inv_inertia * cross(arm, correction);
+    mover_shift[m] += shift;
+    mover_turn[m] += turn;
+    state.velocity += shift / h;
+    state.angular_velocity += turn / h;
+  }
+};
+
+}  // namespace feder
