@@ -89,6 +89,8 @@ struct SurfaceContact::Impl {
   // rows.cpp
   void solve_rows(Array<SurfaceRow>& rows, bool near, Real h);
   void stop_rebound(Array<SurfaceRow>& rows, bool near, Real h);
+  void balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push, Real (&tilt)[4]) const;
+  Vec3 start(std::uint32_t vertex, Real h) const;  // where the solver substep of h began, m
 
   // near.cpp: pairs that may come close in this step, and their rows
   bool near_wanted(const SurfaceGroup& g) const;

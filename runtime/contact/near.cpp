@@ -267,7 +267,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     r.offset = p.distance - p.thickness - dot(p.normal, d);
     const Surface &a = list[near_surface[p.v[0]]], &b = list[near_surface[p.v[3]]];
     FEDER_ASSERT((p.between == kNone) == (&a == &b) && (p.between == kNone || p.between < between.size()));
-    r.touch = p.between;
+    r.touch = p.between, r.edges = p.edges;
     r.friction = std::sqrt(a.friction * b.friction);
     r.relaxation = std::min(a.relaxation, b.relaxation);
     g.near_rows.push_back(r);

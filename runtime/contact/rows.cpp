@@ -17,6 +17,8 @@ constexpr Real kPullSpeed = 3;  // m/s, of attachments
 // Times the correction that a row asks for, which one of its vertices may go; of free vertices of a mesh, whose masses
 // differ by up to 1:6, none would go more than 1.9 (the largest of 6 a/(6 a^2 + (1 - a)^2)).
 constexpr Real kMaxMotion = 2;
+constexpr Real kParallel = Real(1e-4);  // squared sine of two directions along which a push can be displaced, at least
+constexpr Real kMaxTilt = Real(0.5);    // of their lengths
 
 // Sum of w weight^2 of a row, 1/kg, and the largest w |weight|.
 struct RowResponse {
@@ -115,15 +117,56 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
       const Real across = response.with(surfaces.mover_response(r.mover, r.arm, t));
       total -= std::min(r.friction * push, slid / across) * t;
     }
+    Real tilt[4] = {0, 0, 0, 0};
+    if (near) {
+      const Vec3 x[4] = {start(r.vertex[0], h), start(r.vertex[1], h), start(r.vertex[2], h), start(r.vertex[3], h)};
+      balance(r, x, total, push, tilt);
+    }
     for (int k = 0; k < 4; ++k) {
-      if (r.weight[k] == 0) continue;
+      if (r.weight[k] == 0 && tilt[k] == 0) continue;
       Row4& x = moved[r.vertex[k]];
-      const Vec3 was = x.vec();
-      x.add((x.w * r.weight[k]) * total);
-      if (near && r.touch != kNone) account(r, k, x.vec() - was, r.weight[k] * total, h);
+      const Vec3 was = x.vec(), to = r.weight[k] * total + tilt[k] * r.normal;
+      x.add(x.w * to);
+      if (near && r.touch != kNone) account(r, k, x.vec() - was, to, h);
     }
     surfaces.push_mover(r.mover, r.arm, -total, h);
   }
+}
+
+Vec3 SurfaceContact::Impl::start(std::uint32_t i, Real h) const {
+  const Vec3 x = position[i] + before[i].vec();
+  return before[i].w != 0 ? Vec3(x - h * speed[i].vec()) : x;
+}
+
+// A row pushes two points that lie apart, so friction, and motion along the surface since the normal was found, would
+// leave a torque. `tilt` moves where the normal push acts on the features, so that the line of both forces is one: what
+// their shape cannot take (parallel edges, points) stays. Angular momentum is kept to that. kg m along the normal.
+// A displacement that becomes a velocity, d and d/h, changes x cross v by (x - h v) cross d/h: x is where the solver
+// substep began.
+void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push,
+                                   Real (&tilt)[4]) const {
+  if (!(push > 0)) return;
+  Vec3 gap = Vec3::Zero();
+  for (int k = 0; k < 4; ++k) gap += r.weight[k] * x[k];
+  // by how much the second feature's point has to be displaced, less that of the first
+  const Vec3 shift = cross(r.normal, cross(gap, total)) / push;
+  const Vec3 a = r.edges ? Vec3(x[0] - x[1]) : Vec3(x[2] - x[1]), b = r.edges ? Vec3(x[3] - x[2]) : Vec3(x[3] - x[1]);
+  const Vec3 flat_a = a - dot(a, r.normal) * r.normal, flat_b = b - dot(b, r.normal) * r.normal;
+  const Real aa = dot(flat_a, flat_a), bb = dot(flat_b, flat_b), det = dot(r.normal, cross(a, b));
+  Real s = 0, t = 0;
+  if (det * det > kParallel * aa * bb)
+    s = dot(r.normal, cross(shift, b)) / det, t = dot(r.normal, cross(a, shift)) / det;
+  else if (aa > bb)
+    s = dot(shift, flat_a) / aa;
+  else if (bb > 0)
+    t = dot(shift, flat_b) / bb;
+  const Real most = std::max(std::abs(s), std::abs(t));
+  if (most > kMaxTilt) s *= kMaxTilt / most, t *= kMaxTilt / most;
+  s *= push, t *= push;
+  if (r.edges)
+    tilt[0] = -s, tilt[1] = s, tilt[2] = t, tilt[3] = -t;
+  else
+    tilt[1] = s + t, tilt[2] = -s, tilt[3] = -t;
 }
 
 // Rows that pushed and now part: the relative velocity along the normal goes to zero.
@@ -149,10 +192,15 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;
     FEDER_ASSERT(!(impulse < 0 || impulse > r.impulse));
+    Real tilt[4] = {0, 0, 0, 0};
+    if (near) {
+      const Vec3 x[4] = {place(r.vertex[0]), place(r.vertex[1]), place(r.vertex[2]), place(r.vertex[3])};
+      balance(r, x, impulse * r.normal, impulse, tilt);
+    }
     for (int k = 0; k < 4; ++k) {
-      if (r.weight[k] == 0) continue;
+      if (r.weight[k] == 0 && tilt[k] == 0) continue;
       Row4& v = speed[r.vertex[k]];
-      const Vec3 was = v.vec(), push = (-r.weight[k] * impulse) * r.normal;
+      const Vec3 was = v.vec(), push = (-r.weight[k] * impulse - tilt[k]) * r.normal;
       v.add(moved[r.vertex[k]].w * push);
       if (near && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
     }

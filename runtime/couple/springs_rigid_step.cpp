@@ -1,6 +1,6 @@
 // The rows of the coupling. Per substep: the net's integrator has moved its points; their velocities are handed to
 // the rigid solver as movers of their own, contacts push both sides, and what changed is read back. A point without
-// a contact keeps its integrator's result to rounding.
+// a contact keeps its integrator's result.
 // Attachments are ball joints between body and point: three rows solved together, with the position error taken out
 // as bias velocity before the rigid solve and the velocity projected again after it.
 // An integrator that knew only the light point would give a hanging body too little: an implicit one answers with the
@@ -228,11 +228,13 @@ void SpringsRigid::read_back(StepContext& c) {
     const std::uint32_t i = k.particle;
     if (k.solver == 0 || particles_.inv_mass[i] == 0) continue;
     const MoverState& s = movers_.state[k.solver];
+    const bool held = k.added > 0 || k.attached;
+    if (!held && s.velocity == k.given) continue;  // untouched: what the net did stays, to the bit
     particles_.velocity[i] = s.velocity;
     FEDER_ASSERT(movers_.solver[particles_.mover[i]] == k.solver);
     const Vec3 pushed = s.moved - k.given_moved - c.h * k.given;
-    if (k.added > 0 || k.attached) particles_.place(i, movers_.mass[k.solver].center);
-    particles_.move(i, k.added > 0 || k.attached ? s.moved : pushed);
+    if (held) particles_.place(i, movers_.mass[k.solver].center);
+    particles_.move(i, held ? s.moved : pushed);
   }
 }
 

@@ -66,6 +66,7 @@ struct SurfaceRow {
   Real friction = 0;
   Real relaxation = 1;          // of the correction
   std::uint32_t touch = kNone;  // who owns it, for its maker
+  std::uint32_t edges = 0;      // of surface against surface: 1: two ends and two; else one point and three
   // written by the solver
   Real impulse = 0;   // along the normal in this substep, N s
   Real returned = 0;  // the part of it that was taken out again as rebound, N s
