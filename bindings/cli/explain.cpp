@@ -69,7 +69,8 @@ class Explain final : public Command {
                                                                          {"fluid", "particles"},
                                                                          {"springs_rigid", "points that meet bodies"},
                                                                          {"contact", "touchings"},
-                                                                         {"cloth_rigid", "touchings"},
+                                                                         {"surface_rigid", "touchings"},
+                                                                         {"cloth_rigid", "attachments"},
                                                                          {"fluid_rigid", "walls"},
                                                                          {"fluid_cloth", "particles at cloth"},
                                                                          {"fluid_springs", "faces that meet fluid"}};

@@ -1,7 +1,8 @@
 // The module "feder", the classes without a world, and the list of all functions.
+#include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/springs_rigid.h"
 #ifdef FEDER_HAS_CLOTH
-#include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #endif
 #ifdef FEDER_HAS_FLUID
@@ -107,12 +108,13 @@ void open_module(lua_State* L) {
 Catalog catalog() {
   // couplings come after what they join
   static const SystemDescriptor* const systems[] = {
-      &Collide::descriptor(),      &Rigid::descriptor(),        &Springs::descriptor(),
+      &Collide::descriptor(),        &Rigid::descriptor(),        &Springs::descriptor(),
 #ifdef FEDER_HAS_COUPLE
       &SpringsRigid::descriptor(),
 #endif
+      &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
 #ifdef FEDER_HAS_CLOTH
-      &SurfaceContact::descriptor(), &Cloth::descriptor(),
+      &Cloth::descriptor(),
 #ifdef FEDER_HAS_COUPLE
       &ClothRigid::descriptor(),
 #endif
@@ -120,7 +122,7 @@ Catalog catalog() {
 #ifdef FEDER_HAS_FLUID
       &Fluid::descriptor(),
 #ifdef FEDER_HAS_COUPLE
-      &FluidRigid::descriptor(),   &FluidSprings::descriptor(),
+      &FluidRigid::descriptor(),     &FluidSprings::descriptor(),
 #ifdef FEDER_HAS_CLOTH
       &FluidCloth::descriptor(),
 #endif

@@ -230,7 +230,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   for (std::uint32_t i = 0; i < points; ++i)
     all.inv_mass[s->first + i] = pinned[i] ? Real(0) : 1 / all.mass[s->first + i];
   m.sheets.push_back(std::move(s));
-  m.surfaces.declare(kName, static_cast<std::uint32_t>(m.sheets.size()), true);
+  m.declare_surfaces();
   *m.structure_changed = true;
   return m.sheets.back()->object;
 }
@@ -252,7 +252,7 @@ void Cloth::destroy_cloth(ObjectId id, std::string where) {
     m.sheets[k]->first -= count;
     m.objects.set_index(m.sheets[k]->object, k);
   }
-  m.surfaces.declare(kName, static_cast<std::uint32_t>(m.sheets.size()), true);
+  m.declare_surfaces();
   m.surfaces.forget();
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;

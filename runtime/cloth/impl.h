@@ -27,15 +27,15 @@ struct Cloth::Impl {
   // of a step, by vertex
   Surfaces& surfaces;
   Array<Row4>&moved, &before, &speed;  // of surfaces
-  Array<Vec3> acceleration;  // gravity, script, wind
-  Array<Vec3> force;         // work of forces.cpp, N
+  Array<Vec3> acceleration;            // gravity, script, wind
+  Array<Vec3> force;                   // work of forces.cpp, N
   Array<MassPoint> points;
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
 
-  mutable Array<std::uint32_t> marks;      // of validate(), by vertex
+  mutable Array<std::uint32_t> marks;  // of validate(), by vertex
 
   Sheet& sheet(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::cloth);
@@ -47,6 +47,7 @@ struct Cloth::Impl {
   void measure_paths(Sheet& s);
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
+  void declare_surfaces() { surfaces.declare({kName, static_cast<std::uint32_t>(sheets.size()), true, true}); }
   void show(const Sheet& s);  // its surface, as it is
   void solve_body_ties(StepContext& c);
   void wake(Sheet& s, WakeCause cause, ObjectId other);

@@ -59,7 +59,7 @@ void Cloth::load(Reader& r) {
     r.list(s->mesh.ghosts);
     m.sheets.push_back(std::move(s));
   }
-  m.surfaces.declare(kName, static_cast<std::uint32_t>(m.sheets.size()), true);
+  m.declare_surfaces();
   m.surfaces.forget();
   *m.structure_changed = true;
 }

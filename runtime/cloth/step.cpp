@@ -1,7 +1,7 @@
 // The passes of the cloth system. A substep of the world is cut into small steps, the same number for the surfaces of a
-// group (contact/groups.cpp). What one sweep per small step h leaves of strain in a sheet of n rows and length L under g is
-// at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps is
-// chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
+// group (contact/groups.cpp). What one sweep per small step h leaves of strain in a sheet of n rows and length L under
+// g is at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps
+// is chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
 // mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a
 // body that comes at it, or its own swing, takes to be stopped is added.
 #include <algorithm>
@@ -189,6 +189,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   }
   std::copy(vertices.position.begin(), vertices.position.end(), surfaces.position.begin());
   std::copy(vertices.mass.begin(), vertices.mass.end(), surfaces.mass.begin());
+  for (const Attachment& a : attachments) surfaces.anchors.push_back({objects.index(a.cloth), a.vertex, a.body});
   if (any_active) choose_steps(c);
   for (auto& s : sheets) {
     show(*s);
@@ -238,6 +239,7 @@ void Cloth::Impl::gather_again(StepContext& c) {
 }
 
 void Cloth::Impl::begin_substep(StepContext& c) {
+  drain_wakes();
   if (any_active) add_forces(c);
 }
 
@@ -283,14 +285,10 @@ void Cloth::Impl::wake_touched(StepContext&) { drain_wakes(); }
 
 void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {
-    // whoever was pushed is not in free flight
     for (auto& s : sheets) {
       s->impact = s->strike = 0;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
     }
-    for (std::size_t k = 0; k < surfaces.group_count; ++k)
-      for (const SurfaceRow& r : surfaces.groups[k]->rows)
-        if (r.impulse > 0 && r.vertex[0] < vertices.size()) sheet_of(r.vertex[0]).set_flight(Vec3(0, 0, 0));
     for (auto& s : sheets) {
       if (!s->active()) continue;
       const Real h = group_of(*s).step;

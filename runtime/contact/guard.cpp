@@ -136,12 +136,14 @@ void SurfaceContact::Impl::move_zones(const NearSearch& near, Real part) {
     if (moved[i].w == 0) return;
     moved[i].set(guard_start[i].vec() + part * near.drift);
     if (!z.held)
-      z.share = std::min(z.share, share_within(astray(near, i), part * (z.velocity - near.drift), kSearched * stray[i]));
+      z.share =
+          std::min(z.share, share_within(astray(near, i), part * (z.velocity - near.drift), kSearched * stray[i]));
   });
   each([&](std::uint32_t i, Zone& z) {
     if (moved[i].w == 0) return;
     if (!z.held) moved[i].add((part * z.share) * (z.velocity - near.drift));
-    z.freedom = std::min(z.freedom, share_within(astray(near, i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
+    z.freedom =
+        std::min(z.freedom, share_within(astray(near, i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
   });
   for (const NearPair& p : near.pairs)
     if (p.live && held_with[p.v[0]] != kNone) {

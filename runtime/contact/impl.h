@@ -59,10 +59,10 @@ struct SurfaceContact::Impl {
     std::uint32_t begun = 0;  // reported
     SurfacePair what;         // of this step
   };
-  Array<Aabb> box;                   // by surface
-  Array<Touch> touches;              // in the order of the objects
-  double mismatch = 0, given = 0;    // N s, of the last step
-  std::size_t pairs_seen = 0;        // that might touch in the last step
+  Array<Aabb> box;                 // by surface
+  Array<Touch> touches;            // in the order of the objects
+  double mismatch = 0, given = 0;  // N s, of the last step
+  std::size_t pairs_seen = 0;      // that might touch in the last step
   EventBalance begun;
 
   // Passes: of the step, of the substep, of the loop of solver substeps, of the step.

@@ -1,10 +1,10 @@
-// Surface against surface, itself included: points near triangles and edges near edges. A search foresees uniform motion
-// for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could come
-// close then, from trees of swept boxes. The guard (guard.cpp) asks for a new search before a vertex needs more, and
-// makes one along the ways really gone when one did: usually there is one search per step, and one per substep while
-// cloth is being stopped. In each substep the closest points of candidates give rows that keep the thickness. Normals
-// and weights stay as they are through a substep, or a part of one where something fast strikes; that no pair crosses
-// meanwhile is the guard's. A pair that is closer than the thickness at rest keeps to its rest distance.
+// Surface against surface, itself included: points near triangles and edges near edges. A search foresees uniform
+// motion for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could
+// come close then, from trees of swept boxes. The guard (guard.cpp) asks for a new search before a vertex needs more,
+// and makes one along the ways really gone when one did: usually there is one search per step, and one per substep
+// while cloth is being stopped. In each substep the closest points of candidates give rows that keep the thickness.
+// Normals and weights stay as they are through a substep, or a part of one where something fast strikes; that no pair
+// crosses meanwhile is the guard's. A pair that is closer than the thickness at rest keeps to its rest distance.
 #include <algorithm>
 #include <cmath>
 
@@ -189,8 +189,8 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.since_found = 0;
   near.pairs.clear();
   list_features(g, near, time, held);
-  // trees of the step's first search serve the others too, but not the next step: the order of near.pairs must follow from
-  // the state at the start of a step
+  // trees of the step's first search serve the others too, but not the next step: the order of near.pairs must follow
+  // from the state at the start of a step
   const std::span<const Aabb> triangle_boxes(near.triangle_box.data(), near.triangle_box.size()),
       edge_boxes(near.edge_box.data(), near.edge_box.size());
   near.trees_stale ? near.triangle_tree.build(triangle_boxes) : near.triangle_tree.refit(triangle_boxes);

@@ -25,8 +25,8 @@ struct NearSearch {
       : pairs(&a), near_vertex(&a), near_triangle(&a), near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a),
         edge_tree(a) {}
 
-  bool near = false;    // its surfaces may touch
-  int near_every = 1;   // substeps from one search for what is near to the next
+  bool near = false;   // its surfaces may touch
+  int near_every = 1;  // substeps from one search for what is near to the next
   Array<NearPair> pairs;
   Array<std::uint32_t> near_vertex;               // of the surfaces that take part
   Array<std::uint32_t> near_triangle, near_edge;  // three and two points per item of the trees

@@ -29,10 +29,9 @@ const SystemDescriptor& FluidCloth::descriptor() {
 FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      movers_(s.store.need<Movers>(kName)),
-      systems_(s.systems), objects_(s.objects), events_(s.events), faces_(s.store.arena(kName)),
-      guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)) {
+      movers_(s.store.need<Movers>(kName)), systems_(s.systems), objects_(s.objects), events_(s.events),
+      faces_(s.store.arena(kName)), guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)),
+      pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
 }
 
@@ -44,7 +43,7 @@ void FluidCloth::add_passes(StepPlan& plan) {
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   using F = FluidCloth;
   plan.add<&F::wake>(Rank::cloth_approach, "wake sheets", kName, this);
-  if (cloth_.cloth_count() > 1) plan.add<&F::connect>(Rank::cloth_candidates, "connect sheets", kName, this);
+  if (cloth_.cloth_count() > 1) plan.add<&F::connect>(Rank::surface_candidates, "connect sheets", kName, this);
   plan.add<&F::begin>(Rank::face_screen, "screen by sheets", kName, this);
   plan.add<&F::make_rows>(Rank::cloth_particles, "particles on sheets", kName, this);
   plan.add<&F::read_back>(Rank::cloth_read_back, "read back and guard", kName, this);

@@ -29,8 +29,8 @@ struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
       : kernels(pick_kernels(setup.options.text("kernels", "auto"))), arena(setup.store.arena(kName)),
         particles(setup.store.need<Particles>(kName)), watched(setup.store.need<Watch>("watch")), store(setup.store),
-        objects(setup.objects), structure_changed(setup.structure_changed),
-        air_density(still_air_density(setup.world)), surface_end(&arena), surface_speed(&arena) {}
+        objects(setup.objects), structure_changed(setup.structure_changed), air_density(still_air_density(setup.world)),
+        surface_end(&arena), surface_speed(&arena) {}
 
   const SpringKernels& kernels;
   Arena& arena;

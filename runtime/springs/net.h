@@ -58,17 +58,18 @@ struct NetSettings {
 class Net final : public ForceField {
  public:
   Net(Arena& a, Particles& p)
-      : springs(a), faces(&a), edges(&a), rest_position(&a), layout(a), particles_(p), acting_(&a), points_(&a), some_(&a), some_force_(&a),
-        below_(&a), above_(&a), derivative_(&a), some_derivative_(&a), row_stiffness_(&a), row_damping_(&a) {}
+      : springs(a), faces(&a), edges(&a), rest_position(&a), layout(a), particles_(p), acting_(&a), points_(&a),
+        some_(&a), some_force_(&a), below_(&a), above_(&a), derivative_(&a), some_derivative_(&a), row_stiffness_(&a),
+        row_damping_(&a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0;  // run in Particles
   NetSettings settings;
   SpringArrays springs;
-  Array<std::uint32_t> faces;  // triangles, three points each
+  Array<std::uint32_t> faces;                 // triangles, three points each
   Array<std::array<std::uint32_t, 2>> edges;  // of the faces, or each point twice where there are none
-  Array<Vec3> rest_position;                           // where the points were made, m; empty: does not collide with itself
-  SpringLayout layout;         // of the springs, for the kernels
+  Array<Vec3> rest_position;                  // where the points were made, m; empty: does not collide with itself
+  SpringLayout layout;                        // of the springs, for the kernels
   std::string integrator_name;
   Params integrator_options;
   std::unique_ptr<Integrator> integrator;

@@ -75,8 +75,8 @@ ObjectId Springs::add_net(const NetDesc& desc) {
   Impl& m = *impl_;
   auto n = m.make_net();
   m.attach_integrator(*n, desc.integrator, desc.integrator_options);
-  n->settings = {desc.damping, desc.gravity_scale, desc.friction, desc.restitution, desc.group, desc.mask,
-                 desc.self_collision};
+  n->settings = {desc.damping, desc.gravity_scale, desc.friction,      desc.restitution,
+                 desc.group,   desc.mask,          desc.self_collision};
   n->faces.assign(desc.faces.begin(), desc.faces.end());
   if (desc.self_collision) n->rest_position.assign(desc.points.begin(), desc.points.end());
   for (std::size_t k = 0; k < desc.springs.size(); ++k) {

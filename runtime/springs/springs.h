@@ -31,8 +31,8 @@ struct NetDesc {
   std::vector<std::uint32_t> faces;  // triangles, three point numbers each: what fluids cannot pass
   std::string integrator = default_variant(integrators(), "symplectic_euler");
   Params integrator_options;
-  Real damping = 0;  // drag on every point, 1/s (force = -damping m v)
-  Real radius = 0;   // m; > 0: points and faces collide
+  Real damping = 0;             // drag on every point, 1/s (force = -damping m v)
+  Real radius = 0;              // m; > 0: points and faces collide
   bool self_collision = false;  // also with each other, where the net has faces
   Real friction = Real(0.5), restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;

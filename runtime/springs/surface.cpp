@@ -20,7 +20,8 @@ void Net::list_edges() {
   edges.clear();
   for (std::size_t t = 0; t < faces.size(); t += 3)
     for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = faces[t + static_cast<std::size_t>(k)], b = faces[t + static_cast<std::size_t>((k + 1) % 3)];
+      const std::uint32_t a = faces[t + static_cast<std::size_t>(k)],
+                          b = faces[t + static_cast<std::size_t>((k + 1) % 3)];
       edges.push_back({std::min(a, b), std::max(a, b)});
     }
   std::sort(edges.begin(), edges.end());
@@ -32,13 +33,14 @@ void Net::list_edges() {
 // How many nets collide, for the plan of contact.
 void Springs::Impl::declare_surfaces() {
   std::uint32_t count = 0;
-  bool self = false;
+  bool self = false, faces = false;
   for (const auto& n : nets) {
     if (!(particles.radius[n->first] > 0)) continue;
     ++count;
     self = self || n->settings.self != 0;
+    faces = faces || !n->faces.empty();
   }
-  if (Surfaces* surfaces = store.find<Surfaces>()) surfaces->declare(kName, count, self);
+  if (Surfaces* surfaces = store.find<Surfaces>()) surfaces->declare({kName, count, self, faces});
 }
 
 void Springs::Impl::show_surfaces(StepContext& c) {
@@ -54,7 +56,7 @@ void Springs::Impl::show_surfaces(StepContext& c) {
     s.thickness = 2 * particles.radius[n->first];
     s.friction = n->settings.friction;
     s.group = n->settings.group, s.mask = n->settings.mask;
-    s.active = !n->frozen, s.coasts = true;
+    s.active = !n->frozen, s.coasts = s.balls = true;
     s.self = n->settings.self != 0 && !n->frozen;
     Real fastest = 0;
     for (std::uint32_t i = 0; i < n->points; ++i) {
@@ -70,6 +72,9 @@ void Springs::Impl::show_surfaces(StepContext& c) {
     const Real steps = std::ceil(c.h * s.fastest / (kWayOfStep * s.thickness));
     s.steps = static_cast<std::int32_t>(clamp(steps, 1, kMaxSteps));
     all.list.push_back(s);
+    for (const Attachment& a : attachments)
+      if (a.net == n->object)
+        all.anchors.push_back({static_cast<std::uint32_t>(all.list.size() - 1), s.first + a.point - n->first, a.body});
   }
 }
 

@@ -10,6 +10,7 @@
 #include "base/arena.h"
 #include "base/assert.h"
 #include "base/math.h"
+#include "state/bodies.h"
 #include "state/events.h"
 #include "state/movers.h"
 #include "state/objects.h"
@@ -41,15 +42,16 @@ struct Surface {
   Real friction = 0;
   Real relaxation = 1;  // of contact corrections, as its solver wants it
   std::uint32_t group = 1, mask = 0xffffffffu;
-  Real fastest = 0;         // m/s, of its points at the start of the step
-  Real strike = 0;          // m/s, of bodies that come at it in this step
-  std::int32_t steps = 1;   // solver substeps in a substep that it asks for
-  bool self = false;        // may touch itself
-  bool active = true;       // moves: neither asleep nor held by quarantine
-  bool calm = false;        // about to fall asleep
-  bool pinned = false;      // a point of it is held
-  bool coasts = false;      // its own solver runs once per substep: between contacts its points go straight on
-  std::uint32_t loop = 0;   // its group, in Surfaces::groups
+  Real fastest = 0;        // m/s, of its points at the start of the step
+  Real strike = 0;         // m/s, of bodies that come at it in this step
+  std::int32_t steps = 1;  // solver substeps in a substep that it asks for
+  bool self = false;       // may touch itself
+  bool active = true;      // moves: neither asleep nor held by quarantine
+  bool calm = false;       // about to fall asleep
+  bool pinned = false;     // a point of it is held
+  bool balls = false;      // its points meet bodies as colliders of their own
+  bool coasts = false;     // its own solver runs once per substep: between contacts its points go straight on
+  std::uint32_t loop = 0;  // its group, in Surfaces::groups
 };
 
 // What one row of contact or closeness pushes: up to four points by weight, and a mover.
@@ -94,8 +96,7 @@ struct SurfacePair {
 // Surfaces that share their solver substeps: what one of them does in a substep may reach the others within it. Each
 // group runs its whole loop before the next.
 struct SurfaceGroup {
-  explicit SurfaceGroup(Arena& a)
-      : members(&a), rows(&a), near_rows(&a), holds(&a), named(&a), movers(&a) {}
+  explicit SurfaceGroup(Arena& a) : members(&a), rows(&a), near_rows(&a), holds(&a), named(&a), movers(&a) {}
 
   // of a step
   Array<std::uint32_t> members;  // in Surfaces::list, ascending; the first names the group
@@ -122,7 +123,7 @@ struct SurfaceGroup {
 struct Surfaces {
   explicit Surfaces(Arena& a)
       : arena(a), list(&a), position(&a), mass(&a), moved(&a), before(&a), speed(&a), pairs(&a), connections(&a),
-        wakes(&a), mover_shift(&a), mover_turn(&a) {}
+        wakes(&a), anchors(&a), carried(&a), mover_shift(&a), mover_turn(&a) {}
 
   Arena& arena;
   Array<Surface> list;  // of this step
@@ -147,29 +148,42 @@ struct Surfaces {
     WakeCause cause = WakeCause::contact;
   };
   Array<Wake> wakes;
+  // Points that are held by bodies, with which they do not collide; told by the owners.
+  struct Anchor {
+    std::uint32_t surface, point;
+    ObjectId body;
+  };
+  Array<Anchor> anchors;
+  // What bodies did to surfaces that move, at the end of the step.
+  struct Carried {
+    ObjectId surface, body;
+    Real impulse, support;  // N s; the part of it against gravity
+  };
+  Array<Carried> carried;
   std::uint64_t row_updates = 0;  // of the last step: elements, contacts and holds by solver substeps
 
   // By mover: what it has done since the start of the substep, as the running group sees it.
-  Movers* movers = nullptr;              // null: nothing moves beside surfaces
+  Movers* movers = nullptr;             // null: nothing moves beside surfaces
   Array<Vec3> mover_shift, mover_turn;  // m, rad
 
-  // Who has surfaces, told when that changes: contact has passes where two things may meet, or where one of them takes
-  // its substeps in the loop (cloth) or touches itself.
+  // Who has surfaces, told when that changes: contact has passes where two things may meet, where one of them takes
+  // its substeps in the loop (cloth) or touches itself, and where one has faces that a body may meet.
   struct Owner {
     std::string_view name;
     std::uint32_t count;
-    bool loops;
+    bool loops, faces;
   };
   std::vector<Owner> owners;
-  void declare(std::string_view name, std::uint32_t count, bool loops) {
+  void declare(const Owner& owner) {
     for (Owner& o : owners)
-      if (o.name == name) return void((o.count = count, o.loops = loops));
-    owners.push_back({name, count, loops});
+      if (o.name == owner.name) return void(o = owner);
+    owners.push_back(owner);
   }
+  const Bodies* bodies = nullptr;  // that surfaces may meet
   bool wanted() const {
     std::uint32_t all = 0;
     for (const Owner& o : owners) {
-      if (o.count > 0 && o.loops) return true;
+      if (o.count > 0 && (o.loops || (o.faces && bodies && bodies->size() > 0))) return true;
       all += o.count;
     }
     return all > 1;
@@ -190,7 +204,7 @@ struct Surfaces {
     return first;
   }
   void begin() {  // of a step
-    list.clear(), pairs.clear(), connections.clear();
+    list.clear(), pairs.clear(), connections.clear(), anchors.clear(), carried.clear();
     position.clear(), mass.clear(), moved.clear(), before.clear(), speed.clear();
   }
   // What it names is no more.

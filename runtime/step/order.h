@@ -24,7 +24,7 @@ enum class Rank : std::uint8_t {
   net_surface,
   surface_pairs,
   append_points,
-  cloth_candidates,
+  surface_candidates,
   surface_groups,
   cloth_gather,
   joint_rows,
@@ -56,12 +56,13 @@ enum class Rank : std::uint8_t {
   net_contact,
   boundary_push,
   // substep: surfaces, cloth and nets
-  cloth_contact,
+  surface_contact,
+  cloth_holds,
   cloth_particles,
   cloth_forces,
   net_coast,
   surface_movers,
-  cloth_refresh,  // surface substeps
+  surface_refresh,  // surface substeps
   surface_near,
   cloth_integrate,
   surface_coast,
@@ -74,7 +75,7 @@ enum class Rank : std::uint8_t {
   surface_rebound,
   cloth_damp,
   surface_project,
-  cloth_collect,
+  surface_collect,
   cloth_read_back,
   net_follow,
   // substep: contacts and joints of bodies
@@ -117,7 +118,7 @@ inline constexpr LoopSpan kLoops[kLoopCount] = {
     {"step", Loop::step, Rank::begin, Rank::finish},
     {"substep", Loop::step, Rank::body_forces, Rank::boundary_return},
     {"fluid substeps", Loop::substep, Rank::fluid_predict, Rank::fluid_project},
-    {"surface substeps", Loop::substep, Rank::cloth_refresh, Rank::surface_project},
+    {"surface substeps", Loop::substep, Rank::surface_refresh, Rank::surface_project},
 };
 
 // The innermost loop around a rank.

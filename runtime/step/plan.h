@@ -43,7 +43,7 @@ class StepPlan {
 
   // In running order; a loop stands before its passes.
   std::span<const PlanNode> nodes() const { return {nodes_.data(), step_end_}; }  // of a step
-  static std::string path(const PlanNode& node);  // "step/substep/cloth substeps": the loops around it
+  static std::string path(const PlanNode& node);  // "step/substep/surface substeps": the loops around it
   static int depth(const PlanNode& node);         // 0: in the step itself
   double total_nanoseconds() const;
   void reset_counters();

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include "contact/surface_contact.h"
 #include "cloth/solver.h"
+#include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 
 namespace feder {
@@ -83,8 +84,9 @@ class ClothRun final : public StudyRun {
 
  private:
   static Catalog catalog() {
-    static const SystemDescriptor* const list[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                                   &ClothRigid::descriptor()};
+    static const SystemDescriptor* const list[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                                   &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                                   &Cloth::descriptor(),          &ClothRigid::descriptor()};
     return list;
   }
   static WorldDesc describe(const ClothProblem& problem, const RunSpec& spec) {

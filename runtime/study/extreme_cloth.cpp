@@ -1,8 +1,9 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "contact/surface_contact.h"
 #include "cloth/solver.h"
+#include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "study/extreme.h"
 #include "world/world.h"
@@ -10,8 +11,9 @@
 namespace feder {
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 constexpr Real kBad = std::numeric_limits<Real>::quiet_NaN();
 
 WorldDesc restless(double gravity) {

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/surface_contact.h"
 #include "cloth/solver.h"
+#include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "study/stability_problem.h"
 #include "world/world.h"
@@ -14,8 +15,9 @@ namespace feder {
 namespace {
 
 constexpr double kGravity = 9.81;
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 struct ClothCell {
   std::unique_ptr<World> world;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/profile.h"
-#include "contact/surface_contact.h"
 #include "cloth/cloth.h"
+#include "contact/surface_contact.h"
 #include "world/world.h"
 
 using namespace feder;

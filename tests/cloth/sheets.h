@@ -1,8 +1,8 @@
 // Worlds with one cloth, for tests.
 #pragma once
-#include "contact/surface_contact.h"
 #include "cloth/cloth.h"
 #include "cloth/solver.h"
+#include "contact/surface_contact.h"
 #include "support/catch.h"
 #include "world/world.h"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "couple/fluid_cloth.h"
 #include "couple/fluid_rigid.h"
@@ -17,9 +18,10 @@ namespace feder {
 
 inline Catalog mixed_catalog() {
   static const SystemDescriptor* const list[] = {
-      &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),     &SpringsRigid::descriptor(),
-      &SurfaceContact::descriptor(), &Cloth::descriptor(), &ClothRigid::descriptor(),  &Fluid::descriptor(),
-      &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor()};
+      &Collide::descriptor(),      &Rigid::descriptor(),          &Springs::descriptor(),
+      &SpringsRigid::descriptor(), &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+      &Cloth::descriptor(),        &ClothRigid::descriptor(),     &Fluid::descriptor(),
+      &FluidRigid::descriptor(),   &FluidCloth::descriptor(),     &FluidSprings::descriptor()};
   return list;
 }
 

@@ -15,8 +15,8 @@ const SystemDescriptor* const kCatalog[] = {&SurfaceContact::descriptor(), &Clot
 
 std::size_t passes_of(World& w) {
   const auto nodes = w.plan().nodes();
-  return static_cast<std::size_t>(std::count_if(
-      nodes.begin(), nodes.end(), [](const PlanNode& n) { return std::string(n.system) == "contact"; }));
+  return static_cast<std::size_t>(
+      std::count_if(nodes.begin(), nodes.end(), [](const PlanNode& n) { return std::string(n.system) == "contact"; }));
 }
 
 }  // namespace

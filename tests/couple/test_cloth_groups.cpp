@@ -4,6 +4,7 @@
 #include "cloth/sheets.h"
 #include "collide/collide.h"
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 
 using namespace feder;
@@ -11,8 +12,9 @@ using namespace feder::test;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 ClothDesc hanging(Real x, std::uint32_t rows, Real stretch) {
   ClothDesc d = sheet(5, rows, 1, Real(0.25) * static_cast<Real>(rows - 1));
@@ -90,35 +92,36 @@ TEST_CASE("cloths are one group while they may touch, or act on one dynamic body
   cloth.add_cloth(hanging(0, 6, 200));
   cloth.add_cloth(hanging(3, 12, 20000));
   const ObjectId third = cloth.add_cloth(hanging(6, 6, 200));
+  const Surfaces& shown = w.store().get<Surfaces>();
   w.step();
-  CHECK(cloth.group_count() == 3);
+  CHECK(shown.group_count == 3);
   SECTION("a dynamic body that two hold") {
     const ObjectId held = rigid.add_body(ball(BodyType::dynamic, Vec3(4, Real(-0.5), 0), Real(0.1)));
     cloth.attach(cloth.info(1).object, 20, held, Vec3(-1, 0, 0));
     w.step();
-    CHECK(cloth.group_count() == 3);
+    CHECK(shown.group_count == 3);
     cloth.attach(third, 20, held, Vec3(1, 0, 0));
     w.step();
-    CHECK(cloth.group_count() == 2);
-    CHECK(cloth.group_of(1) == cloth.group_of(2));
-    CHECK(cloth.group_of(0) == 0);
+    CHECK(shown.group_count == 2);
+    CHECK(shown.group_of(1) == shown.group_of(2));
+    CHECK(shown.group_of(0) == 0);
     rigid.destroy_body(held, "");
     w.step();
-    CHECK(cloth.group_count() == 3);
+    CHECK(shown.group_count == 3);
   }
   SECTION("a floor connects nothing") {
     BodyDesc floor;
     floor.type = BodyType::fixed, floor.shape = make_box(20, 1, 20), floor.position = Vec3(0, Real(-0.52), 0);
     rigid.add_body(floor);
     for (int k = 0; k < 3; ++k) w.step();
-    CHECK(cloth.group_count() == 3);
+    CHECK(shown.group_count == 3);
   }
   SECTION("one that comes near") {
     for (std::size_t i = 0; i < cloth.vertex_count(third); ++i)
       cloth.set_point(third, i, cloth.point(third, i) - Vec3(3, Real(0.02), 0));
     w.step();
-    CHECK(cloth.group_count() == 2);
-    CHECK(cloth.group_of(1) == cloth.group_of(2));
+    CHECK(shown.group_count == 2);
+    CHECK(shown.group_of(1) == shown.group_of(2));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/rng.h"
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -12,8 +13,9 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 struct Lives {
   explicit Lives(std::uint64_t seed) : rng(seed), w(WorldDesc{}, kCatalog) {}

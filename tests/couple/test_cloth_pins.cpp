@@ -6,6 +6,7 @@
 
 #include "base/rng.h"
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -14,8 +15,9 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 const char* const kKinds[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull", "plane", "mesh", "compound"};
 
 // A box as triangles, seen from outside counter-clockwise.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
@@ -10,8 +11,9 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
+                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 // The least distance of points of all triangles (a raster finer than the body) from the shape's surface, m.
 Real nearest(const Cloth& cloth, ObjectId id, const Shape& shape, const Pose& pose) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "couple/springs_rigid.h"
 #include "support/catch.h"
@@ -11,9 +12,9 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),      &Rigid::descriptor(),
-                                            &Springs::descriptor(),      &SurfaceContact::descriptor(), &Cloth::descriptor(),
-                                            &SpringsRigid::descriptor(), &ClothRigid::descriptor()};
+const SystemDescriptor* const kCatalog[] = {
+    &Collide::descriptor(),      &Rigid::descriptor(), &Springs::descriptor(),      &SurfaceContact::descriptor(),
+    &SurfaceRigid::descriptor(), &Cloth::descriptor(), &SpringsRigid::descriptor(), &ClothRigid::descriptor()};
 
 // A square of 5 x 5 points, 1 m wide: 1 kg as net, 0.2 kg as cloth.
 ObjectId add_net(World& w) {

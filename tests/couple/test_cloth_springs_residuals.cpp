@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "couple/springs_rigid.h"
 #include "support/catch.h"
@@ -12,8 +13,8 @@ using namespace feder;
 namespace {
 
 const SystemDescriptor* const kCatalog[] = {
-    &Collide::descriptor(),    &Rigid::descriptor(),        &Springs::descriptor(),   &SurfaceContact::descriptor(), &Cloth::descriptor(),
-    &ClothRigid::descriptor(), &SpringsRigid::descriptor()};
+    &Collide::descriptor(),      &Rigid::descriptor(), &Springs::descriptor(),    &SurfaceContact::descriptor(),
+    &SurfaceRigid::descriptor(), &Cloth::descriptor(), &ClothRigid::descriptor(), &SpringsRigid::descriptor()};
 
 WorldDesc weightless() {
   WorldDesc d;

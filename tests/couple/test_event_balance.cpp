@@ -1,7 +1,7 @@
 // Records of contacts against the events that were sent of them.
 #include <vector>
 
-#include "couple/event_balance.h"
+#include "contact/event_balance.h"
 #include "support/aborts.h"
 #include "support/catch.h"
 

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "contact/surface_contact.h"
+#include "contact/surface_rigid.h"
 #include "couple/fluid_parts.h"
 #include "fluid/pool.h"
 #include "state/movers.h"
@@ -28,7 +29,7 @@ class Thief final : public System {
     plan.add<&Thief::advance>(before(Rank::boundary_weigh), "steal", kName, this);
     plan.add<&Thief::weigh>(after(Rank::boundary_weigh), "steal before faces", kName, this);
     plan.add<&Thief::unweigh>(after(Rank::net_contact), "give back", kName, this);
-    plan.add<&Thief::solve>(before(Rank::cloth_collect), "steal from sheets", kName, this);
+    plan.add<&Thief::solve>(before(Rank::surface_collect), "steal from sheets", kName, this);
   }
   std::size_t count() const override { return 0; }
   void hash(Hash&) const override {}
@@ -56,9 +57,11 @@ class Thief final : public System {
 
 Catalog with_thief() {
   static const SystemDescriptor* const list[] = {
-      &Collide::descriptor(),    &Rigid::descriptor(),      &Springs::descriptor(),      &SpringsRigid::descriptor(),
-      &SurfaceContact::descriptor(), &Cloth::descriptor(), &ClothRigid::descriptor(),   &Fluid::descriptor(),
-      &FluidRigid::descriptor(), &FluidCloth::descriptor(), &FluidSprings::descriptor(), &Thief::descriptor()};
+      &Collide::descriptor(),      &Rigid::descriptor(),          &Springs::descriptor(),
+      &SpringsRigid::descriptor(), &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
+      &Cloth::descriptor(),        &ClothRigid::descriptor(),     &Fluid::descriptor(),
+      &FluidRigid::descriptor(),   &FluidCloth::descriptor(),     &FluidSprings::descriptor(),
+      &Thief::descriptor()};
   return list;
 }
 

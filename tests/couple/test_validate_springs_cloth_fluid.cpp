@@ -98,10 +98,11 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
   auto& vertices = store.get<ClothVertices>();
   auto& points = store.get<Particles>();
   auto& walls = m.fluid.walls();
+  auto& surfaces = store.get<Surfaces>();
   FluidPool& pool = m.fluid.pool_at(0);
   const auto validate = [&] {
-    for (const char* name : {"cloth", "fluid", "cloth_rigid", "contact", "fluid_rigid", "fluid_cloth",
-                             "fluid_springs", "springs_rigid"})
+    for (const char* name :
+         {"cloth", "fluid", "surface_rigid", "contact", "fluid_rigid", "fluid_cloth", "fluid_springs", "springs_rigid"})
       m.w.need_system(name).validate();
   };
   REQUIRE(!aborts(validate));
@@ -114,12 +115,12 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
       {"a vertex of another cloth", [&] { vertices.cloth[3] = m.sheets[1]; }},
       {"an array that did not grow", [&] { vertices.script_force.pop_back(); }},
       {"a cloth that is no object", [&] { m.w.objects().remove(m.sheets[0], ""); }},
-      {"a row of contact on a vertex that is gone", [&] { m.cloth.contact_rows(0).emplace_back().vertex[2] = 1000; }},
-      {"a row of a body that outlives its substep", [&] { m.cloth.contact_rows(0).emplace_back().touch = 0; }},
-      {"a row of a fluid that outlives its substep", [&] { m.cloth.contact_rows(0).emplace_back(); }},
+      {"a row of contact on a vertex that is gone", [&] { surfaces.groups[0]->rows.emplace_back().vertex[2] = 1000; }},
+      {"a row of a body that outlives its substep", [&] { surfaces.groups[0]->rows.emplace_back().touch = 0; }},
+      {"a row of a fluid that outlives its substep", [&] { surfaces.groups[0]->rows.emplace_back(); }},
       {"a pair of cloths listed twice",
        [&] {
-         m.cloth.between().insert(m.cloth.between().end(), 2, Cloth::Between{0, 1});
+         surfaces.pairs.insert(surfaces.pairs.end(), 2, SurfacePair{0, 1});
        }},
       // fluid
       {"a particle twice", [&] { pool.id[3] = pool.id[7]; }},

@@ -12,7 +12,7 @@ void write(void* self, StepContext& c) {
   trace.push_back(static_cast<const char*>(self) + std::string(" ") + std::to_string(c.inner.group) +
                   std::to_string(c.inner.index) + (c.inner.last() ? "!" : ""));
 }
-void choose(void*, StepContext& c) { c.counts(Loop::cloth).count = {2, 0, 1}; }
+void choose(void*, StepContext& c) { c.counts(Loop::surface).count = {2, 0, 1}; }
 
 void add(StepPlan& plan, Place place, const char* name) {
   plan.add(place, name, "test", &write, const_cast<char*>(name));
@@ -43,7 +43,7 @@ TEST_CASE("loops are runs of ranks that nest", "[step][order]") {
 
 TEST_CASE("a plan runs its ranks in order, each group its whole loop before the next", "[step][order]") {
   StepPlan plan;
-  add(plan, Rank::cloth_rows, "rows");
+  add(plan, Rank::surface_rows, "rows");
   add(plan, Rank::finish, "finish");
   add(plan, Rank::cloth_integrate, "advance");
   add(plan, after(Rank::body_forces), "after");
@@ -63,14 +63,14 @@ TEST_CASE("a plan runs its ranks in order, each group its whole loop before the 
   CHECK(trace == expected);
 
   const auto nodes = plan.nodes();
-  const PlanNode& loop = nodes[find(plan, "cloth substeps")];
+  const PlanNode& loop = nodes[find(plan, "surface substeps")];
   CHECK(loop.is_loop);
   CHECK(loop.counter.calls == 6);
   CHECK(StepPlan::path(loop) == "step/substep");
   CHECK(StepPlan::depth(loop) == 1);
   const PlanNode& rows = nodes[find(plan, "rows")];
   CHECK(rows.counter.calls == 6);
-  CHECK(StepPlan::path(rows) == "step/substep/cloth substeps");
+  CHECK(StepPlan::path(rows) == "step/substep/surface substeps");
   CHECK(StepPlan::path(nodes[find(plan, "finish")]) == "step");
   CHECK(find(plan, "fluid substeps") == nodes.size());  // no passes, no loop
 }
@@ -80,10 +80,10 @@ TEST_CASE("passes of loops are counted always and clocked sometimes; counters ou
   const auto fill = [&] {
     plan.clear();
     plan.add(
-        Rank::cloth_forces, "choose", "test", [](void*, StepContext& c) { c.counts(Loop::cloth).count = {100}; },
+        Rank::cloth_forces, "choose", "test", [](void*, StepContext& c) { c.counts(Loop::surface).count = {100}; },
         nullptr);
     plan.add(
-        Rank::cloth_rows, "rows", "test", [](void*, StepContext&) {}, nullptr);
+        Rank::surface_rows, "rows", "test", [](void*, StepContext&) {}, nullptr);
     plan.finish();
   };
   fill();

@@ -1,14 +1,14 @@
-// A triangle of cloth as a convex shape: three points rounded by half the thickness. Lives in a step only.
+// A triangle of a surface as a convex shape: three points rounded by half the thickness. Lives in a step only.
 #pragma once
 #include "geom/closest.h"
 #include "geom/shape.h"
 
 namespace feder {
 
-class ClothTriangle final : public Shape {
+class SurfaceTriangle final : public Shape {
  public:
   // Corners in a frame at the first of them.
-  ClothTriangle(const Vec3& b, const Vec3& c, Real radius) : Shape("hull", true, radius), p_{Vec3(0, 0, 0), b, c} {
+  SurfaceTriangle(const Vec3& b, const Vec3& c, Real radius) : Shape("hull", true, radius), p_{Vec3(0, 0, 0), b, c} {
     normal_ = normalized_or(cross(b, c), Vec3(0, 1, 0));
   }
   Aabb bounds(const Pose& pose) const override {

@@ -1,4 +1,4 @@
-// Contact rows of a substep. A vertex is a ball of half the thickness, a triangle three points rounded by it; both are
+// Contact rows of a substep. A point is a ball of half the thickness, a triangle three points rounded by it; both are
 // tested against a collider by the narrow phase that bodies use. Triangles give rows only where something pokes
 // between their corners (a ball, an edge, a tip), because corners have rows of their own.
 // What would pass more than part of the body's size in the substep is cast along its relative motion instead: the
@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "base/checks.h"
-#include "couple/cloth_rigid.h"
-#include "couple/cloth_triangle.h"
+#include "contact/surface_rigid.h"
+#include "contact/surface_triangle.h"
 
 namespace feder {
 namespace {
@@ -34,10 +34,8 @@ void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) 
 
 }  // namespace
 
-void ClothRigid::make_rows(StepContext& c) {
+void SurfaceRigid::make_rows(StepContext& c) {
   surfaces_.clear_rows();
-  if (surfaces_.moved.size() < cloth_.vertices().size()) return;
-  make_holds();
   refreshing_ = kNone;
   horizon_ = c.h;
   hurry_.assign(surfaces_.group_count, 0);
@@ -45,7 +43,7 @@ void ClothRigid::make_rows(StepContext& c) {
 }
 
 // Where things pass each other fast, rows are made anew several times in a substep: the cloth wraps what strikes it.
-void ClothRigid::refresh_rows(StepContext& c) {
+void SurfaceRigid::refresh_rows(StepContext& c) {
   const int done = c.inner.index, count = c.inner.count;
   const std::size_t group = static_cast<std::size_t>(c.inner.group);
   if (done == 0 || hurry_.size() != surfaces_.group_count || !(hurry_[group] > 1)) return;
@@ -63,17 +61,17 @@ void ClothRigid::refresh_rows(StepContext& c) {
   refreshing_ = kNone;
 }
 
-void ClothRigid::fill_rows(StepContext& c) {
-  std::uint32_t collider = kNone, cloth = kNone;
+void SurfaceRigid::fill_rows(StepContext& c) {
+  std::uint32_t collider = kNone, surface = kNone;
   bool wanted = true;
   Place at;
-  pin_depth_.assign(cloth_.vertices().size(), 0);
+  pin_depth_.assign(surfaces_.size(), 0);
   deep_pins_.clear();
   for (const Candidate& k : candidates_) {
-    if (k.collider != collider || k.cloth != cloth) {
-      FEDER_ASSERT(may_touch(cloth_.info(k.cloth), k.collider));
-      collider = k.collider, cloth = k.cloth;
-      const std::size_t group = surfaces_.group_of(cloth);
+    if (k.collider != collider || k.surface != surface) {
+      FEDER_ASSERT(may_touch(surfaces_.list[k.surface], k.collider));
+      collider = k.collider, surface = k.surface;
+      const std::size_t group = surfaces_.group_of(surface);
       wanted = !refreshing() || refreshing_ == group;
       if (wanted) at = place(collider);
       if (!refreshing()) surfaces_.groups[group]->use_mover(at.solver);
@@ -81,14 +79,14 @@ void ClothRigid::fill_rows(StepContext& c) {
       deep_pins_.clear();
     }
     if (!wanted) continue;
-    k.triangle ? triangle_rows(k, at, c) : vertex_rows(k, at, c);
+    k.triangle ? triangle_rows(k, at, c) : point_rows(k, at, c);
   }
 }
 
 // How deep a pin is in what does not give way either, half the thickness included. Its triangles come after it.
-void ClothRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
+void SurfaceRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
   Vec3 normal;
-  const Vec3 x = to_local(at.pose, vertex_place(k.index));
+  const Vec3 x = to_local(at.pose, place_of(k.index));
   const Real depth = radius - colliders_.shape[k.collider]->distance(x, radius, normal);
   if (!(depth > 0)) return;
   FEDER_ASSERT(pin_depth_[k.index] == 0);  // once for a collider
@@ -97,10 +95,10 @@ void ClothRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
 }
 
 // `normal` from the body to the cloth; `gap` beyond the thickness now; `point` on the cloth.
-void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
-                         const Vec3& normal, Real gap, const Vec3& point) {
-  const Cloth::Info info = cloth_.info(k.cloth);
-  FEDER_ASSERT(!info.asleep);  // it is woken instead
+void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
+                           const Vec3& normal, Real gap, const Vec3& point) {
+  const Surface& info = surfaces_.list[k.surface];
+  FEDER_ASSERT(info.active);  // it is woken instead
   FEDER_ASSERT(is_direction(normal) && sums_to(weight, 1));
   SurfaceRow r;
   Vec3 d = Vec3::Zero();
@@ -130,22 +128,22 @@ void ClothRigid::add_row(const Candidate& k, const Place& at, const std::uint32_
     r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
   r.touch = touch_of(info.object, colliders_.object[k.collider]);
-  surfaces_.groups[surfaces_.group_of(k.cloth)]->rows.push_back(r);
+  surfaces_.groups[surfaces_.group_of(k.surface)]->rows.push_back(r);
 }
 
-void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c) {
-  const Cloth::Info info = cloth_.info(k.cloth);
+void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& c) {
+  Surface& info = surfaces_.list[k.surface];
   const Real radius = Real(0.5) * info.thickness;
-  const Shape& ball = *vertex_shapes_[k.cloth];
+  const Shape& ball = *point_shapes_[k.surface];
   FEDER_ASSERT(ball.radius() == radius);
-  const Vec3 x = vertex_place(k.index);
-  if (!info.asleep && surfaces_.moved[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
+  const Vec3 x = place_of(k.index);
+  if (info.active && surfaces_.moved[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
     return measure_pin(k, at, radius);
   const Vec3 u = surfaces_.speed[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
   const Vec3 travel = horizon_ * u + (horizon_ * horizon_) * c.gravity;
   const Real reach = length(travel);
   if (!refreshing()) {
-    Real& hurry = hurry_[surfaces_.group_of(k.cloth)];
+    Real& hurry = hurry_[surfaces_.group_of(k.surface)];
     hurry = std::max(hurry, reach / (radius + kCastShare * smallest_[k.collider]));
   }
   const std::uint32_t v[3] = {k.index, k.index, k.index};
@@ -156,7 +154,7 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
     if (shape_cast(ball, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
       if (!(closing > 0)) return;
-      if (info.asleep) return cloth_.wake(info.object, WakeCause::contact, colliders_.object[k.collider]);
+      if (!info.active) return wake(info, colliders_.object[k.collider]);
       return add_row(k, at, v, weight, hit.normal, hit.fraction * closing, x);
     }
   }
@@ -166,22 +164,22 @@ void ClothRigid::vertex_rows(const Candidate& k, const Place& at, StepContext& c
   const int count = collide_.narrow().collide(ball, {x, Quat{}}, shape, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i) {
     if (m[i].count == 0) continue;
-    if (info.asleep) {
+    if (!info.active) {
       // something moves against a sleeper
       if (m[i].points[0].separation < Real(0.1) * info.thickness && reach > Real(0.05) * horizon_)
-        cloth_.wake(info.object, WakeCause::contact, colliders_.object[k.collider]);
+        wake(info, colliders_.object[k.collider]);
       return;
     }
     add_row(k, at, v, weight, -m[i].normal, m[i].points[0].separation, x);
   }
 }
 
-void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext& c) {
-  const Cloth::Info info = cloth_.info(k.cloth);
+void SurfaceRigid::triangle_rows(const Candidate& k, const Place& at, StepContext& c) {
+  const Surface& info = surfaces_.list[k.surface];
   FEDER_ASSERT(3 * k.index + 2 < info.triangles.size());
   const std::uint32_t* q = &info.triangles[3 * k.index];
   const std::uint32_t v[3] = {info.first + q[0], info.first + q[1], info.first + q[2]};
-  const Vec3 a = vertex_place(v[0]), b = vertex_place(v[1]) - a, e = vertex_place(v[2]) - a;
+  const Vec3 a = place_of(v[0]), b = place_of(v[1]) - a, e = place_of(v[2]) - a;
   const Vec3 middle = a + (b + e) / 3;
   const Vec3 body_speed = at.velocity + cross(at.spin, middle - at.center), fall = (horizon_ * horizon_) * c.gravity;
   Vec3 travel = fall;
@@ -194,7 +192,7 @@ void ClothRigid::triangle_rows(const Candidate& k, const Place& at, StepContext&
     reach = std::min(reach, far), farthest = std::max(farthest, far);
   }
   const Real radius = Real(0.5) * info.thickness;
-  const ClothTriangle shape(b, e, radius);
+  const SurfaceTriangle shape(b, e, radius);
   const Shape& body = *colliders_.shape[k.collider];
   Real weight[3];
   if (reach > radius + kCastShare * smallest_[k.collider]) {

@@ -1,0 +1,342 @@
+// Structure of the coupling, candidates of a step, and what began and ended. The contact rows are made in
+// surface_rigid_rows.cpp.
+// Kept between steps: which surface touches which body, for the events, and which pins were warned of.
+#include "contact/surface_rigid.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "contact/surface_triangle.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kReach = Real(1.6);    // thicknesses about the way of a point: rows are made up to 1.5 of them away
+constexpr Real kSupport = Real(0.3);  // cosine to gravity, from which on a contact carries
+constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a shape lie on its surface
+
+}  // namespace
+
+const SystemDescriptor& SurfaceRigid::descriptor() {
+  static const char* const joins[] = {"contact", Rigid::kName};
+  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
+                                       return std::make_unique<SurfaceRigid>(setup);
+                                     }};
+  return d;
+}
+
+SurfaceRigid::SurfaceRigid(SystemSetup& s)
+    : surfaces_(s.store.get<Surfaces>()), rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
+      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events),
+      candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)),
+      smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)),
+      hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+  surfaces_.bodies = &rigid_.bodies();
+}
+
+SurfaceRigid::~SurfaceRigid() { surfaces_.bodies = nullptr; }
+
+void SurfaceRigid::add_passes(StepPlan& plan) {
+  end_contacts();
+  candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
+  hurry_.clear();
+  if (!surfaces_.wanted() || rigid_.count() == 0) return;
+  using S = SurfaceRigid;
+  plan.add<&S::begin>(Rank::cloth_approach, "begin", kName, this);
+  plan.add<&S::find_candidates>(Rank::surface_candidates, "find candidates", kName, this);
+  plan.add<&S::make_rows>(Rank::surface_contact, "contacts", kName, this);
+  plan.add<&S::refresh_rows>(Rank::surface_refresh, "refresh contacts", kName, this);
+  plan.add<&S::collect>(Rank::surface_collect, "collect", kName, this);
+  plan.add<&S::finish>(Rank::surface_events, "bodies touched", kName, this);
+}
+
+std::size_t SurfaceRigid::count() const { return touches_.size(); }
+
+Event SurfaceRigid::event(EventKind kind, const Touch& t) {
+  open_.count(kind);
+  Event e;
+  e.kind = kind;
+  e.a = t.surface, e.b = t.body;
+  e.index = t.index;
+  e.point = t.point, e.normal = t.normal;
+  return e;
+}
+
+// Contacts with what is gone end; a surface that lay on it wakes.
+void SurfaceRigid::end_contacts() {
+  for (const Touch& t : touches_) {
+    if (objects_.alive(t.body) && objects_.alive(t.surface)) continue;
+    if (objects_.alive(t.surface)) surfaces_.wakes.push_back({t.surface, t.body, WakeCause::destroyed});
+    events_.add_pending(event(EventKind::contact_end, t));
+  }
+  std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.surface); });
+  std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.surface); });
+}
+
+SurfaceRigid::Place SurfaceRigid::place(std::uint32_t k) const {
+  Place p;
+  const Bodies& b = rigid_.bodies();
+  const std::uint32_t body = colliders_.owner_index[k];
+  FEDER_ASSERT(colliders_.owner[k] == ObjectKind::body && b.object[body] == colliders_.object[k]);
+  p.solver = movers_.solver[b.mover[body]];
+  if (p.solver == 0) {
+    p.center = b.position[body];
+    p.pose = b.com_pose(body) * colliders_.local[k];
+    return p;
+  }
+  FEDER_ASSERT(p.solver < movers_.state.size() && p.solver < movers_.mass.size());
+  const MoverState& s = movers_.state[p.solver];
+  p.center = movers_.mass[p.solver].center + s.moved;
+  p.velocity = s.velocity, p.spin = s.angular_velocity;
+  Quat rotation = s.rotation;
+  if (refreshing()) {
+    p.center += surfaces_.mover_shift[p.solver];
+    rotation = integrate_rotation(rotation, surfaces_.mover_turn[p.solver]);
+  }
+  p.pose = Pose{p.center, rotation} * colliders_.local[k];
+  return p;
+}
+
+// What is attached to a body does not collide with it.
+bool SurfaceRigid::anchored(std::uint32_t point, ObjectId body) const {
+  for (const Surfaces::Anchor& a : surfaces_.anchors)
+    if (a.point == point && a.body == body) return true;
+  return false;
+}
+
+// It is held in this step and moves from the next.
+void SurfaceRigid::wake(Surface& surface, ObjectId by) {
+  surface.active = true, surface.calm = false;
+  surfaces_.wakes.push_back({surface.object, by, WakeCause::contact});
+}
+
+std::uint32_t SurfaceRigid::touch_of(ObjectId surface, ObjectId body) {
+  for (std::uint32_t k = 0; k < touches_.size(); ++k)
+    if (touches_[k].surface == surface && touches_[k].body == body) return k;
+  FEDER_ASSERT(objects_.alive(surface) && objects_.kind(body) == ObjectKind::body);
+  Touch t;
+  t.surface = surface, t.body = body;
+  touches_.push_back(t);
+  return static_cast<std::uint32_t>(touches_.size() - 1);
+}
+
+// Where a collider may be in this step: boxes of collide may look less far ahead than the body comes.
+Aabb SurfaceRigid::reach_of(std::uint32_t k, StepContext& c) const {
+  Aabb box = colliders_.box[k];
+  if (colliders_.motion[k] == ColliderMotion::fixed) return box;
+  const Vec3 ahead = c.dt * colliders_.velocity[k];
+  Aabb end = box;
+  end.lo += ahead, end.hi += ahead;
+  box.include(end);
+  return box;
+}
+
+void SurfaceRigid::begin(StepContext&) {
+  end_contacts();  // a body may go without a new plan
+  for (Touch& t : touches_) t.seen = 0, t.impulse = t.support = t.speed = t.slip = t.strongest = 0;
+}
+
+void SurfaceRigid::find_candidates(StepContext& c) {
+  candidates_.clear();
+  smallest_.resize(colliders_.size());
+  box_.resize(surfaces_.size());
+  const auto count = static_cast<std::uint32_t>(surfaces_.list.size());
+  point_shapes_.resize(count);
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const Real radius = Real(0.5) * surfaces_.list[n].thickness;
+    if (!point_shapes_[n] || point_shapes_[n]->radius() != radius) point_shapes_[n] = make_sphere(radius);
+    candidates_of(n, c);
+  }
+  for (const Surfaces::Anchor& a : surfaces_.anchors)
+    if (objects_.alive(a.body)) connect(a.surface, rigid_.index(a.body));
+}
+
+// What a dynamic body gets from one surface reaches the others that act on it within a substep.
+void SurfaceRigid::connect(std::uint32_t surface, std::uint32_t body) {
+  const Bodies& b = rigid_.bodies();
+  const std::uint32_t solver = movers_.solver[b.mover[body]];
+  if (b.type[body] == BodyType::dynamic && solver != 0) surfaces_.connections.push_back({surface, 0, solver});
+}
+
+// A pin inside a shape asks for what cannot be. Said once for a surface and a body, with the deepest pin.
+void SurfaceRigid::warn_of_pins(const Surface& s, std::uint32_t k, StepContext& c) {
+  const ObjectId body = colliders_.object[k];
+  for (const Warned& w : warned_)
+    if (w.surface == s.object && w.body == body) return;
+  Real deepest = 0;
+  int count = 0;
+  std::uint32_t point = 0;
+  for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
+    if (surfaces_.moved[i].w != 0 || !overlaps(box_[i], colliders_.box[k]) || anchored(i, body)) continue;
+    Vec3 normal;
+    const Real depth =
+        -colliders_.shape[k]->distance(to_local(colliders_.pose[k], surfaces_.position[i]), s.thickness, normal);
+    count += depth > kInside * s.thickness;
+    if (depth > deepest) deepest = depth, point = i - s.first;
+  }
+  if (count == 0) return;
+  warned_.push_back({s.object, body});
+  char millimetres[32];
+  std::snprintf(millimetres, sizeof millimetres, "%.3g mm", static_cast<double>(1000 * deepest));
+  const std::string others = count > 1 ? " (the deepest of " + std::to_string(count) + ")" : "";
+  c.events->warn("pinned_inside",
+                 objects_.describe(s.object) + " vertex " + std::to_string(point + 1) + others + " is pinned " +
+                     millimetres + " inside " + objects_.describe(body) +
+                     ", which cannot push it out: pin it outside, attach it to the body, or let the two not collide",
+                 s.object);
+}
+
+bool SurfaceRigid::may_touch(const Surface& s, std::uint32_t k) const {
+  return colliders_.motion[k] != ColliderMotion::none && !colliders_.sensor[k] &&
+         colliders_.owner[k] == ObjectKind::body && (colliders_.group[k] & s.mask) != 0 &&
+         (s.group & colliders_.mask[k]) != 0;
+}
+
+void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
+  const Surface& s = surfaces_.list[n];
+  if (s.balls && s.triangles.empty()) return;
+  const Vec3 fall = c.gravity * (c.dt * c.dt);
+  Aabb all;
+  for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
+    const Vec3 x = surfaces_.position[i], u = surfaces_.speed[i].vec();
+    Aabb& b = box_[i];
+    const Vec3 far = surfaces_.moved[i].w == 0 ? x : Vec3(x + c.dt * u + fall);
+    b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
+    b.grow(kReach * s.thickness);
+    all.include(b);
+  }
+  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+    if (!may_touch(s, k)) continue;
+    // a fast body draws cloth in from beside its path
+    Aabb box = reach_of(k, c);
+    if (colliders_.motion[k] != ColliderMotion::fixed) box.grow(Real(0.3) * c.dt * length(colliders_.velocity[k]));
+    if (!overlaps(all, box)) continue;
+    const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
+    if (!s.active && !body_moves) continue;
+    connect(n, colliders_.owner_index[k]);
+    const Shape& shape = *colliders_.shape[k];
+    const Aabb own = shape.bounds(Pose{});
+    const Vec3 half = Real(0.5) * (own.hi - own.lo);
+    smallest_[k] = shape.convex() ? half.minCoeff() : Real(0);
+    FEDER_ASSERT(!(smallest_[k] < 0));
+    const ObjectId body = colliders_.object[k];
+    if (!s.balls) {
+      if (s.active && colliders_.motion[k] != ColliderMotion::dynamic) warn_of_pins(s, k, c);
+      for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
+        if (overlaps(box_[i], box) && !anchored(i, body)) candidates_.push_back({n, k, i, 0});
+    }
+    // a plane is met by corners alone
+    if (!s.active || !is_finite(shape.extent(Vec3(0, 0, 0)))) continue;
+    for (std::uint32_t t = 0; t < s.triangles.size() / 3; ++t) {
+      const std::uint32_t* q = &s.triangles[3 * t];
+      Aabb b = box_[s.first + q[0]];
+      b.include(box_[s.first + q[1]]), b.include(box_[s.first + q[2]]);
+      if (!overlaps(b, box)) continue;
+      if (anchored(s.first + q[0], body) || anchored(s.first + q[1], body) || anchored(s.first + q[2], body)) continue;
+      candidates_.push_back({n, k, t, 1});
+    }
+  }
+}
+
+// What the rows of this substep did.
+void SurfaceRigid::collect(StepContext& c) {
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k) collect_group(k, c);
+}
+
+void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
+  const Real g = length(c.gravity);
+  for (const SurfaceRow& r : surfaces_.groups[group]->rows) {
+    if (r.touch == kNone) continue;
+    FEDER_ASSERT(r.touch < touches_.size());
+    Touch& t = touches_[r.touch];
+    if (!(r.impulse > 0)) continue;
+    t.seen = 1;
+    t.impulse += r.impulse;
+    if (g > 0 && dot(r.normal, c.gravity) > kSupport * g) t.support += r.impulse;
+    t.speed = std::max(t.speed, r.approach);
+    if (r.impulse <= t.strongest) continue;
+    t.strongest = r.impulse;
+    int heaviest = 0;
+    for (int k = 1; k < 3; ++k)
+      if (r.weight[k] > r.weight[heaviest]) heaviest = k;
+    for (const Surface& s : surfaces_.list)
+      if (s.object == t.surface) t.index = r.vertex[heaviest] - s.first;
+    t.point = place_of(r.vertex[heaviest]);
+    t.normal = -r.normal;
+    Vec3 u = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) u += r.weight[k] * surfaces_.speed[r.vertex[k]].vec();
+    if (r.mover) u -= movers_.state[r.mover].velocity + cross(movers_.state[r.mover].angular_velocity, r.arm);
+    t.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
+  }
+}
+
+// Begin, stay and end, in the order of the objects.
+void SurfaceRigid::finish(StepContext& c) {
+  const Bodies& b = rigid_.bodies();
+  std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {
+    return x.surface != y.surface ? x.surface < y.surface : x.body < y.body;
+  });
+  for (Touch& t : touches_) {
+    const Surface* s = nullptr;
+    for (const Surface& k : surfaces_.list)
+      if (k.object == t.surface) s = &k;
+    if (!s || !objects_.alive(t.body)) continue;
+    FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // a part of it
+    const std::uint32_t body = rigid_.index(t.body);
+    if (!s->active && t.begun) {
+      t.seen = 1;
+      continue;
+    }
+    if (t.seen) surfaces_.carried.push_back({t.surface, t.body, t.impulse, t.support});
+    if (t.seen && !s->calm && b.type[body] == BodyType::dynamic && !b.awake[body]) {
+      const bool cloth = objects_.kind(t.surface) == ObjectKind::cloth;
+      rigid_.wake(t.body, cloth ? WakeCause::cloth : WakeCause::contact, t.surface);
+    }
+    const auto full = [&](EventKind kind) {
+      Event e = event(kind, t);
+      e.impulse = t.impulse, e.speed = t.speed, e.slip = t.slip;
+      return e;
+    };
+    if (t.seen && !t.begun) {
+      c.events->add(full(EventKind::contact_begin));
+      if (c.events->wanted(EventKind::hit)) c.events->add(full(EventKind::hit));
+    } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
+      c.events->add(full(EventKind::contact_stay));
+    }
+    if (!t.seen && t.begun) c.events->add(full(EventKind::contact_end));
+    t.begun = t.seen;
+  }
+  std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
+  surfaces_.clear_rows();
+}
+
+void SurfaceRigid::hash(Hash& h) const {
+  for (const Touch& t : touches_) h.add(t.surface.slot), h.add(t.body.slot);
+}
+
+void SurfaceRigid::save(Writer& w) const { w.list(touches_), w.list(warned_); }
+
+void SurfaceRigid::load(Reader& r) {
+  r.list(touches_), r.list(warned_);
+  open_.set(touches_.size());
+  candidates_.clear();
+  hurry_.clear();
+}
+
+void SurfaceRigid::validate() const {
+  FEDER_ASSERT(open_.open() == touches_.size());
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
+    const Touch& t = touches_[k];
+    FEDER_ASSERT(objects_.alive(t.surface) && objects_.alive(t.body) && objects_.kind(t.body) == ObjectKind::body);
+    FEDER_ASSERT(t.begun == 1 && t.seen == 1);
+    FEDER_ASSERT(k == 0 || (touches_[k - 1].surface != t.surface ? touches_[k - 1].surface < t.surface
+                                                                 : touches_[k - 1].body < t.body));
+  }
+  for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.surface) && objects_.alive(w.body));
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k)
+    for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
+  FEDER_ASSERT(!refreshing());
+}
+
+}  // namespace feder

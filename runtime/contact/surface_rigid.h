@@ -1,0 +1,111 @@
+// Surfaces and rigid bodies in one world: points and triangles against every shape, by the narrow phase that bodies
+// use. Exists as soon as a world has both. Rows go to the loop of the surface's group, which pushes both sides at the
+// same moment. Points that are colliders of their own (of nets) meet bodies there, and only their triangles here.
+#pragma once
+#include "collide/collide.h"
+#include "contact/event_balance.h"
+#include "rigid/rigid.h"
+#include "state/movers.h"
+#include "state/surface.h"
+#include "step/system.h"
+
+namespace feder {
+
+class SurfaceRigid final : public System {
+ public:
+  static constexpr const char* kName = "surface_rigid";
+  static const SystemDescriptor& descriptor();
+  explicit SurfaceRigid(SystemSetup& setup);
+  ~SurfaceRigid() override;
+
+  void add_passes(StepPlan& plan) override;
+  std::size_t count() const override;  // surfaces and bodies that touch now
+  void hash(Hash& h) const override;
+  void save(Writer& w) const override;
+  void load(Reader& r) override;
+  void validate() const override;
+
+ private:
+  // A point or triangle near a collider in this step.
+  struct Candidate {
+    std::uint32_t surface = 0;  // in Surfaces::list
+    std::uint32_t collider = 0;
+    std::uint32_t index = 0;     // of the point in Surfaces, or of the triangle within its surface
+    std::uint32_t triangle = 0;  // 1: the latter
+  };
+  // A surface and a body: their contact, over steps.
+  struct Touch {
+    ObjectId surface, body;
+    std::uint32_t begun = 0;                           // reported
+    std::uint32_t seen = 0;                            // in this step
+    Real impulse = 0;                                  // of this step, N s
+    Real support = 0;                                  // the part of it against gravity, N s
+    Real speed = 0;                                    // closing, m/s
+    Real slip = 0;                                     // m/s
+    std::uint32_t index = 0;                           // of the point pushed most
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from the surface to the body
+    Real strongest = 0;
+  };
+  // A collider as it is now.
+  struct Place {
+    Pose pose;
+    Vec3 center = Vec3::Zero();  // of mass, m
+    Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
+    std::uint32_t solver = 0;  // in Movers; 0 = does not move
+  };
+
+  // Passes.
+  void begin(StepContext& c);
+  void find_candidates(StepContext& c);
+  void make_rows(StepContext& c);
+  void refresh_rows(StepContext& c);
+  void fill_rows(StepContext& c);
+  void collect(StepContext& c);
+  void collect_group(std::size_t group, StepContext& c);
+  void finish(StepContext& c);
+
+  void end_contacts();
+  Aabb reach_of(std::uint32_t collider, StepContext& c) const;
+  void candidates_of(std::uint32_t surface, StepContext& c);
+  void connect(std::uint32_t surface, std::uint32_t body);
+  void measure_pin(const Candidate& k, const Place& at, Real radius);
+  void warn_of_pins(const Surface& surface, std::uint32_t collider, StepContext& c);
+  bool may_touch(const Surface& surface, std::uint32_t collider) const;
+  bool anchored(std::uint32_t point, ObjectId body) const;
+  void wake(Surface& surface, ObjectId by);
+  Place place(std::uint32_t collider) const;
+  void point_rows(const Candidate& k, const Place& at, StepContext& c);
+  void triangle_rows(const Candidate& k, const Place& at, StepContext& c);
+  void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
+               const Vec3& normal, Real gap, const Vec3& point);
+  std::uint32_t touch_of(ObjectId surface, ObjectId body);
+  Event event(EventKind kind, const Touch& t);
+  Vec3 place_of(std::uint32_t point) const { return surfaces_.position[point] + surfaces_.moved[point].vec(); }
+
+  Surfaces& surfaces_;
+  Rigid& rigid_;
+  Collide& collide_;
+  Colliders& colliders_;
+  Movers& movers_;
+  Objects& objects_;
+  Events& events_;
+  Array<Candidate> candidates_;
+  Array<Touch> touches_;
+  Array<Aabb> box_;                     // by point: swept over the step
+  Array<Real> smallest_;                // by collider: half of its least size, m
+  std::vector<ShapePtr> point_shapes_;  // by surface: a sphere of half the thickness
+  Real horizon_ = 0;                    // s, for which rows are made
+  Array<Real> pin_depth_;               // by point: of pins in the collider whose rows are being made, m
+  Array<std::uint32_t> deep_pins_;      // those where it is not 0
+  Array<Real> hurry_;                   // by group: the largest travel in a substep over what a row stands
+  std::uint32_t refreshing_ = kNone;    // the group whose rows are made between solver substeps
+  bool refreshing() const { return refreshing_ != kNone; }
+  // Pairs whose warning of pins inside was sent.
+  struct Warned {
+    ObjectId surface, body;
+  };
+  Array<Warned> warned_;
+  EventBalance open_;
+};
+
+}  // namespace feder
