@@ -47,7 +47,7 @@ struct Cloth::Impl {
   void measure_paths(Sheet& s);
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
-  void declare_surfaces() { surfaces.declare({kName, static_cast<std::uint32_t>(sheets.size()), true, true}); }
+  void declare_surfaces();
   void show(const Sheet& s);  // its surface, as it is
   void solve_body_ties(StepContext& c);
   void wake(Sheet& s, WakeCause cause, ObjectId other);
@@ -75,6 +75,8 @@ struct Cloth::Impl {
   }
 
   void drain_wakes();
+  void weigh_spin(Sheet& s, Real h);
+  void take_out_spin(Sheet& s);
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
   void check_damping(Sheet& s, StepContext& c);

@@ -78,7 +78,8 @@ struct Sheet {
   double bend_substeps = 1;  // for the solver's sake, when last asked
   Real bend_step = -1;       // s, of that question
   std::uint32_t bad_vertex = kNone;
-  Real mass = 0;  // kg
+  Real mass = 0;             // kg
+  Vec3 spun = Vec3::Zero();  // kg m^2/s, angular momentum that its solver made up in this substep
   bool any_pin = false;
   bool prepared = false;      // its solver, for this step
   double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity

@@ -206,6 +206,12 @@ void Cloth::Impl::prepare(StepContext& c) {
   }
 }
 
+void Cloth::Impl::declare_surfaces() {
+  const auto self = [](const auto& s) { return s->settings.self_collision != 0; };
+  surfaces.declare(
+      {kName, static_cast<std::uint32_t>(sheets.size()), true, std::any_of(sheets.begin(), sheets.end(), self), true});
+}
+
 // What others see of a cloth in this step.
 void Cloth::Impl::show(const Sheet& s) {
   Surface f;
@@ -243,6 +249,38 @@ void Cloth::Impl::begin_substep(StepContext& c) {
   if (any_active) add_forces(c);
 }
 
+// A link pushes along its direction at the end of the small step, a torque about where the step began: a free sheet
+// that is bent fast would start to turn. Displacements d become velocities d/h, so a sweep changes the angular momentum
+// by sum m x0 cross d/h, x0 where the small step began. It is summed up here, and taken out once per substep.
+void Cloth::Impl::weigh_spin(Sheet& s, Real h) {
+  Vec3 gained = Vec3::Zero();                                            // kg m^2
+  const Vec3 near = vertices.position[s.first] + before[s.first].vec();  // any point: a sweep keeps linear momentum
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
+    const Vec3 r = vertices.position[i] + before[i].vec() - near;
+    gained += vertices.mass[i] * cross(r, moved[i].vec() - before[i].vec() - h * speed[i].vec());
+  }
+  s.spun += gained / h;
+}
+
+// As a rotation of the whole about its centre of mass.
+void Cloth::Impl::take_out_spin(Sheet& s) {
+  const Vec3 spun = s.spun;
+  s.spun = Vec3::Zero();
+  const Vec3 near = place(s.first);
+  Vec3 middle = Vec3::Zero();  // from there
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) middle += vertices.mass[i] * (place(i) - near);
+  middle /= s.mass;
+  Mat3 inertia = Mat3::Zero();
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
+    const Vec3 r = place(i) - near - middle;
+    inertia -= vertices.mass[i] * (r * r.transpose());
+  }
+  inertia.diagonal().array() -= inertia.trace();
+  const Vec3 turn = inverse(inertia) * spun;  // rad/s
+  if (!is_finite(turn)) return;               // a sheet without extent, or one that has gone bad
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) speed[i].add(-cross(turn, place(i) - near - middle));
+}
+
 void Cloth::Impl::advance(StepContext& c) {
   const SurfaceGroup& g = group(c);
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
@@ -252,6 +290,7 @@ void Cloth::Impl::advance(StepContext& c) {
     ClothView v = view(s);
     v.crowded = g.crowded;
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
+    if (!s.any_pin && before[s.first].w == 0) weigh_spin(s, g.step);
   });
 }
 
@@ -269,7 +308,10 @@ void Cloth::Impl::read_velocities(StepContext& c) {
 
 void Cloth::Impl::damp(StepContext& c) {
   if (!c.inner.last()) return;
-  each_active(group(c), [&](Sheet& s) { s.solver->damp(view(s), c.h, c); });
+  each_active(group(c), [&](Sheet& s) {
+    if (!s.spun.isZero(0)) take_out_spin(s);
+    s.solver->damp(view(s), c.h, c);
+  });
 }
 
 // Contact found that something moves against a sleeper, or that what it lay on is gone.

@@ -13,7 +13,7 @@ Collide::Impl::Impl(SystemSetup& setup)
       pairs(motion.get_allocator()), seen(motion.get_allocator()), entries(motion.get_allocator()),
       next_entries(motion.get_allocator()), memory(motion.get_allocator()), watched(motion.get_allocator()),
       touches(motion.get_allocator()), next_touches(motion.get_allocator()), transitions(motion.get_allocator()),
-      stays(motion.get_allocator()), exclusions(motion.get_allocator()) {
+      stays(motion.get_allocator()), face_stays(motion.get_allocator()), exclusions(motion.get_allocator()) {
   const std::string name = setup.world.text("broad_phase", default_variant(broad_phases(), "tree"));
   broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
 }

@@ -63,14 +63,14 @@ struct ContactMemory {
 // Begin and end are counted per pair of objects: a compound on a mesh is one touching.
 struct TouchKey {
   ObjectId a, b;            // contacts: a < b; sensors: a is the sensor
-  std::uint32_t index = 0;  // point of the net, if one is a net
+  std::uint32_t index = 0;  // sensors: point of the net, if the other is a net
   std::uint32_t sensor = 0;
   friend auto operator<=>(const TouchKey&, const TouchKey&) = default;
 };
 struct Touch {
   TouchKey key;
   std::uint32_t count = 0;
-  std::uint32_t unused = 0;
+  std::uint32_t faces = 0;  // of them, those that count_face() told of
   std::uint64_t begun = 0;  // step
 };
 // A contact of that pair began (+1) or ended (-1); waits for the next "touches" row.
@@ -78,6 +78,8 @@ struct Transition {
   TouchKey key;
   std::int32_t change = 0;
   std::uint32_t sequence = 0;
+  std::uint32_t index = 0;  // point of the net, if one is a net
+  std::uint32_t face = 0;   // 1: by count_face()
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   Real speed = 0, impulse = 0;
 };
@@ -109,7 +111,7 @@ struct Exclusion {
 static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
 static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
 static_assert(sizeof(ContactMemory) == 16 + 20 * sizeof(Real));
-static_assert(sizeof(Transition) == 32 + 8 * sizeof(Real));
+static_assert(sizeof(Transition) == 40 + 8 * sizeof(Real));
 static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
 
 struct Collide::Impl {
@@ -143,6 +145,7 @@ struct Collide::Impl {
 
   // touches.cpp
   TouchKey key(const ContactEntry& e, bool& flipped) const;
+  std::uint32_t net_point(const ContactEntry& e) const;
   void add_transition(const ContactEntry& e, int change);
   void judge_watched();
   void report_stay(StepContext& c);
@@ -171,7 +174,7 @@ struct Collide::Impl {
   Array<std::uint32_t> watched;               // places in `entries`
   Array<Touch> touches, next_touches;         // sorted
   Array<Transition> transitions;
-  Array<Transition> stays;
+  Array<Transition> stays, face_stays;
   Array<Exclusion> exclusions;               // sorted
   bool recheck_filters = false;              // exclusions changed
   bool recheck_surfaces = false;             // material pairs changed

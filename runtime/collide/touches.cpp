@@ -1,4 +1,4 @@
-// Events: begin and end per pair of objects (per net point), stay and hit when wanted.
+// Events: begin and end per pair of objects (sensors: per net point), stay and hit when wanted.
 // A contact touches once a point is closer than kTouchBegin of the margin, or took an impulse in this step (a
 // speculative point that stopped a body); it ends when all points are farther than kTouchEnd and none took an
 // impulse. The gap between the two keeps resting contacts from flickering. Impulses are known after the solve, so
@@ -13,14 +13,41 @@
 
 namespace feder {
 
+std::uint32_t Collide::Impl::net_point(const ContactEntry& e) const {
+  const Colliders& c = *colliders;
+  if (c.owner[e.a] == ObjectKind::net) return c.sub[e.a];
+  return c.owner[e.b] == ObjectKind::net ? c.sub[e.b] : 0;
+}
+
 TouchKey Collide::Impl::key(const ContactEntry& e, bool& flipped) const {
   const Colliders& c = *colliders;
   const ObjectId a = c.object[e.a], b = c.object[e.b];
-  flipped = e.bits & kSensorPair ? (e.bits & kSensorIsB) != 0 : b < a;
-  std::uint32_t index = 0;
-  if (c.owner[e.b] == ObjectKind::net) index = c.sub[e.b];
-  if (c.owner[e.a] == ObjectKind::net) index = c.sub[e.a];
-  return {flipped ? b : a, flipped ? a : b, index, e.bits & kSensorPair ? 1u : 0u};
+  const bool sensor = (e.bits & kSensorPair) != 0;
+  flipped = sensor ? (e.bits & kSensorIsB) != 0 : b < a;
+  return {flipped ? b : a, flipped ? a : b, sensor ? net_point(e) : 0, sensor ? 1u : 0u};
+}
+
+// A thing whose faces meet a body beside its points, which are colliders: one begin and one end for both.
+void Collide::count_face(const Event& contact, int change) {
+  Transition t;
+  const bool flipped = contact.b < contact.a;
+  t.key = {flipped ? contact.b : contact.a, flipped ? contact.a : contact.b, 0, 0};
+  t.change = change;
+  t.sequence = static_cast<std::uint32_t>(impl_->transitions.size());
+  t.index = contact.index, t.face = 1;
+  t.point = contact.point, t.normal = flipped ? Vec3(-contact.normal) : contact.normal;
+  t.speed = contact.speed, t.impulse = contact.impulse;
+  impl_->transitions.push_back(t);
+}
+
+void Collide::stay_face(const Event& contact) {
+  Transition t;
+  const bool flipped = contact.b < contact.a;
+  t.key = {flipped ? contact.b : contact.a, flipped ? contact.a : contact.b, 0, 0};
+  t.index = contact.index;
+  t.point = contact.point, t.normal = flipped ? Vec3(-contact.normal) : contact.normal;
+  t.speed = contact.slip, t.impulse = contact.impulse;
+  impl_->face_stays.push_back(t);
 }
 
 void Collide::Impl::add_transition(const ContactEntry& e, int change) {
@@ -29,6 +56,7 @@ void Collide::Impl::add_transition(const ContactEntry& e, int change) {
   Transition t;
   bool flipped;
   t.key = key(e, flipped);
+  t.index = net_point(e);
   t.change = change;
   t.sequence = static_cast<std::uint32_t>(transitions.size());
   // where: the deepest point
@@ -68,7 +96,9 @@ void Collide::Impl::judge_watched() {
 
 // Sums per pair of objects over the contacts that were tested in this step, for pairs that touched before it.
 void Collide::Impl::report_stay(StepContext& c) {
-  stays.clear();
+  stays.swap(face_stays);
+  face_stays.clear();
+  for (std::size_t k = 0; k < stays.size(); ++k) stays[k].sequence = static_cast<std::uint32_t>(k);
   for (const ContactEntry& e : entries) {
     if ((e.bits & (kTested | kReported | kSensorPair)) != (kTested | kReported)) continue;
     const Contact& contact = contacts->slots[e.slot];
@@ -76,6 +106,7 @@ void Collide::Impl::report_stay(StepContext& c) {
     Transition t;
     bool flipped;
     t.key = key(e, flipped);
+    t.index = net_point(e);
     t.sequence = static_cast<std::uint32_t>(stays.size());
     const ContactPoint* deepest = &contact.points[0];
     for (int k = 0; k < contact.point_count; ++k) {
@@ -105,7 +136,7 @@ void Collide::Impl::report_stay(StepContext& c) {
     if (touches[touch].key != sum.key || touches[touch].begun == c.step) continue;
     Event event;
     event.kind = EventKind::contact_stay;
-    event.a = sum.key.a, event.b = sum.key.b, event.index = sum.key.index;
+    event.a = sum.key.a, event.b = sum.key.b, event.index = sum.index;
     event.point = sum.point, event.normal = sum.normal;
     event.impulse = sum.impulse, event.slip = sum.speed;
     c.events->add(event);
@@ -121,15 +152,18 @@ void Collide::Impl::merge_transitions(StepContext& c) {
   std::size_t n = 0;
   for (std::size_t first = 0, last; first < transitions.size(); first = last) {
     const TouchKey& pair = transitions[first].key;
-    int change = 0;
-    for (last = first; last < transitions.size() && transitions[last].key == pair; ++last)
+    int change = 0, faces = 0;
+    for (last = first; last < transitions.size() && transitions[last].key == pair; ++last) {
       change += transitions[last].change;
+      if (transitions[last].face) faces += transitions[last].change;
+    }
     while (n < touches.size() && touches[n].key < pair) next_touches.push_back(touches[n++]);
     Touch touch{pair, 0, 0, c.step};
     if (n < touches.size() && touches[n].key == pair) touch = touches[n++];
     const std::uint32_t before = touch.count;
     FEDER_ASSERT(static_cast<int>(before) + change >= 0);
     touch.count = static_cast<std::uint32_t>(static_cast<int>(before) + change);
+    touch.faces = static_cast<std::uint32_t>(static_cast<int>(touch.faces) + faces);
     if (touch.count) next_touches.push_back(touch);
     if ((before == 0) != (touch.count == 0)) report(c, touch.count != 0, first, last);
   }
@@ -143,7 +177,7 @@ void Collide::Impl::merge_transitions(StepContext& c) {
 void Collide::Impl::report(StepContext& c, bool began, std::size_t first, std::size_t last) {
   const Transition& t = transitions[first];
   Event event;
-  event.a = t.key.a, event.b = t.key.b, event.index = t.key.index;
+  event.a = t.key.a, event.b = t.key.b, event.index = t.key.sensor ? t.key.index : t.index;
   if (t.key.sensor) {
     event.kind = began ? EventKind::sensor_enter : EventKind::sensor_leave;
     c.events->add(event);
@@ -167,6 +201,7 @@ void Collide::Impl::report_touches(StepContext& c) {
   watched.clear();
   merge_transitions(c);
   if (c.events->wanted(EventKind::contact_stay)) report_stay(c);
+  face_stays.clear();
 }
 
 }  // namespace feder

@@ -57,7 +57,8 @@ void Collide::Impl::check_touches() const {
   MultisetHash on_record, reported;
   for (std::size_t n = 0; n < touches.size(); ++n) {
     FEDER_ASSERT(touches[n].count > 0 && (n == 0 || touches[n - 1].key < touches[n].key));
-    on_record.add(hash_of(touches[n].key), touches[n].count);
+    FEDER_ASSERT(touches[n].faces <= touches[n].count);
+    on_record.add(hash_of(touches[n].key), touches[n].count - touches[n].faces);
   }
   bool flipped = false;
   for (const ContactEntry& e : entries)

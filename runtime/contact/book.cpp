@@ -40,19 +40,23 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   m->surfaces.forget();  // what it names may be gone
   m->surfaces.movers = m->store.find<Movers>();
   if (!m->surfaces.wanted()) return;
+  const bool pairs = m->surfaces.declared() > 1;
+  const bool near = pairs || m->surfaces.any_owner([](const Surfaces::Owner& o) { return o.self; });
+  const bool coasts = m->surfaces.any_owner([](const Surfaces::Owner& o) { return !o.loops; });
+  const bool movers = m->surfaces.movers != nullptr;
   plan.add<&Impl::begin_step>(Rank::surface_begin, "begin", kName, m);
-  plan.add<&Impl::list_pairs>(Rank::surface_pairs, "who may touch", kName, m);
+  if (pairs) plan.add<&Impl::list_pairs>(Rank::surface_pairs, "who may touch", kName, m);
   plan.add<&Impl::form_groups>(Rank::surface_groups, "groups", kName, m);
-  plan.add<&Impl::begin_substep>(Rank::surface_movers, "movers", kName, m);
-  plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
-  plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);
-  plan.add<&Impl::advance_movers>(Rank::surface_bodies, "bodies", kName, m);
-  plan.add<&Impl::solve_holds>(Rank::surface_holds, "attachments", kName, m);
-  plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
-  plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
-  plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
-  plan.add<&Impl::project>(Rank::surface_project, "non-penetration", kName, m);
-  plan.add<&Impl::finish>(Rank::surface_events, "touches", kName, m);
+  plan.add<&Impl::begin_substep>(Rank::surface_movers, "begin substep", kName, m);
+  if (near) plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
+  if (coasts) plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);
+  if (movers) plan.add<&Impl::advance_movers>(Rank::surface_bodies, "bodies", kName, m);
+  if (movers) plan.add<&Impl::solve_holds>(Rank::surface_holds, "attachments", kName, m);
+  if (near || movers) plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
+  if (coasts) plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
+  if (near || movers) plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
+  if (near) plan.add<&Impl::project>(Rank::surface_project, "non-penetration", kName, m);
+  if (pairs) plan.add<&Impl::finish>(Rank::surface_events, "touches", kName, m);
 }
 
 std::size_t SurfaceContact::count() const { return impl_->touches.size(); }
@@ -62,6 +66,7 @@ void SurfaceContact::Impl::begin_step(StepContext&) {
   surfaces.row_updates = 0;
   guarded = widened = 0;
   mismatch = given = 0;
+  pairs_seen = 0;
 }
 
 const Surface* SurfaceContact::Impl::surface_of(ObjectId object) const {
@@ -99,7 +104,6 @@ Aabb SurfaceContact::Impl::reach(const Surface& s, StepContext& c) const {
 void SurfaceContact::Impl::list_pairs(StepContext& c) {
   for (Touch& t : touches) t.seen = 0;
   FEDER_ASSERT(between.empty());  // of this step there are none yet
-  pairs_seen = 0;
   const auto count = static_cast<std::uint32_t>(list.size());
   if (count < 2) return;
   box.resize(count);

@@ -11,9 +11,10 @@
 namespace feder {
 namespace {
 
-constexpr Real kReach = Real(1.6);    // thicknesses about the way of a point: rows are made up to 1.5 of them away
-constexpr Real kSupport = Real(0.3);  // cosine to gravity, from which on a contact carries
-constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a shape lie on its surface
+constexpr Real kReach = Real(1.6);  // thicknesses about the way of a point: rows are made up to 1.5 of them away
+constexpr Real kReachCoasting = Real(0.75);  // the same of what goes straight on in a substep
+constexpr Real kSupport = Real(0.3);         // cosine to gravity, from which on a contact carries
+constexpr Real kInside = Real(0.1);          // thicknesses: pins less deep inside a shape lie on its surface
 
 }  // namespace
 
@@ -53,8 +54,7 @@ void SurfaceRigid::add_passes(StepPlan& plan) {
 
 std::size_t SurfaceRigid::count() const { return touches_.size(); }
 
-Event SurfaceRigid::event(EventKind kind, const Touch& t) {
-  open_.count(kind);
+Event SurfaceRigid::event(EventKind kind, const Touch& t) const {
   Event e;
   e.kind = kind;
   e.a = t.surface, e.b = t.body;
@@ -68,7 +68,13 @@ void SurfaceRigid::end_contacts() {
   for (const Touch& t : touches_) {
     if (objects_.alive(t.body) && objects_.alive(t.surface)) continue;
     if (objects_.alive(t.surface)) surfaces_.wakes.push_back({t.surface, t.body, WakeCause::destroyed});
-    events_.add_pending(event(EventKind::contact_end, t));
+    const Event end = event(EventKind::contact_end, t);
+    if (t.balls) {
+      collide_.count_face(end, -1);
+      continue;
+    }
+    open_.count(end.kind);
+    events_.add_pending(end);
   }
   std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.surface); });
   std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.surface); });
@@ -111,12 +117,12 @@ void SurfaceRigid::wake(Surface& surface, ObjectId by) {
   surfaces_.wakes.push_back({surface.object, by, WakeCause::contact});
 }
 
-std::uint32_t SurfaceRigid::touch_of(ObjectId surface, ObjectId body) {
+std::uint32_t SurfaceRigid::touch_of(const Surface& surface, ObjectId body) {
   for (std::uint32_t k = 0; k < touches_.size(); ++k)
-    if (touches_[k].surface == surface && touches_[k].body == body) return k;
-  FEDER_ASSERT(objects_.alive(surface) && objects_.kind(body) == ObjectKind::body);
+    if (touches_[k].surface == surface.object && touches_[k].body == body) return k;
+  FEDER_ASSERT(objects_.alive(surface.object) && objects_.kind(body) == ObjectKind::body);
   Touch t;
-  t.surface = surface, t.body = body;
+  t.surface = surface.object, t.body = body, t.balls = surface.balls;
   touches_.push_back(t);
   return static_cast<std::uint32_t>(touches_.size() - 1);
 }
@@ -203,7 +209,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     Aabb& b = box_[i];
     const Vec3 far = surfaces_.moved[i].w == 0 ? x : Vec3(x + c.dt * u + fall);
     b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
-    b.grow(kReach * s.thickness);
+    b.grow((s.coasts ? kReachCoasting : kReach) * s.thickness);
     all.include(b);
   }
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
@@ -293,22 +299,35 @@ void SurfaceRigid::finish(StepContext& c) {
       const bool cloth = objects_.kind(t.surface) == ObjectKind::cloth;
       rigid_.wake(t.body, cloth ? WakeCause::cloth : WakeCause::contact, t.surface);
     }
-    const auto full = [&](EventKind kind) {
-      Event e = event(kind, t);
-      e.impulse = t.impulse, e.speed = t.speed, e.slip = t.slip;
-      return e;
-    };
-    if (t.seen && !t.begun) {
-      c.events->add(full(EventKind::contact_begin));
-      if (c.events->wanted(EventKind::hit)) c.events->add(full(EventKind::hit));
-    } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
-      c.events->add(full(EventKind::contact_stay));
-    }
-    if (!t.seen && t.begun) c.events->add(full(EventKind::contact_end));
+    report(t, c);
     t.begun = t.seen;
   }
   std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
   surfaces_.clear_rows();
+}
+
+void SurfaceRigid::report(const Touch& t, StepContext& c) {
+  const auto full = [&](EventKind kind) {
+    Event e = event(kind, t);
+    e.impulse = t.impulse, e.speed = t.speed, e.slip = t.slip;
+    return e;
+  };
+  if (t.balls) {
+    if (t.seen != t.begun) collide_.count_face(full(EventKind::contact_begin), t.seen ? 1 : -1);
+    if (t.seen && c.events->wanted(EventKind::contact_stay)) collide_.stay_face(full(EventKind::contact_stay));
+    return;
+  }
+  const auto send = [&](EventKind kind) {
+    open_.count(kind);
+    c.events->add(full(kind));
+  };
+  if (t.seen && !t.begun) {
+    send(EventKind::contact_begin);
+    if (c.events->wanted(EventKind::hit)) send(EventKind::hit);
+  } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
+    send(EventKind::contact_stay);
+  }
+  if (!t.seen && t.begun) send(EventKind::contact_end);
 }
 
 void SurfaceRigid::hash(Hash& h) const {
@@ -319,20 +338,23 @@ void SurfaceRigid::save(Writer& w) const { w.list(touches_), w.list(warned_); }
 
 void SurfaceRigid::load(Reader& r) {
   r.list(touches_), r.list(warned_);
-  open_.set(touches_.size());
+  open_.set(static_cast<std::size_t>(
+      std::count_if(touches_.begin(), touches_.end(), [](const Touch& t) { return t.balls == 0; })));
   candidates_.clear();
   hurry_.clear();
 }
 
 void SurfaceRigid::validate() const {
-  FEDER_ASSERT(open_.open() == touches_.size());
+  std::size_t own = 0;
   for (std::size_t k = 0; k < touches_.size(); ++k) {
     const Touch& t = touches_[k];
+    own += t.balls == 0;
     FEDER_ASSERT(objects_.alive(t.surface) && objects_.alive(t.body) && objects_.kind(t.body) == ObjectKind::body);
     FEDER_ASSERT(t.begun == 1 && t.seen == 1);
     FEDER_ASSERT(k == 0 || (touches_[k - 1].surface != t.surface ? touches_[k - 1].surface < t.surface
                                                                  : touches_[k - 1].body < t.body));
   }
+  FEDER_ASSERT(open_.open() == own);
   for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.surface) && objects_.alive(w.body));
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch == kNone);  // they live in a substep

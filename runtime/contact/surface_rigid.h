@@ -36,6 +36,7 @@ class SurfaceRigid final : public System {
   // A surface and a body: their contact, over steps.
   struct Touch {
     ObjectId surface, body;
+    std::uint32_t balls = 0;                           // 1: its points are colliders, collide reports for both
     std::uint32_t begun = 0;                           // reported
     std::uint32_t seen = 0;                            // in this step
     Real impulse = 0;                                  // of this step, N s
@@ -52,6 +53,7 @@ class SurfaceRigid final : public System {
     Vec3 center = Vec3::Zero();  // of mass, m
     Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
     std::uint32_t solver = 0;  // in Movers; 0 = does not move
+    Aabb box;                  // of the shape there
   };
 
   // Passes.
@@ -78,8 +80,9 @@ class SurfaceRigid final : public System {
   void triangle_rows(const Candidate& k, const Place& at, StepContext& c);
   void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                const Vec3& normal, Real gap, const Vec3& point);
-  std::uint32_t touch_of(ObjectId surface, ObjectId body);
-  Event event(EventKind kind, const Touch& t);
+  std::uint32_t touch_of(const Surface& surface, ObjectId body);
+  Event event(EventKind kind, const Touch& t) const;
+  void report(const Touch& t, StepContext& c);
   Vec3 place_of(std::uint32_t point) const { return surfaces_.position[point] + surfaces_.moved[point].vec(); }
 
   Surfaces& surfaces_;

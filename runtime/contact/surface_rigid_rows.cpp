@@ -18,8 +18,9 @@ namespace {
 
 constexpr Real kCastShare = Real(0.25);  // of the body's half size: faster passes are cast
 constexpr Real kWatch = 1;               // thicknesses: what is nearer gets a row, as strained cloth snaps by as much
-constexpr Real kCorner = Real(0.95);     // barycentric weight from which on a point is the corner's own
-constexpr Real kFreeShare = Real(0.05);  // weight of free corners up to which a point is the pinned ones' own
+constexpr Real kWatchCoasting = Real(0.1);  // the same of what goes straight on in a substep
+constexpr Real kCorner = Real(0.95);        // barycentric weight from which on a point is the corner's own
+constexpr Real kFreeShare = Real(0.05);     // weight of free corners up to which a point is the pinned ones' own
 
 // Weights of the point of the triangle 0, b, c nearest to p.
 void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {
@@ -73,7 +74,7 @@ void SurfaceRigid::fill_rows(StepContext& c) {
       collider = k.collider, surface = k.surface;
       const std::size_t group = surfaces_.group_of(surface);
       wanted = !refreshing() || refreshing_ == group;
-      if (wanted) at = place(collider);
+      if (wanted) at = place(collider), at.box = colliders_.shape[collider]->bounds(at.pose);
       if (!refreshing()) surfaces_.groups[group]->use_mover(at.solver);
       for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
       deep_pins_.clear();
@@ -127,7 +128,7 @@ void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint3
   if (!slide.isZero(0))
     r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
-  r.touch = touch_of(info.object, colliders_.object[k.collider]);
+  r.touch = touch_of(info, colliders_.object[k.collider]);
   surfaces_.groups[surfaces_.group_of(k.surface)]->rows.push_back(r);
 }
 
@@ -161,6 +162,9 @@ void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& 
   Manifold m[kMaxManifolds];
   PairCache cache;
   const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + kWatch * info.thickness;
+  Aabb near{x, x};
+  near.grow(radius + margin);
+  if (!overlaps(near, at.box)) return;
   const int count = collide_.narrow().collide(ball, {x, Quat{}}, shape, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i) {
     if (m[i].count == 0) continue;
@@ -206,7 +210,11 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const Place& at, StepContex
   }
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin = std::min(farthest, radius + smallest_[k.collider]) + kWatch * info.thickness;
+  const Real watch = info.coasts ? kWatchCoasting : kWatch;
+  const Real margin = std::min(farthest, radius + smallest_[k.collider]) + watch * info.thickness;
+  Aabb near = shape.bounds({a, Quat{}});
+  near.grow(margin);
+  if (!overlaps(near, at.box)) return;
   const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < m[i].count; ++j) {

@@ -40,7 +40,7 @@ void Springs::Impl::declare_surfaces() {
     self = self || n->settings.self != 0;
     faces = faces || !n->faces.empty();
   }
-  if (Surfaces* surfaces = store.find<Surfaces>()) surfaces->declare({kName, count, self, faces});
+  if (Surfaces* surfaces = store.find<Surfaces>()) surfaces->declare({kName, count, false, self, faces});
 }
 
 void Springs::Impl::show_surfaces(StepContext& c) {

@@ -171,7 +171,9 @@ struct Surfaces {
   struct Owner {
     std::string_view name;
     std::uint32_t count;
-    bool loops, faces;
+    bool loops;  // its solver runs in the loop of solver substeps; else it coasts there
+    bool self;   // one of them may touch itself
+    bool faces;  // one of them has triangles
   };
   std::vector<Owner> owners;
   void declare(const Owner& owner) {
@@ -180,13 +182,20 @@ struct Surfaces {
     owners.push_back(owner);
   }
   const Bodies* bodies = nullptr;  // that surfaces may meet
-  bool wanted() const {
+  std::uint32_t declared() const {
     std::uint32_t all = 0;
-    for (const Owner& o : owners) {
-      if (o.count > 0 && (o.loops || (o.faces && bodies && bodies->size() > 0))) return true;
-      all += o.count;
-    }
-    return all > 1;
+    for (const Owner& o : owners) all += o.count;
+    return all;
+  }
+  template <class F>
+  bool any_owner(F&& f) const {
+    for (const Owner& o : owners)
+      if (o.count > 0 && f(o)) return true;
+    return false;
+  }
+  bool wanted() const {
+    const bool some = bodies && bodies->size() > 0;
+    return declared() > 1 || any_owner([&](const Owner& o) { return o.loops || o.self || (o.faces && some); });
   }
   // Does this owner have surfaces that contact asks for?
   bool shows(std::string_view name) const {

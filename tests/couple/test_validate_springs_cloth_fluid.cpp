@@ -22,6 +22,7 @@ struct Mixed {
   Springs& springs = w.need<Springs>();
   Fluid& fluid = w.need<Fluid>();
   ObjectId sheets[2], net, water, jet, ball, box;
+  bool touched = false;  // the ball, a sheet
 
   Mixed() {
     const Real d = Real(0.05);
@@ -62,7 +63,10 @@ struct Mixed {
     e.position = Vec3(Real(-0.1), Real(0.4), Real(0.1));
     e.radius = Real(0.06);
     jet = fluid.add_emitter(water, e);
-    for (int k = 0; k < 40; ++k) w.step();  // each validates
+    for (int k = 0; k < 40; ++k) {  // each validates
+      w.step();
+      touched = touched || w.need<SurfaceRigid>().count() > 0;
+    }
   }
 };
 
@@ -70,7 +74,7 @@ struct Mixed {
 
 TEST_CASE("what everything does to everything leaves all structures in order", "[couple][cloth][fluid][springs]") {
   Mixed m;
-  CHECK(m.w.need<ClothRigid>().count() > 0);
+  CHECK(m.touched);
   CHECK(m.w.need<SurfaceContact>().count() > 0);
   CHECK(m.w.need<FluidCloth>().count() > 0);
   CHECK(m.w.need<FluidRigid>().count() > 0);

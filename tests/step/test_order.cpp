@@ -49,7 +49,7 @@ TEST_CASE("a plan runs its ranks in order, each group its whole loop before the 
   add(plan, after(Rank::body_forces), "after");
   add(plan, Rank::body_forces, "forces");
   add(plan, before(Rank::body_forces), "before");
-  plan.add(Rank::cloth_forces, "choose", "test", &choose, nullptr);
+  plan.add(Rank::cloth_forces, "choose", "test", &choose, &trace);
   plan.finish();
   StepContext c;
   c.substeps = 2;
@@ -81,9 +81,9 @@ TEST_CASE("passes of loops are counted always and clocked sometimes; counters ou
     plan.clear();
     plan.add(
         Rank::cloth_forces, "choose", "test", [](void*, StepContext& c) { c.counts(Loop::surface).count = {100}; },
-        nullptr);
+        &trace);
     plan.add(
-        Rank::surface_rows, "rows", "test", [](void*, StepContext&) {}, nullptr);
+        Rank::surface_rows, "rows", "test", [](void*, StepContext&) {}, &trace);
     plan.finish();
   };
   fill();
