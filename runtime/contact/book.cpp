@@ -32,7 +32,7 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
       moved(surfaces.moved), before(surfaces.before), speed(surfaces.speed), between(surfaces.pairs),
       mover_surface(&arena), joined_to(&arena), vertex_box(&arena), found_place(&arena), found_speed(&arena),
       stray(&arena), found(&arena), guard_start(&arena), held_with(&arena), zones(&arena), wished(&arena),
-      swapped(&arena), near_surface(&arena), box(&arena), touches(&arena) {}
+      swapped(&arena), near_surface(&arena), others_box(&arena), box(&arena), touches(&arena) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();

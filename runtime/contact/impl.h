@@ -59,6 +59,7 @@ struct SurfaceContact::Impl {
     std::uint32_t begun = 0;  // reported
     SurfacePair what;         // of this step
   };
+  Array<Aabb> others_box;          // by surface: of those that it may touch
   Array<Aabb> box;                 // by surface
   Array<Touch> touches;            // in the order of the objects
   double mismatch = 0, given = 0;  // N s, of the last step
@@ -99,6 +100,7 @@ struct SurfaceContact::Impl {
   // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: points may stay
   // behind.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
+  void bound_others(const SurfaceGroup& g);
   void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;

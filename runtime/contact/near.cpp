@@ -92,6 +92,25 @@ bool SurfaceContact::Impl::near_wanted(const SurfaceGroup& g) const {
   return false;
 }
 
+// Where what a surface may touch in this step is: of one that may touch itself, everywhere; of one that takes no part,
+// nowhere.
+void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
+  box.resize(list.size()), others_box.resize(list.size());
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    box[n] = others_box[n] = Aabb();
+    bool meets = false;
+    for (const SurfacePair& k : between) meets = meets || k.a == n || k.b == n;
+    if (meets || (s.active && s.self))
+      for (std::uint32_t i = s.first; i < s.first + s.count; ++i) box[n].include(vertex_box[i]);
+    if (s.active && s.self) others_box[n] = Aabb::everything();
+  }
+  for (const SurfacePair& k : between) {
+    if (list[k.a].loop != list[g.members[0]].loop) continue;
+    others_box[k.a].include(box[k.b]), others_box[k.b].include(box[k.a]);
+  }
+}
+
 // Points, triangles and edges of the surfaces that take part, with the boxes they may move in.
 void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
   near.near_vertex.clear(), near.near_triangle.clear(), near.near_edge.clear();
@@ -125,10 +144,27 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
       b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
       b.grow(stray[i] + Real(1.1) * half);
     }
-    for (const std::uint32_t v : s.triangles) near.near_triangle.push_back(s.first + v);
+  }
+  bound_others(g);
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    const Aabb& others = others_box[n];
+    if (others.empty()) continue;
+    const bool all = s.active && s.self;
+    for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
+      const std::uint32_t* v = &s.triangles[t];
+      Aabb b = vertex_box[s.first + v[0]];
+      b.include(vertex_box[s.first + v[1]]), b.include(vertex_box[s.first + v[2]]);
+      if (!all && !overlaps(b, others)) continue;
+      for (int k = 0; k < 3; ++k) near.near_triangle.push_back(s.first + v[k]);
+    }
     const std::uint32_t* ends = s.edges.ends;
-    for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride)
+    for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
+      Aabb b = vertex_box[s.first + ends[0]];
+      b.include(vertex_box[s.first + ends[1]]);
+      if (!all && !overlaps(b, others)) continue;
       near.near_edge.push_back(s.first + ends[0]), near.near_edge.push_back(s.first + ends[1]);
+    }
   }
   FEDER_ASSERT(near.near_triangle.size() % 3 == 0 && near.near_vertex.size() <= size);
   near.triangle_box.resize(near.near_triangle.size() / 3), near.edge_box.resize(near.near_edge.size() / 2);
@@ -197,6 +233,7 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.trees_stale ? near.edge_tree.build(edge_boxes) : near.edge_tree.refit(edge_boxes);
   near.trees_stale = false;
   for (const std::uint32_t i : near.near_vertex) {
+    if (!overlaps(vertex_box[i], others_box[near_surface[i]])) continue;
     found.clear();
     near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
     for (const std::uint32_t t : found) {

@@ -12,9 +12,8 @@ using namespace feder::test;
 namespace {
 
 const SystemDescriptor* const kCatalog[] = {
-    &Collide::descriptor(),      &Rigid::descriptor(),          &Springs::descriptor(),
-    &SpringsRigid::descriptor(), &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-    &Cloth::descriptor()};
+    &Collide::descriptor(),        &Rigid::descriptor(),        &Springs::descriptor(), &SpringsRigid::descriptor(),
+    &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(), &Cloth::descriptor()};
 
 WorldDesc still_air(bool gravity, int threads = 1) {
   WorldDesc d;
@@ -224,7 +223,8 @@ TEST_CASE("a net meets itself where that is asked for", "[contact]") {
   for (int k = 0; k < 60; ++k) {
     w.step();
     for (std::size_t j = 0; j < 9; ++j)
-      narrowest = std::fmin(narrowest, static_cast<double>(springs.point(net, 9 * j + 8)[0] - springs.point(net, 9 * j)[0]));
+      narrowest =
+          std::fmin(narrowest, static_cast<double>(springs.point(net, 9 * j + 8)[0] - springs.point(net, 9 * j)[0]));
   }
   CAPTURE(self, narrowest);
   CHECK((narrowest > 0.01) == self);
