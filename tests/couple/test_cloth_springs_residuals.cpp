@@ -64,7 +64,7 @@ TEST_CASE("cloth.small_steps and cloth.row_updates count the work of a step", "[
   CHECK(updates[1] == 7 * updates[0]);
 }
 
-TEST_CASE("cloth.guarded and cloth.widened: 0 where nothing meets, more where cloth strikes cloth",
+TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more where cloth strikes cloth",
           "[couple][residuals]") {
   const bool strikes = GENERATE(false, true);
   World w(weightless(), kCatalog);
@@ -170,7 +170,7 @@ TEST_CASE("cloth_rigid.attachment_error_m and springs_rigid.attachment_error_m a
   CHECK(residual(w, "springs_rigid.attachment_error_m") == Approx(0.13).epsilon(1e-4));
 }
 
-TEST_CASE("cloth_cloth: pairs that may touch, what was passed on, and that both sides got it", "[couple][residuals]") {
+TEST_CASE("contact: pairs that may touch, what was passed on, and that both sides got it", "[couple][residuals]") {
   World w(weightless(), kCatalog);
   Cloth& cloth = w.need<Cloth>();
   const auto add = [&](Real y, Real speed) {
