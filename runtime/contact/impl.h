@@ -101,6 +101,7 @@ struct SurfaceContact::Impl {
   // behind.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void bound_others(const SurfaceGroup& g);
+  Aabb box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
   void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;

@@ -101,7 +101,7 @@ void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
     box[n] = others_box[n] = Aabb();
     bool meets = false;
     for (const SurfacePair& k : between) meets = meets || k.a == n || k.b == n;
-    if (meets || (s.active && s.self))
+    if (meets)
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i) box[n].include(vertex_box[i]);
     if (s.active && s.self) others_box[n] = Aabb::everything();
   }
@@ -109,6 +109,13 @@ void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
     if (list[k.a].loop != list[g.members[0]].loop) continue;
     others_box[k.a].include(box[k.b]), others_box[k.b].include(box[k.a]);
   }
+}
+
+// Of three points, as they may move.
+Aabb SurfaceContact::Impl::box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  Aabb all = vertex_box[a];
+  all.include(vertex_box[b]), all.include(vertex_box[c]);
+  return all;
 }
 
 // Points, triangles and edges of the surfaces that take part, with the boxes they may move in.
@@ -149,20 +156,21 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     const Aabb& others = others_box[n];
+    const std::uint32_t* ends = s.edges.ends;
+    if (s.active && s.self) {
+      for (const std::uint32_t v : s.triangles) near.near_triangle.push_back(s.first + v);
+      for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride)
+        near.near_edge.push_back(s.first + ends[0]), near.near_edge.push_back(s.first + ends[1]);
+      continue;
+    }
     if (others.empty()) continue;
-    const bool all = s.active && s.self;
     for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
       const std::uint32_t* v = &s.triangles[t];
-      Aabb b = vertex_box[s.first + v[0]];
-      b.include(vertex_box[s.first + v[1]]), b.include(vertex_box[s.first + v[2]]);
-      if (!all && !overlaps(b, others)) continue;
+      if (!overlaps(box_of(s.first + v[0], s.first + v[1], s.first + v[2]), others)) continue;
       for (int k = 0; k < 3; ++k) near.near_triangle.push_back(s.first + v[k]);
     }
-    const std::uint32_t* ends = s.edges.ends;
     for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
-      Aabb b = vertex_box[s.first + ends[0]];
-      b.include(vertex_box[s.first + ends[1]]);
-      if (!all && !overlaps(b, others)) continue;
+      if (!overlaps(box_of(s.first + ends[0], s.first + ends[1], s.first + ends[1]), others)) continue;
       near.near_edge.push_back(s.first + ends[0]), near.near_edge.push_back(s.first + ends[1]);
     }
   }
@@ -233,7 +241,8 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.trees_stale ? near.edge_tree.build(edge_boxes) : near.edge_tree.refit(edge_boxes);
   near.trees_stale = false;
   for (const std::uint32_t i : near.near_vertex) {
-    if (!overlaps(vertex_box[i], others_box[near_surface[i]])) continue;
+    const Surface& own = list[near_surface[i]];
+    if (!(own.self && own.active) && !overlaps(vertex_box[i], others_box[near_surface[i]])) continue;
     found.clear();
     near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
     for (const std::uint32_t t : found) {
