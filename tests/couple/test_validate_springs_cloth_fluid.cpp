@@ -22,7 +22,6 @@ struct Mixed {
   Springs& springs = w.need<Springs>();
   Fluid& fluid = w.need<Fluid>();
   ObjectId sheets[2], net, water, jet, ball, box;
-  bool touched = false;  // the ball, a sheet
 
   Mixed() {
     const Real d = Real(0.05);
@@ -37,8 +36,8 @@ struct Mixed {
     }
     BodyDesc b;
     b.shape = make_sphere(Real(0.06));
-    b.mass = Real(0.1);
-    b.position = Vec3(Real(0.12), Real(0.09), 0);
+    b.mass = 1;
+    b.position = Vec3(Real(0.02), Real(0.09), 0);
     ball = rigid.add_body(b);
     NetDesc n = mat(7, Real(0.6), 2, 2000);
     for (Vec3& x : n.points) x += Vec3(1, 0, 0);
@@ -63,10 +62,8 @@ struct Mixed {
     e.position = Vec3(Real(-0.1), Real(0.4), Real(0.1));
     e.radius = Real(0.06);
     jet = fluid.add_emitter(water, e);
-    for (int k = 0; k < 40; ++k) {  // each validates
-      w.step();
-      touched = touched || w.need<SurfaceRigid>().count() > 0;
-    }
+    // each validates; the ball bounces on the sheet: to a step in which it touches
+    for (int k = 0; k < 40 || (k < 200 && w.need<SurfaceRigid>().count() == 0); ++k) w.step();
   }
 };
 
@@ -74,7 +71,7 @@ struct Mixed {
 
 TEST_CASE("what everything does to everything leaves all structures in order", "[couple][cloth][fluid][springs]") {
   Mixed m;
-  CHECK(m.touched);
+  CHECK(m.w.need<SurfaceRigid>().count() > 0);
   CHECK(m.w.need<SurfaceContact>().count() > 0);
   CHECK(m.w.need<FluidCloth>().count() > 0);
   CHECK(m.w.need<FluidRigid>().count() > 0);
