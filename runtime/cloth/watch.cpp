@@ -112,7 +112,7 @@ double Cloth::held(const StepContext& c) {
   double sum = 0;
   for (const auto& s : impl_->sheets) {
     sum += s->kinetic_before;
-    if (s->active() && impl_->moved.size() == impl_->vertices.size()) sum += impl_->given(*s, c);
+    if (s->active() && impl_->moved.size() >= impl_->vertices.size()) sum += impl_->given(*s, c);
   }
   return sum;
 }

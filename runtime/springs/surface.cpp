@@ -104,7 +104,9 @@ void Springs::Impl::coast_surfaces(StepContext& c) {
       const Vec3 end = particles.position[from] - particles.start[from];
       const Vec3 v = w != 0 ? Vec3((end - all.before[to].vec()) / c.h) : Vec3(0, 0, 0);
       surface_end[to] = end, surface_speed[to] = v;
-      all.moved[to] = {all.before[to].x, all.before[to].y, all.before[to].z, w};
+      // what is held is where it ends: it may have gone into quarantine in this substep
+      const Vec3 from_here = w != 0 ? all.before[to].vec() : end;
+      all.moved[to] = {from_here[0], from_here[1], from_here[2], w};
       all.speed[to] = {v[0], v[1], v[2], w};
     }
   });

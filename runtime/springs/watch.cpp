@@ -95,7 +95,8 @@ void Springs::Impl::watch(StepContext& c) {
     if (!Watch::jumped(before, 0, after)) continue;
     const double given = n.given(static_cast<double>(c.dt));
     if (!Watch::jumped(before, given, after)) continue;
-    watched.suspects.push_back({kName, n.object, before, after, given, mass, false, kCure});
+    const bool met = nets.size() > 1 && particles.radius[n.first] > 0;  // what one net gains another one may have had
+    watched.suspects.push_back({kName, n.object, before, after, given, mass, met, kCure});
   }
 }
 

@@ -20,13 +20,15 @@ std::string number(double x) {
 
 void World::warn_of_energy(const StepContext& c) {
   double all = 0, drive = 0;
-  int owners = 0;
   for (const Present& p : systems_) {
-    const double held = p.system->held(c);
-    all += held;
-    owners += held > 0;
+    all += p.system->held(c);
     drive = std::fmax(drive, p.system->drive(c));
   }
+  const auto others_hold = [&](const char* system) {
+    for (const Present& p : systems_)
+      if (std::strcmp(p.descriptor->name, system) != 0 && p.system->held(c) > 0) return true;
+    return false;
+  };
   const auto episode = static_cast<std::uint64_t>(std::ceil(kEpisode / desc_.dt));
   std::erase_if(watch_.alarms, [&](const Watch::Alarm& a) { return c.step > a.step + episode || c.step < a.step; });
   std::string message;
@@ -34,7 +36,7 @@ void World::warn_of_energy(const StepContext& c) {
   for (const Suspect& s : watch_.suspects) {
     // what moves with infinite mass throws the rest at up to twice its speed
     double given = s.given + 2 * s.mass * drive * drive;
-    if (owners > 1 || s.shared) given += all;
+    if (s.shared || others_hold(s.system)) given += all;
     if (!Watch::jumped(s.before, given, s.after)) continue;
     Watch::Alarm* known = nullptr;
     for (Watch::Alarm& a : watch_.alarms)

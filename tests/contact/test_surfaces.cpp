@@ -244,3 +244,76 @@ TEST_CASE("contact of nets goes on from a snapshot", "[contact]") {
   for (int k = 0; k < 60; ++k) w.step();
   CHECK(w.hash() == hash);
 }
+
+// Lowest point of it, m; with `within` below 1, of its points over the middle of the xz plane alone.
+double lowest_of(World& w, ObjectId id, double within = 1) {
+  double y = 1e9;
+  const auto take = [&](const Vec3& x) {
+    if (std::fmax(std::fabs(component(x, 0)), std::fabs(component(x, 2))) < within) y = std::fmin(y, component(x, 1));
+  };
+  if (w.objects().kind(id) == ObjectKind::cloth) {
+    Cloth& cloth = w.need<Cloth>();
+    for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) take(cloth.point(id, i));
+  } else {
+    Springs& springs = w.need<Springs>();
+    for (std::size_t i = 0; i < springs.point_count(id); ++i) take(springs.point(id, i));
+  }
+  return y;
+}
+
+TEST_CASE("nothing passes what is held: thick and thin, light and heavy, laid down or thrown", "[contact][sweep]") {
+  const bool sheet_below = GENERATE(true, false);
+  const std::string above = GENERATE("net", "points", "ball", "sheet");
+  const Real radius = GENERATE(Real(0.004), Real(0.05)), mass = GENERATE(Real(0.005), Real(0.1));
+  const Real speed = GENERATE(Real(0), Real(2.4), Real(7.7));  // of a fall from 0, .3, 3 m
+  CAPTURE(sheet_below, above, radius, mass, speed);
+  World w(still_air(true), kCatalog);
+  Springs& springs = w.need<Springs>();
+  // as stiff as symplectic Euler stands at the default substep
+  const auto made = [&](std::uint32_t n, Real size, const Vec3& center, Real m) {
+    NetDesc d = grid_net(n, size, center, m * Real(5000));
+    d.masses.assign(d.points.size(), m);
+    for (SpringDesc& s : d.springs) s.damping = Real(1.4) * m;
+    d.radius = radius;
+    return d;
+  };
+  ObjectId low, high;
+  if (sheet_below) {
+    ClothDesc d = sheet(13, 13, 1, 1);
+    d.pin_names = {"top", "bottom", "left", "right"};
+    d.thickness = std::max(Real(0.004), radius);
+    low = w.need<Cloth>().add_cloth(d);
+  } else {
+    low = springs.add_net(made(9, 1, Vec3(Real(0.013), 0, Real(0.017)), Real(0.1)));
+    pin_border(springs, low, 9);
+  }
+  const Real y = 2 * radius + Real(0.02);
+  const Vec3 down(0, -speed, 0);
+  if (above == "sheet") {
+    ClothDesc d = sheet(7, 7, Real(0.3), Real(0.3));
+    d.pose.position = Vec3(Real(0.02), y, Real(0.03));
+    d.area_density = 10 * mass;
+    d.velocity = down;
+    high = w.need<Cloth>().add_cloth(d);
+  } else if (above == "ball") {
+    NetDesc d = jelly_ball(Real(0.15), Vec3(0, y + Real(0.15), 0), down);
+    d.masses.assign(d.points.size(), mass / 2);
+    for (SpringDesc& s : d.springs) s.stiffness = 1200 * mass, s.damping = mass;
+    d.radius = radius;
+    high = springs.add_net(d);
+  } else {
+    NetDesc d = moving(made(5, Real(0.3), Vec3(0, y, 0), mass), down);
+    if (above == "points") d.faces.clear();
+    high = springs.add_net(d);
+  }
+  int diverged = 0;
+  for (int k = 0; k < 90; ++k) {
+    w.step();
+    // what bounces off may leave over the edge
+    REQUIRE(lowest_of(w, high, 0.4) > lowest_of(w, low) - static_cast<double>(radius));
+    for (const Event& e : w.events().list())
+      diverged += e.kind == EventKind::warning && w.events().warning_code(e) == "diverged";
+  }
+  CHECK(w.is_finite());
+  CHECK(diverged == 0);
+}
