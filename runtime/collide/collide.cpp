@@ -9,11 +9,10 @@ namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup)
     : colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
-      narrow(setup.world.text("narrow_phase", "auto")), motion(&setup.store.arena(kName)),
-      pairs(motion.get_allocator()), seen(motion.get_allocator()), entries(motion.get_allocator()),
-      next_entries(motion.get_allocator()), memory(motion.get_allocator()), watched(motion.get_allocator()),
-      touches(motion.get_allocator()), next_touches(motion.get_allocator()), transitions(motion.get_allocator()),
-      stays(motion.get_allocator()), face_stays(motion.get_allocator()), exclusions(motion.get_allocator()) {
+      book(&setup.store.need<ContactBook>(kName)), narrow(setup.world.text("narrow_phase", "auto")),
+      motion(&setup.store.arena(kName)), pairs(motion.get_allocator()), seen(motion.get_allocator()),
+      entries(motion.get_allocator()), next_entries(motion.get_allocator()), memory(motion.get_allocator()),
+      watched(motion.get_allocator()), exclusions(motion.get_allocator()) {
   const std::string name = setup.world.text("broad_phase", default_variant(broad_phases(), "tree"));
   broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
 }
@@ -27,9 +26,9 @@ const SystemDescriptor& Collide::descriptor() {
   return d;
 }
 
-// Ends that wait for a step need the rows even when the last collider is gone.
 void Collide::add_passes(StepPlan& plan) {
-  if (count() == 0 && impl_->transitions.empty() && impl_->entries.empty()) return;
+  if (count() == 0 && impl_->entries.empty()) return;
+  impl_->book->use();
   plan.add<&Impl::find_pairs>(Rank::broad, "find pairs", kName, impl_.get());
   plan.add<&Impl::collide>(Rank::narrow, "collide", kName, impl_.get());
   plan.add<&Impl::list_active>(Rank::contact_list, "list contacts", kName, impl_.get());
@@ -131,14 +130,15 @@ void Collide::hash(Hash& h) const {
     h.add(contact.tangent_impulse[0]), h.add(contact.tangent_impulse[1]), h.add(contact.twist_impulse);
     h.add(contact.rolling_impulse);
   }
-  for (const Touch& t : impl_->touches) h.add(t.key.a.slot), h.add(t.key.b.slot), h.add(t.key.index), h.add(t.count);
+  for (const ContactRecord& r : impl_->book->records())
+    if (r.count > 0) h.add(r.key.a.slot), h.add(r.key.b.slot), h.add(r.key.index), h.add(r.count);
 }
 
 void Collide::save(Writer& w) const {
   const Impl& m = *impl_;
   m.colliders->save(w);
   w.list(m.contacts->slots), w.list(m.contacts->order), w.list(m.contacts->free_list), w.list(m.contacts->active);
-  w.list(m.seen), w.list(m.entries), w.list(m.memory), w.list(m.touches), w.list(m.transitions), w.list(m.exclusions);
+  w.list(m.seen), w.list(m.entries), w.list(m.memory), w.list(m.exclusions);
   w.add(m.recheck_filters), w.add(m.recheck_surfaces);
   w.list(m.material_pairs);
   w.add(static_cast<std::uint64_t>(m.materials.size()));
@@ -149,7 +149,7 @@ void Collide::load(Reader& r) {
   Impl& m = *impl_;
   m.colliders->load(r);
   r.list(m.contacts->slots), r.list(m.contacts->order), r.list(m.contacts->free_list), r.list(m.contacts->active);
-  r.list(m.seen), r.list(m.entries), r.list(m.memory), r.list(m.touches), r.list(m.transitions), r.list(m.exclusions);
+  r.list(m.seen), r.list(m.entries), r.list(m.memory), r.list(m.exclusions);
   r.get(m.recheck_filters), r.get(m.recheck_surfaces);
   r.list(m.material_pairs);
   std::uint64_t names = 0;

@@ -55,12 +55,6 @@ class Collide final : public System, public ContactService {
   std::uint16_t material(std::string_view name) override;
   void set_material_pair(const MaterialPair& pair);
 
-  // For things whose points are colliders and whose faces meet bodies elsewhere (contact/surface_rigid.h): what their
-  // faces touch counts as one with what the points touch. `change`: 1 or -1; before Rank::contact_events, or between
-  // steps.
-  void count_face(const Event& contact, int change);
-  void stay_face(const Event& contact);
-
   // On the state now, asked of World::query<Collide>(): owners have placed the colliders then.
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest
   void raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, std::vector<RaycastHit>& hits);

@@ -6,6 +6,7 @@
 
 #include "base/assert.h"
 #include "collide/collide.h"
+#include "state/contact_book.h"
 
 namespace feder {
 
@@ -25,7 +26,6 @@ inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
 // 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
 inline constexpr Real kRecycleAngle = Real(0.01);  // rad
 inline constexpr Real kTurnNormal = Real(1e-4);    // rad
-inline constexpr Real kSlowestHit = Real(0.05);    // m/s; slower begins are no hits
 
 // One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
 struct ContactEntry {
@@ -37,7 +37,7 @@ struct ContactEntry {
 enum EntryBits : std::uint16_t {
   kSensorPair = 1,
   kTouching = 2,   // has points, or overlaps (sensors)
-  kReported = 4,   // counted as touching in `touches`
+  kReported = 4,   // counted as touching in the contact book
   kNear = 8,       // touched, or was about to, at its last test
   kNew = 16,       // never tested
   kTested = 32,    // in this step
@@ -58,30 +58,6 @@ struct ContactMemory {
   Quat rotation_a, rotation_b;
   Real base[kMaxContactPoints] = {0, 0, 0, 0};  // separations, m
   Vec3 normal = Vec3::Zero();
-};
-
-// Begin and end are counted per pair of objects: a compound on a mesh is one touching.
-struct TouchKey {
-  ObjectId a, b;            // contacts: a < b; sensors: a is the sensor
-  std::uint32_t index = 0;  // sensors: point of the net, if the other is a net
-  std::uint32_t sensor = 0;
-  friend auto operator<=>(const TouchKey&, const TouchKey&) = default;
-};
-struct Touch {
-  TouchKey key;
-  std::uint32_t count = 0;
-  std::uint32_t faces = 0;  // of them, those that count_face() told of
-  std::uint64_t begun = 0;  // step
-};
-// A contact of that pair began (+1) or ended (-1); waits for the next "touches" row.
-struct Transition {
-  TouchKey key;
-  std::int32_t change = 0;
-  std::uint32_t sequence = 0;
-  std::uint32_t index = 0;  // point of the net, if one is a net
-  std::uint32_t face = 0;   // 1: by count_face()
-  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
-  Real speed = 0, impulse = 0;
 };
 
 // What was known of a collider in the last step: differences make its pairs looked at again.
@@ -111,7 +87,6 @@ struct Exclusion {
 static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
 static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
 static_assert(sizeof(ContactMemory) == 16 + 20 * sizeof(Real));
-static_assert(sizeof(Transition) == 40 + 8 * sizeof(Real));
 static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
 
 struct Collide::Impl {
@@ -144,17 +119,16 @@ struct Collide::Impl {
   void list_active(StepContext& c);
 
   // touches.cpp
-  TouchKey key(const ContactEntry& e, bool& flipped) const;
+  ContactKey key(const ContactEntry& e, bool& flipped) const;
   std::uint32_t net_point(const ContactEntry& e) const;
-  void add_transition(const ContactEntry& e, int change);
+  ContactNote note(const ContactEntry& e) const;
+  void count(const ContactEntry& e, int change);
   void judge_watched();
-  void report_stay(StepContext& c);
-  void merge_transitions(StepContext& c);
-  void report(StepContext& c, bool began, std::size_t first, std::size_t last);
+  void report_stay();
 
   // validate.cpp
   void check_entries() const;
-  void check_touches() const;
+  void check_book() const;
 
   // queries.cpp
   bool passes(std::uint32_t i, const QueryFilter& f) const;
@@ -163,6 +137,7 @@ struct Collide::Impl {
 
   Colliders* colliders;
   Contacts* contacts;
+  ContactBook* book;
   std::unique_ptr<BroadPhase> broad;
   NarrowPhase narrow;
 
@@ -172,14 +147,11 @@ struct Collide::Impl {
   Array<ContactEntry> entries, next_entries;  // sorted by (a, b, sub)
   Array<ContactMemory> memory;                // by slot
   Array<std::uint32_t> watched;               // places in `entries`
-  Array<Touch> touches, next_touches;         // sorted
-  Array<Transition> transitions;
-  Array<Transition> stays, face_stays;
-  Array<Exclusion> exclusions;               // sorted
-  bool recheck_filters = false;              // exclusions changed
-  bool recheck_surfaces = false;             // material pairs changed
-  std::vector<std::string> materials;        // number - 1
-  std::vector<MaterialPair> material_pairs;  // sorted, a <= b
+  Array<Exclusion> exclusions;                // sorted
+  bool recheck_filters = false;               // exclusions changed
+  bool recheck_surfaces = false;              // material pairs changed
+  std::vector<std::string> materials;         // number - 1
+  std::vector<MaterialPair> material_pairs;   // sorted, a <= b
 };
 
 // Object pairs of exclusions are unordered.

@@ -118,7 +118,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
 
 // Gives the slot back; a touching that was reported gets its end.
 void Collide::Impl::release(const ContactEntry& e) {
-  if (e.bits & kReported) add_transition(e, -1);
+  if (e.bits & kReported) count(e, -1);
   FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);
   contacts->slots[e.slot] = Contact{};
   memory[e.slot] = ContactMemory{};

@@ -276,7 +276,7 @@ void Collide::Impl::list_arrivals() {
     FEDER_ASSERT(!(e.bits & kNew));
     if (e.bits & kSensorPair) {
       const bool inside = e.bits & kTouching, reported = e.bits & kReported;
-      if (inside != reported) add_transition(e, inside ? 1 : -1), e.bits ^= kReported;
+      if (inside != reported) count(e, inside ? 1 : -1), e.bits ^= kReported;
       continue;
     }
     if (e.bits & kWatch) watched.push_back(i);

@@ -7,7 +7,7 @@
 namespace feder {
 namespace {
 
-std::uint64_t hash_of(const TouchKey& key) {
+std::uint64_t hash_of(const ContactKey& key) {
   Hash h;
   h.add(key.a.slot), h.add(key.a.generation), h.add(key.b.slot), h.add(key.b.generation);
   h.add(key.index), h.add(key.sensor);
@@ -52,14 +52,11 @@ void Collide::Impl::check_entries() const {
   FEDER_ASSERT(next_active == k.active.size());  // active ones come in the order of entries, each once
 }
 
-void Collide::Impl::check_touches() const {
-  FEDER_ASSERT(transitions.empty() && watched.empty());  // merged and judged in the step's last row
+void Collide::Impl::check_book() const {
+  FEDER_ASSERT(watched.empty());  // judged in the step's last row
   MultisetHash on_record, reported;
-  for (std::size_t n = 0; n < touches.size(); ++n) {
-    FEDER_ASSERT(touches[n].count > 0 && (n == 0 || touches[n - 1].key < touches[n].key));
-    FEDER_ASSERT(touches[n].faces <= touches[n].count);
-    on_record.add(hash_of(touches[n].key), touches[n].count - touches[n].faces);
-  }
+  for (const ContactRecord& r : book->records())
+    if (r.count > 0) on_record.add(hash_of(r.key), r.count);
   bool flipped = false;
   for (const ContactEntry& e : entries)
     if (e.bits & kReported) reported.add(hash_of(key(e, flipped)));
@@ -69,7 +66,7 @@ void Collide::Impl::check_touches() const {
 void Collide::validate() const {
   impl_->colliders->validate();
   impl_->check_entries();
-  impl_->check_touches();
+  impl_->check_book();
   const Array<Exclusion>& list = impl_->exclusions;
   for (std::size_t n = 0; n < list.size(); ++n) {
     FEDER_ASSERT(list[n].count > 0 && list[n].a < list[n].b);

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "base/checks.h"
-#include "contact/event_balance.h"
 #include "contact/near_search.h"
 #include "contact/surface_contact.h"
+#include "state/contact_book.h"
 
 namespace feder {
 
@@ -25,7 +25,8 @@ struct SurfaceContact::Impl {
   Arena& arena;
   Store& store;
   Objects& objects;
-  Events& events;
+  ContactBook& contacts;
+  const std::uint32_t finder;
   Surfaces& surfaces;
   // of surfaces, by short names
   Array<Surface>& list;
@@ -52,19 +53,10 @@ struct SurfaceContact::Impl {
   Array<std::uint32_t> near_surface;       // by point: its surface
   std::uint64_t guarded = 0, widened = 0;  // corrections and second searches of the last step
 
-  // Two things in contact, over steps.
-  struct Touch {
-    ObjectId a, b;            // a < b
-    std::uint32_t seen = 0;   // in this step
-    std::uint32_t begun = 0;  // reported
-    SurfacePair what;         // of this step
-  };
   Array<Aabb> others_box;          // by surface: of those that it may touch
   Array<Aabb> box;                 // by surface
-  Array<Touch> touches;            // in the order of the objects
   double mismatch = 0, given = 0;  // N s, of the last step
   std::size_t pairs_seen = 0;      // that might touch in the last step
-  EventBalance begun;
 
   // Passes: of the step, of the substep, of the loop of solver substeps, of the step.
   void begin_step(StepContext& c);
@@ -120,14 +112,12 @@ struct SurfaceContact::Impl {
   void widen(const SurfaceGroup& g, NearSearch& near, Real part);
   std::uint32_t held_root(std::uint32_t vertex);
 
-  // book.cpp
-  void sync();
+  // surface_contact.cpp
+  void wake_left();
   const Surface* surface_of(ObjectId object) const;
   Aabb reach(const Surface& s, StepContext& c) const;
   void gather(const SurfacePair& k);
-  void report(Touch& t, StepContext& c);
   void wake(ObjectId sleeper, ObjectId other);
-  Event event(EventKind kind, const Touch& t);
   // validate.cpp
   void validate_group(std::size_t k) const;
 };

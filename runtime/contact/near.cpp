@@ -328,6 +328,9 @@ void SurfaceContact::Impl::collect_near(const SurfaceGroup& g) {
     k.impulse += r.impulse;
     if (!(r.impulse > k.strongest)) continue;
     k.strongest = r.impulse, k.speed = r.approach;
+    Vec3 u = Vec3::Zero();
+    for (int i = 0; i < 4; ++i) u += r.weight[i] * speed[r.vertex[i]].vec();
+    k.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
     const bool turned = near_surface[r.vertex[0]] != k.a;
     const std::uint32_t at = r.vertex[turned ? 3 : 0];
     FEDER_ASSERT(near_surface[at] == k.a && near_surface[r.vertex[turned ? 0 : 3]] == k.b);

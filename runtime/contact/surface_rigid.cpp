@@ -1,6 +1,5 @@
-// Structure of the coupling, candidates of a step, and what began and ended. The contact rows are made in
-// surface_rigid_rows.cpp.
-// Kept between steps: which surface touches which body, for the events, and which pins were warned of.
+// Structure of the coupling, candidates of a step, and what contact did, for the contact book. The contact rows are
+// made in surface_rigid_rows.cpp. Kept between steps: which pins were warned of.
 #include "contact/surface_rigid.h"
 
 #include <algorithm>
@@ -29,20 +28,21 @@ const SystemDescriptor& SurfaceRigid::descriptor() {
 SurfaceRigid::SurfaceRigid(SystemSetup& s)
     : surfaces_(s.store.get<Surfaces>()), rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), events_(s.events),
-      candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)),
-      smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)),
-      hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), contacts_(s.store.need<ContactBook>(kName)),
+      finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)),
+      box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)),
+      deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
   surfaces_.bodies = &rigid_.bodies();
 }
 
 SurfaceRigid::~SurfaceRigid() { surfaces_.bodies = nullptr; }
 
 void SurfaceRigid::add_passes(StepPlan& plan) {
-  end_contacts();
+  wake_left();
   candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
   hurry_.clear();
   if (!surfaces_.wanted() || rigid_.count() == 0) return;
+  contacts_.use();
   using S = SurfaceRigid;
   plan.add<&S::begin>(Rank::cloth_approach, "begin", kName, this);
   plan.add<&S::find_candidates>(Rank::surface_candidates, "find candidates", kName, this);
@@ -52,31 +52,19 @@ void SurfaceRigid::add_passes(StepPlan& plan) {
   plan.add<&S::finish>(Rank::surface_events, "bodies touched", kName, this);
 }
 
-std::size_t SurfaceRigid::count() const { return touches_.size(); }
-
-Event SurfaceRigid::event(EventKind kind, const Touch& t) const {
-  Event e;
-  e.kind = kind;
-  e.a = t.surface, e.b = t.body;
-  e.index = t.index;
-  e.point = t.point, e.normal = t.normal;
-  return e;
+std::size_t SurfaceRigid::count() const {
+  std::size_t sum = 0;
+  contacts_.each(finder_, [&](const ContactRecord&) { ++sum; });
+  return sum;
 }
 
-// Contacts with what is gone end; a surface that lay on it wakes.
-void SurfaceRigid::end_contacts() {
-  for (const Touch& t : touches_) {
-    if (objects_.alive(t.body) && objects_.alive(t.surface)) continue;
-    if (objects_.alive(t.surface)) surfaces_.wakes.push_back({t.surface, t.body, WakeCause::destroyed});
-    const Event end = event(EventKind::contact_end, t);
-    if (t.balls) {
-      collide_.count_face(end, -1);
-      continue;
-    }
-    open_.count(end.kind);
-    events_.add_pending(end);
-  }
-  std::erase_if(touches_, [&](const Touch& t) { return !objects_.alive(t.body) || !objects_.alive(t.surface); });
+// A surface that lay on what is gone wakes.
+void SurfaceRigid::wake_left() {
+  contacts_.each(finder_, [&](const ContactRecord& r) {
+    for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
+      if (objects_.alive(left) && !objects_.alive(gone) && objects_.kind(left) != ObjectKind::body)
+        surfaces_.wakes.push_back({left, gone, WakeCause::destroyed});
+  });
   std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.surface); });
 }
 
@@ -122,25 +110,14 @@ std::uint32_t SurfaceRigid::touch_of(const Surface& surface, ObjectId body) {
     if (touches_[k].surface == surface.object && touches_[k].body == body) return k;
   FEDER_ASSERT(objects_.alive(surface.object) && objects_.kind(body) == ObjectKind::body);
   Touch t;
-  t.surface = surface.object, t.body = body, t.balls = surface.balls;
+  t.surface = surface.object, t.body = body;
   touches_.push_back(t);
   return static_cast<std::uint32_t>(touches_.size() - 1);
 }
 
-// Where a collider may be in this step: boxes of collide may look less far ahead than the body comes.
-Aabb SurfaceRigid::reach_of(std::uint32_t k, StepContext& c) const {
-  Aabb box = colliders_.box[k];
-  if (colliders_.motion[k] == ColliderMotion::fixed) return box;
-  const Vec3 ahead = c.dt * colliders_.velocity[k];
-  Aabb end = box;
-  end.lo += ahead, end.hi += ahead;
-  box.include(end);
-  return box;
-}
-
 void SurfaceRigid::begin(StepContext&) {
-  end_contacts();  // a body may go without a new plan
-  for (Touch& t : touches_) t.seen = 0, t.impulse = t.support = t.speed = t.slip = t.strongest = 0;
+  wake_left();  // a body may go without a new plan
+  touches_.clear();
 }
 
 void SurfaceRigid::find_candidates(StepContext& c) {
@@ -193,12 +170,6 @@ void SurfaceRigid::warn_of_pins(const Surface& s, std::uint32_t k, StepContext& 
                  s.object);
 }
 
-bool SurfaceRigid::may_touch(const Surface& s, std::uint32_t k) const {
-  return colliders_.motion[k] != ColliderMotion::none && !colliders_.sensor[k] &&
-         colliders_.owner[k] == ObjectKind::body && (colliders_.group[k] & s.mask) != 0 &&
-         (s.group & colliders_.mask[k]) != 0;
-}
-
 void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
   const Surface& s = surfaces_.list[n];
   if (s.balls && s.triangles.empty()) return;
@@ -213,9 +184,9 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     all.include(b);
   }
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-    if (!may_touch(s, k)) continue;
+    if (!colliders_.meets(k, s.group, s.mask)) continue;
     // a fast body draws cloth in from beside its path
-    Aabb box = reach_of(k, c);
+    Aabb box = colliders_.swept(k, c.dt);
     if (colliders_.motion[k] != ColliderMotion::fixed) box.grow(Real(0.3) * c.dt * length(colliders_.velocity[k]));
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
@@ -257,7 +228,6 @@ void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
     FEDER_ASSERT(r.touch < touches_.size());
     Touch& t = touches_[r.touch];
     if (!(r.impulse > 0)) continue;
-    t.seen = 1;
     t.impulse += r.impulse;
     if (g > 0 && dot(r.normal, c.gravity) > kSupport * g) t.support += r.impulse;
     t.speed = std::max(t.speed, r.approach);
@@ -277,84 +247,61 @@ void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
   }
 }
 
-// Begin, stay and end, in the order of the objects.
-void SurfaceRigid::finish(StepContext& c) {
-  const Bodies& b = rigid_.bodies();
+const Surface* SurfaceRigid::surface_of(ObjectId object) const {
+  for (const Surface& s : surfaces_.list)
+    if (s.object == object) return &s;
+  return nullptr;
+}
+
+// In the order of the objects.
+void SurfaceRigid::finish(StepContext&) {
   std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {
     return x.surface != y.surface ? x.surface < y.surface : x.body < y.body;
   });
-  for (Touch& t : touches_) {
-    const Surface* s = nullptr;
-    for (const Surface& k : surfaces_.list)
-      if (k.object == t.surface) s = &k;
-    if (!s || !objects_.alive(t.body)) continue;
-    FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // a part of it
-    const std::uint32_t body = rigid_.index(t.body);
-    if (!s->active && t.begun) {
-      t.seen = 1;
-      continue;
-    }
-    if (t.seen) surfaces_.carried.push_back({t.surface, t.body, t.impulse, t.support});
-    if (t.seen && !s->calm && b.type[body] == BodyType::dynamic && !b.awake[body]) {
-      const bool cloth = objects_.kind(t.surface) == ObjectKind::cloth;
-      rigid_.wake(t.body, cloth ? WakeCause::cloth : WakeCause::contact, t.surface);
-    }
-    report(t, c);
-    t.begun = t.seen;
+  for (const Touch& t : touches_) {
+    const Surface* s = surface_of(t.surface);
+    FEDER_ASSERT(s && objects_.alive(t.body));
+    if (t.impulse > 0 && s->active) report(t, *s);
   }
-  std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
+  contacts_.each(finder_, [&](const ContactRecord& r) {
+    const Surface* s = surface_of(objects_.kind(r.key.a) == ObjectKind::body ? r.key.b : r.key.a);
+    if (s && !s->active) contacts_.keep(finder_, r);
+  });
   surfaces_.clear_rows();
 }
 
-void SurfaceRigid::report(const Touch& t, StepContext& c) {
-  const auto full = [&](EventKind kind) {
-    Event e = event(kind, t);
-    e.impulse = t.impulse, e.speed = t.speed, e.slip = t.slip;
-    return e;
-  };
-  if (t.balls) {
-    if (t.seen != t.begun) collide_.count_face(full(EventKind::contact_begin), t.seen ? 1 : -1);
-    if (t.seen && c.events->wanted(EventKind::contact_stay)) collide_.stay_face(full(EventKind::contact_stay));
-    return;
+// Points of nets are told of by collide, in the order of the objects: so are their faces.
+void SurfaceRigid::report(const Touch& t, const Surface& s) {
+  FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // a part of it
+  surfaces_.carried.push_back({t.surface, t.body, t.impulse, t.support});
+  const Bodies& b = rigid_.bodies();
+  const std::uint32_t body = rigid_.index(t.body);
+  if (!s.calm && b.type[body] == BodyType::dynamic && !b.awake[body]) {
+    const bool cloth = objects_.kind(t.surface) == ObjectKind::cloth;
+    rigid_.wake(t.body, cloth ? WakeCause::cloth : WakeCause::contact, t.surface);
   }
-  const auto send = [&](EventKind kind) {
-    open_.count(kind);
-    c.events->add(full(kind));
-  };
-  if (t.seen && !t.begun) {
-    send(EventKind::contact_begin);
-    if (c.events->wanted(EventKind::hit)) send(EventKind::hit);
-  } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
-    send(EventKind::contact_stay);
-  }
-  if (!t.seen && t.begun) send(EventKind::contact_end);
+  ContactNote n;
+  const bool flipped = s.balls && t.body < t.surface;
+  n.key = {flipped ? t.body : t.surface, flipped ? t.surface : t.body};
+  n.index = t.index, n.point = t.point, n.normal = flipped ? Vec3(-t.normal) : t.normal;
+  n.speed = t.speed, n.slip = t.slip, n.impulse = t.impulse;
+  contacts_.see(finder_, n);
 }
 
 void SurfaceRigid::hash(Hash& h) const {
-  for (const Touch& t : touches_) h.add(t.surface.slot), h.add(t.body.slot);
+  contacts_.each(finder_, [&](const ContactRecord& r) { h.add(r.key.a.slot), h.add(r.key.b.slot); });
 }
 
-void SurfaceRigid::save(Writer& w) const { w.list(touches_), w.list(warned_); }
+void SurfaceRigid::save(Writer& w) const { w.list(warned_); }
 
 void SurfaceRigid::load(Reader& r) {
-  r.list(touches_), r.list(warned_);
-  open_.set(static_cast<std::size_t>(
-      std::count_if(touches_.begin(), touches_.end(), [](const Touch& t) { return t.balls == 0; })));
+  r.list(warned_);
+  touches_.clear();
   candidates_.clear();
   hurry_.clear();
 }
 
 void SurfaceRigid::validate() const {
-  std::size_t own = 0;
-  for (std::size_t k = 0; k < touches_.size(); ++k) {
-    const Touch& t = touches_[k];
-    own += t.balls == 0;
-    FEDER_ASSERT(objects_.alive(t.surface) && objects_.alive(t.body) && objects_.kind(t.body) == ObjectKind::body);
-    FEDER_ASSERT(t.begun == 1 && t.seen == 1);
-    FEDER_ASSERT(k == 0 || (touches_[k - 1].surface != t.surface ? touches_[k - 1].surface < t.surface
-                                                                 : touches_[k - 1].body < t.body));
-  }
-  FEDER_ASSERT(open_.open() == own);
   for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.surface) && objects_.alive(w.body));
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch == kNone);  // they live in a substep

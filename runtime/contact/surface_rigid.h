@@ -3,8 +3,8 @@
 // same moment. Points that are colliders of their own (of nets) meet bodies there, and only their triangles here.
 #pragma once
 #include "collide/collide.h"
-#include "contact/event_balance.h"
 #include "rigid/rigid.h"
+#include "state/contact_book.h"
 #include "state/movers.h"
 #include "state/surface.h"
 #include "step/system.h"
@@ -33,13 +33,10 @@ class SurfaceRigid final : public System {
     std::uint32_t index = 0;     // of the point in Surfaces, or of the triangle within its surface
     std::uint32_t triangle = 0;  // 1: the latter
   };
-  // A surface and a body: their contact, over steps.
+  // What a surface and a body did to each other in this step.
   struct Touch {
     ObjectId surface, body;
-    std::uint32_t balls = 0;                           // 1: its points are colliders, collide reports for both
-    std::uint32_t begun = 0;                           // reported
-    std::uint32_t seen = 0;                            // in this step
-    Real impulse = 0;                                  // of this step, N s
+    Real impulse = 0;                                  // N s; 0: they were only near
     Real support = 0;                                  // the part of it against gravity, N s
     Real speed = 0;                                    // closing, m/s
     Real slip = 0;                                     // m/s
@@ -66,13 +63,11 @@ class SurfaceRigid final : public System {
   void collect_group(std::size_t group, StepContext& c);
   void finish(StepContext& c);
 
-  void end_contacts();
-  Aabb reach_of(std::uint32_t collider, StepContext& c) const;
+  void wake_left();
   void candidates_of(std::uint32_t surface, StepContext& c);
   void connect(std::uint32_t surface, std::uint32_t body);
   void measure_pin(const Candidate& k, const Place& at, Real radius);
   void warn_of_pins(const Surface& surface, std::uint32_t collider, StepContext& c);
-  bool may_touch(const Surface& surface, std::uint32_t collider) const;
   bool anchored(std::uint32_t point, ObjectId body) const;
   void wake(Surface& surface, ObjectId by);
   Place place(std::uint32_t collider) const;
@@ -81,8 +76,8 @@ class SurfaceRigid final : public System {
   void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                const Vec3& normal, Real gap, const Vec3& point);
   std::uint32_t touch_of(const Surface& surface, ObjectId body);
-  Event event(EventKind kind, const Touch& t) const;
-  void report(const Touch& t, StepContext& c);
+  void report(const Touch& t, const Surface& surface);
+  const Surface* surface_of(ObjectId object) const;
   Vec3 place_of(std::uint32_t point) const { return surfaces_.position[point] + surfaces_.moved[point].vec(); }
 
   Surfaces& surfaces_;
@@ -91,7 +86,8 @@ class SurfaceRigid final : public System {
   Colliders& colliders_;
   Movers& movers_;
   Objects& objects_;
-  Events& events_;
+  ContactBook& contacts_;
+  const std::uint32_t finder_;
   Array<Candidate> candidates_;
   Array<Touch> touches_;
   Array<Aabb> box_;                     // by point: swept over the step
@@ -108,7 +104,6 @@ class SurfaceRigid final : public System {
     ObjectId surface, body;
   };
   Array<Warned> warned_;
-  EventBalance open_;
 };
 
 }  // namespace feder

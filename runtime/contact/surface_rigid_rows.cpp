@@ -70,7 +70,7 @@ void SurfaceRigid::fill_rows(StepContext& c) {
   deep_pins_.clear();
   for (const Candidate& k : candidates_) {
     if (k.collider != collider || k.surface != surface) {
-      FEDER_ASSERT(may_touch(surfaces_.list[k.surface], k.collider));
+      FEDER_ASSERT(colliders_.meets(k.collider, surfaces_.list[k.surface].group, surfaces_.list[k.surface].mask));
       collider = k.collider, surface = k.surface;
       const std::size_t group = surfaces_.group_of(surface);
       wanted = !refreshing() || refreshing_ == group;

@@ -52,30 +52,20 @@ Real ClothRigid::attachments_of(ObjectId body, ObjectId cloth) const {
   return count;
 }
 
-// Where a collider may be in this step: boxes of collide may look less far ahead than the body comes.
-Aabb ClothRigid::reach_of(std::uint32_t k, StepContext& c) const {
-  Aabb box = colliders_.box[k];
-  if (colliders_.motion[k] == ColliderMotion::fixed) return box;
-  const Vec3 ahead = c.dt * colliders_.velocity[k];
-  Aabb end = box;
-  end.lo += ahead, end.hi += ahead;
-  box.include(end);
-  return box;
-}
-
 // What would pass through a sleeper between two looks wakes it before it strikes.
 void ClothRigid::wake_ahead(const Cloth::Info& cloth, StepContext& c) {
   Aabb all;
   bool boxed = false;
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-    if (!may_touch(cloth, k) || colliders_.motion[k] == ColliderMotion::fixed || !colliders_.awake[k] ||
-        c.dt * length(colliders_.velocity[k]) <= cloth.thickness)
+    if (!colliders_.meets(k, cloth.group, cloth.mask) || colliders_.motion[k] == ColliderMotion::fixed ||
+        !colliders_.awake[k] || c.dt * length(colliders_.velocity[k]) <= cloth.thickness)
       continue;
     for (std::uint32_t i = cloth.first; !boxed && i < cloth.first + cloth.count; ++i)
       all.include(cloth_.vertices().position[i]);
     if (!boxed) all.grow(cloth.thickness);
     boxed = true;
-    if (overlaps(all, reach_of(k, c))) return cloth_.wake(cloth.object, WakeCause::contact, colliders_.object[k]);
+    if (overlaps(all, colliders_.swept(k, c.dt)))
+      return cloth_.wake(cloth.object, WakeCause::contact, colliders_.object[k]);
   }
 }
 
@@ -100,9 +90,8 @@ void ClothRigid::look_ahead(StepContext& c) {
     const Real size = (now.hi - now.lo).maxCoeff();
     Real impact = 0, speed = 0;
     for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-      if (colliders_.motion[k] == ColliderMotion::none || colliders_.motion[k] == ColliderMotion::fixed ||
-          colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body || !colliders_.awake[k] ||
-          !overlaps(all, reach_of(k, c)))
+      if (!colliders_.meets(k, info.group, info.mask) || colliders_.motion[k] == ColliderMotion::fixed ||
+          !colliders_.awake[k] || !overlaps(all, colliders_.swept(k, c.dt)))
         continue;
       const std::uint32_t body = colliders_.owner_index[k];
       const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, Cloth::kMostLoad) : Real(1);
@@ -112,12 +101,6 @@ void ClothRigid::look_ahead(StepContext& c) {
     }
     cloth_.set_impact(n, impact, speed);
   }
-}
-
-bool ClothRigid::may_touch(const Cloth::Info& cloth, std::uint32_t k) const {
-  return colliders_.motion[k] != ColliderMotion::none && !colliders_.sensor[k] &&
-         colliders_.owner[k] == ObjectKind::body && (colliders_.group[k] & cloth.mask) != 0 &&
-         (cloth.group & colliders_.mask[k]) != 0;
 }
 
 void ClothRigid::make_holds(StepContext&) {
@@ -213,7 +196,7 @@ void ClothRigid::residuals(std::vector<Residual>& out) const {
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
     const Cloth::Info info = cloth_.info(n);
     for (std::uint32_t k = 0; k < colliders_.size(); ++k)
-      if (may_touch(info, k))
+      if (colliders_.meets(k, info.group, info.mask))
         deepest = std::max(deepest, penetration(info, k, b.com_pose(colliders_.owner_index[k]) * colliders_.local[k]));
   }
   out.push_back({"cloth_rigid.penetration_m", static_cast<double>(deepest)});

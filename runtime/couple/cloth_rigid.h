@@ -30,8 +30,6 @@ class ClothRigid final : public System {
 
   void sync();
   void wake_ahead(const Cloth::Info& cloth, StepContext& c);
-  Aabb reach_of(std::uint32_t collider, StepContext& c) const;
-  bool may_touch(const Cloth::Info& cloth, std::uint32_t collider) const;
   Real penetration(const Cloth::Info& cloth, std::uint32_t collider, const Pose& pose) const;
   Real attachments_of(ObjectId body, ObjectId cloth) const;
   bool attached(std::uint32_t vertex, ObjectId body) const;

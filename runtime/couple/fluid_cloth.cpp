@@ -3,9 +3,9 @@
 // its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
 // read back, and none may be on the other side of a triangle it was before.
 // Sheets do not hold fluid back along their surface (no friction, no wetting).
-// Kept between calls: what pressed on whom, for waking, and who touches whom, for the events. Weak
-// spot: a pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out
-// again; a cloth far lighter than a single particle follows single drops in jerks.
+// Kept between calls: what pressed on whom, for waking. Weak spot: a pool of N layers presses its first layer into the
+// sheet by about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows
+// single drops in jerks.
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>
@@ -29,9 +29,10 @@ const SystemDescriptor& FluidCloth::descriptor() {
 FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      movers_(s.store.need<Movers>(kName)), systems_(s.systems), objects_(s.objects), events_(s.events),
-      faces_(s.store.arena(kName)), guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)),
-      pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
+      movers_(s.store.need<Movers>(kName)), systems_(s.systems), objects_(s.objects),
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)),
+      guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
+      touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
 }
 
@@ -39,8 +40,9 @@ std::size_t FluidCloth::count() const { return guests_.size(); }
 
 void FluidCloth::add_passes(StepPlan& plan) {
   drop_rows();
-  sync();
+  guests_.clear();  // their fluid may be gone, and with it the rows that would list them anew
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
+  contacts_.use();
   using F = FluidCloth;
   plan.add<&F::wake>(Rank::cloth_approach, "wake sheets", kName, this);
   if (cloth_.cloth_count() > 1) plan.add<&F::connect>(Rank::surface_candidates, "connect sheets", kName, this);
@@ -83,7 +85,7 @@ void FluidCloth::wake(StepContext& c) {
     }
     if (touched) cloth_.wake(s.object, WakeCause::fluid, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
   }
-  for (Touch& t : touches_) t.count = t.now = 0, t.last = kNone, t.impulse = t.speed = t.strongest = 0;
+  touches_.clear();
   pressed_.clear();
   for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0});
   mismatch_ = given_ = force_ = 0;
@@ -264,16 +266,7 @@ void FluidCloth::finish(StepContext& c) {
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
     cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, Cloth::kMostLoad * own));
   }
-  report(c);
-}
-
-// A contact with a fluid or a cloth that is gone ends.
-void FluidCloth::sync() {
-  const auto gone = [&](const Touch& t) { return !objects_.alive(t.cloth) || !objects_.alive(t.fluid); };
-  for (Touch& t : touches_)
-    if (gone(t)) t.count = 0, events_.add_pending(event(EventKind::contact_end, t));
-  std::erase_if(touches_, gone);
-  guests_.clear();  // their fluid may be gone, and with it the rows that would list them anew
+  report();
 }
 
 // A particle pushed a cloth. Contacts come by pool and particle.
@@ -304,31 +297,18 @@ void FluidCloth::end_substep() {
   for (Touch& t : touches_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
 }
 
-Event FluidCloth::event(EventKind kind, const Touch& t) {
-  open_.count(kind);
-  Event e;
-  e.kind = kind;
-  e.a = t.cloth, e.b = t.fluid, e.index = t.count;
-  e.point = t.point, e.normal = t.normal;
-  e.speed = t.speed, e.impulse = t.impulse;
-  return e;
-}
-
 // A fluid touches a cloth from its first particle that pushes to its last; the event tells how many there are.
-void FluidCloth::report(StepContext& c) {
-  for (Touch& t : touches_) {
-    FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0);
-    if (t.count > 0 && !t.begun) {
-      c.events->add(event(EventKind::contact_begin, t));
-      if (c.events->wanted(EventKind::hit)) c.events->add(event(EventKind::hit, t));
-    } else if (t.count > 0 && c.events->wanted(EventKind::contact_stay)) {
-      c.events->add(event(EventKind::contact_stay, t));
-    } else if (t.count == 0 && t.begun) {
-      c.events->add(event(EventKind::contact_end, t));
-    }
-    t.begun = t.count > 0;
+void FluidCloth::report() {
+  for (const Touch& t : touches_) {
+    FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0 && t.count > 0);
+    ContactNote n;
+    n.key = {t.cloth, t.fluid};
+    n.index = t.count, n.number = 1;
+    n.point = t.point, n.normal = t.normal;
+    n.speed = t.speed, n.impulse = t.impulse;
+    contacts_.see(finder_, n);
   }
-  std::erase_if(touches_, [](const Touch& t) { return !t.begun; });
+  touches_.clear();
 }
 
 void FluidCloth::residuals(std::vector<Residual>& out) const {
@@ -338,9 +318,7 @@ void FluidCloth::residuals(std::vector<Residual>& out) const {
 }
 
 void FluidCloth::validate() const {
-  validate_records<Touch>({touches_.data(), touches_.size()}, &Touch::cloth, ObjectKind::cloth, &Touch::fluid,
-                          ObjectKind::fluid, objects_, open_);
-  for (const Touch& t : touches_) FEDER_ASSERT(t.begun == 1 && t.count > 0 && t.now == 0 && t.last == kNone);
+  FEDER_ASSERT(touches_.empty());  // told
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
   for (std::size_t k = 0; k < guests_.size(); ++k)

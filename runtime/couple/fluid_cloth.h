@@ -1,8 +1,8 @@
 // Fluids and cloth in one world: sheets hold, catch and shed fluid, and are moved by it.
 #pragma once
 #include "cloth/cloth.h"
-#include "contact/event_balance.h"
 #include "couple/fluid_faces.h"
+#include "state/contact_book.h"
 #include "state/movers.h"
 #include "step/system.h"
 
@@ -17,8 +17,8 @@ class FluidCloth final : public System {
   void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // particles that touch cloth
   void hash(Hash&) const override {}   // what it keeps follows from the two systems
-  void save(Writer& w) const override { w.list(pressed_), w.list(touches_); }
-  void load(Reader& r) override { r.list(pressed_), r.list(touches_), open_.set(touches_.size()); }
+  void save(Writer& w) const override { w.list(pressed_); }
+  void load(Reader& r) override { r.list(pressed_), touches_.clear(); }
   void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_cloth.impulse_mismatch, .force_n
 
@@ -29,15 +29,14 @@ class FluidCloth final : public System {
     Real along = 0;  // impulse along gravity, N s
     Real all = 0;    // sum of the sizes of the impulses, N s
   };
-  // A cloth and a fluid that meet: from the first particle that pushes to the last.
+  // A cloth and a fluid that meet in this step.
   struct Touch {
     ObjectId cloth, fluid;
-    std::uint32_t begun = 0;              // reported
-    std::uint32_t count = 0;              // particles that pushed, at most in a substep of this step; 0: none touch
-    std::uint32_t now = 0, last = kNone;  // in this substep; the particle that was counted last
-    Real impulse = 0;                     // of this step, N s
-    Real speed = 0;                       // closing, the largest, m/s
-    Real strongest = 0;                   // N s
+    std::uint32_t count = 0;                           // particles that pushed, at most in a substep
+    std::uint32_t now = 0, last = kNone;               // in this substep; the particle that was counted last
+    Real impulse = 0;                                  // N s
+    Real speed = 0;                                    // closing, the largest, m/s
+    Real strongest = 0;                                // N s
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
   // A particle that stands among the movers for the length of the cloth's row.
@@ -61,11 +60,9 @@ class FluidCloth final : public System {
   void drop_rows();
   void hold_back(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
-  void sync();
   void note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
   void end_substep();
-  void report(StepContext& c);
-  Event event(EventKind kind, const Touch& t);
+  void report();
 
   Fluid& fluid_;
   Cloth& cloth_;
@@ -73,7 +70,8 @@ class FluidCloth final : public System {
   Movers& movers_;
   SystemFinder& systems_;
   Objects& objects_;
-  Events& events_;
+  ContactBook& contacts_;
+  const std::uint32_t finder_;
   FluidFaces faces_;
   Array<Guest> guests_;
   Array<std::uint32_t> next_row_;    // by group of cloths
@@ -83,7 +81,6 @@ class FluidCloth final : public System {
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
   double force_ = 0;                 // N, of the last step, along gravity
   std::uint64_t guarded_ = 0;        // corrections of the last step
-  EventBalance open_;
 };
 
 }  // namespace feder

@@ -29,9 +29,9 @@ FluidRigid::FluidRigid(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       colliders_(s.store.need<Colliders>(ContactService::kSystem)), movers_(s.store.need<Movers>(Rigid::kName)),
-      walls_(fluid_.walls()), objects_(s.objects), collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)),
-      place_(&s.store.arena(kName)), inside_(&s.store.arena(kName)), next_inside_(&s.store.arena(kName)),
-      touching_(&s.store.arena(kName)), next_touching_(&s.store.arena(kName)) {}
+      walls_(fluid_.walls()), objects_(s.objects), contacts_(s.store.need<ContactBook>(ContactService::kSystem)),
+      finder_(contacts_.finder(kName)), collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)),
+      place_(&s.store.arena(kName)), inside_(&s.store.arena(kName)), touching_(&s.store.arena(kName)) {}
 
 FluidRigid::~FluidRigid() { walls_.list.clear(), walls_.bodies.clear(); }
 
@@ -39,8 +39,8 @@ std::size_t FluidRigid::count() const { return walls_.list.size(); }
 
 void FluidRigid::add_passes(StepPlan& plan) {
   walls_.list.clear(), walls_.bodies.clear();
-  // what was touched must be let go before the rows go
-  if ((fluid_.pool_count() == 0 || rigid_.count() == 0) && touching_.empty() && inside_.empty()) return;
+  if (fluid_.pool_count() == 0 || rigid_.count() == 0) return;
+  contacts_.use();
   using F = FluidRigid;
   plan.add<&F::collect>(Rank::boundary_list, "list walls", kName, this);
   plan.add<&F::set_walls>(Rank::boundary_place, "place walls", kName, this);
@@ -51,7 +51,7 @@ void FluidRigid::add_passes(StepPlan& plan) {
   plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
   plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
   plan.add<&F::place_for_queries>(Rank::query_boundary, "place walls for queries", kName, this);
-  bool sensors = !inside_.empty();
+  bool sensors = false;
   for (std::uint32_t k = 0; k < colliders_.size(); ++k)
     sensors = sensors || (colliders_.sensor[k] && colliders_.motion[k] != ColliderMotion::none);
   if (sensors) plan.add<&F::report_sensors>(Rank::fluid_events, "sensors", kName, this);
@@ -204,15 +204,15 @@ void FluidRigid::push_again(StepContext&) {
 
 void FluidRigid::keep_awake(StepContext&) {
   const Bodies& b = rigid_.bodies();
-  next_touching_.clear();
-  fluid_.list_touches(next_touching_);
+  touching_.clear();
+  fluid_.list_touches(touching_);
   for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
     WallBody& w = walls_.bodies[n];
     const std::uint32_t i = body_[n];
     FEDER_ASSERT(!(w.pressed < 0));
     if (!w.dynamic || w.pressed <= kWakeImpulse * b.mass[i]) continue;
     ObjectId fluid;
-    for (const FluidTouch& t : next_touching_)
+    for (const FluidTouch& t : touching_)
       if (!fluid && t.body == w.object) fluid = t.fluid;
     objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {  // pressed in passing: no particle is beside it now
       if (!fluid) fluid = id;
@@ -222,31 +222,17 @@ void FluidRigid::keep_awake(StepContext&) {
 }
 
 // A fluid touches a body from its first particle beside it to its last; the event tells how many there are.
-void FluidRigid::report_contacts(StepContext& c) {
-  next_touching_.clear();
-  fluid_.list_touches(next_touching_);
-  const auto tell = [&](EventKind kind, const FluidTouch& t) {
-    open_.count(kind);
-    Event e;
-    e.kind = kind;
-    e.a = t.body, e.b = t.fluid, e.index = t.count;
-    e.point = t.point, e.normal = t.normal;
-    if (kind == EventKind::hit) e.speed = t.speed, e.impulse = pressed_on(t.body);
-    c.events->add(e);
-  };
-  const auto listed = [](const Array<FluidTouch>& list, const FluidTouch& t) {
-    for (const FluidTouch& k : list)
-      if (k.body == t.body && k.fluid == t.fluid) return true;
-    return false;
-  };
-  for (const FluidTouch& t : next_touching_) {
-    if (listed(touching_, t)) continue;
-    tell(EventKind::contact_begin, t);
-    if (c.events->wanted(EventKind::hit)) tell(EventKind::hit, t);
+void FluidRigid::report_contacts(StepContext&) {
+  touching_.clear();
+  fluid_.list_touches(touching_);
+  for (const FluidTouch& t : touching_) {
+    ContactNote n;
+    n.key = {t.body, t.fluid};
+    n.index = t.count, n.number = 1;
+    n.point = t.point, n.normal = t.normal;
+    n.speed = t.speed, n.impulse = pressed_on(t.body);
+    contacts_.see(finder_, n);
   }
-  for (FluidTouch t : touching_)
-    if (!listed(next_touching_, t)) t.count = 0, tell(EventKind::contact_end, t);
-  touching_.swap(next_touching_);
 }
 
 Real FluidRigid::pressed_on(ObjectId body) const {
@@ -256,8 +242,8 @@ Real FluidRigid::pressed_on(ObjectId body) const {
 }
 
 // A fluid enters a sensor with its first particle and leaves it with its last; the event tells how many there are.
-void FluidRigid::report_sensors(StepContext& c) {
-  next_inside_.clear();
+void FluidRigid::report_sensors(StepContext&) {
+  inside_.clear();
   const Bodies& b = rigid_.bodies();
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
     if (colliders_.motion[k] == ColliderMotion::none || !colliders_.sensor[k] ||
@@ -268,36 +254,24 @@ void FluidRigid::report_sensors(StepContext& c) {
       const std::uint32_t n =
           fluid_.count_inside(id, *colliders_.shape[k], pose, colliders_.group[k], colliders_.mask[k]);
       if (n == 0) return;
-      for (Inside& i : next_inside_) {  // parts of a compound
+      for (Inside& i : inside_) {  // parts of a compound
         if (i.sensor != colliders_.object[k] || i.fluid != id) continue;
         i.count += n;
         return;
       }
-      next_inside_.push_back({colliders_.object[k], id, n});
+      inside_.push_back({colliders_.object[k], id, n});
     });
   }
-  const auto tell = [&](EventKind kind, const Inside& i, std::uint32_t count) {
-    entered_.count(kind);
-    Event e;
-    e.kind = kind;
-    e.a = i.sensor, e.b = i.fluid, e.index = count;
-    c.events->add(e);
-  };
-  const auto listed = [](const Array<Inside>& list, const Inside& i) {
-    for (const Inside& k : list)
-      if (k.sensor == i.sensor && k.fluid == i.fluid) return true;
-    return false;
-  };
-  for (const Inside& i : next_inside_)
-    if (!listed(inside_, i)) tell(EventKind::sensor_enter, i, i.count);
-  for (const Inside& i : inside_)
-    if (!listed(next_inside_, i)) tell(EventKind::sensor_leave, i, 0);
-  inside_.swap(next_inside_);
+  for (const Inside& i : inside_) {
+    ContactNote n;
+    n.key = {i.sensor, i.fluid, 0, 1};
+    n.index = i.count, n.number = 1;
+    contacts_.see(finder_, n);
+  }
 }
 
 void FluidRigid::hash(Hash& h) const {
-  for (const FluidTouch& t : touching_) h.add(t.body.slot), h.add(t.fluid.slot), h.add(t.count);
-  for (const Inside& i : inside_) h.add(i.sensor.slot), h.add(i.fluid.slot), h.add(i.count);
+  contacts_.each(finder_, [&](const ContactRecord& r) { h.add(r.key.a.slot), h.add(r.key.b.slot), h.add(r.index); });
 }
 
 void FluidRigid::residuals(std::vector<Residual>& out) const {
@@ -316,22 +290,6 @@ void FluidRigid::validate() const {
   for (std::size_t n = 0; n < walls_.list.size(); ++n) {
     const Wall& w = walls_.list[n];
     FEDER_ASSERT(colliders_.shape[collider_[n]] == w.shape && colliders_.owner_index[collider_[n]] == body_[w.body]);
-  }
-  FEDER_ASSERT(open_.open() == touching_.size());  // each begin event with its record, or its end event
-  for (std::size_t k = 0; k < touching_.size(); ++k) {
-    const FluidTouch& t = touching_[k];
-    FEDER_ASSERT(t.count > 0 && objects_.kind(t.fluid) == ObjectKind::fluid &&
-                 objects_.kind(t.body) == ObjectKind::body);
-    const auto order = [&](const FluidTouch& x) {
-      return std::pair(objects_.index(x.fluid), place_[rigid_.index(x.body)]);
-    };
-    FEDER_ASSERT(k == 0 || order(touching_[k - 1]) < order(t));
-  }
-  FEDER_ASSERT(entered_.open() == inside_.size());
-  for (std::size_t k = 0; k < inside_.size(); ++k) {
-    FEDER_ASSERT(inside_[k].count > 0 && objects_.alive(inside_[k].sensor) && objects_.alive(inside_[k].fluid));
-    for (std::size_t n = 0; n < k; ++n)
-      FEDER_ASSERT(inside_[n].sensor != inside_[k].sensor || inside_[n].fluid != inside_[k].fluid);
   }
 }
 

@@ -1,9 +1,9 @@
 // Fluids and rigid bodies in one world: bodies are the fluid's walls, and the fluid pushes them in the same substep.
 // Buoyancy and drag are nothing of their own: they are what the pressure and friction on the walls add up to.
 #pragma once
-#include "contact/event_balance.h"
 #include "fluid/fluid.h"
 #include "rigid/rigid.h"
+#include "state/contact_book.h"
 #include "state/movers.h"
 #include "step/contact_service.h"
 #include "step/system.h"
@@ -20,16 +20,13 @@ class FluidRigid final : public System {
   void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // walls
   void hash(Hash& h) const override;
-  void save(Writer& w) const override { w.list(inside_), w.list(touching_); }
-  void load(Reader& r) override {
-    r.list(inside_), r.list(touching_);
-    open_.set(touching_.size()), entered_.set(inside_.size());
-  }
+  void save(Writer&) const override {}
+  void load(Reader&) override { inside_.clear(), touching_.clear(); }
   void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch, .impulse_ns
 
  private:
-  // Particles of a fluid in a sensor at the end of the last step.
+  // Particles of a fluid in a sensor.
   struct Inside {
     ObjectId sensor, fluid;
     std::uint32_t count = 0;
@@ -60,15 +57,16 @@ class FluidRigid final : public System {
   Movers& movers_;
   Walls& walls_;
   Objects& objects_;
-  Array<std::uint32_t> collider_;               // of a wall
-  Array<std::uint32_t> body_;                   // index in Bodies, of a wall body
-  Array<std::uint32_t> place_;                  // of a body in Walls::bodies, kNone
-  Array<Inside> inside_, next_inside_;          // in the order of colliders, then fluids; none with a count of 0
-  Array<FluidTouch> touching_, next_touching_;  // by fluid, then body
-  double before_[3] = {0, 0, 0};                // momentum of the fluids when the walls were placed, kg m/s
-  double mismatch_ = 0, given_ = 0;             // N s, of the last step: largest of a substep, and sum
-  double pushed_ = 0;                           // N s, on bodies that move
-  EventBalance open_, entered_;                 // contacts; sensors
+  ContactBook& contacts_;
+  const std::uint32_t finder_;       // of contacts and of what is in sensors
+  Array<std::uint32_t> collider_;    // of a wall
+  Array<std::uint32_t> body_;        // index in Bodies, of a wall body
+  Array<std::uint32_t> place_;       // of a body in Walls::bodies, kNone
+  Array<Inside> inside_;             // of this step
+  Array<FluidTouch> touching_;       // of this step, by fluid, then body
+  double before_[3] = {0, 0, 0};     // momentum of the fluids when the walls were placed, kg m/s
+  double mismatch_ = 0, given_ = 0;  // N s, of the last step: largest of a substep, and sum
+  double pushed_ = 0;                // N s, on bodies that move
 };
 
 }  // namespace feder

@@ -50,6 +50,20 @@ struct Colliders {
   void remove(std::uint32_t i);
   void validate() const;  // asserts what holds of the arrays by themselves
 
+  // Is it a part of a body that something with this filter collides with?
+  bool meets(std::uint32_t i, std::uint32_t its_group, std::uint32_t its_mask) const {
+    return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ObjectKind::body &&
+           (group[i] & its_mask) != 0 && (its_group & mask[i]) != 0;
+  }
+  // Where it may be within so much time: `box` may look less far ahead than a fast owner comes.
+  Aabb swept(std::uint32_t i, Real seconds) const {
+    Aabb all = box[i];
+    if (motion[i] == ColliderMotion::fixed) return all;
+    const Vec3 ahead = seconds * velocity[i];
+    all.include(Aabb{box[i].lo + ahead, box[i].hi + ahead});
+    return all;
+  }
+
   // Shapes stay in memory while a snapshot may need them: a snapshot belongs to the world that made it.
   mutable std::vector<std::shared_ptr<const Shape>> pinned;
 

@@ -86,7 +86,7 @@ struct SurfaceHold {
 // Two surfaces that may touch each other in this step, and what they did.
 struct SurfacePair {
   std::uint32_t a = 0, b = 0;                        // in Surfaces::list; the object of a is the smaller
-  Real speed = 0;                                    // closing, of the contact that pushed most, m/s
+  Real speed = 0, slip = 0;                          // closing and sliding, of the contact that pushed most, m/s
   Real impulse = 0, strongest = 0;                   // sum of sizes of a step and the largest of a part of it, N s
   std::uint32_t index = 0;                           // of a point of `a` there, within its surface
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from a to b

@@ -1,4 +1,5 @@
 // Snapshots: time, objects and every system's state as one byte image.
+#include "state/contact_book.h"
 #include "world/world.h"
 
 namespace feder {
@@ -28,6 +29,7 @@ std::string World::snapshot() const {
     w.text(p.descriptor->name);
     p.system->save(w);
   }
+  if (const ContactBook* book = store_.find<ContactBook>()) book->save(w);
   return image;
 }
 
@@ -51,6 +53,7 @@ void World::load_image(std::string_view image) {
     if (name != p.descriptor->name) throw SceneError("snapshot: the world has got other systems since it was taken");
     p.system->load(r);
   }
+  if (ContactBook* book = store_.find<ContactBook>()) book->load(r);
   if (!r.at_end()) throw SceneError("snapshot: longer than expected");
   structure_changed_ = true;
 }

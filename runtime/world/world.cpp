@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/assert.h"
+#include "state/contact_book.h"
 
 namespace feder {
 
@@ -112,6 +113,10 @@ void World::finish_step(void* self, StepContext& c) {
   ++w.steps_;
 }
 
+void World::merge_contacts(void* self, StepContext& c) {
+  c.store->get<ContactBook>().merge(c.step, static_cast<World*>(self)->objects_, *c.events);
+}
+
 void World::warn_of_forces() {
   Forces* forces = store_.find<Forces>();
   if (!forces) return;
@@ -129,7 +134,11 @@ void World::warn_of_forces() {
 void World::rebuild_plan() {
   plan_.clear();
   plan_.add(Rank::begin, "begin", "world", &World::begin_step, this);
+  ContactBook* book = store_.find<ContactBook>();
+  if (book) book->begin_plan();
   for (Present& p : systems_) p.system->add_passes(plan_);
+  if (book && book->wanted())
+    plan_.add(after(Rank::contact_events), "contact events", "world", &World::merge_contacts, this);
   plan_.add(Rank::finish, "finish", "world", &World::finish_step, this);
   plan_.finish();
   if constexpr (kAsserts) check_names();

@@ -100,6 +100,7 @@ class World final : private SystemFinder {
   void prepare_queries(Rank rank);
   StepContext context();
   static void begin_step(void* self, StepContext& context);
+  static void merge_contacts(void* self, StepContext& context);
   static void finish_step(void* self, StepContext& context);
   void load_image(std::string_view image);
   void warn_of_forces();

@@ -8,6 +8,7 @@
 
 #include "base/rng.h"
 #include "collide/collide.h"
+#include "state/contact_book.h"
 
 namespace feder {
 
@@ -97,6 +98,7 @@ class FakeWorld {
     scratch.reset();
     for (std::uint32_t b = 0; b < bodies.size(); ++b) place(b);
     plan.run(context);
+    store.get<ContactBook>().merge(context.step, objects, events);
     events.finish();
     ++context.step;
     if (planned) collide->validate();

@@ -17,6 +17,7 @@ Frame take(FakeWorld& w) {
   Frame f;
   Writer writer(f.image);
   w.collide->save(writer);
+  w.store.get<ContactBook>().save(writer);
   f.bodies = w.bodies, f.context = w.context;
   return f;
 }
@@ -24,6 +25,7 @@ Frame take(FakeWorld& w) {
 void restore(FakeWorld& w, const Frame& f) {
   Reader reader(f.image);
   w.collide->load(reader);
+  w.store.get<ContactBook>().load(reader);
   REQUIRE(reader.at_end());
   w.bodies = f.bodies, w.context = f.context;
 }

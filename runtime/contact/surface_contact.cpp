@@ -1,8 +1,8 @@
 // Before a step: boxes of all surfaces, swept over it, say which pairs may touch. The loop of solver substeps finds and
 // solves the contacts of those pairs together with self-contact, in one search, because a fold that lies on another
 // cloth is one pile; both sides get the opposite impulse at the same moment. After the step: what each side really got
-// makes the mismatch of the residuals, and contacts begin and end. A sleeper that is touched by what moves wakes.
-// Kept between steps: who touches whom.
+// makes the mismatch of the residuals, and the contact book is told who touched. A sleeper that is touched by what
+// moves wakes.
 #include <algorithm>
 #include <cmath>
 
@@ -27,16 +27,16 @@ SurfaceContact::SurfaceContact(SystemSetup& setup) : impl_(std::make_unique<Impl
 SurfaceContact::~SurfaceContact() = default;
 
 SurfaceContact::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), events(s.events),
-      surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list), position(surfaces.position), mass(surfaces.mass),
-      moved(surfaces.moved), before(surfaces.before), speed(surfaces.speed), between(surfaces.pairs),
-      mover_surface(&arena), joined_to(&arena), vertex_box(&arena), found_place(&arena), found_speed(&arena),
-      stray(&arena), found(&arena), guard_start(&arena), held_with(&arena), zones(&arena), wished(&arena),
-      swapped(&arena), near_surface(&arena), others_box(&arena), box(&arena), touches(&arena) {}
+    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
+      finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
+      position(surfaces.position), mass(surfaces.mass), moved(surfaces.moved), before(surfaces.before),
+      speed(surfaces.speed), between(surfaces.pairs), mover_surface(&arena), joined_to(&arena), vertex_box(&arena),
+      found_place(&arena), found_speed(&arena), stray(&arena), found(&arena), guard_start(&arena), held_with(&arena),
+      zones(&arena), wished(&arena), swapped(&arena), near_surface(&arena), others_box(&arena), box(&arena) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
-  m->sync();
+  m->wake_left();
   m->surfaces.forget();  // what it names may be gone
   m->surfaces.movers = m->store.find<Movers>();
   if (!m->surfaces.wanted()) return;
@@ -56,10 +56,15 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   if (coasts) plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
   if (near || movers) plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
   if (near) plan.add<&Impl::project>(Rank::surface_project, "non-penetration", kName, m);
+  if (pairs) m->contacts.use();
   if (pairs) plan.add<&Impl::finish>(Rank::surface_events, "touches", kName, m);
 }
 
-std::size_t SurfaceContact::count() const { return impl_->touches.size(); }
+std::size_t SurfaceContact::count() const {
+  std::size_t sum = 0;
+  impl_->contacts.each(impl_->finder, [&](const ContactRecord&) { ++sum; });
+  return sum;
+}
 
 void SurfaceContact::Impl::begin_step(StepContext&) {
   surfaces.begin();
@@ -80,15 +85,12 @@ void SurfaceContact::Impl::wake(ObjectId sleeper, ObjectId other) {
   surfaces.wakes.push_back({sleeper, other, cloth ? WakeCause::cloth : WakeCause::contact});
 }
 
-// A contact with what is gone ends; the other one wakes.
-void SurfaceContact::Impl::sync() {
-  for (const Touch& t : touches) {
-    if (objects.alive(t.a) && objects.alive(t.b)) continue;
-    for (const auto& [left, gone] : {std::pair(t.a, t.b), std::pair(t.b, t.a)})
-      if (objects.alive(left)) surfaces.wakes.push_back({left, gone, WakeCause::destroyed});
-    events.add_pending(event(EventKind::contact_end, t));
-  }
-  std::erase_if(touches, [&](const Touch& t) { return !objects.alive(t.a) || !objects.alive(t.b); });
+// What touched a thing that is gone wakes.
+void SurfaceContact::Impl::wake_left() {
+  contacts.each(finder, [&](const ContactRecord& r) {
+    for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
+      if (objects.alive(left) && !objects.alive(gone)) surfaces.wakes.push_back({left, gone, WakeCause::destroyed});
+  });
 }
 
 // Where a surface may be in this step, whatever strikes it.
@@ -102,7 +104,6 @@ Aabb SurfaceContact::Impl::reach(const Surface& s, StepContext& c) const {
 }
 
 void SurfaceContact::Impl::list_pairs(StepContext& c) {
-  for (Touch& t : touches) t.seen = 0;
   FEDER_ASSERT(between.empty());  // of this step there are none yet
   const auto count = static_cast<std::uint32_t>(list.size());
   if (count < 2) return;
@@ -125,65 +126,31 @@ void SurfaceContact::Impl::gather(const SurfacePair& k) {
   for (int j = 0; j < 3; ++j) mismatch = std::max(mismatch, std::abs(k.given[0][j] + k.given[1][j]));
   given += static_cast<double>(k.impulse);
   if (!(k.impulse > 0)) return;
-  const ObjectId a = list[k.a].object, b = list[k.b].object;
-  FEDER_ASSERT(a < b && k.index < list[k.a].count);
+  const Surface &a = list[k.a], &b = list[k.b];
+  FEDER_ASSERT(a.object < b.object && k.index < a.count);
   FEDER_ASSERT(is_direction(k.normal) && !(k.strongest > Real(1.001) * k.impulse));
-  auto t = std::find_if(touches.begin(), touches.end(), [&](const Touch& x) { return x.a == a && x.b == b; });
-  if (t == touches.end()) {
-    Touch fresh;
-    fresh.a = a, fresh.b = b;
-    t = touches.insert(
-        std::find_if(touches.begin(), touches.end(), [&](const Touch& x) { return a != x.a ? a < x.a : b < x.b; }),
-        fresh);
-  }
-  t->what = k;
-  t->seen = 1;
+  ContactNote n;
+  n.key = {a.object, b.object};
+  n.index = k.index, n.point = k.point, n.normal = k.normal;
+  n.speed = k.speed, n.slip = k.slip, n.impulse = k.impulse;
+  contacts.see(finder, n);
+  if (!a.active && b.active && !b.calm) wake(a.object, b.object);
+  if (!b.active && a.active && !a.calm) wake(b.object, a.object);
 }
 
-Event SurfaceContact::Impl::event(EventKind kind, const Touch& t) {
-  begun.count(kind);
-  Event e;
-  e.kind = kind;
-  e.a = t.a, e.b = t.b;
-  e.index = t.what.index, e.point = t.what.point, e.normal = t.what.normal;
-  e.speed = t.what.speed, e.impulse = t.what.impulse;
-  return e;
-}
-
-void SurfaceContact::Impl::report(Touch& t, StepContext& c) {
-  const Surface *a = surface_of(t.a), *b = surface_of(t.b);
-  FEDER_ASSERT(!t.seen || (a && b));
-  if (a && b) {
-    if (!a->active && !b->active && t.begun) t.seen = 1;  // nothing has moved
-    if (t.seen && !a->active && b->active && !b->calm) wake(t.a, t.b);
-    if (t.seen && !b->active && a->active && !a->calm) wake(t.b, t.a);
-  }
-  if (t.seen && !t.begun) {
-    c.events->add(event(EventKind::contact_begin, t));
-    if (c.events->wanted(EventKind::hit)) c.events->add(event(EventKind::hit, t));
-  } else if (t.seen && c.events->wanted(EventKind::contact_stay)) {
-    c.events->add(event(EventKind::contact_stay, t));
-  } else if (!t.seen && t.begun) {
-    c.events->add(event(EventKind::contact_end, t));
-  }
-  t.begun = t.seen;
-}
-
-void SurfaceContact::Impl::finish(StepContext& c) {
+void SurfaceContact::Impl::finish(StepContext&) {
   for (const SurfacePair& k : between) gather(k);
-  for (Touch& t : touches) report(t, c);
-  std::erase_if(touches, [](const Touch& t) { return !t.begun; });
+  contacts.each(finder, [&](const ContactRecord& r) {
+    const Surface *a = surface_of(r.key.a), *b = surface_of(r.key.b);
+    if (a && b && !a->active && !b->active) contacts.keep(finder, r);
+  });
 }
 
 void SurfaceContact::hash(Hash& h) const {
-  for (const Impl::Touch& t : impl_->touches) h.add(t.a.slot), h.add(t.b.slot);
+  impl_->contacts.each(impl_->finder, [&](const ContactRecord& r) { h.add(r.key.a.slot), h.add(r.key.b.slot); });
 }
 
-void SurfaceContact::save(Writer& w) const { w.list(impl_->touches); }
-
-void SurfaceContact::load(Reader& r) {
-  r.list(impl_->touches);
-  impl_->begun.set(impl_->touches.size());
+void SurfaceContact::load(Reader&) {
   impl_->surfaces.forget();
   impl_->surfaces.wakes.clear();
 }

@@ -1,0 +1,155 @@
+#include "state/contact_book.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "base/assert.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kSlowestHit = Real(0.05);  // m/s; slower begins are no hits
+
+bool earlier(const ContactNote& x, const ContactNote& y) { return std::tie(x.key, x.order) < std::tie(y.key, y.order); }
+
+// Of a pair; nothing but sensors has both ends told in one way.
+Event event(EventKind kind, const ContactKey& key, std::uint32_t index) {
+  Event e;
+  e.kind = kind;
+  e.a = key.a, e.b = key.b, e.index = index;
+  return e;
+}
+
+}  // namespace
+
+std::uint32_t ContactBook::finder(std::string_view name) {
+  FEDER_ASSERT(finders_.size() < 32);
+  std::size_t at = 0;
+  while (at < finders_.size() && finders_[at] != name) ++at;
+  if (at == finders_.size()) finders_.emplace_back(name);
+  return 1u << at;
+}
+
+void ContactBook::tell(const ContactNote& note) {
+  FEDER_ASSERT(note.key.a && note.key.b && note.key.a != note.key.b);
+  notes_.push_back(note);
+  notes_.back().order = static_cast<std::uint32_t>(notes_.size());
+}
+
+void ContactBook::count(const ContactNote& note) {
+  FEDER_ASSERT((note.change == 1 || note.change == -1) && note.finder == 0);
+  tell(note);
+}
+
+void ContactBook::see(std::uint32_t finder, const ContactNote& note) {
+  FEDER_ASSERT(finder != 0 && (finder & (finder - 1)) == 0 && note.change == 0);
+  tell(note);
+  notes_.back().finder = finder;
+}
+
+void ContactBook::keep(std::uint32_t finder, const ContactRecord& record) {
+  FEDER_ASSERT(record.finders & finder);
+  ContactNote n;
+  n.key = record.key;
+  n.index = record.index, n.number = record.number;
+  n.point = record.point, n.normal = record.normal;
+  n.kept = 1;
+  see(finder, n);
+}
+
+void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& events) {
+  if (notes_.empty() && seen_ == 0) return;
+  std::sort(notes_.begin(), notes_.end(), earlier);
+  next_.clear();
+  const std::span<const ContactNote> notes(notes_.data(), notes_.size());
+  std::size_t n = 0;
+  for (std::size_t first = 0; first < notes.size() || n < records_.size();) {
+    const bool known = n < records_.size() && (first == notes.size() || !(notes[first].key < records_[n].key));
+    ContactRecord record;
+    if (known)
+      record = records_[n++];
+    else
+      record.key = notes[first].key, record.begun = step;
+    std::size_t last = first;
+    while (last < notes.size() && notes[last].key == record.key) ++last;
+    if (last > first || record.finders != 0) {
+      const bool alive = objects.alive(record.key.a) && objects.alive(record.key.b);
+      apply(record, notes.subspan(first, last - first), step, alive, events);
+    }
+    if (record.count || record.finders) next_.push_back(record);
+    first = last;
+  }
+  records_.swap(next_);
+  next_.reserve(records_.capacity());
+  notes_.clear();
+  seen_ = 0;
+  for (const ContactRecord& r : records_) seen_ += r.finders != 0;
+}
+
+// What was told of one pair: it begins, goes on or ends.
+void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step, bool alive,
+                        Events& events) {
+  const bool before = record.count || record.finders;
+  record.finders = 0;
+  const ContactNote *told = nullptr, *stays = nullptr;  // the first of what comes, goes or is seen; of what goes on
+  Real impulse = 0, speed = 0, pressed = 0, slip = 0;
+  int count = static_cast<int>(record.count);
+  for (const ContactNote& k : notes) {
+    count += k.change;
+    if (alive) record.finders |= k.finder;
+    if (!told && (k.change != 0 || k.finder)) told = &k;
+    if (k.change > 0 || k.finder) impulse += k.impulse, speed = std::max(speed, k.speed);
+    if (k.change != 0 || k.kept) continue;
+    if (!stays) stays = &k;
+    pressed += k.impulse, slip = std::max(slip, k.slip);
+  }
+  FEDER_ASSERT(count >= 0);
+  record.count = static_cast<std::uint32_t>(count);
+  const bool touches = record.count || record.finders;
+  if (told && (touches || told->change != 0)) {
+    record.index = told->index, record.number = told->number;
+    record.point = told->point, record.normal = told->normal;
+  }
+  const bool sensor = record.key.sensor != 0;
+  if (before == touches) {
+    if (!touches || !stays || sensor || record.begun == step || !events.wanted(EventKind::contact_stay)) return;
+    Event e = event(EventKind::contact_stay, record.key, stays->index);
+    e.point = stays->point, e.normal = stays->normal, e.impulse = pressed, e.slip = slip;
+    events.add(e);
+    return;
+  }
+  if constexpr (kAsserts) touches ? ++open_ : --open_;
+  if (touches) record.begun = step;
+  const std::uint32_t index = !touches && record.number ? 0 : record.index;
+  if (sensor) return events.add(event(touches ? EventKind::sensor_enter : EventKind::sensor_leave, record.key, index));
+  Event e = event(touches ? EventKind::contact_begin : EventKind::contact_end, record.key, index);
+  e.point = record.point, e.normal = record.normal;
+  events.add(e);
+  if (!touches || !events.wanted(EventKind::hit) || speed < kSlowestHit) return;
+  e.kind = EventKind::hit, e.impulse = impulse, e.speed = speed;
+  events.add(e);
+}
+
+void ContactBook::load(Reader& r) {
+  r.list(records_), r.list(notes_);
+  seen_ = 0;
+  for (const ContactRecord& k : records_) seen_ += k.finders != 0;
+  open_ = records_.size();
+}
+
+void ContactBook::validate(const Objects& objects) const {
+  FEDER_ASSERT(notes_.empty() || used_ || !records_.empty());
+  FEDER_ASSERT(open_ == records_.size());  // each begin event has its record, or its end event
+  std::size_t seen = 0;
+  for (std::size_t n = 0; n < records_.size(); ++n) {
+    const ContactRecord& r = records_[n];
+    FEDER_ASSERT(r.count > 0 || r.finders != 0);
+    FEDER_ASSERT(n == 0 || records_[n - 1].key < r.key);
+    FEDER_ASSERT(r.finders == 0 || (objects.alive(r.key.a) && objects.alive(r.key.b)));
+    FEDER_ASSERT(finders_.size() == 32 || r.finders >> finders_.size() == 0);
+    seen += r.finders != 0;
+  }
+  FEDER_ASSERT(seen == seen_);
+}
+
+}  // namespace feder

@@ -1,0 +1,104 @@
+// Who touches whom: one record per pair of things, begun, stayed and ended by one rule, whoever finds the contacts.
+// A finder tells, before Rank::contact_events or between steps, either of contacts that it keeps itself, as they come
+// and go (`count`), or in each step of the pairs that it saw (`see`, or `keep` where nothing was looked at). A pair
+// touches while one of its contacts is counted or a finder saw it; at Rank::contact_events what was told is merged into
+// the records and makes the events: so begins and ends alternate, one per pair. Pairs of the dead end.
+// Sensors: the same for who is inside; nets are told of by point.
+// Kept between steps: the records, and what was told since the last merge. tests/contact/test_contact_book.cpp.
+#pragma once
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/archive.h"
+#include "base/arena.h"
+#include "base/math.h"
+#include "state/events.h"
+#include "state/objects.h"
+
+namespace feder {
+
+struct ContactKey {
+  ObjectId a, b;            // in the order of the events; sensors: a is the sensor
+  std::uint32_t index = 0;  // sensors: point of the net, if the other is a net
+  std::uint32_t sensor = 0;
+  friend auto operator<=>(const ContactKey&, const ContactKey&) = default;
+};
+
+// What is told of a pair in a step.
+struct ContactNote {
+  ContactKey key;
+  std::int32_t change = 0;     // contacts that began or ended, of those that are counted
+  std::uint32_t finder = 0;    // its bit, where the pair was seen
+  std::uint32_t index = 0;     // point, spring or vertex of `a`, or number of particles
+  std::uint32_t number = 0;    // 1: the latter, which is 0 when the pair ends
+  std::uint32_t kept = 0;      // 1: nothing was looked at
+  std::uint32_t order = 0;     // filled by the book
+  Vec3 point = Vec3::Zero();   // world, m
+  Vec3 normal = Vec3::Zero();  // from a to b
+  Real speed = 0;              // closing, m/s
+  Real slip = 0;               // tangential, m/s
+  Real impulse = 0;            // along the normal in this step, N s
+};
+
+static_assert(sizeof(ContactNote) == 48 + 9 * sizeof(Real));
+
+// No padding: written to snapshots as bytes.
+struct ContactRecord {
+  ContactKey key;
+  std::uint32_t count = 0;                           // of contacts
+  std::uint32_t finders = 0;                         // bits of those that see it
+  std::uint32_t index = 0, number = 0;               // as it was last told of
+  std::uint64_t begun = 0;                           // step
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // as it was last seen; of counted ones nobody asks
+};
+static_assert(sizeof(ContactRecord) == 48 + 6 * sizeof(Real));
+
+class ContactBook {
+ public:
+  explicit ContactBook(Arena& arena) : records_(&arena), next_(&arena), notes_(&arena) {}
+
+  // The bit of a finder that sees. Worlds that are made alike give equal bits.
+  std::uint32_t finder(std::string_view name);
+  // While the plan is made: a finder will tell of contacts.
+  void use() { used_ = true; }
+
+  // A counted contact of that pair began (change 1) or ended (-1).
+  void count(const ContactNote& note);
+  // More of a counted pair that goes on, for contact_stay: only where that is wanted.
+  void stay(const ContactNote& note) { tell(note); }
+  // `finder` saw the pair in this step; once per pair and finder.
+  void see(std::uint32_t finder, const ContactNote& note);
+  // It would see the pair again, had anything moved.
+  void keep(std::uint32_t finder, const ContactRecord& record);
+
+  const Array<ContactRecord>& records() const { return records_; }  // in the order of keys
+  // Calls f(record) for the pairs that `finder` sees.
+  template <class F>
+  void each(std::uint32_t finder, F&& f) const {
+    if (seen_ == 0) return;
+    for (const ContactRecord& r : records_)
+      if (r.finders & finder) f(r);
+  }
+
+  // For the world.
+  void begin_plan() { used_ = false; }
+  bool wanted() const { return used_ || !records_.empty() || !notes_.empty(); }
+  void merge(std::uint64_t step, const Objects& objects, Events& events);
+  void save(Writer& w) const { w.list(records_), w.list(notes_); }
+  void load(Reader& r);
+  void validate(const Objects& objects) const;
+
+ private:
+  void tell(const ContactNote& note);
+  void apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step, bool alive, Events& events);
+
+  std::vector<std::string> finders_;  // by bit
+  Array<ContactRecord> records_, next_;
+  Array<ContactNote> notes_;
+  std::size_t seen_ = 0;  // records that a finder sees
+  std::size_t open_ = 0;  // begin events less end events; only counted where asserts are on
+  bool used_ = false;
+};
+
+}  // namespace feder
