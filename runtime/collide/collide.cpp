@@ -39,6 +39,7 @@ std::size_t Collide::count() const { return impl_->colliders->size() - impl_->co
 Colliders& Collide::colliders() { return *impl_->colliders; }
 Contacts& Collide::contacts() { return *impl_->contacts; }
 const NarrowPhase& Collide::narrow() const { return impl_->narrow; }
+void Collide::near(const Aabb& box, Array<std::uint32_t>& found) const { impl_->broad->query(box, found); }
 void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
 
 void Collide::residuals(std::vector<Residual>& out) const {

@@ -55,6 +55,10 @@ class Collide final : public System, public ContactService {
   std::uint16_t material(std::string_view name) override;
   void set_material_pair(const MaterialPair& pair);
 
+  // Colliders whose boxes overlap this one, ascending: by the broad phase's search, of the boxes of this step, from
+  // Rank::wake_touched to its end.
+  void near(const Aabb& box, Array<std::uint32_t>& found) const;
+
   // On the state now, asked of World::query<Collide>(): owners have placed the colliders then.
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest
   void raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, std::vector<RaycastHit>& hits);

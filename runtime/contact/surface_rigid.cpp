@@ -12,6 +12,7 @@ namespace {
 
 constexpr Real kReach = Real(1.6);  // thicknesses about the way of a point: rows are made up to 1.5 of them away
 constexpr Real kReachCoasting = Real(0.75);  // the same of what goes straight on in a substep
+constexpr Real kAside = Real(0.3);           // of its way in a step: a fast body draws cloth in from beside its path
 constexpr Real kSupport = Real(0.3);         // cosine to gravity, from which on a contact carries
 constexpr Real kInside = Real(0.1);          // thicknesses: pins less deep inside a shape lie on its surface
 
@@ -30,8 +31,9 @@ SurfaceRigid::SurfaceRigid(SystemSetup& s)
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
       movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), contacts_(s.store.need<ContactBook>(kName)),
       finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)),
-      box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)),
-      deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+      box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), near_(&s.store.arena(kName)),
+      pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)),
+      warned_(&s.store.arena(kName)) {
   surfaces_.bodies = &rigid_.bodies();
 }
 
@@ -126,6 +128,7 @@ void SurfaceRigid::find_candidates(StepContext& c) {
   box_.resize(surfaces_.size());
   const auto count = static_cast<std::uint32_t>(surfaces_.list.size());
   point_shapes_.resize(count);
+  farthest_ = (1 + kAside) * c.dt * colliders_.fastest();
   for (std::uint32_t n = 0; n < count; ++n) {
     const Real radius = Real(0.5) * surfaces_.list[n].thickness;
     if (!point_shapes_[n] || point_shapes_[n]->radius() != radius) point_shapes_[n] = make_sphere(radius);
@@ -183,11 +186,13 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     b.grow((s.coasts ? kReachCoasting : kReach) * s.thickness);
     all.include(b);
   }
-  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+  Aabb wide = all;
+  wide.grow(farthest_);
+  collide_.near(wide, near_);
+  for (const std::uint32_t k : near_) {
     if (!colliders_.meets(k, s.group, s.mask)) continue;
-    // a fast body draws cloth in from beside its path
     Aabb box = colliders_.swept(k, c.dt);
-    if (colliders_.motion[k] != ColliderMotion::fixed) box.grow(Real(0.3) * c.dt * length(colliders_.velocity[k]));
+    if (colliders_.motion[k] != ColliderMotion::fixed) box.grow(kAside * c.dt * length(colliders_.velocity[k]));
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
     if (!s.active && !body_moves) continue;

@@ -92,6 +92,8 @@ class SurfaceRigid final : public System {
   Array<Touch> touches_;
   Array<Aabb> box_;                     // by point: swept over the step
   Array<Real> smallest_;                // by collider: half of its least size, m
+  Array<std::uint32_t> near_;           // colliders near a surface
+  Real farthest_ = 0;                   // m, beyond its box that a collider may be looked for in this step
   std::vector<ShapePtr> point_shapes_;  // by surface: a sphere of half the thickness
   Real horizon_ = 0;                    // s, for which rows are made
   Array<Real> pin_depth_;               // by point: of pins in the collider whose rows are being made, m

@@ -19,7 +19,8 @@ ClothRigid::ClothRigid(SystemSetup& s)
     : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), structure_changed_(s.structure_changed) {}
+      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), structure_changed_(s.structure_changed),
+      near_(&s.store.arena(kName)) {}
 
 void ClothRigid::add_passes(StepPlan& plan) {
   sync();
@@ -54,25 +55,31 @@ Real ClothRigid::attachments_of(ObjectId body, ObjectId cloth) const {
 
 // What would pass through a sleeper between two looks wakes it before it strikes.
 void ClothRigid::wake_ahead(const Cloth::Info& cloth, StepContext& c) {
+  if (c.dt * fastest_ <= cloth.thickness) return;
   Aabb all;
-  bool boxed = false;
-  for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+  for (std::uint32_t i = cloth.first; i < cloth.first + cloth.count; ++i) all.include(cloth_.vertices().position[i]);
+  all.grow(cloth.thickness);
+  list_near(all, c);
+  for (const std::uint32_t k : near_) {
     if (!colliders_.meets(k, cloth.group, cloth.mask) || colliders_.motion[k] == ColliderMotion::fixed ||
         !colliders_.awake[k] || c.dt * length(colliders_.velocity[k]) <= cloth.thickness)
       continue;
-    for (std::uint32_t i = cloth.first; !boxed && i < cloth.first + cloth.count; ++i)
-      all.include(cloth_.vertices().position[i]);
-    if (!boxed) all.grow(cloth.thickness);
-    boxed = true;
-    if (overlaps(all, colliders_.swept(k, c.dt)))
-      return cloth_.wake(cloth.object, WakeCause::contact, colliders_.object[k]);
+    if (!overlaps(all, colliders_.swept(k, c.dt))) continue;
+    return cloth_.wake(cloth.object, WakeCause::contact, colliders_.object[k]);
   }
+}
+
+// Colliders that may come there in this step.
+void ClothRigid::list_near(Aabb box, StepContext& c) {
+  box.grow(c.dt * fastest_);
+  collide_.near(box, near_);
 }
 
 // What comes at a cloth has to be stopped within a quarter of its size: that takes small steps, from the first touch.
 void ClothRigid::look_ahead(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const Bodies& b = rigid_.bodies();
+  fastest_ = colliders_.fastest();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
     if (cloth_.info(n).asleep) wake_ahead(cloth_.info(n), c);
     const Cloth::Info info = cloth_.info(n);
@@ -89,7 +96,8 @@ void ClothRigid::look_ahead(StepContext& c) {
     all.grow(info.thickness);
     const Real size = (now.hi - now.lo).maxCoeff();
     Real impact = 0, speed = 0;
-    for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
+    list_near(all, c);
+    for (const std::uint32_t k : near_) {
       if (!colliders_.meets(k, info.group, info.mask) || colliders_.motion[k] == ColliderMotion::fixed ||
           !colliders_.awake[k] || !overlaps(all, colliders_.swept(k, c.dt)))
         continue;

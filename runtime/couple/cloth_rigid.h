@@ -30,6 +30,7 @@ class ClothRigid final : public System {
 
   void sync();
   void wake_ahead(const Cloth::Info& cloth, StepContext& c);
+  void list_near(Aabb box, StepContext& c);
   Real penetration(const Cloth::Info& cloth, std::uint32_t collider, const Pose& pose) const;
   Real attachments_of(ObjectId body, ObjectId cloth) const;
   bool attached(std::uint32_t vertex, ObjectId body) const;
@@ -42,6 +43,8 @@ class ClothRigid final : public System {
   Movers& movers_;
   Objects& objects_;
   bool* structure_changed_;
+  Array<std::uint32_t> near_;  // colliders
+  Real fastest_ = 0;           // m/s, of their owners in this step
 };
 
 }  // namespace feder

@@ -1,6 +1,8 @@
 // Colliders: a shape on an owner (a body, or a net point). Indexed by a stable collider index. A compound body has
 // one collider per child. The owner writes pose and box in `bounds`; collide reads.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "base/arena.h"
@@ -54,6 +56,12 @@ struct Colliders {
   bool meets(std::uint32_t i, std::uint32_t its_group, std::uint32_t its_mask) const {
     return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ObjectKind::body &&
            (group[i] & its_mask) != 0 && (its_group & mask[i]) != 0;
+  }
+  Real fastest() const {  // m/s, of all owners
+    Real most = 0;
+    for (std::uint32_t i = 0; i < size(); ++i)
+      if (motion[i] > ColliderMotion::fixed) most = std::max(most, dot(velocity[i], velocity[i]));
+    return std::sqrt(most);
   }
   // Where it may be within so much time: `box` may look less far ahead than a fast owner comes.
   Aabb swept(std::uint32_t i, Real seconds) const {
