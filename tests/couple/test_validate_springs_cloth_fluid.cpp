@@ -5,6 +5,7 @@
 
 #include "contact/surface_contact.h"
 #include "couple/fluid_parts.h"
+#include "state/contact_book.h"
 #include "support/aborts.h"
 #include "support/catch.h"
 
@@ -105,6 +106,7 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
     for (const char* name :
          {"cloth", "fluid", "surface_rigid", "contact", "fluid_rigid", "fluid_cloth", "fluid_springs", "springs_rigid"})
       m.w.need_system(name).validate();
+    store.get<ContactBook>().validate(m.w.objects());
   };
   REQUIRE(!aborts(validate));
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
