@@ -232,10 +232,15 @@ FlowScales flow_scales(FluidPool& p, const Walls& walls, const StepContext& c) {
     list[k].meets_wall = list[k].count > 1 && meets_walls(list[k], p, walls, c.h, fall);
   if (components > 1) unite_meeting(list, components, p.support, c, fall);
 
+  const auto alone = [](const Component& one) { return one.count == 1 && !one.meets_fluid; };
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at)
+      p.apart[p.order[at]] = alone(list[root_of(list, component_of[k])]);
+
   FlowScales scales;
   for (std::uint32_t k = 0; k < components; ++k) {
     const Component& one = list[k];
-    if (one.parent != k || (one.count == 1 && !one.meets_fluid)) continue;
+    if (one.parent != k || alone(one)) continue;
     scales.speed2 = std::max(scales.speed2, one.frame_speed2());
     scales.head = std::max(scales.head, one.high - one.low);
   }

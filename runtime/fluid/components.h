@@ -10,8 +10,9 @@ struct FlowScales {
   Real head = 0;    // m^2/s^2
 };
 
-// Of positions and velocities alone, so that a restored fluid gets the same. Sorts `grid` and `order` of the pool; the
-// particles stay where they are. Walls as they start the substep of c.h seconds. tests/fluid/test_lone_drop.cpp.
+// Of positions and velocities alone, so that a restored fluid gets the same. Sorts `grid` and `order` of the pool and
+// writes `apart`; the particles stay where they are. Walls as they start the substep of c.h seconds.
+// tests/fluid/test_lone_drop.cpp.
 FlowScales flow_scales(FluidPool& p, const Walls& walls, const StepContext& c);
 
 }  // namespace feder

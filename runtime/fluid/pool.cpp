@@ -19,8 +19,8 @@ Real power(Real x, int n) {
 
 FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
     : desc(from), dimension(dim), x(&a), v(&a), lambda(&a), id(&a), screen(&a), origin(&a), start(&a), move(&a),
-      extra(&a), sum(&a), squares(&a), diagonal(&a), ratio(&a), order(&a), swap4(&a), swap1(&a), swap_id(&a), grid(a),
-      lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a), touches(&a) {
+      extra(&a), sum(&a), squares(&a), diagonal(&a), ratio(&a), apart(&a), order(&a), swap4(&a), swap1(&a), swap_id(&a),
+      grid(a), lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a), touches(&a) {
   FEDER_ASSERT(dim == 2 || dim == 3);
   std::string known;
   kernel = nullptr;
@@ -87,7 +87,7 @@ void FluidPool::grow(std::uint32_t wanted) {
   for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &swap1}) array->resize(room);
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
   if (!origin.empty()) origin.resize(room + 1);
-  contact_first.resize(room + 1);
+  apart.resize(room), contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
   lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
   FEDER_ASSERT(room >= wanted && room <= desc.max_particles && x.size() == room + 1);

@@ -44,13 +44,17 @@ struct FluidPool {
 
   // State.
   std::uint32_t count = 0;
-  Array<Row4Real> x;        // m; one more than the particles, far away; the fourth number is a weight of the sweeps
-  Array<Row4Real> v;        // m/s
-  Array<Real> lambda;       // pbf: multiplier of the last substep, kg m^2; read by questions only
+  Array<Row4Real> x;  // m; one more than the particles, far away; the fourth number is a weight of the sweeps
+  Array<Row4Real> v;  // m/s
+  // What the solver keeps of pressure. pbf: multiplier of the last substep, kg m^2, read by questions only; wcsph: what
+  // is added to Tait's, Pa.
+  Array<Real> lambda;
   Array<std::uint32_t> id;  // numbers in the order of making
   std::uint32_t next_id = 0;
   Real last_h = 0;          // s, of the substep that left lambda
   Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
+  Real sound_before = 0;    // wcsph: of the one before; 0: there was none. Work
+  Real settling = 0;        // wcsph: s, in which it settles to the density of a new speed of sound. Work
   Real too_dense = 0;       // pbf: s for which it has been denser than wanted
   std::uint64_t steps = 0;  // of its own, for reports
   bool frozen = false;      // quarantined
@@ -72,6 +76,7 @@ struct FluidPool {
   Array<Row4Real> move;                       // sums of the sweeps
   Array<Row4Real> extra;                      // a second set
   Array<Real> sum, squares, diagonal, ratio;  // density sums; K of pbf; density over density at rest
+  Array<std::uint8_t> apart;                  // 1: meets no other particle in this substep; see components.h
   Array<std::uint32_t> order;
   Array<Row4Real> swap4;
   Array<Real> swap1;

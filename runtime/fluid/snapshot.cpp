@@ -30,6 +30,7 @@ void each_state(P& p, F&& f) {
 void Fluid::hash(Hash& h) const {
   for (const auto& p : impl_->pools) {
     h.add(p->count), h.add(p->next_id);
+    if (p->sound > 0) h.add(p->sound);
     for (std::uint32_t i = 0; i < p->count; ++i) {
       h.add(p->id[i]);
       h.add(p->x[i].vec()), h.add(p->v[i].vec()), h.add(p->lambda[i]);

@@ -5,13 +5,17 @@
 // nu v / H) / compression (Morris, Fox & Zhu 1997), with the fluid's own speed v and height H; the own time step from
 // sound, walls, acceleration, viscosity and tension. Where max_substeps do not suffice, c is lowered to what they
 // can carry, and a warning says how far the fluid will be compressed.
+// What flies alone asks for no sound (components.h). Where the sound rises, because something fast comes near, the
+// pressure that the compression had is kept, and what it would have more goes over into pressure in the time of a free
+// fall through the column: else the energy of the compression, as many times larger as c^2, would throw up what rests.
 // Negative pressure is clamped to 0: the fluid does not pull (no tensile clumping, but no suction either).
-// Kept between calls: nothing but the speed of sound, for questions. Weak spot: sound sets the step: 10 to 70 times
-// more steps than pbf.
+// Kept between calls: the speed of sound, and of each particle the pressure that is held back. Weak spot: sound sets
+// the step: 10 to 70 times more steps than pbf.
 #include <algorithm>
 #include <cmath>
 
 #include "base/cast.h"
+#include "fluid/components.h"
 #include "fluid/solver.h"
 
 namespace feder {
@@ -41,7 +45,9 @@ class Wcsph final : public FluidSolver {
     plan.add<&Wcsph::move>(Rank::fluid_move, "wcsph move", Fluid::kName, this);
     plan.add<&Wcsph::project>(Rank::fluid_project, "wcsph guard walls", Fluid::kName, this);
   }
-  Real pressure(const FluidPool& p, std::uint32_t i) const override { return tait(p, p.ratio[i]) - p.inward; }
+  Real pressure(const FluidPool& p, std::uint32_t i) const override {
+    return std::max(Real(0), tait(p.desc.density, p.sound, p.ratio[i]) + p.lambda[i]) - p.inward;
+  }
 
  private:
   void choose_steps(StepContext& c);
@@ -55,10 +61,10 @@ class Wcsph final : public FluidSolver {
   void touch(FluidPool& p, StepContext& c);
   void accelerate(FluidPool& p, StepContext& c);
   Real h_ = 0;  // s, of a fluid substep
-  static Real tait(const FluidPool& p, Real ratio) {
+  static Real tait(Real density, Real sound, Real ratio) {
     ratio = std::min(ratio, kMostRatio);
     const Real r2 = ratio * ratio, r7 = r2 * r2 * r2 * ratio;
-    return std::max(Real(0), p.desc.density * p.sound * p.sound / 7 * (r7 - 1));
+    return std::max(Real(0), density * sound * sound / 7 * (r7 - 1));
   }
 };
 
@@ -94,20 +100,16 @@ void Wcsph::project(StepContext& c) {
 int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), length_unit = p.support / 2;
-  Real low = kInfinity, high = -kInfinity, speed2 = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Vec3 v = p.v[i].vec();
-    speed2 = std::max(speed2, dot(v, v));
-    const Real s = dot(gravity, p.x[i].vec());
-    low = std::min(low, s), high = std::max(high, s);
-  }
+  p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: who is apart keeps its place
+  const FlowScales flow = flow_scales(p, *walls, c);
   Real wall_speed = 0;
   for (const WallBody& b : walls->bodies) wall_speed = std::max(wall_speed, length(b.velocity));
   // the bodies' pressure counts like a column of the same weight: what they press on is not known before
-  const Real gh = high - low, nu = p.desc.viscosity / p.desc.density;
-  const Real speed = std::sqrt(speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
+  const Real gh = flow.head, nu = p.desc.viscosity / p.desc.density;
+  const Real speed = std::sqrt(flow.speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
   const Real tension = p.inward / p.desc.density;
-  const Real floor2 = std::max({speed2, wall_speed * wall_speed, gh, g * p.desc.spacing, nu * speed / height, tension});
+  const Real floor2 =
+      std::max({flow.speed2, wall_speed * wall_speed, gh, g * p.desc.spacing, nu * speed / height, tension});
   Real sound = std::sqrt(floor2 / compression_of(p));
 
   // a body lighter than the particles that press on it swings faster than they do
@@ -142,7 +144,8 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
     sound = std::min(sound, carried);
   }
   FEDER_ASSERT(!(sound < 0) && light >= 1);
-  p.sound = sound;
+  p.sound_before = p.sound, p.sound = sound;
+  p.settling = g > 0 ? std::sqrt(height / g) : height / std::sqrt(floor2);
   return steps;
 }
 
@@ -153,14 +156,17 @@ void Wcsph::refresh(FluidPool& p, StepContext& c) {
     Real far = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       const Vec3 d = p.x[i].vec() - p.swap4[i].vec();
-      far = std::max(far, dot(d, d));
+      if (!p.apart[i]) far = std::max(far, dot(d, d));
     }
     p.lists_stale = far > skin * skin / 4;
   }
   bool moving = p.lists_stale;  // planes of walls at rest hold as long as the lists
   for (const WallBody& b : walls->bodies) moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.spin.isZero(0);
   if (p.lists_stale) {
-    p.sort_by_cell(skin);
+    if (c.inner.index > 0) {
+      p.sort_by_cell(skin);
+      std::fill(p.apart.begin(), p.apart.begin() + p.count, std::uint8_t(0));  // they have changed places
+    }
     p.find_neighbors(*c.jobs, skin);
     std::copy(p.x.begin(), p.x.begin() + p.count, p.swap4.begin());
     p.lists_stale = false;
@@ -179,9 +185,16 @@ void Wcsph::touch(FluidPool& p, StepContext& c) {
 void Wcsph::accelerate(FluidPool& p, StepContext& c) {
   const Real h = h_;
   p.find_ratios(*c.jobs);
+  // where the sound has risen, pressure is what it was
+  const bool risen = c.inner.index == 0 && p.sound_before > 0 && p.sound > p.sound_before;
+  const Real stay = p.settling / (p.settling + h);
   for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Real r = std::min(p.ratio[i], kMostRatio);
-    p.x[i].w = tait(p, r) / (r * r);
+    const Real r = std::min(p.ratio[i], kMostRatio), full = tait(p.desc.density, p.sound, r);
+    Real& less = p.lambda[i];
+    if (risen) less += tait(p.desc.density, p.sound_before, r) - full;
+    less = full > 0 ? stay * less : Real(0);
+    FEDER_ASSERT(!(less > 0));
+    p.x[i].w = std::max(Real(0), full + less) / (r * r);
   }
   SweepInput in = p.sweep_input();
   const Real density = p.desc.density, factor = -p.slope_factor / density;
