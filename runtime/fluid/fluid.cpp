@@ -37,7 +37,8 @@ void check_desc(const FluidDesc& d) {
 
 Fluid::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), objects(s.objects), watched(s.store.need<Watch>("watch")),
-      walls(s.store.need<Walls>(kName)), dimension(s.dimension), structure_changed(s.structure_changed), gone(&arena) {}
+      walls(s.store.need<Walls>(kName)), dimension(s.dimension), structure_changed(s.structure_changed), gone(&arena),
+      reach(&arena), group_number(&arena) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static const SystemDescriptor d = {
@@ -65,20 +66,6 @@ void Fluid::Impl::group_pools() {
   for (auto& s : solvers)
     if (s) s->pools.clear();
   for (auto& p : pools) solver_of(*p).pools.push_back(p.get());
-}
-
-// Pools that take their substeps together: all that iterate, each of the others alone.
-void Fluid::Impl::make_groups(StepContext& c) {
-  std::vector<int>& counts = c.counts(Loop::fluid).count;
-  counts.clear();
-  for (auto& s : solvers) {
-    if (!s || s->pools.empty()) continue;
-    for (FluidPool* p : s->pools) {
-      if (p == s->pools.front() || !s->iterates()) counts.push_back(0);
-      p->group = static_cast<std::uint32_t>(counts.size() - 1);
-    }
-  }
-  walls.start();
 }
 
 void Fluid::add_passes(StepPlan& plan) {

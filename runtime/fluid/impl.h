@@ -39,9 +39,11 @@ struct Fluid::Impl {
   std::vector<std::unique_ptr<FluidSolver>> solvers;  // by row of fluid_solvers(); null while nobody chose it
   std::vector<FluidEmitter> emitters;                 // likewise
   std::vector<FluidDrain> drains;
-  std::vector<ShapePtr> shapes;  // of drains, for good: a snapshot may need them
-  Array<std::uint8_t> gone;      // work
-  std::uint64_t lost = 0;        // particles taken away because they went non-finite
+  std::vector<ShapePtr> shapes;       // of drains, for good: a snapshot may need them
+  Array<std::uint8_t> gone;           // work
+  Array<Aabb> reach;                  // work: by pool of a solver
+  Array<std::uint32_t> group_number;  // likewise
+  std::uint64_t lost = 0;             // particles taken away because they went non-finite
 
   FluidPool& pool(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::fluid);
@@ -56,6 +58,7 @@ struct Fluid::Impl {
 
   // Passes.
   void make_groups(StepContext& c);
+  void join_pools(const std::vector<FluidPool*>& members, StepContext& c);
   void emit(StepContext& c);
   void relax(StepContext& c);
   void guard(StepContext& c);

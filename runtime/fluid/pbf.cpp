@@ -214,7 +214,10 @@ void Pbf::judge(StepContext& c) {
 void Pbf::predict(StepContext& c) {
   h_ = c.h / static_cast<Real>(c.inner.count);
   FEDER_ASSERT(h_ > 0 && h_ <= c.h);
-  if (c.inner.index == 0) walls->move_to(0);
+  if (c.inner.index == 0) {
+    walls->move_to(0);
+    for (WallBody& b : walls->bodies) b.touching = 0;  // by the group before
+  }
   each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {

@@ -1,0 +1,82 @@
+// Pools that take their fluid substeps together: those of a solver that iterates, where a body that the fluid moves lies
+// in reach of both, so that what one does to it the other meets within the substep. Others run their own loops, one
+// after another: the hungriest does not make all pay. By boxes of the coming substep, so that a body joins what it is
+// about to touch. The explicit solver's pools are each alone.
+// Kept between calls: nothing. Weak spot: boxes; a pool with spray all over the room is near everything.
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/impl.h"
+
+namespace feder {
+namespace {
+
+// Where its particles may be in the coming substep, and feel something.
+Aabb reach_of(const FluidPool& p, const StepContext& c) {
+  Aabb box;
+  Real speed2 = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    box.include(p.x[i].vec());
+    speed2 = std::max(speed2, dot(p.v[i].vec(), p.v[i].vec()));
+  }
+  box.grow(p.support + c.h * (std::sqrt(speed2) + c.h * length(c.gravity)));
+  return box;
+}
+
+// Where a wall may be then.
+Aabb reach_of(const Wall& w, const WallBody& b, Real h) {
+  Aabb box = w.box;
+  const Real turn = b.spin.isZero(0) ? Real(0) : length(b.spin) * w.shape->extent(Vec3::Zero());
+  box.grow(h * (length(b.velocity) + turn));
+  return box;
+}
+
+// The first pool of its group so far; `group` counts within the solver's pools while groups grow.
+std::uint32_t first_of(const std::vector<FluidPool*>& pools, std::uint32_t k) {
+  while (pools[k]->group != k) k = pools[k]->group;
+  return k;
+}
+
+}  // namespace
+
+void Fluid::Impl::join_pools(const std::vector<FluidPool*>& members, StepContext& c) {
+  reach.clear();
+  for (const FluidPool* p : members) reach.push_back(reach_of(*p, c));
+  for (std::uint32_t b = 0; b < walls.bodies.size(); ++b) {
+    if (!walls.bodies[b].dynamic) continue;
+    std::uint32_t first = kNone;
+    for (const Wall& w : walls.list) {
+      if (w.body != b) continue;
+      const Aabb box = reach_of(w, walls.bodies[b], c.h);
+      for (std::uint32_t k = 0; k < members.size(); ++k) {
+        if (members[k]->count == 0 || !members[k]->meets(w) || !overlaps(reach[k], box)) continue;
+        const std::uint32_t one = first_of(members, k), other = first == kNone ? one : first_of(members, first);
+        members[std::max(one, other)]->group = std::min(one, other);
+        first = std::min(one, other);
+      }
+    }
+  }
+}
+
+void Fluid::Impl::make_groups(StepContext& c) {
+  std::vector<int>& counts = c.counts(Loop::fluid).count;
+  counts.clear();
+  for (auto& s : solvers) {
+    if (!s) continue;
+    const std::vector<FluidPool*>& members = s->pools;
+    for (std::uint32_t k = 0; k < members.size(); ++k) members[k]->group = k;
+    if (s->iterates() && members.size() > 1) join_pools(members, c);
+    // numbers within the solver become those of the loop; who is not the first of its group comes after the first
+    group_number.resize(members.size());
+    for (std::uint32_t k = 0; k < members.size(); ++k) {
+      const std::uint32_t first = first_of(members, k);
+      FEDER_ASSERT(first <= k);
+      if (first == k) group_number[k] = static_cast<std::uint32_t>(counts.size()), counts.push_back(0);
+      else group_number[k] = group_number[first];
+    }
+    for (std::uint32_t k = 0; k < members.size(); ++k) members[k]->group = group_number[k];
+  }
+  walls.start();
+}
+
+}  // namespace feder
