@@ -1,8 +1,8 @@
-// Pools that take their fluid substeps together: those of a solver that iterates, where a body that the fluid moves lies
-// in reach of both, so that what one does to it the other meets within the substep. Others run their own loops, one
-// after another: the hungriest does not make all pay. By boxes of the coming substep, so that a body joins what it is
-// about to touch. The explicit solver's pools are each alone.
-// Kept between calls: nothing. Weak spot: boxes; a pool with spray all over the room is near everything.
+// Pools that take their fluid substeps together: those of a solver that iterates, where a body that the fluid moves
+// lies in reach of both, so that what one does to it the other meets within the substep. Others run their own loops,
+// one after another: the hungriest does not make all pay. By boxes of the coming substep, so that a body joins what it
+// is about to touch. The explicit solver's pools are each alone. Kept between calls: nothing. Weak spot: boxes; a pool
+// with spray all over the room is near everything.
 #include <algorithm>
 #include <cmath>
 
@@ -71,8 +71,10 @@ void Fluid::Impl::make_groups(StepContext& c) {
     for (std::uint32_t k = 0; k < members.size(); ++k) {
       const std::uint32_t first = first_of(members, k);
       FEDER_ASSERT(first <= k);
-      if (first == k) group_number[k] = static_cast<std::uint32_t>(counts.size()), counts.push_back(0);
-      else group_number[k] = group_number[first];
+      if (first == k)
+        group_number[k] = static_cast<std::uint32_t>(counts.size()), counts.push_back(0);
+      else
+        group_number[k] = group_number[first];
     }
     for (std::uint32_t k = 0; k < members.size(); ++k) members[k]->group = group_number[k];
   }

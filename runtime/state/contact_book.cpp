@@ -58,6 +58,7 @@ void ContactBook::keep(std::uint32_t finder, const ContactRecord& record) {
 }
 
 void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& events) {
+  open_ = records_.size();
   if (notes_.empty() && seen_ == 0) return;
   std::sort(notes_.begin(), notes_.end(), earlier);
   next_.clear();
@@ -118,7 +119,6 @@ void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> note
     events.add(e);
     return;
   }
-  if constexpr (kAsserts) touches ? ++open_ : --open_;
   if (touches) record.begun = step;
   const std::uint32_t index = !touches && record.number ? 0 : record.index;
   if (sensor) return events.add(event(touches ? EventKind::sensor_enter : EventKind::sensor_leave, record.key, index));
@@ -137,9 +137,14 @@ void ContactBook::load(Reader& r) {
   open_ = records_.size();
 }
 
-void ContactBook::validate(const Objects& objects) const {
+void ContactBook::validate(const Objects& objects, const Events& events) const {
   FEDER_ASSERT(notes_.empty() || used_ || !records_.empty());
-  FEDER_ASSERT(open_ == records_.size());  // each begin event has its record, or its end event
+  std::size_t open = open_;
+  for (const Event& e : events.list()) {
+    open += e.kind == EventKind::contact_begin || e.kind == EventKind::sensor_enter;
+    open -= e.kind == EventKind::contact_end || e.kind == EventKind::sensor_leave;
+  }
+  FEDER_ASSERT(open == records_.size());
   std::size_t seen = 0;
   for (std::size_t n = 0; n < records_.size(); ++n) {
     const ContactRecord& r = records_[n];

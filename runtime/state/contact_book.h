@@ -87,7 +87,8 @@ class ContactBook {
   void merge(std::uint64_t step, const Objects& objects, Events& events);
   void save(Writer& w) const { w.list(records_), w.list(notes_); }
   void load(Reader& r);
-  void validate(const Objects& objects) const;
+  // After a step: its records have begun and not ended, in the events that were really sent.
+  void validate(const Objects& objects, const Events& events) const;
 
  private:
   void tell(const ContactNote& note);
@@ -97,7 +98,7 @@ class ContactBook {
   Array<ContactRecord> records_, next_;
   Array<ContactNote> notes_;
   std::size_t seen_ = 0;  // records that a finder sees
-  std::size_t open_ = 0;  // begin events less end events; only counted where asserts are on
+  std::size_t open_ = 0;  // records before the last merge
   bool used_ = false;
 };
 

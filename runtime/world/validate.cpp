@@ -40,7 +40,7 @@ void World::validate() const {
   FEDER_ASSERT(std::isfinite(time_) && time_ >= 0);
   objects_.validate();
   events_.validate();
-  if (const ContactBook* book = store_.find<ContactBook>()) book->validate(objects_);
+  if (const ContactBook* book = store_.find<ContactBook>()) book->validate(objects_, events_);
   if (const Forces* forces = store_.find<Forces>())
     for (const ForceEntry& f : forces->list) {
       FEDER_ASSERT(f.all || f.tags || f.target);

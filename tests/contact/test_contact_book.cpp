@@ -34,7 +34,7 @@ struct Desk {
     events.clear();
     book.merge(step++, objects, events);
     events.finish();
-    book.validate(objects);
+    book.validate(objects, events);
     return {events.list().begin(), events.list().end()};
   }
   // The only event of the next step; without one: a step.
@@ -177,8 +177,15 @@ TEST_CASE("what the contact book cannot be told stops where asserts are on", "[c
   CHECK(aborts([] {
     Desk d;
     d.book.see(d.sheets, d.note(d.cloth, d.one));
+    d.book.merge(0, d.objects, d.events);
+    d.events.clear();  // its begin was lost
+    d.book.validate(d.objects, d.events);
+  }));
+  CHECK(aborts([] {
+    Desk d;
+    d.book.see(d.sheets, d.note(d.cloth, d.one));
     d.merge();
     d.objects.remove(d.one, "");
-    d.book.validate(d.objects);  // its end was not told
+    d.book.validate(d.objects, d.events);  // its end was not told
   }));
 }

@@ -106,7 +106,7 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
     for (const char* name :
          {"cloth", "fluid", "surface_rigid", "contact", "fluid_rigid", "fluid_cloth", "fluid_springs", "springs_rigid"})
       m.w.need_system(name).validate();
-    store.get<ContactBook>().validate(m.w.objects());
+    store.get<ContactBook>().validate(m.w.objects(), m.w.events());
   };
   REQUIRE(!aborts(validate));
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
