@@ -100,16 +100,28 @@ void Wcsph::project(StepContext& c) {
 int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), length_unit = p.support / 2;
-  p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: who is apart keeps its place
-  const FlowScales flow = flow_scales(p, *walls, c);
+  Real low = kInfinity, high = -kInfinity;
+  FlowScales flow;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const Vec3 v = p.v[i].vec();
+    flow.speed2 = std::max(flow.speed2, dot(v, v));
+    const Real s = dot(gravity, p.x[i].vec());
+    low = std::min(low, s), high = std::max(high, s);
+  }
+  flow.head = high - low;
   Real wall_speed = 0;
   for (const WallBody& b : walls->bodies) wall_speed = std::max(wall_speed, length(b.velocity));
+  const Real tension = p.inward / p.desc.density;
+  const Real held = std::max({wall_speed * wall_speed, g * p.desc.spacing, tension});
+  p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: who is apart keeps its place
+  if (std::max(flow.speed2, flow.head) > held)
+    flow = flow_scales(p, *walls, c);
+  else
+    std::fill(p.apart.begin(), p.apart.begin() + p.count, std::uint8_t(0));
   // the bodies' pressure counts like a column of the same weight: what they press on is not known before
   const Real gh = flow.head, nu = p.desc.viscosity / p.desc.density;
   const Real speed = std::sqrt(flow.speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
-  const Real tension = p.inward / p.desc.density;
-  const Real floor2 =
-      std::max({flow.speed2, wall_speed * wall_speed, gh, g * p.desc.spacing, nu * speed / height, tension});
+  const Real floor2 = std::max({flow.speed2, gh, nu * speed / height, held});
   Real sound = std::sqrt(floor2 / compression_of(p));
 
   // a body lighter than the particles that press on it swings faster than they do

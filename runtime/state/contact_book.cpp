@@ -65,6 +65,14 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
   const std::span<const ContactNote> notes(notes_.data(), notes_.size());
   std::size_t n = 0;
   for (std::size_t first = 0; first < notes.size() || n < records_.size();) {
+    // of most pairs there is nothing to say
+    const std::size_t from = n;
+    while (n < records_.size() && records_[n].finders == 0 &&
+           (first == notes.size() || records_[n].key < notes[first].key))
+      ++n;
+    next_.insert(next_.end(), records_.begin() + static_cast<std::ptrdiff_t>(from),
+                 records_.begin() + static_cast<std::ptrdiff_t>(n));
+    if (first == notes.size() && n == records_.size()) break;
     const bool known = n < records_.size() && (first == notes.size() || !(notes[first].key < records_[n].key));
     ContactRecord record;
     if (known)
@@ -73,10 +81,8 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
       record.key = notes[first].key, record.begun = step;
     std::size_t last = first;
     while (last < notes.size() && notes[last].key == record.key) ++last;
-    if (last > first || record.finders != 0) {
-      const bool alive = objects.alive(record.key.a) && objects.alive(record.key.b);
-      apply(record, notes.subspan(first, last - first), step, alive, events);
-    }
+    const bool alive = objects.alive(record.key.a) && objects.alive(record.key.b);
+    apply(record, notes.subspan(first, last - first), step, alive, events);
     if (record.count || record.finders) next_.push_back(record);
     first = last;
   }
