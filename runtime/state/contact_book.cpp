@@ -81,8 +81,7 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
       record.key = notes[first].key, record.begun = step;
     std::size_t last = first;
     while (last < notes.size() && notes[last].key == record.key) ++last;
-    const bool alive = objects.alive(record.key.a) && objects.alive(record.key.b);
-    apply(record, notes.subspan(first, last - first), step, alive, events);
+    apply(record, notes.subspan(first, last - first), step, objects, events);
     if (record.count || record.finders) next_.push_back(record);
     first = last;
   }
@@ -94,8 +93,8 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
 }
 
 // What was told of one pair: it begins, goes on or ends.
-void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step, bool alive,
-                        Events& events) {
+void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step,
+                        const Objects& objects, Events& events) {
   const bool before = record.count || record.finders;
   record.finders = 0;
   const ContactNote *told = nullptr, *stays = nullptr;  // the first of what comes, goes or is seen; of what goes on
@@ -103,7 +102,7 @@ void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> note
   int count = static_cast<int>(record.count);
   for (const ContactNote& k : notes) {
     count += k.change;
-    if (alive) record.finders |= k.finder;
+    if (k.finder && objects.alive(record.key.a) && objects.alive(record.key.b)) record.finders |= k.finder;
     if (!told && (k.change != 0 || k.finder)) told = &k;
     if (k.change > 0 || k.finder) impulse += k.impulse, speed = std::max(speed, k.speed);
     if (k.change != 0 || k.kept) continue;

@@ -92,7 +92,8 @@ class ContactBook {
 
  private:
   void tell(const ContactNote& note);
-  void apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step, bool alive, Events& events);
+  void apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step, const Objects& objects,
+             Events& events);
 
   std::vector<std::string> finders_;  // by bit
   Array<ContactRecord> records_, next_;
