@@ -82,7 +82,7 @@ class ContactBook {
   }
 
   // For the world.
-  void begin_plan() { used_ = false; }
+  void begin_plan() { used_ = false, open_ = records_.size(); }
   bool wanted() const { return used_ || !records_.empty() || !notes_.empty(); }
   void merge(std::uint64_t step, const Objects& objects, Events& events);
   void save(Writer& w) const { w.list(records_), w.list(notes_); }
@@ -99,7 +99,7 @@ class ContactBook {
   Array<ContactRecord> records_, next_;
   Array<ContactNote> notes_;
   std::size_t seen_ = 0;  // records that a finder sees
-  std::size_t open_ = 0;  // records before the last merge
+  std::size_t open_ = 0;  // records before the merge of this step
   bool used_ = false;
 };
 
