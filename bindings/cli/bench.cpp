@@ -9,6 +9,7 @@
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/summary.h"
+#include "state/bodies.h"
 
 namespace feder::cli {
 namespace {
@@ -84,7 +85,7 @@ class Bench final : public Command {
       m.title = session.title();
       m.hash = hash_text(world.hash());
       m.threads = world.desc().threads;
-      m.bodies = body_count(world);
+      m.bodies = world.objects().count(kBodyKind);
       m.profile = profile_text(session, static_cast<std::uint64_t>(steps_));
       for (const auto& e : session.script().handler_errors()) {
         m.handlers_failed = true;

@@ -60,25 +60,6 @@ class Explain final : public Command {
     return rows;
   }
 
-  // What a system counts.
-  static const char* unit_of(std::string_view name) {
-    static constexpr std::pair<std::string_view, const char*> units[] = {{"rigid", "bodies"},
-                                                                         {"collide", "colliders"},
-                                                                         {"springs", "points"},
-                                                                         {"cloth", "vertices"},
-                                                                         {"fluid", "particles"},
-                                                                         {"springs_rigid", "points that meet bodies"},
-                                                                         {"contact", "touchings"},
-                                                                         {"surface_rigid", "touchings"},
-                                                                         {"cloth_rigid", "attachments"},
-                                                                         {"fluid_rigid", "walls"},
-                                                                         {"fluid_cloth", "particles at cloth"},
-                                                                         {"fluid_springs", "faces that meet fluid"}};
-    for (const auto& [system, unit] : units)
-      if (system == name) return unit;
-    return "";
-  }
-
   static report::Json advice_json(World& world) {
     report::Json rows = report::Json::array();
     for (const lua::AdviceRow& r : lua::advise(world)) {
@@ -108,7 +89,7 @@ class Explain final : public Command {
     World& world = *session.world();
     report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
     for (const SystemReport& s : world.report())
-      systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", unit_of(s.name)}, {"bytes", s.bytes}});
+      systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", s.units}, {"bytes", s.bytes}});
     const double sum = world.plan().total_nanoseconds();
     const double per_step = steps ? 1e-6 / static_cast<double>(steps) : 0;
     for (const PlanNode& n : world.plan().nodes()) {
@@ -136,7 +117,7 @@ class Explain final : public Command {
     World& world = *session.world();
     report::Table systems({"system", ">count", "of", ">bytes"});
     for (const SystemReport& s : world.report())
-      systems.add({s.name, fmt::format("{}", s.count), unit_of(s.name), report::bytes_text(s.bytes)});
+      systems.add({s.name, fmt::format("{}", s.count), s.units, report::bytes_text(s.bytes)});
     report::Table absent({"not used", ">bytes"});
     for (const std::string& name : world.absent()) absent.add({name, "0"});
     report::Table memory({"world", ">bytes"});

@@ -7,30 +7,23 @@
 namespace feder::cli {
 namespace {
 
-std::size_t system_count(const World& world, const char* name) {
-  for (const SystemReport& r : world.report())
-    if (r.name == name) return r.count;
-  return 0;
-}
-
 // "9 bodies, 1 cloth (425 vertices), 1 fluid (700 particles)"
 std::string counts_text(const Summary& s) {
   const auto many = [](std::size_t n, const char* one, const char* more) {
     return fmt::format("{} {}", n, n == 1 ? one : more);
   };
-  std::string text = many(s.bodies, "body", "bodies");
-  if (s.nets) text += ", " + many(s.nets, "net", "nets") + " (" + many(s.points, "point", "points") + ")";
-  if (s.cloths) text += ", " + many(s.cloths, "cloth", "cloths") + " (" + many(s.vertices, "vertex", "vertices") + ")";
-  if (s.fluids)
-    text += ", " + many(s.fluids, "fluid", "fluids") + " (" + many(s.particles, "particle", "particles") + ")";
-  return text;
+  std::string text;
+  for (const KindCount& k : s.counts) {
+    if (k.count == 0) continue;
+    text += (text.empty() ? "" : ", ") + many(k.count, k.kind.text(), k.kind.plural());
+    if (k.parts) text += " (" + many(k.part_count, k.parts->unit, k.parts->units) + ")";
+  }
+  return text.empty() ? "nothing" : text;
 }
 
 }  // namespace
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
-
-std::size_t body_count(World& world) { return world.objects().count(ObjectKind::body); }
 
 Summary summarize(Session& session) {
   Summary s;
@@ -45,13 +38,7 @@ Summary summarize(Session& session) {
   if (!world) return s;
   s.seconds = world->time();
   s.threads = world->desc().threads;
-  s.bodies = body_count(*world);
-  s.nets = world->objects().count(ObjectKind::net);
-  s.cloths = world->objects().count(ObjectKind::cloth);
-  s.fluids = world->objects().count(ObjectKind::fluid);
-  s.points = system_count(*world, "springs");
-  s.vertices = system_count(*world, "cloth");
-  s.particles = system_count(*world, "fluid");
+  s.counts = world->counts();
   s.hash = hash_text(world->hash());
   s.energy = world->energy();
   s.finite = world->is_finite();
@@ -87,27 +74,26 @@ report::Json summary_json(const Summary& s) {
     errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
   for (const auto& h : s.handlers)
     handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
-  return {{"title", s.title},
-          {"scene", s.file},
-          {"seconds", s.seconds},
-          {"steps", s.steps},
-          {"ms_per_step", s.ms_per_step},
-          {"threads", s.threads},
-          {"real", kRealName},
-          {"bodies", s.bodies},
-          {"points", s.points},
-          {"particles", s.particles},
-          {"nets", s.nets},
-          {"cloths", s.cloths},
-          {"vertices", s.vertices},
-          {"fluids", s.fluids},
-          {"hash", s.hash},
-          {"energy", {{"kinetic", s.energy.kinetic}, {"potential", s.energy.potential}, {"elastic", s.energy.elastic}}},
-          {"finite", s.finite},
-          {"interrupted", s.interrupted},
-          {"warnings", warnings},
-          {"handler_errors", errors},
-          {"handlers", handlers}};
+  report::Json all = {
+      {"title", s.title},
+      {"scene", s.file},
+      {"seconds", s.seconds},
+      {"steps", s.steps},
+      {"ms_per_step", s.ms_per_step},
+      {"threads", s.threads},
+      {"real", kRealName},
+      {"hash", s.hash},
+      {"energy", {{"kinetic", s.energy.kinetic}, {"potential", s.energy.potential}, {"elastic", s.energy.elastic}}},
+      {"finite", s.finite},
+      {"interrupted", s.interrupted},
+      {"warnings", warnings},
+      {"handler_errors", errors},
+      {"handlers", handlers}};
+  for (const KindCount& k : s.counts) {
+    all[k.kind.plural()] = k.count;
+    if (k.parts) all[k.parts->units] = k.part_count;
+  }
+  return all;
 }
 
 std::string profile_text(Session& session, std::uint64_t steps) {

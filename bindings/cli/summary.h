@@ -13,7 +13,7 @@ struct Summary {
   std::uint64_t steps = 0;
   double ms_per_step = 0;
   int threads = 1;
-  std::size_t bodies = 0, nets = 0, points = 0, cloths = 0, vertices = 0, fluids = 0, particles = 0;
+  std::vector<KindCount> counts;
   std::string hash;  // 16 hex digits; empty without a world
   Energy energy;
   bool finite = true;
@@ -30,7 +30,5 @@ report::Json summary_json(const Summary& s);
 std::string hash_text(std::uint64_t hash);
 // Rows of the step plan and Lua handlers with their time over `steps` steps.
 std::string profile_text(Session& session, std::uint64_t steps);
-// Things of a kind that `explain` and `bench` count.
-std::size_t body_count(World& world);
 
 }  // namespace feder::cli

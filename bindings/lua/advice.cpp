@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "lua/records.h"
+#include "springs/springs.h"
 
 namespace feder::lua {
 namespace {

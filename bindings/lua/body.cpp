@@ -1,7 +1,7 @@
 // The methods of bodies: check, call, push.
 #include <cmath>
 
-#include "lua/objects.h"
+#include "lua/rigid_part.h"
 
 namespace feder::lua {
 namespace {
@@ -16,7 +16,7 @@ struct Body {
 
 Body body(lua_State* L) {
   Self self = check_self(L);
-  Rigid& rigid = self.record.rigid();
+  Rigid& rigid = lua::rigid(self.record);
   return {self, rigid, rigid.index(self.id)};
 }
 
@@ -352,11 +352,6 @@ const Method kBodyMethods[] = {
 };
 
 }  // namespace
-
-int push_vector(lua_State* L, const Vec3& v) {
-  for (int k = 0; k < 3; ++k) lua_pushnumber(L, v[k]);
-  return 3;
-}
 
 std::span<const Method> body_methods() { return kBodyMethods; }
 

@@ -1,7 +1,7 @@
 // world:body{ ... }
 #include <algorithm>
 
-#include "lua/objects.h"
+#include "lua/rigid_part.h"
 #include "lua/shapes.h"
 
 namespace feder::lua {
@@ -125,7 +125,7 @@ int world_body(lua_State* L) {
   BodyDesc desc;
   Paint paint;
   read_body(o, r, desc, paint);
-  const ObjectId id = r.rigid().add_body(desc);
+  const ObjectId id = lua::rigid(r).add_body(desc);
   if (paint.given) r.look.colors[id] = paint.rgb;
   push_handle(L, r, id);
   return 1;

@@ -1,10 +1,9 @@
 // The methods of cloth. Vertices and edges count from 1.
-#include "cloth/cloth.h"
 
 #include <algorithm>
 
 #include "lua/buffer.h"
-#include "lua/objects.h"
+#include "lua/cloth_part.h"
 
 namespace feder::lua {
 namespace {
@@ -99,8 +98,8 @@ int cloth_pinned(lua_State* L) {
 int cloth_attach(lua_State* L) {
   const Sheet s = sheet(L);
   const std::size_t i = vertex_argument(L, s);
-  const ObjectId body = check_body(L, 3, s.self.record, std::string(function_name(L)) + ".body");
-  const Vec3 local = lua_isnoneornil(L, 4) ? to_local(s.self.record.rigid().pose(body), s.cloth.point(s.self.id, i))
+  const ObjectId body = check_object(L, 3, s.self.record, std::string(function_name(L)) + ".body", "body");
+  const Vec3 local = lua_isnoneornil(L, 4) ? to_local(pose_of(L, s.self.record, body), s.cloth.point(s.self.id, i))
                                            : vector_argument(L, 4, false);
   s.cloth.attach(s.self.id, i, body, local);
   return return_self(L);
@@ -213,30 +212,5 @@ const Method kClothMethods[] = {
 }  // namespace
 
 std::span<const Method> cloth_methods() { return kClothMethods; }
-
-void destroy_cloth(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Cloth>().destroy_cloth(id, where);
-}
-
-void clear_cloth_forces(World& world) {
-  if (Cloth* cloth = world.find<Cloth>()) cloth->clear_script_forces();
-}
-
-void apply_to_cloth(WorldRecord& record, const std::function<bool(ObjectId, TagMask)>& acts,
-                    const std::function<Vec3(ObjectId, const Vec3&, const Vec3&, Real)>& evaluate) {
-  Cloth* cloth = record.world->find<Cloth>();
-  if (!cloth) return;
-  cloth->clear_script_forces();
-  const Objects& objects = record.world->objects();
-  std::vector<ObjectId> all;
-  objects.for_each(ObjectKind::cloth, [&](ObjectId id) { all.push_back(id); });
-  for (const ObjectId id : all) {
-    if (!objects.alive(id) || !acts(id, objects.tags(id))) continue;
-    for (std::size_t i = 0; objects.alive(id) && i < cloth->vertex_count(id); ++i) {
-      const Vec3 force = evaluate(id, cloth->point(id, i), cloth->velocity(id, i), cloth->point_mass(id, i));
-      if (objects.alive(id) && dot(force, force) > 0) cloth->set_script_force(id, i, force);
-    }
-  }
-}
 
 }  // namespace feder::lua

@@ -1,10 +1,9 @@
 // world:cloth{ ... }: a sheet or a mesh, its stiffness, pins, and what it does with bodies and itself.
 #include <algorithm>
 
-#include "cloth/cloth.h"
 #include "cloth/solver.h"
 #include "lua/buffer.h"
-#include "lua/objects.h"
+#include "lua/cloth_part.h"
 #include "lua/shapes.h"
 
 namespace feder::lua {

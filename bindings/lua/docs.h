@@ -1,5 +1,6 @@
 // Every function that a script sees, with signature and one line: what `feder doc` lists.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ struct DocRow {
   std::string doc;
 };
 
-std::vector<DocRow> docs();
+struct Part;
+std::vector<DocRow> docs(std::span<const Part* const> parts);
 
 }  // namespace feder::lua

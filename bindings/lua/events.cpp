@@ -59,15 +59,17 @@ const char* const kFields[] = {"kind",  "time",   "step",  "a",       "b",     "
                                "nx",    "ny",     "nz",    "impulse", "slip",  "speed", "object",  "cause",
                                "other", "sensor", "index", "force",   "count", "code",  "message", "copy"};
 
-// Does the event tell about a point of a net (or cloth)?
-bool has_index(WorldRecord& r, const Event& e) {
+// Do contacts with that object tell where on it, under this name?
+bool tells(lua_State* L, const WorldRecord& r, ObjectId id, std::string_view place) {
+  const State& s = state(L);
+  const ObjectClass* row = id ? class_row(s, class_of(s, r, id)) : nullptr;
+  return row && row->place && place == row->place;
+}
+
+// Does the event tell about a point?
+bool has_index(lua_State* L, const WorldRecord& r, const Event& e) {
   if (e.kind == EventKind::spring_break || e.kind == EventKind::tear) return true;
-  if (!has_two(e.kind)) return false;
-  const auto pointed = [&](ObjectId id) {
-    const ObjectKind k = r.world->objects().kind(id);
-    return k == ObjectKind::net || k == ObjectKind::cloth;
-  };
-  return pointed(e.a) || pointed(e.b);
+  return has_two(e.kind) && (tells(L, r, e.a, "index") || tells(L, r, e.b, "index"));
 }
 
 // Pushes a field, or nil when the event has none of that name.
@@ -92,13 +94,15 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
     case f_slip: number(k == EventKind::contact_stay, e.slip); return;
     case f_speed: number(k == EventKind::hit, e.speed); return;
     case f_object: object(!has_two(k) && k != EventKind::step, e.a); return;
-    case f_cause: k == EventKind::wake ? (void)lua_pushstring(L, wake_cause_name(e.cause)) : lua_pushnil(L); return;
+    case f_cause: k == EventKind::wake ? (void)lua_pushstring(L, e.cause.text()) : lua_pushnil(L); return;
     case f_other: object(k == EventKind::wake || is_sensor(k) || is_source(k), e.b); return;
     case f_sensor: object(is_sensor(k), e.a); return;
-    case f_index: has_index(r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L); return;
+    case f_index:
+      has_index(L, r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L);
+      return;
     case f_force: number(is_break(k), e.force); return;
     case f_count:
-      if (is_source(k) || ((is_sensor(k) || is_contact(k)) && r.world->objects().kind(e.b) == ObjectKind::fluid))
+      if (is_source(k) || ((is_sensor(k) || is_contact(k)) && tells(L, r, e.b, "count")))
         lua_pushinteger(L, static_cast<lua_Integer>(e.index));
       else
         lua_pushnil(L);
@@ -275,7 +279,7 @@ Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
   const EventFilter& f = s.filter;
   if (e.speed < f.min_speed || e.impulse < f.min_impulse || e.force < f.min_force || e.slip < f.min_slip)
     return Side::none;
-  if (f.cause >= 0 && static_cast<int>(e.cause) != f.cause) return Side::none;
+  if (f.cause != WakeCause::none && e.cause != f.cause) return Side::none;
   if (f.object && e.a != f.object && !((has_two(e.kind) || is_source(e.kind)) && e.b == f.object)) return Side::none;
   if (f.has_tags) {
     const Objects& objects = record.world->objects();
@@ -391,10 +395,12 @@ EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind 
   if (is_sensor(kind)) object_option(o, "sensor", record, f.a), object_option(o, "other", record, f.b);
   if (is_break(kind)) o.real("min_force", f.min_force, kNotNegative);
   if (kind == EventKind::wake) {
-    std::vector<std::string> causes;
-    for (int c = 0; c <= static_cast<int>(WakeCause::fluid); ++c)
-      causes.emplace_back(wake_cause_name(static_cast<WakeCause>(c)));
-    o.choice("cause", causes, f.cause);
+    std::vector<WakeCause> causes(std::begin(kWakeCauses), std::end(kWakeCauses));
+    for (const SystemDescriptor* d : record.world->catalog())
+      causes.insert(causes.end(), d->causes.begin(), d->causes.end());
+    std::vector<std::string> names;
+    for (WakeCause c : causes) names.emplace_back(c.text());
+    if (int at = 0; o.choice("cause", names, at)) f.cause = causes[static_cast<std::size_t>(at)];
     object_option(o, "other", record, f.b);
   }
   o.finish();

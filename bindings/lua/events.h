@@ -17,7 +17,7 @@ struct EventFilter {
   TagMask tags = 0;       // one of the objects has one of them
   ObjectId a, b, object;  // a and b also turn the event so that e.a is a
   Real min_speed = 0, min_impulse = 0, min_force = 0, min_slip = 0;
-  int cause = -1;  // wake
+  WakeCause cause = WakeCause::none;  // wake; none: any
 };
 
 struct Subscription {

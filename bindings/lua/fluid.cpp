@@ -1,9 +1,7 @@
 // The methods of fluids, emitters and drains. Particles are numbered in the order they were made, from 1.
-#include "fluid/fluid.h"
 
 #include "lua/buffer.h"
-#include "lua/fluid.h"
-#include "lua/objects.h"
+#include "lua/fluid_part.h"
 
 namespace feder::lua {
 namespace {

@@ -1,8 +1,6 @@
 // world:fluid{ ... }, and what it is fed and emptied by: fluid:fill{}, fluid:emitter{}, fluid:drain{}.
-#include "fluid/fluid.h"
 #include "lua/buffer.h"
-#include "lua/fluid.h"
-#include "lua/objects.h"
+#include "lua/fluid_part.h"
 #include "lua/shapes.h"
 
 namespace feder::lua {
@@ -120,15 +118,6 @@ int fluid_drain(lua_State* L) {
   const TagMask tags = tag_option(o, self.record);
   push_handle(L, self.record, fluids(self.record).add_drain(self.id, name, tags, std::move(shape), pose));
   return 1;
-}
-
-void destroy_fluid_object(WorldRecord& record, ObjectId id, const std::string& where) {
-  Fluid& f = fluids(record);
-  switch (record.world->objects().kind(id)) {
-    case ObjectKind::emitter: f.destroy_emitter(id, where); break;
-    case ObjectKind::drain: f.destroy_drain(id, where); break;
-    default: f.destroy_fluid(id, where); break;
-  }
 }
 
 }  // namespace feder::lua

@@ -41,78 +41,16 @@ bool evaluate(lua_State* L, WorldRecord& record, const ScriptForce& f, const Vec
   return true;
 }
 
-bool acts(const ScriptForce& f, ObjectId object, TagMask tags) {
-  return f.all || (f.tags & tags) != 0 || f.target == object;
-}
-
-// Forces are read from a copy: a function may destroy forces, its own too.
-void apply_to_bodies(lua_State* L, WorldRecord& record, ScriptForce& f, bool& failed) {
-  Rigid* rigid = record.world->find<Rigid>();
-  if (!rigid) return;
-  const Objects& objects = record.world->objects();
-  for (std::uint32_t i = 0; i < rigid->bodies().size() && !failed; ++i) {
-    const Bodies& b = rigid->bodies();
-    if (b.type[i] != BodyType::dynamic || !acts(f, b.object[i], objects.tags(b.object[i]))) continue;
-    const ObjectId id = b.object[i];
-    Vec3 force = Vec3::Zero();
-    failed = !evaluate(L, record, f, b.position[i], b.velocity[i], b.mass[i], force);
-    if (failed || !objects.alive(id)) continue;
-    Vec3& held = f.held.try_emplace(i, force).first->second;
-    // a sleeping body stays asleep under a force that it fell asleep with
-    if (!rigid->bodies().awake[i] && length(force - held) <= Real(1e-3) * length(held)) continue;
-    held = force;
-    if (dot(force, force) > 0) rigid->apply_force(id, force, nullptr);
-  }
-}
-
-void apply_to_nets(lua_State* L, WorldRecord& record, std::vector<ScriptForce>& forces, std::vector<char>& failed) {
-  Springs* springs = record.world->find<Springs>();
-  if (!springs) return;
-  springs->clear_script_forces();
-  std::vector<ObjectId> nets;
-  record.world->objects().for_each(ObjectKind::net, [&](ObjectId id) { nets.push_back(id); });
-  std::vector<Vec3> positions;
-  for (ObjectId net : nets) {
-    const TagMask tags = record.world->objects().tags(net);
-    bool any = false;
-    for (const ScriptForce& f : forces) any = any || acts(f, net, tags);
-    if (!any || !record.world->objects().alive(net)) continue;
-    springs->positions(net, positions);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      Vec3 sum = Vec3::Zero(), one = Vec3::Zero();
-      for (std::size_t k = 0; k < forces.size(); ++k) {
-        const std::vector<std::uint32_t>& some = forces[k].points;
-        if (failed[k] || !acts(forces[k], net, tags)) continue;
-        if (!some.empty() && !std::binary_search(some.begin(), some.end(), static_cast<std::uint32_t>(i))) continue;
-        failed[k] =
-            !evaluate(L, record, forces[k], positions[i], springs->velocity(net, i), springs->point_mass(net, i), one);
-        if (!failed[k]) sum += one;
-        if (!record.world->objects().alive(net)) break;
-      }
-      if (!record.world->objects().alive(net)) break;
-      if (dot(sum, sum) > 0) springs->set_script_force(net, i, sum);
-    }
-  }
-}
-
-void apply_to_cloths(lua_State* L, WorldRecord& record, std::vector<ScriptForce>& forces, std::vector<char>& failed) {
-  apply_to_cloth(
-      record,
-      [&](ObjectId id, TagMask tags) {
-        bool any = false;
-        for (const ScriptForce& f : forces) any = any || acts(f, id, tags);
-        return any;
-      },
-      [&](ObjectId id, const Vec3& x, const Vec3& v, Real mass) {
-        const TagMask tags = record.world->objects().tags(id);
-        Vec3 sum = Vec3::Zero(), one = Vec3::Zero();
-        for (std::size_t k = 0; k < forces.size(); ++k) {
-          if (failed[k] || !acts(forces[k], id, tags)) continue;
-          failed[k] = !evaluate(L, record, forces[k], x, v, mass, one);
-          if (!failed[k]) sum += one;
-        }
-        return sum;
-      });
+// "a body, a net or a cloth": the classes that f accepts.
+template <class F>
+std::string classes_text(const State& s, F&& f) {
+  std::vector<std::string> names;
+  for (const ObjectClass* c : s.object_classes)
+    if (f(*c)) names.push_back(std::string("a ") + c->name);
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  return text;
 }
 
 // points = {i, ...}: some of the net that `on` names, ascending and each once.
@@ -120,9 +58,12 @@ std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId
   std::vector<std::uint32_t> points;
   if (!o.push("points", LUA_TTABLE, "a list of point numbers")) return points;
   lua_State* L = o.L();
-  if (!record.world->objects().alive(target) || record.world->objects().kind(target) != ObjectKind::net)
-    o.raise("points", "expected on = a net, whose points these are");
-  const auto last = static_cast<std::int64_t>(record.springs().point_count(target));
+  const ObjectClass* row = target ? class_row(state(L), class_of(state(L), record, target)) : nullptr;
+  if (!row || !row->point_count)
+    o.raise("points", "expected on = " + classes_text(state(L), [](const ObjectClass& c) {
+                        return c.point_count != nullptr;
+                      }) + ", whose points these are");
+  const auto last = static_cast<std::int64_t>(row->point_count(record, target));
   const auto count = static_cast<lua_Integer>(lua_rawlen(L, -1));
   if (count == 0) o.raise("points", "expected at least one point number, got none");
   for (lua_Integer k = 1; k <= count; ++k) {
@@ -146,14 +87,14 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
     return;
   }
   const int type = lua_type(o.L(), -1);
+  const State& s = state(o.L());
+  bool good = type == LUA_TSTRING || type == LUA_TTABLE;
   if (type == LUA_TUSERDATA) {
     target.target = check_object(o.L(), -1, record, o.path("on"));
-    const ObjectKind kind = record.world->objects().kind(target.target);
-    if (kind != ObjectKind::body && kind != ObjectKind::net && kind != ObjectKind::cloth)
-      o.wrong("on", "a tag, a body, a net or a cloth");
-  } else if (type != LUA_TSTRING && type != LUA_TTABLE) {
-    o.wrong("on", "a tag, a body, a net or a cloth");
+    const ObjectClass* row = class_row(s, class_of(s, record, target.target));
+    good = row && row->takes_forces;
   }
+  if (!good) o.wrong("on", "a tag, " + classes_text(s, [](const ObjectClass& c) { return c.takes_forces; }));
   lua_pop(o.L(), 1);
   target.points = read_points(o, record, target.target);
   if (type == LUA_TUSERDATA) return;
@@ -238,9 +179,11 @@ int add_formula_force(Options& o, WorldRecord& record, std::string name, TagMask
 // between = net: its points attract each other.
 void read_between(Options& o, WorldRecord& record, ForceEntry& target, Params& options) {
   if (o.has("on") || o.has("position")) o.raise("between", "expected neither on nor position beside it");
-  if (!object_option(o, "between", record, target.target) ||
-      record.world->objects().kind(target.target) != ObjectKind::net)
-    o.raise("between", "expected a net");
+  const State& s = state(o.L());
+  const ObjectClass* row = nullptr;
+  if (object_option(o, "between", record, target.target)) row = class_row(s, class_of(s, record, target.target));
+  if (!row || !row->point_count)
+    o.raise("between", "expected " + classes_text(s, [](const ObjectClass& c) { return c.point_count != nullptr; }));
   options.set("between", true);
 }
 
@@ -276,27 +219,57 @@ const Method kForceMethods[] = {
 
 std::span<const Method> force_methods() { return kForceMethods; }
 
+ForceRun::ForceRun(lua_State* L, WorldRecord& record, std::vector<ScriptForce> forces)
+    : L_(L), record_(record), forces_(std::move(forces)), failed_(forces_.size(), 0) {}
+
+bool ForceRun::acts(std::size_t k, ObjectId object) const {
+  const ScriptForce& f = forces_[k];
+  return f.all || f.target == object || (f.tags & record_.world->objects().tags(object)) != 0;
+}
+
+bool ForceRun::any(ObjectId object) const {
+  bool any = false;
+  for (std::size_t k = 0; k < forces_.size() && !any; ++k) any = acts(k, object);
+  return any;
+}
+
+bool ForceRun::ask(std::size_t k, const Vec3& position, const Vec3& velocity, Real mass, Vec3& out) {
+  out = Vec3::Zero();
+  if (failed_[k]) return false;
+  failed_[k] = !evaluate(L_, record_, forces_[k], position, velocity, mass, out);
+  if (failed_[k]) out = Vec3::Zero();
+  return !failed_[k];
+}
+
+void ForceRun::count(std::size_t k, std::uint64_t nanoseconds) {
+  auto& profile = state(L_).profile[forces_[k].profile];
+  profile.calls += 1, profile.nanoseconds += nanoseconds;
+}
+
+Vec3 ForceRun::sum(ObjectId object, std::uint32_t point, const Vec3& position, const Vec3& velocity, Real mass) {
+  Vec3 sum = Vec3::Zero(), one = Vec3::Zero();
+  for (std::size_t k = 0; k < forces_.size() && record_.world->objects().alive(object); ++k) {
+    const std::vector<std::uint32_t>& some = forces_[k].points;
+    if (!acts(k, object) || (!some.empty() && !std::binary_search(some.begin(), some.end(), point))) continue;
+    ask(k, position, velocity, mass, one);
+    sum += one;
+  }
+  return sum;
+}
+
 void apply_script_forces(lua_State* L, WorldRecord& record) {
   if (record.forces.list.empty()) return;
   luaL_checkstack(L, 16, "forces");
-  std::vector<ScriptForce> forces;
+  std::vector<ScriptForce> enabled;
   for (ScriptForce& f : record.forces.list) {
     const ForceEntry* e = find_entry(*record.world, f.object);
-    if (e && e->enabled) forces.push_back(f);
+    if (e && e->enabled) enabled.push_back(f);
   }
-  std::vector<char> failed(forces.size(), 0);
-  for (std::size_t k = 0; k < forces.size(); ++k) {
-    const std::uint64_t start = clock_nanoseconds();
-    bool bad = false;
-    apply_to_bodies(L, record, forces[k], bad);
-    failed[k] = bad;
-    auto& profile = state(L).profile[forces[k].profile];
-    profile.calls += 1, profile.nanoseconds += clock_nanoseconds() - start;
-  }
-  apply_to_nets(L, record, forces, failed);
-  apply_to_cloths(L, record, forces, failed);
+  ForceRun run(L, record, std::move(enabled));  // a copy: a function may destroy forces, its own too
+  for (const Part* part : state(L).options.parts)
+    if (part->apply_forces) part->apply_forces(run);
   for (ScriptForce& f : record.forces.list)
-    for (ScriptForce& g : forces)
+    for (ScriptForce& g : run.forces())
       if (g.object == f.object) f.held = std::move(g.held);
 }
 

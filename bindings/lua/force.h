@@ -18,11 +18,34 @@ struct ScriptForce {
   ObjectId target;
   std::vector<std::uint32_t> points;  // of `target`, ascending; empty: all
   std::size_t profile = 0;
-  std::map<std::uint32_t, Vec3> held;  // by body index: the force when it was last awake
+  std::map<std::uint32_t, Vec3> held;  // by index in a system: the force when it was last awake
 };
 
 struct ScriptForces {
   std::vector<ScriptForce> list;
+};
+
+// The functions of a step, for the parts that hand what they say to their objects. A function that fails is not asked
+// again in the step. It may destroy anything: who walks over objects looks whether they are still there.
+class ForceRun {
+ public:
+  ForceRun(lua_State* L, WorldRecord& record, std::vector<ScriptForce> forces);
+  WorldRecord& record() { return record_; }
+  std::vector<ScriptForce>& forces() { return forces_; }
+  bool acts(std::size_t k, ObjectId object) const;
+  bool any(ObjectId object) const;
+  // Force k at a point, N: false, and zero, when it fails or has failed.
+  bool ask(std::size_t k, const Vec3& position, const Vec3& velocity, Real mass, Vec3& out);
+  bool failed(std::size_t k) const { return failed_[k] != 0; }
+  void count(std::size_t k, std::uint64_t nanoseconds);  // in the profile of handlers
+  // The sum over those that act on a point (which counts from 0) of an object.
+  Vec3 sum(ObjectId object, std::uint32_t point, const Vec3& position, const Vec3& velocity, Real mass);
+
+ private:
+  lua_State* L_;
+  WorldRecord& record_;
+  std::vector<ScriptForce> forces_;
+  std::vector<char> failed_;
 };
 
 // Evaluates the functions for every point and body they act on, and hands the sums to the systems.

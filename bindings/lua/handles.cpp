@@ -10,21 +10,6 @@ lua_Integer cache_key(ObjectId id) {
   return static_cast<lua_Integer>(static_cast<std::uint64_t>(id.generation) << 32 | id.slot);
 }
 
-Class class_of(const WorldRecord& record, ObjectId id) {
-  if (record.regions.count(id)) return Class::region;
-  switch (record.world->objects().kind(id)) {
-    case ObjectKind::joint: return Class::joint;
-    case ObjectKind::net: return Class::net;
-    case ObjectKind::cloth: return Class::cloth;
-    case ObjectKind::force: return Class::force;
-    case ObjectKind::region: return Class::region;
-    case ObjectKind::fluid: return Class::fluid;
-    case ObjectKind::emitter: return Class::emitter;
-    case ObjectKind::drain: return Class::drain;
-    default: return Class::body;
-  }
-}
-
 WorldRecord* record_of(lua_State* L, std::uint32_t id) {
   State& s = state(L);
   return id < s.worlds.size() ? s.worlds[id].get() : nullptr;
@@ -45,7 +30,7 @@ std::string describe_handle(lua_State* L, int index, const Handle& h) {
   push_name(L, index, h);
   const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
   lua_pop(L, 1);
-  const std::string kind = class_name(h.kind);
+  const std::string kind = class_name(state(L), h.kind);
   return name.empty() ? kind + " #" + std::to_string(h.id.slot) : kind + " \"" + name + "\"";
 }
 
@@ -116,7 +101,7 @@ int object_alive(lua_State* L) {
 }
 
 int object_kind(lua_State* L) {
-  lua_pushstring(L, class_name(self_handle(L).kind));
+  lua_pushstring(L, class_name(state(L), self_handle(L).kind));
   return 1;
 }
 
@@ -152,8 +137,7 @@ int object_tags(lua_State* L) {
 
 const Method kObjectMethods[] = {
     {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
-    {"kind", guard<object_kind>, "h:kind() -> string",
-     "\"body\", \"joint\", \"net\", \"cloth\", \"fluid\", \"force\" ..."},
+    {"kind", guard<object_kind>, "h:kind() -> string", "the name of its class: \"body\", \"force\" ..."},
     {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
     {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
     {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
@@ -162,19 +146,10 @@ const Method kObjectMethods[] = {
 
 }  // namespace
 
-Rigid& WorldRecord::rigid() {
-  Rigid& r = world->need<Rigid>();
-  if (!has_pairs) {
-    has_pairs = true;
-    Collide& collide = world->need<Collide>();
-    for (const NamedMaterialPair& p : settings.material_pairs)
-      collide.set_material_pair(
-          {collide.material(p.a), collide.material(p.b), p.friction_static, p.friction_dynamic, p.restitution});
-  }
-  return r;
+Class class_of(const State& s, const WorldRecord& record, ObjectId id) {
+  if (const auto found = record.special.find(id); found != record.special.end()) return found->second;
+  return object_class(s, record.world->objects().kind(id).text());
 }
-
-Springs& WorldRecord::springs() { return world->need<Springs>(); }
 
 std::span<const Method> object_methods() { return kObjectMethods; }
 
@@ -191,7 +166,7 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   std::random_device random;
   const auto word = [&random] { return static_cast<std::uint64_t>(random()) << 32 | random(); };
   record->key.a = word(), record->key.b = word();
-  record->world = std::make_unique<World>(settings.desc, catalog());
+  record->world = std::make_unique<World>(settings.desc, s.options.systems);
   // begin and end events are always made, so that polling misses none
   for (int k = 0; k < kEventKinds; ++k) {
     const EventKind kind = static_cast<EventKind>(k);
@@ -256,8 +231,7 @@ void close_world(lua_State* L, WorldRecord& record) {
   record.timers = {};
   record.tasks = {};
   record.forces = {};
-  record.regions.clear();
-  record.joints.clear();
+  record.special.clear();
   record.world.reset();
 }
 
@@ -286,9 +260,9 @@ Self check_self(lua_State* L) {
 }
 
 Handle* test_handle(lua_State* L, int index) {
-  for (Class c : {Class::body, Class::net, Class::cloth, Class::joint, Class::force, Class::region, Class::fluid,
-                  Class::emitter, Class::drain})
-    if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
+  if (void* block = test_class(L, index, Class::force)) return static_cast<Handle*>(block);
+  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
+    if (void* block = test_class(L, index, static_cast<Class>(c))) return static_cast<Handle*>(block);
   return nullptr;
 }
 
@@ -300,9 +274,10 @@ ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::s
   return h->id;
 }
 
-ObjectId check_body(lua_State* L, int index, WorldRecord& record, const std::string& what) {
+ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what, const char* name) {
   const Handle* h = test_handle(L, index);
-  if (!h || h->kind != Class::body) fail(L, what + ": expected a body, got " + describe(L, index));
+  if (!h || h->kind != object_class(state(L), name))
+    fail(L, what + ": expected a " + name + ", got " + describe(L, index));
   return check_object(L, index, record, what);
 }
 
@@ -325,7 +300,7 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
   }
   lua_pop(L, 1);
   auto* h = static_cast<Handle*>(lua_newuserdatauv(L, sizeof(Handle), 3));
-  new (h) Handle{record.id, class_of(record, id), false, id};
+  new (h) Handle{record.id, class_of(state(L), record, id), false, id};
   push_class(L, h->kind);
   lua_setmetatable(L, -2);
   push_world(L, record);
@@ -335,60 +310,27 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
   lua_remove(L, -2);
 }
 
-namespace {
-
-// Handles of emitters and drains whose object is gone, after their names were noted.
-void bury_gone(lua_State* L, WorldRecord& record, const std::string& where) {
-  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-    auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
-    if (h->dead || record.world->objects().alive(h->id) || (h->kind != Class::emitter && h->kind != Class::drain))
-      continue;
-    h->dead = true;
-    lua_pushstring(L, where.c_str());
-    lua_setiuservalue(L, -2, 3);
-  }
-  lua_pop(L, 1);
+static void destroy_force(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
+  record.world->remove_force(id, where);
+  std::erase_if(record.forces.list, [&](const ScriptForce& f) {
+    if (f.object == id) drop(L, record, f.function);
+    return f.object == id;
+  });
+  for (const Part* part : state(L).options.parts)
+    if (part->clear_forces) part->clear_forces(*record.world);
 }
 
-}  // namespace
-
 void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
-  World& world = *record.world;
-  const std::string name = world.objects().name(id);
-  const bool sources_went = world.objects().kind(id) == ObjectKind::fluid;
-  if (sources_went) note_names(L, record);
-  switch (world.objects().kind(id)) {
-    case ObjectKind::joint: record.rigid().destroy_joint(id, where); break;
-    case ObjectKind::net: record.springs().destroy_net(id, where); break;
-    case ObjectKind::cloth: destroy_cloth(record, id, where); break;
-    case ObjectKind::fluid:
-    case ObjectKind::emitter:
-    case ObjectKind::drain: destroy_fluid_object(record, id, where); break;
-    case ObjectKind::force:
-      world.remove_force(id, where);
-      std::erase_if(record.forces.list, [&](const ScriptForce& f) {
-        if (f.object == id) drop(L, record, f.function);
-        return f.object == id;
-      });
-      if (Springs* springs = world.find<Springs>()) springs->clear_script_forces();
-      clear_cloth_forces(world);
-      break;
-    default: record.rigid().destroy_body(id, where); break;
-  }
+  const Objects& objects = record.world->objects();
+  const std::string name = objects.name(id);
+  std::vector<ObjectId> others;
+  if (const ObjectClass* row = class_row(state(L), class_of(state(L), record, id)))
+    others = row->destroy(record, id, where);
+  else
+    destroy_force(L, record, id, where);
   bury(L, record, id, name, where);
-  record.regions.erase(id);
-  // emitters and drains went with their fluid: handles that scripts hold must say so
-  if (sources_went) bury_gone(L, record, where);
-  // joints go with their bodies
-  for (auto it = record.joints.begin(); it != record.joints.end();) {
-    if (world.objects().alive(it->first)) {
-      ++it;
-      continue;
-    }
-    bury(L, record, it->first, world.objects().name(it->first), where);
-    it = record.joints.erase(it);
-  }
+  record.special.erase(id);
+  for (ObjectId other : others) bury(L, record, other, objects.name(other), where);
 }
 
 void note_names(lua_State* L, WorldRecord& record) {
@@ -434,7 +376,7 @@ void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
 
 std::string describe_object(lua_State* L, int index, Class c) {
   if (const Handle* h = test_handle(L, index)) return describe_handle(L, index, *h);
-  return std::string(c == Class::event ? "an " : "a ") + class_name(c);
+  return std::string(c == Class::event ? "an " : "a ") + class_name(state(L), c);
 }
 
 TagMask tag_option(Options& o, WorldRecord& record) {
@@ -454,8 +396,10 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  for (Class c : {Class::body, Class::joint, Class::net, Class::cloth, Class::force, Class::region, Class::fluid,
-                  Class::emitter, Class::drain}) {
+  std::vector<Class> classes = {Class::force};
+  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
+    classes.push_back(static_cast<Class>(c));
+  for (Class c : classes) {
     push_class(L, c);
     lua_pushcfunction(L, guard<handle_tostring>);
     lua_setfield(L, -2, "__tostring");

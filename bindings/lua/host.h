@@ -8,12 +8,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lua/look.h"
+#include "world/catalog.h"
 #include "world/world.h"
 
 namespace feder::lua {
@@ -44,7 +46,16 @@ class OptionError : public ScriptError {
   using ScriptError::ScriptError;
 };
 
+// What a system adds to scripts.
+struct Part;
+std::span<const Part* const> parts();  // all of this build, in the library feder_lua
+
+// A host that wants fewer systems names its own parts (lua/parts.h) and catalog where it makes the options, as
+// HostOptions{.parts = mine, .systems = my_systems}, and links feder_lua_core and feder_lua_<module> alone. Both lists
+// outlive the script.
 struct HostOptions {
+  std::span<const Part* const> parts = lua::parts();
+  Catalog systems = catalog();
   std::vector<std::filesystem::path> library_roots;  // folders that `require` may read besides the scene's (scripts/)
   std::map<std::string, std::string> set;            // --set NAME=VALUE: values for feder.param
   std::map<std::string, std::string> world;          // --world KEY=VALUE: "dt", "substeps", "rigid.solver" ...
@@ -177,8 +188,5 @@ class Script {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-// The systems this build of the binding can make.
-Catalog catalog();
 
 }  // namespace feder::lua

@@ -1,5 +1,5 @@
 // world:joint{ ... } and the methods of joints.
-#include "lua/objects.h"
+#include "lua/rigid_part.h"
 
 namespace feder::lua {
 namespace {
@@ -23,7 +23,7 @@ const JointKind& kind_option(Options& o, std::string& type) {
 
 void body_option(Options& o, const char* key, WorldRecord& r, ObjectId& out) {
   if (!o.push_any(key)) return;
-  out = check_body(o.L(), -1, r, o.path(key));
+  out = check_object(o.L(), -1, r, o.path(key), "body");
   lua_pop(o.L(), 1);
 }
 
@@ -72,8 +72,8 @@ void read_limits(Options& o, JointOptions& j) {
 // Kinds with one anchor: `anchor`, else midway between the bodies' origins (a's, against the world).
 // Kinds with two: anchor_a (a's origin) and anchor_b (b's origin; against the world `anchor` says where).
 void read_anchors(Options& o, const JointKind& kind, WorldRecord& r, JointDesc& desc) {
-  const Vec3 at_a = r.rigid().pose(desc.a).position;
-  const Vec3 at_b = desc.b ? r.rigid().pose(desc.b).position : at_a;
+  const Vec3 at_a = lua::rigid(r).pose(desc.a).position;
+  const Vec3 at_b = desc.b ? lua::rigid(r).pose(desc.b).position : at_a;
   Vec3 anchor = Vec3::Zero();
   const bool has_anchor = o.vector("anchor", anchor);
   if (!(kind.uses & kUsesTwoAnchors)) {
@@ -91,30 +91,29 @@ void read_anchors(Options& o, const JointKind& kind, WorldRecord& r, JointDesc& 
 
 int joint_vector(lua_State* L, Vec3 (Rigid::*get)(ObjectId) const) {
   Self self = check_self(L);
-  return push_vector(L, (self.record.rigid().*get)(self.id));
+  return push_vector(L, (lua::rigid(self.record).*get)(self.id));
 }
 
 int joint_force(lua_State* L) { return joint_vector(L, &Rigid::joint_force); }
 int joint_torque(lua_State* L) { return joint_vector(L, &Rigid::joint_torque); }
 
 // Makes sure that the kind has what is asked for.
-void need_use(lua_State* L, const Self& self, unsigned uses, const char* what) {
-  const auto found = self.record.joints.find(self.id);
-  if (found == self.record.joints.end() || (found->second.kind->uses & uses)) return;
-  fail_here(L, std::string("a ") + found->second.kind->name + " joint has no " + what);
+void need_use(lua_State* L, Self& self, unsigned uses, const char* what) {
+  const JointKind& kind = *lua::rigid(self.record).joint_info(self.id).kind;
+  if (!(kind.uses & uses)) fail_here(L, std::string("a ") + kind.name + " joint has no " + what);
 }
 
 int joint_angle(lua_State* L) {
   Self self = check_self(L);
   need_use(L, self, kUsesAxis, "angle");
-  lua_pushnumber(L, self.record.rigid().joint_coordinate(self.id));
+  lua_pushnumber(L, lua::rigid(self.record).joint_coordinate(self.id));
   return 1;
 }
 
 int joint_length(lua_State* L) {
   Self self = check_self(L);
   need_use(L, self, kUsesTwoAnchors, "length");
-  lua_pushnumber(L, self.record.rigid().joint_coordinate(self.id));
+  lua_pushnumber(L, lua::rigid(self.record).joint_coordinate(self.id));
   return 1;
 }
 
@@ -131,7 +130,7 @@ int joint_set_motor(lua_State* L) {
     speed = check_number(L, 2, std::string(function_name(L)) + ".speed");
     force = check_number(L, 3, std::string(function_name(L)) + ".max_force", kNotNegative);
   }
-  self.record.rigid().set_motor(self.id, static_cast<Real>(speed), static_cast<Real>(force));
+  lua::rigid(self.record).set_motor(self.id, static_cast<Real>(speed), static_cast<Real>(force));
   return return_self(L);
 }
 
@@ -146,23 +145,21 @@ int joint_set_limits(lua_State* L) {
   const double lo = check_number(L, 2, std::string(function_name(L)) + ".lo");
   const double hi = check_number(L, 3, std::string(function_name(L)) + ".hi");
   if (lo > hi) fail_here(L, "expected lo at most hi, got " + print_number(lo) + ", " + print_number(hi));
-  self.record.rigid().set_limits(self.id, static_cast<Real>(lo), static_cast<Real>(hi));
+  lua::rigid(self.record).set_limits(self.id, static_cast<Real>(lo), static_cast<Real>(hi));
   return return_self(L);
 }
 
 int joint_type(lua_State* L) {
   Self self = check_self(L);
-  const auto found = self.record.joints.find(self.id);
-  lua_pushstring(L, found == self.record.joints.end() ? "" : found->second.kind->name);
+  lua_pushstring(L, lua::rigid(self.record).joint_info(self.id).kind->name);
   return 1;
 }
 
 int joint_bodies(lua_State* L) {
   Self self = check_self(L);
-  const auto found = self.record.joints.find(self.id);
-  if (found == self.record.joints.end()) return 0;
-  push_handle(L, self.record, found->second.a);
-  push_handle(L, self.record, found->second.b);
+  const Rigid::JointInfo joint = lua::rigid(self.record).joint_info(self.id);
+  push_handle(L, self.record, joint.a);
+  push_handle(L, self.record, joint.b);
   return 2;
 }
 
@@ -203,8 +200,7 @@ int world_joint(lua_State* L) {
   o.has("tags");
   o.finish();
   desc.tags = tag_option(o, r);
-  const ObjectId id = r.rigid().add_joint(desc);
-  r.joints[id] = {&kind, desc.a, desc.b};
+  const ObjectId id = lua::rigid(r).add_joint(desc);
   push_handle(L, r, id);
   return 1;
 }

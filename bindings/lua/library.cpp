@@ -39,17 +39,11 @@ fs::path inside(const fs::path& folder, const fs::path& name) {
   return end == root.end() ? folder / name : fs::path();
 }
 
-// Modules of feder's own that are not files.
+// Modules of feder's own that this build lacks.
 bool is_left_out(const std::string& name) {
-#ifndef FEDER_HAS_CLOTH
-  if (name == "feder.cloth") return true;
-#endif
-#ifndef FEDER_HAS_FLUID
-  if (name == "feder.fluid") return true;
-#endif
-  for (const char* later : {"feder.view", "feder.study"})
-    if (name == later) return true;
-  return false;
+  constexpr std::string_view own = "feder.", without = ";" FEDER_WITHOUT ";view;study;";  // the last two: to come
+  if (name.rfind(own, 0) != 0) return false;
+  return without.find(";" + name.substr(own.size()) + ";") != std::string_view::npos;
 }
 
 void run_module(lua_State* L, const std::string& name, const fs::path& file) {

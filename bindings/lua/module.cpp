@@ -1,18 +1,4 @@
 // The module "feder", the classes without a world, and the list of all functions.
-#include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
-#include "couple/springs_rigid.h"
-#ifdef FEDER_HAS_CLOTH
-#include "couple/cloth_rigid.h"
-#endif
-#ifdef FEDER_HAS_FLUID
-#include "couple/fluid_rigid.h"
-#include "couple/fluid_springs.h"
-#ifdef FEDER_HAS_CLOTH
-#include "couple/fluid_cloth.h"
-#endif
-#endif
-#include "lua/advice.h"
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
@@ -74,10 +60,6 @@ const Method kFederFunctions[] = {
     {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table",
      "in a task: until such an event, which it returns as a copy"},
     {"plot", guard<feder_plot>, "feder.plot(name, value)", "a value over simulated time; the viewer draws it"},
-    {"advise", guard<feder_advise>,
-     "feder.advise(world) -> {{ object =, text =, verdict =, method =, limit =, h =, hw =, substeps =, integrator =, "
-     "error_class =, resolved_hertz =, ... }, ...}",
-     "per net: is the step stable, how large are its errors, what would do"},
     {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
 };
 
@@ -98,6 +80,7 @@ void open_module(lua_State* L) {
   lua_newtable(L);
   add_methods(L, feder_functions(), "feder.", 0);
   add_methods(L, shape_functions(), "feder.", 0);
+  for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
   lua_pushnumber(L, 3.14159265358979323846);
   lua_setfield(L, -2, "pi");
   lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
@@ -105,45 +88,19 @@ void open_module(lua_State* L) {
   lua_setfield(L, -2, "feder");
 }
 
-Catalog catalog() {
-  // couplings come after what they join
-  static const SystemDescriptor* const systems[] = {
-      &Collide::descriptor(),        &Rigid::descriptor(),        &Springs::descriptor(),
-#ifdef FEDER_HAS_COUPLE
-      &SpringsRigid::descriptor(),
-#endif
-      &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-#ifdef FEDER_HAS_CLOTH
-      &Cloth::descriptor(),
-#ifdef FEDER_HAS_COUPLE
-      &ClothRigid::descriptor(),
-#endif
-#endif
-#ifdef FEDER_HAS_FLUID
-      &Fluid::descriptor(),
-#ifdef FEDER_HAS_COUPLE
-      &FluidRigid::descriptor(),     &FluidSprings::descriptor(),
-#ifdef FEDER_HAS_CLOTH
-      &FluidCloth::descriptor(),
-#endif
-#endif
-#endif
-  };
-  return systems;
-}
-
-std::vector<DocRow> docs() {
+std::vector<DocRow> docs(std::span<const Part* const> parts) {
   std::vector<DocRow> rows;
   const auto add = [&rows](const char* owner, std::span<const Method> methods) {
     for (const Method& m : methods) rows.push_back({owner, m.name, m.signature, m.doc});
   };
   add("feder", feder_functions()), add("feder", shape_functions());
-  add("world", world_methods()), add("world", query_methods());
+  for (const Part* p : parts) add("feder", p->functions);
+  add("world", world_methods());
+  for (const Part* p : parts) add("world", p->world);
   add("object", object_methods());
-  add("body", body_methods()), add("joint", joint_methods()), add("net", net_methods());
-  add("cloth", cloth_methods()), add("fluid", fluid_methods()), add("emitter", emitter_methods());
-  add("drain", drain_methods()), add("force", force_methods()), add("region", region_methods());
-  add("shape", shape_methods()), add("buffer", buffer_methods());
+  for (const Part* p : parts)
+    for (const ObjectClass& c : p->classes) add(c.name, c.methods);
+  add("force", force_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;
 }

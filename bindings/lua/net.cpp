@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "lua/buffer.h"
-#include "lua/objects.h"
+#include "lua/springs_part.h"
 
 namespace feder::lua {
 namespace {
@@ -15,7 +15,7 @@ struct Net {
 
 Net net(lua_State* L) {
   Self self = check_self(L);
-  return {self, self.record.springs()};
+  return {self, self.record.world->need<Springs>()};
 }
 
 std::size_t number_in(lua_State* L, int index, std::size_t count, const char* what) {
@@ -104,8 +104,8 @@ int net_pinned(lua_State* L) {
 int net_attach(lua_State* L) {
   const Net n = net(L);
   const std::size_t i = point_argument(L, n);
-  const ObjectId body = check_body(L, 3, n.self.record, std::string(function_name(L)) + ".body");
-  const Vec3 local = lua_isnoneornil(L, 4) ? to_local(n.self.record.rigid().pose(body), n.springs.point(n.self.id, i))
+  const ObjectId body = check_object(L, 3, n.self.record, std::string(function_name(L)) + ".body", "body");
+  const Vec3 local = lua_isnoneornil(L, 4) ? to_local(pose_of(L, n.self.record, body), n.springs.point(n.self.id, i))
                                            : vector_argument(L, 4, n.planar());
   n.springs.attach(n.self.id, i, body, local);
   return return_self(L);

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "lua/buffer.h"
-#include "lua/objects.h"
 #include "lua/shapes.h"
+#include "lua/springs_part.h"
 
 namespace feder::lua {
 namespace {
@@ -209,8 +209,8 @@ int world_net(lua_State* L) {
   o.has("tags");
   o.finish();
   desc.tags = tag_option(o, r);
-  const ObjectId id = r.springs().add_net(desc);
-  for (std::size_t i : pins) r.springs().pin(id, i);
+  const ObjectId id = r.world->need<Springs>().add_net(desc);
+  for (std::size_t i : pins) r.world->need<Springs>().pin(id, i);
   if (!faces.empty()) r.look.faces[id] = std::move(faces);
   if (colored) r.look.colors[id] = color;
   push_handle(L, r, id);

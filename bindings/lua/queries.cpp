@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lua/objects.h"
+#include "lua/rigid_part.h"
 #include "lua/shapes.h"
 
 namespace feder::lua {

@@ -2,18 +2,15 @@
 // weakly so that == is identity. The world owns; collecting a handle destroys nothing.
 #pragma once
 #include <map>
-#include <set>
 #include <string>
 
-#include "collide/collide.h"
 #include "lua/events.h"
 #include "lua/force.h"
 #include "lua/look.h"
 #include "lua/options.h"
+#include "lua/part.h"
 #include "lua/state.h"
 #include "lua/tasks.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
 #include "world/world.h"
 
 namespace feder::lua {
@@ -37,11 +34,6 @@ struct WorldSettings {
   std::vector<NamedMaterialPair> material_pairs;
 };
 
-struct JointRecord {
-  const JointKind* kind = nullptr;
-  ObjectId a, b;
-};
-
 // Of the seal on snapshots: random, and never part of a result.
 struct SipKey {
   std::uint64_t a = 0, b = 0;
@@ -56,19 +48,16 @@ struct WorldRecord {
   bool read_only = false;               // a stage of a step asks a script: nothing may be edited
   lua_State* stepping = nullptr;        // while the world steps: what forces call
   std::vector<Failure> stage_failures;  // of this step, to be raised behind it
-  bool has_pairs = false;               // material pairs were given to collide
+  bool has_pairs = false;               // material pairs were given to the system that uses them
   WorldSettings settings;
   Subscriptions subscriptions;
   Timers timers;
   Tasks tasks;
   ScriptForces forces;
-  std::set<ObjectId> regions;              // sensor bodies made by world:region
-  std::map<ObjectId, JointRecord> joints;  // those made by scripts
+  std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
   Look look;
 
   bool planar() const { return settings.desc.dimension == 2; }
-  Rigid& rigid();  // made on first use, with the material pairs
-  Springs& springs();
 };
 
 struct WorldBlock {
@@ -77,7 +66,7 @@ struct WorldBlock {
 
 struct Handle {
   std::uint32_t world = 0;
-  Class kind = Class::body;
+  Class kind = Class::force;
   bool dead = false;  // destroyed for sure: name and place are in user values 2 and 3
   ObjectId id;
 };
@@ -106,7 +95,8 @@ Self check_self(lua_State* L);
 Handle* test_handle(lua_State* L, int index);
 // A living object of that world at `index`. `what` is named in messages.
 ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what);
-ObjectId check_body(lua_State* L, int index, WorldRecord& record, const std::string& what);
+// The same, of that class.
+ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what, const char* name);
 // Reads an option that holds an object.
 bool object_option(Options& o, const char* key, WorldRecord& record, ObjectId& out);
 
@@ -117,6 +107,7 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
 void note_names(lua_State* L, WorldRecord& record);
 void bury_lost(lua_State* L, WorldRecord& record, const std::string& where);
 std::string describe_object(lua_State* L, int index, Class c);
+Class class_of(const State& s, const WorldRecord& record, ObjectId id);
 
 TagMask tag_option(Options& o, WorldRecord& record);  // "tags"
 void open_classes(lua_State* L);

@@ -133,15 +133,15 @@ int math_wave(lua_State* L) {
 
 void make_classes(lua_State* L) {
   using List = std::span<const Method>;
-  const List object = object_methods();
-  const List body[] = {object, body_methods()}, joint[] = {object, joint_methods()}, net[] = {object, net_methods()},
-             cloth[] = {object, cloth_methods()}, force[] = {object, force_methods()},
-             region[] = {object, region_methods()}, fluid[] = {object, fluid_methods()},
-             emitter[] = {object, emitter_methods()}, drain[] = {object, drain_methods()},
-             world[] = {world_methods(), query_methods()};
-  make_class(L, Class::body, body), make_class(L, Class::joint, joint), make_class(L, Class::net, net);
-  make_class(L, Class::cloth, cloth), make_class(L, Class::fluid, fluid), make_class(L, Class::emitter, emitter);
-  make_class(L, Class::drain, drain), make_class(L, Class::force, force), make_class(L, Class::region, region);
+  const State& s = state(L);
+  const List force[] = {object_methods(), force_methods()};
+  make_class(L, Class::force, force);
+  for (std::size_t i = 0; i < s.object_classes.size(); ++i) {
+    const List own[] = {object_methods(), s.object_classes[i]->methods};
+    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)), own);
+  }
+  std::vector<List> world = {world_methods()};
+  for (const Part* part : s.options.parts) world.push_back(part->world);
   make_class(L, Class::world, world);
   open_classes(L);
 }

@@ -15,4 +15,6 @@ std::span<const Method> shape_functions();  // of the module feder
 std::span<const Method> shape_methods();
 void open_shapes(lua_State* L);
 
+bool box_option(Options& o, ShapePtr& shape, Vec3& center);  // box = {min, max}
+
 }  // namespace feder::lua

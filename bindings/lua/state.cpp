@@ -102,6 +102,10 @@ std::string one_line(std::string text) {
 
 int unknown_member(lua_State* L) {  // upvalues: class name, methods
   const char* name = lua_tostring(L, lua_upvalueindex(1));
+  constexpr std::string_view without = ";" FEDER_WITHOUT ";";
+  if (lua_type(L, 2) == LUA_TSTRING && without.find(";" + std::string(lua_tostring(L, 2)) + ";") != without.npos)
+    fail(L, std::string(name) + ":" + lua_tostring(L, 2) + ": this build leaves out the module '" + lua_tostring(L, 2) +
+                "'");
   std::vector<std::string> known;
   lua_pushnil(L);
   while (lua_next(L, lua_upvalueindex(2))) {
@@ -123,14 +127,27 @@ int no_fields(lua_State* L) {
 
 }  // namespace
 
-const char* class_name(Class c) {
-  static const char* const names[kClassCount] = {"world", "body",   "joint",      "net",     "cloth",
-                                                 "force", "region", "fluid",      "emitter", "drain",
-                                                 "shape", "buffer", "connection", "task",    "event"};
-  return names[static_cast<int>(c)];
+const ObjectClass* class_row(const State& s, Class c) {
+  return c < Class::parts ? nullptr : s.object_classes[static_cast<std::size_t>(static_cast<int>(c) - kOwnClasses)];
+}
+
+const char* class_name(const State& s, Class c) {
+  static const char* const names[kOwnClasses] = {"world", "force", "shape", "buffer", "connection", "task", "event"};
+  const ObjectClass* row = class_row(s, c);
+  return row ? row->name : names[static_cast<int>(c)];
+}
+
+Class object_class(const State& s, std::string_view name) {
+  if (name == kForceKind.text()) return Class::force;
+  for (std::size_t i = 0; i < s.object_classes.size(); ++i)
+    if (name == s.object_classes[i]->name) return static_cast<Class>(kOwnClasses + static_cast<int>(i));
+  return Class::world;
 }
 
 State::State(HostOptions o) : options(std::move(o)), rng(options.has_seed ? options.seed : 1) {
+  for (const Part* part : options.parts)
+    for (const ObjectClass& c : part->classes) object_classes.push_back(&c);
+  class_ref.resize(static_cast<std::size_t>(kOwnClasses) + object_classes.size());
   L = lua_newstate(&allocate, this);
   if (!L) throw ScriptError("not enough memory for a Lua state");
   *static_cast<State**>(lua_getextraspace(L)) = this;
@@ -335,8 +352,7 @@ void relay(lua_State* L, const std::string& what) {
   const std::size_t dot = name.find_last_of(":.");
   const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
   if (what.rfind(last + ":", 0) == 0 || what.rfind(last + ".", 0) == 0) fail(L, name + what.substr(last.size()));
-  const bool noun = last == "body" || last == "joint" || last == "net" || last == "cloth" || last == "fluid" ||
-                    last == "emitter" || last == "drain" || last == "force" || last == "region" || last == "world";
+  const bool noun = last == "world" || object_class(state(L), last) != Class::world;  // it makes one of these
   std::size_t word = 0;
   while (word < what.size() &&
          (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.'))
@@ -376,7 +392,7 @@ std::string describe(lua_State* L, int index) {
     case LUA_TTHREAD: return "a coroutine";
     default: break;
   }
-  for (int c = 0; c < kClassCount; ++c)
+  for (int c = 0; c < static_cast<int>(state(L).class_ref.size()); ++c)
     if (test_class(L, index, static_cast<Class>(c))) return describe_object(L, index, static_cast<Class>(c));
   return "a userdata";
 }
@@ -415,10 +431,10 @@ void add_methods(lua_State* L, std::span<const Method> rows, const std::string& 
 }
 
 void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists) {
-  const char* name = class_name(c);
+  const char* name = class_name(state(L), c);
   lua_newtable(L);
   lua_pushvalue(L, -1);
-  state(L).class_ref[static_cast<int>(c)] = luaL_ref(L, LUA_REGISTRYINDEX);
+  state(L).class_ref[static_cast<std::size_t>(c)] = luaL_ref(L, LUA_REGISTRYINDEX);
   const int metatable = lua_gettop(L);
   lua_pushboolean(L, 0);
   lua_setfield(L, metatable, "__metatable");
@@ -439,7 +455,9 @@ void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> 
   lua_setfield(L, metatable, "__index");
 }
 
-void push_class(lua_State* L, Class c) { lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<int>(c)]); }
+void push_class(lua_State* L, Class c) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).class_ref[static_cast<std::size_t>(c)]);
+}
 
 void* self_block(lua_State* L) {
   void* block = lua_touserdata(L, 1);

@@ -22,28 +22,12 @@
 namespace feder::lua {
 
 struct WorldRecord;
+struct ObjectClass;
 struct Task;
 
-enum class Class : int {
-  world,
-  body,
-  joint,
-  net,
-  cloth,
-  force,
-  region,
-  fluid,
-  emitter,
-  drain,
-  shape,
-  buffer,
-  connection,
-  task,
-  event,
-  count
-};
-inline constexpr int kClassCount = static_cast<int>(Class::count);
-const char* class_name(Class c);
+// Classes of userdata: the binding's own, then those of the host's parts.
+enum class Class : int { world, force, shape, buffer, connection, task, event, parts };
+inline constexpr int kOwnClasses = static_cast<int>(Class::parts);
 
 // A row of the API: what a script sees, and what `feder doc` prints.
 struct Method {
@@ -121,6 +105,7 @@ struct State {
   Rng& random();  // of the current world; before the first world, the state's own
 
   HostOptions options;
+  std::vector<const ObjectClass*> object_classes;  // from Class::parts on
   lua_State* L = nullptr;
   std::size_t memory_used = 0;  // bytes
   std::uint64_t budget = 0;     // instructions left of the outermost call
@@ -131,12 +116,12 @@ struct State {
   std::uint64_t last_look = 0;  // ns, wall clock of the last look at thread_seconds
   std::uint64_t printed = 0;    // bytes
   std::atomic<bool> interrupted = false;
-  bool wrong_option = false;        // the error on its way is one of HostOptions::set or ::world
-  int depth = 0;                    // calls from the host into Lua, nested
-  int class_ref[kClassCount] = {};  // metatables
-  int worlds_ref = 0;               // weak table: world id -> world userdata
-  int modules_ref = 0;              // name -> value, of require
-  int ids_ref = 0;                  // weak table: value -> number shown by tostring
+  bool wrong_option = false;   // the error on its way is one of HostOptions::set or ::world
+  int depth = 0;               // calls from the host into Lua, nested
+  std::vector<int> class_ref;  // metatables, by class
+  int worlds_ref = 0;          // weak table: world id -> world userdata
+  int modules_ref = 0;         // name -> value, of require
+  int ids_ref = 0;             // weak table: value -> number shown by tostring
   lua_Integer next_id = 0;
   int last_world_ref = LUA_NOREF;  // keeps the last world (or the scene's) alive
   std::uint32_t last_world = 0xffffffffu;
@@ -159,6 +144,12 @@ struct State {
   std::vector<std::filesystem::path> files;  // read so far
   int console_ref = LUA_NOREF;               // environment of Script::run_string
 };
+
+const char* class_name(const State& s, Class c);
+// The class that parts or the binding give objects of the world under that name; Class::world when there is none.
+Class object_class(const State& s, std::string_view name);
+// Null for the binding's own.
+const ObjectClass* class_row(const State& s, Class c);
 
 inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextraspace(L)); }
 

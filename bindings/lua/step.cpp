@@ -68,10 +68,8 @@ void run_step(lua_State* L, WorldRecord& record) {
 std::string seal_snapshot(const WorldRecord& record) {
   std::string body;
   Writer w(body);
-  w.add(static_cast<std::uint64_t>(record.regions.size()));
-  for (ObjectId id : record.regions) w.add(id);
-  w.add(static_cast<std::uint64_t>(record.joints.size()));
-  for (const auto& [id, joint] : record.joints) w.add(id), w.add(joint.kind), w.add(joint.a), w.add(joint.b);
+  w.add(static_cast<std::uint64_t>(record.special.size()));
+  for (const auto& [id, kind] : record.special) w.add(id), w.add(kind);
   body += record.world->snapshot();
   const std::uint64_t seal = sip_hash(record.key, body);
   std::string text(kHeader);
@@ -87,26 +85,16 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
   text.remove_prefix(kHeader.size() + sizeof seal);
   if (seal != sip_hash(record.key, text)) throw SceneError("the snapshot is another world's, or has been changed");
   Reader r(text);
-  std::set<ObjectId> regions;
-  std::map<ObjectId, JointRecord> joints;
+  std::map<ObjectId, Class> special;
   std::uint64_t count = 0;
   std::size_t used = sizeof count;
-  for (r.get(count); count > 0; --count, used += sizeof(ObjectId)) {
+  for (r.get(count); count > 0; --count, used += sizeof(ObjectId) + sizeof(Class)) {
     ObjectId id;
-    r.get(id);
-    regions.insert(id);
-  }
-  used += sizeof count;
-  for (r.get(count); count > 0; --count, used += 3 * sizeof(ObjectId) + sizeof(const JointKind*)) {
-    ObjectId id;
-    JointRecord joint;
-    r.get(id), r.get(joint.kind), r.get(joint.a), r.get(joint.b);
-    joints[id] = joint;
+    r.get(id), r.get(special[id]);
   }
   note_names(L, record);
   record.world->restore(text.substr(used));
-  record.regions = std::move(regions);
-  record.joints = std::move(joints);
+  record.special = std::move(special);
   record.subscriptions.events.clear();
   for (ScriptForce& f : record.forces.list) f.held.clear();
   for (auto& s : record.subscriptions.all)

@@ -50,7 +50,8 @@ int world_gravity(lua_State* L) { return push_vector(L, check_world(L).world->de
 int world_set_gravity(lua_State* L) {
   WorldRecord& r = check_world(L);
   r.world->set_gravity(vector_argument(L, 2, r.planar()));
-  if (Rigid* rigid = r.world->find<Rigid>()) rigid->wake_all(WakeCause::script);
+  for (const Part* part : state(L).options.parts)
+    if (part->gravity_changed) part->gravity_changed(*r.world);
   return return_self(L);
 }
 
@@ -74,12 +75,6 @@ int world_angular_momentum(lua_State* L) {
 
 int world_is_finite(lua_State* L) {
   lua_pushboolean(L, check_world(L).world->is_finite());
-  return 1;
-}
-
-int world_max_penetration(lua_State* L) {
-  Collide* collide = check_world(L).world->query<Collide>();
-  lua_pushnumber(L, collide ? collide->max_penetration() : Real(0));
   return 1;
 }
 
@@ -171,40 +166,20 @@ int world_report(lua_State* L) {
   for (const auto& arena : w.store().arenas()) count_field(L, arena->name().c_str(), arena->bytes());
   lua_setfield(L, -2, "blocks");
   lua_newtable(L);
-  for (const Residual& x : w.residuals())
-    if (x.name == "cloth.row_updates") count_field(L, "cloth_row_updates", static_cast<std::size_t>(x.value));
+  constexpr std::string_view work = ".row_updates";
+  for (const Residual& x : w.residuals()) {
+    if (x.name.size() < work.size() || x.name.substr(x.name.size() - work.size()) != work) continue;
+    std::string key = x.name;
+    key[key.size() - work.size()] = '_';
+    count_field(L, key.c_str(), static_cast<std::size_t>(x.value));
+  }
   lua_setfield(L, -2, "counts");
   count_field(L, "bytes", w.bytes());
-  count_field(L, "bodies", w.objects().count(ObjectKind::body));
-  count_field(L, "joints", w.objects().count(ObjectKind::joint));
-  count_field(L, "nets", w.objects().count(ObjectKind::net));
-  count_field(L, "cloths", w.objects().count(ObjectKind::cloth));
-  count_field(L, "fluids", w.objects().count(ObjectKind::fluid));
-  count_field(L, "forces", w.objects().count(ObjectKind::force));
-  count_field(L, "points", w.find<Springs>() ? w.find<Springs>()->count() : 0);
-  count_field(L, "steps", w.step_count());
-  return 1;
-}
-
-int world_bodies(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  const Objects& objects = r.world->objects();
-  bool filtered = false;
-  TagMask tags = 0;
-  if (!lua_isnoneornil(L, 2)) {
-    Options o(L, 2, function_name(L));
-    std::vector<std::string> words;
-    filtered = o.words("tag", words);
-    o.finish();
-    for (const std::string& w : words) tags |= objects.known_tag(w);
+  for (const KindCount& k : w.counts()) {
+    count_field(L, k.kind.plural(), k.count);
+    if (k.parts) count_field(L, k.parts->units, k.part_count);
   }
-  lua_newtable(L);
-  lua_Integer n = 0;
-  objects.for_each(ObjectKind::body, [&](ObjectId id) {
-    if (r.regions.count(id) || (filtered && !(objects.tags(id) & tags))) return;
-    push_handle(L, r, id);
-    lua_rawseti(L, -2, ++n);
-  });
+  count_field(L, "steps", w.step_count());
   return 1;
 }
 
@@ -233,19 +208,9 @@ const Method kWorldMethods[] = {
     {"dimension", guard<world_dimension>, "world:dimension() -> integer", "2 or 3"},
     {"gravity", guard<world_gravity>, "world:gravity() -> x, y, z", "m/s^2"},
     {"set_gravity", guard<world_set_gravity>, "world:set_gravity(x, y, z) -> self", "m/s^2; wakes all bodies"},
-    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API"},
-    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
-     "joins two bodies, or one and the world"},
-    {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs"},
-    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
-     "sensor_enter and sensor_leave events"},
     {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force",
      "or each = \"-k*x^3\" | { fx, fy, fz } in x y z vx vy vz m t and params = { k = .. }, or each = function(x,y,z, "
      "vx,vy,vz, mass, t) return fx, fy, fz end, asked once per step unless stages = true"},
-    {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
-     "a sheet or a triangle mesh; see section 6"},
-    {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
-     "particles; see section 6"},
     {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection",
      "fn(event) runs after the step; see section 7"},
     {"events", guard<world_events>, "for e in world:events(kind) do",
@@ -258,20 +223,22 @@ const Method kWorldMethods[] = {
     {"angular_momentum", guard<world_angular_momentum>, "world:angular_momentum() -> x, y, z",
      "about the origin, kg m^2/s"},
     {"is_finite", guard<world_is_finite>, "world:is_finite() -> boolean", "no NaN and no infinity anywhere"},
-    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number",
-     "of touching contacts now, m"},
     {"residuals", guard<world_residuals>, "world:residuals() -> {[name] = number}", "how well the solvers do"},
     {"hash", guard<world_hash>, "world:hash() -> string", "of the state, 16 hex digits"},
     {"snapshot", guard<world_snapshot>, "world:snapshot() -> string", "the state; without timers, tasks and handlers"},
     {"restore", guard<world_restore>, "world:restore(snapshot) -> self", "back to a snapshot of this world"},
     {"report", guard<world_report>, "world:report() -> table",
      "systems, absent, plan (ms per step), blocks (bytes), counts (work of the last step: counts.cloth_row_updates)"},
-    {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag"},
     {"find", guard<world_find>, "world:find(name) -> object", "the first with that name, or nil"},
     {"close", guard<world_close>, "world:close()", "frees the world; its handles are errors from then on"},
 };
 
 }  // namespace
+
+int push_vector(lua_State* L, const Vec3& v) {
+  for (int k = 0; k < 3; ++k) lua_pushnumber(L, v[k]);
+  return 3;
+}
 
 std::span<const Method> world_methods() { return kWorldMethods; }
 

@@ -8,8 +8,8 @@
 namespace feder::lua {
 namespace {
 
-bool in_catalog(std::string_view name) {
-  for (const SystemDescriptor* d : catalog())
+bool in_catalog(Catalog systems, std::string_view name) {
+  for (const SystemDescriptor* d : systems)
     if (name == d->name) return true;
   return false;
 }
@@ -144,7 +144,7 @@ Params::Value parse_value(const std::string& text) {
   return text;
 }
 
-void apply_override(WorldSettings& w, const std::string& key, const std::string& text) {
+void apply_override(Catalog systems, WorldSettings& w, const std::string& key, const std::string& text) {
   const std::string what = "--world " + key + "=" + text;
   const Params::Value value = parse_value(text);
   const auto number = [&] {
@@ -160,7 +160,7 @@ void apply_override(WorldSettings& w, const std::string& key, const std::string&
   const std::size_t dot = key.find('.');
   if (dot != std::string::npos) {
     const std::string system = key.substr(0, dot);
-    if (!in_catalog(system)) throw SceneError(what + ": unknown system '" + system + "'");
+    if (!in_catalog(systems, system)) throw SceneError(what + ": unknown system '" + system + "'");
     w.desc.systems[system].set(key.substr(dot + 1), value);
   } else if (key == "dt") {
     w.desc.dt = number();
@@ -193,13 +193,13 @@ void apply_override(WorldSettings& w, const std::string& key, const std::string&
 }
 
 // Makes the systems that were given options, in a world that is thrown away.
-void try_options(const WorldSettings& w) {
+void try_options(Catalog systems, const WorldSettings& w) {
   check(w.desc);
   WorldDesc desc = w.desc;
   desc.threads = 1;
   const bool collide = desc.options.has("broad_phase") || desc.options.has("narrow_phase");
   if (desc.systems.empty() && !collide) return;
-  World probe(desc, catalog());
+  World probe(desc, systems);
   if (collide) probe.need_system("collide");
   for (const auto& [name, options] : desc.systems) {
     try {
@@ -232,7 +232,7 @@ WorldSettings read_world_options(lua_State* L, int index, const std::string& own
   double air_density = 0;
   if (o.number("air_density", air_density, kNotNegative)) w.desc.options.set("air_density", air_density);
   read_materials(o, w);
-  for (const SystemDescriptor* d : catalog()) {
+  for (const SystemDescriptor* d : s.options.systems) {
     if (!d->joins.empty() || !o.push(d->name, LUA_TTABLE, "a table of options")) continue;
     Options inner(L, -1, o.path(d->name), true);
     inner.rest(w.desc.systems[d->name]);
@@ -242,11 +242,11 @@ WorldSettings read_world_options(lua_State* L, int index, const std::string& own
   if (overrides && s.options.has_seed) w.desc.seed = s.options.seed;
   if (overrides && !s.options.world.empty()) {
     // the script's own options hold: what fails now is the fault of an override
-    try_options(w);
+    try_options(s.options.systems, w);
     s.wrong_option = true;
-    for (const auto& [key, text] : s.options.world) apply_override(w, key, text);
+    for (const auto& [key, text] : s.options.world) apply_override(s.options.systems, w, key, text);
   }
-  try_options(w);
+  try_options(s.options.systems, w);
   s.wrong_option = false;
   return w;
 }

@@ -4,6 +4,8 @@
 //            repeat: { count: 10, step: [0, 1, 0] } makes copies, named name1, name2 ...
 //   joints:  a and b are the names of bodies;  nets: as in world:net
 //   check:   Lua text that sees world, scene and expect: what makes the scene a test
+#include "lua/yaml_scene.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,8 +16,7 @@
 namespace feder::lua {
 namespace {
 
-const char* const kSceneKeys[] = {"title",  "seconds", "picture", "camera",  "world",  "params", "bodies",
-                                  "joints", "nets",    "forces",  "regions", "cloths", "fluids", "check"};
+const char* const kSceneKeys[] = {"title", "seconds", "picture", "camera", "world", "params", "forces", "check"};
 
 // Raises an error at a place in the file, when the table remembers one.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
@@ -32,18 +33,6 @@ const char* const kSceneKeys[] = {"title",  "seconds", "picture", "camera",  "wo
   lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
   lua_error(L);
   std::abort();  // lua_error does not return
-}
-
-// Takes the places of one table over to another, so that copies of YAML tables keep theirs.
-void copy_places(lua_State* L, int from, int to) {
-  from = lua_absindex(L, from), to = lua_absindex(L, to);
-  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L, to);
-    lua_pushvalue(L, from);
-    lua_rawget(L, -3);
-    lua_rawset(L, -3);
-  }
-  lua_pop(L, 1);
 }
 
 // Replaces "$name" by the parameter's value in a deep copy of the value on top. YAML values have no cycles.
@@ -71,7 +60,104 @@ void fill_in(lua_State* L, int params) {
   lua_remove(L, -2);
 }
 
-// The shape of the table on top: { box: [1, 1, 1] } or { type: box, size: [..] | radius:, height: ... }. Replaces it.
+template <class F>
+void each_of(lua_State* L, int scene, const char* key, F&& make) {
+  if (lua_getfield(L, scene, key) != LUA_TNIL) {
+    if (lua_type(L, -1) != LUA_TTABLE)
+      fail_in(L, scene, std::string(key) + ": expected a list, got " + describe(L, -1));
+    const int list = lua_gettop(L);
+    for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, list)); ++i) {
+      lua_rawgeti(L, list, i);
+      if (lua_type(L, -1) != LUA_TTABLE)
+        fail_in(L, list, std::string(key) + ": expected a list of tables, got " + describe(L, -1));
+      make();
+      lua_settop(L, list);
+    }
+  }
+  lua_pop(L, 1);
+}
+
+int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, parameters filled in
+  lua_settop(L, 1);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  constexpr int world = 1, scene = 2;
+  for (const Part* part : state(L).options.parts)
+    for (const YamlList& list : part->yaml) each_of(L, scene, list.key, [&] { list.make(L, world); });
+  each_of(L, scene, "forces", [&] { make_object(L, world, "force"); });
+  return 0;
+}
+
+// Declares the parameters; leaves a table of their values.
+void declare_params(lua_State* L, int scene) {
+  lua_newtable(L);
+  const int values = lua_gettop(L);
+  if (lua_getfield(L, scene, "params") == LUA_TTABLE) {
+    // ordered by name: the order of the file is not known here
+    std::vector<std::string> names;
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+      if (lua_type(L, -2) == LUA_TSTRING) names.emplace_back(lua_tostring(L, -2));
+    std::sort(names.begin(), names.end());
+    for (const std::string& name : names) {
+      lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+      lua_getfield(L, -1, "feder");
+      lua_getfield(L, -1, "param");
+      lua_pushstring(L, name.c_str());
+      lua_getfield(L, values + 1, name.c_str());
+      if (lua_type(L, -1) == LUA_TTABLE) {
+        lua_newtable(L);
+        copy_places(L, -2, -1);
+        for (lua_pushnil(L); lua_next(L, -3);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+        lua_remove(L, -2);
+        lua_getfield(L, -1, "value");
+        if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
+        lua_pushnil(L);
+        lua_setfield(L, -3, "value");
+        lua_insert(L, -2);
+      } else {
+        lua_pushnil(L);
+      }
+      lua_call(L, 3, 1);
+      lua_setfield(L, values, name.c_str());
+      lua_settop(L, values + 1);
+    }
+  } else if (!lua_isnil(L, -1)) {
+    fail_in(L, scene, "params: expected a table by name, got " + describe(L, -1));
+  }
+  lua_settop(L, values);
+}
+
+// Leaves the function of the check text, or nil. A text block starts in the line after its key.
+void push_check(lua_State* L, int scene, const std::string& file) {
+  if (lua_getfield(L, scene, "check") == LUA_TNIL) return;
+  if (lua_type(L, -1) != LUA_TSTRING) fail_in(L, scene, "check: expected Lua text, got " + describe(L, -1));
+  const std::string text = lua_tostring(L, -1);
+  int line = 0;
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, scene);
+    if (lua_rawget(L, -2) == LUA_TTABLE && lua_getfield(L, -1, "check") == LUA_TSTRING) {
+      const std::string at = lua_tostring(L, -1);
+      line = std::atoi(at.c_str() + at.rfind(':') + 1);
+    }
+  }
+  const bool block = !text.empty() && text.back() == '\n';
+  std::string code(static_cast<std::size_t>(std::max(0, block ? line : line - 1)), '\n');
+  code += "local world, scene, expect = ... " + text;
+  if (luaL_loadbufferx(L, code.data(), code.size(), ("@" + file).c_str(), "t") != LUA_OK) lua_error(L);
+}
+
+}  // namespace
+
+void copy_places(lua_State* L, int from, int to) {
+  from = lua_absindex(L, from), to = lua_absindex(L, to);
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, to);
+    lua_pushvalue(L, from);
+    lua_rawget(L, -3);
+    lua_rawset(L, -3);
+  }
+  lua_pop(L, 1);
+}
+
 void make_shape(lua_State* L) {
   if (lua_type(L, -1) == LUA_TSTRING) {  // shape: plane
     lua_newtable(L);
@@ -156,7 +242,6 @@ void make_shape(lua_State* L) {
   lua_settop(L, table);
 }
 
-// Calls world:<maker>(options on top); pops them.
 void make_object(lua_State* L, int world, const char* maker) {
   const int options = lua_gettop(L);
   lua_getfield(L, world, maker);
@@ -166,115 +251,7 @@ void make_object(lua_State* L, int world, const char* maker) {
   lua_settop(L, options - 1);
 }
 
-// A fluid with its fill, emitters and drains: each a table or a list of tables of the method of that name.
-void make_fluid(lua_State* L, int world) {
-  const int options = lua_gettop(L);
-  lua_newtable(L);  // the options without them
-  copy_places(L, options, -1);
-  for (lua_pushnil(L); lua_next(L, options);) {
-    const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-    lua_pushvalue(L, -2), lua_insert(L, -2);
-    if (key == "fill" || key == "emitter" || key == "drain")
-      lua_pop(L, 2);
-    else
-      lua_rawset(L, -4);
-  }
-  lua_getfield(L, world, "fluid");
-  lua_pushvalue(L, world);
-  lua_pushvalue(L, options + 1);
-  lua_call(L, 2, 1);
-  const int fluid = lua_gettop(L);
-  for (const char* part : {"fill", "emitter", "drain"}) {
-    if (lua_getfield(L, options, part) == LUA_TTABLE) {
-      const int given = lua_gettop(L);
-      const bool list = lua_rawlen(L, given) > 0;
-      for (lua_Integer i = 1; i <= (list ? static_cast<lua_Integer>(lua_rawlen(L, given)) : 1); ++i) {
-        if (list)
-          lua_rawgeti(L, given, i);
-        else
-          lua_pushvalue(L, given);
-        if (lua_type(L, -1) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
-          make_shape(L);
-          lua_setfield(L, -2, "shape");
-        } else {
-          lua_settop(L, given + 1);
-        }
-        lua_getfield(L, fluid, part);
-        lua_pushvalue(L, fluid);
-        lua_pushvalue(L, given + 1);
-        lua_call(L, 2, 0);
-        lua_settop(L, given);
-      }
-    }
-    lua_settop(L, fluid);
-  }
-  lua_settop(L, options - 1);
-}
-
-// repeat: { count:, step: }: how many, and how far apart.
-void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
-  count = 1;
-  if (lua_getfield(L, options, "repeat") != LUA_TNIL) {
-    Options o(L, -1, "repeat");
-    std::int64_t n = 1;
-    Vec3 v = Vec3::Zero();
-    if (!o.integer("count", n, 0, 1000000)) o.wrong("count", "a whole number from 0 to 1000000");
-    o.vector("step", v);
-    o.finish();
-    count = n;
-    for (int k = 0; k < 3; ++k) step[k] = v[k];
-    lua_pushnil(L);
-    lua_setfield(L, options, "repeat");
-  }
-  lua_pop(L, 1);
-}
-
-void make_bodies(lua_State* L, int world, const char* maker) {
-  const int options = lua_gettop(L);
-  if (lua_type(L, options) != LUA_TTABLE) fail(L, "bodies: expected a list of tables, got " + describe(L, options));
-  lua_Integer count = 1;
-  double step[3] = {0, 0, 0};
-  read_repeat(L, options, count, step);
-  if (lua_getfield(L, options, "shape") != LUA_TNIL) {
-    make_shape(L);
-    lua_setfield(L, options, "shape");
-  } else {
-    lua_pop(L, 1);
-  }
-  for (lua_Integer i = 0; i < count; ++i) {
-    lua_newtable(L);
-    copy_places(L, options, -1);
-    for (lua_pushnil(L); lua_next(L, options);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
-    if (count > 1) {
-      lua_getfield(L, -1, "name");
-      if (lua_type(L, -1) == LUA_TSTRING) {
-        lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
-        lua_setfield(L, -3, "name");
-      }
-      lua_pop(L, 1);
-      lua_getfield(L, -1, "position");
-      const int position = lua_gettop(L);
-      lua_newtable(L);
-      for (int k = 1; k <= 3; ++k) {
-        double x = 0;
-        if (lua_type(L, position) == LUA_TTABLE) {
-          lua_rawgeti(L, position, k);
-          x = lua_isnil(L, -1) ? 0 : check_number(L, -1, "position");
-          lua_pop(L, 1);
-        }
-        lua_pushnumber(L, x + static_cast<double>(i) * step[k - 1]);
-        lua_rawseti(L, -2, k);
-      }
-      lua_setfield(L, -3, "position");
-      lua_pop(L, 1);
-    }
-    make_object(L, world, maker);
-  }
-  lua_settop(L, options - 1);
-}
-
-// Replaces the name at options[key] by the object.
-void resolve(lua_State* L, int world, int options, const char* key) {
+void resolve_name(lua_State* L, int world, int options, const char* key) {
   if (lua_getfield(L, options, key) == LUA_TSTRING) {
     lua_getfield(L, world, "find");
     lua_pushvalue(L, world);
@@ -286,107 +263,14 @@ void resolve(lua_State* L, int world, int options, const char* key) {
   lua_pop(L, 1);
 }
 
-template <class F>
-void each_of(lua_State* L, int scene, const char* key, F&& make) {
-  if (lua_getfield(L, scene, key) != LUA_TNIL) {
-    if (lua_type(L, -1) != LUA_TTABLE)
-      fail_in(L, scene, std::string(key) + ": expected a list, got " + describe(L, -1));
-    const int list = lua_gettop(L);
-    for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, list)); ++i) {
-      lua_rawgeti(L, list, i);
-      if (lua_type(L, -1) != LUA_TTABLE)
-        fail_in(L, list, std::string(key) + ": expected a list of tables, got " + describe(L, -1));
-      make();
-      lua_settop(L, list);
-    }
-  }
-  lua_pop(L, 1);
-}
-
-int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, parameters filled in
-  lua_settop(L, 1);
-  lua_pushvalue(L, lua_upvalueindex(1));
-  constexpr int world = 1, scene = 2;
-  each_of(L, scene, "bodies", [&] { make_bodies(L, world, "body"); });
-  each_of(L, scene, "regions", [&] { make_bodies(L, world, "region"); });
-  each_of(L, scene, "joints", [&] {
-    const int options = lua_gettop(L);
-    resolve(L, world, options, "a"), resolve(L, world, options, "b");
-    make_object(L, world, "joint");
-  });
-  each_of(L, scene, "nets", [&] { make_object(L, world, "net"); });
-  each_of(L, scene, "cloths", [&] { make_object(L, world, "cloth"); });
-  each_of(L, scene, "fluids", [&] { make_fluid(L, world); });
-  each_of(L, scene, "forces", [&] { make_object(L, world, "force"); });
-  return 0;
-}
-
-// Declares the parameters; leaves a table of their values.
-void declare_params(lua_State* L, int scene) {
-  lua_newtable(L);
-  const int values = lua_gettop(L);
-  if (lua_getfield(L, scene, "params") == LUA_TTABLE) {
-    // ordered by name: the order of the file is not known here
-    std::vector<std::string> names;
-    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
-      if (lua_type(L, -2) == LUA_TSTRING) names.emplace_back(lua_tostring(L, -2));
-    std::sort(names.begin(), names.end());
-    for (const std::string& name : names) {
-      lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
-      lua_getfield(L, -1, "feder");
-      lua_getfield(L, -1, "param");
-      lua_pushstring(L, name.c_str());
-      lua_getfield(L, values + 1, name.c_str());
-      if (lua_type(L, -1) == LUA_TTABLE) {
-        lua_newtable(L);
-        copy_places(L, -2, -1);
-        for (lua_pushnil(L); lua_next(L, -3);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
-        lua_remove(L, -2);
-        lua_getfield(L, -1, "value");
-        if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
-        lua_pushnil(L);
-        lua_setfield(L, -3, "value");
-        lua_insert(L, -2);
-      } else {
-        lua_pushnil(L);
-      }
-      lua_call(L, 3, 1);
-      lua_setfield(L, values, name.c_str());
-      lua_settop(L, values + 1);
-    }
-  } else if (!lua_isnil(L, -1)) {
-    fail_in(L, scene, "params: expected a table by name, got " + describe(L, -1));
-  }
-  lua_settop(L, values);
-}
-
-// Leaves the function of the check text, or nil. A text block starts in the line after its key.
-void push_check(lua_State* L, int scene, const std::string& file) {
-  if (lua_getfield(L, scene, "check") == LUA_TNIL) return;
-  if (lua_type(L, -1) != LUA_TSTRING) fail_in(L, scene, "check: expected Lua text, got " + describe(L, -1));
-  const std::string text = lua_tostring(L, -1);
-  int line = 0;
-  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L, scene);
-    if (lua_rawget(L, -2) == LUA_TTABLE && lua_getfield(L, -1, "check") == LUA_TSTRING) {
-      const std::string at = lua_tostring(L, -1);
-      line = std::atoi(at.c_str() + at.rfind(':') + 1);
-    }
-  }
-  const bool block = !text.empty() && text.back() == '\n';
-  std::string code(static_cast<std::size_t>(std::max(0, block ? line : line - 1)), '\n');
-  code += "local world, scene, expect = ... " + text;
-  if (luaL_loadbufferx(L, code.data(), code.size(), ("@" + file).c_str(), "t") != LUA_OK) lua_error(L);
-}
-
-}  // namespace
-
 void yaml_to_scene(lua_State* L, const std::string& file) {
   if (lua_type(L, -1) != LUA_TTABLE)
     fail(L, file + ": expected a scene with the keys title, world, bodies ..., got " + describe(L, -1));
   const int given = lua_gettop(L);
   Options o(L, given, "scene");
   for (const char* key : kSceneKeys) o.has(key);
+  for (const Part* part : state(L).options.parts)
+    for (const YamlList& list : part->yaml) o.has(list.key);
   o.finish();
   declare_params(L, given);
   lua_pushvalue(L, given);

@@ -43,7 +43,7 @@ bool Desk::has_selection() {
     if (!live.in_past()) select({});
     return false;
   }
-  if (selected->point != kNone && w.objects().kind(selected->object) == ObjectKind::net &&
+  if (selected->point != kNone && w.objects().kind(selected->object) == kNetKind &&
       selected->point >= w.find<Springs>()->point_count(selected->object))
     selected->point = kNone;
   return true;

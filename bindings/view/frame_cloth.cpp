@@ -1,17 +1,12 @@
 // Cloth: triangles with smooth normals, seen from both sides. Pinned vertices get
 // a mark.
-#ifdef FEDER_HAS_CLOTH
-#include "cloth/cloth.h"
-#endif
-
 #include <algorithm>
 
+#include "cloth/cloth.h"
 #include "view/collector.h"
 
 namespace feder::view {
 namespace {
-
-#ifdef FEDER_HAS_CLOTH
 
 class ClothSource final : public FrameSource {
  public:
@@ -77,13 +72,6 @@ class ClothSource final : public FrameSource {
 
   std::vector<Vec3> points_;
 };
-#else
-class ClothSource final : public FrameSource {
- public:
-  void collect(Collecting&) override {}
-};
-#endif
-
 }  // namespace
 
 Row view_cloth() {

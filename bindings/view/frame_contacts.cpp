@@ -71,10 +71,10 @@ class ContactSource final : public FrameSource {
       const Contact& contact = collide.contacts().slots[slot];
       const std::uint32_t a = contact.collider_a, b = contact.collider_b;
       if (!contact.touching || contact.sensor) continue;
-      if (colliders.owner[a] == ObjectKind::body && colliders.owner[b] == ObjectKind::body)
+      if (colliders.owner[a] == ColliderOwner::body && colliders.owner[b] == ColliderOwner::body)
         link(bodies, colliders.owner_index[a], colliders.owner_index[b]);
     }
-    c.world.objects().for_each(ObjectKind::joint, [&](ObjectId id) {
+    c.world.objects().for_each(kJointKind, [&](ObjectId id) {
       const Rigid::JointInfo j = rigid.joint_info(id);
       if (j.a && j.b) link(bodies, rigid.index(j.a), rigid.index(j.b));
     });

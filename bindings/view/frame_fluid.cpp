@@ -12,7 +12,7 @@ class FluidSource final : public FrameSource {
   void collect(Collecting& c) override {
     Fluid* fluid = c.world.find<Fluid>();
     if (!fluid) return;
-    c.world.objects().for_each(ObjectKind::fluid, [&](ObjectId id) { add(c, *fluid, id); });
+    c.world.objects().for_each(kFluidKind, [&](ObjectId id) { add(c, *fluid, id); });
   }
 
  private:

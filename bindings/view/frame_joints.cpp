@@ -11,7 +11,7 @@ class JointSource final : public FrameSource {
     if (!c.toggles.joints) return;
     const Rigid* rigid = c.world.find<Rigid>();
     if (!rigid || rigid->joint_count() == 0) return;
-    c.world.objects().for_each(ObjectKind::joint, [&](ObjectId id) { add(c, *rigid, id); });
+    c.world.objects().for_each(kJointKind, [&](ObjectId id) { add(c, *rigid, id); });
   }
 
  private:

@@ -40,7 +40,8 @@ class RigidSource final : public FrameSource {
   };
 
   static bool drawn(const Collecting& c, const Colliders& k, std::uint32_t i) {
-    return k.motion[i] != ColliderMotion::none && k.owner[i] == ObjectKind::body && (!k.sensor[i] || c.toggles.sensors);
+    return k.motion[i] != ColliderMotion::none && k.owner[i] == ColliderOwner::body &&
+           (!k.sensor[i] || c.toggles.sensors);
   }
 
   void collect_shapes(Collecting& c, const Bodies& bodies, const Colliders& colliders) {

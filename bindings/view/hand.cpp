@@ -31,7 +31,7 @@ void nearest_net_point(World& world, const Ray& ray, Real slack, Real farthest, 
   Springs* springs = world.find<Springs>();
   if (!springs) return;
   Real best_angle = slack;
-  world.objects().for_each(ObjectKind::net, [&](ObjectId id) {
+  world.objects().for_each(kNetKind, [&](ObjectId id) {
     const std::size_t count = springs->point_count(id);
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3 x = springs->point(id, i);
@@ -58,9 +58,9 @@ std::optional<Pick> pick(World& world, const Ray& ray, Real slack) {
       depth = hit.fraction * kFar;
       Pick p{hit.object, kNone, hit.point, depth, false};
       Rigid* rigid = world.find<Rigid>();
-      if (rigid && world.objects().kind(hit.object) == ObjectKind::body)
+      if (rigid && world.objects().kind(hit.object) == kBodyKind)
         p.movable = rigid->bodies().type[rigid->index(hit.object)] == BodyType::dynamic;
-      if (world.objects().kind(hit.object) == ObjectKind::body) best = p;
+      if (world.objects().kind(hit.object) == kBodyKind) best = p;
     }
   }
   nearest_net_point(world, ray, slack, depth, best);
@@ -153,7 +153,7 @@ Command pin_command(World& world, const Pick& p) {
       Springs& springs = *s.world()->find<Springs>();
       pinned ? springs.unpin(p.object, p.point) : springs.pin(p.object, p.point);
     };
-  if (world.objects().kind(p.object) != ObjectKind::body) return {};
+  if (world.objects().kind(p.object) != kBodyKind) return {};
   return [p, pinned](lua::Script& s) {
     s.world()->find<Rigid>()->set_type(p.object, pinned ? BodyType::dynamic : BodyType::fixed);
   };

@@ -22,7 +22,7 @@ void each_body(World& world, F&& f) {
   Rigid* rigid = world.find<Rigid>();
   if (!rigid) return;
   std::map<std::string, std::size_t> seen;
-  world.objects().for_each(ObjectKind::body, [&](ObjectId id) {
+  world.objects().for_each(kBodyKind, [&](ObjectId id) {
     const std::string& name = world.objects().name(id);
     const BodyType type = rigid->bodies().type[rigid->index(id)];
     if (name.empty() || (type != BodyType::dynamic && type != BodyType::kinematic)) return;
@@ -35,7 +35,7 @@ void each_net(World& world, F&& f) {
   Springs* springs = world.find<Springs>();
   if (!springs) return;
   std::map<std::string, std::size_t> seen;
-  world.objects().for_each(ObjectKind::net, [&](ObjectId id) {
+  world.objects().for_each(kNetKind, [&](ObjectId id) {
     const std::string& name = world.objects().name(id);
     if (!name.empty()) f(*springs, id, name, seen[name]++);
   });

@@ -133,8 +133,8 @@ void draw_inspector(Desk& desk) {
   const Objects& objects = desk.live.world().objects();
   const ObjectId id = desk.selected->object;
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kAccent), "%s", objects.describe(id).c_str());
-  if (objects.kind(id) == ObjectKind::body) inspect_body(desk, id);
-  if (objects.kind(id) == ObjectKind::net) inspect_net(desk, id);
+  if (objects.kind(id) == kBodyKind) inspect_body(desk, id);
+  if (objects.kind(id) == kNetKind) inspect_net(desk, id);
   ImGui::Checkbox("camera follows", &desk.follow);
   ImGui::SameLine();
   const bool pinned = is_pinned(desk.live.world(), *desk.selected);

@@ -28,9 +28,9 @@ Json screen_json(Desk& desk, const Target& t, float scale) {
     all[name] = {{"screen", {sx / scale, sy / scale}}, {"position", vector_json(x)}};
   };
   if (Rigid* rigid = w.find<Rigid>())
-    w.objects().for_each(ObjectKind::body, [&](ObjectId id) { add(w.objects().name(id), rigid->pose(id).position); });
+    w.objects().for_each(kBodyKind, [&](ObjectId id) { add(w.objects().name(id), rigid->pose(id).position); });
   if (Springs* springs = w.find<Springs>())
-    w.objects().for_each(ObjectKind::net, [&](ObjectId id) {
+    w.objects().for_each(kNetKind, [&](ObjectId id) {
       const std::size_t n = springs->point_count(id);
       if (n > 0 && !w.objects().name(id).empty()) add(w.objects().name(id) + " end", springs->point(id, n - 1));
     });

@@ -245,9 +245,9 @@ void Viewer::follow() {
   World& w = live_.world();
   const ObjectId id = desk_.selected->object;
   Vec3 x = Vec3::Zero();
-  if (w.objects().kind(id) == ObjectKind::body)
+  if (w.objects().kind(id) == kBodyKind)
     x = w.find<Rigid>()->pose(id).position;
-  else if (w.objects().kind(id) == ObjectKind::net)
+  else if (w.objects().kind(id) == kNetKind)
     x = w.find<Springs>()->point(id, desk_.selected->point == kNone ? 0 : desk_.selected->point);
   if (followed_ && is_finite(x))
     for (int k = 0; k < 3; ++k) desk_.camera.target[k] += static_cast<float>(x[k] - (*followed_)[k]);

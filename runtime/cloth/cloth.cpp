@@ -103,8 +103,15 @@ Cloth::Impl::Impl(SystemSetup& s)
 
 const SystemDescriptor& Cloth::descriptor() {
   static const char* const needs[] = {"contact"};
-  static const SystemDescriptor d = {
-      kName, needs, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Cloth>(setup); }};
+  static constexpr ObjectKind kinds[] = {kClothKind};
+  static constexpr WakeCause causes[] = {kClothCause};
+  static const SystemDescriptor d = {.name = kName,
+                                     .units = "vertices",
+                                     .unit = "vertex",
+                                     .needs = needs,
+                                     .kinds = kinds,
+                                     .causes = causes,
+                                     .make = &make_system<Cloth>};
   return d;
 }
 
@@ -215,7 +222,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   s->first = all.size();
   s->points = points;
   s->total = static_cast<std::uint32_t>(rest.size());
-  s->object = m.objects.add(ObjectKind::cloth, static_cast<std::uint32_t>(m.sheets.size()), desc.name, desc.tags);
+  s->object = m.objects.add(kClothKind, static_cast<std::uint32_t>(m.sheets.size()), desc.name, desc.tags);
   ClothVertices::each_array(all, [&](auto& array) { array.resize(s->first + s->total); });
   for (std::uint32_t i = 0; i < s->total; ++i) {
     const std::uint32_t at = s->first + i;

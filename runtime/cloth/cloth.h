@@ -15,6 +15,9 @@
 
 namespace feder {
 
+inline constexpr ObjectKind kClothKind{"cloth", "cloths"};
+inline constexpr WakeCause kClothCause{"cloth"};
+
 std::string default_cloth_solver();
 
 struct ClothDesc {

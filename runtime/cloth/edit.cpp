@@ -154,7 +154,7 @@ void Cloth::sleep(ObjectId id) { impl_->put_to_sleep(impl_->sheet(id)); }
 
 void Cloth::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
   const std::uint32_t at = impl_->vertex(id, i);
-  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != ObjectKind::body)
+  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
     throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
   if (!is_finite(local)) throw SceneError("attach: expected three finite numbers");
   detach(id, i);

@@ -38,7 +38,7 @@ struct Cloth::Impl {
   mutable Array<std::uint32_t> marks;  // of validate(), by vertex
 
   Sheet& sheet(ObjectId id) const {
-    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::cloth);
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kClothKind);
     return *sheets[objects.index(id)];
   }
   std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none

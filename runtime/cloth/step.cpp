@@ -222,7 +222,7 @@ void Cloth::Impl::show(const Sheet& s) {
   f.edges = {s.mesh.edges.empty() ? nullptr : &s.mesh.edges[0].a, sizeof(ClothEdge) / sizeof(std::uint32_t),
              static_cast<std::uint32_t>(s.mesh.edges.size())};
   f.rest = vertices.rest.data() + s.first;
-  f.thickness = s.settings.thickness, f.friction = s.settings.friction;
+  f.thickness = s.settings.thickness, f.friction = s.settings.friction, f.wakes = kClothCause;
   f.relaxation = s.solver->relaxation();
   f.group = s.settings.group, f.mask = s.settings.mask;
   Real fastest = 0;
@@ -317,9 +317,9 @@ void Cloth::Impl::damp(StepContext& c) {
 // Contact found that something moves against a sleeper, or that what it lay on is gone.
 void Cloth::Impl::drain_wakes() {
   for (const Surfaces::Wake& w : surfaces.wakes)
-    if (objects.alive(w.object) && objects.kind(w.object) == ObjectKind::cloth) wake(sheet(w.object), w.cause, w.other);
+    if (objects.alive(w.object) && objects.kind(w.object) == kClothKind) wake(sheet(w.object), w.cause, w.other);
   std::erase_if(surfaces.wakes, [&](const Surfaces::Wake& w) {
-    return !objects.alive(w.object) || objects.kind(w.object) == ObjectKind::cloth;
+    return !objects.alive(w.object) || objects.kind(w.object) == kClothKind;
   });
 }
 

@@ -171,7 +171,7 @@ void Cloth::Impl::validate_ties(const Sheet& s) const {
 
 void Cloth::Impl::validate_sheet(std::uint32_t n) const {
   Sheet& s = *sheets[n];
-  FEDER_ASSERT(objects.alive(s.object) && objects.kind(s.object) == ObjectKind::cloth && objects.index(s.object) == n);
+  FEDER_ASSERT(objects.alive(s.object) && objects.kind(s.object) == kClothKind && objects.index(s.object) == n);
   validate_mesh(s);
   validate_motion(s);
   validate_ties(s);

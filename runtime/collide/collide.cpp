@@ -21,8 +21,7 @@ Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Collide::~Collide() = default;
 
 const SystemDescriptor& Collide::descriptor() {
-  static const SystemDescriptor d{
-      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Collide>(setup); }};
+  static const SystemDescriptor d = {.name = kName, .units = "colliders", .make = &make_system<Collide>};
   return d;
 }
 

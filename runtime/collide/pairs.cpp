@@ -64,7 +64,7 @@ void Collide::Impl::find_pairs(StepContext&) {
 bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
   const Colliders& c = *colliders;
   if (c.object[a] == c.object[b]) return false;
-  if (c.owner[a] == ObjectKind::net && c.owner[b] == ObjectKind::net) return false;  // they meet as surfaces
+  if (c.owner[a] == ColliderOwner::point && c.owner[b] == ColliderOwner::point) return false;  // they meet as surfaces
   if (!(c.group[a] & c.mask[b]) || !(c.group[b] & c.mask[a])) return false;
   if (c.sensor[a] && c.sensor[b]) return false;  // sensors do not see each other
   const bool dynamic = c.motion[a] == ColliderMotion::dynamic || c.motion[b] == ColliderMotion::dynamic;

@@ -14,8 +14,8 @@ namespace feder {
 
 std::uint32_t Collide::Impl::net_point(const ContactEntry& e) const {
   const Colliders& c = *colliders;
-  if (c.owner[e.a] == ObjectKind::net) return c.sub[e.a];
-  return c.owner[e.b] == ObjectKind::net ? c.sub[e.b] : 0;
+  if (c.owner[e.a] == ColliderOwner::point) return c.sub[e.a];
+  return c.owner[e.b] == ColliderOwner::point ? c.sub[e.b] : 0;
 }
 
 ContactKey Collide::Impl::key(const ContactEntry& e, bool& flipped) const {

@@ -17,9 +17,8 @@ constexpr Real kHaste = Real(1.5);  // of the fastest point: others may be drawn
 
 const SystemDescriptor& SurfaceContact::descriptor() {
   static const char* const joins[] = {"springs"};  // cloth asks for it
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<SurfaceContact>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "touchings", .joins = joins, .make = &make_system<SurfaceContact>};
   return d;
 }
 
@@ -81,8 +80,8 @@ const Surface* SurfaceContact::Impl::surface_of(ObjectId object) const {
 }
 
 void SurfaceContact::Impl::wake(ObjectId sleeper, ObjectId other) {
-  const bool cloth = objects.alive(other) && objects.kind(other) == ObjectKind::cloth;
-  surfaces.wakes.push_back({sleeper, other, cloth ? WakeCause::cloth : WakeCause::contact});
+  const Surface* s = surface_of(other);
+  surfaces.wakes.push_back({sleeper, other, s ? s->wakes : WakeCause::contact});
 }
 
 // What touched a thing that is gone wakes.

@@ -20,9 +20,8 @@ constexpr Real kInside = Real(0.1);          // thicknesses: pins less deep insi
 
 const SystemDescriptor& SurfaceRigid::descriptor() {
   static const char* const joins[] = {"contact", Rigid::kName};
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<SurfaceRigid>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "touchings", .joins = joins, .make = &make_system<SurfaceRigid>};
   return d;
 }
 
@@ -64,7 +63,7 @@ std::size_t SurfaceRigid::count() const {
 void SurfaceRigid::wake_left() {
   contacts_.each(finder_, [&](const ContactRecord& r) {
     for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
-      if (objects_.alive(left) && !objects_.alive(gone) && objects_.kind(left) != ObjectKind::body)
+      if (objects_.alive(left) && !objects_.alive(gone) && objects_.kind(left) != kBodyKind)
         surfaces_.wakes.push_back({left, gone, WakeCause::destroyed});
   });
   std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.surface); });
@@ -74,7 +73,7 @@ SurfaceRigid::Place SurfaceRigid::place(std::uint32_t k) const {
   Place p;
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = colliders_.owner_index[k];
-  FEDER_ASSERT(colliders_.owner[k] == ObjectKind::body && b.object[body] == colliders_.object[k]);
+  FEDER_ASSERT(colliders_.owner[k] == ColliderOwner::body && b.object[body] == colliders_.object[k]);
   p.solver = movers_.solver[b.mover[body]];
   if (p.solver == 0) {
     p.center = b.position[body];
@@ -110,7 +109,7 @@ void SurfaceRigid::wake(Surface& surface, ObjectId by) {
 std::uint32_t SurfaceRigid::touch_of(const Surface& surface, ObjectId body) {
   for (std::uint32_t k = 0; k < touches_.size(); ++k)
     if (touches_[k].surface == surface.object && touches_[k].body == body) return k;
-  FEDER_ASSERT(objects_.alive(surface.object) && objects_.kind(body) == ObjectKind::body);
+  FEDER_ASSERT(objects_.alive(surface.object) && objects_.kind(body) == kBodyKind);
   Touch t;
   t.surface = surface.object, t.body = body;
   touches_.push_back(t);
@@ -269,7 +268,7 @@ void SurfaceRigid::finish(StepContext&) {
     if (t.impulse > 0 && s->active) report(t, *s);
   }
   contacts_.each(finder_, [&](const ContactRecord& r) {
-    const Surface* s = surface_of(objects_.kind(r.key.a) == ObjectKind::body ? r.key.b : r.key.a);
+    const Surface* s = surface_of(objects_.kind(r.key.a) == kBodyKind ? r.key.b : r.key.a);
     if (s && !s->active) contacts_.keep(finder_, r);
   });
   surfaces_.clear_rows();
@@ -281,10 +280,7 @@ void SurfaceRigid::report(const Touch& t, const Surface& s) {
   surfaces_.carried.push_back({t.surface, t.body, t.impulse, t.support});
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = rigid_.index(t.body);
-  if (!s.calm && b.type[body] == BodyType::dynamic && !b.awake[body]) {
-    const bool cloth = objects_.kind(t.surface) == ObjectKind::cloth;
-    rigid_.wake(t.body, cloth ? WakeCause::cloth : WakeCause::contact, t.surface);
-  }
+  if (!s.calm && b.type[body] == BodyType::dynamic && !b.awake[body]) rigid_.wake(t.body, s.wakes, t.surface);
   ContactNote n;
   const bool flipped = s.balls && t.body < t.surface;
   n.key = {flipped ? t.body : t.surface, flipped ? t.surface : t.body};

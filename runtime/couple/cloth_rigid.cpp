@@ -9,9 +9,8 @@
 namespace feder {
 const SystemDescriptor& ClothRigid::descriptor() {
   static const char* const joins[] = {Cloth::kName, Rigid::kName};
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<ClothRigid>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "attachments", .joins = joins, .make = &make_system<ClothRigid>};
   return d;
 }
 
@@ -153,7 +152,7 @@ void ClothRigid::weigh(StepContext&) {
       if (b.type[body] != BodyType::dynamic) continue;
       // by vertex: one body hangs on many
       hung += b.mass[body] / attachments_of(a.body, a.cloth);
-      if (info.moving && !b.awake[body]) rigid_.wake(a.body, WakeCause::cloth, a.cloth);
+      if (info.moving && !b.awake[body]) rigid_.wake(a.body, kClothCause, a.cloth);
     }
     cloth_.set_load(n, std::min(load, Cloth::kMostLoad * own) + hung);
   }

@@ -20,9 +20,8 @@ constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth
 
 const SystemDescriptor& FluidCloth::descriptor() {
   static const char* const joins[] = {Fluid::kName, Cloth::kName};
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<FluidCloth>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "particles at cloth", .joins = joins, .make = &make_system<FluidCloth>};
   return d;
 }
 
@@ -83,7 +82,7 @@ void FluidCloth::wake(StepContext& c) {
       for (std::size_t n = 0; n < fluid_.pool_count(); ++n) fastest = std::max(fastest, fluid_.pool_at(n).max_speed());
       touched = faces_.near(fluid_, s, c.dt * (fastest + c.dt * length(c.gravity)));
     }
-    if (touched) cloth_.wake(s.object, WakeCause::fluid, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
+    if (touched) cloth_.wake(s.object, kFluidCause, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
   }
   touches_.clear();
   pressed_.clear();

@@ -19,9 +19,7 @@ constexpr Real kWakeImpulse = Real(1e-7);  // N s per kg of the body: anything t
 
 const SystemDescriptor& FluidRigid::descriptor() {
   static const char* const joins[] = {Fluid::kName, Rigid::kName};
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<FluidRigid>(setup);
-                                     }};
+  static const SystemDescriptor d = {.name = kName, .units = "walls", .joins = joins, .make = &make_system<FluidRigid>};
   return d;
 }
 
@@ -63,7 +61,8 @@ void FluidRigid::list_walls() {
   collider_.clear(), body_.clear();
   place_.assign(b.size(), kNone);
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
-    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] || colliders_.owner[k] != ObjectKind::body)
+    if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] ||
+        colliders_.owner[k] != ColliderOwner::body)
       continue;
     const std::uint32_t i = colliders_.owner_index[k];
     if (place_[i] == kNone) {
@@ -214,10 +213,10 @@ void FluidRigid::keep_awake(StepContext&) {
     ObjectId fluid;
     for (const FluidTouch& t : touching_)
       if (!fluid && t.body == w.object) fluid = t.fluid;
-    objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {  // pressed in passing: no particle is beside it now
+    objects_.for_each(kFluidKind, [&](ObjectId id) {  // pressed in passing: no particle is beside it now
       if (!fluid) fluid = id;
     });
-    rigid_.wake(b.object[i], WakeCause::fluid, fluid);
+    rigid_.wake(b.object[i], kFluidCause, fluid);
   }
 }
 
@@ -247,10 +246,10 @@ void FluidRigid::report_sensors(StepContext&) {
   const Bodies& b = rigid_.bodies();
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
     if (colliders_.motion[k] == ColliderMotion::none || !colliders_.sensor[k] ||
-        colliders_.owner[k] != ObjectKind::body)
+        colliders_.owner[k] != ColliderOwner::body)
       continue;
     const Pose pose = b.com_pose(colliders_.owner_index[k]) * colliders_.local[k];
-    objects_.for_each(ObjectKind::fluid, [&](ObjectId id) {
+    objects_.for_each(kFluidKind, [&](ObjectId id) {
       const std::uint32_t n =
           fluid_.count_inside(id, *colliders_.shape[k], pose, colliders_.group[k], colliders_.mask[k]);
       if (n == 0) return;

@@ -19,9 +19,8 @@ constexpr Real kPush = Real(0.1);  // of the spacing: most that overlap from bef
 
 const SystemDescriptor& FluidSprings::descriptor() {
   static const char* const joins[] = {Fluid::kName, Springs::kName};
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<FluidSprings>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "faces that meet fluid", .joins = joins, .make = &make_system<FluidSprings>};
   return d;
 }
 

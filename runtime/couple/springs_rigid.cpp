@@ -10,9 +10,8 @@ namespace feder {
 
 const SystemDescriptor& SpringsRigid::descriptor() {
   static const char* const joins[] = {Springs::kName, Rigid::kName};
-  static const SystemDescriptor d = {kName, {}, joins, [](SystemSetup& setup) -> std::unique_ptr<System> {
-                                       return std::make_unique<SpringsRigid>(setup);
-                                     }};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "points that meet bodies", .joins = joins, .make = &make_system<SpringsRigid>};
   return d;
 }
 
@@ -98,13 +97,13 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
     colliders_.shapes[k] = ball;
     colliders_.shape[k] = colliders_.shapes[k].get();
     colliders_.motion[k] = ColliderMotion::dynamic;
-    colliders_.owner[k] = ObjectKind::net;
+    colliders_.owner[k] = ColliderOwner::point;
     colliders_.object[k] = net.object;
     colliders_.sub[k] = i - net.first;
     colliders_.friction_static[k] = colliders_.friction_dynamic[k] = net.friction;
     colliders_.restitution[k] = net.restitution;
   }
-  FEDER_ASSERT(colliders_.owner[k] == ObjectKind::net && colliders_.object[k] == net.object);
+  FEDER_ASSERT(colliders_.owner[k] == ColliderOwner::point && colliders_.object[k] == net.object);
   colliders_.owner_index[k] = i;
   colliders_.mover[k] = mover;
   colliders_.group[k] = attached ? 0 : net.group;
@@ -114,7 +113,8 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
 void SpringsRigid::release_removed() {
   for (const Springs::Removed& r : springs_.removed()) {
     if (r.collider != kNone) {
-      FEDER_ASSERT(colliders_.owner[r.collider] == ObjectKind::net && !objects_.alive(colliders_.object[r.collider]));
+      FEDER_ASSERT(colliders_.owner[r.collider] == ColliderOwner::point &&
+                   !objects_.alive(colliders_.object[r.collider]));
       collide_.forget(r.collider);
       colliders_.remove(r.collider);
     }
@@ -144,7 +144,7 @@ void SpringsRigid::validate() const {
     FEDER_ASSERT(particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
     FEDER_ASSERT(k.attached || collider != kNone);
     if (collider != kNone) {
-      FEDER_ASSERT(colliders_.owner[collider] == ObjectKind::net && colliders_.owner_index[collider] == i);
+      FEDER_ASSERT(colliders_.owner[collider] == ColliderOwner::point && colliders_.owner_index[collider] == i);
       FEDER_ASSERT(colliders_.object[collider] == particles_.net[i] &&
                    colliders_.mover[collider] == particles_.mover[i]);
     }

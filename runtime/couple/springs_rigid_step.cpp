@@ -116,8 +116,8 @@ void SpringsRigid::center_contacts(StepContext& c) {
   const Contacts& contacts = collide_.contacts();
   for (const std::uint32_t slot : contacts.active) {
     Contact& contact = collide_.contacts().slots[slot];
-    const bool net_a = colliders_.owner[contact.collider_a] == ObjectKind::net;
-    const bool net_b = colliders_.owner[contact.collider_b] == ObjectKind::net;
+    const bool net_a = colliders_.owner[contact.collider_a] == ColliderOwner::point;
+    const bool net_b = colliders_.owner[contact.collider_b] == ColliderOwner::point;
     if (!net_a && !net_b) continue;
     const std::uint32_t point = net_a ? contact.collider_a : contact.collider_b;
     FEDER_ASSERT(particles_.collider[colliders_.owner_index[point]] == point);
@@ -255,8 +255,8 @@ void SpringsRigid::keep_awake(StepContext&) {
   const Contacts& contacts = collide_.contacts();
   for (const std::uint32_t slot : contacts.active) {
     std::uint32_t point = contacts.slots[slot].collider_a, body = contacts.slots[slot].collider_b;
-    if (colliders_.owner[point] == ObjectKind::body) std::swap(point, body);
-    if (colliders_.owner[point] != ObjectKind::net || colliders_.owner[body] != ObjectKind::body) continue;
+    if (colliders_.owner[point] == ColliderOwner::body) std::swap(point, body);
+    if (colliders_.owner[point] != ColliderOwner::point || colliders_.owner[body] != ColliderOwner::body) continue;
     if (colliders_.motion[point] != ColliderMotion::dynamic || colliders_.motion[body] != ColliderMotion::dynamic)
       continue;
     rigid_.wake(colliders_.object[body], WakeCause::contact, colliders_.object[point]);

@@ -41,8 +41,14 @@ Fluid::Impl::Impl(SystemSetup& s)
       reach(&arena), group_number(&arena) {}
 
 const SystemDescriptor& Fluid::descriptor() {
-  static const SystemDescriptor d = {
-      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Fluid>(setup); }};
+  static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
+  static constexpr WakeCause causes[] = {kFluidCause};
+  static const SystemDescriptor d = {.name = kName,
+                                     .units = "particles",
+                                     .unit = "particle",
+                                     .kinds = kinds,
+                                     .causes = causes,
+                                     .make = &make_system<Fluid>};
   return d;
 }
 
@@ -98,7 +104,7 @@ ObjectId Fluid::add_fluid(const FluidDesc& desc) {
   find_variant(fluid_solvers(), desc.solver, "fluid solver");
   Impl& m = *impl_;
   auto p = std::make_unique<FluidPool>(m.arena, desc, m.dimension);
-  p->object = m.objects.add(ObjectKind::fluid, static_cast<std::uint32_t>(m.pools.size()), desc.name, desc.tags);
+  p->object = m.objects.add(kFluidKind, static_cast<std::uint32_t>(m.pools.size()), desc.name, desc.tags);
   m.pools.push_back(std::move(p));
   *m.structure_changed = true;
   return m.pools.back()->object;

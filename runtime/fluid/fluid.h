@@ -11,6 +11,10 @@
 
 namespace feder {
 
+inline constexpr ObjectKind kFluidKind{"fluid", "fluids"}, kEmitterKind{"emitter", "emitters"},
+    kDrainKind{"drain", "drains"};
+inline constexpr WakeCause kFluidCause{"fluid"};
+
 struct FluidPool;
 
 // pbf, cubic and grid, or the first of this build where they are left out.

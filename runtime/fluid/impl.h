@@ -46,7 +46,7 @@ struct Fluid::Impl {
   std::uint64_t lost = 0;             // particles taken away because they went non-finite
 
   FluidPool& pool(ObjectId id) const {
-    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == ObjectKind::fluid);
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kFluidKind);
     return *pools[objects.index(id)];
   }
   FluidSolver& solver_of(const FluidPool& p);

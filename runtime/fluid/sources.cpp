@@ -76,7 +76,7 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
     throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +
                      " particles per second, what a jet of this speed and radius holds, got " + std::to_string(d.rate));
-  e.object = m.objects.add(ObjectKind::emitter, static_cast<std::uint32_t>(m.emitters.size()), d.name, d.tags);
+  e.object = m.objects.add(kEmitterKind, static_cast<std::uint32_t>(m.emitters.size()), d.name, d.tags);
   m.emitters.push_back(e);
   *m.structure_changed = true;
   return e.object;
@@ -88,7 +88,7 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
   d.fluid = fluid;
   d.shape = static_cast<std::uint32_t>(m.shapes.size());
   d.pose = pose;
-  d.object = m.objects.add(ObjectKind::drain, static_cast<std::uint32_t>(m.drains.size()), std::move(name), tags);
+  d.object = m.objects.add(kDrainKind, static_cast<std::uint32_t>(m.drains.size()), std::move(name), tags);
   m.shapes.push_back(std::move(shape));
   m.drains.push_back(d);
   *m.structure_changed = true;
@@ -116,7 +116,7 @@ void Fluid::destroy_drain(ObjectId id, std::string where) {
 }
 
 void Fluid::set_running(ObjectId id, bool running) {
-  FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == ObjectKind::emitter);
+  FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == kEmitterKind);
   FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
   e.running = running && !e.done;
   *impl_->structure_changed = true;
@@ -126,12 +126,12 @@ bool Fluid::running(ObjectId id) const { return impl_->emitters[impl_->objects.i
 
 std::uint64_t Fluid::passed(ObjectId id) const {
   const std::uint32_t place = impl_->objects.index(id);
-  return impl_->objects.kind(id) == ObjectKind::emitter ? impl_->emitters[place].made : impl_->drains[place].taken;
+  return impl_->objects.kind(id) == kEmitterKind ? impl_->emitters[place].made : impl_->drains[place].taken;
 }
 
 ObjectId Fluid::fluid_of(ObjectId id) const {
   const std::uint32_t place = impl_->objects.index(id);
-  return impl_->objects.kind(id) == ObjectKind::emitter ? impl_->emitters[place].fluid : impl_->drains[place].fluid;
+  return impl_->objects.kind(id) == kEmitterKind ? impl_->emitters[place].fluid : impl_->drains[place].fluid;
 }
 
 void Fluid::aim(ObjectId id, const Vec3& position, const Vec3& direction) {

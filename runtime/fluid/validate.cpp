@@ -85,15 +85,15 @@ void FluidPool::validate() const {
 void Fluid::Impl::validate_sources() const {
   const auto owned = [&](ObjectId object, ObjectKind kind, std::size_t place, ObjectId fluid) {
     return objects.alive(object) && objects.kind(object) == kind && objects.index(object) == place &&
-           objects.alive(fluid) && objects.kind(fluid) == ObjectKind::fluid;
+           objects.alive(fluid) && objects.kind(fluid) == kFluidKind;
   };
   for (std::size_t n = 0; n < emitters.size(); ++n) {
     const FluidEmitter& e = emitters[n];
-    FEDER_ASSERT(owned(e.object, ObjectKind::emitter, n, e.fluid));
+    FEDER_ASSERT(owned(e.object, kEmitterKind, n, e.fluid));
     FEDER_ASSERT((e.limit == 0 || e.made <= e.limit) && !(e.done && e.running) && e.clock >= 0);
   }
   for (std::size_t n = 0; n < drains.size(); ++n)
-    FEDER_ASSERT(owned(drains[n].object, ObjectKind::drain, n, drains[n].fluid) && drains[n].shape < shapes.size());
+    FEDER_ASSERT(owned(drains[n].object, kDrainKind, n, drains[n].fluid) && drains[n].shape < shapes.size());
 }
 
 void Fluid::validate() const {

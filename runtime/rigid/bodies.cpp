@@ -79,7 +79,7 @@ void require(bool good, const char* what, double came) {
 }
 
 std::uint32_t Rigid::Impl::index(ObjectId body) const {
-  if (!objects.alive(body) || objects.kind(body) != ObjectKind::body)
+  if (!objects.alive(body) || objects.kind(body) != kBodyKind)
     throw SceneError("expected a living body, got " + objects.describe(body));
   FEDER_ASSERT(objects.index(body) < bodies.size() && bodies.object[objects.index(body)] == body);
   return objects.index(body);
@@ -168,7 +168,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   kept_momentum[i] = kept_spin[i] = Vec3::Zero();
   next_in_island[i] = kNone;
   bodies.mover[i] = movers.add();
-  bodies.object[i] = objects.add(ObjectKind::body, i, d.name, d.tags);
+  bodies.object[i] = objects.add(kBodyKind, i, d.name, d.tags);
   set_mass(i);
   // in reverse, so that the list of a body runs in the order of the parts
   std::reverse(parts.begin(), parts.end());
@@ -199,7 +199,7 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d) {
     colliders.motion[k] = d.type == BodyType::dynamic     ? ColliderMotion::dynamic
                           : d.type == BodyType::kinematic ? ColliderMotion::kinematic
                                                           : ColliderMotion::fixed;
-    colliders.owner[k] = ObjectKind::body;
+    colliders.owner[k] = ColliderOwner::body;
     colliders.owner_index[k] = i;
     colliders.mover[k] = d.type == BodyType::fixed ? kNone : bodies.mover[i];
     colliders.object[k] = bodies.object[i];
@@ -229,7 +229,7 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
   const bool moves =
       dynamic ? bodies.awake[i] != 0 : bodies.type[i] == BodyType::kinematic && (!v.isZero(0) || !w.isZero(0));
   each_collider(i, [&](std::uint32_t k) {
-    FEDER_ASSERT(colliders.owner[k] == ObjectKind::body && colliders.owner_index[k] == i);
+    FEDER_ASSERT(colliders.owner[k] == ColliderOwner::body && colliders.owner_index[k] == i);
     const Pose pose = com * colliders.local[k];
     colliders.pose[k] = pose;
     colliders.center[k] = com.position;

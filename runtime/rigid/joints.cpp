@@ -39,7 +39,7 @@ void check_options(const JointDesc& d, const JointKind& kind) {
 }  // namespace
 
 std::uint32_t Rigid::Impl::joint_index(ObjectId joint) const {
-  if (!objects.alive(joint) || objects.kind(joint) != ObjectKind::joint)
+  if (!objects.alive(joint) || objects.kind(joint) != kJointKind)
     throw SceneError("expected a living joint, got " + objects.describe(joint));
   FEDER_ASSERT(objects.index(joint) < records.size() && records[objects.index(joint)].object == joint);
   return objects.index(joint);
@@ -82,7 +82,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   if (d.options.rest_length < 0 && (kind.uses & kUsesTwoAnchors))
     joints[j].shape.options.rest_length = length(Vec3(anchor_b - d.anchor_a));
   refresh_joint(j);
-  records[j].object = objects.add(ObjectKind::joint, j, d.name, d.tags);
+  records[j].object = objects.add(kJointKind, j, d.name, d.tags);
   if (!d.collide && d.a && d.b) {
     collide.exclude(d.a, d.b);
     changed(a), changed(b);

@@ -31,8 +31,9 @@ Rigid::Impl::Impl(SystemSetup& s)
 
 const SystemDescriptor& Rigid::descriptor() {
   static const char* const needs[] = {ContactService::kSystem};
+  static constexpr ObjectKind kinds[] = {kBodyKind, kJointKind};
   static const SystemDescriptor d = {
-      kName, needs, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Rigid>(setup); }};
+      .name = kName, .units = "bodies", .unit = "body", .needs = needs, .kinds = kinds, .make = &make_system<Rigid>};
   return d;
 }
 

@@ -10,6 +10,8 @@
 
 namespace feder {
 
+inline constexpr ObjectKind kJointKind{"joint", "joints"};
+
 struct BodyDesc {
   std::string name;
   TagMask tags = 0;

@@ -57,7 +57,7 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
 // Wakes the sleepers that something awake came to touch.
 void Rigid::Impl::wake_touched(StepContext&) {
   const auto asleep = [&](std::uint32_t k) {
-    return colliders.owner[k] == ObjectKind::body && colliders.motion[k] == ColliderMotion::dynamic &&
+    return colliders.owner[k] == ColliderOwner::body && colliders.motion[k] == ColliderMotion::dynamic &&
            !colliders.awake[k];
   };
   for (const Arrival& t : contacts.arrivals) {
@@ -72,7 +72,7 @@ void Rigid::Impl::wake_touched(StepContext&) {
 void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   if (sleeping_count == 0) return;
   const auto owner = [&](std::uint32_t collider) {
-    return colliders.owner[collider] == ObjectKind::body ? colliders.owner_index[collider] : kNone;
+    return colliders.owner[collider] == ColliderOwner::body ? colliders.owner_index[collider] : kNone;
   };
   for (const std::uint32_t slot : contacts.order) {
     const Contact& contact = contacts.slots[slot];
@@ -157,8 +157,8 @@ void Rigid::Impl::join_islands() {
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
     FEDER_ASSERT(ca < colliders.size() && cb < colliders.size() && contact.touching && !contact.sensor);
-    link(colliders.owner[ca] == ObjectKind::body ? colliders.owner_index[ca] : kNone,
-         colliders.owner[cb] == ObjectKind::body ? colliders.owner_index[cb] : kNone);
+    link(colliders.owner[ca] == ColliderOwner::body ? colliders.owner_index[ca] : kNone,
+         colliders.owner[cb] == ColliderOwner::body ? colliders.owner_index[cb] : kNone);
   }
   for (const JointRecord& r : records)
     if (r.alive) link(r.body_a, r.body_b);

@@ -26,7 +26,7 @@ void Rigid::Impl::check_gathered() const {
 }
 
 void Rigid::Impl::check_body(std::uint32_t i) const {
-  FEDER_ASSERT(objects.alive(bodies.object[i]) && objects.kind(bodies.object[i]) == ObjectKind::body);
+  FEDER_ASSERT(objects.alive(bodies.object[i]) && objects.kind(bodies.object[i]) == kBodyKind);
   FEDER_ASSERT(objects.index(bodies.object[i]) == i);
   FEDER_ASSERT(bodies.mover[i] < movers.solver.size());
   FEDER_ASSERT(is_unit(bodies.rotation[i]));
@@ -59,7 +59,7 @@ std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
   std::uint32_t count = 0;
   each_collider(i, [&](std::uint32_t k) {
     FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion);
-    FEDER_ASSERT(colliders.owner[k] == ObjectKind::body && colliders.owner_index[k] == i);
+    FEDER_ASSERT(colliders.owner[k] == ColliderOwner::body && colliders.owner_index[k] == i);
     FEDER_ASSERT(colliders.object[k] == bodies.object[i]);
     FEDER_ASSERT(colliders.mover[k] == (fixed ? kNone : bodies.mover[i]));
     FEDER_ASSERT(!dynamic || colliders.awake[k] == bodies.awake[i]);
@@ -139,7 +139,7 @@ void Rigid::validate() const {
   s.check_islands();
   std::uint32_t colliders = 0;
   for (std::uint32_t k = 0; k < s.colliders.size(); ++k)
-    colliders += s.colliders.motion[k] != ColliderMotion::none && s.colliders.owner[k] == ObjectKind::body;
+    colliders += s.colliders.motion[k] != ColliderMotion::none && s.colliders.owner[k] == ColliderOwner::body;
   FEDER_ASSERT(owned == colliders);
   FEDER_ASSERT(s.joints.size() == s.records.size());
   for (std::uint32_t j = 0; j < s.records.size(); ++j)

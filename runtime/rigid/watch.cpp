@@ -78,8 +78,8 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
-    const std::uint32_t a = colliders.owner[ca] == ObjectKind::body ? colliders.owner_index[ca] : kNone;
-    const std::uint32_t b = colliders.owner[cb] == ObjectKind::body ? colliders.owner_index[cb] : kNone;
+    const std::uint32_t a = colliders.owner[ca] == ColliderOwner::body ? colliders.owner_index[ca] : kNone;
+    const std::uint32_t b = colliders.owner[cb] == ColliderOwner::body ? colliders.owner_index[cb] : kNone;
     const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic,
                moves_b = b != kNone && bodies.type[b] == BodyType::dynamic;
     if (!moves_a && !moves_b) continue;

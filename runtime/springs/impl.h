@@ -47,7 +47,7 @@ struct Springs::Impl {
   Array<Vec3> surface_end, surface_speed;
 
   Net& net(ObjectId id) const {
-    FEDER_ASSERT(objects.kind(id) == ObjectKind::net && nets[objects.index(id)]->object == id);
+    FEDER_ASSERT(objects.kind(id) == kNetKind && nets[objects.index(id)]->object == id);
     return *nets[objects.index(id)];
   }
   // Index in Particles; SceneError when there is no such point.

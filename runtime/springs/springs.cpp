@@ -8,8 +8,9 @@
 
 namespace feder {
 const SystemDescriptor& Springs::descriptor() {
+  static constexpr ObjectKind kinds[] = {kNetKind};
   static const SystemDescriptor d = {
-      kName, {}, {}, [](SystemSetup& setup) -> std::unique_ptr<System> { return std::make_unique<Springs>(setup); }};
+      .name = kName, .units = "points", .unit = "point", .kinds = kinds, .make = &make_system<Springs>};
   return d;
 }
 
@@ -91,7 +92,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
   FEDER_ASSERT(p.size() == (m.nets.empty() ? 0 : m.nets.back()->first + m.nets.back()->points));
   n->first = p.size();
   n->points = static_cast<std::uint32_t>(desc.points.size());
-  n->object = m.objects.add(ObjectKind::net, static_cast<std::uint32_t>(m.nets.size()), desc.name, desc.tags);
+  n->object = m.objects.add(kNetKind, static_cast<std::uint32_t>(m.nets.size()), desc.name, desc.tags);
   const std::size_t size = n->first + n->points;
   Particles::each_array(p, [&](auto& array) { array.resize(size); });
   for (std::uint32_t i = 0; i < n->points; ++i) {
@@ -254,7 +255,7 @@ Springs::NetInfo Springs::net_info(std::size_t k) const {
 
 void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
   const std::uint32_t at = impl_->point(id, i);
-  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != ObjectKind::body)
+  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
     throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
   if (!is_finite(local)) throw SceneError("attach: expected three finite numbers");
   detach(id, i);

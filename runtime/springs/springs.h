@@ -11,6 +11,8 @@
 
 namespace feder {
 
+inline constexpr ObjectKind kNetKind{"net", "nets"};
+
 struct SpringDesc {
   std::uint32_t i = 0, j = 0;
   Real stiffness = 1000;          // N/m

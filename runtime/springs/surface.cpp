@@ -83,7 +83,7 @@ template <class F>
 void Springs::Impl::each_surface(F&& f) {
   Surfaces& all = store.get<Surfaces>();
   for (const Surface& s : all.list)
-    if (objects.kind(s.object) == ObjectKind::net) f(net(s.object), s, all);
+    if (objects.kind(s.object) == kNetKind) f(net(s.object), s, all);
 }
 
 // Before the integrator: where the substep begins.

@@ -54,7 +54,7 @@ void Springs::Impl::check_colliders() const {
     FEDER_ASSERT(mover == kNone || (m && mover < m->solver.size()));
     if (k == kNone) continue;
     FEDER_ASSERT(c && k < c->size() && c->motion[k] != ColliderMotion::none);
-    FEDER_ASSERT(c->owner[k] == ObjectKind::net && c->owner_index[k] == i && c->mover[k] == mover);
+    FEDER_ASSERT(c->owner[k] == ColliderOwner::point && c->owner_index[k] == i && c->mover[k] == mover);
     FEDER_ASSERT(c->object[k] == particles.net[i]);
   }
 }

@@ -7,6 +7,8 @@
 
 namespace feder {
 
+inline constexpr ObjectKind kBodyKind{"body", "bodies"};
+
 enum class BodyType : std::uint8_t { free, fixed, kinematic, dynamic };  // fixed = "static" in Lua
 
 // Locked degrees of freedom, world axes.

@@ -33,7 +33,7 @@ std::uint32_t Colliders::add() {
   motion[i] = ColliderMotion::fixed;
   awake[i] = sensor[i] = bullet[i] = 0;
   shape[i] = nullptr;
-  owner[i] = ObjectKind::body;
+  owner[i] = ColliderOwner::body;
   owner_index[i] = mover[i] = next_of_body[i] = kNone;
   object[i] = {};
   sub[i] = 0;

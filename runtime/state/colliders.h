@@ -13,6 +13,7 @@
 
 namespace feder {
 
+enum class ColliderOwner : std::uint8_t { body, point };                       // point: of a surface
 enum class ColliderMotion : std::uint8_t { none, fixed, kinematic, dynamic };  // none: a free index
 
 struct Colliders {
@@ -26,8 +27,8 @@ struct Colliders {
   Array<std::uint8_t> awake;  // owner awake (kinematic: moving)
   Array<std::uint8_t> sensor;
   Array<std::uint8_t> bullet;
-  Array<const Shape*> shape;          // kept alive by `shapes`
-  Array<ObjectKind> owner;            // body or net
+  Array<const Shape*> shape;  // kept alive by `shapes`
+  Array<ColliderOwner> owner;
   Array<std::uint32_t> owner_index;   // body index, or particle index
   Array<std::uint32_t> mover;         // place in Movers; kNone for fixed
   Array<ObjectId> object;             // reported in events
@@ -54,7 +55,7 @@ struct Colliders {
 
   // Is it a part of a body that something with this filter collides with?
   bool meets(std::uint32_t i, std::uint32_t its_group, std::uint32_t its_mask) const {
-    return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ObjectKind::body &&
+    return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ColliderOwner::body &&
            (group[i] & its_mask) != 0 && (its_group & mask[i]) != 0;
   }
   Real fastest() const {  // m/s, of all owners

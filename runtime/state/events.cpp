@@ -27,12 +27,6 @@ bool event_kind_from_name(std::string_view name, EventKind& out) {
   return false;
 }
 
-const char* wake_cause_name(WakeCause cause) {
-  static const char* const names[] = {"none",  "contact", "script",    "joint", "neighbor",
-                                      "force", "cloth",   "destroyed", "fluid"};
-  return names[static_cast<int>(cause)];
-}
-
 void Events::set_wanted(EventKind kind, bool wanted) {
   const std::uint32_t bit = 1u << static_cast<int>(kind);
   wanted_ = wanted ? wanted_ | bit : wanted_ & ~bit;

@@ -6,6 +6,7 @@
 
 #include "base/arena.h"
 #include "base/assert.h"
+#include "base/name.h"
 #include "state/objects.h"
 
 namespace feder {
@@ -31,8 +32,16 @@ inline constexpr int kEventKinds = 15;
 const char* event_name(EventKind kind);  // "contact_begin" ...
 bool event_kind_from_name(std::string_view name, EventKind& out);
 
-enum class WakeCause : std::uint8_t { none, contact, script, joint, neighbor, force, cloth, destroyed, fluid };
-const char* wake_cause_name(WakeCause cause);
+// What woke something; systems list theirs in their descriptor.
+struct WakeCause : Name<WakeCause> {
+  using Name::Name;
+  static const WakeCause none, contact, script, joint, neighbor, force, destroyed;
+};
+inline constexpr WakeCause WakeCause::none{"none"}, WakeCause::contact{"contact"}, WakeCause::script{"script"},
+    WakeCause::joint{"joint"}, WakeCause::neighbor{"neighbor"}, WakeCause::force{"force"},
+    WakeCause::destroyed{"destroyed"};
+inline constexpr WakeCause kWakeCauses[] = {WakeCause::contact,  WakeCause::script, WakeCause::joint,
+                                            WakeCause::neighbor, WakeCause::force,  WakeCause::destroyed};
 
 // Fields that a kind does not use stay at their defaults.
 struct Event {

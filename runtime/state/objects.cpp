@@ -1,5 +1,7 @@
 #include "state/objects.h"
 
+#include <algorithm>
+
 #include "base/assert.h"
 #include "base/hash.h"
 
@@ -9,11 +11,15 @@ const std::string kEmpty;
 constexpr std::size_t kTombstones = 64;  // freed slots that wait before they are used again
 }  // namespace
 
-const char* kind_name(ObjectKind kind) {
-  static const char* const names[] = {"none",   "body",  "joint", "net",     "force",
-                                      "region", "cloth", "fluid", "emitter", "drain"};
-  return names[static_cast<int>(kind)];
+Objects::Objects(std::initializer_list<ObjectKind> kinds) {
+  for (ObjectKind kind : kinds) know(kind);
 }
+
+void Objects::know(ObjectKind kind) {
+  if (!knows(kind)) kinds_.push_back(kind);
+}
+
+bool Objects::knows(ObjectKind kind) const { return std::find(kinds_.begin(), kinds_.end(), kind) != kinds_.end(); }
 
 const Objects::Slot* Objects::slot(ObjectId id) const {
   if (id.slot >= slots_.size() || slots_[id.slot].generation != id.generation) return nullptr;
@@ -21,7 +27,7 @@ const Objects::Slot* Objects::slot(ObjectId id) const {
 }
 
 ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags) {
-  FEDER_ASSERT(kind != ObjectKind::none);
+  FEDER_ASSERT(kind != ObjectKind::none && knows(kind));
   std::uint32_t i;
   if (free_.size() - free_head_ > kTombstones) {
     i = free_[free_head_++];
@@ -81,7 +87,7 @@ const std::string& Objects::destroyed_at(ObjectId id) const {
 std::string Objects::describe(ObjectId id) const {
   const Slot* s = slot(id);
   if (!s) return "object #" + std::to_string(id.slot);
-  const std::string kind = kind_name(s->kind);
+  const std::string kind = s->kind.text();
   return s->name.empty() ? kind + " #" + std::to_string(id.slot) : kind + " \"" + s->name + "\"";
 }
 
@@ -140,7 +146,7 @@ void Objects::validate() const {
 void Objects::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(slots_.size()));
   for (const Slot& s : slots_) {
-    w.add(s.generation), w.add(s.index), w.add(s.kind), w.add(s.alive), w.add(s.tags);
+    w.add(s.generation), w.add(s.index), w.text(s.kind.text()), w.add(s.alive), w.add(s.tags);
     w.text(s.name), w.text(s.destroyed_at);
   }
   w.list(free_);
@@ -153,8 +159,12 @@ void Objects::load(Reader& r) {
   std::uint64_t n = 0;
   r.get(n);
   slots_.resize(n);
+  std::string kind;
   for (Slot& s : slots_) {
-    r.get(s.generation), r.get(s.index), r.get(s.kind), r.get(s.alive), r.get(s.tags);
+    r.get(s.generation), r.get(s.index), r.text(kind), r.get(s.alive), r.get(s.tags);
+    const auto known = std::find_if(kinds_.begin(), kinds_.end(), [&](ObjectKind k) { return kind == k.text(); });
+    if (known == kinds_.end()) throw SceneError("snapshot: this build has no objects of the kind '" + kind + "'");
+    s.kind = *known;
     r.text(s.name), r.text(s.destroyed_at);
   }
   r.list(free_);

@@ -2,17 +2,29 @@
 // and tags. Systems keep the data; this table says where. A freed slot remembers its name and who destroyed it.
 #pragma once
 #include <compare>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/archive.h"
+#include "base/name.h"
 #include "base/types.h"
 
 namespace feder {
 
-enum class ObjectKind : std::uint8_t { none, body, joint, net, force, region, cloth, fluid, emitter, drain };
-const char* kind_name(ObjectKind kind);
+// "body", "net" ...: systems list theirs in their descriptor.
+class ObjectKind : public Name<ObjectKind> {
+ public:
+  constexpr ObjectKind(const char* one, const char* many) : Name(one), many_(many) {}
+  constexpr const char* plural() const { return many_; }  // "bodies"
+  static const ObjectKind none;
+
+ private:
+  const char* many_;
+};
+inline constexpr ObjectKind ObjectKind::none{"none", "none"};
+inline constexpr ObjectKind kForceKind{"force", "forces"};  // the world's own
 
 struct ObjectId {
   std::uint32_t slot = kNone;
@@ -26,6 +38,9 @@ using TagMask = std::uint64_t;
 
 class Objects {
  public:
+  // Only objects of known kinds can be added.
+  Objects(std::initializer_list<ObjectKind> kinds = {});
+  void know(ObjectKind kind);
   // `index` is the place in the owning system. The name may be empty.
   ObjectId add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags);
   // `where` ("scene.lua:41", may be empty) is kept for the message about stale handles.
@@ -78,6 +93,9 @@ class Objects {
   };
   const Slot* slot(ObjectId id) const;
 
+  bool knows(ObjectKind kind) const;
+
+  std::vector<ObjectKind> kinds_ = {ObjectKind::none};
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_;  // first in, first out: a stale handle keeps its tombstone as long as possible
   std::size_t free_head_ = 0;

@@ -42,14 +42,15 @@ struct Surface {
   Real friction = 0;
   Real relaxation = 1;  // of contact corrections, as its solver wants it
   std::uint32_t group = 1, mask = 0xffffffffu;
-  Real fastest = 0;        // m/s, of its points at the start of the step
-  Real strike = 0;         // m/s, of bodies that come at it in this step
-  std::int32_t steps = 1;  // solver substeps in a substep that it asks for
-  bool self = false;       // may touch itself
-  bool active = true;      // moves: neither asleep nor held by quarantine
-  bool calm = false;       // about to fall asleep
-  bool pinned = false;     // a point of it is held
-  bool balls = false;      // its points meet bodies as colliders of their own
+  Real fastest = 0;                      // m/s, of its points at the start of the step
+  Real strike = 0;                       // m/s, of bodies that come at it in this step
+  std::int32_t steps = 1;                // solver substeps in a substep that it asks for
+  WakeCause wakes = WakeCause::contact;  // why what it touches wakes
+  bool self = false;                     // may touch itself
+  bool active = true;                    // moves: neither asleep nor held by quarantine
+  bool calm = false;                     // about to fall asleep
+  bool pinned = false;                   // a point of it is held
+  bool balls = false;                    // its points meet bodies as colliders of their own
   bool coasts = false;     // its own solver runs once per substep: between contacts its points go straight on
   std::uint32_t loop = 0;  // its group, in Surfaces::groups
 };

@@ -71,13 +71,23 @@ class System {
   virtual double drive(const StepContext&) { return 0; }
 };
 
+// What the others ask of a system before there is one.
 struct SystemDescriptor {
-  const char* name;                    // "rigid"; also the arena's name
-  std::span<const char* const> needs;  // made before it
+  const char* name;                         // "rigid"; also the arena's name
+  const char* units;                        // what count() counts: "vertices"
+  const char* unit = nullptr;               // one of them, for systems with kinds
+  std::span<const char* const> needs = {};  // made before it
   // Made by the world as soon as all of these exist (couplings); empty for systems that are asked for.
-  std::span<const char* const> joins;
+  std::span<const char* const> joins = {};
+  std::span<const ObjectKind> kinds = {};  // of the objects it makes
+  std::span<const WakeCause> causes = {};  // of wakes, that it adds
   std::unique_ptr<System> (*make)(SystemSetup& setup);
 };
+
+template <class S>
+std::unique_ptr<System> make_system(SystemSetup& setup) {
+  return std::make_unique<S>(setup);
+}
 
 using Catalog = std::span<const SystemDescriptor* const>;
 

@@ -25,6 +25,9 @@ World::World(const WorldDesc& desc, Catalog catalog)
     : desc_(desc), catalog_(catalog), watch_(store_.need<Watch>("watch")), events_(store_.arena("events")),
       jobs_(desc.threads), scratch_(store_.arena("scratch")), rng_(desc.seed) {
   check(desc);
+  objects_.know(kForceKind);
+  for (const SystemDescriptor* d : catalog_)
+    for (ObjectKind kind : d->kinds) objects_.know(kind);
 }
 
 World::~World() {
@@ -196,14 +199,14 @@ ObjectId World::add_force(std::string_view kind, const Params& options, ForceEnt
 
 ObjectId World::add_force(ForceEntry entry, std::string name, TagMask tags) {
   Forces& forces = store_.need<Forces>("forces");
-  entry.object = objects_.add(ObjectKind::force, static_cast<std::uint32_t>(forces.list.size()), std::move(name), tags);
+  entry.object = objects_.add(kForceKind, static_cast<std::uint32_t>(forces.list.size()), std::move(name), tags);
   forces.list.push_back(std::move(entry));
   structure_changed_ = true;
   return forces.list.back().object;
 }
 
 void World::remove_force(ObjectId force, std::string where) {
-  FEDER_ASSERT(objects_.alive(force) && objects_.kind(force) == ObjectKind::force);
+  FEDER_ASSERT(objects_.alive(force) && objects_.kind(force) == kForceKind);
   Forces& forces = store_.need<Forces>("forces");
   for (std::size_t i = 0; i < forces.list.size(); ++i) {
     if (forces.list[i].object != force) continue;
@@ -253,10 +256,26 @@ std::uint64_t World::hash() const {
   return h.value();
 }
 
+std::vector<KindCount> World::counts() const {
+  std::vector<KindCount> rows;
+  for (const SystemDescriptor* d : catalog_) {
+    for (const ObjectKind& kind : d->kinds) {
+      KindCount row{kind, objects_.count(kind), nullptr, 0};
+      const bool holds = &kind == d->kinds.data() && std::string_view(kind.plural()) != d->units;
+      if (holds) row.parts = d;
+      for (const Present& p : systems_)
+        if (holds && p.descriptor == d) row.part_count = p.system->count();
+      rows.push_back(row);
+    }
+  }
+  rows.push_back({kForceKind, objects_.count(kForceKind), nullptr, 0});
+  return rows;
+}
+
 std::vector<SystemReport> World::report() const {
   std::vector<SystemReport> rows;
   for (const Present& p : systems_) {
-    SystemReport r{p.descriptor->name, p.system->count(), 0};
+    SystemReport r{p.descriptor->name, p.descriptor->units, p.system->count(), 0};
     for (const auto& a : store_.arenas())
       if (a->name() == r.name) r.bytes = a->bytes();
     rows.push_back(std::move(r));

@@ -17,8 +17,17 @@ namespace feder {
 
 struct SystemReport {
   std::string name;
-  std::size_t count = 0;  // bodies, points, ...
+  std::string units;      // "bodies", "points" ...
+  std::size_t count = 0;  // of them
   std::size_t bytes = 0;  // its arena
+};
+
+// How many objects there are of a kind, and of what its system counts.
+struct KindCount {
+  ObjectKind kind;
+  std::size_t count = 0;
+  const SystemDescriptor* parts = nullptr;  // whose units lie in its objects; null where the objects are the units
+  std::size_t part_count = 0;
 };
 
 class World final : private SystemFinder {
@@ -53,6 +62,7 @@ class World final : private SystemFinder {
   System& need_system(std::string_view name);
   // Names of the catalog that this world does not have.
   std::vector<std::string> absent() const;
+  Catalog catalog() const { return catalog_; }
 
   // One step of dt. Must not be called from inside a step.
   void step();
@@ -80,6 +90,7 @@ class World final : private SystemFinder {
   std::uint64_t hash() const;  // FNV-1a over the systems' states
 
   std::vector<SystemReport> report() const;  // systems present, in the order they were made
+  std::vector<KindCount> counts() const;     // of all kinds of the catalog, in its order
   std::size_t bytes() const;
   std::uint64_t allocations() const;  // since birth, of all arenas: constant while only stepping
 

@@ -79,7 +79,10 @@ def count():
     found = {}
     for kind, name, pattern, own in things():
         rule = re.compile(pattern)
-        found[f"{kind} {name}"] = [path for path, text in files if not own(path) and rule.search(text)]
+        # a system's name alone is its word where things are listed
+        listed = re.compile(rf"{pattern}|\b{name}\b" if kind == "system" else pattern)
+        found[f"{kind} {name}"] = [path for path, text in files if not own(path) and
+                                   (listed if path.endswith("CMakeLists.txt") else rule).search(text)]
     return found
 
 

@@ -42,8 +42,9 @@ def key_of(feder):
     kind = cached("CMAKE_BUILD_TYPE")
     flags = f"{cached('CMAKE_CXX_FLAGS')} {cached('CMAKE_CXX_FLAGS_' + kind.upper())}".strip()
     wide = "avx2" if "avx2" in pathlib.Path("/proc/cpuinfo").read_text() else "plain"
+    lumps = ["lumps"] if cached("FEDER_PCH") == "ON" else []  # several sources per compilation inline otherwise
     return " | ".join([first_line(cached("CMAKE_CXX_COMPILER"), "--version"), flags, cached("FEDER_REAL"),
-                       first_line("valgrind", "--version"), wide])
+                       first_line("valgrind", "--version"), wide, *lumps])
 
 
 def count(feder, scene, seconds):

@@ -1,7 +1,8 @@
-# One set of compile flags, and the three words that add things:
+# One set of compile flags, and the words that add things:
 #   feder_module(name [APART] SOURCES a.cpp ... NEEDS base ...)   a static library feder_<name>; APART: see pch.cmake
 #   feder_variant(module name [FILE file.cpp])                    one source and one row of the module's table
 #   feder_pair(a b)                                               the same for a narrow-phase pair test
+#   feder_system(module Class header)                             a row of the catalog (runtime/world/catalog.h)
 # A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
 # generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
 
@@ -14,8 +15,10 @@ endif()
 
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 set(CMAKE_CXX_FLAGS_DEV "-O1 -g")
-if(FEDER_SANITIZE)
-  set(CMAKE_CXX_FLAGS_DEV "-O1 -g1")  # lines are enough for reports; whole programs of 600 MB take minutes to link
+
+option(FEDER_WERROR "as continuous integration builds: warnings of gcc are errors, debuggers see lines alone" OFF)
+if(FEDER_SANITIZE OR FEDER_WERROR)
+  set(CMAKE_CXX_FLAGS_DEV "-O1 -g1")  # enough for reports; the rest is a fifth of compiling, and links for minutes
 endif()
 
 # feder_silent(target...): headers of a library that is built along, as find_package would give them
@@ -53,7 +56,6 @@ target_compile_options(feder_flags INTERFACE
 # Warnings are for those who build feder itself, and errors in continuous integration only: a newer compiler knows more.
 # clang counts signs as conversions, which is no use here. gcc 12 warns of std::string + const char* (its bug 105651);
 # what depends on inlining it finds within its own headers too, so that stays a warning.
-option(FEDER_WERROR "warnings of gcc are errors" OFF)
 if(PROJECT_IS_TOP_LEVEL)
   target_compile_options(feder_flags INTERFACE $<BUILD_INTERFACE:-Wall;-Wextra>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -146,6 +148,14 @@ function(feder_variant module name)
   target_sources(feder_${module} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${V_FILE})
   set_property(TARGET feder_${module} APPEND PROPERTY FEDER_DECLARE "Row ${module}_${name}()\;")
   set_property(TARGET feder_${module} APPEND PROPERTY FEDER_ROWS "${module}_${name}(),")
+endfunction()
+
+function(feder_system module class header)
+  if(TARGET feder_${module})
+    set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_MODULES ${module})
+    set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_HEADERS "#include \"${module}/${header}\"")
+    set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_ROWS "      &${class}::descriptor(),")
+  endif()
 endfunction()
 
 function(feder_pair a b)

@@ -1,6 +1,7 @@
 # install() and the exported package. find_package(feder) gives
 #   feder::feder   the whole runtime;  feder::<module> each of its modules (a host links what its scenes use)
-#   feder::lua     the Lua binding (lua/host.h), when it was built
+#   feder::lua     the Lua binding (lua/host.h), when it was built; feder::lua_core and feder::lua_<module> for a host that
+#                  names the parts it wants (lua/parts.h)
 #   feder::yaml    YAML scenes, with find_package(feder COMPONENTS yaml)
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -8,7 +9,6 @@ include(CMakePackageConfigHelpers)
 set(FEDER_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/feder)
 get_property(feder_modules GLOBAL PROPERTY FEDER_MODULES)
 list(REMOVE_ITEM feder_modules report cli view live window)  # parts of the program, not of the library
-set(feder_separate lua yaml)                     # not in feder::feder
 
 add_library(feder_all INTERFACE)
 add_library(feder::feder ALIAS feder_all)
@@ -23,7 +23,7 @@ foreach(module ${feder_modules})
     continue()
   endif()
   list(APPEND feder_exported feder_${module})
-  if(module STREQUAL "lua")
+  if(module MATCHES "^lua")  # feder::lua with all its parts, feder::lua_core with those that a host names
     set(FEDER_HAS_LUA ON)
   else()
     target_link_libraries(feder_all INTERFACE feder_${module})
@@ -34,7 +34,7 @@ install(TARGETS ${feder_exported} EXPORT feder_targets ARCHIVE DESTINATION ${CMA
 install(EXPORT feder_targets NAMESPACE feder:: DESTINATION ${FEDER_PACKAGE_DIR})
 install(DIRECTORY runtime/ DESTINATION include/feder FILES_MATCHING PATTERN "*.h")
 if(FEDER_HAS_LUA)
-  install(FILES bindings/lua/host.h bindings/lua/look.h DESTINATION include/feder/lua)
+  install(FILES bindings/lua/host.h bindings/lua/look.h bindings/lua/parts.h DESTINATION include/feder/lua)
 endif()
 if(FEDER_HAS_YAML)
   install(TARGETS feder_yaml EXPORT feder_yaml_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/feder)

@@ -8,6 +8,7 @@
 
 #include "base/rng.h"
 #include "collide/collide.h"
+#include "state/bodies.h"
 #include "state/contact_book.h"
 
 namespace feder {
@@ -42,7 +43,7 @@ class FakeWorld {
                     ColliderMotion motion = ColliderMotion::dynamic) {
     FakeBody body;
     body.pose = pose;
-    body.object = objects.add(ObjectKind::body, static_cast<std::uint32_t>(bodies.size()), "", 0);
+    body.object = objects.add(kBodyKind, static_cast<std::uint32_t>(bodies.size()), "", 0);
     for (const CompoundPart& p : parts) {
       const std::uint32_t k = c().add();
       c().motion[k] = motion, c().awake[k] = motion == ColliderMotion::dynamic;
@@ -139,7 +140,7 @@ class FakeWorld {
   }
 
   Store store;
-  Objects objects;
+  Objects objects{kBodyKind};
   Events events{store.arena("events")};
   JobPool jobs;
   Scratch scratch;

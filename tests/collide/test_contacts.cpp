@@ -342,7 +342,7 @@ TEST_CASE("points of a net are one contact with a body, which tells the first", 
   const std::uint32_t net = w.add({{make_sphere(Real(0.1)), {}}, {make_sphere(Real(0.1)), {Vec3(1, 0, 0), {}}}},
                                   {Vec3(0, Real(0.09), 0), {}});
   std::uint32_t sub = 6;
-  w.each(net, [&](std::uint32_t k) { w.c().owner[k] = ObjectKind::net, w.c().sub[k] = ++sub; });
+  w.each(net, [&](std::uint32_t k) { w.c().owner[k] = ColliderOwner::point, w.c().sub[k] = ++sub; });
   w.step();
   const auto begun = w.of(EventKind::contact_begin);
   REQUIRE(begun.size() == 1);

@@ -95,7 +95,7 @@ TEST_CASE("a cloth that falls on a sleeping one wakes it", "[couple][cloth]") {
   for (int k = 0; k < 60; ++k) {
     w.step();
     for (const Event& e : w.events().list())
-      woken += e.kind == EventKind::wake && e.a == a && e.b == b && e.cause == WakeCause::cloth;
+      woken += e.kind == EventKind::wake && e.a == a && e.b == b && e.cause == kClothCause;
   }
   CHECK(woken == 1);
 }

@@ -8,14 +8,16 @@ using test::aborts;
 
 namespace {
 
+constexpr ObjectKind kBody{"body", "bodies"}, kCloth{"cloth", "cloths"}, kWater{"fluid", "fluids"};
+
 // A book with two bodies, a cloth and a fluid.
 struct Desk {
   Arena arena{"test"};
-  Objects objects;
+  Objects objects{kBody, kCloth, kWater};
   Events events{arena};
   ContactBook book{arena};
-  ObjectId one = objects.add(ObjectKind::body, 0, "", 0), two = objects.add(ObjectKind::body, 1, "", 0),
-           cloth = objects.add(ObjectKind::cloth, 0, "", 0), water = objects.add(ObjectKind::fluid, 0, "", 0);
+  ObjectId one = objects.add(kBody, 0, "", 0), two = objects.add(kBody, 1, "", 0),
+           cloth = objects.add(kCloth, 0, "", 0), water = objects.add(kWater, 0, "", 0);
   std::uint32_t sheets = book.finder("sheets"), pools = book.finder("pools");
   std::uint64_t step = 0;
 

@@ -251,7 +251,7 @@ double lowest_of(World& w, ObjectId id, double within = 1) {
   const auto take = [&](const Vec3& x) {
     if (std::fmax(std::fabs(component(x, 0)), std::fabs(component(x, 2))) < within) y = std::fmin(y, component(x, 1));
   };
-  if (w.objects().kind(id) == ObjectKind::cloth) {
+  if (w.objects().kind(id) == kClothKind) {
     Cloth& cloth = w.need<Cloth>();
     for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) take(cloth.point(id, i));
   } else {

@@ -263,7 +263,7 @@ TEST_CASE("a kinematic body carries cloth; a cloth falling on a sleeper wakes it
   for (int k = 0; k < 120; ++k) {
     w.step();
     for (const Event& e : w.events().list())
-      woke += e.kind == EventKind::wake && e.a == sleeper && e.cause == WakeCause::cloth && e.b == other;
+      woke += e.kind == EventKind::wake && e.a == sleeper && e.cause == kClothCause && e.b == other;
   }
   CHECK(woke == 1);
   CHECK(cloth.point(id, 40)[0] == Approx(1).margin(0.05));

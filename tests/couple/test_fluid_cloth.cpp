@@ -128,7 +128,7 @@ TEST_CASE("fluid that comes wakes a sleeping sheet, and says so", "[couple][flui
   for (; step < 90 && !woken; ++step) {
     w.step();
     for (const Event& e : w.events().list())
-      woken += e.kind == EventKind::wake && e.a == sheet && e.cause == WakeCause::fluid && e.b == id;
+      woken += e.kind == EventKind::wake && e.a == sheet && e.cause == kFluidCause && e.b == id;
   }
   CAPTURE(step);
   CHECK(woken == 1);

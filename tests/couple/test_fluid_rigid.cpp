@@ -180,7 +180,7 @@ TEST_CASE("a fluid wakes the body that it presses on, and says so", "[couple][fl
       when = when > 0 ? when : w.time();
       CHECK(e.a == stone[0]);
       CHECK(e.b == rain);
-      CHECK(e.cause == WakeCause::fluid);
+      CHECK(e.cause == kFluidCause);
     }
   }
   CHECK(woken == 1);

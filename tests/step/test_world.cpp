@@ -58,13 +58,14 @@ std::unique_ptr<System> make_fake(SystemSetup& s) {
   return std::make_unique<Fake<Which>>(s);
 }
 
-const char* const kNoNames[1] = {};
+constexpr ObjectKind kBody{"body", "bodies"}, kNet{"net", "nets"};
+
 const char* const kJoins[2] = {"alpha", "beta"};
 const char* const kNeedsMissing[1] = {"gamma"};
-const SystemDescriptor kAlpha{"alpha", {kNoNames, 0}, {kNoNames, 0}, &make_fake<0>};
-const SystemDescriptor kBeta{"beta", {kNoNames, 0}, {kNoNames, 0}, &make_fake<1>};
-const SystemDescriptor kAlphaBeta{"alpha_beta", {kNoNames, 0}, kJoins, &make_fake<2>};
-const SystemDescriptor kDelta{"delta", kNeedsMissing, {kNoNames, 0}, &make_fake<0>};
+const SystemDescriptor kAlpha{.name = "alpha", .units = "things", .make = &make_fake<0>};
+const SystemDescriptor kBeta{.name = "beta", .units = "things", .make = &make_fake<1>};
+const SystemDescriptor kAlphaBeta{.name = "alpha_beta", .units = "pairs", .joins = kJoins, .make = &make_fake<2>};
+const SystemDescriptor kDelta{.name = "delta", .units = "things", .needs = kNeedsMissing, .make = &make_fake<0>};
 const SystemDescriptor* const kCatalog[] = {&kAlpha, &kBeta, &kAlphaBeta, &kDelta};
 
 WorldDesc two_substeps() {
@@ -169,9 +170,9 @@ TEST_CASE("world options out of range are refused by name", "[world]") {
 }
 
 TEST_CASE("objects: handles go stale, tombstones keep name and place", "[world]") {
-  Objects objects;
-  const ObjectId a = objects.add(ObjectKind::body, 0, "crate", objects.tag_bit("wood"));
-  const ObjectId b = objects.add(ObjectKind::net, 1, "", 0);
+  Objects objects{kBody, kNet};
+  const ObjectId a = objects.add(kBody, 0, "crate", objects.tag_bit("wood"));
+  const ObjectId b = objects.add(kNet, 1, "", 0);
   CHECK(objects.find("crate") == a);
   CHECK(objects.describe(a) == "body \"crate\"");
   CHECK(objects.known_tag("wood") == objects.tags(a));
@@ -182,7 +183,7 @@ TEST_CASE("objects: handles go stale, tombstones keep name and place", "[world]"
   CHECK(objects.name(a) == "crate");
   CHECK(objects.destroyed_at(a) == "tower.lua:41");
   // the slot is not used again at once
-  for (int i = 0; i < 32; ++i) objects.remove(objects.add(ObjectKind::body, 0, "x", 0), "");
+  for (int i = 0; i < 32; ++i) objects.remove(objects.add(kBody, 0, "x", 0), "");
   CHECK(objects.name(a) == "crate");
   for (int i = 0; i < 63; ++i) objects.tag_bit("tag" + std::to_string(i));
   CHECK_THROWS_AS(objects.tag_bit("one too many"), SceneError);
@@ -190,8 +191,8 @@ TEST_CASE("objects: handles go stale, tombstones keep name and place", "[world]"
 
 TEST_CASE("events are sorted by kind and partners, pending ones included", "[world]") {
   Arena arena("events");
-  Objects objects;
-  const ObjectId a = objects.add(ObjectKind::body, 0, "a", 0), b = objects.add(ObjectKind::body, 1, "b", 0);
+  Objects objects{kBody, kNet};
+  const ObjectId a = objects.add(kBody, 0, "a", 0), b = objects.add(kBody, 1, "b", 0);
   Events events(arena);
   Event e;
   e.kind = EventKind::contact_end, e.a = a, e.b = b;
@@ -226,9 +227,10 @@ TEST_CASE("a system that names two passes alike is found when the plan is built"
     void save(Writer&) const override {}
     void load(Reader&) override {}
   };
-  const SystemDescriptor descriptor{"twice", {kNoNames, 0}, {kNoNames, 0}, [](SystemSetup&) -> std::unique_ptr<System> {
-                                      return std::make_unique<Twice>();
-                                    }};
+  const SystemDescriptor descriptor{
+      .name = "twice", .units = "things", .make = [](SystemSetup&) -> std::unique_ptr<System> {
+        return std::make_unique<Twice>();
+      }};
   const SystemDescriptor* const catalog[] = {&descriptor};
   World world(WorldDesc{}, catalog);
   world.need_system("twice");
@@ -237,8 +239,8 @@ TEST_CASE("a system that names two passes alike is found when the plan is built"
 
 TEST_CASE("validate finds a table of objects and events that went wrong", "[world][validate]") {
   if constexpr (!kAsserts) return;
-  Objects objects;
-  const ObjectId a = objects.add(ObjectKind::body, 0, "", 0);
+  Objects objects{kBody, kNet};
+  const ObjectId a = objects.add(kBody, 0, "", 0);
   objects.remove(a, "");
   CHECK_THAT(failed_assert([&] { objects.remove(a, ""); }), Catch::Contains("alive"));
   Store store;

@@ -27,7 +27,7 @@ ObjectId add_chain(World& world, int count) {
 }  // namespace
 
 TEST_CASE("a frame shows bodies where they are", "[view]") {
-  World world({}, lua::catalog());
+  World world({}, catalog());
   add_ground(world);
   const ObjectId box = add_box(world, vec3(1, 2, 3), vec3(4, 5, 6), BodyType::dynamic, "crate1");
   add_box(world, vec3(1, 1, 1), vec3(0, 3, 0), BodyType::fixed);
@@ -47,7 +47,7 @@ TEST_CASE("a frame shows bodies where they are", "[view]") {
 }
 
 TEST_CASE("sleeping bodies are marked and greyer", "[view]") {
-  World world({}, lua::catalog());
+  World world({}, catalog());
   add_ground(world);
   const ObjectId box = add_box(world, vec3(1, 1, 1), vec3(0, Real(0.5), 0));
   const Color awake = collected(world).instances[0].color;
@@ -59,7 +59,7 @@ TEST_CASE("sleeping bodies are marked and greyer", "[view]") {
 }
 
 TEST_CASE("a layer that is off is not collected, and none is collected twice", "[view]") {
-  World world({}, lua::catalog());
+  World world({}, catalog());
   add_ground(world);
   add_box(world, vec3(1, 1, 1), vec3(0, Real(0.5), 0), BodyType::dynamic, "box");
   add_chain(world, 4);
@@ -98,7 +98,7 @@ TEST_CASE("toggles are found by name", "[view]") {
 
 TEST_CASE("collecting changes nothing: the hash of a run is the same with and without", "[view]") {
   const auto run = [](bool drawn) {
-    World world({}, lua::catalog());
+    World world({}, catalog());
     add_ground(world);
     for (int i = 0; i < 8; ++i)
       add_box(world, vec3(1, 1, 1), vec3(Real(0.1) * Real(i % 3), Real(0.6) + Real(1.1) * Real(i), 0));
@@ -119,7 +119,7 @@ TEST_CASE("collecting changes nothing: the hash of a run is the same with and wi
 }
 
 TEST_CASE("frames are reused: nothing moves once warm", "[view]") {
-  World world({}, lua::catalog());
+  World world({}, catalog());
   add_ground(world);
   for (int i = 0; i < 50; ++i) add_box(world, vec3(1, 1, 1), vec3(Real(2 * i), 2, 0));
   add_chain(world, 20);

@@ -219,7 +219,7 @@ TEST_CASE("the camera sees its subject whole and large", "[view]") {
 }
 
 TEST_CASE("what has flown off does not make the picture tiny", "[view]") {
-  World world({}, lua::catalog());
+  World world({}, catalog());
   for (int i = 0; i < 10; ++i) add_box(world, vec3(1, 1, 1), vec3(0, Real(i), 0));
   const Bounds near = subject_of(feder::test::collected(world));
   add_box(world, vec3(1, 1, 1), vec3(500, 0, 0));
@@ -229,7 +229,7 @@ TEST_CASE("what has flown off does not make the picture tiny", "[view]") {
 TEST_CASE("10,000 boxes or 100,000 points: few calls, under 4 ms of the calling thread", "[view][gl][speed]") {
   Headless gl(640, 360);
   Renderer renderer(without_drawing(gl.loader()));
-  World world({}, lua::catalog());
+  World world({}, catalog());
   add_ground(world);
   for (int i = 0; i < 10000; ++i)
     add_box(world, vec3(1, Real(0.5), 1), vec3(Real(2 * (i % 100)), Real(1), Real(2 * (i / 100))));

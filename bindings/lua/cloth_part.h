@@ -1,0 +1,13 @@
+// Cloth in Lua.
+#pragma once
+#include "cloth/cloth.h"
+#include "lua/objects.h"
+
+namespace feder::lua {
+
+const Part& cloth_part();
+
+int world_cloth(lua_State* L);
+std::span<const Method> cloth_methods();
+
+}  // namespace feder::lua

@@ -1,0 +1,205 @@
+#include "lua/rigid_part.h"
+
+#include "lua/shapes.h"
+#include "lua/yaml_scene.h"
+
+namespace feder::lua {
+namespace {
+
+int world_bodies(lua_State* L) {
+  WorldRecord& r = check_world(L);
+  const Objects& objects = r.world->objects();
+  bool filtered = false;
+  TagMask tags = 0;
+  if (!lua_isnoneornil(L, 2)) {
+    Options o(L, 2, function_name(L));
+    std::vector<std::string> words;
+    filtered = o.words("tag", words);
+    o.finish();
+    for (const std::string& w : words) tags |= objects.known_tag(w);
+  }
+  lua_newtable(L);
+  lua_Integer n = 0;
+  objects.for_each(kBodyKind, [&](ObjectId id) {
+    if (r.special.count(id) || (filtered && !(objects.tags(id) & tags))) return;
+    push_handle(L, r, id);
+    lua_rawseti(L, -2, ++n);
+  });
+  return 1;
+}
+
+int world_max_penetration(lua_State* L) {
+  Collide* collide = check_world(L).world->query<Collide>();
+  lua_pushnumber(L, collide ? collide->max_penetration() : Real(0));
+  return 1;
+}
+
+std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::string& where) {
+  Rigid& bodies = rigid(record);
+  std::vector<ObjectId> joints;  // go with their bodies
+  if (bodies.joint_count() > 0) {
+    record.world->objects().for_each(kJointKind, [&](ObjectId joint) {
+      const Rigid::JointInfo info = bodies.joint_info(joint);
+      if (info.a == id || info.b == id) joints.push_back(joint);
+    });
+  }
+  bodies.destroy_body(id, where);
+  return joints;
+}
+
+std::vector<ObjectId> destroy_joint(WorldRecord& record, ObjectId id, const std::string& where) {
+  rigid(record).destroy_joint(id, where);
+  return {};
+}
+
+Pose body_pose(WorldRecord& record, ObjectId id) { return rigid(record).pose(id); }
+
+void gravity_changed(World& world) {
+  if (Rigid* bodies = world.find<Rigid>()) bodies->wake_all(WakeCause::script);
+}
+
+void apply_forces(ForceRun& run) {
+  World& world = *run.record().world;
+  Rigid* bodies = world.find<Rigid>();
+  if (!bodies) return;
+  const Objects& objects = world.objects();
+  for (std::size_t k = 0; k < run.forces().size(); ++k) {
+    const std::uint64_t start = clock_nanoseconds();
+    for (std::uint32_t i = 0; i < bodies->bodies().size() && !run.failed(k); ++i) {
+      const Bodies& b = bodies->bodies();
+      const ObjectId id = b.object[i];
+      if (b.type[i] != BodyType::dynamic || !run.acts(k, id)) continue;
+      Vec3 force = Vec3::Zero();
+      if (!run.ask(k, b.position[i], b.velocity[i], b.mass[i], force) || !objects.alive(id)) continue;
+      Vec3& held = run.forces()[k].held.try_emplace(i, force).first->second;
+      // a sleeping body stays asleep under a force that it fell asleep with
+      if (!bodies->bodies().awake[i] && length(force - held) <= Real(1e-3) * length(held)) continue;
+      held = force;
+      if (dot(force, force) > 0) bodies->apply_force(id, force, nullptr);
+    }
+    run.count(k, clock_nanoseconds() - start);
+  }
+}
+
+// repeat: { count:, step: }: how many, and how far apart.
+void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
+  count = 1;
+  if (lua_getfield(L, options, "repeat") != LUA_TNIL) {
+    Options o(L, -1, "repeat");
+    std::int64_t n = 1;
+    Vec3 v = Vec3::Zero();
+    if (!o.integer("count", n, 0, 1000000)) o.wrong("count", "a whole number from 0 to 1000000");
+    o.vector("step", v);
+    o.finish();
+    count = n;
+    for (int k = 0; k < 3; ++k) step[k] = v[k];
+    lua_pushnil(L);
+    lua_setfield(L, options, "repeat");
+  }
+  lua_pop(L, 1);
+}
+
+void make_bodies(lua_State* L, int world, const char* maker) {
+  const int options = lua_gettop(L);
+  if (lua_type(L, options) != LUA_TTABLE) fail(L, "bodies: expected a list of tables, got " + describe(L, options));
+  lua_Integer count = 1;
+  double step[3] = {0, 0, 0};
+  read_repeat(L, options, count, step);
+  if (lua_getfield(L, options, "shape") != LUA_TNIL) {
+    make_shape(L);
+    lua_setfield(L, options, "shape");
+  } else {
+    lua_pop(L, 1);
+  }
+  for (lua_Integer i = 0; i < count; ++i) {
+    lua_newtable(L);
+    copy_places(L, options, -1);
+    for (lua_pushnil(L); lua_next(L, options);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+    if (count > 1) {
+      lua_getfield(L, -1, "name");
+      if (lua_type(L, -1) == LUA_TSTRING) {
+        lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
+        lua_setfield(L, -3, "name");
+      }
+      lua_pop(L, 1);
+      lua_getfield(L, -1, "position");
+      const int position = lua_gettop(L);
+      lua_newtable(L);
+      for (int k = 1; k <= 3; ++k) {
+        double x = 0;
+        if (lua_type(L, position) == LUA_TTABLE) {
+          lua_rawgeti(L, position, k);
+          x = lua_isnil(L, -1) ? 0 : check_number(L, -1, "position");
+          lua_pop(L, 1);
+        }
+        lua_pushnumber(L, x + static_cast<double>(i) * step[k - 1]);
+        lua_rawseti(L, -2, k);
+      }
+      lua_setfield(L, -3, "position");
+      lua_pop(L, 1);
+    }
+    make_object(L, world, maker);
+  }
+  lua_settop(L, options - 1);
+}
+
+// a and b are names.
+void make_joint(lua_State* L, int world) {
+  const int options = lua_gettop(L);
+  resolve_name(L, world, options, "a"), resolve_name(L, world, options, "b");
+  make_object(L, world, "joint");
+}
+
+const Method kWorld[] = {
+    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API"},
+    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
+     "joins two bodies, or one and the world"},
+    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
+     "sensor_enter and sensor_leave events"},
+    {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag"},
+    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number",
+     "of touching contacts now, m"},
+};
+
+// Of worlds: makers, then queries.
+std::vector<Method> world_rows() {
+  std::vector<Method> all(std::begin(kWorld), std::end(kWorld));
+  const std::span<const Method> queries = query_methods();
+  all.insert(all.end(), queries.begin(), queries.end());
+  return all;
+}
+
+const YamlList kYaml[] = {{"bodies", [](lua_State* L, int world) { make_bodies(L, world, "body"); }},
+                          {"regions", [](lua_State* L, int world) { make_bodies(L, world, "region"); }},
+                          {"joints", make_joint}};
+
+}  // namespace
+
+Rigid& rigid(WorldRecord& record) {
+  Rigid& r = record.world->need<Rigid>();
+  if (record.has_pairs) return r;
+  record.has_pairs = true;
+  Collide& collide = record.world->need<Collide>();
+  for (const NamedMaterialPair& p : record.settings.material_pairs)
+    collide.set_material_pair(
+        {collide.material(p.a), collide.material(p.b), p.friction_static, p.friction_dynamic, p.restitution});
+  return r;
+}
+
+const Part& rigid_part() {
+  static const std::vector<Method> world = world_rows();
+  static const ObjectClass classes[] = {
+      {.name = "body", .methods = body_methods(), .destroy = &destroy_body, .takes_forces = true, .pose = &body_pose},
+      {.name = "joint", .methods = joint_methods(), .destroy = &destroy_joint},
+      {.name = "region", .methods = region_methods(), .destroy = &destroy_body}};
+  static const Part part = {.name = "rigid",
+                            .functions = {},
+                            .world = world,
+                            .classes = classes,
+                            .yaml = kYaml,
+                            .gravity_changed = &gravity_changed,
+                            .apply_forces = &apply_forces};
+  return part;
+}
+
+}  // namespace feder::lua

@@ -1,0 +1,26 @@
+// Bodies, joints, regions and queries in Lua.
+#pragma once
+#include "collide/collide.h"
+#include "lua/objects.h"
+#include "rigid/rigid.h"
+
+namespace feder::lua {
+
+const Part& rigid_part();
+
+Rigid& rigid(WorldRecord& record);  // made on first use, with the material pairs
+
+int world_body(lua_State* L);
+int world_joint(lua_State* L);
+int world_region(lua_State* L);
+std::span<const Method> body_methods();
+std::span<const Method> joint_methods();
+std::span<const Method> region_methods();
+std::span<const Method> query_methods();
+
+BodyType body_type_from_name(lua_State* L, int index);
+const char* body_type_name(BodyType type);
+// friction = number | { static =, dynamic = }, of an options table.
+bool friction_option(Options& o, Real& fixed, Real& dynamic);
+
+}  // namespace feder::lua

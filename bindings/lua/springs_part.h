@@ -1,0 +1,14 @@
+// Nets in Lua.
+#pragma once
+#include "lua/objects.h"
+#include "springs/springs.h"
+
+namespace feder::lua {
+
+const Part& springs_part();
+
+int world_net(lua_State* L);
+std::span<const Method> net_methods();
+SpringDesc read_spring(Options& o, std::size_t point_count);
+
+}  // namespace feder::lua
