@@ -49,9 +49,10 @@ std::string unknown_command(const std::string& word) {
   return message;
 }
 
-int run_command(const Row& row, int argc, char* argv[]) {
+int run_command(const Row& row, int argc, char* argv[], const Build& build) {
   Arguments arguments(row.name, row.summary);
   Options options;
+  options.build = build;
   const auto command = row.make();
   command->declare(arguments);
   declare(arguments, options);
@@ -66,7 +67,7 @@ int run_command(const Row& row, int argc, char* argv[]) {
 
 }  // namespace
 
-int run_program(int argc, char* argv[]) {
+int run_program(int argc, char* argv[], const Build& build) {
   const std::string word = argc > 1 ? argv[1] : "";
   try {
     if (word == "--help" || word == "-h" || word == "help") return fmt::print("{}", help_text()), kPass;
@@ -74,7 +75,7 @@ int run_program(int argc, char* argv[]) {
     if (word.empty()) return fmt::print(stderr, "{}", help_text()), kUsage;
     const Row* row = find_command(word);
     if (!row) throw Failure(kUsage, unknown_command(word));
-    return run_command(*row, argc - 1, argv + 1);
+    return run_command(*row, argc - 1, argv + 1, build);
   } catch (const Failure& e) {
     print_error(e.what());
     return e.status();

@@ -64,6 +64,7 @@ void declare(Arguments& a, Options& o) {
 
 lua::HostOptions host_options(const Options& o) {
   lua::HostOptions host;
+  host.parts = o.build.parts, host.systems = o.build.systems;
   host.library_roots = library_roots();
   for (const std::string& given : o.set)
     host.set.insert_or_assign(split(given, "--set").first, split(given, "--set").second);

@@ -10,7 +10,14 @@
 
 namespace feder::cli {
 
+// What a program is made of: all of this build. A program with systems of its own lists them too (tests/toy).
+struct Build {
+  std::span<const lua::Part* const> parts = lua::parts();
+  Catalog systems = catalog();
+};
+
 struct Options {
+  Build build;
   bool json = false, quiet = false;
   std::string seed, dt;  // as given; empty when not given
   std::string limit, memory, timeout;

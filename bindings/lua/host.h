@@ -56,12 +56,13 @@ std::span<const Part* const> parts();  // all of this build, in the library fede
 struct HostOptions {
   std::span<const Part* const> parts = lua::parts();
   Catalog systems = catalog();
-  std::vector<std::filesystem::path> library_roots;  // folders that `require` may read besides the scene's (scripts/)
-  std::map<std::string, std::string> set;            // --set NAME=VALUE: values for feder.param
-  std::map<std::string, std::string> world;          // --world KEY=VALUE: "dt", "substeps", "rigid.solver" ...
+  std::vector<std::filesystem::path> library_roots =
+      {};                                         // folders that `require` may read besides the scene's (scripts/)
+  std::map<std::string, std::string> set = {};    // --set NAME=VALUE: values for feder.param
+  std::map<std::string, std::string> world = {};  // --world KEY=VALUE: "dt", "substeps", "rigid.solver" ...
   bool has_seed = false;
   std::uint64_t seed = 1;
-  std::function<void(std::string_view)> print;            // output of print(); stdout when empty
+  std::function<void(std::string_view)> print = {};       // output of print(); stdout when empty
   std::size_t memory_limit = std::size_t(1) << 30;        // bytes of Lua memory; the size of a world is not limited
   std::uint64_t output_limit = std::uint64_t(256) << 20;  // bytes that print() may write in all; 0: none
   // Lua instructions per call from the host, four times as many in build(). Each handler, timer, task and force
@@ -75,7 +76,7 @@ struct HostOptions {
   const std::atomic<bool>* stop = nullptr;
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see yaml/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
-  std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml;
+  std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
 };
 
 // A declared feder.param.

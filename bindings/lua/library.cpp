@@ -41,9 +41,9 @@ fs::path inside(const fs::path& folder, const fs::path& name) {
 
 // Modules of feder's own that this build lacks.
 bool is_left_out(const std::string& name) {
-  constexpr std::string_view own = "feder.", without = ";" FEDER_WITHOUT ";view;study;";  // the last two: to come
+  constexpr std::string_view own = "feder.", without = "," FEDER_WITHOUT ",view,study,";  // the last two: to come
   if (name.rfind(own, 0) != 0) return false;
-  return without.find(";" + name.substr(own.size()) + ";") != std::string_view::npos;
+  return without.find("," + name.substr(own.size()) + ",") != std::string_view::npos;
 }
 
 void run_module(lua_State* L, const std::string& name, const fs::path& file) {

@@ -102,8 +102,8 @@ std::string one_line(std::string text) {
 
 int unknown_member(lua_State* L) {  // upvalues: class name, methods
   const char* name = lua_tostring(L, lua_upvalueindex(1));
-  constexpr std::string_view without = ";" FEDER_WITHOUT ";";
-  if (lua_type(L, 2) == LUA_TSTRING && without.find(";" + std::string(lua_tostring(L, 2)) + ";") != without.npos)
+  constexpr std::string_view without = "," FEDER_WITHOUT ",";
+  if (lua_type(L, 2) == LUA_TSTRING && without.find("," + std::string(lua_tostring(L, 2)) + ",") != without.npos)
     fail(L, std::string(name) + ":" + lua_tostring(L, 2) + ": this build leaves out the module '" + lua_tostring(L, 2) +
                 "'");
   std::vector<std::string> known;

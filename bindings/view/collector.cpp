@@ -48,8 +48,8 @@ void collect_marks(World& world, Frame& frame) {
 
 }  // namespace
 
-Collector::Collector() {
-  for (const Row& row : frame_sources()) sources_.push_back(row.make());
+Collector::Collector(std::span<const Row> sources) {
+  for (const Row& row : sources) sources_.push_back(row.make());
 }
 
 void Collector::collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame) {

@@ -37,7 +37,7 @@ std::span<const Row> frame_sources();
 
 class Collector {
  public:
-  Collector();
+  explicit Collector(std::span<const Row> sources = frame_sources());
   // `look` may be null.
   void collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame);
 

@@ -37,7 +37,7 @@ TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses
   wd.sleeping = false;
   World w(wd, kClothOnly);
   Cloth& cloth = w.need<Cloth>();
-  const std::uint32_t n = sizeof(Real) == 4 && !kAsserts ? 40 : 24;  // double is three times slower, dev ten
+  const std::uint32_t n = sizeof(Real) == 4 ? 40 : 24;  // double is three times slower
   ClothDesc d = sheet(n, n, 1, 1);
   d.thickness = Real(0.01);
   d.bend = Real(1e-5);
@@ -47,21 +47,17 @@ TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses
   const ObjectId id = cloth.add_cloth(d);
   for (std::size_t i = 0; i < n * n; ++i) cloth.set_point(id, i, folded(cloth.point(id, i), Real(0.06)));
   std::size_t worst = 0, frames = 0;
-  double guarded = 0, widened = 0;
-  for (int k = 0; k < 600; ++k) {
+  const int steps = kAsserts ? 300 : 600;  // with asserts it is ten times slower, and lies after 5 s
+  for (int k = 0; k < steps; ++k) {
     w.step();
     Soup s;
     s.add(cloth, id);
     const std::size_t crossings = count_crossings(s);
     worst = std::max(worst, crossings);
     frames += crossings > 0;
-    for (const Residual& r : w.residuals()) {
-      if (r.name == "cloth.guarded") guarded += r.value;
-      if (r.name == "cloth.widened") widened += r.value;
-    }
   }
-  std::printf("folded sheet: %zu frames with crossings, at most %zu; guarded %g, widened %g, stretch %.3f\n", frames,
-              worst, guarded, widened, static_cast<double>(cloth.max_strain(id)));
+  std::printf("folded sheet: %zu frames with crossings, at most %zu; stretch %.3f\n", frames, worst,
+              static_cast<double>(cloth.max_strain(id)));
   CHECK(frames == 0);
   CHECK(w.is_finite());
   // it lies on itself: the upper layer has come down to the thickness and not through

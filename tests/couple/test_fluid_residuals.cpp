@@ -19,8 +19,7 @@ class Thief final : public System {
  public:
   static constexpr const char* kName = "thief";
   static const SystemDescriptor& descriptor() {
-    static const SystemDescriptor d = {
-        kName, {}, {}, [](SystemSetup& s) -> std::unique_ptr<System> { return std::make_unique<Thief>(s); }};
+    static const SystemDescriptor d = {.name = kName, .units = "hands", .make = &make_system<Thief>};
     return d;
   }
   explicit Thief(SystemSetup& s)
