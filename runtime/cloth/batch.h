@@ -22,6 +22,8 @@ struct HingeBatch {
   Lane8 multiplier;    // N m s^2
 };
 
+inline constexpr WideReal kTieSpeed = 3;  // m/s, at which what a tie finds too far away is drawn in
+
 // Eight vertices that may go no farther from an anchor that stays than along the cloth. No vertex twice in a layer.
 struct TieBatch {
   unsigned a[kLanes];

@@ -108,8 +108,6 @@ void limit_links(const ClothPass& p) {
   }
 }
 
-constexpr WideReal kTieSpeed = 3;  // m/s
-
 // Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012). What was beyond it
 // when the step began (a script moved the anchor) comes back at kTieSpeed.
 void solve_ties(const ClothPass& p) {

@@ -17,7 +17,6 @@
 
 namespace feder {
 namespace {
-constexpr Real kTieSpeed = 3;          // m/s, at which what a tie finds too far away is drawn in
 constexpr std::size_t kNearest = 2;    // pins of a vertex
 constexpr std::size_t kFarPins = 32;   // looked at for whether pins have moved apart
 constexpr Real kCarried = Real(1.25);  // times its reach: farther from its anchor a vertex gets by scripts only
