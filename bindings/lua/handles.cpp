@@ -260,7 +260,8 @@ Self check_self(lua_State* L) {
 }
 
 Handle* test_handle(lua_State* L, int index) {
-  if (void* block = test_class(L, index, Class::force)) return static_cast<Handle*>(block);
+  for (Class c : {Class::force, Class::object})
+    if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
   for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
     if (void* block = test_class(L, index, static_cast<Class>(c))) return static_cast<Handle*>(block);
   return nullptr;
@@ -276,7 +277,7 @@ ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::s
 
 ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what, const char* name) {
   const Handle* h = test_handle(L, index);
-  if (!h || h->kind != object_class(state(L), name))
+  if (!h || h->kind == Class::object || h->kind != object_class(state(L), name))
     fail(L, what + ": expected a " + name + ", got " + describe(L, index));
   return check_object(L, index, record, what);
 }
@@ -326,8 +327,10 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   std::vector<ObjectId> others;
   if (const ObjectClass* row = class_row(state(L), class_of(state(L), record, id)))
     others = row->destroy(record, id, where);
-  else
+  else if (objects.kind(id) == kForceKind)
     destroy_force(L, record, id, where);
+  else
+    fail_here(L, "this host has no part that destroys " + objects.describe(id));
   bury(L, record, id, name, where);
   record.special.erase(id);
   for (ObjectId other : others) bury(L, record, other, objects.name(other), where);
@@ -396,7 +399,7 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  std::vector<Class> classes = {Class::force};
+  std::vector<Class> classes = {Class::force, Class::object};
   for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
     classes.push_back(static_cast<Class>(c));
   for (Class c : classes) {

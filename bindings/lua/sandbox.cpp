@@ -136,6 +136,8 @@ void make_classes(lua_State* L) {
   const State& s = state(L);
   const List force[] = {object_methods(), force_methods()};
   make_class(L, Class::force, force);
+  const List object[] = {object_methods()};
+  make_class(L, Class::object, object);
   for (std::size_t i = 0; i < s.object_classes.size(); ++i) {
     const List own[] = {object_methods(), s.object_classes[i]->methods};
     make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)), own);

@@ -132,7 +132,8 @@ const ObjectClass* class_row(const State& s, Class c) {
 }
 
 const char* class_name(const State& s, Class c) {
-  static const char* const names[kOwnClasses] = {"world", "force", "shape", "buffer", "connection", "task", "event"};
+  static const char* const names[kOwnClasses] = {"world",  "object",     "force", "shape",
+                                                 "buffer", "connection", "task",  "event"};
   const ObjectClass* row = class_row(s, c);
   return row ? row->name : names[static_cast<int>(c)];
 }
@@ -141,7 +142,7 @@ Class object_class(const State& s, std::string_view name) {
   if (name == kForceKind.text()) return Class::force;
   for (std::size_t i = 0; i < s.object_classes.size(); ++i)
     if (name == s.object_classes[i]->name) return static_cast<Class>(kOwnClasses + static_cast<int>(i));
-  return Class::world;
+  return Class::object;
 }
 
 State::State(HostOptions o) : options(std::move(o)), rng(options.has_seed ? options.seed : 1) {
@@ -352,7 +353,7 @@ void relay(lua_State* L, const std::string& what) {
   const std::size_t dot = name.find_last_of(":.");
   const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
   if (what.rfind(last + ":", 0) == 0 || what.rfind(last + ".", 0) == 0) fail(L, name + what.substr(last.size()));
-  const bool noun = last == "world" || object_class(state(L), last) != Class::world;  // it makes one of these
+  const bool noun = last == "world" || object_class(state(L), last) != Class::object;  // it makes one of these
   std::size_t word = 0;
   while (word < what.size() &&
          (std::isalnum(static_cast<unsigned char>(what[word])) || what[word] == '_' || what[word] == '.'))

@@ -26,7 +26,8 @@ struct ObjectClass;
 struct Task;
 
 // Classes of userdata: the binding's own, then those of the host's parts.
-enum class Class : int { world, force, shape, buffer, connection, task, event, parts };
+// `object`: one of a system that has no part here.
+enum class Class : int { world, object, force, shape, buffer, connection, task, event, parts };
 inline constexpr int kOwnClasses = static_cast<int>(Class::parts);
 
 // A row of the API: what a script sees, and what `feder doc` prints.
@@ -146,7 +147,7 @@ struct State {
 };
 
 const char* class_name(const State& s, Class c);
-// The class that parts or the binding give objects of the world under that name; Class::world when there is none.
+// The class that parts or the binding give objects of the world under that name; Class::object when there is none.
 Class object_class(const State& s, std::string_view name);
 // Null for the binding's own.
 const ObjectClass* class_row(const State& s, Class c);

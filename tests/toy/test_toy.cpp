@@ -86,6 +86,30 @@ TEST_CASE("a system from outside: mistakes are named", "[toy]") {
              Catch::Contains("expected a tag, a body, a net"));
 }
 
+TEST_CASE("objects of a system that has no part are handles without methods of their own", "[toy]") {
+  const ToyBuild toy;
+  std::string printed;
+  lua::Script script(lua::HostOptions{
+      .parts = lua::parts(), .systems = toy.systems, .print = [&](std::string_view text) { printed += text; }});
+  script.load_string(R"(
+local feder = require "feder"
+return feder.scene { build = function(world)
+  world:on("sleep", function(e)
+    print(e.object:kind(), e.object:name(), e.object:alive(), tostring(e.object))
+    print(pcall(e.object.destroy, e.object))
+  end)
+end })",
+                     "a.lua");
+  script.build();
+  WindSockDesc d;
+  d.name = "sock", d.wind = vec3(0, -1, 0);
+  script.world()->need<WindSocks>().add(d);
+  for (int i = 0; i < 60; ++i) script.step();
+  CHECK_THAT(printed, Catch::Contains("object\tsock\ttrue\tobject \"sock\""));
+  CHECK_THAT(printed, Catch::Contains("false\ta.lua:6: object:destroy: this host has no part that destroys wind_sock"));
+  CHECK(script.world()->is_finite());
+}
+
 TEST_CASE("a system from outside: snapshots, hash and absence", "[toy]") {
   const ToyBuild toy;
   lua::Script script(options(toy));
