@@ -10,27 +10,7 @@ std::vector<ObjectId> destroy_cloth(WorldRecord& record, ObjectId id, const std:
   return {};
 }
 
-void clear_forces(World& world) {
-  if (Cloth* cloth = world.find<Cloth>()) cloth->clear_script_forces();
-}
-
-void apply_forces(ForceRun& run) {
-  World& world = *run.record().world;
-  Cloth* cloth = world.find<Cloth>();
-  if (!cloth) return;
-  cloth->clear_script_forces();
-  const Objects& objects = world.objects();
-  std::vector<ObjectId> all;
-  objects.for_each(kClothKind, [&](ObjectId id) { all.push_back(id); });
-  for (const ObjectId id : all) {
-    if (!objects.alive(id) || !run.any(id)) continue;
-    for (std::size_t i = 0; objects.alive(id) && i < cloth->vertex_count(id); ++i) {
-      const Vec3 force = run.sum(id, static_cast<std::uint32_t>(i), cloth->point(id, i), cloth->velocity(id, i),
-                                 cloth->point_mass(id, i));
-      if (objects.alive(id) && dot(force, force) > 0) cloth->set_script_force(id, i, force);
-    }
-  }
-}
+void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kClothKind, &Cloth::vertex_count); }
 
 const Method kWorld[] = {
     {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
@@ -49,7 +29,7 @@ const Part& cloth_part() {
                             .classes = classes,
                             .yaml = kYaml,
                             .apply_forces = &apply_forces,
-                            .clear_forces = &clear_forces};
+                            .clear_forces = &clear_script_forces<Cloth>};
   return part;
 }
 

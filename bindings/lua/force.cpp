@@ -236,14 +236,12 @@ bool ForceRun::any(ObjectId object) const {
 bool ForceRun::ask(std::size_t k, const Vec3& position, const Vec3& velocity, Real mass, Vec3& out) {
   out = Vec3::Zero();
   if (failed_[k]) return false;
+  const std::uint64_t start = clock_nanoseconds();
   failed_[k] = !evaluate(L_, record_, forces_[k], position, velocity, mass, out);
+  HandlerProfile& profile = state(L_).profile[forces_[k].profile];
+  profile.calls += 1, profile.nanoseconds += clock_nanoseconds() - start;
   if (failed_[k]) out = Vec3::Zero();
   return !failed_[k];
-}
-
-void ForceRun::count(std::size_t k, std::uint64_t nanoseconds) {
-  auto& profile = state(L_).profile[forces_[k].profile];
-  profile.calls += 1, profile.nanoseconds += nanoseconds;
 }
 
 Vec3 ForceRun::sum(ObjectId object, std::uint32_t point, const Vec3& position, const Vec3& velocity, Real mass) {

@@ -7,6 +7,7 @@
 #include "forces/force.h"
 #include "lua/state.h"
 #include "state/objects.h"
+#include "world/world.h"
 
 namespace feder::lua {
 
@@ -37,7 +38,6 @@ class ForceRun {
   // Force k at a point, N: false, and zero, when it fails or has failed.
   bool ask(std::size_t k, const Vec3& position, const Vec3& velocity, Real mass, Vec3& out);
   bool failed(std::size_t k) const { return failed_[k] != 0; }
-  void count(std::size_t k, std::uint64_t nanoseconds);  // in the profile of handlers
   // The sum over those that act on a point (which counts from 0) of an object.
   Vec3 sum(ObjectId object, std::uint32_t point, const Vec3& position, const Vec3& velocity, Real mass);
 
@@ -47,6 +47,30 @@ class ForceRun {
   std::vector<ScriptForce> forces_;
   std::vector<char> failed_;
 };
+
+// For a system whose objects of a kind have points: each point's sum becomes its script force.
+template <class System>
+void apply_to_points(ForceRun& run, World& world, ObjectKind kind, std::size_t (System::*count)(ObjectId) const) {
+  System* system = world.find<System>();
+  if (!system) return;
+  system->clear_script_forces();
+  const Objects& objects = world.objects();
+  std::vector<ObjectId> all;
+  objects.for_each(kind, [&](ObjectId id) { all.push_back(id); });
+  for (const ObjectId id : all) {
+    if (!objects.alive(id) || !run.any(id)) continue;
+    for (std::size_t i = 0; objects.alive(id) && i < (system->*count)(id); ++i) {
+      const Vec3 force = run.sum(id, static_cast<std::uint32_t>(i), system->point(id, i), system->velocity(id, i),
+                                 system->point_mass(id, i));
+      if (objects.alive(id) && dot(force, force) > 0) system->set_script_force(id, i, force);
+    }
+  }
+}
+
+template <class System>
+void clear_script_forces(World& world) {
+  if (System* system = world.find<System>()) system->clear_script_forces();
+}
 
 // Evaluates the functions for every point and body they act on, and hands the sums to the systems.
 void apply_script_forces(lua_State* L, WorldRecord& record);

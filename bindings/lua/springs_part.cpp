@@ -13,28 +13,7 @@ std::vector<ObjectId> destroy_net(WorldRecord& record, ObjectId id, const std::s
 
 std::size_t point_count(WorldRecord& record, ObjectId id) { return record.world->need<Springs>().point_count(id); }
 
-void clear_forces(World& world) {
-  if (Springs* springs = world.find<Springs>()) springs->clear_script_forces();
-}
-
-void apply_forces(ForceRun& run) {
-  World& world = *run.record().world;
-  Springs* springs = world.find<Springs>();
-  if (!springs) return;
-  springs->clear_script_forces();
-  std::vector<ObjectId> nets;
-  world.objects().for_each(kNetKind, [&](ObjectId id) { nets.push_back(id); });
-  std::vector<Vec3> positions;
-  for (const ObjectId net : nets) {
-    if (!world.objects().alive(net) || !run.any(net)) continue;
-    springs->positions(net, positions);
-    for (std::size_t i = 0; i < positions.size() && world.objects().alive(net); ++i) {
-      const Vec3 force = run.sum(net, static_cast<std::uint32_t>(i), positions[i], springs->velocity(net, i),
-                                 springs->point_mass(net, i));
-      if (world.objects().alive(net) && dot(force, force) > 0) springs->set_script_force(net, i, force);
-    }
-  }
-}
+void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kNetKind, &Springs::point_count); }
 
 const Method kFunctions[] = {
     {"advise", guard<feder_advise>,
@@ -62,7 +41,7 @@ const Part& springs_part() {
                             .classes = classes,
                             .yaml = kYaml,
                             .apply_forces = &apply_forces,
-                            .clear_forces = &clear_forces};
+                            .clear_forces = &clear_script_forces<Springs>};
   return part;
 }
 

@@ -48,6 +48,22 @@ TEST_CASE("a held force is warned about with the order and the cure", "[lua][for
         "with order 1, not 4 of rk4; give each as a formula in quotes, or stages = true\n");
 }
 
+TEST_CASE("the profile counts each call of a force, whatever it acts on", "[lua][forces]") {
+  const std::string on = GENERATE("w:net{ points = {{0,0,0}, {1,0,0}} }",
+                                  "w:cloth{ size = {1, 1}, resolution = {2, 2} }", "w:body{ shape = feder.sphere(1) }");
+  CAPTURE(on);
+  lua::Script script(lua::HostOptions{});
+  script.load_string(
+      "local feder = require 'feder' calls = 0 local w = feder.world{ gravity = {0,0,0} } "
+      "w:force{ on = " +
+          on + ", each = function() calls = calls + 1 return 0, 1, 0 end } w:step(3)",
+      "test.lua");
+  std::uint64_t calls = 0;
+  for (const lua::HandlerProfile& p : script.handler_profile()) calls += p.calls;
+  CHECK(calls >= 3);
+  CHECK(std::to_string(calls) == script.run_string("return calls"));
+}
+
 TEST_CASE("formulas in world:force name what is wrong", "[lua][forces]") {
   const std::string net = "local net = world:net{ points = {{1,0,0}} } ";
   const auto error = [&](const char* force) { return error_of(net + "world:force{ on = net, " + force + " }"); };
