@@ -1,8 +1,8 @@
 // Staged loops on threads that may come late. A stage is published as (epoch, what to run); a worker takes a block by
 // compare-exchange on a word that holds the epoch and the number of blocks left of a share, so that a thread that slept
 // through the end of a stage fails. The last block of a stage opens the next; only taken blocks are waited for.
-// Workers spin for some microseconds, offer their core, then sleep: on a busy machine spinning would take the time
-// from the thread that steps.
+// Workers spin for some microseconds, then sleep: on a busy machine spinning would take the time from the thread that
+// steps. They do not yield: a yield may cost a whole slice (Linux 6.18), and a sleeper is woken sooner.
 #include "base/jobs.h"
 
 #include <algorithm>
@@ -16,26 +16,24 @@
 namespace feder {
 namespace {
 
-constexpr int kWorkerSpins = 200;   // some 5 us
-constexpr int kWorkerYields = 50;   // some 20 us when nobody else wants the core
+constexpr int kWorkerSpins = 400;   // some 10 us
 constexpr int kCallerSpins = 1000;  // some 25 us: the blocks it waits for are being run
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
   _mm_pause();
+#elif defined(__aarch64__) && defined(__GNUC__)
+  __asm__ __volatile__("isb");  // yield is nothing on most cores
 #else
   std::this_thread::yield();
 #endif
 }
 
 template <class Ready>
-bool spin(int spins, int yields, Ready&& ready) {
-  for (int i = 0; i < spins + yields; ++i) {
+bool spin(int spins, Ready&& ready) {
+  for (int i = 0; i < spins; ++i) {
     if (ready()) return true;
-    if (i < spins)
-      relax();
-    else
-      std::this_thread::yield();
+    relax();
   }
   return ready();
 }
@@ -174,7 +172,7 @@ void JobPool::run_stages(std::span<const Stage> stages) {
 // Until the loop is done or its next stage is open.
 void JobPool::sleep_caller(std::uint64_t epoch) {
   const auto ready = [&] { return finished_.load() || epoch_.load() != epoch; };
-  if (spin(kCallerSpins, 0, ready)) return;
+  if (spin(kCallerSpins, ready)) return;
   caller_asleep_.store(true);
   {
     std::unique_lock lock(mutex_);
@@ -188,7 +186,7 @@ void JobPool::work(int worker) {
     const std::uint64_t epoch = epoch_.load();
     if (take_blocks(epoch, worker)) continue;
     const auto news = [&] { return epoch_.load(std::memory_order_acquire) != epoch || stop_.load(); };
-    if (!spin(kWorkerSpins, kWorkerYields, news)) {
+    if (!spin(kWorkerSpins, news)) {
       std::unique_lock lock(mutex_);
       idle_.fetch_add(1);
       if (epoch_.load() != epoch) {
@@ -212,7 +210,7 @@ bool JobPool::help(int worker) {
       any = true;
       continue;
     }
-    if (!spin(kWorkerSpins, kWorkerYields, [&] { return epoch_.load(std::memory_order_acquire) != epoch; })) break;
+    if (!spin(kWorkerSpins, [&] { return epoch_.load(std::memory_order_acquire) != epoch; })) break;
   }
   idle_.fetch_add(1);
   return any;
