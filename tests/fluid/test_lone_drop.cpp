@@ -38,7 +38,7 @@ struct Pool {
     FluidDesc d;
     d.solver = solver, d.spacing = kSpacing;
     id = add_water(w, d, vec3(width, 4 * kSpacing, width));
-    run(w, 0.25 * kShare);
+    run(w, 0.25);  // else it is not calm
   }
   void throw_in(const std::vector<Vec3>& points, const Vec3& velocity) {
     w.need<Fluid>().fill(id, points, velocity);
