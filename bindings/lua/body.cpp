@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "lua/rigid_part.h"
+#include "lua/world_options.h"
 
 namespace feder::lua {
 namespace {
@@ -230,9 +231,7 @@ int body_set_friction(lua_State* L) {
   Real fixed = 0, dynamic = 0;
   if (lua_type(L, 2) == LUA_TTABLE) {
     Options o(L, 2, function_name(L));
-    if (!o.real("static", fixed, kNotNegative) || !o.real("dynamic", dynamic, kNotNegative))
-      o.raise(nullptr, "expected a number or { static =, dynamic = }");
-    o.finish();
+    friction_table(o, fixed, dynamic);
   } else {
     fixed = number_argument(L, 2, kNotNegative);
     dynamic = lua_isnoneornil(L, 3) ? fixed : number_argument(L, 3, kNotNegative);
@@ -267,6 +266,13 @@ int body_set_gravity_scale(lua_State* L) {
   return return_self(L);
 }
 
+struct Filter {
+  std::uint32_t group = 1, mask = 0xffffffffu;
+};
+
+constexpr Option<Filter> kFilter[] = {field<&Filter::group>("group", "", kBits),
+                                      field<&Filter::mask>("mask", "", kBits)};
+
 // set_filter{ group =, mask = } or set_filter(group, mask).
 int body_set_filter(lua_State* L) {
   const Body b = body(L);
@@ -275,10 +281,10 @@ int body_set_filter(lua_State* L) {
   std::int64_t group = first == kNone ? 1 : colliders.group[first],
                mask = first == kNone ? 0xffffffffll : colliders.mask[first];
   if (lua_type(L, 2) == LUA_TTABLE) {
+    Filter filter{static_cast<std::uint32_t>(group), static_cast<std::uint32_t>(mask)};
     Options o(L, 2, function_name(L));
-    o.integer("group", group, 0, 0xffffffffll);
-    o.integer("mask", mask, 0, 0xffffffffll);
-    o.finish();
+    o.read(kFilter, filter);
+    group = filter.group, mask = filter.mask;
   } else {
     group = check_integer(L, 2, std::string(function_name(L)) + ".group", 0, 0xffffffffll);
     mask = check_integer(L, 3, std::string(function_name(L)) + ".mask", 0, 0xffffffffll);
@@ -346,7 +352,7 @@ const Method kBodyMethods[] = {
     {"set_damping", guard<body_set_damping>, "body:set_damping(linear, [angular]) -> self", "1/s"},
     {"set_gravity_scale", guard<body_set_gravity_scale>, "body:set_gravity_scale(s) -> self", "1: as the world says"},
     {"set_filter", guard<body_set_filter>, "body:set_filter{ group =, mask = } -> self",
-     "32-bit numbers; a pair meets when each group is in the other's mask"},
+     "32-bit numbers; a pair meets when each group is in the other's mask", [] { return describe_rows(kFilter); }},
     {"is_sensor", guard<body_is_sensor>, "body:is_sensor() -> boolean", "does it only notice?"},
     {"set_sensor", guard<body_set_sensor>, "body:set_sensor(on) -> self", "sensors notice and do not push"},
 };

@@ -3,130 +3,125 @@
 
 #include "lua/rigid_part.h"
 #include "lua/shapes.h"
+#include "lua/world_options.h"
 
 namespace feder::lua {
 namespace {
 
-const std::vector<std::string> kTypes = {"dynamic", "static", "kinematic"};
+constexpr const char* kTypes = "static, kinematic, dynamic";  // BodyType, from fixed on
 
-std::uint8_t lock_option(Options& o) {
-  static const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
-  std::vector<std::string> words;
-  o.words("lock", words);
-  std::uint8_t bits = 0;
-  for (const std::string& w : words) {
-    const auto found = std::find(names.begin(), names.end(), w);
-    if (found == names.end()) o.raise("lock", "expected some of x, y, z, rx, ry, rz, got '" + w + "'");
-    bits = static_cast<std::uint8_t>(bits | 1u << (found - names.begin()));
-  }
-  return bits;
+BodyType type_at(std::ptrdiff_t place) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + place); }
+
+using BodyReading = Making<BodyDesc>;
+
+void read_type(Options& o, const OptionRow& row, BodyReading& b) {
+  int place = 0;
+  if (o.choice("type", row.choices, place)) b.type = type_at(place);
 }
 
-// A colour that was given, by the body or its material.
-struct Paint {
-  bool given = false;
-  std::uint32_t rgb = 0;
-};
+std::string show_type(const BodyReading& b) { return print_value(std::string(body_type_name(b.type))); }
+
+void read_shape(Options& o, const OptionRow&, BodyReading& b) {
+  if (!shape_option(o, "shape", b.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
+}
+
+void read_lock(Options& o, const OptionRow& row, BodyReading& b) {
+  const std::vector<std::string_view> names = split_choices(row.choices);
+  std::vector<std::string> words;
+  o.words("lock", words);
+  for (const std::string& w : words) {
+    const auto found = std::find(names.begin(), names.end(), w);
+    if (found == names.end()) o.raise("lock", std::string("expected some of ") + row.choices + ", got '" + w + "'");
+    b.lock = static_cast<std::uint8_t>(b.lock | 1u << (found - names.begin()));
+  }
+}
 
 // The material's numbers are defaults of the body's own.
-void material_option(Options& o, const WorldRecord& record, BodyDesc& desc, Paint& paint) {
-  if (!o.text("material", desc.material)) return;
-  const auto& materials = record.settings.materials;
-  const auto found = materials.find(desc.material);
+void read_material(Options& o, const OptionRow&, BodyReading& b) {
+  if (!o.text("material", b.material)) return;
+  const auto& materials = b.record->settings.materials;
+  const auto found = materials.find(b.material);
   if (found == materials.end()) {
     std::vector<std::string> known;
     for (const auto& m : materials) known.push_back(m.first);
-    o.raise("material", "unknown material '" + desc.material + "'; " +
+    o.raise("material", "unknown material '" + b.material + "'; " +
                             (known.empty() ? "the world has no materials" : "known: " + join(known)));
   }
   const Material& m = found->second;
-  if (m.has_friction) desc.friction_static = m.friction_static, desc.friction_dynamic = m.friction_dynamic;
-  if (m.has_restitution) desc.restitution = m.restitution;
-  if (m.has_density) desc.density = m.density;
-  if (m.has_rolling) desc.rolling_friction = m.rolling_friction;
-  if (m.has_color) paint = {true, m.color};
+  if (m.has_friction) b.friction_static = m.friction_static, b.friction_dynamic = m.friction_dynamic;
+  if (m.has_restitution) b.restitution = m.restitution;
+  if (m.has_density) b.density = m.density;
+  if (m.has_rolling) b.rolling_friction = m.rolling_friction;
+  if (m.has_color) b.painted = true, b.color = m.color;
 }
 
-void filter_options(Options& o, BodyDesc& desc) {
-  std::int64_t bits = 0;
-  if (o.integer("group", bits, 0, 0xffffffffll)) desc.group = static_cast<std::uint32_t>(bits);
-  if (o.integer("mask", bits, 0, 0xffffffffll)) desc.mask = static_cast<std::uint32_t>(bits);
+void read_mass(Options& o, const OptionRow& row, BodyReading& b) {
+  if (o.real("mass", b.mass, row.range) && o.has("density")) o.raise("mass", "expected density or mass, got both");
 }
 
-void read_body(Options& o, WorldRecord& record, BodyDesc& desc, Paint& paint) {
-  int type = 0;
-  o.text("name", desc.name);
-  o.choice("type", kTypes, type);
-  desc.type = type == 0 ? BodyType::dynamic : type == 1 ? BodyType::fixed : BodyType::kinematic;
-  if (!shape_option(o, "shape", desc.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
-  o.vector("position", desc.position);
-  o.rotation("rotation", desc.rotation);
-  o.vector("velocity", desc.velocity);
-  o.vector("angular_velocity", desc.angular_velocity);
-  material_option(o, record, desc, paint);
-  if (o.color("color", paint.rgb)) paint.given = true;
-  const bool has_density = o.real("density", desc.density, kPositive);
-  if (o.real("mass", desc.mass, kPositive) && has_density) o.raise("mass", "expected density or mass, got both");
-  desc.has_center = o.vector("center_of_mass", desc.center_of_mass);
-  friction_option(o, desc.friction_static, desc.friction_dynamic);
-  o.real("restitution", desc.restitution, Range{0, 1});
-  o.real("rolling_friction", desc.rolling_friction, kNotNegative);
-  o.vector("surface_velocity", desc.surface_velocity);
-  o.real("linear_damping", desc.linear_damping, kNotNegative);
-  o.real("angular_damping", desc.angular_damping, kNotNegative);
-  o.real("gravity_scale", desc.gravity_scale);
-  o.flag("bullet", desc.bullet);
-  o.flag("can_sleep", desc.can_sleep);
-  o.flag("sleeping", desc.sleeping);
-  desc.lock = lock_option(o);
-  filter_options(o, desc);
-  o.flag("sensor", desc.sensor);
-  o.has("tags");
-  o.finish();
-  desc.tags = tag_option(o, record);
+void read_center(Options& o, const OptionRow&, BodyReading& b) {
+  b.has_center = o.vector("center_of_mass", b.center_of_mass);
 }
+
+void read_friction(Options& o, const OptionRow&, BodyReading& b) {
+  friction_option(o, "friction", b.friction_static, b.friction_dynamic);
+}
+
+constexpr Option<BodyReading> kBody[] = {
+    field<&BodyDesc::name>("name"),
+    {{.name = "type", .choices = kTypes}, "string", read_type, show_type},
+    special("shape", "shape", read_shape),
+    field<&BodyDesc::position>("position", "m"),
+    field<&BodyDesc::rotation>("rotation"),
+    field<&BodyDesc::velocity>("velocity", "m/s"),
+    field<&BodyDesc::angular_velocity>("angular_velocity", "rad/s"),
+    special("material", "string", read_material),
+    special("color", "color", read_color<BodyReading>),
+    field<&BodyDesc::density>("density", "kg/m3", kPositive),
+    {{.name = "mass", .unit = "kg", .range = kPositive}, "number", read_mass},
+    special("center_of_mass", "vector", read_center, "m"),
+    {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
+    field<&BodyDesc::restitution>("restitution", "", kUnitRange),
+    field<&BodyDesc::rolling_friction>("rolling_friction", "m", kNotNegative),
+    field<&BodyDesc::surface_velocity>("surface_velocity", "m/s"),
+    field<&BodyDesc::linear_damping>("linear_damping", "1/s", kNotNegative),
+    field<&BodyDesc::angular_damping>("angular_damping", "1/s", kNotNegative),
+    field<&BodyDesc::gravity_scale>("gravity_scale"),
+    field<&BodyDesc::bullet>("bullet"),
+    field<&BodyDesc::can_sleep>("can_sleep"),
+    field<&BodyDesc::sleeping>("sleeping"),
+    {{.name = "lock", .choices = "x, y, z, rx, ry, rz"}, "string or list of strings", read_lock},
+    field<&BodyDesc::group>("group", "", kBits),
+    field<&BodyDesc::mask>("mask", "", kBits),
+    field<&BodyDesc::sensor>("sensor"),
+    later<BodyReading>("tags", kWordsType),
+};
 
 }  // namespace
 
-bool friction_option(Options& o, Real& fixed, Real& dynamic) {
-  if (!o.push_any("friction")) return false;
-  if (lua_type(o.L(), -1) == LUA_TTABLE) {
-    Options f(o.L(), -1, o.path("friction"));
-    Real s = fixed, d = dynamic;
-    const bool has_static = f.real("static", s, kNotNegative), has_dynamic = f.real("dynamic", d, kNotNegative);
-    f.finish();
-    if (!has_static && !has_dynamic)
-      f.raise(nullptr, "expected a number or { static =, dynamic = }, got an empty table");
-    fixed = has_static ? s : d;
-    dynamic = has_dynamic ? d : s;
-  } else {
-    o.real("friction", fixed, kNotNegative);
-    dynamic = fixed;
-  }
-  lua_pop(o.L(), 1);
-  return true;
-}
+std::vector<OptionInfo> body_rows() { return describe_rows(kBody); }
 
 const char* body_type_name(BodyType type) {
   return type == BodyType::dynamic ? "dynamic" : type == BodyType::kinematic ? "kinematic" : "static";
 }
 
 BodyType body_type_from_name(lua_State* L, int index) {
-  const std::string name = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "";
-  if (name == "dynamic") return BodyType::dynamic;
-  if (name == "static") return BodyType::fixed;
-  if (name == "kinematic") return BodyType::kinematic;
-  fail_here(L, "expected one of " + join(kTypes) + ", got " + describe(L, index));
+  const std::vector<std::string_view> names = split_choices(kTypes);
+  const std::string_view name = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "";
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) fail_here(L, std::string("expected one of ") + kTypes + ", got " + describe(L, index));
+  return type_at(found - names.begin());
 }
 
 int world_body(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  BodyDesc desc;
-  Paint paint;
-  read_body(o, r, desc, paint);
-  const ObjectId id = lua::rigid(r).add_body(desc);
-  if (paint.given) r.look.colors[id] = paint.rgb;
+  BodyReading body;
+  body.record = &r;
+  o.read(kBody, body);
+  body.tags = tag_option(o, r);
+  const ObjectId id = lua::rigid(r).add_body(body);
+  if (body.painted) r.look.colors[id] = body.color;
   push_handle(L, r, id);
   return 1;
 }

@@ -11,6 +11,11 @@ namespace {
 
 constexpr std::size_t kMaxTriangles = 40000000;
 
+struct ClothReading : Making<ClothDesc> {
+  Vec3 position = Vec3::Zero();
+  Quat rotation;
+};
+
 // A list of {i, j, k}, or a buffer of 3 n vertex numbers.
 void read_triangles(Options& o, ClothDesc& desc) {
   lua_State* L = o.L();
@@ -47,7 +52,24 @@ void read_triangles(Options& o, ClothDesc& desc) {
   lua_pop(L, 1);
 }
 
-void read_geometry(Options& o, ClothDesc& desc) {
+// Two numbers under one key.
+bool read_pair(Options& o, const OptionRow& row, double (&out)[2], bool whole) {
+  lua_State* L = o.L();
+  if (!o.push(row.name, LUA_TTABLE, "two numbers")) return false;
+  if (lua_rawlen(L, -1) != 2) o.wrong(row.name, "two numbers");
+  for (int k = 0; k < 2; ++k) {
+    lua_rawgeti(L, -1, k + 1);
+    const std::string what = o.path(row.name) + "[" + std::to_string(k + 1) + "]";
+    out[k] = whole ? static_cast<double>(check_integer(L, -1, what, static_cast<std::int64_t>(row.range.lo),
+                                                       static_cast<std::int64_t>(row.range.hi)))
+                   : check_number(L, -1, what, row.range);
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+  return true;
+}
+
+void read_vertices(Options& o, const OptionRow&, ClothReading& desc) {
   lua_State* L = o.L();
   if (o.has("vertices")) {
     for (const char* key : {"size", "resolution"})
@@ -59,26 +81,22 @@ void read_geometry(Options& o, ClothDesc& desc) {
     return;
   }
   if (o.has("triangles")) o.raise("triangles", "expected vertices too");
-  const auto pair = [&](const char* key, double(&out)[2], const Range& range, bool whole) {
-    if (!o.push(key, LUA_TTABLE, "two numbers")) return;
-    if (lua_rawlen(L, -1) != 2) o.wrong(key, "two numbers");
-    for (int k = 0; k < 2; ++k) {
-      lua_rawgeti(L, -1, k + 1);
-      const std::string what = o.path(key) + "[" + std::to_string(k + 1) + "]";
-      out[k] = whole ? static_cast<double>(check_integer(L, -1, what, static_cast<std::int64_t>(range.lo), 4096))
-                     : check_number(L, -1, what, range);
-      lua_pop(L, 1);
-    }
-    lua_pop(L, 1);
-  };
-  double size[2] = {1, 1}, resolution[2] = {20, 20};
-  pair("size", size, kPositive, false);
-  pair("resolution", resolution, Range{2, 4096}, true);
-  for (int k = 0; k < 2; ++k) desc.size[k] = static_cast<Real>(size[k]);
-  desc.nx = static_cast<std::uint32_t>(resolution[0]), desc.ny = static_cast<std::uint32_t>(resolution[1]);
+  desc.nx = desc.ny = 20;
 }
 
-void read_pins(Options& o, ClothDesc& desc) {
+void read_size(Options& o, const OptionRow& row, ClothReading& desc) {
+  double size[2];
+  if (read_pair(o, row, size, false))
+    for (int k = 0; k < 2; ++k) desc.size[k] = static_cast<Real>(size[k]);
+}
+
+void read_resolution(Options& o, const OptionRow& row, ClothReading& desc) {
+  double n[2];
+  if (read_pair(o, row, n, true))
+    desc.nx = static_cast<std::uint32_t>(n[0]), desc.ny = static_cast<std::uint32_t>(n[1]);
+}
+
+void read_pins(Options& o, const OptionRow&, ClothReading& desc) {
   if (!o.push_any("pins")) return;
   lua_State* L = o.L();
   const auto one = [&](int index, const std::string& what) {
@@ -104,17 +122,22 @@ void read_pins(Options& o, ClothDesc& desc) {
   lua_pop(L, 1);
 }
 
+constexpr Option<ClothDesc> kWind[] = {
+    field<&ClothDesc::drag>("drag", "", kNotNegative),
+    field<&ClothDesc::lift>("lift", "", kNotNegative),
+};
+std::vector<OptionInfo> wind_rows() { return describe_rows(kWind); }
+
 // wind = true | false | { drag =, lift = }
-void read_wind(Options& o, ClothDesc& desc) {
+void read_wind(Options& o, const OptionRow&, ClothReading& desc) {
   if (!o.push_any("wind")) return;
   lua_State* L = o.L();
   if (lua_type(L, -1) == LUA_TBOOLEAN) {
     desc.wind = lua_toboolean(L, -1) != 0;
   } else if (lua_type(L, -1) == LUA_TTABLE) {
     Options inner(L, -1, o.path("wind"));
-    inner.real("drag", desc.drag, kNotNegative);
-    inner.real("lift", desc.lift, kNotNegative);
-    inner.finish();
+    ClothDesc& own = desc;
+    inner.read(kWind, own);
   } else {
     o.wrong("wind", "true, false or { drag =, lift = }");
   }
@@ -122,69 +145,84 @@ void read_wind(Options& o, ClothDesc& desc) {
 }
 
 // max_strain = a number | false
-void read_max_strain(Options& o, ClothDesc& desc) {
+void read_max_strain(Options& o, const OptionRow& row, ClothReading& desc) {
   if (!o.push_any("max_strain")) return;
   lua_State* L = o.L();
   if (lua_type(L, -1) == LUA_TBOOLEAN && !lua_toboolean(L, -1))
     desc.max_strain = kInfinity;
   else if (lua_type(L, -1) == LUA_TNUMBER)
-    o.real("max_strain", desc.max_strain, kPositive);
+    o.real("max_strain", desc.max_strain, row.range);
   else
     o.wrong("max_strain", "a number above 0 or false");
   lua_pop(L, 1);
 }
 
-void read_cloth(Options& o, ClothDesc& desc) {
-  lua_State* L = o.L();
-  o.text("name", desc.name);
-  read_geometry(o, desc);
-  o.vector("position", desc.pose.position);
-  o.rotation("rotation", desc.pose.rotation);
-  o.vector("velocity", desc.velocity);
-  o.real("area_density", desc.area_density, kPositive);
-  o.real("stretch", desc.stretch, kPositive);
-  o.real("shear", desc.shear, kNotNegative);
-  o.real("bend", desc.bend, kNotNegative);
-  o.real("damping", desc.damping, kNotNegative);
-  o.real("thickness", desc.thickness, kPositive);
-  o.real("friction", desc.friction, kNotNegative);
-  o.flag("self_collision", desc.self_collision);
-  read_wind(o, desc);
-  o.real("tear_strain", desc.tear_strain, kPositive);
-  read_max_strain(o, desc);
-  o.real("gravity_scale", desc.gravity_scale);
-  std::int64_t n = 0;
-  if (o.integer("group", n, 0, 0xffffffffll)) desc.group = static_cast<std::uint32_t>(n);
-  if (o.integer("mask", n, 0, 0xffffffffll)) desc.mask = static_cast<std::uint32_t>(n);
-  if (o.integer("substeps", n, 1, 10000)) desc.substeps = static_cast<int>(n);
-  if (o.integer("max_substeps", n, 1, 10000)) desc.max_substeps = static_cast<int>(n);
-  o.real("stretch_error", desc.stretch_error, kPositive);
+void read_solver(Options& o, const OptionRow&, ClothReading& desc) {
   if (o.text("solver", desc.solver)) find_variant(cloth_solvers(), desc.solver, "cloth solver");
-  std::string integrator;
-  if (o.text("integrator", integrator)) desc.solver_options.set("integrator", integrator);
-  if (o.push("solver_options", LUA_TTABLE, "a table of options")) {
-    Options inner(L, -1, o.path("solver_options"));
-    inner.rest(desc.solver_options);
-    lua_pop(L, 1);
-  }
-  read_pins(o, desc);
 }
 
+std::string show_solver(const ClothReading& desc) { return print_value(desc.solver); }
+
+void read_integrator(Options& o, const OptionRow&, ClothReading& desc) {
+  std::string integrator;
+  if (o.text("integrator", integrator)) desc.solver_options.set("integrator", integrator);
+}
+
+void read_solver_options(Options& o, const OptionRow&, ClothReading& desc) {
+  if (!o.push("solver_options", LUA_TTABLE, "a table of options")) return;
+  Options inner(o.L(), -1, o.path("solver_options"));
+  inner.rest(desc.solver_options);
+  lua_pop(o.L(), 1);
+}
+
+constexpr Option<ClothReading> kCloth[] = {
+    field<&ClothDesc::name>("name"),
+    special("vertices", "list of vectors or buffer", read_vertices, "m"),
+    later<ClothReading>("triangles", "list of {i, j, k} or buffer"),
+    {{.name = "size", .unit = "m", .range = kPositive}, "{width, depth}", read_size},
+    {{.name = "resolution", .range = {2, 4096}}, "{columns, rows}", read_resolution},
+    field<&ClothReading::position>("position", "m"),
+    field<&ClothReading::rotation>("rotation"),
+    field<&ClothDesc::velocity>("velocity", "m/s"),
+    field<&ClothDesc::area_density>("area_density", "kg/m2", kPositive),
+    field<&ClothDesc::stretch>("stretch", "N/m", kPositive),
+    field<&ClothDesc::shear>("shear", "N/m", kNotNegative).unset(),
+    field<&ClothDesc::bend>("bend", "N m", kNotNegative),
+    field<&ClothDesc::damping>("damping", "s", kNotNegative),
+    field<&ClothDesc::thickness>("thickness", "m", kPositive),
+    field<&ClothDesc::friction>("friction", "", kNotNegative),
+    field<&ClothDesc::self_collision>("self_collision"),
+    {{.name = "wind"}, "boolean or table", read_wind, nullptr, wind_rows},
+    field<&ClothDesc::tear_strain>("tear_strain", "", kPositive),
+    {{.name = "max_strain", .range = kPositive}, "number or false", read_max_strain},
+    field<&ClothDesc::gravity_scale>("gravity_scale"),
+    field<&ClothDesc::group>("group", "", kBits),
+    field<&ClothDesc::mask>("mask", "", kBits),
+    field<&ClothDesc::substeps>("substeps", "", {1, 10000}).unset(),
+    field<&ClothDesc::max_substeps>("max_substeps", "", {1, 10000}),
+    field<&ClothDesc::stretch_error>("stretch_error", "", kPositive),
+    {{.name = "solver"}, "string", read_solver, show_solver, nullptr, names_of<cloth_solvers>},
+    special("integrator", "string", read_integrator),
+    {{.name = "solver_options"}, "table", read_solver_options, nullptr, options_of<cloth_solvers>},
+    special("pins", "list of vertex numbers or names", read_pins),
+    special("color", "color", read_color<ClothReading>),
+    later<ClothReading>("tags", kWordsType),
+};
+
 }  // namespace
+
+std::vector<OptionInfo> cloth_rows() { return describe_rows(kCloth); }
 
 int world_cloth(lua_State* L) {
   WorldRecord& r = check_world(L);
   if (r.planar()) fail_here(L, "expected a world of dimension 3: cloth has no 2D section; take a net");
   Options o(L, 2, function_name(L));
-  ClothDesc desc;
-  read_cloth(o, desc);
-  o.has("tags");
-  std::uint32_t color = 0;
-  const bool colored = o.color("color", color);
-  o.finish();
-  desc.tags = tag_option(o, r);
-  const ObjectId id = r.world->need<Cloth>().add_cloth(desc);
-  if (colored) r.look.colors[id] = color;
+  ClothReading cloth;
+  o.read(kCloth, cloth);
+  cloth.pose = {cloth.position, cloth.rotation};
+  cloth.tags = tag_option(o, r);
+  const ObjectId id = r.world->need<Cloth>().add_cloth(cloth);
+  if (cloth.painted) r.look.colors[id] = cloth.color;
   push_handle(L, r, id);
   return 1;
 }

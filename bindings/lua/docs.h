@@ -2,7 +2,11 @@
 #pragma once
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "base/option.h"
+#include "step/system.h"
 
 namespace feder::lua {
 
@@ -11,9 +15,16 @@ struct DocRow {
   std::string name;
   std::string signature;
   std::string doc;
+  std::vector<OptionInfo> options;  // of its options table
 };
 
 struct Part;
 std::vector<DocRow> docs(std::span<const Part* const> parts);
+// The options of a system: world = { <system> = { ... } }. Rows that one variant alone reads name it.
+std::vector<OptionInfo> system_options(Catalog systems, std::string_view system);
+// What an option means, of a method (`world:body`), table or variant: in one sentence, "" where nobody wrote one. In a
+// library of its own (feder_reference): a host without a reference does not link the sentences.
+std::string_view option_sentence(std::string_view owner, std::string_view option);
+std::string_view option_texts();  // all lines "owner.option  sentence"
 
 }  // namespace feder::lua

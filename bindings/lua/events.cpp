@@ -375,34 +375,58 @@ EventKind check_event_kind(lua_State* L, int index) {
                    "; known: " + join(known));
 }
 
+struct FilterReading : EventFilter {
+  WorldRecord* record = nullptr;
+};
+
+void read_tags(Options& o, const OptionRow& row, FilterReading& f) {
+  std::vector<std::string> tags;
+  if (!o.words(row.name, tags)) return;
+  f.has_tags = true;
+  for (const std::string& t : tags) f.tags |= f.record->world->objects().tag_bit(t);
+}
+
+template <auto Member>
+constexpr Option<FilterReading> object_row(const char* name) {
+  return special<FilterReading>(name, "object", [](Options& o, const OptionRow& row, FilterReading& f) {
+    object_option(o, row.name, *f.record, f.*Member);
+  });
+}
+
+void read_cause(Options& o, const OptionRow&, FilterReading& f) {
+  std::vector<WakeCause> causes(std::begin(kWakeCauses), std::end(kWakeCauses));
+  for (const SystemDescriptor* d : f.record->world->catalog())
+    causes.insert(causes.end(), d->causes.begin(), d->causes.end());
+  std::string names;
+  for (WakeCause c : causes) names += (names.empty() ? "" : ", ") + std::string(c.text());
+  if (std::size_t at = 0; o.choice("cause", names.c_str(), at)) f.cause = causes[at];
+}
+
+constexpr Option<FilterReading> kAnyFilter[] = {special("tag", kWordsType, read_tags),
+                                                special("tags", kWordsType, read_tags),
+                                                object_row<&EventFilter::object>("object")};
+constexpr Option<FilterReading> kContactFilter[] = {
+    object_row<&EventFilter::a>("a"),
+    object_row<&EventFilter::b>("b"),
+    field<&EventFilter::min_speed>("min_speed", "m/s", kNotNegative),
+    field<&EventFilter::min_impulse>("min_impulse", "N s", kNotNegative),
+    field<&EventFilter::min_slip>("min_slip", "m/s", kNotNegative),
+};
+constexpr Option<FilterReading> kSensorFilter[] = {object_row<&EventFilter::a>("sensor"),
+                                                   object_row<&EventFilter::b>("other")};
+constexpr Option<FilterReading> kBreakFilter[] = {field<&EventFilter::min_force>("min_force", "N", kNotNegative)};
+constexpr Option<FilterReading> kWakeFilter[] = {special("cause", "string", read_cause),
+                                                 object_row<&EventFilter::b>("other")};
+
 EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind kind) {
-  EventFilter f;
-  const std::string owner = std::string(function_name(L)) + "(\"" + event_name(kind) + "\")";
-  Options o(L, index, owner);
-  std::vector<std::string> tag;
-  for (const char* key : {"tag", "tags"}) {
-    if (!o.words(key, tag)) continue;
-    f.has_tags = true;
-    for (const std::string& t : tag) f.tags |= record.world->objects().tag_bit(t);
-  }
-  object_option(o, "object", record, f.object);
-  if (is_contact(kind)) {
-    object_option(o, "a", record, f.a), object_option(o, "b", record, f.b);
-    o.real("min_speed", f.min_speed, kNotNegative);
-    o.real("min_impulse", f.min_impulse, kNotNegative);
-    o.real("min_slip", f.min_slip, kNotNegative);
-  }
-  if (is_sensor(kind)) object_option(o, "sensor", record, f.a), object_option(o, "other", record, f.b);
-  if (is_break(kind)) o.real("min_force", f.min_force, kNotNegative);
-  if (kind == EventKind::wake) {
-    std::vector<WakeCause> causes(std::begin(kWakeCauses), std::end(kWakeCauses));
-    for (const SystemDescriptor* d : record.world->catalog())
-      causes.insert(causes.end(), d->causes.begin(), d->causes.end());
-    std::vector<std::string> names;
-    for (WakeCause c : causes) names.emplace_back(c.text());
-    if (int at = 0; o.choice("cause", names, at)) f.cause = causes[static_cast<std::size_t>(at)];
-    object_option(o, "other", record, f.b);
-  }
+  FilterReading f;
+  f.record = &record;
+  Options o(L, index, std::string(function_name(L)) + "(\"" + event_name(kind) + "\")");
+  o.read_some(kAnyFilter, f);
+  if (is_contact(kind)) o.read_some(kContactFilter, f);
+  if (is_sensor(kind)) o.read_some(kSensorFilter, f);
+  if (is_break(kind)) o.read_some(kBreakFilter, f);
+  if (kind == EventKind::wake) o.read_some(kWakeFilter, f);
   o.finish();
   return f;
 }

@@ -6,82 +6,117 @@
 namespace feder::lua {
 namespace {
 
-// box = {min, max}, or shape = with position and rotation; in 2D the shape's section.
-void shape_and_pose(Options& o, ShapePtr& shape, Pose& pose) {
-  const bool has_box = box_option(o, shape, pose.position);
-  if (!has_box && !shape_option(o, "shape", shape))
-    o.raise(nullptr, "expected box = {min, max} or shape =, got neither");
-  if (has_box && (o.has("shape") || o.has("position"))) o.raise("box", "expected box or shape and position, got both");
-  o.vector("position", pose.position);
-  o.rotation("rotation", pose.rotation);
-  o.has("shape");
-  if (o.planar() && !shape->planar()) shape = shape->section();
+struct FluidReading : FluidDesc {
+  Real kinematic = 0;  // m^2/s
+};
+
+void read_kinematic(Options& o, const OptionRow& row, FluidReading& d) {
+  if (!o.real(row.name, d.kinematic, row.range)) return;
+  if (o.has("viscosity"))
+    o.raise("kinematic_viscosity", "expected viscosity (Pa s) or kinematic_viscosity (m^2/s), got both");
+  d.viscosity = d.kinematic * d.density;
 }
 
-void read_fluid(Options& o, FluidDesc& d) {
-  o.text("name", d.name);
-  o.real("spacing", d.spacing, kPositive);
-  o.real("density", d.density, kPositive);
-  Real kinematic = 0;
-  const bool has_dynamic = o.real("viscosity", d.viscosity, kNotNegative);
-  if (o.real("kinematic_viscosity", kinematic, kNotNegative)) {
-    if (has_dynamic)
-      o.raise("kinematic_viscosity", "expected viscosity (Pa s) or kinematic_viscosity (m^2/s), got both");
-    d.viscosity = kinematic * d.density;
-  }
-  o.real("surface_tension", d.surface_tension, kNotNegative);
-  o.text("solver", d.solver);
-  o.text("kernel", d.kernel);
-  o.text("neighbors", d.neighbors);
-  o.real("support", d.support, Range{1.2, 4});
-  o.real("stiffness", d.stiffness, kNotNegative);
-  o.real("compression", d.compression, Range{0, 0.5, true});
-  o.real("artificial_viscosity", d.artificial_viscosity, Range{0, 10});
-  o.real("gravity_scale", d.gravity_scale);
-  std::int64_t n = 0;
-  if (o.integer("iterations", n, 1, 1000)) d.iterations = static_cast<int>(n);
-  if (o.integer("max_substeps", n, 1, 100000)) d.max_substeps = static_cast<int>(n);
-  if (o.integer("max_particles", n, 1, 1 << 27)) d.max_particles = static_cast<std::size_t>(n);
-  if (o.integer("group", n, 0, 0xffffffffll)) d.group = static_cast<std::uint32_t>(n);
-  if (o.integer("mask", n, 0, 0xffffffffll)) d.mask = static_cast<std::uint32_t>(n);
+constexpr Option<FluidReading> kFluid[] = {
+    field<&FluidDesc::name>("name"),
+    field<&FluidDesc::spacing>("spacing", "m", kPositive),
+    field<&FluidDesc::density>("density", "kg/m3", kPositive),
+    field<&FluidDesc::viscosity>("viscosity", "Pa s", kNotNegative),
+    {{.name = "kinematic_viscosity", .unit = "m2/s", .range = kNotNegative}, "number", read_kinematic},
+    field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
+    field<&FluidDesc::solver>("solver"),
+    field<&FluidDesc::kernel>("kernel"),
+    field<&FluidDesc::neighbors>("neighbors"),
+    field<&FluidDesc::support>("support", "", {1.2, 4}).unset(),
+    field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),
+    field<&FluidDesc::compression>("compression", "", {0, 0.5, true}).unset(),
+    field<&FluidDesc::artificial_viscosity>("artificial_viscosity", "", {0, 10}),
+    field<&FluidDesc::gravity_scale>("gravity_scale"),
+    field<&FluidDesc::iterations>("iterations", "", {1, 1000}),
+    field<&FluidDesc::max_substeps>("max_substeps", "", {1, 100000}),
+    field<&FluidDesc::max_particles>("max_particles", "", {1, 134217728}),
+    field<&FluidDesc::group>("group", "", kBits),
+    field<&FluidDesc::mask>("mask", "", kBits),
+    later<FluidReading>("tags", kWordsType),
+};
+
+// What a fluid is filled into, or drained from.
+struct Volume {
+  std::string name;
+  std::vector<Vec3> points;
+  ShapePtr shape;
+  Pose pose;
+  Vec3 velocity = Vec3::Zero();
+};
+
+// box = {min, max}, or shape = with position and rotation; in 2D the shape's section.
+void read_volume(Options& o, const OptionRow&, Volume& v) {
+  if (o.has("points")) return;
+  box_or_shape(o, v.shape, v.pose.position, v.pose.rotation);
+  if (o.planar() && !v.shape->planar()) v.shape = v.shape->section();
 }
+
+void read_points(Options& o, const OptionRow&, Volume& v) {
+  if (!o.push_any("points")) return;
+  if (has_volume(o)) o.raise("points", "expected points or a volume, got both");
+  v.points = check_points(o.L(), -1, o.path("points"), o.planar());
+  lua_pop(o.L(), 1);
+}
+
+constexpr Option<Volume> kFill[] = {
+    field<&Volume::velocity>("velocity", "m/s"),
+    special("points", "list of vectors or buffer", read_points, "m"),
+    box_row(read_volume),
+    later<Volume>("shape", "shape"),
+    later<Volume>("position", "vector", "m"),
+    later<Volume>("rotation", "rotation"),
+};
+
+constexpr Option<Volume> kDrain[] = {
+    field<&Volume::name>("name"),          box_row(read_volume),
+    later<Volume>("shape", "shape"),       later<Volume>("position", "vector", "m"),
+    later<Volume>("rotation", "rotation"), later<Volume>("tags", kWordsType),
+};
+
+constexpr Option<EmitterDesc> kEmitter[] = {
+    field<&EmitterDesc::name>("name"),
+    field<&EmitterDesc::position>("position", "m"),
+    direction<&EmitterDesc::direction>("direction"),
+    field<&EmitterDesc::speed>("speed", "m/s", kPositive),
+    field<&EmitterDesc::radius>("radius", "m", kNotNegative),
+    field<&EmitterDesc::rate>("rate", "1/s", kPositive).unset(),
+    field<&EmitterDesc::limit>("limit", "", {1, 1099511627776.0}).unset(),
+    later<EmitterDesc>("tags", kWordsType),
+};
 
 }  // namespace
 
 Fluid& fluids(WorldRecord& record) { return record.world->need<Fluid>(); }
 
+std::vector<OptionInfo> fluid_rows() { return describe_rows(kFluid); }
+std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
+std::vector<OptionInfo> emitter_rows() { return describe_rows(kEmitter); }
+std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
+
 int world_fluid(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  FluidDesc desc;
-  read_fluid(o, desc);
-  o.has("tags");
-  o.finish();
-  desc.tags = tag_option(o, r);
-  push_handle(L, r, fluids(r).add_fluid(desc));
+  FluidReading fluid;
+  o.read(kFluid, fluid);
+  fluid.tags = tag_option(o, r);
+  push_handle(L, r, fluids(r).add_fluid(fluid));
   return 1;
 }
 
 int fluid_fill(lua_State* L) {
   Self self = check_self(L);
   Options o(L, 2, function_name(L), self.record.planar());
-  Vec3 velocity = Vec3::Zero();
-  o.vector("velocity", velocity);
-  std::size_t made = 0;
-  if (o.push_any("points")) {
-    const std::vector<Vec3> points = check_points(L, -1, o.path("points"), o.planar());
-    lua_pop(L, 1);
-    o.finish();
-    charge(L, points.size());
-    made = fluids(self.record).fill(self.id, points, velocity);
-  } else {
-    ShapePtr shape;
-    Pose pose;
-    shape_and_pose(o, shape, pose);
-    o.finish();
-    made = fluids(self.record).fill(self.id, *shape, pose, velocity);
-    charge(L, made);
-  }
+  Volume v;
+  o.read(kFill, v);
+  if (!v.shape) charge(L, v.points.size());
+  const std::size_t made = v.shape ? fluids(self.record).fill(self.id, *v.shape, v.pose, v.velocity)
+                                   : fluids(self.record).fill(self.id, v.points, v.velocity);
+  if (v.shape) charge(L, made);
   lua_pushinteger(L, static_cast<lua_Integer>(made));
   return 1;
 }
@@ -89,34 +124,20 @@ int fluid_fill(lua_State* L) {
 int fluid_emitter(lua_State* L) {
   Self self = check_self(L);
   Options o(L, 2, function_name(L), self.record.planar());
-  EmitterDesc d;
-  o.text("name", d.name);
-  o.vector("position", d.position);
-  o.unit("direction", d.direction);
-  o.real("speed", d.speed, kPositive);
-  o.real("radius", d.radius, kNotNegative);
-  o.real("rate", d.rate, kPositive);
-  std::int64_t n = 0;
-  if (o.integer("limit", n, 1, std::int64_t(1) << 40)) d.limit = static_cast<std::uint64_t>(n);
-  o.has("tags");
-  o.finish();
-  d.tags = tag_option(o, self.record);
-  push_handle(L, self.record, fluids(self.record).add_emitter(self.id, d));
+  EmitterDesc emitter;
+  o.read(kEmitter, emitter);
+  emitter.tags = tag_option(o, self.record);
+  push_handle(L, self.record, fluids(self.record).add_emitter(self.id, emitter));
   return 1;
 }
 
 int fluid_drain(lua_State* L) {
   Self self = check_self(L);
   Options o(L, 2, function_name(L), self.record.planar());
-  std::string name;
-  o.text("name", name);
-  ShapePtr shape;
-  Pose pose;
-  shape_and_pose(o, shape, pose);
-  o.has("tags");
-  o.finish();
+  Volume v;
+  o.read(kDrain, v);
   const TagMask tags = tag_option(o, self.record);
-  push_handle(L, self.record, fluids(self.record).add_drain(self.id, name, tags, std::move(shape), pose));
+  push_handle(L, self.record, fluids(self.record).add_drain(self.id, v.name, tags, std::move(v.shape), v.pose));
   return 1;
 }
 

@@ -109,22 +109,42 @@ ForceEntry entry_of(const ScriptForce& f) {
   return entry;
 }
 
-int add_script_force(Options& o, WorldRecord& record, std::string name, TagMask tags) {
+struct ForceReading {
+  std::string name, kind;
+  bool stages = false;
+};
+
+// Of every force.
+constexpr Option<ForceReading> kForce[] = {
+    field<&ForceReading::name>("name"),
+    field<&ForceReading::kind>("kind").of(names_of<force_kinds>),
+    later<ForceReading>("each", "function, formula or list of formulas", "N"),
+    later<ForceReading>("on", "tag, list of tags or object"),
+    later<ForceReading>("between", "net"),
+    later<ForceReading>("points", "list of point numbers"),
+    later<ForceReading>("tags", kWordsType),
+};
+
+// Of those by function or formula.
+constexpr Option<ForceReading> kEach[] = {
+    field<&ForceReading::stages>("stages"),
+    later<ForceReading>("params", "table of numbers"),
+};
+
+int add_script_force(Options& o, WorldRecord& record, const ForceReading& reading, TagMask tags) {
   lua_State* L = o.L();
   ScriptForce f;
   read_target(o, record, f);
-  bool stages = false;
-  o.flag("stages", stages);
   o.push("each", LUA_TFUNCTION, "a function, or formulas in quotes");
   o.finish();
   f.profile = state(L).profile_slot(L, -1);
   f.function = keep(L, record, -1);
   lua_pop(L, 1);
   ForceEntry entry = entry_of(f);
-  if (stages) entry.force = make_stage_force(record, f.function, f.profile);
-  f.object = record.world->add_force(std::move(entry), std::move(name), tags);
+  if (reading.stages) entry.force = make_stage_force(record, f.function, f.profile);
+  f.object = record.world->add_force(std::move(entry), reading.name, tags);
   push_handle(L, record, f.object);
-  if (!stages) record.forces.list.push_back(std::move(f));
+  if (!reading.stages) record.forces.list.push_back(std::move(f));
   return 1;
 }
 
@@ -143,7 +163,7 @@ void read_formula_params(Options& o, Params& options) {
 }
 
 // each = "formula" (along x) or { "formula", "formula", "formula" }.
-int add_formula_force(Options& o, WorldRecord& record, std::string name, TagMask tags) {
+int add_formula_force(Options& o, WorldRecord& record, const ForceReading& reading, TagMask tags) {
   lua_State* L = o.L();
   static const char* const axes[] = {"x", "y", "z"};
   Params options;
@@ -165,11 +185,10 @@ int add_formula_force(Options& o, WorldRecord& record, std::string name, TagMask
   read_formula_params(o, options);
   ForceEntry target;
   read_target(o, record, target);
-  bool stages = true;
-  if (o.flag("stages", stages) && !stages) o.raise("stages", "expected true: formulas are evaluated at every stage");
+  if (o.has("stages") && !reading.stages) o.raise("stages", "expected true: formulas are evaluated at every stage");
   o.finish();
   try {
-    push_handle(L, record, record.world->add_force("expression", options, std::move(target), std::move(name), tags));
+    push_handle(L, record, record.world->add_force("expression", options, std::move(target), reading.name, tags));
   } catch (const SceneError& e) {
     o.raise("each", e.what());
   }
@@ -178,7 +197,7 @@ int add_formula_force(Options& o, WorldRecord& record, std::string name, TagMask
 
 // between = net: its points attract each other.
 void read_between(Options& o, WorldRecord& record, ForceEntry& target, Params& options) {
-  if (o.has("on") || o.has("position")) o.raise("between", "expected neither on nor position beside it");
+  if (o.has("on") || o.given("position")) o.raise("between", "expected neither on nor position beside it");
   const State& s = state(o.L());
   const ObjectClass* row = nullptr;
   if (object_option(o, "between", record, target.target)) row = class_row(s, class_of(s, record, target.target));
@@ -271,19 +290,28 @@ void apply_script_forces(lua_State* L, WorldRecord& record) {
       if (g.object == f.object) f.held = std::move(g.held);
 }
 
+std::vector<OptionInfo> force_rows() {
+  std::vector<OptionInfo> all = describe_rows(kForce);
+  for (const std::vector<OptionInfo>& more : {describe_rows(kEach), variant_options(force_kinds())})
+    all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
 int world_force(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  std::string name, kind;
-  o.text("name", name);
-  const bool has_kind = o.text("kind", kind), has_each = o.has("each");
-  if (has_kind == has_each) o.raise(nullptr, "expected either kind = \"...\" or each = function or formulas");
+  ForceReading reading;
+  o.read_some(kForce, reading);
+  const bool has_each = o.has("each");
+  if (o.has("kind") == has_each) o.raise(nullptr, "expected either kind = \"...\" or each = function or formulas");
   const TagMask tags = tag_option(o, r);
   if (has_each) {
+    o.read_some(kEach, reading);
     o.push_any("each");
     const bool function = lua_type(L, -1) == LUA_TFUNCTION;
     lua_pop(L, 1);
-    return (function ? add_script_force : add_formula_force)(o, r, std::move(name), tags);
+    if (function && o.has("params")) o.raise("params", "expected none: a function has its own variables");
+    return (function ? add_script_force : add_formula_force)(o, r, reading, tags);
   }
   ForceEntry target;
   Params options;
@@ -292,7 +320,7 @@ int world_force(lua_State* L) {
   else
     read_target(o, r, target);
   o.rest(options);
-  push_handle(L, r, r.world->add_force(kind, options, std::move(target), std::move(name), tags));
+  push_handle(L, r, r.world->add_force(reading.kind, options, std::move(target), reading.name, tags));
   return 1;
 }
 

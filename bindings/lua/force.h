@@ -83,6 +83,7 @@ void end_stages(lua_State* L, WorldRecord& record);
 bool answers_in_step(const char* function);
 
 int world_force(lua_State* L);
+std::vector<OptionInfo> force_rows();
 std::span<const Method> force_methods();
 
 }  // namespace feder::lua

@@ -4,13 +4,20 @@
 namespace feder::lua {
 namespace {
 
-const JointKind& kind_option(Options& o, std::string& type) {
+struct JointReading : JointDesc {
+  WorldRecord* record = nullptr;
+  const JointKind* kind = nullptr;
+};
+
+void read_type(Options& o, const OptionRow&, JointReading& j) {
+  std::string& type = j.type;
   if (!o.text("type", type)) o.wrong("type", "the name of a joint");
   std::vector<std::string> known;
   for (const JointKind& k : joint_kinds()) {
-    if (type == k.name) return k;
+    if (type == k.name) j.kind = &k;
     known.emplace_back(k.name);
   }
+  if (j.kind) return;
   // named in the API, to come
   static const char* const later[] = {"slider", "rope", "wheel",  "cone_twist", "six_dof",
                                       "gear",   "rack", "pulley", "motor",      "mouse"};
@@ -21,10 +28,21 @@ const JointKind& kind_option(Options& o, std::string& type) {
                       "; known: " + join(known));
 }
 
-void body_option(Options& o, const char* key, WorldRecord& r, ObjectId& out) {
-  if (!o.push_any(key)) return;
-  out = check_object(o.L(), -1, r, o.path(key), "body");
+ObjectId body_option(Options& o, const char* key, WorldRecord& record) {
+  if (!o.push_any(key)) return {};
+  const ObjectId body = check_object(o.L(), -1, record, o.path(key), "body");
   lua_pop(o.L(), 1);
+  return body;
+}
+
+void read_a(Options& o, const OptionRow&, JointReading& j) {
+  j.a = body_option(o, "a", *j.record);
+  if (!j.a) o.wrong("a", "a body");
+}
+
+void read_b(Options& o, const OptionRow&, JointReading& j) {
+  j.b = body_option(o, "b", *j.record);
+  if (j.a == j.b) o.raise("b", "expected another body than a");
 }
 
 // Does the kind understand the option? An unused one is a mistake, not a wish.
@@ -34,29 +52,41 @@ bool used(Options& o, const JointKind& kind, unsigned uses, const char* key) {
   return false;
 }
 
-void read_spring_option(Options& o, JointOptions& j) {
-  if (!o.push("spring", LUA_TTABLE, "{ hertz =, damping_ratio = }")) return;
+constexpr Option<JointOptions> kSpring[] = {
+    field<&JointOptions::spring_hertz>("hertz", "Hz", kPositive).unset(),
+    field<&JointOptions::spring_damping>("damping_ratio", "", kNotNegative),
+};
+
+void read_spring_option(Options& o, const OptionRow&, JointReading& j) {
+  if (!used(o, *j.kind, kUsesSpring, "spring") || !o.push("spring", LUA_TTABLE, "{ hertz =, damping_ratio = }")) return;
   Options s(o.L(), -1, o.path("spring"));
-  if (!s.real("hertz", j.spring_hertz, kPositive)) s.wrong("hertz", kPositive.text());
-  s.real("damping_ratio", j.spring_damping, kNotNegative);
-  s.finish();
+  s.read(kSpring, j.options);
+  if (!s.has("hertz")) s.wrong("hertz", kPositive.text());
   lua_pop(o.L(), 1);
 }
 
-void read_motor(Options& o, JointOptions& j) {
-  if (!o.push("motor", LUA_TTABLE, "{ speed =, max_force = }")) return;
-  Options m(o.L(), -1, o.path("motor"));
+constexpr Option<JointOptions> kMotor[] = {
+    field<&JointOptions::motor_speed>("speed", "m/s or rad/s"),
+    field<&JointOptions::motor_max>("max_torque", "N m", kNotNegative).unset(),
+    field<&JointOptions::motor_max>("max_force", "N", kNotNegative).unset(),
+};
+
+void read_motor(Options& m, JointOptions& j) {
   j.has_motor = true;
-  m.real("speed", j.motor_speed);
-  if (!m.real("max_force", j.motor_max, kNotNegative) && !m.real("max_torque", j.motor_max, kNotNegative))
-    m.wrong("max_force", kNotNegative.text());
-  m.has("max_torque");
-  m.finish();
+  m.read(kMotor, j);
+  if (!m.has("max_force") && !m.has("max_torque")) m.wrong("max_force", kNotNegative.text());
+}
+
+void read_motor_option(Options& o, const OptionRow&, JointReading& j) {
+  if (!used(o, *j.kind, kUsesMotor, "motor") || !o.push("motor", LUA_TTABLE, "{ speed =, max_force = }")) return;
+  Options m(o.L(), -1, o.path("motor"));
+  read_motor(m, j.options);
   lua_pop(o.L(), 1);
 }
 
-void read_limits(Options& o, JointOptions& j) {
-  if (!o.push("limits", LUA_TTABLE, "{lo, hi}")) return;
+void read_limits(Options& o, const OptionRow&, JointReading& reading) {
+  if (!used(o, *reading.kind, kUsesLimits, "limits") || !o.push("limits", LUA_TTABLE, "{lo, hi}")) return;
+  JointOptions& j = reading.options;
   lua_State* L = o.L();
   if (lua_rawlen(L, -1) != 2)
     o.raise("limits", "expected {lo, hi}, got a table of " + std::to_string(lua_rawlen(L, -1)) + " values");
@@ -71,13 +101,14 @@ void read_limits(Options& o, JointOptions& j) {
 
 // Kinds with one anchor: `anchor`, else midway between the bodies' origins (a's, against the world).
 // Kinds with two: anchor_a (a's origin) and anchor_b (b's origin; against the world `anchor` says where).
-void read_anchors(Options& o, const JointKind& kind, WorldRecord& r, JointDesc& desc) {
+void read_anchors(Options& o, const OptionRow&, JointReading& desc) {
+  WorldRecord& r = *desc.record;
   const Vec3 at_a = lua::rigid(r).pose(desc.a).position;
   const Vec3 at_b = desc.b ? lua::rigid(r).pose(desc.b).position : at_a;
   Vec3 anchor = Vec3::Zero();
   const bool has_anchor = o.vector("anchor", anchor);
-  if (!(kind.uses & kUsesTwoAnchors)) {
-    for (const char* key : {"anchor_a", "anchor_b"}) used(o, kind, kUsesTwoAnchors, key);
+  if (!(desc.kind->uses & kUsesTwoAnchors)) {
+    for (const char* key : {"anchor_a", "anchor_b"}) used(o, *desc.kind, kUsesTwoAnchors, key);
     desc.anchor_a = desc.anchor_b = has_anchor ? anchor : Vec3((at_a + at_b) * Real(0.5));
     return;
   }
@@ -88,6 +119,35 @@ void read_anchors(Options& o, const JointKind& kind, WorldRecord& r, JointDesc& 
   if (!desc.b && !has_b && !has_anchor)
     o.raise("anchor", "expected the point of the world that holds the joint, got nil");
 }
+
+void read_axis(Options& o, const OptionRow&, JointReading& j) {
+  if (used(o, *j.kind, kUsesAxis, "axis")) o.unit("axis", j.axis);
+}
+
+void read_rest_length(Options& o, const OptionRow& row, JointReading& j) {
+  if (used(o, *j.kind, kUsesTwoAnchors, "rest_length")) o.real("rest_length", j.options.rest_length, row.range);
+}
+
+std::vector<OptionInfo> spring_rows() { return describe_rows(kSpring); }
+std::vector<OptionInfo> motor_rows() { return describe_rows(kMotor); }
+
+constexpr Option<JointReading> kJoint[] = {
+    special("type", "string", read_type),
+    field<&JointDesc::name>("name"),
+    special("a", "body", read_a),
+    special("b", "body", read_b),
+    special("anchor", "vector", read_anchors, "m"),
+    later<JointReading>("anchor_a", "vector", "m"),
+    later<JointReading>("anchor_b", "vector", "m"),
+    special("axis", "direction", read_axis),
+    special("limits", "{lo, hi}", read_limits, "m or rad"),
+    {{.name = "motor"}, "table", read_motor_option, nullptr, motor_rows},
+    {{.name = "spring"}, "table", read_spring_option, nullptr, spring_rows},
+    {{.name = "rest_length", .unit = "m", .range = kNotNegative}, "number", read_rest_length},
+    field<&JointDesc::break_force>("break_force", "N", kPositive),
+    field<&JointDesc::collide>("collide"),
+    later<JointReading>("tags", kWordsType),
+};
 
 int joint_vector(lua_State* L, Vec3 (Rigid::*get)(ObjectId) const) {
   Self self = check_self(L);
@@ -122,10 +182,10 @@ int joint_set_motor(lua_State* L) {
   need_use(L, self, kUsesMotor, "motor");
   double speed = 0, force = 0;
   if (lua_type(L, 2) == LUA_TTABLE) {
+    JointOptions motor;
     Options o(L, 2, function_name(L));
-    o.number("speed", speed);
-    if (!o.number("max_force", force, kNotNegative)) o.wrong("max_force", kNotNegative.text());
-    o.finish();
+    read_motor(o, motor);
+    speed = motor.motor_speed, force = motor.motor_max;
   } else {
     speed = check_number(L, 2, std::string(function_name(L)) + ".speed");
     force = check_number(L, 3, std::string(function_name(L)) + ".max_force", kNotNegative);
@@ -179,29 +239,16 @@ const Method kJointMethods[] = {
 
 std::span<const Method> joint_methods() { return kJointMethods; }
 
+std::vector<OptionInfo> joint_rows() { return describe_rows(kJoint); }
+
 int world_joint(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  JointDesc desc;
-  const JointKind& kind = kind_option(o, desc.type);
-  o.text("name", desc.name);
-  body_option(o, "a", r, desc.a);
-  body_option(o, "b", r, desc.b);
-  if (!desc.a) o.wrong("a", "a body");
-  if (desc.a == desc.b) o.raise("b", "expected another body than a");
-  read_anchors(o, kind, r, desc);
-  if (used(o, kind, kUsesAxis, "axis")) o.unit("axis", desc.axis);
-  if (used(o, kind, kUsesLimits, "limits")) read_limits(o, desc.options);
-  if (used(o, kind, kUsesMotor, "motor")) read_motor(o, desc.options);
-  if (used(o, kind, kUsesSpring, "spring")) read_spring_option(o, desc.options);
-  if (used(o, kind, kUsesTwoAnchors, "rest_length")) o.real("rest_length", desc.options.rest_length, kNotNegative);
-  o.real("break_force", desc.break_force, kPositive);
-  o.flag("collide", desc.collide);
-  o.has("tags");
-  o.finish();
-  desc.tags = tag_option(o, r);
-  const ObjectId id = lua::rigid(r).add_joint(desc);
-  push_handle(L, r, id);
+  JointReading joint;
+  joint.record = &r;
+  o.read(kJoint, joint);
+  joint.tags = tag_option(o, r);
+  push_handle(L, r, lua::rigid(r).add_joint(joint));
   return 1;
 }
 

@@ -44,12 +44,12 @@ int feder_version(lua_State* L) {
 
 const Method kFederFunctions[] = {
     {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world",
-     "a world of a plain script; see section 3"},
+     "a world of a plain script; see section 3", world_rows},
     {"scene", guard<feder_scene>,
      "feder.scene{ title =, seconds =, picture =, camera =, world =, build =, update =, check =, study = } -> scene",
-     "what a scene file returns"},
+     "what a scene file returns", scene_rows},
     {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value",
-     "a value that --set, a viewer or a study may change"},
+     "a value that --set, a viewer or a study may change", param_rows},
     {"load", guard<feder_load>, "feder.load(\"materials.yaml\") -> table",
      "a YAML file beside the scene or in the libraries"},
     {"deg", guard<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
@@ -91,7 +91,8 @@ void open_module(lua_State* L) {
 std::vector<DocRow> docs(std::span<const Part* const> parts) {
   std::vector<DocRow> rows;
   const auto add = [&rows](const char* owner, std::span<const Method> methods) {
-    for (const Method& m : methods) rows.push_back({owner, m.name, m.signature, m.doc});
+    for (const Method& m : methods)
+      rows.push_back({owner, m.name, m.signature, m.doc, m.options ? m.options() : std::vector<OptionInfo>{}});
   };
   add("feder", feder_functions()), add("feder", shape_functions());
   for (const Part* p : parts) add("feder", p->functions);
@@ -103,6 +104,42 @@ std::vector<DocRow> docs(std::span<const Part* const> parts) {
   add("force", force_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;
+}
+
+std::vector<OptionInfo> system_options(Catalog systems, std::string_view system) {
+  const auto read = [&](const std::string& solver) {
+    WorldDesc desc;
+    Params& options = desc.systems[std::string(system)];
+    if (!solver.empty()) options.set("solver", solver);
+    World probe(desc, systems);
+    probe.need_system(system);
+    return probe.desc().systems.at(std::string(system)).rows();
+  };
+  const auto known = [](const std::vector<OptionInfo>& rows, const char* name) {
+    return std::find_if(rows.begin(), rows.end(),
+                        [&](const OptionInfo& o) { return std::string_view(o.row.name) == name; });
+  };
+  std::vector<OptionInfo> all = read("");
+  const auto solver = known(all, "solver");
+  if (solver == all.end()) return all;
+  // what not every variant reads is that variant's
+  std::vector<std::vector<OptionInfo>> each;
+  const std::string names = solver->choices;
+  for (std::string_view name : split_choices(names)) each.push_back(read(std::string(name)));
+  std::vector<OptionInfo> out;
+  std::size_t k = 0;
+  for (const OptionInfo& o : all)
+    if (std::all_of(each.begin(), each.end(), [&](const auto& rows) { return known(rows, o.row.name) != rows.end(); }))
+      out.push_back(o);
+  const std::size_t shared = out.size();
+  for (std::string_view name : split_choices(names)) {
+    for (const OptionInfo& o : each[k])
+      if (std::none_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(shared),
+                       [&](const OptionInfo& s) { return std::string_view(s.row.name) == o.row.name; }))
+        out.push_back(o), out.back().of = std::string(name);
+    ++k;
+  }
+  return out;
 }
 
 }  // namespace feder::lua

@@ -10,15 +10,43 @@ namespace {
 
 constexpr std::size_t kMaxSprings = 20000000;
 
+struct NetReading : Making<NetDesc>, SpringDesc {  // what springs have that say nothing else
+  std::vector<std::size_t> pins;
+  using NetDesc::damping;
+};
+
+constexpr Option<SpringDesc> kSpring[] = {
+    later<SpringDesc>("i", "integer"),
+    later<SpringDesc>("j", "integer"),
+    field<&SpringDesc::stiffness>("stiffness", "N/m", kNotNegative),
+    field<&SpringDesc::damping>("damping", "N s/m", kNotNegative),
+    field<&SpringDesc::rest_length>("rest_length", "m", kNotNegative).unset(),
+    field<&SpringDesc::break_strain>("break_strain", "", kPositive),
+    field<&SpringDesc::power>("power", "", {1, 9}),
+    field<&SpringDesc::tension_only>("tension_only"),
+};
+
+std::vector<OptionInfo> spring_rows() { return describe_rows(kSpring); }
+
+// More than the two numbers, which is all that most springs of a large net have?
+bool has_options(lua_State* L, int index) {
+  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+    if (lua_isinteger(L, -2) && (lua_tointeger(L, -2) == 1 || lua_tointeger(L, -2) == 2)) continue;
+    lua_pop(L, 2);
+    return true;
+  }
+  return false;
+}
+
 // One number for all, a list, or a buffer.
-void read_masses(Options& o, NetDesc& desc) {
+void read_masses(Options& o, const OptionRow& row, NetReading& desc) {
   const std::size_t count = desc.points.size();
   desc.masses.assign(count, Real(1));
   if (!o.push_any("masses")) return;
   lua_State* L = o.L();
   if (lua_type(L, -1) == LUA_TNUMBER) {
     Real m = 1;
-    o.real("masses", m, kPositive);
+    o.real("masses", m, row.range);
     desc.masses.assign(count, m);
   } else {
     const auto numbers = test_buffer(L, -1);
@@ -32,7 +60,7 @@ void read_masses(Options& o, NetDesc& desc) {
       else
         lua_rawgeti(L, -1, static_cast<lua_Integer>(i) + 1);
       desc.masses[i] =
-          static_cast<Real>(check_number(L, -1, o.path("masses") + "[" + std::to_string(i + 1) + "]", kPositive));
+          static_cast<Real>(check_number(L, -1, o.path("masses") + "[" + std::to_string(i + 1) + "]", row.range));
       lua_pop(L, 1);
     }
   }
@@ -59,41 +87,16 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
   };
   s.i = field(1, "i"), s.j = field(2, "j");
   if (s.i == s.j) fail(L, what + ": expected two different points, got " + std::to_string(s.i + 1) + " twice");
-  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
-    if (lua_isinteger(L, -2) && (lua_tointeger(L, -2) == 1 || lua_tointeger(L, -2) == 2)) continue;
-    const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-    if (key == "i" || key == "j") continue;
-    if (key == "stiffness")
-      s.stiffness = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
-    else if (key == "damping")
-      s.damping = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
-    else if (key == "rest_length")
-      s.rest_length = static_cast<Real>(check_number(L, -1, what + "." + key, kNotNegative));
-    else if (key == "break_strain")
-      s.break_strain = static_cast<Real>(check_number(L, -1, what + "." + key, kPositive));
-    else if (key == "power")
-      s.power = static_cast<int>(check_integer(L, -1, what + "." + key, 1, 9));
-    else if (key == "tension_only") {
-      if (lua_type(L, -1) != LUA_TBOOLEAN)
-        fail(L, what + "." + key + ": expected true or false, got " + describe(L, -1));
-      s.tension_only = lua_toboolean(L, -1) != 0;
-    } else {
-      const std::string near =
-          nearest_name(key, {"i", "j", "stiffness", "damping", "rest_length", "break_strain", "tension_only", "power"});
-      fail(L, what + ": unknown option " + describe(L, -2) + (near.empty() ? "" : "; did you mean '" + near + "'?"));
-    }
+  if (has_options(L, index)) {
+    Options o(L, index, what);
+    o.skip_places(2);
+    o.read(kSpring, s);
   }
   return s;
 }
 
-void read_springs(Options& o, NetDesc& desc) {
-  SpringDesc defaults;
-  o.real("stiffness", defaults.stiffness, kNotNegative);
-  o.real("spring_damping", defaults.damping, kNotNegative);
-  o.real("break_strain", defaults.break_strain, kPositive);
-  o.flag("tension_only", defaults.tension_only);
-  std::int64_t power = 1;
-  if (o.integer("power", power, 1, 9)) defaults.power = static_cast<int>(power);
+void read_springs(Options& o, const OptionRow&, NetReading& desc) {
+  const SpringDesc& defaults = desc;
   if (!o.push("springs", LUA_TTABLE, "a list of {i, j, stiffness =, ...}")) return;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
@@ -115,26 +118,25 @@ void read_springs(Options& o, NetDesc& desc) {
 }
 
 // A list of point numbers.
-std::vector<std::size_t> read_pins(Options& o, std::size_t points) {
-  std::vector<std::size_t> pins;
-  if (!o.push("pins", LUA_TTABLE, "a list of point numbers")) return pins;
+void read_pins(Options& o, const OptionRow&, NetReading& desc) {
+  const std::size_t points = desc.points.size();
+  if (!o.push("pins", LUA_TTABLE, "a list of point numbers")) return;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
   for (std::size_t k = 1; k <= count; ++k) {
     lua_rawgeti(L, -1, static_cast<lua_Integer>(k));
-    pins.push_back(static_cast<std::size_t>(
+    desc.pins.push_back(static_cast<std::size_t>(
         check_integer(L, -1, o.path("pins") + "[" + std::to_string(k) + "]", 1, static_cast<std::int64_t>(points)) -
         1));
     lua_pop(L, 1);
   }
   lua_pop(L, 1);
-  return pins;
 }
 
 // Triangles of point numbers, for drawing, export and fluids; a face of four is cut in two.
-std::vector<std::uint32_t> read_faces(Options& o, std::size_t points) {
-  std::vector<std::uint32_t> faces;
-  if (!o.push("faces", LUA_TTABLE, "a list of {i, j, k}")) return faces;
+void read_faces(Options& o, const OptionRow&, NetReading& desc) {
+  const std::size_t points = desc.points.size();
+  if (!o.push("faces", LUA_TTABLE, "a list of {i, j, k}")) return;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
   for (std::size_t f = 1; f <= count; ++f) {
@@ -149,47 +151,69 @@ std::vector<std::uint32_t> read_faces(Options& o, std::size_t points) {
       corner[k] = static_cast<std::uint32_t>(check_integer(L, -1, what, 1, static_cast<std::int64_t>(points)) - 1);
       lua_pop(L, 1);
     }
-    faces.insert(faces.end(), {corner[0], corner[1], corner[2]});
-    if (corners == 4) faces.insert(faces.end(), {corner[0], corner[2], corner[3]});
+    desc.faces.insert(desc.faces.end(), {corner[0], corner[1], corner[2]});
+    if (corners == 4) desc.faces.insert(desc.faces.end(), {corner[0], corner[2], corner[3]});
     lua_pop(L, 1);
   }
   lua_pop(L, 1);
-  return faces;
 }
 
-void read_net(Options& o, NetDesc& desc, std::vector<std::uint32_t>& faces) {
-  lua_State* L = o.L();
-  o.text("name", desc.name);
+void read_points(Options& o, const OptionRow&, NetReading& desc) {
   if (!o.push_any("points")) o.wrong("points", "a list of {x, y, z} or a buffer");
-  desc.points = check_points(L, -1, o.path("points"), o.planar());
-  lua_pop(L, 1);
+  desc.points = check_points(o.L(), -1, o.path("points"), o.planar());
+  lua_pop(o.L(), 1);
   if (desc.points.empty()) o.raise("points", "expected at least one point, got none");
-  if (o.push_any("velocities")) {
-    desc.velocities = check_points(L, -1, o.path("velocities"), o.planar());
-    lua_pop(L, 1);
-    if (desc.velocities.size() != desc.points.size())
-      o.raise("velocities", "expected " + std::to_string(desc.points.size()) + ", one per point, got " +
-                                std::to_string(desc.velocities.size()));
-  }
-  read_masses(o, desc);
-  read_springs(o, desc);
-  desc.faces = faces = read_faces(o, desc.points.size());
-  if (o.text("integrator", desc.integrator)) find_variant(integrators(), desc.integrator, "integrator");
-  if (o.push("integrator_options", LUA_TTABLE, "a table of options")) {
-    Options inner(L, -1, o.path("integrator_options"));
-    inner.rest(desc.integrator_options);
-    lua_pop(L, 1);
-  }
-  o.real("damping", desc.damping, kNotNegative);
-  o.real("radius", desc.radius, kNotNegative);
-  o.real("friction", desc.friction, kNotNegative);
-  o.real("restitution", desc.restitution, Range{0, 1});
-  std::int64_t bits = 0;
-  o.flag("self_collision", desc.self_collision);
-  if (o.integer("group", bits, 0, 0xffffffffll)) desc.group = static_cast<std::uint32_t>(bits);
-  if (o.integer("mask", bits, 0, 0xffffffffll)) desc.mask = static_cast<std::uint32_t>(bits);
-  o.real("gravity_scale", desc.gravity_scale);
 }
+
+void read_velocities(Options& o, const OptionRow&, NetReading& desc) {
+  if (!o.push_any("velocities")) return;
+  desc.velocities = check_points(o.L(), -1, o.path("velocities"), o.planar());
+  lua_pop(o.L(), 1);
+  if (desc.velocities.size() != desc.points.size())
+    o.raise("velocities", "expected " + std::to_string(desc.points.size()) + ", one per point, got " +
+                              std::to_string(desc.velocities.size()));
+}
+
+void read_integrator(Options& o, const OptionRow&, NetReading& desc) {
+  if (o.text("integrator", desc.integrator)) find_variant(integrators(), desc.integrator, "integrator");
+}
+
+std::string show_integrator(const NetReading& desc) { return print_value(desc.integrator); }
+
+void read_integrator_options(Options& o, const OptionRow&, NetReading& desc) {
+  if (!o.push("integrator_options", LUA_TTABLE, "a table of options")) return;
+  Options inner(o.L(), -1, o.path("integrator_options"));
+  inner.rest(desc.integrator_options);
+  lua_pop(o.L(), 1);
+}
+
+constexpr Option<NetReading> kNet[] = {
+    field<&NetDesc::name>("name"),
+    special("points", "list of vectors or buffer", read_points, "m"),
+    special("velocities", "list of vectors or buffer", read_velocities, "m/s"),
+    {{.name = "masses", .unit = "kg", .range = kPositive}, "number, list or buffer", read_masses},
+    // of springs that say nothing else
+    field<&SpringDesc::stiffness>("stiffness", "N/m", kNotNegative),
+    field<&SpringDesc::damping>("spring_damping", "N s/m", kNotNegative),
+    field<&SpringDesc::break_strain>("break_strain", "", kPositive),
+    field<&SpringDesc::tension_only>("tension_only"),
+    field<&SpringDesc::power>("power", "", {1, 9}),
+    {{.name = "springs"}, "list of {i, j, ...}", read_springs, nullptr, spring_rows},
+    special("faces", "list of {i, j, k}", read_faces),
+    {{.name = "integrator"}, "string", read_integrator, show_integrator, nullptr, names_of<integrators>},
+    {{.name = "integrator_options"}, "table", read_integrator_options, nullptr, options_of<integrators>},
+    field<&NetDesc::damping>("damping", "1/s", kNotNegative),
+    field<&NetDesc::radius>("radius", "m", kNotNegative),
+    field<&NetDesc::friction>("friction", "", kNotNegative),
+    field<&NetDesc::restitution>("restitution", "", kUnitRange),
+    field<&NetDesc::self_collision>("self_collision"),
+    field<&NetDesc::group>("group", "", kBits),
+    field<&NetDesc::mask>("mask", "", kBits),
+    field<&NetDesc::gravity_scale>("gravity_scale"),
+    special("color", "color", read_color<NetReading>),
+    special("pins", "list of point numbers", read_pins),
+    later<NetReading>("tags", kWordsType),
+};
 
 }  // namespace
 
@@ -197,22 +221,18 @@ SpringDesc read_spring(Options& o, std::size_t point_count) {
   return read_spring_row(o.L(), o.index(), o.owner(), point_count, {});
 }
 
+std::vector<OptionInfo> net_rows() { return describe_rows(kNet); }
+
 int world_net(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  NetDesc desc;
-  std::vector<std::uint32_t> faces;
-  read_net(o, desc, faces);
-  std::uint32_t color = 0;
-  const bool colored = o.color("color", color);
-  const std::vector<std::size_t> pins = read_pins(o, desc.points.size());
-  o.has("tags");
-  o.finish();
-  desc.tags = tag_option(o, r);
-  const ObjectId id = r.world->need<Springs>().add_net(desc);
-  for (std::size_t i : pins) r.world->need<Springs>().pin(id, i);
-  if (!faces.empty()) r.look.faces[id] = std::move(faces);
-  if (colored) r.look.colors[id] = color;
+  NetReading net;
+  o.read(kNet, net);
+  net.tags = tag_option(o, r);
+  const ObjectId id = r.world->need<Springs>().add_net(net);
+  for (std::size_t i : net.pins) r.world->need<Springs>().pin(id, i);
+  if (!net.faces.empty()) r.look.faces[id] = net.faces;
+  if (net.painted) r.look.colors[id] = net.color;
   push_handle(L, r, id);
   return 1;
 }

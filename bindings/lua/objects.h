@@ -1,5 +1,6 @@
 // What makers and methods of objects share, and the world's own methods.
 #pragma once
+#include "lua/options.h"
 #include "lua/records.h"
 
 namespace feder::lua {
@@ -10,6 +11,19 @@ int push_vector(lua_State* L, const Vec3& v);  // three numbers
 inline int return_self(lua_State* L) {
   lua_settop(L, 1);
   return 1;
+}
+
+// What makers read besides the description of what they make.
+template <class Desc>
+struct Making : Desc {
+  WorldRecord* record = nullptr;
+  bool painted = false;     // by a colour of its own, or its material's
+  std::uint32_t color = 0;  // 0xrrggbb
+};
+
+template <class T>
+void read_color(Options& o, const OptionRow&, T& made) {
+  if (o.color("color", made.color)) made.painted = true;
 }
 
 // Where a body is, for what is attached to it. `body` is one.

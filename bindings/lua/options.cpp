@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/assert.h"
+
 namespace feder::lua {
 namespace {
 
@@ -24,37 +26,36 @@ Real component(lua_State* L, int index, int i, const std::string& what) {
   return value;
 }
 
-Quat euler_rotation(Options& o) {
-  Vec3 angles = Vec3::Zero();
-  o.vector("euler", angles);
+struct Turn {
+  Vec3 axis = Vec3::Zero(), euler = Vec3::Zero();
+  Real angle = 0;
   std::string order = "xyz";
   bool fixed = false;
-  o.text("order", order);
-  o.flag("fixed", fixed);
-  o.finish();
-  if (order.size() != 3 || order.find_first_not_of("xyz") != std::string::npos)
-    o.raise("order", "expected three of the letters x, y, z, got '" + order + "'");
+};
+
+constexpr Option<Turn> kTurn[] = {
+    direction<&Turn::axis>("axis"),
+    field<&Turn::angle>("angle", "rad").unset(),
+    field<&Turn::euler>("euler", "rad").unset(),
+    field<&Turn::order>("order"),
+    field<&Turn::fixed>("fixed"),
+};
+
+Quat euler_rotation(Options& o, const Turn& turn) {
+  if (turn.order.size() != 3 || turn.order.find_first_not_of("xyz") != std::string::npos)
+    o.raise("order", "expected three of the letters x, y, z, got '" + turn.order + "'");
   // turning about the body's own axes multiplies on the right, about the fixed axes on the left
   Quat q;
   for (int k = 0; k < 3; ++k) {
     Vec3 axis = Vec3::Zero();
-    axis[order[static_cast<std::size_t>(k)] - 'x'] = 1;
-    const Quat turn = from_axis_angle(axis, angles[k]);
-    q = fixed ? turn * q : q * turn;
+    axis[turn.order[static_cast<std::size_t>(k)] - 'x'] = 1;
+    const Quat one = from_axis_angle(axis, turn.euler[k]);
+    q = turn.fixed ? one * q : q * one;
   }
   return normalized(q);
 }
 
 }  // namespace
-
-std::string Range::text() const {
-  const bool below = hi<kHuge, above = lo> - kHuge;
-  if (above && below && open) return "a number above " + print_number(lo) + " and at most " + print_number(hi);
-  if (above && below) return "a number from " + print_number(lo) + " to " + print_number(hi);
-  if (above) return open ? "a number above " + print_number(lo) : "a number of at least " + print_number(lo);
-  if (below) return "a number of at most " + print_number(hi);
-  return "a finite number";
-}
 
 double check_number(lua_State* L, int index, const std::string& what, const Range& range) {
   if (lua_type(L, index) != LUA_TNUMBER) wrong_value(L, index, what, range.text());
@@ -111,17 +112,14 @@ Quat check_rotation(lua_State* L, int index, const std::string& what) {
     return normalized(q);
   }
   Options o(L, index, what);
-  if (o.has("euler")) return euler_rotation(o);
-  Vec3 axis = Vec3::Zero();
-  double angle = 0;
-  const bool has_axis = o.unit("axis", axis), has_angle = o.number("angle", angle);
-  o.has("order"), o.has("fixed");
-  o.finish();
-  if (!has_axis || !has_angle)
+  Turn turn;
+  o.read(kTurn, turn);
+  if (o.has("euler")) return euler_rotation(o, turn);
+  if (!o.has("axis") || !o.has("angle"))
     fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
                 (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values"
                                       : "a table without them"));
-  return from_axis_angle(axis, static_cast<Real>(angle));
+  return from_axis_angle(turn.axis, turn.angle);
 }
 
 Vec3 vector_argument(lua_State* L, int index, bool planar, int* next) {
@@ -202,7 +200,7 @@ void Options::wrong(const char* key, const std::string& expected) {
 }
 
 bool Options::push_any(const char* key) {
-  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  FEDER_ASSERT(std::find(known_.begin(), known_.end(), key) != known_.end());  // its row
   lua_pushstring(L_, key);
   if (lua_rawget(L_, index_) != LUA_TNIL) return true;
   lua_pop(L_, 1);
@@ -213,6 +211,13 @@ bool Options::push(const char* key, int type, const char* expected) {
   if (!push_any(key)) return false;
   if (lua_type(L_, -1) != type) wrong(key, expected);
   return true;
+}
+
+bool Options::given(const char* key) const {
+  lua_pushstring(L_, key);
+  const bool there = lua_rawget(L_, index_) != LUA_TNIL;
+  lua_pop(L_, 1);
+  return there;
 }
 
 bool Options::has(const char* key) {
@@ -237,18 +242,11 @@ bool Options::number(const char* key, double& out, const Range& range) {
   return true;
 }
 
-bool Options::real(const char* key, Real& out, const Range& range) {
-  double x = 0;
-  if (!number(key, x, range)) return false;
-  out = static_cast<Real>(x);
-  return true;
-}
-
-bool Options::integer(const char* key, std::int64_t& out, std::int64_t lo, std::int64_t hi) {
+bool Options::whole(const char* key, std::int64_t& out, const Range& range) {
   if (!push_any(key)) return false;
-  int whole = 0;
-  const lua_Integer i = lua_type(L_, -1) == LUA_TNUMBER ? lua_tointegerx(L_, -1, &whole) : 0;
-  if (!whole || i < lo || i > hi) wrong(key, "a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
+  int is_whole = 0;
+  const lua_Integer i = lua_type(L_, -1) == LUA_TNUMBER ? lua_tointegerx(L_, -1, &is_whole) : 0;
+  if (!is_whole || !range.holds(static_cast<double>(i))) wrong(key, range.whole());
   lua_pop(L_, 1);
   out = i;
   return true;
@@ -314,12 +312,12 @@ bool Options::rotation(const char* key, Quat& out) {
   return true;
 }
 
-bool Options::choice(const char* key, const std::vector<std::string>& names, int& out) {
-  if (!push(key, LUA_TSTRING, ("one of " + join(names)).c_str())) return false;
-  const std::string given = lua_tostring(L_, -1);
-  const auto found = std::find(names.begin(), names.end(), given);
-  if (found == names.end()) wrong(key, "one of " + join(names));
-  out = static_cast<int>(found - names.begin());
+bool Options::word(const char* key, const char* choices, int& out) {
+  if (!push(key, LUA_TSTRING, (std::string("one of ") + choices).c_str())) return false;
+  const std::vector<std::string_view> known = split_choices(choices);
+  const auto found = std::find(known.begin(), known.end(), lua_tostring(L_, -1));
+  if (found == known.end()) wrong(key, std::string("one of ") + choices);
+  out = static_cast<int>(found - known.begin());
   lua_pop(L_, 1);
   return true;
 }
@@ -356,12 +354,12 @@ void Options::rest(Params& out) {
         if (const auto* list = std::get_if<std::vector<double>>(&out.values().at(key));
             planar_ && list && list->size() == 2)
           out.set(key, std::vector<double>{(*list)[0], (*list)[1], 0});
-        known_.push_back(key);
       }
+    } else {
+      raise(nullptr, "expected options by name, got the key " + describe(L_, -2));
     }
     lua_pop(L_, 1);
   }
-  finish();
 }
 
 void Options::finish() {
@@ -371,6 +369,7 @@ void Options::finish() {
   lua_pushnil(L_);
   while (lua_next(L_, index_)) {
     lua_pop(L_, 1);
+    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= places_) continue;
     if (lua_type(L_, -1) != LUA_TSTRING) raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
     const std::string key = lua_tostring(L_, -1);
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
@@ -378,9 +377,10 @@ void Options::finish() {
     found = true;
   }
   if (!found) return;
-  const std::string near = nearest_name(unknown, known_);
+  const std::vector<std::string> names(known_.begin(), known_.end());
+  const std::string near = nearest_name(unknown, names);
   raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" +
-                        (near.empty() ? "; known: " + join(known_) : "; did you mean '" + near + "'?"));
+                        (near.empty() ? "; known: " + join(names) : "; did you mean '" + near + "'?"));
 }
 
 }  // namespace feder::lua

@@ -1,39 +1,74 @@
-// Reads an options table, or the plain numbers of a hot verb, with a message for every mistake:
+// Reads an options table by its rows (base/option.h), or the plain numbers of a hot verb, with a message for every
+// mistake:
 //   file:line: world:body.density: expected a number above 0, got -5
 //   file:line: world:body: unknown option 'frction'; did you mean 'friction'?
 // Reading changes nothing, so a mistake leaves the world as it was. Raw access only: no metamethod runs.
 #pragma once
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/math.h"
+#include "base/option.h"
 #include "base/params.h"
+#include "base/registry.h"
 #include "lua/state.h"
 
 namespace feder::lua {
 
-struct Range {
-  double lo = -1e300, hi = 1e300;
-  bool open = false;  // lo itself is not allowed
-  std::string text() const;
+class Options;
+
+// What the description T of a thing takes from one key.
+template <class T>
+struct Option {
+  OptionRow row;
+  const char* type;                              // for a reference, in Lua's words
+  void (*read)(Options&, const OptionRow&, T&);  // may do nothing: of what is read when all else is right
+  std::string (*fallback)(const T&) = nullptr;   // of a T as it is made
+  std::vector<OptionInfo> (*inner)() = nullptr;  // of a value that is itself a table of options
+  std::string (*names)() = nullptr;              // "a, b": of a table of variants
 };
-inline constexpr double kHuge =
-    1e30;  // largest size, speed, mass ... that a script may give: squares stay finite in float
-inline const Range kAny{-kHuge, kHuge, false};
-inline const Range kPositive{0, kHuge, true};
-inline const Range kNotNegative{0, kHuge, false};
 
 class Options {
  public:
   // `owner` is named in messages ("world:body"). A planar world lets {x, y} stand for {x, y, 0}.
   Options(lua_State* L, int index, std::string owner, bool planar = false);
 
-  // Each remembers `key` as known and returns false, `out` untouched, when it is absent.
+  // Reads by rows, all of them, in their order. A key without a row is a mistake unless rest() takes it.
+  template <class T, std::size_t N>
+  void read_some(const Option<T> (&rows)[N], T& out) {
+    for (const Option<T>& r : rows) known_.push_back(r.row.name);
+    for (const Option<T>& r : rows) r.read(*this, r.row, out);
+  }
+  template <class T, std::size_t N>
+  void read(const Option<T> (&rows)[N], T& out) {
+    read_some(rows, out);
+    finish();
+  }
+
+  // The first `count` values by number are no options: {"ice", "rubber", friction = 0.1}.
+  void skip_places(lua_Integer count) { places_ = count; }
+
+  // By key, which must have a row. Each returns false, `out` untouched, when it is absent.
   bool has(const char* key);
+  bool given(const char* key) const;  // of a key whose row is elsewhere: a variant's
   bool number(const char* key, double& out, const Range& range = kAny);
-  bool real(const char* key, Real& out, const Range& range = kAny);
-  bool integer(const char* key, std::int64_t& out, std::int64_t lo, std::int64_t hi);
+  template <class Number>
+  bool real(const char* key, Number& out, const Range& range = kAny) {
+    double x = 0;
+    if (!number(key, x, range)) return false;
+    out = static_cast<Number>(x);
+    return true;
+  }
+  template <class Whole>
+  bool integer(const char* key, Whole& out, const Range& range) {
+    std::int64_t n = 0;
+    if (!whole(key, n, range)) return false;
+    out = static_cast<Whole>(n);
+    return true;
+  }
   bool flag(const char* key, bool& out);
   bool text(const char* key, std::string& out);
   bool vector(const char* key, Vec3& out);
@@ -41,15 +76,28 @@ class Options {
   bool rotation(const char* key, Quat& out);  // {x,y,z,w} | {axis=, angle=} | {euler=, order=, fixed=}
   // A colour as 0xrrggbb: { r, g, b } with parts of 0..1, "#rrggbb", or a name.
   bool color(const char* key, std::uint32_t& out);
-  bool choice(const char* key, const std::vector<std::string>& names, int& out);
+  // The place of the word in "a, b, c".
+  template <class Enum>
+  bool choice(const char* key, const char* choices, Enum& out) {
+    int place = 0;
+    if (!word(key, choices, place)) return false;
+    out = static_cast<Enum>(place);
+    return true;
+  }
   bool words(const char* key, std::vector<std::string>& out);  // "a" or {"a", "b"}
+  // As push(), of a key that is known by another's list: a system's, a part's.
+  bool take(const char* key, int type, const char* expected) {
+    know(key);
+    return push(key, type, expected);
+  }
+  void know(const char* key) { known_.push_back(key); }
   // Pushes the value when present and of the Lua type; the caller pops it.
   bool push(const char* key, int type, const char* expected);
   bool push_any(const char* key);  // pushes a present value
-  // The remaining keys, which nobody asked for, as Params: numbers, strings, booleans, lists of numbers.
+  // The remaining keys, which have no row, as Params: numbers, strings, booleans, lists of numbers.
   void rest(Params& out);
 
-  void finish();  // an error when a key was given that nobody asked for
+  void finish();  // an error when a key was given that has no row
   // Raises "owner.key: expected <expected>, got <value of key>".
   [[noreturn]] void wrong(const char* key, const std::string& expected);
   [[noreturn]] void raise(const char* key,
@@ -62,13 +110,121 @@ class Options {
   std::string path(const char* key) const { return owner_ + "." + key; }
 
  private:
+  bool whole(const char* key, std::int64_t& out, const Range& range);
+  bool word(const char* key, const char* choices, int& out);
   [[noreturn]] void raise_at(const std::string& key, const std::string& message);
   lua_State* L_;
   int index_;
   std::string owner_;
   bool planar_;
-  std::vector<std::string> known_;
+  lua_Integer places_ = 0;
+  std::vector<std::string_view> known_;
 };
+
+inline constexpr const char* kWordsType = "string or list of strings";
+
+// Rows. field<&BodyDesc::density>("density", "kg/m3", kPositive): a member, by its type. unset(): what it is when
+// nobody says is no value that a script could write.
+template <auto Member>
+struct Field {
+  OptionRow row;
+  bool shown = true;
+
+  std::string (*names)() = nullptr;
+
+  constexpr Field unset() const { return {row, false, names}; }
+  // Of a table of variants: names_of<integrators>.
+  constexpr Field of(std::string (*all)()) const { return {row, shown, all}; }
+  template <class T>
+  constexpr operator Option<T>() const {
+    using Value = std::remove_reference_t<decltype(std::declval<T&>().*Member)>;
+    Option<T> option{row, "rotation", nullptr, nullptr, nullptr, names};
+    if constexpr (std::is_same_v<Value, bool>)
+      option.type = "boolean", option.read = [](Options& o, const OptionRow& r, T& t) { o.flag(r.name, t.*Member); };
+    else if constexpr (std::is_integral_v<Value>)
+      option.type = "integer",
+      option.read = [](Options& o, const OptionRow& r, T& t) { o.integer(r.name, t.*Member, r.range); };
+    else if constexpr (std::is_floating_point_v<Value>)
+      option.type = "number",
+      option.read = [](Options& o, const OptionRow& r, T& t) { o.real(r.name, t.*Member, r.range); };
+    else if constexpr (std::is_same_v<Value, std::string>)
+      option.type = "string", option.read = [](Options& o, const OptionRow& r, T& t) { o.text(r.name, t.*Member); };
+    else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+      option.type = kWordsType, option.read = [](Options& o, const OptionRow& r, T& t) { o.words(r.name, t.*Member); };
+    else if constexpr (std::is_same_v<Value, Vec3>)
+      option.type = "vector", option.read = [](Options& o, const OptionRow& r, T& t) { o.vector(r.name, t.*Member); };
+    else
+      option.read = [](Options& o, const OptionRow& r, T& t) { o.rotation(r.name, t.*Member); };
+    if constexpr (!std::is_same_v<Value, Quat> && !std::is_same_v<Value, std::vector<std::string>>)
+      if (shown) option.fallback = [](const T& made) { return print_value(made.*Member); };
+    return option;
+  }
+};
+template <auto Member>
+constexpr Field<Member> field(const char* name, const char* unit = "", const Range& range = kAny) {
+  return {{.name = name, .unit = unit, .range = range}};
+}
+
+template <auto Table>
+std::string names_of() {
+  return variant_names(Table());
+}
+template <auto Table>
+std::vector<OptionInfo> options_of() {
+  return variant_options(Table());
+}
+
+// One word of several: an enum whose values are their places.
+template <auto Member>
+struct Choice {
+  OptionRow row;
+  template <class T>
+  constexpr operator Option<T>() const {
+    return {row, "string", [](Options& o, const OptionRow& r, T& out) { o.choice(r.name, r.choices, out.*Member); }};
+  }
+};
+template <auto Member>
+constexpr Choice<Member> choice(const char* name, const char* choices) {
+  return {{.name = name, .choices = choices}};
+}
+
+template <auto Member>
+struct Direction {
+  OptionRow row;
+  template <class T>
+  constexpr operator Option<T>() const {
+    return {row, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
+  }
+};
+template <auto Member>
+constexpr Direction<Member> direction(const char* name) {
+  return {{.name = name}};
+}
+
+// Read by a function; without one, by whoever reads the rows.
+template <class T>
+constexpr Option<T> special(const char* name, const char* type, void (*read)(Options&, const OptionRow&, T&),
+                            const char* unit = "") {
+  return {{.name = name, .unit = unit}, type, read};
+}
+template <class T>
+constexpr Option<T> later(const char* name, const char* type, const char* unit = "") {
+  return {{.name = name, .unit = unit}, type, [](Options&, const OptionRow&, T&) {}};
+}
+
+// What a reference says of rows.
+template <class T, std::size_t N>
+std::vector<OptionInfo> describe_rows(const Option<T> (&rows)[N]) {
+  std::vector<OptionInfo> out;
+  const T made{};
+  for (const Option<T>& r : rows)
+    out.push_back({.row = r.row,
+                   .type = r.type,
+                   .fallback = r.fallback ? r.fallback(made) : "",
+                   .choices = r.names ? r.names() : r.row.choices,
+                   .inner = r.inner ? r.inner() : std::vector<OptionInfo>{}});
+  return out;
+}
 
 // Readers of a single value at `index`; `what` is named in messages.
 double check_number(lua_State* L, int index, const std::string& what, const Range& range = kAny);

@@ -41,14 +41,21 @@ void check_choice(lua_State* L, const ParamInfo& p, const std::string& text, con
   fail(L, what + ": expected one of " + join(p.choices) + ", got '" + text + "'");
 }
 
+constexpr Option<ParamInfo> kParam[] = {
+    field<&ParamInfo::min>("min").unset(),
+    field<&ParamInfo::max>("max").unset(),
+    field<&ParamInfo::step>("step", "", kPositive).unset(),
+    field<&ParamInfo::help>("help"),
+    later<ParamInfo>("choices", "list"),
+};
+
 ParamInfo read_options(lua_State* L, const std::string& name) {
   ParamInfo p;
   p.name = name;
   if (lua_isnoneornil(L, 3)) return p;
   Options o(L, 3, "feder.param(\"" + name + "\")");
-  p.has_min = o.number("min", p.min), p.has_max = o.number("max", p.max);
-  p.has_step = o.number("step", p.step, kPositive);
-  o.text("help", p.help);
+  o.read(kParam, p);
+  p.has_min = o.has("min"), p.has_max = o.has("max"), p.has_step = o.has("step");
   if (o.push("choices", LUA_TTABLE, "a list")) {
     const auto count = lua_rawlen(L, -1);
     if (count == 0 || count > 1000) o.raise("choices", "expected 1 to 1000 values, got " + std::to_string(count));
@@ -61,7 +68,6 @@ ParamInfo read_options(lua_State* L, const std::string& name) {
     }
     lua_pop(L, 1);
   }
-  o.finish();
   if (p.has_min && p.has_max && p.min > p.max) o.raise("min", "expected at most max, got " + print_number(p.min));
   if (lua_type(L, 2) != LUA_TNUMBER && (p.has_min || p.has_max || p.has_step))
     o.raise(nullptr, "expected min, max and step with a number only");
@@ -94,6 +100,8 @@ void push_override(lua_State* L, const ParamInfo& p, const std::string& text) {
 }
 
 }  // namespace
+
+std::vector<OptionInfo> param_rows() { return describe_rows(kParam); }
 
 int feder_param(lua_State* L) {
   State& s = state(L);

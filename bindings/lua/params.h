@@ -5,6 +5,7 @@
 namespace feder::lua {
 
 int feder_param(lua_State* L);
+std::vector<OptionInfo> param_rows();
 // After loading: a --set name that no feder.param declared is an error.
 void check_set_names(const State& s);
 

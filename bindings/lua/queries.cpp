@@ -13,19 +13,61 @@ constexpr double kFar = 1e5;  // m: how far a ray goes when nothing is said
 // Queries see the world as it is now; a world without colliders has nothing to hit.
 Collide* collide_of(WorldRecord& r) { return r.world->query<Collide>(); }
 
-void filter_options(Options& o, WorldRecord& r, QueryFilter& f) {
-  std::int64_t bits = 0;
-  if (o.integer("group", bits, 0, 0xffffffffll)) f.group = static_cast<std::uint32_t>(bits);
-  if (o.integer("mask", bits, 0, 0xffffffffll)) f.mask = static_cast<std::uint32_t>(bits);
-  o.flag("sensors", f.sensors);
-  object_option(o, "ignore", r, f.ignore);
+struct Query : QueryFilter {
+  WorldRecord* record = nullptr;
+  ShapePtr shape;
+  Pose pose;
+  Vec3 motion = Vec3::Zero();
+};
+
+void read_ignore(Options& o, const OptionRow&, Query& q) { object_option(o, "ignore", *q.record, q.ignore); }
+
+constexpr Option<Query> kFilter[] = {
+    field<&QueryFilter::group>("group", "", kBits),
+    field<&QueryFilter::mask>("mask", "", kBits),
+    field<&QueryFilter::sensors>("sensors"),
+    special("ignore", "object", read_ignore),
+};
+
+void read_cast(Options& o, const OptionRow&, Query& q) {
+  if (!shape_option(o, "shape", q.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
+  o.vector("position", q.pose.position);
+  o.rotation("rotation", q.pose.rotation);
+  if (!o.vector("motion", q.motion)) o.wrong("motion", "{x, y, z}");
 }
+
+constexpr Option<Query> kCast[] = {
+    special("shape", "shape", read_cast),
+    later<Query>("position", "vector", "m"),
+    later<Query>("rotation", "rotation"),
+    later<Query>("motion", "vector", "m"),
+};
+
+void read_volume(Options& o, const OptionRow&, Query& q) { box_or_shape(o, q.shape, q.pose.position, q.pose.rotation); }
+
+constexpr Option<Query> kOverlap[] = {
+    box_row(read_volume),
+    later<Query>("shape", "shape"),
+    later<Query>("position", "vector", "m"),
+    later<Query>("rotation", "rotation"),
+};
+
+std::vector<OptionInfo> filter_rows() { return describe_rows(kFilter); }
+
+template <std::size_t N>
+std::vector<OptionInfo> with_filter(const Option<Query> (&rows)[N]) {
+  std::vector<OptionInfo> all = describe_rows(rows), filter = filter_rows();
+  all.insert(all.end(), filter.begin(), filter.end());
+  return all;
+}
+std::vector<OptionInfo> cast_rows() { return with_filter(kCast); }
+std::vector<OptionInfo> overlap_rows() { return with_filter(kOverlap); }
 
 struct RayArguments {
   Vec3 origin, direction;  // unit
   double reach = kFar;
   bool limited = false;
-  QueryFilter filter;
+  Query filter;
 };
 
 RayArguments ray_arguments(lua_State* L, WorldRecord& r) {
@@ -46,8 +88,8 @@ RayArguments ray_arguments(lua_State* L, WorldRecord& r) {
   }
   if (lua_type(L, next) == LUA_TTABLE) {
     Options o(L, next, function_name(L));
-    filter_options(o, r, a.filter);
-    o.finish();
+    a.filter.record = &r;
+    o.read(kFilter, a.filter);
   }
   return a;
 }
@@ -116,42 +158,30 @@ ShapePtr convex_shape(Options& o, const WorldRecord& r, ShapePtr shape) {
 int world_shape_cast(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  ShapePtr shape;
-  Pose pose;
-  Vec3 motion = Vec3::Zero();
-  QueryFilter filter;
-  if (!shape_option(o, "shape", shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
-  o.vector("position", pose.position);
-  o.rotation("rotation", pose.rotation);
-  if (!o.vector("motion", motion)) o.wrong("motion", "{x, y, z}");
-  filter_options(o, r, filter);
-  o.finish();
-  shape = convex_shape(o, r, shape);
+  Query q;
+  q.record = &r;
+  o.read_some(kCast, q);
+  o.read(kFilter, q);
+  const ShapePtr shape = convex_shape(o, r, q.shape);
   Collide* collide = collide_of(r);
   RaycastHit hit;
-  if (!collide || !collide->shape_cast(*shape, pose, motion, filter, hit)) {
+  if (!collide || !collide->shape_cast(*shape, q.pose, q.motion, q, hit)) {
     lua_pushnil(L);
     return 1;
   }
-  return push_hit(L, r, hit, hit.fraction * length(motion));
+  return push_hit(L, r, hit, hit.fraction * length(q.motion));
 }
 
 int world_overlap(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
-  ShapePtr shape;
-  Pose pose;
-  QueryFilter filter;
-  const bool has_box = box_option(o, shape, pose.position);
-  if (!has_box && !shape_option(o, "shape", shape))
-    o.raise(nullptr, "expected box = {min, max} or shape =, got neither");
-  if (!has_box) o.vector("position", pose.position);
-  o.rotation("rotation", pose.rotation);
-  filter_options(o, r, filter);
-  o.finish();
-  shape = convex_shape(o, r, shape);
+  Query q;
+  q.record = &r;
+  o.read_some(kOverlap, q);
+  o.read(kFilter, q);
+  const ShapePtr shape = convex_shape(o, r, q.shape);
   std::vector<ObjectId> found;
-  if (Collide* collide = collide_of(r)) collide->overlap(*shape, pose, filter, found);
+  if (Collide* collide = collide_of(r)) collide->overlap(*shape, q.pose, q, found);
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   lua_newtable(L);
@@ -167,15 +197,16 @@ const Method kQueryMethods[] = {
     {"raycast", guard<world_raycast>,
      "world:raycast(x, y, z, dx, dy, dz, [max], [filter]) -> object, x, y, z, nx, ny, nz, distance",
      "the nearest hit along the direction within max metres (100 km), or nil; filter = { group, mask, sensors, ignore "
-     "}"},
+     "}",
+     filter_rows},
     {"raycast_all", guard<world_raycast_all>,
      "world:raycast_all(x, y, z, dx, dy, dz, [max], [filter]) -> {{object, x, y, z, nx, ny, nz, distance}, ...}",
-     "all hits within max metres (1 km), nearest first"},
+     "all hits within max metres (1 km), nearest first", filter_rows},
     {"shape_cast", guard<world_shape_cast>,
      "world:shape_cast{ shape=, position=, rotation=, motion=, ... } -> object, x, y, z, nx, ny, nz, distance",
-     "the first thing a convex shape meets along its motion, or nil"},
+     "the first thing a convex shape meets along its motion, or nil", cast_rows},
     {"overlap", guard<world_overlap>, "world:overlap{ shape= | box=, position=, rotation=, ... } -> {object, ...}",
-     "what a convex shape overlaps"},
+     "what a convex shape overlaps", overlap_rows},
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ struct Material {
 
 struct NamedMaterialPair {
   std::string a, b;
+  bool has_friction = false;
   Real friction_static = -1, friction_dynamic = -1, restitution = -1;
 };
 

@@ -31,7 +31,22 @@ const Method kRegionMethods[] = {
      "{x, y, z, w} or {axis =, angle =}"},
 };
 
+void read_box(Options& o, const OptionRow&, BodyDesc& d) { box_or_shape(o, d.shape, d.position, d.rotation); }
+
+constexpr Option<BodyDesc> kRegion[] = {
+    field<&BodyDesc::name>("name"),
+    box_row(read_box),
+    later<BodyDesc>("shape", "shape"),
+    later<BodyDesc>("position", "vector", "m"),
+    later<BodyDesc>("rotation", "rotation"),
+    field<&BodyDesc::group>("group", "", kBits),
+    field<&BodyDesc::mask>("mask", "", kBits),
+    later<BodyDesc>("tags", kWordsType),
+};
+
 }  // namespace
+
+std::vector<OptionInfo> region_rows() { return describe_rows(kRegion); }
 
 std::span<const Method> region_methods() { return kRegionMethods; }
 
@@ -41,18 +56,7 @@ int world_region(lua_State* L) {
   BodyDesc desc;
   desc.type = BodyType::fixed;
   desc.sensor = true;
-  o.text("name", desc.name);
-  const bool has_box = box_option(o, desc.shape, desc.position);
-  if (!has_box && !shape_option(o, "shape", desc.shape))
-    o.raise(nullptr, "expected box = {min, max} or shape =, got neither");
-  if (has_box && (o.has("shape") || o.has("position"))) o.raise("box", "expected box or shape and position, got both");
-  o.vector("position", desc.position);
-  o.rotation("rotation", desc.rotation);
-  std::int64_t bits = 0;
-  if (o.integer("group", bits, 0, 0xffffffffll)) desc.group = static_cast<std::uint32_t>(bits);
-  if (o.integer("mask", bits, 0, 0xffffffffll)) desc.mask = static_cast<std::uint32_t>(bits);
-  o.has("tags"), o.has("shape");
-  o.finish();
+  o.read(kRegion, desc);
   desc.tags = tag_option(o, r);
   const ObjectId id = lua::rigid(r).add_body(desc);
   r.special[id] = object_class(state(L), "region");

@@ -6,6 +6,12 @@
 namespace feder::lua {
 namespace {
 
+struct BodiesFilter {
+  std::vector<std::string> tag;
+};
+
+constexpr Option<BodiesFilter> kBodiesFilter[] = {field<&BodiesFilter::tag>("tag")};
+
 int world_bodies(lua_State* L) {
   WorldRecord& r = check_world(L);
   const Objects& objects = r.world->objects();
@@ -13,10 +19,10 @@ int world_bodies(lua_State* L) {
   TagMask tags = 0;
   if (!lua_isnoneornil(L, 2)) {
     Options o(L, 2, function_name(L));
-    std::vector<std::string> words;
-    filtered = o.words("tag", words);
-    o.finish();
-    for (const std::string& w : words) tags |= objects.known_tag(w);
+    BodiesFilter filter;
+    o.read(kBodiesFilter, filter);
+    filtered = o.has("tag");
+    for (const std::string& w : filter.tag) tags |= objects.known_tag(w);
   }
   lua_newtable(L);
   lua_Integer n = 0;
@@ -79,18 +85,24 @@ void apply_forces(ForceRun& run) {
   }
 }
 
+struct Repeat {
+  lua_Integer count = 1;
+  Vec3 step = Vec3::Zero();  // m
+};
+
+constexpr Option<Repeat> kRepeat[] = {field<&Repeat::count>("count", "", {0, 1000000}),
+                                      field<&Repeat::step>("step", "m")};
+
 // repeat: { count:, step: }: how many, and how far apart.
 void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
   count = 1;
   if (lua_getfield(L, options, "repeat") != LUA_TNIL) {
     Options o(L, -1, "repeat");
-    std::int64_t n = 1;
-    Vec3 v = Vec3::Zero();
-    if (!o.integer("count", n, 0, 1000000)) o.wrong("count", "a whole number from 0 to 1000000");
-    o.vector("step", v);
-    o.finish();
-    count = n;
-    for (int k = 0; k < 3; ++k) step[k] = v[k];
+    Repeat repeat;
+    o.read(kRepeat, repeat);
+    if (!o.has("count")) o.wrong("count", kRepeat[0].row.range.whole());
+    count = repeat.count;
+    for (int k = 0; k < 3; ++k) step[k] = repeat.step[k];
     lua_pushnil(L);
     lua_setfield(L, options, "repeat");
   }
@@ -149,12 +161,13 @@ void make_joint(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API"},
+    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API", body_rows},
     {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
-     "joins two bodies, or one and the world"},
+     "joins two bodies, or one and the world", joint_rows},
     {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
-     "sensor_enter and sensor_leave events"},
-    {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag"},
+     "sensor_enter and sensor_leave events", region_rows},
+    {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag",
+     [] { return describe_rows(kBodiesFilter); }},
     {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number",
      "of touching contacts now, m"},
 };

@@ -11,8 +11,11 @@ const Part& rigid_part();
 Rigid& rigid(WorldRecord& record);  // made on first use, with the material pairs
 
 int world_body(lua_State* L);
+std::vector<OptionInfo> body_rows();
 int world_joint(lua_State* L);
+std::vector<OptionInfo> joint_rows();
 int world_region(lua_State* L);
+std::vector<OptionInfo> region_rows();
 std::span<const Method> body_methods();
 std::span<const Method> joint_methods();
 std::span<const Method> region_methods();
@@ -20,7 +23,5 @@ std::span<const Method> query_methods();
 
 BodyType body_type_from_name(lua_State* L, int index);
 const char* body_type_name(BodyType type);
-// friction = number | { static =, dynamic = }, of an options table.
-bool friction_option(Options& o, Real& fixed, Real& dynamic);
 
 }  // namespace feder::lua

@@ -11,40 +11,71 @@ namespace {
 
 SceneState& scene(lua_State* L) { return state(L).scene; }
 
-// camera = { target = {x, y, z}, distance =, yaw =, pitch = }; angles in radians.
-SceneCamera read_camera(Options& o) {
-  SceneCamera c;
-  if (!o.push("camera", LUA_TTABLE, "{ target =, distance =, yaw =, pitch = }")) return c;
+struct CameraReading : SceneCamera {
+  Vec3 at = Vec3::Zero();
+};
+
+constexpr Option<CameraReading> kCamera[] = {
+    field<&CameraReading::at>("target", "m").unset(),
+    field<&SceneCamera::distance>("distance", "m", kPositive).unset(),
+    field<&SceneCamera::yaw>("yaw", "rad").unset(),
+    field<&SceneCamera::pitch>("pitch", "rad", {-1.57, 1.57}).unset(),
+};
+std::vector<OptionInfo> camera_rows() { return describe_rows(kCamera); }
+
+// camera = { target = {x, y, z}, distance =, yaw =, pitch = }
+void read_camera(Options& o, const OptionRow&, SceneState& scene) {
+  if (!o.push("camera", LUA_TTABLE, "{ target =, distance =, yaw =, pitch = }")) return;
   Options inner(o.L(), -1, o.path("camera"), true);
-  Vec3 target = Vec3::Zero();
-  c.has_target = inner.vector("target", target);
-  for (int i = 0; i < 3; ++i) c.target[i] = static_cast<double>(target[i]);
-  c.has_distance = inner.number("distance", c.distance, kPositive);
-  c.has_yaw = inner.number("yaw", c.yaw);
-  c.has_pitch = inner.number("pitch", c.pitch, Range{-1.57, 1.57});
-  inner.finish();
+  CameraReading c;
+  inner.read(kCamera, c);
+  for (int i = 0; i < 3; ++i) c.target[i] = static_cast<double>(c.at[i]);
+  c.has_target = inner.has("target"), c.has_distance = inner.has("distance");
+  c.has_yaw = inner.has("yaw"), c.has_pitch = inner.has("pitch");
+  scene.camera = c;
   lua_pop(o.L(), 1);
-  return c;
 }
 
-// Checks the keys of a scene table at `index` and reads what the host asks about.
+bool has_function(Options& o, const char* key, const char* expected) {
+  if (!o.push(key, LUA_TFUNCTION, expected)) return false;
+  lua_pop(o.L(), 1);
+  return true;
+}
+
+void read_build(Options& o, const OptionRow& row, SceneState&) {
+  if (!has_function(o, row.name, "a function(world, scene)")) o.wrong(row.name, "a function(world, scene)");
+}
+
+void read_update(Options& o, const OptionRow& row, SceneState& scene) {
+  scene.has_update = has_function(o, row.name, "a function(world, scene)");
+}
+
+void read_check(Options& o, const OptionRow& row, SceneState& scene) {
+  scene.has_check = has_function(o, row.name, "a function(world, scene, expect)");
+}
+
+void read_world(Options& o, const OptionRow& row, SceneState&) {
+  if (o.push(row.name, LUA_TTABLE, "a table of options")) lua_pop(o.L(), 1);
+}
+
+void read_study_table(Options& o, const OptionRow&, SceneState& scene) { scene.study = read_study(o); }
+
+// What the host asks about.
+constexpr Option<SceneState> kScene[] = {
+    field<&SceneState::title>("title"),
+    field<&SceneState::seconds>("seconds", "s", {0, 1e9, true}).unset(),
+    field<&SceneState::picture>("picture", "s", {0, 1e9}).unset(),
+    {{.name = "camera"}, "table", read_camera, nullptr, camera_rows},
+    {{.name = "world"}, "table", read_world, nullptr, world_rows},
+    special("build", "function(world, scene)", read_build),
+    special("update", "function(world, scene)", read_update),
+    special("check", "function(world, scene, expect)", read_check),
+    {{.name = "study"}, "table", read_study_table, nullptr, study_rows},
+};
+
 void read_scene(lua_State* L, int index, SceneState& out, const std::string& owner) {
   Options o(L, index, owner);
-  o.text("title", out.title);
-  o.number("seconds", out.seconds, Range{0, 1e9, true});
-  o.number("picture", out.picture, Range{0, 1e9});
-  out.camera = read_camera(o);
-  if (o.push("world", LUA_TTABLE, "a table of options")) lua_pop(L, 1);
-  if (o.push("build", LUA_TFUNCTION, "a function(world, scene)"))
-    lua_pop(L, 1);
-  else
-    o.wrong("build", "a function(world, scene)");
-  out.has_update = o.push("update", LUA_TFUNCTION, "a function(world, scene)");
-  if (out.has_update) lua_pop(L, 1);
-  out.has_check = o.push("check", LUA_TFUNCTION, "a function(world, scene, expect)");
-  if (out.has_check) lua_pop(L, 1);
-  out.study = read_study(o);
-  o.finish();
+  o.read(kScene, out);
 }
 
 // A fresh copy of the scene for build, update and check: what a build leaves there does not reach the next.
@@ -94,6 +125,8 @@ void push_scene_world(lua_State* L) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
 }
 
+std::vector<OptionInfo> scene_rows() { return describe_rows(kScene); }
+
 int feder_scene(lua_State* L) {
   SceneState read;
   read_scene(L, 1, read, "feder.scene");
@@ -129,7 +162,7 @@ bool take_scene(lua_State* L, const std::string& file) {
     lua_error(L);
   }
   const std::string where = s.where;
-  s.title.clear(), s.seconds = 0, s.picture = -1;
+  s.title.clear(), s.seconds = 0, s.picture = -1, s.camera = {};
   read_scene(L, lua_gettop(L), s, "feder.scene");
   s.where = where.empty() ? file : where;
   lua_pushvalue(L, -1);

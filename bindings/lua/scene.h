@@ -18,4 +18,6 @@ void push_scene_world(lua_State* L);
 // A scene from the table that a YAML file holds (on top of the stack); replaces it by a scene table.
 void yaml_to_scene(lua_State* L, const std::string& file);
 
+std::vector<OptionInfo> scene_rows();
+
 }  // namespace feder::lua

@@ -126,6 +126,18 @@ int feder_mesh(lua_State* L) {
   return 1;
 }
 
+void read_part(Options& o, const OptionRow&, CompoundPart& p) {
+  if (!shape_option(o, "shape", p.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
+  o.vector("position", p.pose.position);
+  o.rotation("rotation", p.pose.rotation);
+}
+
+constexpr Option<CompoundPart> kPart[] = {
+    special("shape", "shape", read_part),
+    later<CompoundPart>("position", "vector", "m"),
+    later<CompoundPart>("rotation", "rotation"),
+};
+
 int feder_compound(lua_State* L) {
   no_more(L, 1);
   const std::string name = function_name(L);
@@ -138,10 +150,7 @@ int feder_compound(lua_State* L) {
     lua_rawgeti(L, 1, static_cast<lua_Integer>(i));
     Options o(L, -1, name + "[" + std::to_string(i) + "]", true);
     CompoundPart part;
-    if (!shape_option(o, "shape", part.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
-    o.vector("position", part.pose.position);
-    o.rotation("rotation", part.pose.rotation);
-    o.finish();
+    o.read(kPart, part);
     parts.push_back(std::move(part));
     lua_pop(L, 1);
   }
@@ -183,6 +192,27 @@ const Method kShapeFunctions[] = {
 const Method kShapeMethods[] = {
     {"kind", guard<shape_kind>, "shape:kind() -> string", "\"box\", \"sphere\" ..."},
 };
+
+// {min, max} corners as a shape and its centre.
+bool box_option(Options& o, ShapePtr& shape, Vec3& center) {
+  if (!o.push("box", LUA_TTABLE, "{ {x, y, z}, {x, y, z} }")) return false;
+  lua_State* L = o.L();
+  if (lua_rawlen(L, -1) != 2)
+    o.raise("box", "expected two corners { {x, y, z}, {x, y, z} }, got a table of " +
+                       std::to_string(lua_rawlen(L, -1)) + " values");
+  lua_rawgeti(L, -1, 1), lua_rawgeti(L, -2, 2);
+  const Vec3 lo = check_vector(L, -2, o.path("box") + "[1]", o.planar()),
+             hi = check_vector(L, -1, o.path("box") + "[2]", o.planar());
+  lua_pop(L, 3);
+  for (int k = 0; k < (o.planar() ? 2 : 3); ++k)
+    if (!(hi[k] > lo[k]))
+      o.raise("box", std::string("expected the second corner above the first, got ") + print_number(lo[k]) + " and " +
+                         print_number(hi[k]) + " along " + "xyz"[k]);
+  const Real depth = hi[2] > lo[2] ? hi[2] - lo[2] : Real(1);
+  shape = make_box(hi[0] - lo[0], hi[1] - lo[1], depth);
+  center = (lo + hi) * Real(0.5);
+  return true;
+}
 
 }  // namespace
 
@@ -248,25 +278,15 @@ void open_shapes(lua_State* L) {
   lua_pop(L, 1);
 }
 
-// {min, max} corners as a shape and its centre.
-bool box_option(Options& o, ShapePtr& shape, Vec3& center) {
-  if (!o.push("box", LUA_TTABLE, "{ {x, y, z}, {x, y, z} }")) return false;
-  lua_State* L = o.L();
-  if (lua_rawlen(L, -1) != 2)
-    o.raise("box", "expected two corners { {x, y, z}, {x, y, z} }, got a table of " +
-                       std::to_string(lua_rawlen(L, -1)) + " values");
-  lua_rawgeti(L, -1, 1), lua_rawgeti(L, -2, 2);
-  const Vec3 lo = check_vector(L, -2, o.path("box") + "[1]", o.planar()),
-             hi = check_vector(L, -1, o.path("box") + "[2]", o.planar());
-  lua_pop(L, 3);
-  for (int k = 0; k < (o.planar() ? 2 : 3); ++k)
-    if (!(hi[k] > lo[k]))
-      o.raise("box", std::string("expected the second corner above the first, got ") + print_number(lo[k]) + " and " +
-                         print_number(hi[k]) + " along " + "xyz"[k]);
-  const Real depth = hi[2] > lo[2] ? hi[2] - lo[2] : Real(1);
-  shape = make_box(hi[0] - lo[0], hi[1] - lo[1], depth);
-  center = (lo + hi) * Real(0.5);
-  return true;
+bool has_volume(Options& o) { return o.has("box") || o.has("shape") || o.has("position") || o.has("rotation"); }
+
+void box_or_shape(Options& o, ShapePtr& shape, Vec3& position, Quat& rotation) {
+  const bool has_box = box_option(o, shape, position);
+  if (!has_box && !shape_option(o, "shape", shape))
+    o.raise(nullptr, "expected box = {min, max} or shape =, got neither");
+  if (has_box && (o.has("shape") || o.has("position"))) o.raise("box", "expected box or shape and position, got both");
+  o.vector("position", position);
+  o.rotation("rotation", rotation);
 }
 
 }  // namespace feder::lua

@@ -22,7 +22,7 @@ const Method kFunctions[] = {
      "per net: is the step stable, how large are its errors, what would do"},
 };
 const Method kWorld[] = {
-    {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs"},
+    {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
 };
 const YamlList kYaml[] = {{"nets", [](lua_State* L, int world) { make_object(L, world, "net"); }}};
 

@@ -8,6 +8,7 @@ namespace feder::lua {
 const Part& springs_part();
 
 int world_net(lua_State* L);
+std::vector<OptionInfo> net_rows();
 std::span<const Method> net_methods();
 SpringDesc read_spring(Options& o, std::size_t point_count);
 

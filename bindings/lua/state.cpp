@@ -370,13 +370,6 @@ const char* function_name(lua_State* L) {
   return lua_tostring(L, lua_upvalueindex(2));
 }
 
-std::string print_number(double x) {
-  char buffer[40];
-  if (std::isnan(x)) return "nan";  // the sign of a NaN tells nobody anything
-  std::snprintf(buffer, sizeof buffer, "%.10g", x);
-  return buffer;
-}
-
 std::string describe(lua_State* L, int index) {
   switch (lua_type(L, index)) {
     case LUA_TNONE:

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/option.h"
 #include "base/rng.h"
 #include "lua/host.h"
 #include "lua/look.h"
@@ -36,6 +37,7 @@ struct Method {
   lua_CFunction fn;
   const char* signature;
   const char* doc;
+  std::vector<OptionInfo> (*options)() = nullptr;  // of its options table
 };
 
 // What is being run for the host. Declaring parameters is for `loading`; stepping by hand is for plain scripts.
@@ -166,7 +168,6 @@ std::string short_place(lua_State* L);
 const char* function_name(lua_State* L);
 // A value for messages: -5, 'text', a table, body "crate3" ...
 std::string describe(lua_State* L, int index);
-std::string print_number(double x);
 // Splits "file:line: message"; where stays empty when the text has no place.
 Failure split_place(std::string_view text);
 // Takes `units` instructions off the budget, for C functions that work long.

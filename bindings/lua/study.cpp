@@ -16,6 +16,18 @@ std::string axis_value(lua_State* L, int index, const std::string& what) {
   return check_text(L, index, what);
 }
 
+struct Axis {
+  double from = 0, to = 0, factor = 0, step = 0;
+};
+
+constexpr Option<Axis> kAxis[] = {
+    field<&Axis::from>("from").unset(),
+    field<&Axis::to>("to").unset(),
+    field<&Axis::factor>("factor", "", {1, 1e6, true}).unset(),
+    field<&Axis::step>("step", "", kPositive).unset(),
+};
+std::vector<OptionInfo> axis_rows() { return describe_rows(kAxis); }
+
 // { v1, v2, ... } or { from =, to =, factor = | step = }
 std::vector<std::string> read_axis(lua_State* L, int index, const std::string& what) {
   std::vector<std::string> values;
@@ -29,12 +41,13 @@ std::vector<std::string> read_axis(lua_State* L, int index, const std::string& w
   }
   if (n > 0) return values;
   Options o(L, index, what);
-  double from = 0, to = 0, factor = 0, step = 0;
-  if (!o.number("from", from)) o.wrong("from", "a number");
-  if (!o.number("to", to)) o.wrong("to", "a number");
-  const bool multiplies = o.number("factor", factor, Range{1, 1e6, true});
-  if (!o.number("step", step, kPositive) && !multiplies) o.wrong("step", "a number above 0, or factor");
-  o.finish();
+  Axis axis;
+  o.read(kAxis, axis);
+  const auto [from, to, factor, step] = axis;
+  const bool multiplies = o.has("factor");
+  if (!o.has("from")) o.wrong("from", "a number");
+  if (!o.has("to")) o.wrong("to", "a number");
+  if (!o.has("step") && !multiplies) o.wrong("step", "a number above 0, or factor");
   if (multiplies && !(from > 0 && to > 0)) o.raise(nullptr, "a range by factor expects from and to above 0");
   const bool up = to >= from;
   const double slack = 1e-9 * std::max(std::fabs(from), std::fabs(to));
@@ -110,7 +123,35 @@ void push_reference(lua_State* L) {
   lua_call(L, 2, 1);
 }
 
+void read_error(Options& o, const OptionRow& row, StudyDeclaration& out) {
+  out.has_error = o.push(row.name, LUA_TFUNCTION, "a function(world, scene, reference)");
+  if (out.has_error) lua_pop(o.L(), 1);
+}
+
+void read_reference(Options& o, const OptionRow& row, StudyDeclaration& out) {
+  out.has_reference = o.push_any(row.name);
+  if (!out.has_reference) return;
+  if (lua_type(o.L(), -1) != LUA_TFUNCTION && lua_type(o.L(), -1) != LUA_TTABLE)
+    o.wrong(row.name, "a table of numbers or a function(world, scene)");
+  lua_pop(o.L(), 1);
+}
+
+void read_all_axes(Options& o, const OptionRow& row, StudyDeclaration& out) {
+  if (!o.push(row.name, LUA_TTABLE, "a table of name = values")) return;
+  read_axes(o.L(), lua_gettop(o.L()), out);
+  lua_pop(o.L(), 1);
+}
+
+constexpr Option<StudyDeclaration> kStudy[] = {
+    special("error", "function(world, scene, reference)", read_error),
+    special("reference", "table of numbers or function(world, scene)", read_reference),
+    field<&StudyDeclaration::method>("method"),
+    {{.name = "axes"}, "table", read_all_axes, nullptr, axis_rows},
+};
+
 }  // namespace
+
+std::vector<OptionInfo> study_rows() { return describe_rows(kStudy); }
 
 StudyDeclaration read_study(Options& scene) {
   StudyDeclaration out;
@@ -118,23 +159,7 @@ StudyDeclaration read_study(Options& scene) {
   lua_State* L = scene.L();
   out.declared = true;
   Options o(L, lua_gettop(L), scene.path("study"));
-  if (o.push_any("error")) {
-    if (lua_type(L, -1) != LUA_TFUNCTION) o.wrong("error", "a function(world, scene, reference)");
-    out.has_error = true;
-    lua_pop(L, 1);
-  }
-  if (o.push_any("reference")) {
-    if (lua_type(L, -1) != LUA_TFUNCTION && lua_type(L, -1) != LUA_TTABLE)
-      o.wrong("reference", "a table of numbers or a function(world, scene)");
-    out.has_reference = true;
-    lua_pop(L, 1);
-  }
-  o.text("method", out.method);
-  if (o.push("axes", LUA_TTABLE, "a table of name = values")) {
-    read_axes(L, lua_gettop(L), out);
-    lua_pop(L, 1);
-  }
-  o.finish();
+  o.read(kStudy, out);
   lua_pop(L, 1);
   return out;
 }

@@ -11,4 +11,6 @@ double scene_error(lua_State* L);
 // Pushes the reference (nil when there is none) and appends its numbers.
 void push_scene_reference(lua_State* L, std::vector<double>& numbers);
 
+std::vector<OptionInfo> study_rows();
+
 }  // namespace feder::lua

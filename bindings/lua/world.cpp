@@ -210,7 +210,8 @@ const Method kWorldMethods[] = {
     {"set_gravity", guard<world_set_gravity>, "world:set_gravity(x, y, z) -> self", "m/s^2; wakes all bodies"},
     {"force", guard<world_force>, "world:force{ kind =, on =, ... } -> force",
      "or each = \"-k*x^3\" | { fx, fy, fz } in x y z vx vy vz m t and params = { k = .. }, or each = function(x,y,z, "
-     "vx,vy,vz, mass, t) return fx, fy, fz end, asked once per step unless stages = true"},
+     "vx,vy,vz, mass, t) return fx, fy, fz end, asked once per step unless stages = true",
+     force_rows},
     {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection",
      "fn(event) runs after the step; see section 7"},
     {"events", guard<world_events>, "for e in world:events(kind) do",

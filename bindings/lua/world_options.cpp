@@ -14,20 +14,49 @@ bool in_catalog(Catalog systems, std::string_view name) {
   return false;
 }
 
-void read_friction(Options& o, const char* key, bool& has, Real& fixed, Real& dynamic) {
-  if (!o.push_any(key)) return;
-  has = true;
-  if (lua_type(o.L(), -1) == LUA_TTABLE) {
-    Options f(o.L(), -1, o.path(key));
-    if (!f.real("static", fixed, kNotNegative) || !f.real("dynamic", dynamic, kNotNegative))
-      f.raise(nullptr, "expected a number or { static =, dynamic = }");
-    f.finish();
-  } else {
-    o.real(key, fixed, kNotNegative);
-    dynamic = fixed;
-  }
-  lua_pop(o.L(), 1);
+struct Friction {
+  Real fixed = 0, dynamic = 0;
+};
+
+constexpr Option<Friction> kFriction[] = {field<&Friction::fixed>("static", "", kNotNegative).unset(),
+                                          field<&Friction::dynamic>("dynamic", "", kNotNegative).unset()};
+
+template <class T>
+void read_friction(Options& o, const OptionRow&, T& made) {
+  if (friction_option(o, "friction", made.friction_static, made.friction_dynamic)) made.has_friction = true;
 }
+
+void read_restitution(Options& o, const OptionRow& row, Material& m) {
+  m.has_restitution = o.real("restitution", m.restitution, row.range);
+}
+
+void read_density(Options& o, const OptionRow& row, Material& m) {
+  m.has_density = o.real("density", m.density, row.range);
+}
+
+void read_rolling(Options& o, const OptionRow& row, Material& m) {
+  m.has_rolling = o.real("rolling_friction", m.rolling_friction, row.range);
+}
+
+void read_color(Options& o, const OptionRow&, Material& m) { m.has_color = o.color("color", m.color); }
+
+constexpr Option<Material> kMaterial[] = {
+    {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
+    {{.name = "restitution", .range = kUnitRange}, "number", read_restitution},
+    {{.name = "density", .unit = "kg/m3", .range = kPositive}, "number", read_density},
+    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative}, "number", read_rolling},
+    special("color", "color", read_color),
+    later<Material>("title", "string"),
+    later<Material>("description", "string"),
+};
+
+constexpr Option<NamedMaterialPair> kMaterialPair[] = {
+    {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
+    field<&NamedMaterialPair::restitution>("restitution", "", kUnitRange).unset(),
+};
+
+std::vector<OptionInfo> material_rows() { return describe_rows(kMaterial); }
+std::vector<OptionInfo> material_pair_rows() { return describe_rows(kMaterialPair); }
 
 // Calls read(key, options of the value) for each entry of a table by name, in the order of the names.
 template <class F>
@@ -44,24 +73,16 @@ void each_named(Options& o, const char* key, F&& read) {
     lua_getfield(L, -1, name.c_str());
     Options inner(L, -1, o.path(key) + "." + name);
     read(name, inner);
-    inner.finish();
     lua_pop(L, 1);
   }
   lua_pop(L, 1);
 }
 
-void read_materials(Options& o, WorldSettings& w) {
-  each_named(o, "materials", [&](const std::string& name, Options& m) {
-    Material made;
-    read_friction(m, "friction", made.has_friction, made.friction_static, made.friction_dynamic);
-    made.has_restitution = m.real("restitution", made.restitution, Range{0, 1});
-    made.has_density = m.real("density", made.density, kPositive);
-    made.has_rolling = m.real("rolling_friction", made.rolling_friction, kNotNegative);
-    // what a materials file may say besides
-    made.has_color = m.color("color", made.color);
-    for (const char* other : {"title", "description"}) m.has(other);
-    w.materials[name] = made;
-  });
+void read_materials(Options& o, const OptionRow&, WorldSettings& w) {
+  each_named(o, "materials", [&](const std::string& name, Options& m) { m.read(kMaterial, w.materials[name]); });
+}
+
+void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
   if (!o.push("material_pairs", LUA_TTABLE, "a list of { \"a\", \"b\", friction =, restitution = }")) return;
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
@@ -71,7 +92,6 @@ void read_materials(Options& o, WorldSettings& w) {
     const std::string what = o.path("material_pairs") + "[" + std::to_string(i) + "]";
     if (lua_type(L, -1) != LUA_TTABLE)
       fail(L, what + ": expected { \"a\", \"b\", friction =, restitution = }, got " + describe(L, -1));
-    // a copy by name, without the two names at 1 and 2
     NamedMaterialPair pair;
     for (int k = 1; k <= 2; ++k) {
       lua_rawgeti(L, -1, k);
@@ -84,26 +104,58 @@ void read_materials(Options& o, WorldSettings& w) {
       (k == 1 ? pair.a : pair.b) = name;
       lua_pop(L, 1);
     }
-    lua_newtable(L);
-    for (lua_pushnil(L); lua_next(L, -3);) {
-      if (lua_isinteger(L, -2) && (lua_tointeger(L, -2) == 1 || lua_tointeger(L, -2) == 2)) {
-        lua_pop(L, 1);
-        continue;
-      }
-      lua_pushvalue(L, -2);
-      lua_insert(L, -2);
-      lua_rawset(L, -4);
-    }
     Options p(L, -1, what);
-    bool has = false;
-    read_friction(p, "friction", has, pair.friction_static, pair.friction_dynamic);
-    p.real("restitution", pair.restitution, Range{0, 1});
-    p.finish();
+    p.skip_places(2);
+    p.read(kMaterialPair, pair);
     w.material_pairs.push_back(pair);
-    lua_pop(L, 2);
+    lua_pop(L, 1);
   }
   lua_pop(L, 1);
 }
+
+// Into the options that systems read.
+void read_world_text(Options& o, const OptionRow& row, WorldSettings& w) {
+  std::string name;
+  if (o.text(row.name, name)) w.desc.options.set(row.name, name);
+}
+
+void read_air_density(Options& o, const OptionRow& row, WorldSettings& w) {
+  double air_density = 0;
+  if (o.number(row.name, air_density, row.range)) w.desc.options.set(row.name, air_density);
+}
+
+// A field of the description of the world: "w.desc" is a member, so rows are read by its own.
+template <auto Member>
+struct WorldField {
+  Field<Member> field;
+  constexpr operator Option<WorldSettings>() const {
+    const Option<WorldDesc> own = field;
+    return {own.row, own.type,
+            [](Options& o, const OptionRow& r, WorldSettings& w) {
+              Option<WorldDesc>(Field<Member>{r}).read(o, r, w.desc);
+            },
+            [](const WorldSettings& w) { return print_value(w.desc.*Member); }};
+  }
+};
+template <auto Member>
+constexpr WorldField<Member> world_field(const char* name, const char* unit = "", const Range& range = kAny) {
+  return {field<Member>(name, unit, range)};
+}
+
+constexpr Option<WorldSettings> kWorld[] = {
+    world_field<&WorldDesc::gravity>("gravity", "m/s2"),
+    world_field<&WorldDesc::dt>("dt", "s", {0, 1, true}),
+    world_field<&WorldDesc::substeps>("substeps", "", {1, 1000}),
+    world_field<&WorldDesc::seed>("seed", "", {0, 4611686018427387904.0}),
+    world_field<&WorldDesc::threads>("threads", "", {1, 64}),
+    world_field<&WorldDesc::dimension>("dimension", "", {2, 3}),
+    world_field<&WorldDesc::sleeping>("sleeping"),
+    special("broad_phase", "string", read_world_text),
+    special("narrow_phase", "string", read_world_text),
+    {{.name = "air_density", .unit = "kg/m3", .range = kNotNegative}, "number", read_air_density},
+    {{.name = "materials"}, "table", read_materials, nullptr, material_rows},
+    {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, material_pair_rows},
+};
 
 // "0.25", "1/240".
 bool parse_number(const std::string& text, double& out) {
@@ -213,27 +265,38 @@ void try_options(Catalog systems, const WorldSettings& w) {
 
 }  // namespace
 
+void friction_table(Options& o, Real& fixed, Real& dynamic) {
+  Friction friction{fixed, dynamic};
+  o.read(kFriction, friction);
+  const bool has_static = o.has("static"), has_dynamic = o.has("dynamic");
+  if (!has_static && !has_dynamic) o.raise(nullptr, "expected a number or { static =, dynamic = }, got an empty table");
+  fixed = has_static ? friction.fixed : friction.dynamic;
+  dynamic = has_dynamic ? friction.dynamic : friction.fixed;
+}
+
+bool friction_option(Options& o, const char* key, Real& fixed, Real& dynamic) {
+  if (!o.push_any(key)) return false;
+  if (lua_type(o.L(), -1) == LUA_TTABLE) {
+    Options inner(o.L(), -1, o.path(key));
+    friction_table(inner, fixed, dynamic);
+  } else {
+    o.real(key, fixed, kNotNegative);
+    dynamic = fixed;
+  }
+  lua_pop(o.L(), 1);
+  return true;
+}
+
+std::vector<OptionInfo> friction_rows() { return describe_rows(kFriction); }
+std::vector<OptionInfo> world_rows() { return describe_rows(kWorld); }
+
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {
   State& s = state(L);
   WorldSettings w;
   Options o(L, index, owner, true);
-  std::int64_t n = 0;
-  o.vector("gravity", w.desc.gravity);
-  o.number("dt", w.desc.dt, Range{0, 1, true});
-  if (o.integer("substeps", n, 1, 1000)) w.desc.substeps = static_cast<int>(n);
-  if (o.integer("seed", n, 0, std::int64_t(1) << 62)) w.desc.seed = static_cast<std::uint64_t>(n);
-  if (o.integer("threads", n, 1, 64)) w.desc.threads = static_cast<int>(n);
-  if (o.integer("dimension", n, 2, 3)) w.desc.dimension = static_cast<int>(n);
-  o.flag("sleeping", w.desc.sleeping);
-  for (const char* key : {"broad_phase", "narrow_phase"}) {
-    std::string name;
-    if (o.text(key, name)) w.desc.options.set(key, name);
-  }
-  double air_density = 0;
-  if (o.number("air_density", air_density, kNotNegative)) w.desc.options.set("air_density", air_density);
-  read_materials(o, w);
+  o.read_some(kWorld, w);
   for (const SystemDescriptor* d : s.options.systems) {
-    if (!d->joins.empty() || !o.push(d->name, LUA_TTABLE, "a table of options")) continue;
+    if (!d->joins.empty() || !o.take(d->name, LUA_TTABLE, "a table of options")) continue;
     Options inner(L, -1, o.path(d->name), true);
     inner.rest(w.desc.systems[d->name]);
     lua_pop(L, 1);

@@ -268,9 +268,9 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
     fail(L, file + ": expected a scene with the keys title, world, bodies ..., got " + describe(L, -1));
   const int given = lua_gettop(L);
   Options o(L, given, "scene");
-  for (const char* key : kSceneKeys) o.has(key);
+  for (const char* key : kSceneKeys) o.know(key);
   for (const Part* part : state(L).options.parts)
-    for (const YamlList& list : part->yaml) o.has(list.key);
+    for (const YamlList& list : part->yaml) o.know(list.key);
   o.finish();
   declare_params(L, given);
   lua_pushvalue(L, given);

@@ -115,7 +115,7 @@ void draw_world_options(Desk& desk) {
   if (live.world().find<Rigid>()) {
     std::string solver = default_variant(rigid_solvers(), "soft_step");
     const auto options = d.systems.find("rigid");
-    if (options != d.systems.end()) solver = options->second.text("solver", solver);
+    if (options != d.systems.end()) solver = options->second.text({"solver"}, solver);
     row("solver");
     if (ImGui::BeginCombo("##solver", solver.c_str())) {
       for (const auto& v : rigid_solvers()) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/archive.h"
 
@@ -14,70 +13,96 @@ const char* kind_name(const Params::Value& v) {
   return names[v.index()];
 }
 
-std::string print(double x) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, "%.10g", x);
-  return buffer;
+[[noreturn]] void wrong(const OptionRow& row, const std::string& expected, const std::string& got) {
+  throw SceneError(std::string(row.name) + ": expected " + expected + ", got " + got);
 }
 
 }  // namespace
 
-const Params::Value* Params::find(std::string_view key) const {
-  asked_.emplace(key);
-  const auto it = values_.find(std::string(key));
+const Params::Value* Params::find(const OptionRow& row, const char* type, std::string fallback,
+                                  std::string choices) const {
+  asked_.insert_or_assign(row.name, OptionInfo{row, type, std::move(fallback),
+                                               choices.empty() ? std::string(row.choices) : std::move(choices)});
+  const auto it = values_.find(row.name);
   return it == values_.end() ? nullptr : &it->second;
 }
 
-double Params::number(std::string_view key, double fallback, double lo, double hi) const {
-  const Value* v = find(key);
+double Params::number(const OptionRow& row, double fallback) const {
+  const Value* v = find(row, "number", print_value(fallback));
   if (!v) return fallback;
   const double* d = std::get_if<double>(v);
-  if (!d) throw SceneError(std::string(key) + ": expected a number, got " + kind_name(*v));
-  if (!std::isfinite(*d)) throw SceneError(std::string(key) + ": expected a finite number, got " + print(*d));
-  if (*d < lo || *d > hi)
-    throw SceneError(std::string(key) + ": expected a number from " + print(lo) + " to " + print(hi) + ", got " +
-                     print(*d));
+  if (!d) wrong(row, "a number", kind_name(*v));
+  if (!std::isfinite(*d)) wrong(row, "a finite number", print_number(*d));
+  if (!row.range.holds(*d)) wrong(row, row.range.text(), print_number(*d));
   return *d;
 }
 
-int Params::integer(std::string_view key, int fallback, int lo, int hi) const {
-  const double d = number(key, fallback, lo, hi);
-  if (d != std::floor(d)) throw SceneError(std::string(key) + ": expected a whole number, got " + print(d));
-  return static_cast<int>(d);
+int Params::integer(const OptionRow& row, int fallback) const {
+  const Value* v = find(row, "integer", print_value(fallback));
+  if (!v) return fallback;
+  const double* d = std::get_if<double>(v);
+  if (!d || *d != std::floor(*d) || !row.range.holds(*d))
+    wrong(row, row.range.whole(), d ? print_number(*d) : kind_name(*v));
+  return static_cast<int>(*d);
 }
 
-bool Params::flag(std::string_view key, bool fallback) const {
-  const Value* v = find(key);
+bool Params::flag(const OptionRow& row, bool fallback) const {
+  const Value* v = find(row, "boolean", print_value(fallback));
   if (!v) return fallback;
   const bool* b = std::get_if<bool>(v);
-  if (!b) throw SceneError(std::string(key) + ": expected true or false, got " + kind_name(*v));
+  if (!b) wrong(row, "true or false", kind_name(*v));
   return *b;
 }
 
-std::string Params::text(std::string_view key, std::string fallback) const {
-  const Value* v = find(key);
+std::string Params::text(const OptionRow& row, std::string fallback, std::string choices) const {
+  const Value* v = find(row, "string", print_value(fallback), std::move(choices));
   if (!v) return fallback;
   const std::string* s = std::get_if<std::string>(v);
-  if (!s) throw SceneError(std::string(key) + ": expected a string, got " + kind_name(*v));
+  if (!s) wrong(row, "a string", kind_name(*v));
   return *s;
 }
 
-Vec3 Params::vector(std::string_view key, const Vec3& fallback) const {
-  const Value* v = find(key);
+std::size_t Params::choice(const OptionRow& row) const {
+  const std::vector<std::string_view> known = split_choices(row.choices);
+  const std::string word = text(row, std::string(known.at(0)));
+  const auto found = std::find(known.begin(), known.end(), word);
+  if (found == known.end()) wrong(row, std::string("one of ") + row.choices, "'" + word + "'");
+  return static_cast<std::size_t>(found - known.begin());
+}
+
+Vec3 Params::vector(const OptionRow& row, const Vec3& fallback) const {
+  const Value* v = find(row, "vector", print_value(fallback));
   if (!v) return fallback;
   const auto* list = std::get_if<std::vector<double>>(v);
-  if (!list) throw SceneError(std::string(key) + ": expected three numbers, got " + kind_name(*v));
-  if (list->size() != 3)
-    throw SceneError(std::string(key) + ": expected three numbers, got " + std::to_string(list->size()));
+  if (!list) wrong(row, "three numbers", kind_name(*v));
+  if (list->size() != 3) wrong(row, "three numbers", std::to_string(list->size()));
   Vec3 out;
   for (std::size_t i = 0; i < 3; ++i) {
     const double d = (*list)[i];
-    if (!std::isfinite(static_cast<Real>(d)))
-      throw SceneError(std::string(key) + ": expected finite numbers, got " + print(d));
+    if (!std::isfinite(static_cast<Real>(d))) wrong(row, "finite numbers", print_number(d));
     out[static_cast<Eigen::Index>(i)] = static_cast<Real>(d);
   }
   return out;
 }
+
+std::vector<std::pair<std::string, double>> Params::others(std::span<const OptionRow> rows) const {
+  std::vector<std::pair<std::string, double>> out;
+  for (const auto& [name, value] : values_) {
+    if (std::any_of(rows.begin(), rows.end(), [&](const OptionRow& row) { return name == row.name; })) continue;
+    out.emplace_back(name, number({name.c_str()}, 0));
+    asked_.find(name)->second.row.name = "";
+  }
+  return out;
+}
+
+std::vector<OptionInfo> Params::rows() const {
+  std::vector<OptionInfo> out;
+  for (const auto& [name, info] : asked_)
+    if (info.row.name[0]) out.push_back(info);
+  return out;
+}
+
+bool wide_kernels(const Params& options) { return options.choice({.name = "kernels", .choices = "auto, plain"}) == 0; }
 
 void Params::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(values_.size()));
@@ -116,9 +141,10 @@ void Params::load(Reader& r) {
 void Params::check_all_read(std::string_view owner) const {
   for (const auto& [key, value] : values_) {
     if (asked_.count(key)) continue;
-    const std::string near = nearest_name(key, {asked_.begin(), asked_.end()});
+    std::vector<std::string> names;
     std::string known;
-    for (const std::string& name : asked_) known += (known.empty() ? "; known: " : ", ") + name;
+    for (const auto& [name, info] : asked_) names.push_back(name), known += (known.empty() ? "; known: " : ", ") + name;
+    const std::string near = nearest_name(key, names);
     throw SceneError(std::string(owner) + ": unknown option '" + key + "'" +
                      (near.empty() ? known : "; did you mean '" + near + "'?"));
   }

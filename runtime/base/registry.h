@@ -6,12 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include "base/arena.h"
 #include "base/error.h"
+#include "base/params.h"
 
 namespace feder {
-
-class Arena;
-class Params;
 
 template <class T>
 struct Variant {
@@ -20,17 +19,34 @@ struct Variant {
   std::unique_ptr<T> (*make)(Arena&, const Params&);
 };
 
+// The names of a table: "auto, direct".
+template <class Row>
+std::string variant_names(std::span<const Row> table) {
+  std::string names;
+  for (const Row& row : table) names += (names.empty() ? "" : ", ") + std::string(row.name);
+  return names;
+}
+
 // The row called `name`, or a SceneError that lists the known names. `what` is the word for the family.
 template <class Row>
 const Row& find_variant(std::span<const Row> table, std::string_view name, const char* what) {
-  std::string known;
-  for (const Row& row : table) {
+  for (const Row& row : table)
     if (name == row.name) return row;
-    known += known.empty() ? "" : ", ";
-    known += row.name;
-  }
   throw SceneError(std::string("unknown ") + what + " '" + std::string(name) + "'; " +
-                   (known.empty() ? "this build has none" : "known: " + known));
+                   (table.empty() ? "this build has none" : "known: " + variant_names(table)));
+}
+
+// The options of each row of the table, as its maker reads them: `of` is the row's name.
+template <class T>
+std::vector<OptionInfo> variant_options(std::span<const Variant<T>> table) {
+  std::vector<OptionInfo> all;
+  for (const Variant<T>& row : table) {
+    Arena arena("reference");
+    const Params none;
+    row.make(arena, none);
+    for (OptionInfo& info : none.rows()) info.of = row.name, all.push_back(std::move(info));
+  }
+  return all;
 }
 
 // What a scene gets that names none: `name` where this build has it, else the first that it has.
@@ -39,6 +55,13 @@ std::string default_variant(std::span<const Row> table, std::string_view name) {
   for (const Row& row : table)
     if (name == row.name) return row.name;
   return table.empty() ? std::string(name) : table[0].name;
+}
+
+// The row of the table that an option names: `name` when it is absent, as above.
+template <class Row>
+const Row& variant_option(const Params& options, const OptionRow& row, std::span<const Row> table,
+                          std::string_view name, const char* what) {
+  return find_variant(table, options.text(row, default_variant(table, name), variant_names(table)), what);
 }
 
 }  // namespace feder

@@ -29,11 +29,10 @@ double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]) {
   return response;
 }
 
-void ClothBatches::pick(const std::string& width) {
+void ClothBatches::pick([[maybe_unused]] bool wide) {
 #if defined(__x86_64__) || defined(__i386__)
-  if (width != "plain" && __builtin_cpu_supports("avx2")) kernels_ = &kClothKernelsAvx2;
+  if (wide && __builtin_cpu_supports("avx2")) kernels_ = &kClothKernelsAvx2;
 #endif
-  (void)width;
 }
 
 template <class Elements, class Points>

@@ -16,7 +16,7 @@ class ClothBatches {
       : links_(&a), hinges_(&a), link_colors_(&a), hinge_colors_(&a), used_(&a), color_(&a), order_(&a), damping_(&a),
         stage_(&a), last_stage_(&a), first_rate_(&a), pushes_(&a) {}
   // Wide kernels where the processor has them; "plain" for tests.
-  void pick(const std::string& width);
+  void pick(bool wide);
   // Colours and batches for this mesh; nothing when its version is known.
   void build(const ClothView& v);
   void place(const ClothView& v);                                                   // edges at the start of the step

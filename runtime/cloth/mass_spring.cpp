@@ -75,7 +75,7 @@ Real measured_lead(Integrator& method) {
 class MassSpring final : public ClothSolver, private ForceField {
  public:
   MassSpring(Arena& a, const Params& p) : batches_(a), springs_(&a), x_(&a), v_(&a), inv_mass_(&a), view_{} {
-    const std::string name = p.text("integrator", default_integrator());
+    const std::string name = p.text({"integrator"}, default_integrator());
     take(a, name, explicit_);
     if (!p.has("integrator") && has_integrator(kStiffMethod)) take(a, kStiffMethod, stiff_);
   }

@@ -24,8 +24,8 @@ constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
 
 class Xpbd final : public ClothSolver {
  public:
-  Xpbd(Arena& a, const Params& p) : batches_(a), iterations_(p.integer("iterations", 1, 1, 1000)) {
-    batches_.pick(p.text("kernels", "auto"));
+  Xpbd(Arena& a, const Params& p) : batches_(a), iterations_(p.integer({"iterations", "", {1, 1000}}, 1)) {
+    batches_.pick(wide_kernels(p));
   }
 
   void prepare(const ClothView& v, StepContext&) override {

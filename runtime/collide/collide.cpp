@@ -9,12 +9,12 @@ namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup)
     : colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
-      book(&setup.store.need<ContactBook>(kName)), narrow(setup.world.text("narrow_phase", "auto")),
+      book(&setup.store.need<ContactBook>(kName)), narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")),
       motion(&setup.store.arena(kName)), pairs(motion.get_allocator()), seen(motion.get_allocator()),
       entries(motion.get_allocator()), next_entries(motion.get_allocator()), memory(motion.get_allocator()),
       watched(motion.get_allocator()), exclusions(motion.get_allocator()) {
-  const std::string name = setup.world.text("broad_phase", default_variant(broad_phases(), "tree"));
-  broad = find_variant(broad_phases(), name, "broad phase").make(setup.store.arena(kName), setup.options);
+  broad = variant_option(setup.world, {"broad_phase"}, broad_phases(), "tree", "broad phase")
+              .make(setup.store.arena(kName), setup.options);
 }
 
 Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}

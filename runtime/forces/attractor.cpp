@@ -24,9 +24,9 @@ double power_of(double s, double p) {
 class Attractor final : public Force {
  public:
   explicit Attractor(const Params& p)
-      : position_(p.vector("position", Vec3(0, 0, 0))), strength_(p.number("strength", 1, -1e30, 1e30)),
-        power_(p.number("power", -2, -16, 16)), softening_(p.number("softening", 0, 0, 1e9)),
-        between_(p.flag("between", false)) {}
+      : position_(p.vector({"position", "m"}, Vec3(0, 0, 0))), strength_(p.number({"strength", "N", kAny}, 1)),
+        power_(p.number({"power", "", {-16, 16}}, -2)), softening_(p.number({"softening", "m", {0, 1e9}}, 0)),
+        between_(p.flag({"between"}, false)) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     if (between_) return add_pairs(points, count, out);

@@ -23,10 +23,11 @@ double cube_root(double x) {
 class Buoyancy final : public Force {
  public:
   explicit Buoyancy(const Params& p)
-      : height_(p.number("height", 0)), density_(p.number("density", 1000, 0, 1e6)),
-        gravity_(p.number("gravity", 9.81, 0, 1e6)), volume_(p.has("volume") ? p.number("volume", 0, 0, 1e12) : -1),
-        object_density_(p.number("object_density", 500, 1e-6, 1e6)),
-        drag_(static_cast<Real>(p.number("drag", 0, 0, 1e12))), flow_(p.vector("velocity", Vec3(0, 0, 0))) {}
+      : height_(p.number({"height", "m"}, 0)), density_(p.number({"density", "kg/m3", {0, 1e6}}, 1000)),
+        gravity_(p.number({"gravity", "m/s2", {0, 1e6}}, 9.81)),
+        volume_(p.number({"volume", "m3", {0, 1e12}}, kAbsent)),
+        object_density_(p.number({"object_density", "kg/m3", {1e-6, 1e6}}, 500)),
+        drag_(p.real({"drag", "kg/s", {0, 1e12}}, 0)), flow_(p.vector({"velocity", "m/s"}, Vec3(0, 0, 0))) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     for (std::size_t i = 0; i < count; ++i) {
@@ -62,7 +63,7 @@ class Buoyancy final : public Force {
   double height_;          // m
   double density_;         // of the liquid, kg/m^3
   double gravity_;         // m/s^2, downwards
-  double volume_;          // m^3; < 0: by object
+  double volume_;          // m^3; NaN: by object
   double object_density_;  // kg/m^3
   Real drag_;              // N s/m when fully immersed
   Vec3 flow_;              // velocity of the liquid, m/s

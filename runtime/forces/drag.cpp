@@ -9,8 +9,7 @@ namespace {
 class Drag final : public Force {
  public:
   explicit Drag(const Params& p)
-      : linear_(static_cast<Real>(p.number("linear", 0, 0, 1e12))),
-        quadratic_(static_cast<Real>(p.number("quadratic", 0, 0, 1e12))) {}
+      : linear_(p.real({"linear", "kg/s", {0, 1e12}}, 0)), quadratic_(p.real({"quadratic", "kg/m", {0, 1e12}}, 0)) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     for (std::size_t i = 0; i < count; ++i) {

@@ -124,20 +124,18 @@ bool Expression::gradient(const double (&variables)[kVariables], int first, doub
 
 namespace {
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr OptionRow kAxes[] = {{"x", "N"}, {"y", "N"}, {"z", "N"}};
 
 class ExpressionForce final : public Force {
  public:
   explicit ExpressionForce(const Params& p) {
-    std::vector<Expression::Parameter> parameters;
-    for (const auto& [name, value] : p.values())
-      if (name != "x" && name != "y" && name != "z") parameters.emplace_back(name, p.number(name, 0));
-    for (const char* axis : kAxes) {
+    const std::vector<Expression::Parameter> parameters = p.others(kAxes);
+    for (const OptionRow& axis : kAxes) {
       const std::string text = p.text(axis, "0");
       try {
         parts_.emplace_back(text, parameters);
       } catch (const SceneError& e) {
-        throw SceneError(std::string(axis) + ": " + e.what());
+        throw SceneError(std::string(axis.name) + ": " + e.what());
       }
     }
   }

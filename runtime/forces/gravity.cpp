@@ -6,7 +6,7 @@ namespace {
 
 class Gravity final : public Force {
  public:
-  explicit Gravity(const Params& p) : acceleration_(p.vector("acceleration", Vec3(0, Real(-9.81), 0))) {}
+  explicit Gravity(const Params& p) : acceleration_(p.vector({"acceleration", "m/s2"}, Vec3(0, Real(-9.81), 0))) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     for (std::size_t i = 0; i < count; ++i) out[i] += points[i].mass * acceleration_;

@@ -8,10 +8,8 @@ namespace {
 class AnchorSpring final : public Force {
  public:
   explicit AnchorSpring(const Params& p)
-      : position_(p.vector("position", Vec3(0, 0, 0))),
-        stiffness_(static_cast<Real>(p.number("stiffness", 100, 0, 1e15))),
-        damping_(static_cast<Real>(p.number("damping", 0, 0, 1e12))),
-        rest_length_(static_cast<Real>(p.number("rest_length", 0, 0, 1e9))) {}
+      : position_(p.vector({"position", "m"}, Vec3(0, 0, 0))), stiffness_(p.real({"stiffness", "N/m", {0, 1e15}}, 100)),
+        damping_(p.real({"damping", "N s/m", {0, 1e12}}, 0)), rest_length_(p.real({"rest_length", "m", {0, 1e9}}, 0)) {}
 
   void add(const MassPoint* points, std::size_t count, double, Vec3* out) const override {
     for (std::size_t i = 0; i < count; ++i) {

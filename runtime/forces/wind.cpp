@@ -16,10 +16,11 @@ constexpr double kGoldenRatio = 1.6180339887498949;
 class Wind final : public Force {
  public:
   explicit Wind(const Params& p)
-      : velocity_(p.vector("velocity", Vec3(0, 0, 0))), linear_(static_cast<Real>(p.number("linear", 0, 0, 1e12))),
-        half_density_(static_cast<Real>(0.5 * p.number("density", 1.2, 0, 1e6) * p.number("coefficient", 1, 0, 1e6))),
-        area_(static_cast<Real>(p.has("area") ? p.number("area", 0, 0, 1e9) : -1)), gust_(p.number("gust", 0, 0, 100)),
-        gust_speed_(6.283185307179586 * p.number("gust_hertz", 0.5, 0, 1000)) {}
+      : velocity_(p.vector({"velocity", "m/s"}, Vec3(0, 0, 0))), linear_(p.real({"linear", "kg/s", {0, 1e12}}, 0)),
+        half_density_(static_cast<Real>(0.5 * p.number({"density", "kg/m3", {0, 1e6}}, 1.2) *
+                                        p.number({"coefficient", "", {0, 1e6}}, 1))),
+        area_(p.real({"area", "m2", {0, 1e9}}, kAbsent)), gust_(p.number({"gust", "", {0, 100}}, 0)),
+        gust_speed_(6.283185307179586 * p.number({"gust_hertz", "Hz", {0, 1000}}, 0.5)) {}
 
   bool on_area() const override { return true; }
 
@@ -42,7 +43,7 @@ class Wind final : public Force {
   Vec3 velocity_;             // of the air, m/s
   Real linear_;               // N s/m
   Real half_density_;         // half the air's density times the drag coefficient, kg/m^3
-  Real area_;                 // m^2; < 0: by object
+  Real area_;                 // m^2; NaN: by object
   double gust_, gust_speed_;  // fraction, rad/s
 };
 

@@ -15,8 +15,8 @@ namespace {
 class Exponential final : public Integrator {
  public:
   Exponential(Arena& a, const Params& p)
-      : Integrator(a), max_parts_(p.integer("max_parts", 256, 1, 1000000)), k_(a), d_(a), force_(&a), after_(&a),
-        x_(&a), v_(&a), b_x_(&a), b_v_(&a), ramp_(&a), dx_(&a), flow_(a) {}
+      : Integrator(a), max_parts_(p.integer({"max_parts", "", {1, 1000000}}, 256)), k_(a), d_(a), force_(&a),
+        after_(&a), x_(&a), v_(&a), b_x_(&a), b_v_(&a), ramp_(&a), dx_(&a), flow_(a) {}
 
   IntegratorInfo info() const override {
     return {.order = 2,

@@ -30,16 +30,12 @@ constexpr std::uint64_t kLdlNoBound = ~std::uint64_t{0};
 }  // namespace
 
 ImplicitMatrix::Solver ImplicitMatrix::solver_option(const Params& p) {
-  const std::string word = p.text("solver", "auto");
-  if (word == "auto") return Solver::automatic;
-  if (word == "direct") return Solver::direct;
-  if (word == "cg") return Solver::iterative;
-  throw SceneError("solver: expected 'auto', 'direct' or 'cg', got '" + word + "'");
+  return static_cast<Solver>(p.choice({.name = "solver", .choices = "auto, direct, cg"}));
 }
 
 ImplicitMatrix::ImplicitMatrix(Arena& a, const Params& p)
-    : solver_(solver_option(p)), cg_cap_(p.integer("cg_iterations", 0, 0, 100000)), k_(a), d_(a), a_(a), ldl_(a),
-      cg_(a) {}
+    : solver_(solver_option(p)), cg_cap_(p.integer({"cg_iterations", "", {0, 100000}}, 0)), k_(a), d_(a), a_(a),
+      ldl_(a), cg_(a) {}
 
 void ImplicitMatrix::update_pattern(const ForceField& field, std::size_t n) {
   if (!pattern_.update(field, n, {&k_, &d_, &a_})) return;
@@ -80,7 +76,7 @@ bool ImplicitMatrix::solve(const ForceField& field, std::span<const Vec3> r, std
 }
 
 ImplicitStage::ImplicitStage(Arena& a, const Params& p)
-    : newton_cap_(p.integer("iterations", 8, 1, 100)), matrix_(a, p), force_(&a), x_new_(&a), v_base_(&a),
+    : newton_cap_(p.integer({"iterations", "", {1, 100}}, 8)), matrix_(a, p), force_(&a), x_new_(&a), v_base_(&a),
       residual_(&a), dv_(&a), product_(&a) {}
 
 void ImplicitStage::solve(ForceField& field, const StageProblem& p, std::span<Vec3> v, IntegratorStats& stats) {

@@ -33,9 +33,10 @@ double fifth_root(double y) {
 class Rk45 final : public Integrator {
  public:
   Rk45(Arena& a, const Params& p)
-      : Integrator(a), tolerance_(p.number("tolerance", kTolerance, kFloat ? 1e-7 : 1e-15, 1)),
-        absolute_(p.number("absolute", tolerance_, 0, 1e6)), max_steps_(p.integer("max_steps", 10000, 1, 100000000)),
-        adaptive_(p.flag("adaptive", true)), pair_(a) {}
+      : Integrator(a), tolerance_(p.number({"tolerance", "", {kFloat ? 1e-7 : 1e-15, 1}}, kTolerance)),
+        absolute_(p.number({"absolute", "m, m/s", {0, 1e6}}, tolerance_)),
+        max_steps_(p.integer({"max_steps", "", {1, 100000000}}, 10000)), adaptive_(p.flag({"adaptive"}, true)),
+        pair_(a) {}
 
   IntegratorInfo info() const override {
     static constexpr double kPolynomial[] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 600};

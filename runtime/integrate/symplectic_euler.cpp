@@ -11,11 +11,7 @@ namespace {
 enum class Damping { automatic, implicit, plain };
 
 Damping damping_option(const Params& p) {
-  const std::string word = p.text("damping", "auto");
-  if (word == "auto") return Damping::automatic;
-  if (word == "implicit") return Damping::implicit;
-  if (word == "explicit") return Damping::plain;
-  throw SceneError("damping: expected 'auto', 'implicit' or 'explicit', got '" + word + "'");
+  return static_cast<Damping>(p.choice({.name = "damping", .choices = "auto, implicit, explicit"}));
 }
 
 class SymplecticEuler final : public Integrator {

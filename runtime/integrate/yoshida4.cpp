@@ -41,16 +41,10 @@ double composed_limit(double zeta, bool symmetric) {
   return above;
 }
 
-bool damping_option(const Params& p) {
-  const std::string word = p.text("damping", "symmetric");
-  if (word != "symmetric" && word != "explicit")
-    throw SceneError("damping: expected 'symmetric' or 'explicit', got '" + word + "'");
-  return word == "symmetric";
-}
-
 class Yoshida4 final : public Integrator {
  public:
-  Yoshida4(Arena& a, const Params& p) : Integrator(a), symmetric_(damping_option(p)), kick_(a) {}
+  Yoshida4(Arena& a, const Params& p)
+      : Integrator(a), symmetric_(p.choice({.name = "damping", .choices = "symmetric, explicit"}) == 0), kick_(a) {}
 
   IntegratorInfo info() const override {
     return {.order = 4,

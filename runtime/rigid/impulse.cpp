@@ -96,12 +96,12 @@ class ImpulseSolver final : public RigidSolver {
 };
 
 ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
-    : tolerance_(static_cast<Real>(p.number("tolerance", 2e-5, 1e-12, 1))),
-      rest_speed_(static_cast<Real>(p.number("restitution_speed", 0.05, 0, 1e6))),
-      slop_(static_cast<Real>(p.number("slop", 0.0005, 0, 1))), pops_per_node_(p.integer("iterations", 30, 1, 100000)),
-      bodies_(&a), contacts_(&a), joints_(&a), rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a), factors_(&a),
-      trees_(a), tree_bias_(&a), tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a),
-      order_(&a), islands_(&a), first_place_(&a), body_places_(&a), heap_(a) {}
+    : tolerance_(p.real({"tolerance", "", {1e-12, 1}}, 2e-5)),
+      rest_speed_(p.real({"restitution_speed", "m/s", {0, 1e6}}, 0.05)), slop_(p.real({"slop", "m", {0, 1}}, 0.0005)),
+      pops_per_node_(p.integer({"iterations", "", {1, 100000}}, 30)), bodies_(&a), contacts_(&a), joints_(&a),
+      rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a), factors_(&a), trees_(a), tree_bias_(&a),
+      tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a),
+      first_place_(&a), body_places_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {
   const Movers& movers = *in.movers;

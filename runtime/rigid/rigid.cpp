@@ -12,8 +12,7 @@ Rigid::Impl::Impl(SystemSetup& s)
       bodies(s.store.need<Bodies>(kName)), colliders(s.store.need<Colliders>(ContactService::kSystem)),
       contacts(s.store.need<Contacts>(ContactService::kSystem)), movers(s.store.need<Movers>(kName)),
       dimension(s.dimension), structure_changed(s.structure_changed),
-      solver(find_variant(rigid_solvers(), s.options.text("solver", default_variant(rigid_solvers(), "soft_step")),
-                          "rigid solver")
+      solver(variant_option(s.options, {"solver"}, rigid_solvers(), "soft_step", "rigid solver")
                  .make(s.store.arena(kName), s.options)),
       volume(&s.store.arena(kName)), area(&s.store.arena(kName)), spins(&s.store.arena(kName)),
       kept_momentum(&s.store.arena(kName)), kept_spin(&s.store.arena(kName)), calm(&s.store.arena(kName)),

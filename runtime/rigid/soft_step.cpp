@@ -31,32 +31,30 @@ constexpr JobGrain kSolveGrain{8, 2'500}, kFillGrain{8, 5'000}, kStoreGrain{8, 1
 static_assert(std::is_same_v<WideReal, Real>);
 static_assert(kBatchPoints == kMaxContactPoints);
 
-const ContactKernels& pick_kernels(const std::string& width) {
+const ContactKernels& pick_kernels([[maybe_unused]] bool wide) {
 #if defined(__x86_64__) || defined(__i386__)
-  if (width != "plain" && __builtin_cpu_supports("avx2")) return kContactKernelsAvx2;
+  if (wide && __builtin_cpu_supports("avx2")) return kContactKernelsAvx2;
 #endif
-  (void)width;
   return kContactKernelsPlain;
 }
 
 class SoftStep final : public RigidSolver {
  public:
   SoftStep(Arena& arena, const Params& p)
-      : kernels_(&pick_kernels(p.text("kernels", "auto"))), contact_hertz_(real(p, "contact_hertz", 72, 0.1, 1e5)),
-        contact_damping_(real(p, "contact_damping", 6, 0, 1e3)), contact_cap_(real(p, "contact_cap", 0.3, 0, 1)),
-        push_speed_(real(p, "push_speed", 3, 0, 1e6)), bounce_speed_(real(p, "bounce_speed", 1, 0, 1e6)),
-        bounce_rounds_(p.integer("bounce_rounds", 4, 1, 100)),
-        joints_(arena, real(p, "joint_hertz", 60, 0.1, 1e5), real(p, "joint_damping", 2, 0, 1e3), push_speed_,
-                p.flag("joint_trees", true)) {}
+      : kernels_(&pick_kernels(wide_kernels(p))), contact_hertz_(p.real({"contact_hertz", "Hz", {0.1, 1e5}}, 72)),
+        contact_damping_(p.real({"contact_damping", "", {0, 1e3}}, 6)),
+        contact_cap_(p.real({"contact_cap", "", kUnitRange}, 0.3)),
+        push_speed_(p.real({"push_speed", "m/s", {0, 1e6}}, 3)),
+        bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 1)),
+        bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),
+        joints_(arena, p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60), p.real({"joint_damping", "", {0, 1e3}}, 2),
+                push_speed_, p.flag({"joint_trees"}, true)) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
   void finish(const SolverInput& in, StepContext& c) override;
 
  private:
-  static Real real(const Params& p, const char* key, double fallback, double lo, double hi) {
-    return static_cast<Real>(p.number(key, fallback, lo, hi));
-  }
   void color(const SolverInput& in, StepContext& c);
   void check_colors(const SolverInput& in, StepContext& c) const;
   void fill(const Contacts& contacts, const Colliders& colliders, const Movers& movers, std::uint32_t batch);

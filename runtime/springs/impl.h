@@ -19,7 +19,7 @@ void check_spring(const SpringDesc& spring, std::size_t points, std::size_t k, c
 Real rest_length_of(const SpringDesc& spring, const Vec3& a, const Vec3& b, std::size_t k, const std::string& owner);
 
 // "auto": the widest this processor has; "plain": the same bits, slower.
-const SpringKernels& pick_kernels(const std::string& width);
+const SpringKernels& pick_kernels(bool wide);
 
 // h times the frequency or decay that the stability limit of a method is held against.
 double reach_of(const IntegratorInfo& method, double h, double frequency, double decay);
@@ -27,7 +27,7 @@ bool beyond_limit(const IntegratorInfo& method, double reach);
 
 struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
-      : kernels(pick_kernels(setup.options.text("kernels", "auto"))), arena(setup.store.arena(kName)),
+      : kernels(pick_kernels(wide_kernels(setup.options))), arena(setup.store.arena(kName)),
         particles(setup.store.need<Particles>(kName)), watched(setup.store.need<Watch>("watch")), store(setup.store),
         objects(setup.objects), structure_changed(setup.structure_changed), air_density(still_air_density(setup.world)),
         surface_end(&arena), surface_speed(&arena) {}

@@ -48,11 +48,9 @@ std::uint32_t Springs::Impl::spring(ObjectId id, std::size_t k) const {
   return static_cast<std::uint32_t>(k);
 }
 
-const SpringKernels& pick_kernels(const std::string& width) {
-  if (width != "auto" && width != "plain")
-    throw SceneError("world.springs.kernels: expected 'auto' or 'plain', got '" + width + "'");
+const SpringKernels& pick_kernels([[maybe_unused]] bool wide) {
 #if defined(__x86_64__) || defined(__i386__)
-  if (width == "auto" && __builtin_cpu_supports("avx2")) return kSpringKernelsAvx2;
+  if (wide && __builtin_cpu_supports("avx2")) return kSpringKernelsAvx2;
 #endif
   return kSpringKernelsPlain;
 }

@@ -27,12 +27,18 @@ TEST_CASE("options report what was expected and what came", "[base]") {
   p.set("iterations", 10.0);
   p.set("tolerence", 0.1);
   p.set("solver", std::string("soft_step"));
-  CHECK(p.integer("iterations", 1, 1, 100) == 10);
-  CHECK(p.number("tolerance", 0.5) == 0.5);
-  CHECK(p.text("solver", "") == "soft_step");
-  CHECK_THROWS_WITH(p.integer("iterations", 1, 1, 5),
+  CHECK(p.integer({"iterations", "", {1, 100}}, 1) == 10);
+  CHECK(p.number({"tolerance", "m", {0, 1}}, 0.5) == 0.5);
+  CHECK(p.text({"solver"}, "") == "soft_step");
+  CHECK(p.choice({.name = "solver", .choices = "impulse, soft_step"}) == 1);
+  CHECK_THROWS_WITH(p.choice({.name = "solver", .choices = "impulse, avbd"}),
+                    Catch::Contains("solver: expected one of impulse, avbd, got 'soft_step'"));
+  CHECK_THROWS_WITH(p.integer({"iterations", "", {1, 5}}, 1),
                     Catch::Contains("iterations") && Catch::Contains("5") && Catch::Contains("10"));
-  CHECK_THROWS_WITH(p.number("solver", 1), Catch::Contains("expected a number, got a string"));
+  CHECK_THROWS_WITH(p.number({"solver"}, 1), Catch::Contains("expected a number, got a string"));
+  const std::vector<OptionInfo> rows = p.rows();
+  REQUIRE(rows.size() == 3);
+  CHECK((rows[2].row.name == std::string("tolerance") && rows[2].fallback == "0.5" && rows[2].row.range.hi == 1));
   CHECK_THROWS_WITH(p.check_all_read("rigid"),
                     Catch::Contains("tolerence") && Catch::Contains("did you mean 'tolerance'"));
 }

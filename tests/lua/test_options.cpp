@@ -46,7 +46,7 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
       {"world:body{ feder.box(1,1,1) }", "world:body.shape: expected a shape"},
       {"world:body{ shape = feder.box(1,1,1), 5 }", "test.lua:1: world:body: expected options by name, got the key 1"},
       {"world:body{ shape = feder.box(1,1,1), type = 'dynamik' }",
-       "test.lua:1: world:body.type: expected one of dynamic, static, kinematic, got 'dynamik'"},
+       "test.lua:1: world:body.type: expected one of static, kinematic, dynamic, got 'dynamik'"},
       {"world:body{ shape = feder.box(1,1,1), lock = {'x', 'q'} }",
        "test.lua:1: world:body.lock: expected some of x, y, z, rx, ry, rz, got 'q'"},
       {"world:body{ shape = feder.box(1,1,1), restitution = 2 }",

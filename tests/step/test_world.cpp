@@ -22,7 +22,7 @@ class Fake final : public System {
   static constexpr const char* kName = Which == 0 ? "alpha" : Which == 1 ? "beta" : "alpha_beta";
 
   explicit Fake(SystemSetup& setup) : counts_(setup.store.need<Counts>(kName)) {
-    counts_.values.assign(10, setup.options.number("start", 1, 0, 100));
+    counts_.values.assign(10, setup.options.number({"start", "", {0, 100}}, 1));
   }
   void add_passes(StepPlan& plan) override {
     plan.add<&Fake::solve>(Place(Rank::body_solve, 1 - Which), "solve", kName, this);

@@ -9,19 +9,23 @@ namespace {
 
 WindSocks& socks(WorldRecord& record) { return record.world->need<WindSocks>(); }
 
+constexpr Option<WindSockDesc> kWindSock[] = {
+    field<&WindSockDesc::name>("name"),
+    field<&WindSockDesc::position>("position", "m"),
+    field<&WindSockDesc::wind>("wind", "m/s"),
+    field<&WindSockDesc::segment>("segment", "m", kPositive),
+    field<&WindSockDesc::lag>("lag", "s", kPositive),
+    field<&WindSockDesc::count>("segments", "", {1, 1000}),
+    later<WindSockDesc>("tags", kWordsType),
+};
+std::vector<OptionInfo> wind_sock_rows() { return describe_rows(kWindSock); }
+
 int world_wind_sock(lua_State* L) {
   WorldRecord& r = check_world(L);
   Options o(L, 2, function_name(L), r.planar());
   WindSockDesc d;
-  std::int64_t count = d.count;
-  o.text("name", d.name);
-  o.vector("position", d.position);
-  o.vector("wind", d.wind);
-  o.real("segment", d.segment, kPositive);
-  o.real("lag", d.lag, kPositive);
-  if (o.integer("segments", count, 1, 1000)) d.count = static_cast<int>(count);
+  o.read(kWindSock, d);
   d.tags = tag_option(o, r);
-  o.finish();
   push_handle(L, r, socks(r).add(d));
   return 1;
 }
@@ -57,7 +61,8 @@ const Method kMethods[] = {
 };
 const Method kWorld[] = {
     {"wind_sock", guard<world_wind_sock>,
-     "world:wind_sock{ position =, wind =, segments =, segment =, lag = } -> wind_sock", "trails from a mast"},
+     "world:wind_sock{ position =, wind =, segments =, segment =, lag = } -> wind_sock", "trails from a mast",
+     wind_sock_rows},
 };
 const ObjectClass kClasses[] = {{.name = "wind_sock", .methods = kMethods, .destroy = &destroy}};
 const YamlList kYaml[] = {{"wind_socks", [](lua_State* L, int world) { make_object(L, world, "wind_sock"); }}};

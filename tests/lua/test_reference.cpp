@@ -1,0 +1,77 @@
+// The reference of options: every row that a reader has is found, says its type, and has its sentence.
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "lua/docs.h"
+#include "support/script.h"
+#include "world/catalog.h"
+
+using namespace feder;
+
+namespace {
+
+struct Found {
+  std::string owner;
+  OptionInfo info;
+};
+
+// Rows of tables within tables are their own owner: body.friction has friction.static.
+void add(std::vector<Found>& all, const std::string& owner, const std::vector<OptionInfo>& rows) {
+  for (const OptionInfo& o : rows) {
+    all.push_back({o.of.empty() ? owner : o.of, o});
+    add(all, o.row.name, o.inner);
+  }
+}
+
+std::vector<Found> everything() {
+  std::vector<Found> all;
+  for (const lua::DocRow& row : lua::docs(lua::parts())) add(all, row.name, row.options);
+  for (const SystemDescriptor* d : catalog())
+    if (d->joins.empty()) add(all, d->name, lua::system_options(catalog(), d->name));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("every option has a row with a type and a sentence", "[lua][reference]") {
+  const std::vector<Found> all = everything();
+  CHECK(all.size() > 200);
+  for (const Found& f : all) {
+    CAPTURE(f.owner, f.info.row.name);
+    CHECK(std::string(f.info.type) != "");
+    CHECK_FALSE(lua::option_sentence(f.owner, f.info.row.name).empty());
+  }
+}
+
+TEST_CASE("no sentence is about an option that nobody reads, and none is there twice", "[lua][reference]") {
+  std::set<std::string> known;
+  for (const Found& f : everything())
+    known.insert(f.owner + "." + f.info.row.name), known.insert("*." + std::string(f.info.row.name));
+  std::set<std::string> seen;
+  std::istringstream lines{std::string(lua::option_texts())};
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    const std::string key = line.substr(0, line.find(' '));
+    CAPTURE(key);
+    CHECK(known.count(key));
+    CHECK(seen.insert(key).second);
+    CHECK((line.back() == '.' || line.back() == '?'));
+  }
+}
+
+TEST_CASE("rows know the defaults, ranges and names that their readers use", "[lua][reference]") {
+  std::map<std::string, OptionInfo> by_name;
+  for (const Found& f : everything()) by_name.emplace(f.owner + "." + f.info.row.name, f.info);
+  const OptionInfo& density = by_name.at("body.density");
+  CHECK(std::string(density.row.unit) == "kg/m3");
+  CHECK(density.fallback == "1000");
+  CHECK(density.row.range.text() == "a number above 0");
+  CHECK(by_name.at("body.type").choices == "static, kinematic, dynamic");
+  CHECK(by_name.at("body.type").fallback == "\"dynamic\"");
+  CHECK(by_name.at("cloth.tear_strain").fallback == "");
+  CHECK(by_name.at("net.integrator").choices.find("rk4") != std::string::npos);
+  CHECK(by_name.at("rigid.solver").choices.find("soft_step") != std::string::npos);
+  CHECK(by_name.at("soft_step.contact_hertz").fallback == "72");
+  CHECK(by_name.at("rk45.max_steps").row.range.whole() == "a whole number from 1 to 100000000");
+}
