@@ -152,13 +152,12 @@ double Session::step_milliseconds() const {
 
 void Session::after_step(World& world) {
   ++steps_;
-  // events are sorted by kind and warnings are the last kind
-  const auto& events = world.events().list();
-  for (auto e = events.rbegin(); e != events.rend() && e->kind == EventKind::warning; ++e) {
-    const std::string& code = world.events().warning_code(*e);
+  for (const Event& e : world.events().list()) {
+    if (e.kind != EventKind::warning) continue;
+    const std::string& code = world.events().warning_code(e);
     std::size_t k = 0;
     while (k < warnings_.size() && warnings_[k].code != code) ++k;
-    if (k == warnings_.size()) warnings_.push_back({code, world.events().warning_message(*e), 0});
+    if (k == warnings_.size()) warnings_.push_back({code, world.events().warning_message(e), 0});
     ++warnings_[k].count;
   }
   report_errors();

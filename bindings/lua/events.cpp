@@ -9,17 +9,10 @@
 namespace feder::lua {
 namespace {
 
-bool is_contact(EventKind k) {
-  return k == EventKind::contact_begin || k == EventKind::contact_stay || k == EventKind::contact_end ||
-         k == EventKind::hit;
-}
-bool is_sensor(EventKind k) { return k == EventKind::sensor_enter || k == EventKind::sensor_leave; }
-bool is_break(EventKind k) {
-  return k == EventKind::joint_break || k == EventKind::spring_break || k == EventKind::tear;
-}
-// Of an emitter or drain, and its fluid.
-bool is_source(EventKind k) { return k == EventKind::emitter_done || k == EventKind::drained; }
-bool has_two(EventKind k) { return is_contact(k) || is_sensor(k); }
+bool is_contact(EventKind k) { return k.has(EventKind::kPair); }
+bool is_sensor(EventKind k) { return k.has(EventKind::kSensed); }
+bool is_source(EventKind k) { return k.has(EventKind::kAmount); }  // of an emitter or drain, and its fluid
+bool has_two(EventKind k) { return k.has(EventKind::kPair | EventKind::kSensed); }
 
 // What the event object reads from. Valid while its handler runs, or until its iterator moves on.
 struct EventBlock {
@@ -68,7 +61,7 @@ bool tells(lua_State* L, const WorldRecord& r, ObjectId id, std::string_view pla
 
 // Does the event tell about a point?
 bool has_index(lua_State* L, const WorldRecord& r, const Event& e) {
-  if (e.kind == EventKind::spring_break || e.kind == EventKind::tear) return true;
+  if (e.kind.has(EventKind::kPlace)) return true;
   return has_two(e.kind) && (tells(L, r, e.a, "index") || tells(L, r, e.b, "index"));
 }
 
@@ -79,7 +72,7 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
   const auto number = [&](bool present, double x) { present ? lua_pushnumber(L, x) : lua_pushnil(L); };
   const auto object = [&](bool present, ObjectId id) { present ? push_handle(L, r, id) : lua_pushnil(L); };
   switch (field) {
-    case f_kind: lua_pushstring(L, event_name(k)); return;
+    case f_kind: lua_pushstring(L, k.text()); return;
     case f_time: lua_pushnumber(L, r.world->time()); return;
     case f_step: lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count())); return;
     case f_a: object(is_contact(k), turned ? e.b : e.a); return;
@@ -90,17 +83,17 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
     case f_nx:
     case f_ny:
     case f_nz: number(is_contact(k), sign * e.normal[field - f_nx]); return;
-    case f_impulse: number(k == EventKind::contact_stay || k == EventKind::hit, e.impulse); return;
-    case f_slip: number(k == EventKind::contact_stay, e.slip); return;
-    case f_speed: number(k == EventKind::hit, e.speed); return;
-    case f_object: object(!has_two(k) && k != EventKind::step, e.a); return;
-    case f_cause: k == EventKind::wake ? (void)lua_pushstring(L, e.cause.text()) : lua_pushnil(L); return;
-    case f_other: object(k == EventKind::wake || is_sensor(k) || is_source(k), e.b); return;
+    case f_impulse: number(k.has(EventKind::kImpulse), e.impulse); return;
+    case f_slip: number(k.has(EventKind::kSlip), e.slip); return;
+    case f_speed: number(k.has(EventKind::kSpeed), e.speed); return;
+    case f_object: object(!has_two(k) && !k.has(EventKind::kAlone), e.a); return;
+    case f_cause: k.has(EventKind::kCause) ? (void)lua_pushstring(L, e.cause.text()) : lua_pushnil(L); return;
+    case f_other: object(k.has(EventKind::kOther | EventKind::kSensed), e.b); return;
     case f_sensor: object(is_sensor(k), e.a); return;
     case f_index:
       has_index(L, r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L);
       return;
-    case f_force: number(is_break(k), e.force); return;
+    case f_force: number(k.has(EventKind::kForce), e.force); return;
     case f_count:
       if (is_source(k) || ((is_sensor(k) || is_contact(k)) && tells(L, r, e.b, "count")))
         lua_pushinteger(L, static_cast<lua_Integer>(e.index));
@@ -109,7 +102,7 @@ void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int f
       return;
     case f_code:
     case f_message:
-      if (k == EventKind::warning && e.text != kNone)
+      if (k.has(EventKind::kText) && e.text != kNone)
         lua_pushstring(
             L, (field == f_code ? r.world->events().warning_code(e) : r.world->events().warning_message(e)).c_str());
       else
@@ -155,7 +148,7 @@ int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e
 
 int event_tostring(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
-  lua_pushstring(L, block->valid ? (std::string("event ") + event_name(block->event.kind)).c_str() : "event (over)");
+  lua_pushstring(L, block->valid ? (std::string("event ") + block->event.kind.text()).c_str() : "event (over)");
   return 1;
 }
 
@@ -198,8 +191,10 @@ void compact(lua_State* L, WorldRecord& record) {
 
 void find_matches(WorldRecord& record, const Event& e, std::uint64_t newest) {
   Subscriptions& subs = record.subscriptions;
-  auto& kind = subs.kinds[static_cast<int>(e.kind)];
   subs.matches.clear();
+  const Subscriptions::PerKind* found_kind = subs.find(e.kind);
+  if (!found_kind) return;
+  const Subscriptions::PerKind& kind = *found_kind;
   const auto take = [&](const std::vector<Subscription*>& list) {
     for (Subscription* s : list)
       if (s->live && s->id <= newest && match(record, *s, e) != Side::none) subs.matches.push_back(s);
@@ -232,7 +227,7 @@ int next_event(lua_State* L) {  // upvalues: position, kind, step count, event u
   if (!r.world || lua_tointeger(L, lua_upvalueindex(3)) != static_cast<lua_Integer>(r.world->step_count())) return 0;
   const auto& list = r.subscriptions.events;
   for (std::size_t i = static_cast<std::size_t>(lua_tointeger(L, lua_upvalueindex(1))); i < list.size(); ++i) {
-    if (static_cast<lua_Integer>(list[i].kind) != lua_tointeger(L, lua_upvalueindex(2))) continue;
+    if (lua_tostring(L, lua_upvalueindex(2)) != std::string_view(list[i].kind.text())) continue;
     lua_pushinteger(L, static_cast<lua_Integer>(i) + 1);
     lua_replace(L, lua_upvalueindex(1));
     block->event = list[i];
@@ -306,8 +301,9 @@ Subscription& subscribe(WorldRecord& record, EventKind kind, const EventFilter& 
   auto s = std::make_unique<Subscription>();
   s->id = subs.next_id++;
   s->kind = kind, s->filter = filter, s->self = self;
-  auto& per_kind = subs.kinds[static_cast<int>(kind)];
-  (self ? per_kind.object[self.slot] : per_kind.world).push_back(s.get());
+  Subscriptions::PerKind* per_kind = subs.find(kind);
+  if (!per_kind) per_kind = &subs.kinds.emplace_back(kind);
+  (self ? per_kind->object[self.slot] : per_kind->world).push_back(s.get());
   record.world->events().set_wanted(kind, true);
   subs.all.push_back(std::move(s));
   return *subs.all.back();
@@ -364,11 +360,15 @@ void dispatch_events(lua_State* L, WorldRecord& record) {
   compact(L, record);
 }
 
-EventKind check_event_kind(lua_State* L, int index) {
-  EventKind kind;
-  if (lua_type(L, index) == LUA_TSTRING && event_kind_from_name(lua_tostring(L, index), kind)) return kind;
+EventKind check_event_kind(lua_State* L, int index, const WorldRecord& record) {
+  std::vector<EventKind> kinds(std::begin(kEventKinds), std::end(kEventKinds));
+  for (const SystemDescriptor* d : record.world->catalog())
+    kinds.insert(kinds.end(), d->events.begin(), d->events.end());
   std::vector<std::string> known;
-  for (int k = 0; k < kEventKinds; ++k) known.emplace_back(event_name(static_cast<EventKind>(k)));
+  for (EventKind k : kinds) {
+    if (lua_type(L, index) == LUA_TSTRING && lua_tostring(L, index) == std::string_view(k.text())) return k;
+    known.emplace_back(k.text());
+  }
   if (lua_type(L, index) != LUA_TSTRING) fail_here(L, "expected the name of an event, got " + describe(L, index));
   const std::string near = nearest_name(lua_tostring(L, index), known);
   fail_here(L, "unknown event " + describe(L, index) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
@@ -421,12 +421,12 @@ constexpr Option<FilterReading> kWakeFilter[] = {special("cause", "string", read
 EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind kind) {
   FilterReading f;
   f.record = &record;
-  Options o(L, index, std::string(function_name(L)) + "(\"" + event_name(kind) + "\")");
+  Options o(L, index, std::string(function_name(L)) + "(\"" + kind.text() + "\")");
   o.read_some(kAnyFilter, f);
   if (is_contact(kind)) o.read_some(kContactFilter, f);
   if (is_sensor(kind)) o.read_some(kSensorFilter, f);
-  if (is_break(kind)) o.read_some(kBreakFilter, f);
-  if (kind == EventKind::wake) o.read_some(kWakeFilter, f);
+  if (kind.has(EventKind::kForce)) o.read_some(kBreakFilter, f);
+  if (kind.has(EventKind::kCause)) o.read_some(kWakeFilter, f);
   o.finish();
   return f;
 }
@@ -439,8 +439,8 @@ void push_connection(lua_State* L, const WorldRecord& record, ConnectionKind kin
 }
 
 int push_subscription(lua_State* L, WorldRecord& record, ObjectId self) {
-  const EventKind kind = check_event_kind(L, 2);
-  if (self && kind == EventKind::step) fail_here(L, "objects have no 'step' event; use world:on");
+  const EventKind kind = check_event_kind(L, 2, record);
+  if (self && kind.has(EventKind::kAlone)) fail_here(L, "objects have no 'step' event; use world:on");
   const bool has_filter = lua_gettop(L) >= 4 || lua_type(L, 3) == LUA_TTABLE;
   const int function = has_filter ? 4 : 3;
   EventFilter filter;
@@ -460,10 +460,10 @@ int world_on(lua_State* L) { return push_subscription(L, check_world(L), {}); }
 
 int world_events(lua_State* L) {
   WorldRecord& r = check_world(L);
-  const EventKind kind = check_event_kind(L, 2);
+  const EventKind kind = check_event_kind(L, 2, r);
   r.world->events().set_wanted(kind, true);  // from the next step on, for the kinds that cost something
   lua_pushinteger(L, 0);
-  lua_pushinteger(L, static_cast<lua_Integer>(kind));
+  lua_pushstring(L, kind.text());
   lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count()));
   push_event(L, r);
   lua_pushvalue(L, 1);

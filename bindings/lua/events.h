@@ -34,11 +34,17 @@ struct Subscription {
 
 struct Subscriptions {
   struct PerKind {
-    std::vector<Subscription*> world;                                      // ascending ids
-    std::unordered_map<std::uint32_t, std::vector<Subscription*>> object;  // by slot; looked up, never iterated
-    bool polled = false;
+    explicit PerKind(EventKind of) : kind(of) {}
+    EventKind kind;
+    std::vector<Subscription*> world = {};                                      // ascending ids
+    std::unordered_map<std::uint32_t, std::vector<Subscription*>> object = {};  // by slot; looked up, never iterated
   };
-  PerKind kinds[kEventKinds];
+  std::vector<PerKind> kinds;  // that somebody subscribed to
+  PerKind* find(EventKind kind) {
+    for (PerKind& k : kinds)
+      if (k.kind == kind) return &k;
+    return nullptr;
+  }
   std::vector<std::unique_ptr<Subscription>> all;  // ascending ids
   std::uint64_t next_id = 1;
   std::vector<Event> events;  // being dispatched, or of the last step
@@ -55,7 +61,7 @@ bool unsubscribe(lua_State* L, WorldRecord& record, std::uint64_t id);
 // Runs the handlers of the last step's events.
 void dispatch_events(lua_State* L, WorldRecord& record);
 
-EventKind check_event_kind(lua_State* L, int index);
+EventKind check_event_kind(lua_State* L, int index, const WorldRecord& record);
 EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind kind);
 // A plain table with the fields of the event.
 void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool turned);

@@ -167,12 +167,6 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   const auto word = [&random] { return static_cast<std::uint64_t>(random()) << 32 | random(); };
   record->key.a = word(), record->key.b = word();
   record->world = std::make_unique<World>(settings.desc, s.options.systems);
-  // begin and end events are always made, so that polling misses none
-  for (int k = 0; k < kEventKinds; ++k) {
-    const EventKind kind = static_cast<EventKind>(k);
-    record->world->events().set_wanted(
-        kind, kind != EventKind::contact_stay && kind != EventKind::hit && kind != EventKind::step);
-  }
 
   auto* block = static_cast<WorldBlock*>(lua_newuserdatauv(L, sizeof(WorldBlock), 1));
   block->world = 0xffffffffu;

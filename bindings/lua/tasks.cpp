@@ -259,7 +259,7 @@ int feder_wait_until(lua_State* L) {
 int feder_wait_for(lua_State* L) {
   Task& task = running_task(L);
   WorldRecord& r = *state(L).task_world;
-  const EventKind kind = check_event_kind(L, 1);
+  const EventKind kind = check_event_kind(L, 1, r);
   EventFilter filter;
   if (!lua_isnoneornil(L, 2)) filter = read_filter(L, 2, r, kind);
   Subscription& s = subscribe(r, kind, filter, {});

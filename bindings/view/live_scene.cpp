@@ -13,9 +13,8 @@ double wall_seconds() { return static_cast<double>(clock_nanoseconds()) * 1e-9; 
 void smooth(double& value, double sample, double share) { value += (value > 0 ? share : 1) * (sample - value); }
 
 bool is_marked(EventKind kind) {
-  return kind == EventKind::warning || kind == EventKind::joint_break || kind == EventKind::spring_break ||
-         kind == EventKind::tear || kind == EventKind::sleep || kind == EventKind::sensor_enter ||
-         kind == EventKind::hit;
+  return kind.has(EventKind::kText | EventKind::kForce) || kind == EventKind::sleep ||
+         kind == EventKind::sensor_enter || kind == EventKind::hit;
 }
 
 }  // namespace
@@ -163,7 +162,7 @@ void LiveScene::note_marks() {
   for (const Event& e : w.events().list()) {
     if (!is_marked(e.kind)) continue;
     const std::string label = e.kind == EventKind::warning ? w.events().warning_message(e) : w.objects().describe(e.a);
-    history_.mark(w.step_count(), w.time(), event_name(e.kind), label);
+    history_.mark(w.step_count(), w.time(), e.kind.text(), label);
   }
   const auto& errors = run_->script().handler_errors();
   for (; marked_errors_ < errors.size(); ++marked_errors_) {

@@ -14,6 +14,9 @@ class Name {
   friend constexpr bool operator==(const Family& x, const Family& y) {
     return x.text() == y.text() || std::string_view(x.text()) == y.text();
   }
+  friend constexpr bool operator<(const Family& x, const Family& y) {
+    return x.text() != y.text() && std::string_view(x.text()) < y.text();
+  }
 
  private:
   const char* text_;

@@ -105,12 +105,14 @@ const SystemDescriptor& Cloth::descriptor() {
   static const char* const needs[] = {"contact"};
   static constexpr ObjectKind kinds[] = {kClothKind};
   static constexpr WakeCause causes[] = {kClothCause};
+  static constexpr EventKind events[] = {kTear};
   static const SystemDescriptor d = {.name = kName,
                                      .units = "vertices",
                                      .unit = "vertex",
                                      .needs = needs,
                                      .kinds = kinds,
                                      .causes = causes,
+                                     .events = events,
                                      .make = &make_system<Cloth>};
   return d;
 }

@@ -17,6 +17,7 @@ namespace feder {
 
 inline constexpr ObjectKind kClothKind{"cloth", "cloths"};
 inline constexpr WakeCause kClothCause{"cloth"};
+inline constexpr EventKind kTear{"tear", EventKind::kPlace | EventKind::kForce};
 
 std::string default_cloth_solver();
 

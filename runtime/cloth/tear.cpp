@@ -79,7 +79,7 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
     FEDER_ASSERT(std::find(fan.begin(), fan.end(), kNone) == fan.end());
     if (fans < 2) continue;
     Event e;
-    e.kind = EventKind::tear;
+    e.kind = kTear;
     e.a = s.object;
     e.index = v;
     e.force = l.stiffness * strain * l.rest;

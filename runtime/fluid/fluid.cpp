@@ -43,11 +43,13 @@ Fluid::Impl::Impl(SystemSetup& s)
 const SystemDescriptor& Fluid::descriptor() {
   static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
   static constexpr WakeCause causes[] = {kFluidCause};
+  static constexpr EventKind events[] = {kEmitterDone, kDrained};
   static const SystemDescriptor d = {.name = kName,
                                      .units = "particles",
                                      .unit = "particle",
                                      .kinds = kinds,
                                      .causes = causes,
+                                     .events = events,
                                      .make = &make_system<Fluid>};
   return d;
 }

@@ -14,6 +14,9 @@ namespace feder {
 inline constexpr ObjectKind kFluidKind{"fluid", "fluids"}, kEmitterKind{"emitter", "emitters"},
     kDrainKind{"drain", "drains"};
 inline constexpr WakeCause kFluidCause{"fluid"};
+// Of an emitter or drain, and its fluid: how many particles.
+inline constexpr EventKind kEmitterDone{"emitter_done", EventKind::kOther | EventKind::kAmount},
+    kDrained{"drained", EventKind::kOther | EventKind::kAmount};
 
 struct FluidPool;
 

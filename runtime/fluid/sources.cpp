@@ -203,7 +203,7 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   if (e.limit == 0 || e.made < e.limit) return;
   e.running = 0, e.done = 1;
   Event event;
-  event.kind = EventKind::emitter_done;
+  event.kind = kEmitterDone;
   event.a = e.object, event.b = e.fluid, event.index = static_cast<std::uint32_t>(e.made);
   c.events->add(event);
 }

@@ -30,7 +30,7 @@ void Fluid::Impl::drain(StepContext& c) {
     p.contact_first[p.count] = 0;
     d.taken += taken;
     Event e;
-    e.kind = EventKind::drained;
+    e.kind = kDrained;
     e.a = d.object, e.b = d.fluid, e.index = taken;
     c.events->add(e);
   }

@@ -229,7 +229,7 @@ void Rigid::Impl::break_joints(StepContext&) {
     const Real size = length(force);
     if (!(size > r.break_force)) continue;
     Event e;
-    e.kind = EventKind::joint_break;
+    e.kind = kJointBreak;
     e.a = r.object;
     e.force = size;
     events.add(e);

@@ -31,8 +31,14 @@ Rigid::Impl::Impl(SystemSetup& s)
 const SystemDescriptor& Rigid::descriptor() {
   static const char* const needs[] = {ContactService::kSystem};
   static constexpr ObjectKind kinds[] = {kBodyKind, kJointKind};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "bodies", .unit = "body", .needs = needs, .kinds = kinds, .make = &make_system<Rigid>};
+  static constexpr EventKind events[] = {kJointBreak};
+  static const SystemDescriptor d = {.name = kName,
+                                     .units = "bodies",
+                                     .unit = "body",
+                                     .needs = needs,
+                                     .kinds = kinds,
+                                     .events = events,
+                                     .make = &make_system<Rigid>};
   return d;
 }
 

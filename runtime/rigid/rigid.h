@@ -11,6 +11,7 @@
 namespace feder {
 
 inline constexpr ObjectKind kJointKind{"joint", "joints"};
+inline constexpr EventKind kJointBreak{"joint_break", EventKind::kForce};
 
 struct BodyDesc {
   std::string name;

@@ -9,8 +9,13 @@
 namespace feder {
 const SystemDescriptor& Springs::descriptor() {
   static constexpr ObjectKind kinds[] = {kNetKind};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "points", .unit = "point", .kinds = kinds, .make = &make_system<Springs>};
+  static constexpr EventKind events[] = {kSpringBreak};
+  static const SystemDescriptor d = {.name = kName,
+                                     .units = "points",
+                                     .unit = "point",
+                                     .kinds = kinds,
+                                     .events = events,
+                                     .make = &make_system<Springs>};
   return d;
 }
 

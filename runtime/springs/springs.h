@@ -12,6 +12,7 @@
 namespace feder {
 
 inline constexpr ObjectKind kNetKind{"net", "nets"};
+inline constexpr EventKind kSpringBreak{"spring_break", EventKind::kPlace | EventKind::kForce};
 
 struct SpringDesc {
   std::uint32_t i = 0, j = 0;

@@ -109,7 +109,7 @@ void Springs::Impl::break_springs(Net& n, Events& events) {
       const std::uint32_t k = group * kLanes + static_cast<std::uint32_t>(std::countr_zero(bits));
       FEDER_ASSERT(k < s.size() && s.alive[k]);  // a dead one would report its end again
       Event e;
-      e.kind = EventKind::spring_break;
+      e.kind = kSpringBreak;
       e.a = n.object;
       e.index = k;
       e.force = static_cast<Real>(s.tension(k, static_cast<double>(n.strain(k) * s.rest_length[k])));

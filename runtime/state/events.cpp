@@ -7,30 +7,17 @@
 
 namespace feder {
 namespace {
-const char* const kEventNames[kEventKinds] = {
-    "contact_begin", "contact_stay", "contact_end", "hit",          "sleep",   "wake", "sensor_enter", "sensor_leave",
-    "joint_break",   "spring_break", "tear",        "emitter_done", "drained", "step", "warning"};
-
 bool earlier(const Event& x, const Event& y) {
   return std::tie(x.kind, x.a, x.b, x.index, x.order) < std::tie(y.kind, y.a, y.b, y.index, y.order);
 }
 }  // namespace
 
-const char* event_name(EventKind kind) {
-  FEDER_ASSERT(static_cast<int>(kind) < kEventKinds);
-  return kEventNames[static_cast<int>(kind)];
-}
-
-bool event_kind_from_name(std::string_view name, EventKind& out) {
-  for (int i = 0; i < kEventKinds; ++i)
-    if (name == kEventNames[i]) return out = static_cast<EventKind>(i), true;
-  return false;
-}
-
 void Events::set_wanted(EventKind kind, bool wanted) {
-  const std::uint32_t bit = 1u << static_cast<int>(kind);
-  wanted_ = wanted ? wanted_ | bit : wanted_ & ~bit;
+  std::erase(wanted_, kind);
+  if (wanted) wanted_.push_back(kind);
 }
+
+bool Events::wanted(EventKind kind) const { return std::find(wanted_.begin(), wanted_.end(), kind) != wanted_.end(); }
 
 void Events::add(const Event& e) {
   list_.push_back(e);
@@ -68,8 +55,8 @@ void Events::validate() const {
   for (std::size_t k = 0; k < list_.size(); ++k) {
     const Event& e = list_[k];
     FEDER_ASSERT(k == 0 || earlier(list_[k - 1], e));
-    FEDER_ASSERT((e.kind == EventKind::wake) == (e.cause != WakeCause::none));
-    FEDER_ASSERT((e.kind == EventKind::warning) == (e.text < warnings_.size()));
+    FEDER_ASSERT(e.kind.has(EventKind::kCause) == (e.cause != WakeCause::none));
+    FEDER_ASSERT(e.kind.has(EventKind::kText) == (e.text < warnings_.size()));
     warnings += e.kind == EventKind::warning;
   }
   FEDER_ASSERT(warnings == warnings_.size());

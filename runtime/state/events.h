@@ -11,26 +11,39 @@
 
 namespace feder {
 
-enum class EventKind : std::uint8_t {
-  contact_begin,
-  contact_stay,
-  contact_end,
-  hit,
-  sleep,
-  wake,
-  sensor_enter,
-  sensor_leave,
-  joint_break,
-  spring_break,
-  tear,
-  emitter_done,
-  drained,
-  step,
-  warning,
+// A kind of event; systems list theirs in their descriptor. Kinds of a step come in the order of their names.
+struct EventKind : Name<EventKind> {
+  // What its events tell beside their object, which is `a`.
+  enum Tells : std::uint32_t {
+    kPair = 1,      // no object but two, a and b, which a filter may turn; point, and normal from a to b
+    kSensed = 2,    // b, which the sensor a has noticed
+    kOther = 4,     // b
+    kPlace = 8,     // index: a point, spring or vertex of a
+    kAmount = 16,   // index: how many
+    kSpeed = 32,    // m/s
+    kImpulse = 64,  // N s
+    kSlip = 128,    // m/s
+    kForce = 256,   // N
+    kCause = 512,   // of a wake
+    kText = 1024,   // code and message
+    kAlone = 2048,  // no object
+  };
+  constexpr EventKind(const char* name, std::uint32_t what) : Name(name), tells(what) {}
+  constexpr bool has(std::uint32_t any) const { return (tells & any) != 0; }
+
+  std::uint32_t tells;
+  static const EventKind contact_begin, contact_end, contact_stay, hit, sensor_enter, sensor_leave, sleep, wake, step,
+      warning;
 };
-inline constexpr int kEventKinds = 15;
-const char* event_name(EventKind kind);  // "contact_begin" ...
-bool event_kind_from_name(std::string_view name, EventKind& out);
+inline constexpr EventKind EventKind::contact_begin{"contact_begin", kPair},
+    EventKind::contact_end{"contact_end", kPair}, EventKind::contact_stay{"contact_stay", kPair | kImpulse | kSlip},
+    EventKind::hit{"hit", kPair | kImpulse | kSpeed}, EventKind::sensor_enter{"sensor_enter", kSensed},
+    EventKind::sensor_leave{"sensor_leave", kSensed}, EventKind::sleep{"sleep", 0},
+    EventKind::wake{"wake", kOther | kCause}, EventKind::step{"step", kAlone}, EventKind::warning{"warning", kText};
+// Of every world.
+inline constexpr EventKind kEventKinds[] = {
+    EventKind::contact_begin, EventKind::contact_end, EventKind::contact_stay, EventKind::hit,  EventKind::sensor_enter,
+    EventKind::sensor_leave,  EventKind::sleep,       EventKind::wake,         EventKind::step, EventKind::warning};
 
 // What woke something; systems list theirs in their descriptor.
 struct WakeCause : Name<WakeCause> {
@@ -66,7 +79,7 @@ class Events {
 
   // Kinds that cost something to make (contact_stay, hit) are only made when wanted.
   void set_wanted(EventKind kind, bool wanted);
-  bool wanted(EventKind kind) const { return wanted_ >> static_cast<int>(kind) & 1u; }
+  bool wanted(EventKind kind) const;
 
   // Inside a step, from one thread.
   void add(const Event& e);
@@ -91,7 +104,7 @@ class Events {
 
   Array<Event> list_, pending_;
   std::vector<std::pair<std::string, std::string>> warnings_;
-  std::uint32_t wanted_ = 0;
+  std::vector<EventKind> wanted_;
 };
 
 }  // namespace feder

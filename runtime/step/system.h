@@ -81,6 +81,7 @@ struct SystemDescriptor {
   std::span<const char* const> joins = {};
   std::span<const ObjectKind> kinds = {};  // of the objects it makes
   std::span<const WakeCause> causes = {};  // of wakes, that it adds
+  std::span<const EventKind> events = {};  // that it adds
   std::unique_ptr<System> (*make)(SystemSetup& setup);
 };
 

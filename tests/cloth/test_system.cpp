@@ -158,7 +158,7 @@ TEST_CASE("a cloth tears where it is stretched most; the mesh stays one, and mom
   for (int k = 0; k < 60; ++k) {
     w.step();
     for (const Event& e : w.events().list()) {
-      if (e.kind != EventKind::tear) continue;
+      if (e.kind != kTear) continue;
       ++tears;
       CHECK(e.a == id);
       CHECK(e.force > 0);

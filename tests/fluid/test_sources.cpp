@@ -44,7 +44,7 @@ TEST_CASE("an emitter gives its rate exactly, stops at its limit and says so onc
   std::uint32_t count = 0;
   for (int k = 0; k < 20; ++k) {
     w.step();
-    done += count_events(w, EventKind::emitter_done, &count);
+    done += count_events(w, kEmitterDone, &count);
   }
   CHECK(done == 1);
   CHECK(count == 100);
@@ -124,7 +124,7 @@ TEST_CASE("a drain takes what comes in and counts it", "[fluid]") {
   std::uint32_t taken = 0, total = 0;
   for (int k = 0; k < 60; ++k) {
     w.step();
-    if (count_events(w, EventKind::drained, &taken)) total += taken;
+    if (count_events(w, kDrained, &taken)) total += taken;
   }
   CHECK(total == 100);
   CHECK(f.passed(drain) == 100);

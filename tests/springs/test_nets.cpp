@@ -56,7 +56,7 @@ TEST_CASE("a spring breaks at its strain, with one event, and keeps its index", 
     const Real before = s.strain(net, 1);
     w.step();
     for (const Event& e : w.events().list()) {
-      if (e.kind != EventKind::spring_break) continue;
+      if (e.kind != kSpringBreak) continue;
       ++breaks;
       CHECK(e.a == net);
       CHECK(e.index == 1);

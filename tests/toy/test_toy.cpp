@@ -20,6 +20,7 @@ return feder.scene {
     world:body { shape = feder.sphere(0.2), position = { 3, 1, 0 } }
     world:on("sleep", function(e) print("sleep", e.object:name(), e.object:kind()) end)
     world:on("wake", { cause = "gust" }, function(e) print("wake", e.cause) end)
+    scene.sock:on("gust", function(e) print("gust", e.object:name(), e.speed, e.force) end)
     world:after(3, function() scene.sock:set_wind(0, 0, 2) end)
   end,
   check = function(world, scene, expect)
@@ -54,7 +55,8 @@ TEST_CASE("a system from outside: scene, check, events", "[toy]") {
   const Outcome o = run(p, "run sock.lua");
   CAPTURE(o.out, o.err);
   CHECK(o.status == 0);
-  CHECK_THAT(o.out, Catch::Contains("sleep\tsock\twind_sock") && Catch::Contains("wake\tgust"));
+  CHECK_THAT(o.out, Catch::Contains("sleep\tsock\twind_sock") && Catch::Contains("wake\tgust") &&
+                        Catch::Contains("gust\tsock\t2.0\tnil"));
   CHECK_THAT(o.out, Catch::Contains("1 body, 1 wind_sock (4 segments)"));
   CHECK(run(p, "test sock.lua").status == 0);
   const Outcome yaml = run(p, "test socks.yaml");

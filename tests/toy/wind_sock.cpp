@@ -13,11 +13,13 @@ constexpr Real kSleepTime = Real(0.25);  // s
 const SystemDescriptor& WindSocks::descriptor() {
   static constexpr ObjectKind kinds[] = {kWindSockKind};
   static constexpr WakeCause causes[] = {kGustCause};
+  static constexpr EventKind events[] = {kGust};
   static const SystemDescriptor d = {.name = kName,
                                      .units = "segments",
                                      .unit = "segment",
                                      .kinds = kinds,
                                      .causes = causes,
+                                     .events = events,
                                      .make = &make_system<WindSocks>};
   return d;
 }
@@ -59,9 +61,12 @@ void WindSocks::destroy(ObjectId sock, const std::string& where) {
 void WindSocks::set_wind(ObjectId sock, const Vec3& wind) {
   Sock& s = socks_[objects_.index(sock)];
   s.wind = wind, s.calm = 0;
+  Event e;
+  e.kind = kGust, e.a = sock, e.speed = length(wind);
+  events_.add_pending(e);
   if (!s.asleep) return;
   s.asleep = false;
-  Event e;
+  e = {};
   e.kind = EventKind::wake, e.cause = kGustCause, e.a = sock;
   events_.add_pending(e);
 }

@@ -13,6 +13,7 @@ namespace feder {
 
 inline constexpr ObjectKind kWindSockKind{"wind_sock", "wind_socks"};
 inline constexpr WakeCause kGustCause{"gust"};
+inline constexpr EventKind kGust{"gust", EventKind::kSpeed};  // the wind of a sock changes; its new speed
 
 struct WindSockDesc {
   std::string name;
