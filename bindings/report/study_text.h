@@ -95,7 +95,7 @@ std::string study_summary(const StudyResult& r, bool table_only);
 std::vector<std::string> failed_methods(const StudyResult& r);
 // Fitted orders that miss theory, one line each.
 std::vector<std::string> off_orders(const StudyResult& r);
-// A fragment for a README: the picture and the table.
+// A fragment of Markdown: the picture and the table.
 std::string study_markdown(const StudyResult& r, const std::string& picture);
 
 }  // namespace feder::report

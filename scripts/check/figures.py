@@ -1,45 +1,83 @@
 #!/usr/bin/env python3
-"""The tables of the README that commands print: made again and compared.
+"""The figures of the documents that commands print: made again and compared.
 
-  figures.py FEDER [NAME...]            compare every block (or those named) of README.md with what its commands print
+  figures.py FEDER [NAME...]            compare every block (or those named) with what its commands print
   figures.py --renew FEDER [NAME...]    write the blocks anew, with their pictures in tests/golden/pictures
+  figures.py --list                     the blocks and the documents they stand in
 
-A block stands between "<!-- figures: NAME -->" and "<!-- end -->". Errors and counts are compared exactly, and no block
+A block stands between "<!-- figures: NAME -->" and "<!-- end -->" in one of DOCUMENTS. Its name says which command made
+it: a name that stands in no document, in two, or twice in one is an error, and so is one that no command makes. Errors,
+counts and pictures are compared exactly (pictures without the titles of their points, which hold bytes), and no block
 holds a time: run times differ from machine to machine. Rows about engines that cannot be run here come from
-tests/bench/rivals.csv. Exit status 1 when a block differs or is missing.
+tests/bench/rivals.csv. Exit status 1 when a block differs, is missing or stands twice.
 """
 import csv
+import functools
 import json
+import os
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-README = ROOT / "README.md"
+DOCUMENTS = ("README.md", "runtime/README.md", "scenes/README.md", "bindings/README.md", "tests/README.md")
 PICTURES = "tests/golden/pictures"
+EVERYTHING = "scenes/mixed/everything.lua"
 FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moyce, with the delay of their diaphragm"),
           ("draught", "Archimedes"), ("poiseuille", "start-up series"), ("droplet", "Lamb's half period"))
-# problem, small steps, reference
+# problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
           ("drape", 8, "self-refined run"))
+# of rivals.csv, in README.md: what is faster and what is slower, one of each kind
+TELLING = (("large_pyramid", "Box3D"), ("large_pyramid", "Jolt"), ("convex_vs_mesh", "Jolt"), ("heavy_chains", "Box3D"),
+           ("cloth links", "Jolt"), ("pbf", "SPlisHSPlasH"))
+OWNERS = {"h": "object", "buf": "buffer", "c": "connection", "e": "event"}  # words of signatures that are no class
 
 
-def study(feder, *words):
-    out = subprocess.run([feder, "study", *words, "--repeat", "0"], capture_output=True, text=True, cwd=ROOT, check=False)
+def run(command, *words):
+    out = subprocess.run([command, *words], capture_output=True, text=True, cwd=ROOT, check=False)
     if out.returncode != 0:
-        sys.exit(f"figures: feder study {' '.join(words)} ended with {out.returncode}: {out.stderr.strip()}")
+        sys.exit(f"figures: feder {' '.join(words)} ended with {out.returncode}: {out.stderr.strip() or out.stdout}")
     return out.stdout
 
 
-def picked(feder, name, picture, *words):
-    """The picture's link and the table of the cheapest methods."""
+def study(feder, *words):
+    return run(feder, "study", *words, "--repeat", "0")
+
+
+def drawing(svg):
+    """A picture without the titles of its points."""
+    return re.sub(r"<title>.*?</title>", "", svg, flags=re.S)
+
+
+@functools.cache
+def picked(feder, picture, *words):
+    """The picture's link ("PICTURE") and the table of the cheapest methods."""
     with tempfile.TemporaryDirectory() as folder:
-        study(feder, *words, "--quiet", "--out", folder, "--markdown", folder + "/pick.md", "--picture", f"{PICTURES}/{picture}")
-        if name in renewed:
-            (ROOT / PICTURES / picture).write_bytes(pathlib.Path(folder, "error_vs_work.svg").read_bytes())
-        return pathlib.Path(folder, "pick.md").read_text().strip()
+        study(feder, *words, "--quiet", "--out", folder, "--markdown", folder + "/pick.md", "--picture", "PICTURE")
+        svg, kept = pathlib.Path(folder, "error_vs_work.svg").read_text(), ROOT / PICTURES / picture
+        text = pathlib.Path(folder, "pick.md").read_text().strip()
+        if renewing:
+            kept.write_text(svg)
+        elif drawing(svg) != drawing(kept.read_text()):
+            text += f"\n\n{PICTURES}/{picture} shows something else"
+        return text
+
+
+def linked(text, picture, folder):
+    return text.replace("PICTURE", os.path.relpath(ROOT / PICTURES / picture, folder))
+
+
+def stiff_chain(feder, folder):
+    picture = "stiff_chain.svg"
+    return linked(picked(feder, picture, "swinging_chain", "--set", "stiffness=1e8"), picture, folder)
+
+
+def orbit(feder, folder):
+    return linked(picked(feder, "orbit.svg", "kepler", "--set", "e=0.9"), "orbit.svg", folder)
 
 
 def percent(value):
@@ -63,7 +101,7 @@ def errors(feder, words, methods):
     return out
 
 
-def fluids(feder):
+def fluids(feder, _):
     rows = ["| `feder study` | reference | `pbf` | `wcsph` |", "|---|---|---|---|"]
     for problem, reference in FLUIDS:
         found = errors(feder, [problem, "--ladder", "substeps:4"], ("pbf", "wcsph"))
@@ -71,59 +109,205 @@ def fluids(feder):
     return "\n".join(rows)
 
 
-def cloths(feder):
+def cloths(feder, _):
     rows = ["| `feder study` | reference | `xpbd` | `mass_spring` |", "|---|---|---|---|"]
     for problem, steps, reference in CLOTHS:
         found = errors(feder, [problem, "--ladder", f"substeps:{steps}"], ("xpbd", "mass_spring"))
-        rows.append(f"| `{problem}`, {steps} small steps | {reference} | {found[0]} | {found[1]} |")
+        rows.append(f"| `{problem}`, {steps} substeps | {reference} | {found[0]} | {found[1]} |")
     return "\n".join(rows) + "\n\n\\* the reference is no surer than that"
 
 
-def rivals(_):
-    rows = ["| scene | beside | feder's time over its | end state of feder (the other's) |", "|---|---|---|---|"]
+def rival_rows():
     with open(ROOT / "tests/bench/rivals.csv", newline="") as file:
-        for r in csv.DictReader(file):
-            rows.append(f"| {r['scene']} | {r['engine']} {r['commit']}, {r['flags']} | {float(r['ratio']):.2f} | {r['end_state']} |")
+        return list(csv.DictReader(file))
+
+
+def rivals(_feder, _folder):
+    rows = ["| scene | beside | time over its | end state (the other's) |", "|---|---|---|---|"]
+    for scene, engine in TELLING:
+        r = next(r for r in rival_rows() if r["scene"].startswith(scene) and r["engine"] == engine)
+        name = re.split(r" \(|, per| against", r["scene"])[0]
+        engine += ", double" if "double" in r["flags"] else ""
+        rows.append(f"| {name} | {engine} | {float(r['ratio']):.2f} | {r['end_state'].split(';')[0]} |")
     return "\n".join(rows)
 
 
+def rivals_all(_feder, _folder):
+    rows = ["| scene | beside | feder's time over its | end state of feder (the other's) |", "|---|---|---|---|"]
+    for r in rival_rows():
+        engine = f"{r['engine']} {r['commit']}, {r['flags']}"
+        rows.append(f"| {r['scene']} | {engine} | {float(r['ratio']):.2f} | {r['end_state']} |")
+    return "\n".join(rows)
+
+
+def hello(feder, _):
+    """What the scene of README.md prints; its check must hold."""
+    scene = re.search(r"```lua\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder, "hello.lua")
+        file.write_text(scene)
+        run(feder, "test", str(file))
+        return "```\n" + run(feder, "run", "--quiet", str(file)).expandtabs(8).strip() + "\n```"
+
+
+@functools.cache
+def plan_nodes(feder):
+    """(depth, name, system) of every pass and loop; a loop has no system, and its iterations per run in its name."""
+    nodes, runs = [], {}
+    for n in json.loads(run(feder, "explain", EVERYTHING, "--json", "--steps", "1"))["plan"]:
+        if n["kind"] == "loop":
+            runs[f"{n['path']}/{n['name']}"] = n["count"]
+            nodes.append((n["path"].count("/"), f"{n['name']} x {n['count'] // runs.get(n['path'], 1)}", None))
+        else:
+            nodes.append((n["path"].count("/"), n["name"], n["system"]))
+    return nodes
+
+
+def tree(feder, _):
+    """Loops and passes; names that repeat side by side stand once."""
+    lines, passes, depth = ["```", "step"], [], 0
+
+    def flush():
+        names = [n.replace(" ", "_") for i, n in enumerate(passes) if i == 0 or n != passes[i - 1]]
+        indent = "  " * (depth + 1)
+        wrapped = textwrap.wrap(", ".join(names), 110, initial_indent=indent, subsequent_indent=indent)
+        lines.extend(line.replace("_", " ") for line in wrapped)  # a name is not torn
+        passes.clear()
+
+    for at, name, system in plan_nodes(feder):
+        if system is None or at != depth:
+            flush()
+            depth = at
+        if system is None:
+            lines.append("  " * (at + 1) + name)
+            depth = at + 1
+        else:
+            passes.append(name)
+    flush()
+    return "\n".join([*lines, "```"])
+
+
+def plan(feder, _):
+    """The same, one pass a line, with its system."""
+    rows = [("  " * (at + 1) + name, system or "") for at, name, system in plan_nodes(feder)]
+    width = max(len(name) for name, _ in rows) + 2
+    return "\n".join(["```", "step", *[f"{name:{width}}{system}".rstrip() for name, system in rows], "```"])
+
+
+def variants(_feder, _folder):
+    """What each module's CMakeLists.txt lists, and the tests that every one of them runs through."""
+    rows = ["| family | variants | contract |", "|---|---|---|"]
+    for path in sorted((ROOT / "runtime").glob("*/CMakeLists.txt")):
+        family, text = path.parent.name, path.read_text()
+        names = re.findall(rf"^feder_(?:variant\({family} |kernel\()(\w+)", text, re.M)
+        names += [f"{a}_{b}" for a, b in re.findall(r"^feder_pair\((\w+) (\w+)\)", text, re.M)]
+        tests = sorted(t.name for t in (ROOT / "tests" / family).glob("test_*contract.cpp"))
+        if names:
+            tests = ", ".join(f"`tests/{family}/{t}`" for t in tests) or f"`tests/{family}`"
+            rows.append(f"| `{family}` | {', '.join(f'`{n}`' for n in names)} | {tests} |")
+    return "\n".join(rows)
+
+
+def scenes(_feder, folder):
+    """The first comment of every scene, and its parameters."""
+    rows = ["| scene | what it shows | `--set` |", "|---|---|---|"]
+    for path in sorted(p for p in (ROOT / "scenes").rglob("*") if p.suffix in (".lua", ".yaml")):
+        text = path.read_text()
+        comment = re.match(r"(?:(?:--|#) .*\n)+", text)[0]
+        words = " ".join(line.lstrip("-# ") for line in comment.splitlines())
+        names = re.findall(r'feder\.param\("(\w+)"', text) + re.findall(r"^  (\w+): \{ value:", text, re.M)
+        name = os.path.relpath(path, folder)
+        rows.append(f"| [{name}]({name}) | {words} | {', '.join(f'`{n}`' for n in names)} |".replace("|  |", "| |"))
+    return "\n".join(rows)
+
+
+def api(_feder, _folder):
+    """Every function that a script sees, from the tables of bindings/lua: signature and what it says of it."""
+    text = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
+    row = re.compile(rf'\{{\s*"\w+",\s*guard<.*?>,\s*{text},\s*{text}\}}', re.S)
+    owners = {}
+
+    def joined(literals):
+        return "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', literals)).replace('\\"', '"')
+
+    for path in sorted((ROOT / "bindings/lua").glob("*.cpp")):
+        for signature, doc in row.findall(path.read_text()):
+            owner = re.search(r"(\w+)[.:]\w", joined(signature))[1]
+            owners.setdefault(OWNERS.get(owner, owner), []).append(f"- `{joined(signature)}`: {joined(doc)}")
+    order = ("feder", "world", "object", "body", "joint", "region", "net", "cloth", "fluid", "emitter", "drain")
+    names = [*order, *sorted(set(owners) - set(order))]
+    return "\n\n".join("\n".join([f"**{name}**", "", *owners[name]]) for name in names)
+
+
+def tolerances(_feder, _folder):
+    """tests/rigid/tolerances.h as a table."""
+    text = (ROOT / "tests/rigid/tolerances.h").read_text()
+    fields = re.findall(r"^  double (\w+);\s*// (.*)$", text, re.M)
+    solvers = re.findall(r'^      \{"(\w*)", (.*)\},$', text, re.M)
+    rows = ["| what | " + " | ".join(f"`{name}`" if name else "others" for name, _ in solvers) + " |",
+            "|---" * (1 + len(solvers)) + "|"]
+    for i, (name, what) in enumerate(fields):
+        rows.append(f"| `{name}`: {what} | " + " | ".join(numbers.split(", ")[i] for _, numbers in solvers) + " |")
+    return "\n".join(rows)
+
+
+# name: function(feder, folder of the document)
 BLOCKS = {
-    "rivals": rivals,
-    "stiff_chain": lambda f: picked(f, "stiff_chain", "stiff_chain.svg", "swinging_chain", "--set", "stiffness=1e8"),
-    "orbit": lambda f: picked(f, "orbit", "orbit.svg", "kepler", "--set", "e=0.9"),
-    "fluids": fluids,
-    "cloths": cloths,
+    "hello": hello, "tree": tree, "rivals": rivals, "plot": lambda f, d: stiff_chain(f, d).split("\n")[0],
+    "plan": plan, "variants": variants, "scenes": scenes, "stiff_chain": stiff_chain, "orbit": orbit, "api": api,
+    "rivals_all": rivals_all, "tolerances": tolerances, "fluids": fluids, "cloths": cloths,
 }
-renewed = set()
+renewing = False
+
+
+def find_blocks():
+    """name -> documents it stands in."""
+    places = {}
+    for document in DOCUMENTS:
+        for name in re.findall(r"<!-- figures: (\w+) -->", (ROOT / document).read_text()):
+            places.setdefault(name, []).append(document)
+    return places
 
 
 def main(arguments):
+    global renewing
+    places = find_blocks()
+    if arguments == ["--list"]:
+        print("\n".join(f"{name}: {', '.join(places.get(name, ['nowhere']))}" for name in BLOCKS))
+        return 0
     words = [a for a in arguments if a != "--renew"]
     names = words[1:] or list(BLOCKS)
     if not words or any(n not in BLOCKS for n in names):
         print(__doc__ + "\nBlocks: " + ", ".join(BLOCKS), file=sys.stderr)
         return 2
-    if "--renew" in arguments:
-        renewed.update(names)
-    feder = str(pathlib.Path(words[0]).resolve())
-    text, bad = README.read_text(), 0
-    for name in names:
-        found = re.search(rf"(<!-- figures: {name} -->\n\n)(.*?)(\n\n<!-- end -->)", text, re.S)
-        if not found:
-            print(f"figures: README.md has no block '{name}'")
-            bad += 1
+    renewing = "--renew" in arguments
+    feder, bad = str(pathlib.Path(words[0]).resolve()), 0
+    for name in sorted({*BLOCKS, *places}):
+        found = places.get(name, [])
+        if len(found) == 1 and name in BLOCKS:
             continue
-        now = BLOCKS[name](feder)
+        bad += 1
+        where = f"stands in {' and '.join(found) or 'no document'}"
+        print(f"figures: {name}: {where if name in BLOCKS else 'no command prints it'}")
+    for name in names:
+        if len(places.get(name, [])) != 1:
+            continue
+        path = ROOT / places[name][0]
+        text = path.read_text()
+        found = re.search(rf"(<!-- figures: {name} -->\n\n)((?:(?!<!-- ).)*?)\n*<!-- end -->", text, re.S)
+        if not found:
+            bad += 1
+            print(f"figures: {name}: its block in {places[name][0]} has no end")
+            continue
+        now = BLOCKS[name](feder, path.parent)
         if now == found[2]:
             print(f"figures: {name}: as printed")
-        elif name in renewed:
-            text = text[:found.start(2)] + now + text[found.end(2):]
+        elif renewing:
+            path.write_text(f"{text[:found.end(1)]}{now}\n\n{text[found.end() - len('<!-- end -->'):]}")
             print(f"figures: {name}: renewed")
         else:
             bad += 1
-            print(f"figures: {name}: README.md says\n{found[2]}\nits commands print\n{now}")
-    if renewed:
-        README.write_text(text)
+            print(f"figures: {name}: {places[name][0]} says\n{found[2]}\nits commands print\n{now}")
     return 1 if bad else 0
 
 

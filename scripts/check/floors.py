@@ -134,6 +134,7 @@ PLANTED = {
     "notes/plan.md": ("notes\n", "not one of the top-level entries"),
 }
 CLEAN = {
+    ".github/CONTRIBUTING.md": "dotfiles may stand at the top\n",
     "runtime/base/types.h": "#include <Eigen/Core>\n#include <cstdint>\n",
     "runtime/world/world.h": '#include "forces/force.h"\n#include "world/desc.h"\n',
     "runtime/broad/registry.cpp": '#include "broad_rows.inc"\n',

@@ -85,7 +85,7 @@ TEST_CASE("vertices on one spot, or triangles without area, give no number that 
 TEST_CASE("shreds that are caught in each other give up their stretch and their motion", "[cloth]") {
   const Real speed = GENERATE(Real(10), Real(30));
   WorldDesc wd;
-  wd.options.set("air_density", 0.0);  // where these shreds get free; others stay jammed, see README, Limits
+  wd.options.set("air_density", 0.0);  // where these shreds get free; others stay jammed, see tests/README.md, Cloth
   wd.sleeping = false;
   World w(wd, kClothOnly);
   Cloth& cloth = w.need<Cloth>();

@@ -96,7 +96,7 @@ TEST_CASE("chains held at both ends carry loads of many times their links", "[ri
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const char* type = GENERATE("hinge", "ball");
   const double slack = GENERATE(0.97, 0.999), ratio = GENERATE(1, 100, 10000);
-  if (solver != std::string("soft_step") && ratio > 1000) return;  // beyond its limit: README, Limits
+  if (solver != std::string("soft_step") && ratio > 1000) return;  // beyond its limit: tests/README.md, Joints
   CAPTURE(solver, type, slack, ratio);
   Bridge b(solver, type, 10, slack, 0.2, 10, 1);
   b.hang(10 * ratio);
