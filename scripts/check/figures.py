@@ -224,16 +224,20 @@ def scenes(_feder, folder):
 def api(_feder, _folder):
     """Every function that a script sees, from the tables of bindings/lua: signature and what it says of it."""
     text = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
-    row = re.compile(rf'\{{\s*"\w+",\s*guard<.*?>,\s*{text},\s*{text}\}}', re.S)
+    row = re.compile(rf'\{{\s*"\w+",\s*guard<.*?>,\s*{text},\s*{text}[,}}]', re.S)
     owners = {}
 
     def joined(literals):
         return "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', literals)).replace('\\"', '"')
 
     for path in sorted((ROOT / "bindings/lua").glob("*.cpp")):
-        for signature, doc in row.findall(path.read_text()):
+        found = row.findall(path.read_text())
+        if len(found) != len(re.findall(r'\{\s*"\w+",\s*guard<[^;]*?>,\s*"', path.read_text())):
+            sys.exit(f"figures: api: a row of {path} is not read")
+        for signature, doc in found:
             owner = re.search(r"(\w+)[.:]\w", joined(signature))[1]
-            owners.setdefault(OWNERS.get(owner, owner), []).append(f"- `{joined(signature)}`: {joined(doc)}")
+            says = re.sub(r";? ?see section \d( of the API)?", "", joined(doc)) or "options above"
+            owners.setdefault(OWNERS.get(owner, owner), []).append(f"- `{joined(signature)}`: {says}")
     order = ("feder", "world", "object", "body", "joint", "region", "net", "cloth", "fluid", "emitter", "drain")
     names = [*order, *sorted(set(owners) - set(order))]
     return "\n\n".join("\n".join([f"**{name}**", "", *owners[name]]) for name in names)
