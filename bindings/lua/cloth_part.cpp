@@ -14,7 +14,7 @@ void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kCl
 
 const Method kWorld[] = {
     {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
-     "a sheet or a triangle mesh; see section 6", cloth_rows},
+     "a sheet or a triangle mesh", cloth_rows},
 };
 const YamlList kYaml[] = {{"cloths", [](lua_State* L, int world) { make_object(L, world, "cloth"); }}};
 

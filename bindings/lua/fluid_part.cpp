@@ -74,7 +74,7 @@ void make_fluid(lua_State* L, int world) {
 
 const Method kWorld[] = {
     {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
-     "particles; see section 6", fluid_rows},
+     "particles of a liquid", fluid_rows},
 };
 const YamlList kYaml[] = {{"fluids", make_fluid}};
 

@@ -44,7 +44,7 @@ int feder_version(lua_State* L) {
 
 const Method kFederFunctions[] = {
     {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world",
-     "a world of a plain script; see section 3", world_rows},
+     "a world of a plain script", world_rows},
     {"scene", guard<feder_scene>,
      "feder.scene{ title =, seconds =, picture =, camera =, world =, build =, update =, check =, study = } -> scene",
      "what a scene file returns", scene_rows},

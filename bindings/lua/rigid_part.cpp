@@ -161,7 +161,7 @@ void make_joint(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "see section 4 of the API", body_rows},
+    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
     {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
      "joins two bodies, or one and the world", joint_rows},
     {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",

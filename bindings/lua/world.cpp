@@ -212,8 +212,7 @@ const Method kWorldMethods[] = {
      "or each = \"-k*x^3\" | { fx, fy, fz } in x y z vx vy vz m t and params = { k = .. }, or each = function(x,y,z, "
      "vx,vy,vz, mass, t) return fx, fy, fz end, asked once per step unless stages = true",
      force_rows},
-    {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection",
-     "fn(event) runs after the step; see section 7"},
+    {"on", guard<world_on>, "world:on(kind, [filter], fn) -> connection", "fn(event) runs after the step"},
     {"events", guard<world_events>, "for e in world:events(kind) do",
      "the last step's events; contact_stay and hit are made from the first call on"},
     {"after", guard<world_after>, "world:after(seconds, fn) -> connection", "once, in simulated time"},

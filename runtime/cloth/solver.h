@@ -1,7 +1,8 @@
 // How the inside of a cloth moves: from forces and elements to displacements in one small step. Knows no contacts.
 // One file per solver, one feder_variant(cloth <solver>) line. Contract, checked for every row by
-// tests/cloth/test_solver_contract.cpp: free fall is exact, momentum is kept, pinned vertices stay, a hanging sheet
-// takes the stretch of its material, no allocation after the first step, the same bits for any thread count.
+// tests/cloth/test_closed_forms.cpp and test_system.cpp: free fall is exact, momentum is kept, pinned vertices stay, a
+// hanging sheet takes the stretch of its material, no allocation after the first step, the same bits for any thread
+// count.
 #pragma once
 #include "base/params.h"
 #include "base/registry.h"

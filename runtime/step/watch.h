@@ -4,7 +4,7 @@
 // A system compares the kinetic energies of its objects before and after each step, as cheaply as it can, and only of
 // those that jumped it finds bounds of work and stored energy and reports a suspect. At the end of the step the world
 // adds what the other systems may have given (System::held, System::drive) and warns, once per object and episode.
-// All bounds are from above: the watchdog would rather be late than cry wolf. tests/world/test_watchdog.cpp.
+// All bounds are from above: the watchdog would rather be late than cry wolf. tests/lua/test_watchdog.cpp.
 #pragma once
 #include "base/arena.h"
 #include "base/assert.h"
