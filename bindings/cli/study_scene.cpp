@@ -112,8 +112,7 @@ MethodPlace find_methods(const std::string& file, lua::Script& script, SceneDesc
     place.world_key = "rigid.solver";
     const auto& systems = world.desc().systems;
     const auto rigid = systems.find("rigid");
-    const std::string first = default_variant(rigid_solvers(), "soft_step");
-    const std::string own = rigid == systems.end() ? first : rigid->second.text({"solver"}, first);
+    const std::string own = rigid_solver(rigid == systems.end() ? Params() : rigid->second).name;
     for (const auto& row : rigid_solvers()) names.push_back(row.name);
     std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
   }

@@ -270,8 +270,8 @@ struct Filter {
   std::uint32_t group = 1, mask = 0xffffffffu;
 };
 
-constexpr Option<Filter> kFilter[] = {field<&Filter::group>("group", "", kBits),
-                                      field<&Filter::mask>("mask", "", kBits)};
+constexpr Option<Filter> kSetFilter[] = {field<&Filter::group>("group", "", kBits),
+                                         field<&Filter::mask>("mask", "", kBits)};
 
 // set_filter{ group =, mask = } or set_filter(group, mask).
 int body_set_filter(lua_State* L) {
@@ -283,7 +283,7 @@ int body_set_filter(lua_State* L) {
   if (lua_type(L, 2) == LUA_TTABLE) {
     Filter filter{static_cast<std::uint32_t>(group), static_cast<std::uint32_t>(mask)};
     Options o(L, 2, function_name(L));
-    o.read(kFilter, filter);
+    o.read(kSetFilter, filter);
     group = filter.group, mask = filter.mask;
   } else {
     group = check_integer(L, 2, std::string(function_name(L)) + ".group", 0, 0xffffffffll);
@@ -352,7 +352,7 @@ const Method kBodyMethods[] = {
     {"set_damping", guard<body_set_damping>, "body:set_damping(linear, [angular]) -> self", "1/s"},
     {"set_gravity_scale", guard<body_set_gravity_scale>, "body:set_gravity_scale(s) -> self", "1: as the world says"},
     {"set_filter", guard<body_set_filter>, "body:set_filter{ group =, mask = } -> self",
-     "32-bit numbers; a pair meets when each group is in the other's mask", [] { return describe_rows(kFilter); }},
+     "32-bit numbers; a pair meets when each group is in the other's mask", [] { return describe_rows(kSetFilter); }},
     {"is_sensor", guard<body_is_sensor>, "body:is_sensor() -> boolean", "does it only notice?"},
     {"set_sensor", guard<body_set_sensor>, "body:set_sensor(on) -> self", "sensors notice and do not push"},
 };

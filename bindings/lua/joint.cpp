@@ -9,7 +9,7 @@ struct JointReading : JointDesc {
   const JointKind* kind = nullptr;
 };
 
-void read_type(Options& o, const OptionRow&, JointReading& j) {
+void read_kind(Options& o, const OptionRow&, JointReading& j) {
   std::string& type = j.type;
   if (!o.text("type", type)) o.wrong("type", "the name of a joint");
   std::vector<std::string> known;
@@ -132,7 +132,7 @@ std::vector<OptionInfo> spring_rows() { return describe_rows(kSpring); }
 std::vector<OptionInfo> motor_rows() { return describe_rows(kMotor); }
 
 constexpr Option<JointReading> kJoint[] = {
-    special("type", "string", read_type),
+    special("type", "string", read_kind),
     field<&JointDesc::name>("name"),
     special("a", "body", read_a),
     special("b", "body", read_b),

@@ -113,9 +113,8 @@ void draw_world_options(Desk& desk) {
     ImGui::SetNextItemWidth(-1);
   };
   if (live.world().find<Rigid>()) {
-    std::string solver = default_variant(rigid_solvers(), "soft_step");
     const auto options = d.systems.find("rigid");
-    if (options != d.systems.end()) solver = options->second.text({"solver"}, solver);
+    const std::string solver = rigid_solver(options == d.systems.end() ? Params() : options->second).name;
     row("solver");
     if (ImGui::BeginCombo("##solver", solver.c_str())) {
       for (const auto& v : rigid_solvers()) {

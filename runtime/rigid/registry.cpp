@@ -6,6 +6,7 @@ namespace feder {
 
 class RigidSolver;
 std::span<const Variant<RigidSolver>> rigid_solvers();
+const Variant<RigidSolver>& rigid_solver(const Params& options);
 
 using Row = Variant<RigidSolver>;
 #include "rigid_declare.inc"
@@ -15,6 +16,10 @@ std::span<const Variant<RigidSolver>> rigid_solvers() {
 #include "rigid_rows.inc"
   };
   return {table.begin(), table.size()};
+}
+
+const Variant<RigidSolver>& rigid_solver(const Params& options) {
+  return variant_option(options, {"solver"}, rigid_solvers(), "soft_step", "rigid solver");
 }
 
 }  // namespace feder

@@ -12,19 +12,17 @@ Rigid::Impl::Impl(SystemSetup& s)
       bodies(s.store.need<Bodies>(kName)), colliders(s.store.need<Colliders>(ContactService::kSystem)),
       contacts(s.store.need<Contacts>(ContactService::kSystem)), movers(s.store.need<Movers>(kName)),
       dimension(s.dimension), structure_changed(s.structure_changed),
-      solver(variant_option(s.options, {"solver"}, rigid_solvers(), "soft_step", "rigid solver")
-                 .make(s.store.arena(kName), s.options)),
-      volume(&s.store.arena(kName)), area(&s.store.arena(kName)), spins(&s.store.arena(kName)),
-      kept_momentum(&s.store.arena(kName)), kept_spin(&s.store.arena(kName)), calm(&s.store.arena(kName)),
-      next_in_island(&s.store.arena(kName)), parent(&s.store.arena(kName)), pace(&s.store.arena(kName)),
-      edited_step(&s.store.arena(kName)), island_before(&s.store.arena(kName)), island_after(&s.store.arena(kName)),
-      island_given(&s.store.arena(kName)), island_mass(&s.store.arena(kName)), island_drive(&s.store.arena(kName)),
-      joints(&s.store.arena(kName)), records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)),
-      rows(&s.store.arena(kName)), blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)),
-      applied_force(&s.store.arena(kName)), applied_torque(&s.store.arena(kName)),
-      angular_momentum(&s.store.arena(kName)), given_spin(&s.store.arena(kName)), jointed(&s.store.arena(kName)),
-      bad(&s.store.arena(kName)), points(&s.store.arena(kName)), point_force(&s.store.arena(kName)),
-      point_place(&s.store.arena(kName)) {
+      solver(rigid_solver(s.options).make(s.store.arena(kName), s.options)), volume(&s.store.arena(kName)),
+      area(&s.store.arena(kName)), spins(&s.store.arena(kName)), kept_momentum(&s.store.arena(kName)),
+      kept_spin(&s.store.arena(kName)), calm(&s.store.arena(kName)), next_in_island(&s.store.arena(kName)),
+      parent(&s.store.arena(kName)), pace(&s.store.arena(kName)), edited_step(&s.store.arena(kName)),
+      island_before(&s.store.arena(kName)), island_after(&s.store.arena(kName)), island_given(&s.store.arena(kName)),
+      island_mass(&s.store.arena(kName)), island_drive(&s.store.arena(kName)), joints(&s.store.arena(kName)),
+      records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)), rows(&s.store.arena(kName)),
+      blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)), applied_force(&s.store.arena(kName)),
+      applied_torque(&s.store.arena(kName)), angular_momentum(&s.store.arena(kName)), given_spin(&s.store.arena(kName)),
+      jointed(&s.store.arena(kName)), bad(&s.store.arena(kName)), points(&s.store.arena(kName)),
+      point_force(&s.store.arena(kName)), point_place(&s.store.arena(kName)) {
   if (movers.solver.empty()) movers.reset();
 }
 

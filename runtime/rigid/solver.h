@@ -52,5 +52,7 @@ class RigidSolver {
 };
 
 std::span<const Variant<RigidSolver>> rigid_solvers();
+// What the options of the system ask for; when they do not, soft_step, or the first of this build.
+const Variant<RigidSolver>& rigid_solver(const Params& options);
 
 }  // namespace feder

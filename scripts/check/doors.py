@@ -21,6 +21,10 @@ WANTED = {"system": 4, "coupling": 1, "shape": 1, "joint": 1, "variant": 1}
 # Words by which a system's files in bindings/ and elsewhere are known to be its own.
 OWN = {"springs": ("springs", "net"), "rigid": ("rigid", "body", "bodies", "joint"), "cloth": ("cloth",),
        "fluid": ("fluid", "emitter"), "collide": ("collide", "contacts"), "contact": ("contact", "surface")}
+# A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
+FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
+          "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
+          "neighbors": "neighbor_searches"}
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
 HASH_COMMENT = re.compile(r"#[^\n]*")
 VARIANT = re.compile(r"^\s*feder_variant\((\w+) (\w+)", re.M)
@@ -49,40 +53,46 @@ def pascal(name):
 
 
 def things():
-    """(kind, name, pattern, is_own) of every thing."""
+    """(kind, name, pattern, is_own, family) of every thing; where family is found its name in quotes is meant."""
     for system, own in OWN.items():
         headers = [h.read_text() for h in (ROOT / f"runtime/{system}").glob("*.h")]
         classes = {c for text in headers for c in SYSTEM.findall(text)}
         pattern = "|".join([rf'"{system}/', rf'"{system}"', rf"\bfeder_{system}\b", rf"FEDER_HAS_{system.upper()}\b"] +
                            [rf"\b{c}\b" for c in sorted(classes)])
         assert classes, system
-        yield "system", system, pattern, lambda p, o=own, s=system: p.startswith(f"runtime/{s}/") or words(p) & set(o)
+        is_own = lambda p, o=own, s=system: p.startswith(f"runtime/{s}/") or words(p) & set(o)
+        yield "system", system, pattern, is_own, None
     for header in sorted((ROOT / "runtime/couple").glob("*.h")):
         for cls, name in COUPLING.findall(header.read_text()):
             pattern = rf'couple/{header.name}"|"{name}"|\b{cls}\b'
-            yield "coupling", name, pattern, lambda p, n=name: p.startswith(f"runtime/couple/{n}")
+            yield "coupling", name, pattern, lambda p, n=name: p.startswith(f"runtime/couple/{n}"), None
     for path in sorted((ROOT / "runtime").glob("*/CMakeLists.txt")):
         folder = path.parent.name
         if folder in ("study", "sph"):  # problems and kernels are made in loops over names
             continue
         for module, name in VARIANT.findall(path.read_text()):
             kind = {"geom": "shape", "constrain": "joint"}.get(module, "variant")
-            pattern = rf'{module}/{name}\.h"|"{name}"|\b{module}_{name}\b'
-            if kind == "shape":
-                pattern += rf"|\bmake_{name}\b|\b{pascal(name)}Shape\b"
-            own = lambda p, f=folder, n=name: p.startswith(f"runtime/{f}/") and (n in p or p.endswith("CMakeLists.txt"))
-            yield kind, f"{module}.{name}", pattern, own
+            pattern = rf'{module}/{name}\.h"|\b{module}_{name}\b'
+            folders, family = (f"runtime/{folder}/",), None
+            if kind == "shape":  # a test of a pair of shapes is a door of its own
+                pattern += rf'|"{name}"|\bmake_{name}\b|\b{pascal(name)}Shape\b'
+                folders += ("runtime/narrow/",)
+            else:
+                family = re.compile(FAMILY[module])
+            own = lambda p, f=folders, n=name: p.startswith(f) and (n in p or p.endswith("CMakeLists.txt"))
+            yield kind, f"{module}.{name}", pattern, own, family
 
 
 def count():
     files = list(sources())
     found = {}
-    for kind, name, pattern, own in things():
-        rule = re.compile(pattern)
+    for kind, name, pattern, own, family in things():
+        rule, quoted = re.compile(pattern), f'"{name.split(".")[-1]}"'
         # a system's name alone is its word where things are listed
         listed = re.compile(rf"{pattern}|\b{name}\b" if kind == "system" else pattern)
         found[f"{kind} {name}"] = [path for path, text in files if not own(path) and
-                                   (listed if path.endswith("CMakeLists.txt") else rule).search(text)]
+                                   ((listed if path.endswith("CMakeLists.txt") else rule).search(text) or
+                                    family and quoted in text and family.search(text))]
     return found
 
 
