@@ -51,7 +51,7 @@ struct Volume {
 
 // box = {min, max}, or shape = with position and rotation; in 2D the shape's section.
 void read_volume(Options& o, const OptionRow&, Volume& v) {
-  if (o.has("points")) return;
+  if (o.given("points")) return;
   box_or_shape(o, v.shape, v.pose.position, v.pose.rotation);
   if (o.planar() && !v.shape->planar()) v.shape = v.shape->section();
 }

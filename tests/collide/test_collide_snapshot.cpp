@@ -41,7 +41,8 @@ std::uint64_t run(FakeWorld& w, int steps) {
     }
     w.step();
     for (const Event& e : w.events.list())
-      h.add(e.kind), h.add(e.a.slot), h.add(e.b.slot), h.add(e.point), h.add(e.impulse);
+      h.bytes(e.kind.text(), std::string_view(e.kind.text()).size()), h.add(e.a.slot), h.add(e.b.slot), h.add(e.point),
+          h.add(e.impulse);
     w.collide->hash(h);
     for (const std::uint32_t slot : w.collide->contacts().active) {
       const Contact& contact = w.collide->contacts().slots[slot];

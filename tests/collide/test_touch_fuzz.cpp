@@ -96,15 +96,12 @@ struct Ledger {
   void read(const FakeWorld& w) {
     for (const Event& e : w.events.list()) {
       const PairOfObjects p{e.a, e.b};
-      switch (e.kind) {
-        case EventKind::contact_begin: paired = paired && touching.insert(p).second, ++begins; break;
-        case EventKind::contact_end: paired = paired && touching.erase(p) == 1, ++ends; break;
-        case EventKind::contact_stay: paired = paired && touching.count(p), ++stays; break;
-        case EventKind::hit: paired = paired && touching.count(p); break;
-        case EventKind::sensor_enter: paired = paired && inside.insert(p).second; break;
-        case EventKind::sensor_leave: paired = paired && inside.erase(p) == 1; break;
-        default: break;
-      }
+      if (e.kind == EventKind::contact_begin) paired = paired && touching.insert(p).second, ++begins;
+      if (e.kind == EventKind::contact_end) paired = paired && touching.erase(p) == 1, ++ends;
+      if (e.kind == EventKind::contact_stay) paired = paired && touching.count(p), ++stays;
+      if (e.kind == EventKind::hit) paired = paired && touching.count(p);
+      if (e.kind == EventKind::sensor_enter) paired = paired && inside.insert(p).second;
+      if (e.kind == EventKind::sensor_leave) paired = paired && inside.erase(p) == 1;
     }
   }
 };
@@ -184,7 +181,8 @@ Outcome history(int threads, const char* broad_phase, int edits, bool check, std
     out.ledger.read(w);
     if (check && i % 4 == 0) compare(w, out.ledger, excluded, out.problem);
     for (const Event& e : w.events.list())
-      h.add(e.kind), h.add(e.a.slot), h.add(e.b.slot), h.add(e.point), h.add(e.normal), h.add(e.impulse), h.add(e.slip);
+      h.bytes(e.kind.text(), std::string_view(e.kind.text()).size()), h.add(e.a.slot), h.add(e.b.slot), h.add(e.point),
+          h.add(e.normal), h.add(e.impulse), h.add(e.slip);
     w.collide->hash(h);
     if (!out.ledger.paired || !out.problem.empty()) break;
   }
