@@ -168,13 +168,6 @@ void read_integrator(Options& o, const OptionRow&, ClothReading& desc) {
   if (o.text("integrator", integrator)) desc.solver_options.set("integrator", integrator);
 }
 
-void read_solver_options(Options& o, const OptionRow&, ClothReading& desc) {
-  if (!o.push("solver_options", LUA_TTABLE, "a table of options")) return;
-  Options inner(o.L(), -1, o.path("solver_options"));
-  inner.rest(desc.solver_options);
-  lua_pop(o.L(), 1);
-}
-
 constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::name>("name"),
     special("vertices", "list of vectors or buffer", read_vertices, "m"),
@@ -203,7 +196,7 @@ constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::stretch_error>("stretch_error", "", kPositive),
     {{.name = "solver"}, "string", read_solver, show_solver, nullptr, names_of<cloth_solvers>},
     special("integrator", "string", read_integrator),
-    {{.name = "solver_options"}, "table", read_solver_options, nullptr, options_of<cloth_solvers>},
+    field<&ClothDesc::solver_options>("solver_options").with(options_of<cloth_solvers>),
     special("pins", "list of vertex numbers or names", read_pins),
     special("color", "color", read_color<ClothReading>),
     later<ClothReading>("tags", kWordsType),

@@ -192,17 +192,16 @@ void compact(lua_State* L, WorldRecord& record) {
 void find_matches(WorldRecord& record, const Event& e, std::uint64_t newest) {
   Subscriptions& subs = record.subscriptions;
   subs.matches.clear();
-  const Subscriptions::PerKind* found_kind = subs.find(e.kind);
-  if (!found_kind) return;
-  const Subscriptions::PerKind& kind = *found_kind;
+  const Subscriptions::PerKind* kind = subs.find(e.kind);
+  if (!kind) return;
   const auto take = [&](const std::vector<Subscription*>& list) {
     for (Subscription* s : list)
       if (s->live && s->id <= newest && match(record, *s, e) != Side::none) subs.matches.push_back(s);
   };
-  take(kind.world);
+  take(kind->world);
   for (ObjectId id : {e.a, e.b}) {
-    if (!id || kind.object.empty()) continue;
-    if (const auto found = kind.object.find(id.slot); found != kind.object.end()) take(found->second);
+    if (!id || kind->object.empty()) continue;
+    if (const auto found = kind->object.find(id.slot); found != kind->object.end()) take(found->second);
     if (e.a == e.b) break;
   }
   std::sort(subs.matches.begin(), subs.matches.end(),

@@ -1,7 +1,10 @@
 // world:fluid{ ... }, and what it is fed and emptied by: fluid:fill{}, fluid:emitter{}, fluid:drain{}.
+#include "fluid/solver.h"
 #include "lua/buffer.h"
 #include "lua/fluid_part.h"
 #include "lua/shapes.h"
+#include "neighbors/neighbor_search.h"
+#include "sph/kernel.h"
 
 namespace feder::lua {
 namespace {
@@ -24,9 +27,9 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::viscosity>("viscosity", "Pa s", kNotNegative),
     {{.name = "kinematic_viscosity", .unit = "m2/s", .range = kNotNegative}, "number", read_kinematic},
     field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
-    field<&FluidDesc::solver>("solver"),
-    field<&FluidDesc::kernel>("kernel"),
-    field<&FluidDesc::neighbors>("neighbors"),
+    field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),
+    field<&FluidDesc::kernel>("kernel").of(names_of<kernels>),
+    field<&FluidDesc::neighbors>("neighbors").of(names_of<neighbor_searches>),
     field<&FluidDesc::support>("support", "", {1.2, 4}).unset(),
     field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),
     field<&FluidDesc::compression>("compression", "", {0, 0.5, true}).unset(),

@@ -180,13 +180,6 @@ void read_integrator(Options& o, const OptionRow&, NetReading& desc) {
 
 std::string show_integrator(const NetReading& desc) { return print_value(desc.integrator); }
 
-void read_integrator_options(Options& o, const OptionRow&, NetReading& desc) {
-  if (!o.push("integrator_options", LUA_TTABLE, "a table of options")) return;
-  Options inner(o.L(), -1, o.path("integrator_options"));
-  inner.rest(desc.integrator_options);
-  lua_pop(o.L(), 1);
-}
-
 constexpr Option<NetReading> kNet[] = {
     field<&NetDesc::name>("name"),
     special("points", "list of vectors or buffer", read_points, "m"),
@@ -201,7 +194,7 @@ constexpr Option<NetReading> kNet[] = {
     {{.name = "springs"}, "list of {i, j, ...}", read_springs, nullptr, spring_rows},
     special("faces", "list of {i, j, k}", read_faces),
     {{.name = "integrator"}, "string", read_integrator, show_integrator, nullptr, names_of<integrators>},
-    {{.name = "integrator_options"}, "table", read_integrator_options, nullptr, options_of<integrators>},
+    field<&NetDesc::integrator_options>("integrator_options").with(options_of<integrators>),
     field<&NetDesc::damping>("damping", "1/s", kNotNegative),
     field<&NetDesc::radius>("radius", "m", kNotNegative),
     field<&NetDesc::friction>("friction", "", kNotNegative),

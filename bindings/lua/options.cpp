@@ -344,6 +344,13 @@ bool Options::words(const char* key, std::vector<std::string>& out) {
   return true;
 }
 
+bool Options::params(const char* key, Params& out) {
+  if (!push(key, LUA_TTABLE, "a table of options")) return false;
+  Options(L_, -1, path(key), planar_).rest(out);
+  lua_pop(L_, 1);
+  return true;
+}
+
 void Options::rest(Params& out) {
   lua_pushnil(L_);
   while (lua_next(L_, index_)) {

@@ -85,15 +85,11 @@ class Options {
     return true;
   }
   bool words(const char* key, std::vector<std::string>& out);  // "a" or {"a", "b"}
-  // As push(), of a key that is known by another's list: a system's, a part's.
-  bool take(const char* key, int type, const char* expected) {
-    know(key);
-    return push(key, type, expected);
-  }
-  void know(const char* key) { known_.push_back(key); }
+  void know(const char* key) { known_.push_back(key); }        // by another's list: a system's, a part's
   // Pushes the value when present and of the Lua type; the caller pops it.
   bool push(const char* key, int type, const char* expected);
-  bool push_any(const char* key);  // pushes a present value
+  bool push_any(const char* key);             // pushes a present value
+  bool params(const char* key, Params& out);  // a table, all of it
   // The remaining keys, which have no row, as Params: numbers, strings, booleans, lists of numbers.
   void rest(Params& out);
 
@@ -129,16 +125,17 @@ template <auto Member>
 struct Field {
   OptionRow row;
   bool shown = true;
-
   std::string (*names)() = nullptr;
+  std::vector<OptionInfo> (*inner)() = nullptr;
 
-  constexpr Field unset() const { return {row, false, names}; }
-  // Of a table of variants: names_of<integrators>.
-  constexpr Field of(std::string (*all)()) const { return {row, shown, all}; }
+  constexpr Field unset() const { return {row, false, names, inner}; }
+  // Of a table of variants: names_of<integrators>, options_of<integrators>.
+  constexpr Field of(std::string (*all)()) const { return {row, shown, all, inner}; }
+  constexpr Field with(std::vector<OptionInfo> (*rows)()) const { return {row, shown, names, rows}; }
   template <class T>
   constexpr operator Option<T>() const {
     using Value = std::remove_reference_t<decltype(std::declval<T&>().*Member)>;
-    Option<T> option{row, "rotation", nullptr, nullptr, nullptr, names};
+    Option<T> option{row, "rotation", nullptr, nullptr, inner, names};
     if constexpr (std::is_same_v<Value, bool>)
       option.type = "boolean", option.read = [](Options& o, const OptionRow& r, T& t) { o.flag(r.name, t.*Member); };
     else if constexpr (std::is_integral_v<Value>)
@@ -149,13 +146,15 @@ struct Field {
       option.read = [](Options& o, const OptionRow& r, T& t) { o.real(r.name, t.*Member, r.range); };
     else if constexpr (std::is_same_v<Value, std::string>)
       option.type = "string", option.read = [](Options& o, const OptionRow& r, T& t) { o.text(r.name, t.*Member); };
+    else if constexpr (std::is_same_v<Value, Params>)
+      option.type = "table", option.read = [](Options& o, const OptionRow& r, T& t) { o.params(r.name, t.*Member); };
     else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
       option.type = kWordsType, option.read = [](Options& o, const OptionRow& r, T& t) { o.words(r.name, t.*Member); };
     else if constexpr (std::is_same_v<Value, Vec3>)
       option.type = "vector", option.read = [](Options& o, const OptionRow& r, T& t) { o.vector(r.name, t.*Member); };
     else
       option.read = [](Options& o, const OptionRow& r, T& t) { o.rotation(r.name, t.*Member); };
-    if constexpr (!std::is_same_v<Value, Quat> && !std::is_same_v<Value, std::vector<std::string>>)
+    if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string> || std::is_same_v<Value, Vec3>)
       if (shown) option.fallback = [](const T& made) { return print_value(made.*Member); };
     return option;
   }
@@ -172,20 +171,6 @@ std::string names_of() {
 template <auto Table>
 std::vector<OptionInfo> options_of() {
   return variant_options(Table());
-}
-
-// One word of several: an enum whose values are their places.
-template <auto Member>
-struct Choice {
-  OptionRow row;
-  template <class T>
-  constexpr operator Option<T>() const {
-    return {row, "string", [](Options& o, const OptionRow& r, T& out) { o.choice(r.name, r.choices, out.*Member); }};
-  }
-};
-template <auto Member>
-constexpr Choice<Member> choice(const char* name, const char* choices) {
-  return {{.name = name, .choices = choices}};
 }
 
 template <auto Member>

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "forces/area.h"
+
 namespace feder::lua {
 namespace {
 
@@ -124,35 +126,20 @@ void read_air_density(Options& o, const OptionRow& row, WorldSettings& w) {
   if (o.number(row.name, air_density, row.range)) w.desc.options.set(row.name, air_density);
 }
 
-// A field of the description of the world: "w.desc" is a member, so rows are read by its own.
-template <auto Member>
-struct WorldField {
-  Field<Member> field;
-  constexpr operator Option<WorldSettings>() const {
-    const Option<WorldDesc> own = field;
-    return {own.row, own.type,
-            [](Options& o, const OptionRow& r, WorldSettings& w) {
-              Option<WorldDesc>(Field<Member>{r}).read(o, r, w.desc);
-            },
-            [](const WorldSettings& w) { return print_value(w.desc.*Member); }};
-  }
+constexpr Option<WorldDesc> kWorldDesc[] = {
+    field<&WorldDesc::gravity>("gravity", "m/s2"),
+    field<&WorldDesc::dt>("dt", "s", {0, 1, true}),
+    field<&WorldDesc::substeps>("substeps", "", {1, 1000}),
+    field<&WorldDesc::seed>("seed", "", {0, 4611686018427387904.0}),
+    field<&WorldDesc::threads>("threads", "", {1, 64}),
+    field<&WorldDesc::dimension>("dimension", "", {2, 3}),
+    field<&WorldDesc::sleeping>("sleeping"),
 };
-template <auto Member>
-constexpr WorldField<Member> world_field(const char* name, const char* unit = "", const Range& range = kAny) {
-  return {field<Member>(name, unit, range)};
-}
 
 constexpr Option<WorldSettings> kWorld[] = {
-    world_field<&WorldDesc::gravity>("gravity", "m/s2"),
-    world_field<&WorldDesc::dt>("dt", "s", {0, 1, true}),
-    world_field<&WorldDesc::substeps>("substeps", "", {1, 1000}),
-    world_field<&WorldDesc::seed>("seed", "", {0, 4611686018427387904.0}),
-    world_field<&WorldDesc::threads>("threads", "", {1, 64}),
-    world_field<&WorldDesc::dimension>("dimension", "", {2, 3}),
-    world_field<&WorldDesc::sleeping>("sleeping"),
     special("broad_phase", "string", read_world_text),
     special("narrow_phase", "string", read_world_text),
-    {{.name = "air_density", .unit = "kg/m3", .range = kNotNegative}, "number", read_air_density},
+    {kAirDensity, "number", read_air_density},
     {{.name = "materials"}, "table", read_materials, nullptr, material_rows},
     {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, material_pair_rows},
 };
@@ -288,18 +275,22 @@ bool friction_option(Options& o, const char* key, Real& fixed, Real& dynamic) {
 }
 
 std::vector<OptionInfo> friction_rows() { return describe_rows(kFriction); }
-std::vector<OptionInfo> world_rows() { return describe_rows(kWorld); }
+std::vector<OptionInfo> world_rows() {
+  std::vector<OptionInfo> all = describe_rows(kWorldDesc), more = describe_rows(kWorld);
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
 
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {
   State& s = state(L);
   WorldSettings w;
   Options o(L, index, owner, true);
+  o.read_some(kWorldDesc, w.desc);
   o.read_some(kWorld, w);
   for (const SystemDescriptor* d : s.options.systems) {
-    if (!d->joins.empty() || !o.take(d->name, LUA_TTABLE, "a table of options")) continue;
-    Options inner(L, -1, o.path(d->name), true);
-    inner.rest(w.desc.systems[d->name]);
-    lua_pop(L, 1);
+    if (!d->joins.empty()) continue;
+    o.know(d->name);
+    if (o.has(d->name)) o.params(d->name, w.desc.systems[d->name]);
   }
   o.finish();
   if (overrides && s.options.has_seed) w.desc.seed = s.options.seed;

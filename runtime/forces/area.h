@@ -17,7 +17,8 @@ constexpr Real kSkin = Real(0.02);
 constexpr Real kMostOfMass = Real(0.35);
 
 // kg/m^3: what a world says of its air.
-inline Real still_air_density(const Params& world) { return world.real({"air_density", "kg/m3", {0, 1e6}}, 1.2); }
+inline constexpr OptionRow kAirDensity{"air_density", "kg/m3", {0, 1e6}};
+inline Real still_air_density(const Params& world) { return world.real(kAirDensity, 1.2); }
 
 struct AreaShares {
   Real drag = 1, lift = 1;

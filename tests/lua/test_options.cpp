@@ -90,7 +90,7 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
       {"feder.world{ broad_phase = 'treee' }", "unknown broad phase 'treee'; known: "},
       {"feder.world{ dimension = 4 }", "test.lua:1: feder.world.dimension: expected a whole number from 2 to 3, got 4"},
       {"feder.world{ air_density = -1 }",
-       "test.lua:1: feder.world.air_density: expected a number of at least 0, got -1"},
+       "test.lua:1: feder.world.air_density: expected a number from 0 to 1000000, got -1"},
       {"world:cloth{ size = {1, 1}, max_strain = true }",
        "test.lua:1: world:cloth.max_strain: expected a number above 0 or false, got true"},
       {"world:cloth{ size = {1, 1}, max_strain = 0 }",
