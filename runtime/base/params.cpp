@@ -87,7 +87,8 @@ Vec3 Params::vector(const OptionRow& row, const Vec3& fallback) const {
 
 std::vector<std::pair<std::string, double>> Params::others(std::span<const OptionRow> rows) const {
   std::vector<std::pair<std::string, double>> out;
-  for (const auto& [name, value] : values_) {
+  for (const auto& entry : values_) {
+    const std::string& name = entry.first;
     if (std::any_of(rows.begin(), rows.end(), [&](const OptionRow& row) { return name == row.name; })) continue;
     out.emplace_back(name, number({name.c_str()}, 0));
     asked_.find(name)->second.row.name = "";
