@@ -60,11 +60,8 @@ JobPool::JobPool(const JobHost& host)
       host_(host), idle_(threads_ - 1) {}
 
 JobPool::~JobPool() {
-  {
-    std::lock_guard lock(mutex_);
-    stop_.store(true);
-  }
-  wake_workers_.notify_all();
+  stop_.store(true);
+  for (std::size_t i = 0; i < workers_.size(); ++i) calls_.post();
   for (std::thread& t : workers_) t.join();
 }
 
@@ -122,31 +119,28 @@ void JobPool::next_stage() {
     return;
   }
   finished_.store(true);
-  if (!caller_asleep_.load()) return;
-  std::lock_guard lock(mutex_);
-  wake_caller_.notify_one();
+  wake_caller();
+}
+
+void JobPool::wake_caller() {
+  if (caller_asleep_.exchange(false)) news_.post();
 }
 
 // So many as are wanted and not awake yet. Who goes to sleep counts itself idle before it looks at the epoch a last
 // time, so either it is counted here or it sees the new epoch.
 void JobPool::wake(int wanted) {
-  if (caller_asleep_.load()) {
-    std::lock_guard lock(mutex_);
-    wake_caller_.notify_one();
-  }
-  const int missing = wanted - (threads_ - 1 - idle_.load());
-  if (missing <= 0) return;
+  wake_caller();
+  if (workers_.empty() && !host_.call) return;
+  int idle = idle_.load(), called;
+  do {
+    called = std::min(wanted - (threads_ - 1 - idle), idle);
+    if (called <= 0) return;
+  } while (!host_.call && !idle_.compare_exchange_weak(idle, idle - called));
   if (host_.call) {
-    host_.call(host_.user, missing);
+    host_.call(host_.user, called);
     return;
   }
-  if (workers_.empty()) return;
-  std::lock_guard lock(mutex_);
-  const int called = std::min(missing, idle_.load());
-  if (called <= 0) return;
-  idle_.fetch_sub(called);
-  calls_ += called;
-  for (int i = 0; i < called; ++i) wake_workers_.notify_one();
+  for (int i = 0; i < called; ++i) calls_.post();
 }
 
 void JobPool::run_stages(std::span<const Stage> stages) {
@@ -174,30 +168,28 @@ void JobPool::sleep_caller(std::uint64_t epoch) {
   const auto ready = [&] { return finished_.load() || epoch_.load() != epoch; };
   if (spin(kCallerSpins, ready)) return;
   caller_asleep_.store(true);
-  {
-    std::unique_lock lock(mutex_);
-    wake_caller_.wait(lock, ready);
-  }
-  caller_asleep_.store(false);
+  if (!ready() || !caller_asleep_.exchange(false)) news_.wait();  // who is called must hear it
 }
 
 void JobPool::work(int worker) {
   for (;;) {
     const std::uint64_t epoch = epoch_.load();
     if (take_blocks(epoch, worker)) continue;
-    const auto news = [&] { return epoch_.load(std::memory_order_acquire) != epoch || stop_.load(); };
+    const auto news = [&] { return epoch_.load() != epoch || stop_.load(); };
     if (!spin(kWorkerSpins, news)) {
-      std::unique_lock lock(mutex_);
       idle_.fetch_add(1);
-      if (epoch_.load() != epoch) {
-        idle_.fetch_sub(1);
-        continue;
-      }
-      wake_workers_.wait(lock, [&] { return calls_ > 0 || stop_.load(); });
-      if (calls_ > 0) --calls_;
+      if (!news() || !withdraw()) calls_.wait();
     }
     if (stop_.load()) return;
   }
+}
+
+// From the idle; false when all of them were called, this one too.
+bool JobPool::withdraw() {
+  int idle = idle_.load();
+  while (idle > 0)
+    if (idle_.compare_exchange_weak(idle, idle - 1)) return true;
+  return false;
 }
 
 bool JobPool::help(int worker) {

@@ -9,13 +9,12 @@
 //  - no allocation, and not re-entrant: a body starts no loop of the same pool.
 #pragma once
 #include <atomic>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <thread>
 #include <vector>
 
+#include "base/semaphore.h"
 #include "base/types.h"
 
 namespace feder {
@@ -109,10 +108,12 @@ class JobPool {
   static constexpr std::uint64_t kLeftMask = (std::uint64_t(1) << kLeftBits) - 1;
 
   void work(int worker);
+  bool withdraw();
   bool take_blocks(std::uint64_t epoch, int worker);
   void open(const Stage& stage);
   void next_stage();
   void wake(int wanted);
+  void wake_caller();
   void sleep_caller(std::uint64_t epoch);
 
   // the stage that is open; atomic because a worker that comes late may read while the next is written
@@ -133,11 +134,9 @@ class JobPool {
   int threads_ = 1;
   JobHost host_;
   std::vector<std::thread> workers_;
-  std::mutex mutex_;
-  std::condition_variable wake_workers_, wake_caller_;
+  Semaphore calls_, news_;    // for workers; for the caller
   std::atomic<int> idle_{0};  // workers that sleep and were not called yet; of a host: those not in help()
-  int calls_ = 0;             // workers called that have not woken yet; guarded by the mutex
-  std::atomic<bool> caller_asleep_{false};
+  std::atomic<bool> caller_asleep_{false};  // and was not called yet
   std::atomic<bool> stop_{false};
 };
 
