@@ -30,6 +30,7 @@ NEIGHBORS = {
 EIGEN = {"base/types.h": {"Eigen/Core"}}
 EIGEN_LINEAR = {"Eigen/Core", "Eigen/Sparse", "Eigen/SVD", "Eigen/Eigenvalues", "Eigen/Cholesky"}
 INTRINSICS = {"immintrin.h", "xmmintrin.h", "emmintrin.h"}  # floating-point control words and base/simd.h
+SYSTEM = {"base/semaphore.h": {"semaphore.h"}}  # POSIX; elsewhere the file takes the standard one
 # The runtime draws nothing, prints nothing and opens no files.
 BANNED_STANDARD = {"iostream", "fstream", "ostream", "istream", "filesystem", "regex", "iomanip", "print"}
 STANDARD = set("""
@@ -77,6 +78,8 @@ def runtime_rule(path, module, bracket, name):
     if name in BANNED_STANDARD:
         return f"<{name}>: the runtime draws, prints and reads nothing"
     if bracket == "<" and (name in STANDARD or name in INTRINSICS):
+        return None
+    if name in SYSTEM.get("/".join(path.parts[1:]), set()):
         return None
     if bracket == '"' and "/" not in name and name.endswith(".inc") and name.startswith(module):
         return None  # generated table of the module
