@@ -7,7 +7,6 @@
 #include "cli/command.h"
 #include "cli/session.h"
 #include "cli/summary.h"
-#include "lua/advice.h"
 #include "report/table.h"
 
 namespace feder::cli {
@@ -60,27 +59,18 @@ class Explain final : public Command {
     return rows;
   }
 
-  static report::Json advice_json(World& world) {
+  static report::Json advice_json(Session& session) {
     report::Json rows = report::Json::array();
-    for (const lua::AdviceRow& r : lua::advise(world)) {
-      const NetAdvice& a = r.numbers;
-      // JSON has no infinity: null is no limit
-      const report::Json limit =
-          std::isinf(a.method.stability_limit) ? report::Json() : report::Json(a.method.stability_limit);
-      rows.push_back({{"object", r.object},
-                      {"verdict", r.verdict},
-                      {"text", r.text},
-                      {"method", a.integrator},
-                      {"limit", limit},
-                      {"h", a.h},
-                      {"hw", a.reach},
-                      {"frequency", a.frequency},
-                      {"decay", a.decay},
-                      {"substeps", r.substeps},
-                      {"integrator", r.integrator},
-                      {"error", a.error},
-                      {"error_class", r.error_class},
-                      {"resolved_hertz", a.resolved / (2 * 3.14159265358979)}});
+    const auto json = [](const auto& value) -> report::Json {
+      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
+        if (std::isinf(value)) return nullptr;  // JSON has no infinity: null is no limit
+      return value;
+    };
+    for (const lua::Advice& a : session.script().advice()) {
+      report::Json& row = rows.emplace_back(report::Json::object());
+      row["object"] = session.world()->objects().describe(a.object);
+      row["text"] = a.text;
+      for (const auto& [name, fact] : a.facts) row[name] = std::visit(json, fact);
     }
     return rows;
   }
@@ -110,7 +100,7 @@ class Explain final : public Command {
             {"steps", steps},           {"systems", systems},
             {"absent", world.absent()}, {"plan", plan},
             {"memory", memory},         {"bytes", world.bytes()},
-            {"handlers", handlers},     {"advice", advice_json(world)}};
+            {"handlers", handlers},     {"advice", advice_json(session)}};
   }
 
   static std::string text(Session& session, std::uint64_t steps) {
@@ -125,8 +115,9 @@ class Explain final : public Command {
     std::string out = session.title() + "\n\n" + systems.text("  ") + "\n";
     if (!absent.empty()) out += absent.text("  ") + "\n";
     out += memory.text("  ") + "\n";
-    for (const lua::AdviceRow& r : lua::advise(world)) out += "  " + r.text + "\n";
-    if (world.find<Springs>()) out += "\n";
+    const std::vector<lua::Advice> advice = session.script().advice();
+    for (const lua::Advice& a : advice) out += "  " + a.text + "\n";
+    if (!advice.empty()) out += "\n";
     const int substeps = world.desc().substeps;
     out += fmt::format("one step, {} substep{}, mean of {}:\n\n", substeps, substeps == 1 ? "" : "s", steps);
     return out + profile_text(session, steps);

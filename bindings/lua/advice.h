@@ -1,26 +1,31 @@
-// What feder.advise and `feder explain` say about a world before it runs: one row per net.
+// What systems say about their objects before a world runs: feder.advise, `feder explain`.
 #pragma once
+#include <cstdint>
+#include <span>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "lua/state.h"
-#include "springs/springs.h"
-#include "world/world.h"
+#include "state/objects.h"
 
+struct lua_State;
+
+namespace feder {
+class World;
+}
 namespace feder::lua {
 
-struct AdviceRow {
-  NetAdvice numbers;
-  std::string object;        // "net 'rope'"
-  const char* verdict = "";  // "stable", "unstable", "never stable"
-  int substeps = 0;          // suggested; 0: those there are do
-  std::string integrator;    // suggested
-  std::string error_class;   // "1e-2": the decade above the error of the fastest mode per period; "exact", "tolerance"
-  std::string text;          // all of it in a sentence
+struct Part;
+
+struct Advice {
+  using Fact = std::variant<std::int64_t, double, std::string>;  // a number may be infinite
+  ObjectId object;
+  std::string text;  // a sentence that names it
+  std::vector<std::pair<const char*, Fact>> facts;
 };
 
-std::vector<AdviceRow> advise(World& world);
-
+std::vector<Advice> advise(std::span<const Part* const> parts, World& world);
 int feder_advise(lua_State* L);
 
 }  // namespace feder::lua

@@ -1,5 +1,6 @@
 // world:fluid{ ... }, and what it is fed and emptied by: fluid:fill{}, fluid:emitter{}, fluid:drain{}.
 #include "fluid/solver.h"
+#include "lua/box_option.h"
 #include "lua/buffer.h"
 #include "lua/fluid_part.h"
 #include "lua/shapes.h"

@@ -181,6 +181,11 @@ std::vector<HandlerProfile> Script::handler_profile() const {
   return used;
 }
 
+std::vector<Advice> Script::advice() {
+  World* const w = world();
+  return w ? advise(impl_->state.options.parts, *w) : std::vector<Advice>();
+}
+
 const std::vector<PlotSeries>& Script::plots() const { return impl_->state.plots; }
 const std::vector<std::filesystem::path>& Script::files() const { return impl_->state.files; }
 

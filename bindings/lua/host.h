@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lua/advice.h"
 #include "lua/look.h"
 #include "world/catalog.h"
 #include "world/world.h"
@@ -168,6 +169,8 @@ class Script {
   const std::vector<HandlerError>& handler_errors() const;
   std::vector<HandlerProfile> handler_profile() const;
 
+  // What feder.advise says of the world; empty without one.
+  std::vector<Advice> advice();
   const std::vector<PlotSeries>& plots() const;
   // Files read so far, in the order they were first read: the scene, what it requires and loads. Complete after an
   // error too, the file with the mistake included.

@@ -1,4 +1,5 @@
 // The module "feder", the classes without a world, and the list of all functions.
+#include "lua/advice.h"
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
@@ -59,6 +60,9 @@ const Method kFederFunctions[] = {
      "in a task: until fn() is true, asked after each step"},
     {"wait_for", guard<feder_wait_for>, "feder.wait_for(kind, [filter]) -> table",
      "in a task: until such an event, which it returns as a copy"},
+    {"advise", guard<feder_advise>, "feder.advise(world) -> {{ object =, text =, ... }, ...}",
+     "what systems say before a run; per net: verdict, method, limit, h, hw, frequency, decay, substeps, integrator, "
+     "error, error_class, resolved_hertz: is the step stable, how large are its errors, what would do"},
     {"plot", guard<feder_plot>, "feder.plot(name, value)", "a value over simulated time; the viewer draws it"},
     {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
 };

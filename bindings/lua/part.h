@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lua/advice.h"
 #include "lua/force.h"
 #include "lua/state.h"
 
@@ -32,14 +33,15 @@ struct YamlList {
 };
 
 struct Part {
-  const char* name;                      // of its module
-  std::span<const Method> functions;     // of feder
-  std::span<const Method> world;         // methods of worlds: makers, queries
-  std::span<const ObjectClass> classes;  // of what they make
-  std::span<const YamlList> yaml;
+  const char* name;                           // of its module
+  std::span<const Method> functions = {};     // of feder
+  std::span<const Method> world = {};         // methods of worlds: makers, queries
+  std::span<const ObjectClass> classes = {};  // of what they make
+  std::span<const YamlList> yaml = {};
   void (*gravity_changed)(World& world) = nullptr;   // by a script
   void (*apply_forces)(ForceRun& forces) = nullptr;  // before a step: those of scripts
   void (*clear_forces)(World& world) = nullptr;      // a force of scripts has gone
+  std::vector<Advice> (*advise)(World& world) = nullptr;
 };
 
 }  // namespace feder::lua

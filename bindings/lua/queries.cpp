@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lua/box_option.h"
 #include "lua/rigid_part.h"
 #include "lua/shapes.h"
 

@@ -1,4 +1,5 @@
 // world:region{ ... }: a static sensor that reports what enters and leaves.
+#include "lua/box_option.h"
 #include "lua/rigid_part.h"
 #include "lua/shapes.h"
 

@@ -15,12 +15,4 @@ std::span<const Method> shape_functions();  // of the module feder
 std::span<const Method> shape_methods();
 void open_shapes(lua_State* L);
 
-// box = {min, max}, or shape = with position; and rotation. A mistake when there is neither or both.
-void box_or_shape(Options& o, ShapePtr& shape, Vec3& position, Quat& rotation);
-bool has_volume(Options& o);  // is one of these given?
-template <class T>
-constexpr Option<T> box_row(void (*read)(Options&, const OptionRow&, T&)) {
-  return special("box", "{min, max}", read, "m");
-}
-
 }  // namespace feder::lua

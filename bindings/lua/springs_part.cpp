@@ -1,6 +1,5 @@
 #include "lua/springs_part.h"
 
-#include "lua/advice.h"
 #include "lua/yaml_scene.h"
 
 namespace feder::lua {
@@ -15,12 +14,6 @@ std::size_t point_count(WorldRecord& record, ObjectId id) { return record.world-
 
 void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kNetKind, &Springs::point_count); }
 
-const Method kFunctions[] = {
-    {"advise", guard<feder_advise>,
-     "feder.advise(world) -> {{ object =, text =, verdict =, method =, limit =, h =, hw =, substeps =, integrator =, "
-     "error_class =, resolved_hertz =, ... }, ...}",
-     "per net: is the step stable, how large are its errors, what would do"},
-};
 const Method kWorld[] = {
     {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
 };
@@ -36,12 +29,12 @@ const Part& springs_part() {
                                          .takes_forces = true,
                                          .point_count = &point_count}};
   static const Part part = {.name = "springs",
-                            .functions = kFunctions,
                             .world = kWorld,
                             .classes = classes,
                             .yaml = kYaml,
                             .apply_forces = &apply_forces,
-                            .clear_forces = &clear_script_forces<Springs>};
+                            .clear_forces = &clear_script_forces<Springs>,
+                            .advise = &advise_nets};
   return part;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "forces/area.h"
+#include "step/contact_service.h"
 
 namespace feder::lua {
 namespace {
@@ -239,7 +240,7 @@ void try_options(Catalog systems, const WorldSettings& w) {
   const bool collide = desc.options.has("broad_phase") || desc.options.has("narrow_phase");
   if (desc.systems.empty() && !collide) return;
   World probe(desc, systems);
-  if (collide) probe.need_system("collide");
+  if (collide) probe.need_system(ContactService::kSystem);
   for (const auto& [name, options] : desc.systems) {
     try {
       probe.need_system(name);

@@ -158,61 +158,83 @@ void copy_places(lua_State* L, int from, int to) {
   lua_pop(L, 1);
 }
 
+// An error at `table` when no shape has the name.
+const ShapeKind& shape_kind_of(lua_State* L, int table, const std::string& name) {
+  std::vector<std::string> known;
+  for (const ShapeKind& kind : shape_kinds()) {
+    if (name == kind.name) return kind;
+    known.emplace_back(kind.name);
+  }
+  const std::string near = nearest_name(name, known);
+  fail_in(L, table,
+          name.empty() ? "shape: expected one of " + join(known)
+                       : "shape: unknown shape '" + name + "'" +
+                             (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+}
+
+// Is a list behind the shape's name its one argument, and not the list of them?
+bool takes_one_list(const ShapeKind& kind) {
+  const auto needed = [](const ShapeArgument& a) { return std::isnan(a.fallback); };
+  return kind.arguments[0].type >= ShapeArgumentType::points && std::ranges::count_if(kind.arguments, needed) == 1;
+}
+
+// Pushes the first n values of the list on the stack in its place.
+int spread(lua_State* L, int n) {
+  const int list = lua_gettop(L);
+  luaL_checkstack(L, n + 10, "shape");
+  for (int i = 1; i <= n; ++i) lua_rawgeti(L, list, i);
+  lua_remove(L, list);
+  return n;
+}
+
+// Pushes what { type =, radius = ... } says of the arguments, by their names; size = {w, h, d} for three sizes.
+int push_named_arguments(lua_State* L, int table, const ShapeKind& kind) {
+  int count = 0;
+  if (lua_getfield(L, table, "size") == LUA_TTABLE)
+    count = spread(L, static_cast<int>(std::min<lua_Unsigned>(lua_rawlen(L, -1), kind.arguments.size())));
+  else
+    lua_pop(L, 1);
+  for (std::size_t k = static_cast<std::size_t>(count); k < kind.arguments.size(); ++k, ++count)
+    lua_getfield(L, table, kind.arguments[k].name);
+  for (; count > 0 && lua_isnil(L, -1); --count) lua_pop(L, 1);
+  return count;
+}
+
+// "plane", { box = {1, 1, 1} } or { type = "box", size = {1, 1, 1} } on the stack becomes the shape.
 void make_shape(lua_State* L) {
-  if (lua_type(L, -1) == LUA_TSTRING) {  // shape: plane
+  if (lua_type(L, -1) == LUA_TSTRING) {
     lua_newtable(L);
     lua_insert(L, -2);
     lua_setfield(L, -2, "type");
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;  // the body's own reader complains
   const int table = lua_gettop(L);
-  std::string kind;
-  lua_getfield(L, table, "type");
-  if (lua_type(L, -1) == LUA_TSTRING) kind = lua_tostring(L, -1);
-  lua_pop(L, 1);
-  std::vector<std::string> known;
-  for (const Method& m : shape_functions()) known.emplace_back(m.name);
-  int arguments = 0;
-  if (kind.empty()) {
-    lua_pushnil(L);
-    if (!lua_next(L, table) || lua_type(L, -2) != LUA_TSTRING)
-      fail_in(L, table, "shape: expected one of " + join(known));
-    kind = lua_tostring(L, -2);
-    lua_remove(L, -2);
-    if (lua_type(L, -1) == LUA_TTABLE && kind != "hull" && kind != "polygon" && kind != "compound") {
-      const int list = lua_gettop(L);
-      arguments = static_cast<int>(lua_rawlen(L, list));
-      luaL_checkstack(L, arguments + 10, "shape");
-      for (int i = 1; i <= arguments; ++i) lua_rawgeti(L, list, i);
-      lua_remove(L, list);
-    } else {
-      arguments = 1;
-    }
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+  lua_getfield(L, -1, "feder");
+  lua_remove(L, -2);
+  const bool typed = lua_getfield(L, table, "type") == LUA_TSTRING;
+  std::string name;
+  if (typed) {
+    name = lua_tostring(L, -1);
   } else {
-    for (const char* key :
-         {"size", "points", "normal", "vertices", "radius", "height", "distance", "triangles", "parts"}) {
-      lua_getfield(L, table, key);
-      const bool spread = std::string_view(key) == "size" && lua_type(L, -1) == LUA_TTABLE;
-      if (lua_isnil(L, -1)) {
-        lua_pop(L, 1);
-        continue;
-      }
-      ++arguments;
-      if (!spread) continue;
-      const int list = lua_gettop(L);
-      --arguments;
-      for (int i = 1; i <= 3; ++i) {
-        lua_rawgeti(L, list, i);
-        if (lua_isnil(L, -1))
-          lua_pop(L, 1);
-        else
-          ++arguments;
-      }
-      lua_remove(L, list);
-    }
+    lua_pop(L, 1), lua_pushnil(L);
+    if (lua_next(L, table) && lua_type(L, -2) == LUA_TSTRING) name = lua_tostring(L, -2);
   }
-  // parts of a compound are shapes themselves
-  if (kind == "compound" && lua_type(L, -1) == LUA_TTABLE) {
+  const ShapeKind& kind = shape_kind_of(L, table, name);
+  const int maker = table + 1;
+  lua_getfield(L, maker, kind.name);
+  lua_replace(L, maker);
+  int arguments = 1;
+  if (typed) {
+    lua_settop(L, maker);
+    arguments = push_named_arguments(L, table, kind);
+  } else {
+    lua_remove(L, maker + 1);  // the key
+    if (lua_type(L, -1) == LUA_TTABLE && !takes_one_list(kind))
+      arguments = spread(L, static_cast<int>(std::min<lua_Unsigned>(lua_rawlen(L, -1), 100)));
+  }
+  // parts are shapes themselves
+  if (kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE) {
     const int parts = lua_gettop(L);
     for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, parts)); ++i) {
       if (lua_rawgeti(L, parts, i) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
@@ -222,21 +244,6 @@ void make_shape(lua_State* L) {
       lua_settop(L, parts);
     }
   }
-  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
-  lua_getfield(L, -1, "feder");
-  lua_remove(L, -2);
-  lua_pushstring(L, kind.c_str());
-  lua_rawget(L, -2);
-  bool is_shape = false;
-  for (const std::string& name : known) is_shape = is_shape || name == kind;
-  if (!is_shape) {
-    const std::string near = nearest_name(kind, known);
-    fail_in(L, table,
-            "shape: unknown shape '" + kind + "'" +
-                (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
-  }
-  lua_remove(L, -2);
-  lua_insert(L, table + 1);
   lua_call(L, arguments, 1);
   lua_replace(L, table);
   lua_settop(L, table);

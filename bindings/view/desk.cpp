@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "springs/springs.h"
-
 namespace feder::view {
 
 void Console::add(ConsoleLine::Kind kind, const std::string& text) {
@@ -43,8 +41,8 @@ bool Desk::has_selection() {
     if (!live.in_past()) select({});
     return false;
   }
-  if (selected->point != kNone && w.objects().kind(selected->object) == kNetKind &&
-      selected->point >= w.find<Springs>()->point_count(selected->object))
+  const ObjectView* view = view_of(w, selected->object);
+  if (selected->point != kNone && !(view && view->has_point(w, selected->object, selected->point)))
     selected->point = kNone;
   return true;
 }

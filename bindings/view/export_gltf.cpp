@@ -12,6 +12,7 @@
 #include "view/export.h"
 #include "view/palette.h"
 #include "view/solids.h"
+#include "view/tessellate.h"
 
 namespace feder::view {
 namespace {

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "collide/collide.h"
-#include "geom/plane.h"
 #include "rigid/rigid.h"
 #include "view/collector.h"
 
@@ -112,13 +111,14 @@ class RigidSource final : public FrameSource {
   }
 
   static void add_ground(Collecting& c, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
-    const auto* plane = dynamic_cast<const Plane*>(colliders.shape[k]);
-    if (!plane) return;
+    Vec3 normal;
+    Real distance;
+    if (!colliders.shape[k]->half_space(normal, distance)) return;
     const Pose pose = bodies.com_pose(colliders.owner_index[k]) * colliders.local[k];
-    const Vec3 n = rotate(pose.rotation, plane->normal());
+    const Vec3 n = rotate(pose.rotation, normal);
     Ground g;
     put(g.normal, n);
-    g.distance = static_cast<float>(plane->distance() + dot(n, pose.position));
+    g.distance = static_cast<float>(distance + dot(n, pose.position));
     const auto own = c.look.colors.find(colliders.object[k]);
     g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0xc2c1bd);
     g.object = colliders.object[k];

@@ -44,26 +44,16 @@ class GeometryCache {
     ShapePtr shape;
     Fitted fitted;
   };
-  std::uint32_t shared(const char* kind, Geometry (*unit)());
+  std::uint32_t keep(Geometry geometry);
+  std::uint32_t shared(Geometry (*unit)());
   Fitted make(const Shape& shape);
 
   std::vector<std::shared_ptr<const Geometry>> geometries_;
   std::unordered_map<const Shape*, Entry> entries_;
-  std::vector<std::pair<const char*, std::uint32_t>> shared_;
+  std::vector<std::pair<Geometry (*)(), std::uint32_t>> shared_;
 };
 
 // Depth that circles and polygons of 2D worlds are drawn with, m.
 inline constexpr float kPrismDepth = 0.4f;
-
-// Tessellations: unit geometry for scaled kinds, real sizes for the others.
-Geometry unit_box();       // corners at +-1/2
-Geometry unit_ball();      // radius 1; the equator doubled, so that a stretch makes it a capsule
-Geometry unit_cylinder();  // radius 1, y from -1/2 to 1/2
-Geometry unit_cone();      // base radius 1 at y = -1/2, tip at 1/2
-Geometry unit_disc();      // 2D circle of radius 1 as a prism of depth 1
-Geometry tessellate_hull(const Shape& shape);
-Geometry tessellate_mesh(const Shape& shape);
-Geometry tessellate_polygon(const Shape& shape);
-Geometry tessellate_convex(const Shape& shape);  // any convex shape, by its support function
 
 }  // namespace feder::view

@@ -2,3 +2,4 @@
 feder_module(live ROOT ${PROJECT_SOURCE_DIR}/bindings
   SOURCES live_scene.cpp scene_run.cpp kept_state.cpp history.cpp file_watch.cpp hand.cpp
   NEEDS lua)
+feder_view_files(live hand)

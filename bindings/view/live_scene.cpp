@@ -134,7 +134,7 @@ void LiveScene::one_step() {
   const double began = wall_seconds();
   try {
     if (grip_ && alive(world(), *grip_))
-      run_->act(pull_command(world(), *grip_));
+      run_->act(view_of(world(), grip_->object)->pull(world(), *grip_));
     else
       grip_.reset();
     run_->step();
@@ -338,7 +338,7 @@ void LiveScene::hold(const Grip& grip) {
     give_up_future();
     return;
   }
-  perform(take_command(grip), "grip");
+  perform(view_of(world(), grip.object)->take(grip), "grip");
   grip_ = grip;
 }
 
@@ -346,7 +346,8 @@ void LiveScene::let_go(bool pin) {
   if (!grip_) return;
   const Grip grip = *grip_;
   grip_.reset();
-  if (run_ && !in_past() && alive(world(), grip)) perform(release_command(world(), grip, pin), pin ? "pin" : "let go");
+  if (run_ && !in_past() && alive(world(), grip))
+    perform(view_of(world(), grip.object)->release(world(), grip, pin), pin ? "pin" : "let go");
 }
 
 void LiveScene::set_param(const std::string& name, const std::string& value) {

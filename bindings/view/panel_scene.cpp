@@ -6,9 +6,8 @@
 #include <cstring>
 #include <string_view>
 
-#include "rigid/rigid.h"
-#include "rigid/solver.h"
 #include "view/desk.h"
+#include "view/fields.h"
 #include "view/theme.h"
 
 namespace feder::view {
@@ -102,32 +101,26 @@ void param_row(Desk& desk, const lua::ParamInfo& p) {
   ImGui::PopID();
 }
 
+}  // namespace
+
+void option_label(const char* name) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextDisabled("%s", name);
+  ImGui::SameLine(86);
+  ImGui::SetNextItemWidth(-1);
+}
+
+namespace {
+
 void draw_world_options(Desk& desk) {
   LiveScene& live = desk.live;
   const WorldDesc& d = live.world().desc();
-  const float label = 86;
-  const auto row = [&](const char* name) {
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextDisabled("%s", name);
-    ImGui::SameLine(label);
-    ImGui::SetNextItemWidth(-1);
-  };
-  if (live.world().find<Rigid>()) {
-    const auto options = d.systems.find("rigid");
-    const std::string solver = rigid_solver(options == d.systems.end() ? Params() : options->second).name;
-    row("solver");
-    if (ImGui::BeginCombo("##solver", solver.c_str())) {
-      for (const auto& v : rigid_solvers()) {
-        if (ImGui::Selectable(v.name, solver == v.name)) live.set_world_option("rigid.solver", v.name);
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", v.summary);
-      }
-      ImGui::EndCombo();
-    }
-  }
-  row("substeps");
+  for (const SystemPanel& panel : system_panels())
+    if (panel.options) panel.options(desk);
+  option_label("substeps");
   int substeps = d.substeps;
   if (ImGui::SliderInt("##substeps", &substeps, 1, 32)) live.set_world_option("substeps", std::to_string(substeps));
-  row("dt");
+  option_label("dt");
   char now[32];
   std::snprintf(now, sizeof now, "1/%.4g s", 1 / d.dt);
   if (ImGui::BeginCombo("##dt", now)) {

@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collide/collide.h"
-
 namespace feder::view {
+namespace {
+
+double deepest_contact(World& world) {  // m
+  for (const Residual& r : world.residuals())
+    if (std::string_view(r.name) == "collide.max_penetration_m") return r.value;
+  return 0;
+}
+
+}  // namespace
 
 void Curve::add(double time, double value) {
   if (!std::isfinite(value)) return;
@@ -29,10 +36,9 @@ void Sampler::sample(LiveScene& live, bool curves) {
   const double time = live.shown_time();
   if (curves) {
     const Energy e = live.world().energy();
-    const Collide* collide = live.world().find<Collide>();
     curves_[0].add(time, e.kinetic + e.potential + e.elastic);
     curves_[1].add(time, e.kinetic);
-    curves_[2].add(time, collide ? static_cast<double>(collide->max_penetration()) * 1000 : 0);
+    curves_[2].add(time, deepest_contact(live.world()) * 1000);
   }
   curves_[3].add(time, live.step_seconds() * 1000);
   sample_times(live);

@@ -3,7 +3,6 @@
 // cannot be copied, but it can be lived again.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,8 +19,6 @@ struct Recipe {
   std::shared_ptr<const KeptState> kept;  // of the scene before, when the world goes on
 };
 
-// What somebody does to a running scene between two steps. Errors are exceptions.
-using Command = std::function<void(lua::Script&)>;
 struct Deed {
   std::uint64_t step = 0;  // steps done before it
   Command command;

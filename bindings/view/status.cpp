@@ -6,8 +6,6 @@
 #include <fstream>
 
 #include "report/json.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
 
 namespace feder::view {
 namespace {
@@ -27,12 +25,10 @@ Json screen_json(Desk& desk, const Target& t, float scale) {
     if (name.empty() || all.size() >= kNames || !desk.camera.project(p, t.width, t.height, sx, sy)) return;
     all[name] = {{"screen", {sx / scale, sy / scale}}, {"position", vector_json(x)}};
   };
-  if (Rigid* rigid = w.find<Rigid>())
-    w.objects().for_each(kBodyKind, [&](ObjectId id) { add(w.objects().name(id), rigid->pose(id).position); });
-  if (Springs* springs = w.find<Springs>())
-    w.objects().for_each(kNetKind, [&](ObjectId id) {
-      const std::size_t n = springs->point_count(id);
-      if (n > 0 && !w.objects().name(id).empty()) add(w.objects().name(id) + " end", springs->point(id, n - 1));
+  for (const ObjectView* view : object_views())
+    w.objects().for_each(view->kind(), [&](ObjectId id) {
+      const auto [name, x] = view->landmark(w, id);
+      add(name, x);
     });
   return all;
 }

@@ -1,31 +1,17 @@
-// Triangles of every kind of shape. Flat faces are fans around their middle, so that `edge` runs from 0 there to 1 at
-// their rim and the renderer can draw edges one pixel wide at any distance.
-#include <cmath>
-#include <map>
+#include "view/tessellate.h"
 
-#include "geom/hull.h"
-#include "geom/polygon.h"
-#include "view/geometry.h"
+#include <cmath>
 
 namespace feder::view {
 namespace {
 
-constexpr int kRound = 32;  // segments of a circle
-constexpr int kRings = 8;   // from equator to pole
-constexpr float kTurn = 6.28318530718f;
+constexpr int kRings = 8;  // from equator to pole
 
-struct P {
-  float x, y, z;
-};
-P operator-(P a, P b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-P operator+(P a, P b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-P operator*(float s, P a) { return {s * a.x, s * a.y, s * a.z}; }
 P cross(P a, P b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 P unit(P a) {
   const float n = std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
   return n > 0 ? (1 / n) * a : P{0, 1, 0};
 }
-P point(const Vec3& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
 
 std::uint32_t add(Geometry& g, P p, P n, float edge = 0, float side = 0) {
   g.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, side, edge});
@@ -35,7 +21,8 @@ void triangle(Geometry& g, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   g.indices.insert(g.indices.end(), {a, b, c});
 }
 
-// A flat face, corners counter-clockwise seen from outside.
+}  // namespace
+
 void face(Geometry& g, const std::vector<P>& loop, P normal) {
   P middle{0, 0, 0};
   for (P p : loop) middle = middle + (1 / static_cast<float>(loop.size())) * p;
@@ -45,10 +32,6 @@ void face(Geometry& g, const std::vector<P>& loop, P normal) {
   for (std::uint32_t i = 0; i < n; ++i) triangle(g, center, center + 1 + i, center + 1 + (i + 1) % n);
 }
 
-// Outline in the xy plane, counter-clockwise, with outward normals; drawn as a prism along z.
-struct Outline {
-  P at, normal;
-};
 void prism(Geometry& g, const std::vector<Outline>& outline, float depth) {
   const float h = depth / 2;
   std::vector<P> front, back;
@@ -65,7 +48,6 @@ void prism(Geometry& g, const std::vector<Outline>& outline, float depth) {
   }
 }
 
-// Round sides between two radii, normals by the slope, and the discs that close them.
 Geometry frustum(float bottom, float top) {
   Geometry g;
   std::vector<P> low, high;
@@ -84,27 +66,6 @@ Geometry frustum(float bottom, float top) {
   }
   face(g, low, {0, -1, 0});
   if (top > 0) face(g, high, {0, 1, 0});
-  return g;
-}
-
-}  // namespace
-
-Geometry unit_box() {
-  Geometry g;
-  g.kind = "box";
-  for (int axis = 0; axis < 3; ++axis)
-    for (const float sign : {-0.5f, 0.5f}) {
-      const auto corner = [&](float u, float v) {
-        float p[3];
-        p[axis] = sign, p[(axis + 1) % 3] = u, p[(axis + 2) % 3] = v;
-        return P{p[0], p[1], p[2]};
-      };
-      std::vector<P> loop = {corner(-0.5f, -0.5f), corner(0.5f, -0.5f), corner(0.5f, 0.5f), corner(-0.5f, 0.5f)};
-      if (sign < 0) std::swap(loop[1], loop[3]);
-      P n{0, 0, 0};
-      (axis == 0 ? n.x : axis == 1 ? n.y : n.z) = 2 * sign;
-      face(g, loop, n);
-    }
   return g;
 }
 
@@ -131,47 +92,9 @@ Geometry unit_ball() {
   return g;
 }
 
-Geometry unit_cylinder() {
-  Geometry g = frustum(1, 1);
-  g.kind = "cylinder";
-  return g;
-}
-
-Geometry unit_cone() {
-  Geometry g = frustum(1, 0);
-  g.kind = "cone";
-  return g;
-}
-
-Geometry unit_disc() {
-  Geometry g;
-  g.kind = "disc";
-  std::vector<Outline> outline;
-  for (int i = 0; i < kRound; ++i) {
-    const float a = kTurn * static_cast<float>(i) / kRound;
-    const P p{std::cos(a), std::sin(a), 0};
-    outline.push_back({p, p});
-  }
-  prism(g, outline, 1);
-  return g;
-}
-
-Geometry tessellate_hull(const Shape& shape) {
-  const HullData& data = static_cast<const Hull&>(shape).data();
-  Geometry g;
-  g.kind = "hull";
-  for (const HullFace& f : data.faces) {
-    std::vector<P> loop;
-    for (std::uint16_t i = 0; i < f.count; ++i)
-      loop.push_back(point(data.corners[data.loops[static_cast<std::size_t>(f.first) + i]]));
-    face(g, loop, point(f.normal));
-  }
-  return g;
-}
-
 Geometry tessellate_mesh(const Shape& shape) {
   Geometry g;
-  g.kind = "mesh";
+  g.kind = shape.kind();
   g.two_sided = true;
   struct Walk {
     const Shape& shape;
@@ -186,31 +109,6 @@ Geometry tessellate_mesh(const Shape& shape) {
     triangle(w.g, v, v + 1, v + 2);
   };
   shape.triangles_in(Aabb::everything(), visit, &walk);
-  return g;
-}
-
-Geometry tessellate_polygon(const Shape& shape) {
-  const auto& polygon = static_cast<const Polygon&>(shape);
-  const auto points = polygon.points(), normals = polygon.normals();
-  const auto r = static_cast<float>(shape.radius());
-  std::vector<Outline> outline;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2& before = normals[(i + normals.size() - 1) % normals.size()];
-    const Vec2& after = normals[i];
-    const float from = std::atan2(static_cast<float>(before[1]), static_cast<float>(before[0]));
-    float turn = std::atan2(static_cast<float>(after[1]), static_cast<float>(after[0])) - from;
-    if (turn < 0) turn += kTurn;
-    const P at{static_cast<float>(points[i][0]), static_cast<float>(points[i][1]), 0};
-    const int steps = r > 0 ? std::max(1, static_cast<int>(std::ceil(turn / kTurn * kRound))) : 1;
-    for (int k = 0; k <= steps; ++k) {
-      const float a = from + turn * static_cast<float>(k) / static_cast<float>(steps);
-      const P n{std::cos(a), std::sin(a), 0};
-      outline.push_back({at + r * n, n});
-    }
-  }
-  Geometry g;
-  g.kind = "polygon";
-  prism(g, outline, kPrismDepth);
   return g;
 }
 

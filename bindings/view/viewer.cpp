@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "base/profile.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
 #include "view/collector.h"
 #include "view/desk.h"
 #include "view/status.h"
@@ -166,7 +164,8 @@ void Viewer::highlight() {
   for (Instance& i : frame_.instances)
     if (i.object == desk_.selected->object.slot) i.color = mixed(i.color, light, 0.45f);
   if (desk_.selected->point == kNone) return;
-  const Vec3 x = live_.world().find<Springs>()->point(desk_.selected->object, desk_.selected->point);
+  const Vec3 x = view_of(live_.world(), desk_.selected->object)
+                     ->position(live_.world(), desk_.selected->object, desk_.selected->point, Vec3::Zero());
   const Real size = static_cast<Real>(desk_.camera.distance * 0.012f);
   for (int k = 0; k < 3; ++k) {
     Vec3 arm = Vec3::Zero();
@@ -244,11 +243,8 @@ void Viewer::follow() {
   }
   World& w = live_.world();
   const ObjectId id = desk_.selected->object;
-  Vec3 x = Vec3::Zero();
-  if (w.objects().kind(id) == kBodyKind)
-    x = w.find<Rigid>()->pose(id).position;
-  else if (w.objects().kind(id) == kNetKind)
-    x = w.find<Springs>()->point(id, desk_.selected->point == kNone ? 0 : desk_.selected->point);
+  const ObjectView* view = view_of(w, id);
+  const Vec3 x = view ? view->position(w, id, desk_.selected->point, Vec3::Zero()) : Vec3(Vec3::Zero());
   if (followed_ && is_finite(x))
     for (int k = 0; k < 3; ++k) desk_.camera.target[k] += static_cast<float>(x[k] - (*followed_)[k]);
   followed_ = x;

@@ -13,4 +13,5 @@ feder_module(window ROOT ${PROJECT_SOURCE_DIR}/bindings
   SOURCES viewer.cpp viewer_input.cpp window.cpp theme.cpp desk.cpp status.cpp sampler.cpp scene_list.cpp panel_plot.cpp
           panel_transport.cpp panel_scene.cpp panel_inspector.cpp panel_watch.cpp panel_console.cpp panel_overlay.cpp
   NEEDS live view report)
+feder_view_files(window panel)
 target_link_libraries(feder_window PRIVATE PkgConfig::FEDER_GLFW PkgConfig::FEDER_PANELS)

@@ -133,8 +133,9 @@ class Cloth final : public System {
   std::size_t cloth_count() const;
   Info info(std::size_t n) const;  // 0 .. cloth_count()-1, in the order the cloths were made
   const ClothVertices& vertices() const;
-  // The mass that rests on a cloth, kg: smaller steps are chosen for it. Callers stop at kMostLoad times the cloth's
-  // own mass: what is heavier is carried by something below.
+  // The mass that rests on a cloth, kg: smaller steps are chosen for it. Forgotten at the end of each step while the
+  // cloth is awake, then said anew. Callers stop at kMostLoad times the cloth's own mass: what is heavier is carried by
+  // something below.
   static constexpr Real kMostLoad = 50;
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;

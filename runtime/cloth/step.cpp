@@ -323,7 +323,11 @@ void Cloth::Impl::drain_wakes() {
   });
 }
 
-void Cloth::Impl::wake_touched(StepContext&) { drain_wakes(); }
+void Cloth::Impl::wake_touched(StepContext&) {
+  drain_wakes();
+  for (auto& s : sheets)
+    if (!s->state.asleep) s->state.load = 0;  // said anew by the couplings, for the next step
+}
 
 void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {

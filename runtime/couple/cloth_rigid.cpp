@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "contact/surface_triangle.h"
+#include "couple/surface_triangle.h"
 
 namespace feder {
 const SystemDescriptor& ClothRigid::descriptor() {

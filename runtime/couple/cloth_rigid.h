@@ -1,5 +1,5 @@
 // What is special between cloth and rigid bodies: attached vertices hold bodies, what comes at a cloth and what lies
-// on it asks for smaller steps. Their contact is that of all surfaces (contact/surface_rigid.h).
+// on it asks for smaller steps. Their contact is that of all surfaces (couple/surface_rigid.h).
 #pragma once
 #include "cloth/cloth.h"
 #include "collide/collide.h"

@@ -28,10 +28,9 @@ const SystemDescriptor& FluidCloth::descriptor() {
 FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      movers_(s.store.need<Movers>(kName)), systems_(s.systems), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)),
-      guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)) {
+      movers_(s.store.need<Movers>(kName)), objects_(s.objects), contacts_(s.store.need<ContactBook>(kName)),
+      finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)), guests_(&s.store.arena(kName)),
+      next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
   if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
 }
 
@@ -249,10 +248,9 @@ void FluidCloth::hold_back(const FaceContact& k, const FaceHit& hit, StepContext
   if (length(c.gravity) > 0) to.along -= dot(impulse, c.gravity) / length(c.gravity);
 }
 
-// The mass that lies on a cloth asks for smaller steps; that of bodies has just been written by their coupling.
+// The mass that lies on a cloth, beside that of bodies.
 void FluidCloth::finish(StepContext& c) {
   const Real g = length(c.gravity);
-  const bool bodies = systems_.find_system("cloth_rigid") != nullptr;
   for (std::size_t n = 0; n < pressed_.size(); ++n) {
     Pressed& p = pressed_[n];
     const Cloth::Info info = cloth_.info(n);
@@ -263,7 +261,7 @@ void FluidCloth::finish(StepContext& c) {
     force_ += static_cast<double>(p.along / c.dt);
     if (info.asleep || !(g > 0)) continue;
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
-    cloth_.set_load(n, std::min((bodies ? cloth_.load(n) : Real(0)) + on, Cloth::kMostLoad * own));
+    cloth_.set_load(n, std::min(cloth_.load(n) + on, Cloth::kMostLoad * own));
   }
   report();
 }

@@ -68,7 +68,6 @@ class FluidCloth final : public System {
   Cloth& cloth_;
   Surfaces& surfaces_;
   Movers& movers_;
-  SystemFinder& systems_;
   Objects& objects_;
   ContactBook& contacts_;
   const std::uint32_t finder_;

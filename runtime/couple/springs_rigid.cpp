@@ -90,7 +90,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
     // the points of a net share one shape
     const std::uint32_t first = particles_.collider[net.first];
     const bool share = first != kNone && particles_.radius[net.first] == particles_.radius[i];
-    const ShapePtr ball = share ? colliders_.shapes[first] : make_sphere(particles_.radius[i]);
+    const ShapePtr ball = share ? colliders_.shapes[first] : make_point(particles_.radius[i]);
     collide_.check_shape(*ball);
     k = colliders_.add();
     FEDER_ASSERT(mover != kNone && particles_.net[i] == net.object);

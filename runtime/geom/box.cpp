@@ -81,17 +81,22 @@ ShapePtr Box::section() const {
   return make_polygon(corners);
 }
 
-ShapePtr make_box(Real width, Real height, Real depth) {
-  return std::make_shared<Box>(vec3(positive_size(width, "box", "width"), positive_size(height, "box", "height"),
-                                    positive_size(depth, "box", "depth")) /
-                               2);
-}
-
 ShapeKind geom_box() {
-  return {"box", [] {
-            return std::vector<ShapePtr>{make_box(1, 2, 3), make_box(2, Real(0.05), 2),
-                                         make_box(Real(0.01), Real(0.02), Real(0.01))};
-          }};
+  return {
+      "box",
+      "(width, height, depth)",
+      "a box of full sizes; depth may be left out in 2D",
+      {{"width", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}, {"depth", ShapeArgumentType::size, 1}},
+      [](const ShapeInput& in) -> ShapePtr {
+        return std::make_shared<Box>(vec3(positive_size(in.size(0), "box", "width"),
+                                          positive_size(in.size(1), "box", "height"),
+                                          positive_size(in.size(2), "box", "depth")) /
+                                     2);
+      },
+      [] {
+        return std::vector<ShapePtr>{make_box(1, 2, 3), make_box(2, Real(0.05), 2),
+                                     make_box(Real(0.01), Real(0.02), Real(0.01))};
+      }};
 }
 
 }  // namespace feder

@@ -72,9 +72,8 @@ bool Capsule::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
   return found;
 }
 
-}  // namespace
-
-ShapePtr make_capsule(Real radius, Real height) {
+ShapePtr make(const ShapeInput& in) {
+  const Real radius = in.size(0), height = in.size(1);
   positive_size(radius, "capsule", "radius");
   positive_size(height, "capsule", "height");
   if (height < 2 * radius * (1 - Real(1e-6)))
@@ -83,8 +82,15 @@ ShapePtr make_capsule(Real radius, Real height) {
   return std::make_shared<Capsule>(radius, std::max(Real(0), height / 2 - radius));
 }
 
+}  // namespace
+
 ShapeKind geom_capsule() {
-  return {"capsule", [] {
+  return {"capsule",
+          "(radius, height)",
+          "along y, whole height with its caps",
+          {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
+          make,
+          [] {
             return std::vector<ShapePtr>{make_capsule(Real(0.5), 3), make_capsule(Real(0.02), Real(0.05)),
                                          make_capsule(1, 2)};
           }};

@@ -38,10 +38,17 @@ class Circle final : public Shape {
 
 }  // namespace
 
-ShapePtr make_circle(Real radius) { return std::make_shared<Circle>(positive_size(radius, "circle", "radius")); }
-
 ShapeKind geom_circle() {
-  return {"circle", [] { return std::vector<ShapePtr>{make_circle(1), make_circle(Real(0.01))}; }};
+  return {"circle",
+          "(radius)",
+          "for worlds with dimension = 2",
+          {{"radius", ShapeArgumentType::size}},
+          [](const ShapeInput& in) -> ShapePtr {
+            return std::make_shared<Circle>(positive_size(in.size(0), "circle", "radius"));
+          },
+          [] {
+            return std::vector<ShapePtr>{make_circle(1), make_circle(Real(0.01))};
+          }};
 }
 
 }  // namespace feder

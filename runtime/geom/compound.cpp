@@ -11,7 +11,7 @@ class Compound final : public Shape {
     planar_ = true;
     for (const CompoundPart& p : parts_) planar_ = planar_ && p.shape->planar();
   }
-  std::span<const CompoundPart> parts() const { return parts_; }
+  std::span<const CompoundPart> parts() const override { return parts_; }
 
   Aabb bounds(const Pose& pose) const override {
     Aabb box;
@@ -61,7 +61,7 @@ class Compound final : public Shape {
       pose.position[2] = 0;
       flat.push_back({p.shape->section(), pose});
     }
-    return make_compound(std::move(flat));
+    return make_compound(flat);
   }
 
  private:
@@ -70,27 +70,33 @@ class Compound final : public Shape {
 
 }  // namespace
 
-ShapePtr make_compound(std::vector<CompoundPart> parts) {
+namespace {
+
+ShapePtr make(const ShapeInput& in) {
+  std::vector<CompoundPart> parts(in.parts.begin(), in.parts.end());
   if (parts.empty()) throw SceneError("compound: expected at least one part");
   for (CompoundPart& p : parts) {
     if (!p.shape) throw SceneError("compound: a part has no shape");
-    if (!compound_parts(*p.shape).empty()) throw SceneError("compound: a part is a compound itself");
+    if (!p.shape->parts().empty()) throw SceneError("compound: a part is a compound itself");
     if (!is_finite(p.pose.position)) throw SceneError("compound: a part's position is not finite");
     p.pose.rotation = normalized(p.pose.rotation);
   }
   return std::make_shared<Compound>(std::move(parts));
 }
 
-std::span<const CompoundPart> compound_parts(const Shape& shape) {
-  static const int kind = shape_kind_id("compound");
-  return shape.kind_id() == kind ? static_cast<const Compound&>(shape).parts() : std::span<const CompoundPart>();
-}
+}  // namespace
 
 ShapeKind geom_compound() {
-  return {"compound", [] {
+  return {"compound",
+          "{ {shape=, position=, rotation=}, ... }",
+          "several shapes in one",
+          {{"parts", ShapeArgumentType::parts}},
+          make,
+          [] {
             const Pose left{vec3(-1, 0, 0), {}};
             const Pose right{vec3(1, Real(0.5), 0), from_axis_angle(vec3(0, 0, 1), Real(0.5))};
-            return std::vector<ShapePtr>{make_compound({{make_box(1, 1, 1), left}, {make_sphere(Real(0.5)), right}})};
+            return std::vector<ShapePtr>{
+                make_compound(std::vector<CompoundPart>{{make_box(1, 1, 1), left}, {make_sphere(Real(0.5)), right}})};
           }};
 }
 

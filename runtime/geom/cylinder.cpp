@@ -4,14 +4,17 @@
 
 namespace feder {
 
-ShapePtr make_cylinder(Real radius, Real height) {
-  positive_size(radius, "cylinder", "radius");
-  positive_size(height, "cylinder", "height");
-  return std::make_shared<Frustum>("cylinder", radius, radius, height);
-}
-
 ShapeKind geom_cylinder() {
-  return {"cylinder", [] {
+  return {"cylinder",
+          "(radius, height)",
+          "along y",
+          {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
+          [](const ShapeInput& in) -> ShapePtr {
+            const Real radius = positive_size(in.size(0), "cylinder", "radius");
+            return std::make_shared<Frustum>("cylinder", radius, radius,
+                                             positive_size(in.size(1), "cylinder", "height"));
+          },
+          [] {
             return std::vector<ShapePtr>{make_cylinder(1, 2), make_cylinder(1, Real(0.1)),
                                          make_cylinder(Real(0.01), Real(0.05))};
           }};

@@ -135,17 +135,21 @@ ShapePtr Hull::section() const {
   return make_polygon(flat);
 }
 
-ShapePtr make_hull(std::span<const Vec3> points) { return std::make_shared<Hull>(build_hull(points)); }
-
 ShapeKind geom_hull() {
-  return {"hull", [] {
+  return {"hull",
+          "(points)",
+          "the convex hull of a list of {x, y, z} or a buffer",
+          {{"points", ShapeArgumentType::points}},
+          [](const ShapeInput& in) -> ShapePtr { return std::make_shared<Hull>(build_hull(in.points)); },
+          [] {
             const Vec3 wedge[6] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {-1, 1, -1}, {-1, 1, 1}};
             const Vec3 tetra[4] = {{0, 0, 0}, {Real(0.01), 0, 0}, {0, Real(0.02), 0}, {0, 0, Real(0.01)}};
             // a flat octahedron with a point inside
             const Vec3 gem[7] = {{1, 0, 0}, {-1, 0, 0}, {0, Real(0.2), 0}, {0, Real(-0.2), 0},
                                  {0, 0, 1}, {0, 0, -1}, {Real(0.1), 0, 0}};
             return std::vector<ShapePtr>{make_hull(wedge), make_hull(tetra), make_hull(gem)};
-          }};
+          },
+          true};
 }
 
 }  // namespace feder

@@ -179,9 +179,9 @@ void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), 
   tree_.query(local, [&](std::uint32_t i) { visit(context, i); });
 }
 
-}  // namespace
-
-ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles) {
+ShapePtr make(const ShapeInput& in) {
+  const std::span<const Vec3> vertices = in.points;
+  const std::span<const std::uint32_t> triangles = in.triangles;
   if (triangles.size() % 3 != 0 || triangles.empty())
     throw SceneError("mesh: expected three vertex numbers per triangle, got " + std::to_string(triangles.size()) +
                      " numbers");
@@ -215,8 +215,15 @@ ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t
   return std::make_shared<Mesh>(std::move(points), std::move(kept));
 }
 
+}  // namespace
+
 ShapeKind geom_mesh() {
-  return {"mesh", [] {
+  return {"mesh",
+          "(vertices, triangles)",
+          "static triangles {i, j, k}, counting from 1",
+          {{"vertices", ShapeArgumentType::points}, {"triangles", ShapeArgumentType::triangles}},
+          make,
+          [] {
             const Vec3 v[5] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {0, 1, 0}};
             const std::uint32_t pyramid[12] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
             const std::uint32_t floor[6] = {0, 2, 1, 0, 3, 2};

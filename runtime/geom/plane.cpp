@@ -1,6 +1,7 @@
 #include "geom/plane.h"
 
 #include "base/error.h"
+#include "base/option.h"
 
 namespace feder {
 
@@ -30,17 +31,28 @@ ShapePtr Plane::section() const {
   return make_plane(flat, distance_);
 }
 
-ShapePtr make_plane(const Vec3& normal, Real distance) {
-  const Real n = length(normal);
-  if (!(n > 0) || !std::isfinite(n) || !std::isfinite(distance))
-    throw SceneError("plane: expected a finite normal other than 0 and a finite distance, got normal (" +
-                     std::to_string(normal[0]) + ", " + std::to_string(normal[1]) + ", " + std::to_string(normal[2]) +
-                     "), distance " + std::to_string(distance));
-  return std::make_shared<Plane>(normal / n, distance / n);
+namespace {
+
+ShapePtr make(const ShapeInput& in) {
+  const Real size = length(in.direction);
+  if (!(size > Real(1e-12) && size < Real(1e12)))
+    throw SceneError("plane: expected a normal of a direction, got one of length " + print_number(size));
+  const auto distance = static_cast<Real>(in.sizes[0] / static_cast<double>(size));
+  if (!std::isfinite(distance)) throw SceneError("plane: expected a finite distance, got " + print_number(in.sizes[0]));
+  const Vec3 n = in.direction / size;
+  const Real rest = length(n);  // of rounding
+  return std::make_shared<Plane>(n / rest, distance / rest);
 }
 
+}  // namespace
+
 ShapeKind geom_plane() {
-  return {"plane", [] {
+  return {"plane",
+          "([nx, ny, nz, [d]])",
+          "the half-space n.x >= d is free; y >= 0 when left out",
+          {{"normal", ShapeArgumentType::direction, 0}, {"distance", ShapeArgumentType::number, 0}},
+          make,
+          [] {
             return std::vector<ShapePtr>{make_plane(vec3(0, 1, 0), 0), make_plane(vec3(1, -2, Real(0.5)), Real(0.3))};
           }};
 }

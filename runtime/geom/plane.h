@@ -18,6 +18,7 @@ class Plane final : public Shape {
     normal = normal_;
     return dot(p, normal_) - distance_;
   }
+  bool half_space(Vec3& normal, Real& distance) const override { return normal = normal_, distance = distance_, true; }
   ShapePtr section() const override;
 
  private:

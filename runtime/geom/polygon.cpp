@@ -194,7 +194,12 @@ std::vector<Vec2> convex_hull_2d(std::span<const Vec2> points) {
   return hull;
 }
 
-ShapePtr make_polygon(std::span<const Vec2> points, Real radius) {
+namespace {
+
+ShapePtr make(const ShapeInput& in) {
+  std::vector<Vec2> points;
+  for (const Vec3& p : in.points) points.emplace_back(p[0], p[1]);
+  const Real radius = in.size(0);
   if (!(radius >= 0) || !std::isfinite(radius))
     throw SceneError("polygon: expected a radius of 0 or more, got " + std::to_string(radius));
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -212,8 +217,15 @@ ShapePtr make_polygon(std::span<const Vec2> points, Real radius) {
   return std::make_shared<Polygon>(std::move(hull), radius);
 }
 
+}  // namespace
+
 ShapeKind geom_polygon() {
-  return {"polygon", [] {
+  return {"polygon",
+          "(points, [radius])",
+          "2D: the convex hull of a list of {x, y}",
+          {{"points", ShapeArgumentType::points_2d}, {"radius", ShapeArgumentType::size, 0}},
+          make,
+          [] {
             const Vec2 quad[4] = {{-1, -1}, {Real(1.5), -1}, {1, Real(0.5)}, {-1, 1}};
             const Vec2 segment[2] = {{0, Real(-0.5)}, {0, Real(0.5)}};
             const Vec2 small[3] = {{0, 0}, {Real(0.01), 0}, {0, Real(0.01)}};

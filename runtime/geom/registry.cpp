@@ -1,4 +1,5 @@
 // The table of shape kinds, generated from the feder_variant(geom ...) lines.
+#include <algorithm>
 #include <cstring>
 
 #include "base/error.h"
@@ -22,7 +23,21 @@ int shape_kind_id(const char* name) {
     if (!std::strcmp(kind.name, name)) return id;
     ++id;
   }
-  throw SceneError(std::string("shape kind '") + name + "' is left out of this build");
+  throw SceneError(std::string("shape: this build has no ") + name);
+}
+
+ShapePtr make_shape(const char* kind, const ShapeInput& input) {
+  return shape_kinds()[static_cast<std::size_t>(shape_kind_id(kind))].make(input);
+}
+
+int any_convex_kind() {
+  static const int id = [] {
+    const auto kinds = shape_kinds();
+    const auto found = std::find_if(kinds.begin(), kinds.end(), [](const ShapeKind& kind) { return kind.any_convex; });
+    return found == kinds.end() ? -1 : static_cast<int>(found - kinds.begin());
+  }();
+  if (id < 0) throw SceneError("shape: this build has no kind for convex shapes that are made on the fly");
+  return id;
 }
 
 }  // namespace feder

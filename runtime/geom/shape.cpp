@@ -5,8 +5,11 @@
 
 namespace feder {
 
-Shape::Shape(const char* kind, bool convex, Real radius)
-    : kind_(kind), kind_id_(shape_kind_id(kind)), convex_(convex), radius_(radius) {}
+Shape::Shape(const char* kind, bool convex, Real radius) : Shape(shape_kind_id(kind), convex, radius) {}
+
+Shape::Shape(int kind_id, bool convex, Real radius)
+    : kind_(shape_kinds()[static_cast<std::size_t>(kind_id)].name), kind_id_(kind_id), convex_(convex),
+      radius_(radius) {}
 
 Vec3 Shape::support(const Vec3&) const {
   FEDER_ASSERT(!"support: not a convex shape");
@@ -21,6 +24,8 @@ int Shape::face(const Vec3& direction, Vec3* points) const {
 void Shape::triangles_in(const Aabb&, void (*)(void*, std::uint32_t), void*) const {}
 
 Triangle Shape::triangle(std::uint32_t) const { return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}; }
+
+std::span<const CompoundPart> Shape::parts() const { return {}; }
 
 ShapePtr Shape::section() const { throw SceneError(std::string("shape: a ") + kind_ + " has no 2D section"); }
 

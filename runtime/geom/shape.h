@@ -1,9 +1,11 @@
 // A shape: immutable geometry in its own frame, shared between colliders. Convex shapes are a core (points, or an
 // analytic support function) rounded by `radius`: a sphere is a point, a capsule a segment.
-// One file per shape, one feder_variant(geom <kind>) line each. Checked for every kind by
-// tests/geom/test_shape_contract.cpp: bounds hold all supports, mass equals a voxel sum, I = tr(C)1 - C, faces lie
-// on the surface, rays agree with support planes; test_shape_distance.cpp: distances agree with supports and rays.
+// One file per shape, one feder_variant(geom <kind>) line each: its row says how it is made, by scripts too. Checked
+// for every kind by tests/geom/test_shape_contract.cpp: bounds hold all supports, mass equals a voxel sum, I = tr(C)1 -
+// C, faces lie on the surface, rays agree with support planes; test_shape_distance.cpp: distances agree with supports
+// and rays.
 #pragma once
+#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
@@ -44,6 +46,14 @@ struct Triangle {
 
 inline constexpr int kMaxFacePoints = 32;
 
+class Shape;
+using ShapePtr = std::shared_ptr<const Shape>;
+
+struct CompoundPart {
+  ShapePtr shape;
+  Pose pose;
+};
+
 class Shape {
  public:
   virtual ~Shape() = default;
@@ -76,11 +86,17 @@ class Shape {
   virtual void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const;
   virtual Triangle triangle(std::uint32_t index) const;
 
+  // The half-space n.x <= d, n unit: true and both for a plane.
+  virtual bool half_space(Vec3& /*normal*/, Real& /*distance*/) const { return false; }
+  // Of a compound: a body made from it gets one collider per part. Empty for all others.
+  virtual std::span<const CompoundPart> parts() const;
+
   // The section in the xy plane, for worlds with dimension = 2. SceneError when the shape has none.
   virtual std::shared_ptr<const Shape> section() const;
 
  protected:
   Shape(const char* kind, bool convex, Real radius = 0);
+  Shape(int kind_id, bool convex, Real radius);
 
  private:
   const char* kind_;
@@ -92,36 +108,69 @@ class Shape {
   bool planar_ = false;
 };
 
-using ShapePtr = std::shared_ptr<const Shape>;
+// What a shape is made of: what the arguments of its row name. The views last as long as make_shape().
+struct ShapeInput {
+  std::vector<double> sizes = {};  // sizes, then numbers, in the order of the arguments
+  Vec3 direction = Vec3(0, 1, 0);
+  std::span<const Vec3> points = {};  // z is ignored by 2D shapes
+  std::span<const std::uint32_t> triangles = {};
+  std::span<const CompoundPart> parts = {};
+  Real size(std::size_t k) const { return static_cast<Real>(sizes[k]); }
+};
 
-// One row per kind, in the order of the feder_variant(geom ...) lines. `samples` makes a few shapes for the contract
-// tests (ordinary, flat, tiny).
+enum class ShapeArgumentType : std::uint8_t { size, number, direction, points, points_2d, triangles, parts };
+struct ShapeArgument {
+  const char* name;
+  ShapeArgumentType type;
+  double fallback = NAN;  // NaN: must be given; of a direction any number: that of ShapeInput
+};
+
+// One row per kind, in the order of the feder_variant(geom ...) lines.
 struct ShapeKind {
   const char* name;
-  std::vector<ShapePtr> (*samples)();
+  const char* usage;  // "(radius, height)"
+  const char* summary;
+  std::vector<ShapeArgument> arguments;
+  ShapePtr (*make)(const ShapeInput&);  // SceneError on non-finite or non-positive sizes
+  std::vector<ShapePtr> (*samples)();   // a few for the contract tests: ordinary, flat, tiny
+  bool any_convex = false;              // its pair tests serve every convex shape without a kind of its own
 };
 std::span<const ShapeKind> shape_kinds();
-int shape_kind_id(const char* name);
+int shape_kind_id(const char* name);  // SceneError when this build has none
+ShapePtr make_shape(const char* kind, const ShapeInput& input);
+// For convex shapes that are made on the fly, such as a triangle with its thickness. SceneError when this build has
+// none.
+int any_convex_kind();
 
-// Makers. SceneError on non-finite or non-positive sizes. Axis of capsule, cylinder and cone: y.
-// Origin: centre of sphere, box, capsule, cylinder; a cone's origin is halfway up its height (base at -h/2).
-ShapePtr make_sphere(Real radius);
-ShapePtr make_box(Real width, Real height, Real depth);  // full sizes
-ShapePtr make_capsule(Real radius, Real height);         // whole height, caps included: height >= 2 radius
-ShapePtr make_cylinder(Real radius, Real height);
-ShapePtr make_cone(Real radius, Real height);
-ShapePtr make_hull(std::span<const Vec3> points);        // quickhull; SceneError when flat or too few
-ShapePtr make_plane(const Vec3& normal, Real distance);  // half-space n.x <= d is solid
-ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles);  // static only
-ShapePtr make_circle(Real radius);                                                             // 2D
-ShapePtr make_polygon(std::span<const Vec2> points, Real radius = 0);  // 2D, convex hull of the points
-
-struct CompoundPart {
-  ShapePtr shape;
-  Pose pose;
-};
-// A body made from a compound gets one collider per part.
-ShapePtr make_compound(std::vector<CompoundPart> parts);
-std::span<const CompoundPart> compound_parts(const Shape& shape);  // empty unless a compound
+// make_shape() by types. Axis of capsule, cylinder and cone: y. Origin: centre of sphere, box, capsule, cylinder; a
+// cone's origin is halfway up its height (base at -h/2).
+inline ShapePtr make_sphere(Real radius) { return make_shape("sphere", {{radius}}); }
+// What points of nets and surfaces collide as.
+inline ShapePtr make_point(Real radius) { return make_sphere(radius); }
+inline ShapePtr make_box(Real width, Real height, Real depth) {  // full sizes
+  return make_shape("box", {{width, height, depth}});
+}
+// Whole height, caps included: at least 2 radius.
+inline ShapePtr make_capsule(Real radius, Real height) { return make_shape("capsule", {{radius, height}}); }
+inline ShapePtr make_cylinder(Real radius, Real height) { return make_shape("cylinder", {{radius, height}}); }
+inline ShapePtr make_cone(Real radius, Real height) { return make_shape("cone", {{radius, height}}); }
+// Quickhull; SceneError when the points are flat or too few.
+inline ShapePtr make_hull(std::span<const Vec3> points) { return make_shape("hull", {.points = points}); }
+// The half-space n.x <= d is solid.
+inline ShapePtr make_plane(const Vec3& normal, Real distance) { return make_shape("plane", {{distance}, normal}); }
+// For static bodies.
+inline ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles) {
+  return make_shape("mesh", {.points = vertices, .triangles = triangles});
+}
+inline ShapePtr make_circle(Real radius) { return make_shape("circle", {{radius}}); }  // 2D
+// 2D: the convex hull of the points.
+inline ShapePtr make_polygon(std::span<const Vec2> points, Real radius = 0) {
+  std::vector<Vec3> flat;
+  for (const Vec2& p : points) flat.emplace_back(p[0], p[1], 0);
+  return make_shape("polygon", {.sizes = {radius}, .points = flat});
+}
+inline ShapePtr make_compound(const std::vector<CompoundPart>& parts) {
+  return make_shape("compound", {.parts = parts});
+}
 
 }  // namespace feder

@@ -35,10 +35,17 @@ class Sphere final : public Shape {
 
 }  // namespace
 
-ShapePtr make_sphere(Real radius) { return std::make_shared<Sphere>(positive_size(radius, "sphere", "radius")); }
-
 ShapeKind geom_sphere() {
-  return {"sphere", [] { return std::vector<ShapePtr>{make_sphere(1), make_sphere(Real(0.01))}; }};
+  return {"sphere",
+          "(radius)",
+          "a ball",
+          {{"radius", ShapeArgumentType::size}},
+          [](const ShapeInput& in) -> ShapePtr {
+            return std::make_shared<Sphere>(positive_size(in.size(0), "sphere", "radius"));
+          },
+          [] {
+            return std::vector<ShapePtr>{make_sphere(1), make_sphere(Real(0.01))};
+          }};
 }
 
 }  // namespace feder

@@ -18,7 +18,7 @@ std::vector<KindTraits> kind_traits() {
   std::vector<KindTraits> traits;
   for (const ShapeKind& kind : shape_kinds()) {
     const ShapePtr sample = kind.samples().front();
-    traits.push_back({kind.name, sample->convex(), sample->planar(), compound_parts(*sample).empty()});
+    traits.push_back({kind.name, sample->convex(), sample->planar(), sample->parts().empty()});
   }
   return traits;
 }

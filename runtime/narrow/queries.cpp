@@ -1,6 +1,5 @@
 // Distance, overlap and sweeps of single shapes. The sweep is conservative advancement (Mirtich 1996): the distance
 // divided by the closing speed can always be travelled, and for a translation it converges to the first touch.
-#include "geom/plane.h"
 #include "narrow/gjk.h"
 #include "narrow/narrow_phase.h"
 
@@ -38,11 +37,11 @@ bool cast_convex(const Convex& a, const Pose& pose_a, const Vec3& motion, Real s
   return false;
 }
 
-bool cast_plane(const Convex& a, const Pose& pose_a, const Vec3& motion, const Plane& plane, const Pose& pose_b,
-                CastHit& hit) {
-  const Vec3 n = rotate(pose_b.rotation, plane.normal());
+// Against the half-space n.(x - origin) <= distance.
+bool cast_half_space(const Convex& a, const Pose& pose_a, const Vec3& motion, const Vec3& n, Real distance,
+                     const Vec3& origin, CastHit& hit) {
   const Vec3 low = to_world(pose_a, a.support(rotate_inverse(pose_a.rotation, -n))) - n * a.radius;
-  const Real height = dot(n, low - pose_b.position) - plane.distance(), down = -dot(n, motion);
+  const Real height = dot(n, low - origin) - distance, down = -dot(n, motion);
   if (height > 0 && !(down > 0 && height < down * hit.fraction)) return false;
   const Real t = height > 0 ? height / down : Real(0);
   hit = {t, low + t * motion, n};
@@ -81,19 +80,21 @@ bool cast_mesh(const Convex& a, const Pose& pose_a, const Vec3& motion, Real siz
 bool cast_into(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b,
                CastHit& hit) {
   bool found = false;
-  if (const auto parts = compound_parts(a); !parts.empty()) {
+  if (const auto parts = a.parts(); !parts.empty()) {
     for (const CompoundPart& p : parts) found |= cast_into(*p.shape, pose_a * p.pose, motion, b, pose_b, hit);
     return found;
   }
-  if (const auto parts = compound_parts(b); !parts.empty()) {
+  if (const auto parts = b.parts(); !parts.empty()) {
     for (const CompoundPart& p : parts) found |= cast_into(a, pose_a, motion, *p.shape, pose_b * p.pose, hit);
     return found;
   }
   if (!a.convex()) return false;
   const Real size = a.extent(Vec3::Zero());
   if (b.convex()) return cast_convex(Convex(a), pose_a, motion, size, Convex(b), pose_b, hit);
-  if (const Plane* plane = dynamic_cast<const Plane*>(&b))
-    return cast_plane(Convex(a), pose_a, motion, *plane, pose_b, hit);
+  Vec3 normal;
+  Real distance;
+  if (b.half_space(normal, distance))
+    return cast_half_space(Convex(a), pose_a, motion, rotate(pose_b.rotation, normal), distance, pose_b.position, hit);
   return cast_mesh(Convex(a), pose_a, motion, size, b, pose_b, hit);
 }
 
@@ -113,12 +114,12 @@ ClosestResult closest_points(const Shape& a, const Pose& pose_a, const Shape& b,
 }
 
 bool shapes_overlap(const NarrowPhase& narrow, const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
-  if (const auto parts = compound_parts(a); !parts.empty()) {
+  if (const auto parts = a.parts(); !parts.empty()) {
     for (const CompoundPart& p : parts)
       if (shapes_overlap(narrow, *p.shape, pose_a * p.pose, b, pose_b)) return true;
     return false;
   }
-  if (!compound_parts(b).empty()) return shapes_overlap(narrow, b, pose_b, a, pose_a);
+  if (!b.parts().empty()) return shapes_overlap(narrow, b, pose_b, a, pose_a);
   PairCache cache;
   Manifold manifolds[kMaxManifolds];
   const int count = narrow.collide(a, pose_a, b, pose_b, 0, cache, manifolds);

@@ -18,7 +18,7 @@ std::string text(double x) {
 
 // Shapes with their place in the body frame, nested compounds opened.
 void flatten(const ShapePtr& shape, const Pose& at, std::vector<CompoundPart>& out) {
-  const std::span<const CompoundPart> parts = compound_parts(*shape);
+  const std::span<const CompoundPart> parts = shape->parts();
   if (parts.empty()) {
     out.push_back({shape, at});
     return;

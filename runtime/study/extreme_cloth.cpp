@@ -3,8 +3,8 @@
 #include "base/rng.h"
 #include "cloth/solver.h"
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
+#include "couple/surface_rigid.h"
 #include "study/extreme.h"
 #include "world/world.h"
 

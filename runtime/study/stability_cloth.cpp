@@ -6,8 +6,8 @@
 
 #include "cloth/solver.h"
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
+#include "couple/surface_rigid.h"
 #include "study/stability_problem.h"
 #include "world/world.h"
 

@@ -4,7 +4,7 @@
 A system, coupling, shape, joint or variant should enter by one door: its own files and the line that lists it. Every
 other file of runtime/ and bindings/ that names it (an include of its header, its class or factory, its library, its
 name as a word in quotes) has to be edited, or read, when such a thing is added. Comments do not count; studies, tests and
-scenes use things, so they do not count either.
+scenes use things, so they do not count either, nor do couplings count for the systems that they couple.
 
   doors.py             compare with tests/golden/doors.json; exit status 1 when a number has grown or nobody stored it
   doors.py --list T    the files that name thing T, e.g. `system cloth`
@@ -19,8 +19,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests/golden/doors.json"
 WANTED = {"system": 4, "coupling": 1, "shape": 1, "joint": 1, "variant": 1}
 # Words by which a system's files in bindings/ and elsewhere are known to be its own.
-OWN = {"springs": ("springs", "net"), "rigid": ("rigid", "body", "bodies", "joint"), "cloth": ("cloth",),
-       "fluid": ("fluid", "emitter"), "collide": ("collide", "contacts"), "contact": ("contact", "surface")}
+BODIES = ("rigid", "body", "bodies", "joint", "region", "queries")  # what collide serves
+OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "fluid": ("fluid", "emitter"),
+       "collide": ("collide", *BODIES), "contact": ("contact", "surface")}
+# Where a system's name in quotes is the name of something else: a layer, a node, an event, a part of a suite, an option.
+ELSEWHERE = {"springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf.cpp"},
+             "contact": {"runtime/state/events.h", "bindings/cli/study_suite.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
           "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
@@ -60,7 +64,9 @@ def things():
         pattern = "|".join([rf'"{system}/', rf'"{system}"', rf"\bfeder_{system}\b", rf"FEDER_HAS_{system.upper()}\b"] +
                            [rf"\b{c}\b" for c in sorted(classes)])
         assert classes, system
-        is_own = lambda p, o=own, s=system: p.startswith(f"runtime/{s}/") or words(p) & set(o)
+        is_own = lambda p, o=own, s=system: (p.startswith(f"runtime/{s}/") or words(p) & set(o) or
+                                             p in ELSEWHERE.get(s, ()) or
+                                             p.startswith("runtime/couple/") and not p.endswith("CMakeLists.txt"))
         yield "system", system, pattern, is_own, None
     for header in sorted((ROOT / "runtime/couple").glob("*.h")):
         for cls, name in COUPLING.findall(header.read_text()):
@@ -70,17 +76,20 @@ def things():
         folder = path.parent.name
         if folder in ("study", "sph"):  # problems and kernels are made in loops over names
             continue
-        for module, name in VARIANT.findall(path.read_text()):
+        variants = VARIANT.findall(path.read_text())
+        shapes = {name for module, name in variants if module == "geom"} | {"frustum"}
+        for module, name in variants:
             kind = {"geom": "shape", "constrain": "joint"}.get(module, "variant")
             pattern = rf'{module}/{name}\.h"|\b{module}_{name}\b'
-            folders, family = (f"runtime/{folder}/",), None
-            if kind == "shape":  # a test of a pair of shapes is a door of its own
+            if kind == "shape":  # a test of a pair of shapes is a door of its own; a shape may be made of others
                 pattern += rf'|"{name}"|\bmake_{name}\b|\b{pascal(name)}Shape\b'
-                folders += ("runtime/narrow/",)
-            else:
-                family = re.compile(FAMILY[module])
-            own = lambda p, f=folders, n=name: p.startswith(f) and (n in p or p.endswith("CMakeLists.txt"))
-            yield kind, f"{module}.{name}", pattern, own, family
+                own = lambda p, n=name, all=shapes: (
+                    p.startswith("runtime/geom/") and (words(p) & all or p.endswith("CMakeLists.txt")) or
+                    p.startswith("runtime/narrow/") and n in p or p.startswith("bindings/") and n in words(p))
+                yield kind, f"{module}.{name}", pattern, own, None
+                continue
+            own = lambda p, f=f"runtime/{folder}/", n=name: p.startswith(f) and (n in p or p.endswith("CMakeLists.txt"))
+            yield kind, f"{module}.{name}", pattern, own, re.compile(FAMILY[module])
 
 
 def count():

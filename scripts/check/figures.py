@@ -222,7 +222,7 @@ def scenes(_feder, folder):
 
 
 def api(_feder, _folder):
-    """Every function that a script sees, from the tables of bindings/lua: signature and what it says of it."""
+    """Every function that a script sees, from the tables of bindings/lua and the rows of shapes: signature and what it says."""
     text = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
     row = re.compile(rf'\{{\s*"\w+",\s*guard<.*?>,\s*{text},\s*{text}[,}}]', re.S)
     owners = {}
@@ -238,6 +238,10 @@ def api(_feder, _folder):
             owner = re.search(r"(\w+)[.:]\w", joined(signature))[1]
             says = re.sub(r";? ?see section \d( of the API)?", "", joined(doc)) or "options above"
             owners.setdefault(OWNERS.get(owner, owner), []).append(f"- `{joined(signature)}`: {says}")
+    for kind in re.findall(r"^feder_variant\(geom (\w+)", (ROOT / "runtime/geom/CMakeLists.txt").read_text(), re.M):
+        source = (ROOT / f"runtime/geom/{kind}.cpp").read_text()
+        usage, says = re.search(rf'return \{{\s*"{kind}",\s*"([^"]*)",\s*"([^"]*)"', source).groups()
+        owners["feder"].append(f"- `feder.{kind}{usage} -> shape`: {says}")
     order = ("feder", "world", "object", "body", "joint", "region", "net", "cloth", "fluid", "emitter", "drain")
     names = [*order, *sorted(set(owners) - set(order))]
     return "\n\n".join("\n".join([f"**{name}**", "", *owners[name]]) for name in names)

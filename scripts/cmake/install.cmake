@@ -34,7 +34,7 @@ install(TARGETS ${feder_exported} EXPORT feder_targets ARCHIVE DESTINATION ${CMA
 install(EXPORT feder_targets NAMESPACE feder:: DESTINATION ${FEDER_PACKAGE_DIR})
 install(DIRECTORY runtime/ DESTINATION include/feder FILES_MATCHING PATTERN "*.h")
 if(FEDER_HAS_LUA)
-  install(FILES bindings/lua/host.h bindings/lua/look.h ${PROJECT_BINARY_DIR}/parts/lua/parts.h
+  install(FILES bindings/lua/host.h bindings/lua/advice.h bindings/lua/look.h ${PROJECT_BINARY_DIR}/parts/lua/parts.h
           DESTINATION include/feder/lua)
 endif()
 if(FEDER_HAS_YAML)

@@ -3,8 +3,8 @@
 
 #include "cloth/sheets.h"
 #include "contact/nets.h"
-#include "contact/surface_rigid.h"
 #include "couple/springs_rigid.h"
+#include "couple/surface_rigid.h"
 
 using namespace feder;
 using namespace feder::test;

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "couple/fluid_cloth.h"
 #include "couple/fluid_rigid.h"
 #include "couple/fluid_springs.h"
 #include "couple/springs_rigid.h"
+#include "couple/surface_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
 

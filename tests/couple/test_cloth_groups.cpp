@@ -4,8 +4,8 @@
 #include "cloth/sheets.h"
 #include "collide/collide.h"
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
+#include "couple/surface_rigid.h"
 
 using namespace feder;
 using namespace feder::test;

@@ -4,8 +4,8 @@
 
 #include "base/rng.h"
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
+#include "couple/surface_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
 

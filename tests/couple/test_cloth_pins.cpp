@@ -6,8 +6,8 @@
 
 #include "base/rng.h"
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
+#include "couple/surface_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
 
@@ -56,7 +56,7 @@ ShapePtr make_kind(std::size_t kind, Rng& rng) {
 
 // Signed distance of a shape or of the parts of a compound.
 Real distance_of(const Shape& s, const Vec3& p, Vec3& normal) {
-  const auto parts = compound_parts(s);
+  const auto parts = s.parts();
   if (parts.empty()) return s.distance(p, 10, normal);
   Real least = kInfinity;
   for (const CompoundPart& part : parts) {

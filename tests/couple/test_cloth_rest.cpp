@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
+#include "couple/surface_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
 

@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/cloth_rigid.h"
 #include "couple/springs_rigid.h"
+#include "couple/surface_rigid.h"
 #include "support/catch.h"
 #include "world/world.h"
 

@@ -3,8 +3,8 @@
 #include <functional>
 
 #include "contact/surface_contact.h"
-#include "contact/surface_rigid.h"
 #include "couple/fluid_parts.h"
+#include "couple/surface_rigid.h"
 #include "fluid/pool.h"
 #include "state/movers.h"
 #include "state/particles.h"

@@ -75,7 +75,7 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
       {"feder.box(1, 1, 1, 1)", "test.lua:1: feder.box: expected at most 3 arguments, got 4"},
       {"feder.sphere(0/0)", "test.lua:1: feder.sphere.radius: expected a finite number, got nan"},
       {"feder.sphere('1')", "test.lua:1: feder.sphere.radius: expected a number"},
-      {"feder.heightfield{}", "test.lua:1: feder.heightfield: this build has no such shape yet"},
+      {"feder.heightfield{}", "test.lua:1: feder.heightfield: this build has no such shape"},
       {"feder.hull{ {0,0,0}, {1,0,0} }", "test.lua:1: feder.hull:"},
       {"feder.mesh({{0,0,0},{1,0,0},{0,1,0}}, {{1,2,4}})",
        "test.lua:1: feder.mesh.triangles[1]: expected a whole number from 1 to 3, got 4"},

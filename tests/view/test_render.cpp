@@ -30,7 +30,9 @@ int brightness(const Image& i, int x, int y) { return red(i, x, y) + green(i, x,
 // A frame with one instance of the unit box.
 Frame one_box(Color color) {
   Frame f;
-  f.geometries.push_back(std::make_shared<Geometry>(unit_box()));
+  GeometryCache cache;
+  cache.fit(make_box(1, 1, 1));
+  f.geometries = cache.geometries();
   Instance i;
   i.position[1] = 1;
   for (float& s : i.scale) s = 1;

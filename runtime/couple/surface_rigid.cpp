@@ -1,11 +1,11 @@
 // Structure of the coupling, candidates of a step, and what contact did, for the contact book. The contact rows are
 // made in surface_rigid_rows.cpp. Kept between steps: which pins were warned of.
-#include "contact/surface_rigid.h"
+#include "couple/surface_rigid.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "contact/surface_triangle.h"
+#include "couple/surface_triangle.h"
 
 namespace feder {
 namespace {
@@ -130,7 +130,7 @@ void SurfaceRigid::find_candidates(StepContext& c) {
   farthest_ = (1 + kAside) * c.dt * colliders_.fastest();
   for (std::uint32_t n = 0; n < count; ++n) {
     const Real radius = Real(0.5) * surfaces_.list[n].thickness;
-    if (!point_shapes_[n] || point_shapes_[n]->radius() != radius) point_shapes_[n] = make_sphere(radius);
+    if (!point_shapes_[n] || point_shapes_[n]->radius() != radius) point_shapes_[n] = make_point(radius);
     candidates_of(n, c);
   }
   for (const Surfaces::Anchor& a : surfaces_.anchors)

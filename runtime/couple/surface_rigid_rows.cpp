@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "base/checks.h"
-#include "contact/surface_rigid.h"
-#include "contact/surface_triangle.h"
+#include "couple/surface_rigid.h"
+#include "couple/surface_triangle.h"
 
 namespace feder {
 namespace {

@@ -38,7 +38,7 @@ class JointSource final : public FrameSource {
 
 }  // namespace
 
-Row view_joints() {
+Row view_rigid_joints() {
   return {"rigid", [] { return std::unique_ptr<FrameSource>(new JointSource); }};
 }
 

@@ -8,7 +8,8 @@ namespace feder {
 class SurfaceTriangle final : public Shape {
  public:
   // Corners in a frame at the first of them.
-  SurfaceTriangle(const Vec3& b, const Vec3& c, Real radius) : Shape("hull", true, radius), p_{Vec3(0, 0, 0), b, c} {
+  SurfaceTriangle(const Vec3& b, const Vec3& c, Real radius)
+      : Shape(any_convex_kind(), true, radius), p_{Vec3(0, 0, 0), b, c} {
     normal_ = normalized_or(cross(b, c), Vec3(0, 1, 0));
   }
   Aabb bounds(const Pose& pose) const override {

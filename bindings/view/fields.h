@@ -1,0 +1,22 @@
+// Fields of the inspector, and the part of the panels that each system brings: panel_<system>.cpp.
+#pragma once
+#include "view/desk.h"
+
+namespace feder::view {
+
+void label(const char* name);
+void fact(const char* name, const std::string& value);
+// Three numbers; true when they were changed.
+bool edit_vector(const char* name, Vec3& v, float speed);
+bool edit_number(const char* name, Real now, float low, float high, Real& out);
+
+struct SystemPanel {
+  const ObjectKind* kind;
+  void (*inspect)(Desk&, ObjectId);  // fields of one object
+  void (*options)(Desk&) = nullptr;  // of the world, when it has the system
+};
+std::span<const SystemPanel> system_panels();
+// A row of the world's options: its name, then a field as wide as there is room.
+void option_label(const char* name);
+
+}  // namespace feder::view

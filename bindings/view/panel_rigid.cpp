@@ -1,0 +1,91 @@
+// Bodies in the inspector, and the choice of their solver.
+#include <cstdio>
+
+#include "collide/collide.h"
+#include "rigid/rigid.h"
+#include "rigid/solver.h"
+#include "view/fields.h"
+#include "view/theme.h"
+
+namespace feder::view {
+namespace {
+
+// A command on the rigid system that does nothing when the body is gone.
+template <class F>
+Command on_body(ObjectId id, F f) {
+  return [id, f](lua::Script& s) {
+    if (s.world()->objects().alive(id)) f(*s.world()->find<Rigid>(), id);
+  };
+}
+
+void edit_body_type(Desk& desk, ObjectId id, BodyType now) {
+  const char* const names[] = {"static", "kinematic", "dynamic"};
+  const BodyType types[] = {BodyType::fixed, BodyType::kinematic, BodyType::dynamic};
+  int at = now == BodyType::fixed ? 0 : now == BodyType::kinematic ? 1 : 2;
+  label("type");
+  if (ImGui::Combo("##type", &at, names, 3))
+    desk.live.act(on_body(id, [type = types[at]](Rigid& r, ObjectId b) { r.set_type(b, type); }), "type");
+}
+
+void edit_surface(Desk& desk, ObjectId id, const Bodies& b, std::uint32_t i) {
+  const Colliders& c = desk.live.world().find<Collide>()->colliders();
+  const std::uint32_t k = b.first_collider[i];
+  Real x = 0;
+  if (k != kNone) {
+    if (edit_number("friction", c.friction_static[k], 0, 10, x))
+      desk.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_friction(o, x, x); }), "friction");
+    if (edit_number("restitution", c.restitution[k], 0, 1, x))
+      desk.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_restitution(o, x); }), "restitution");
+  }
+  if (edit_number("gravity", b.gravity_scale[i], -10, 10, x))
+    desk.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_gravity_scale(o, x); }), "gravity scale");
+  if (edit_number("damping", b.linear_damping[i], 0, 100, x)) {
+    const Real turn = b.angular_damping[i];
+    desk.live.act(on_body(id, [x, turn](Rigid& r, ObjectId o) { r.set_damping(o, x, turn); }), "damping");
+  }
+}
+
+void inspect_body(Desk& desk, ObjectId id) {
+  Rigid& rigid = *desk.live.world().find<Rigid>();
+  const Bodies& b = rigid.bodies();
+  const std::uint32_t i = rigid.index(id);
+  edit_body_type(desk, id, b.type[i]);
+  Pose pose = rigid.pose(id);
+  Vec3 velocity = b.velocity[i], spin = b.angular_velocity[i];
+  if (edit_vector("position", pose.position, 0.02f))
+    desk.live.act(on_body(id, [pose](Rigid& r, ObjectId o) { r.set_pose(o, pose); }), "position");
+  if (b.type[i] != BodyType::fixed) {
+    if (edit_vector("velocity", velocity, 0.05f))
+      desk.live.act(on_body(id, [velocity](Rigid& r, ObjectId o) { r.set_velocity(o, velocity); }), "velocity");
+    if (edit_vector("spin", spin, 0.05f))
+      desk.live.act(on_body(id, [spin](Rigid& r, ObjectId o) { r.set_angular_velocity(o, spin); }), "spin");
+  }
+  edit_surface(desk, id, b, i);
+  char text[80];
+  std::snprintf(text, sizeof text, "%.4g kg, %s", static_cast<double>(b.mass[i]),
+                b.type[i] == BodyType::fixed ? "never moves"
+                : b.awake[i]                 ? "awake"
+                                             : "asleep");
+  fact("state", text);
+}
+
+void choose_solver(Desk& desk) {
+  LiveScene& live = desk.live;
+  if (!live.world().find<Rigid>()) return;
+  const WorldDesc& d = live.world().desc();
+  const auto options = d.systems.find("rigid");
+  const std::string solver = rigid_solver(options == d.systems.end() ? Params() : options->second).name;
+  option_label("solver");
+  if (!ImGui::BeginCombo("##solver", solver.c_str())) return;
+  for (const auto& v : rigid_solvers()) {
+    if (ImGui::Selectable(v.name, solver == v.name)) live.set_world_option("rigid.solver", v.name);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", v.summary);
+  }
+  ImGui::EndCombo();
+}
+
+}  // namespace
+
+SystemPanel window_rigid() { return {&kBodyKind, inspect_body, choose_solver}; }
+
+}  // namespace feder::view
