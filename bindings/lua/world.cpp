@@ -240,6 +240,14 @@ int push_vector(lua_State* L, const Vec3& v) {
   return 3;
 }
 
+std::size_t number_in(lua_State* L, int index, std::size_t count, const char* what) {
+  int whole = 0;
+  const lua_Integer i = lua_type(L, index) == LUA_TNUMBER ? lua_tointegerx(L, index, &whole) : 0;
+  if (whole && i >= 1 && static_cast<std::uint64_t>(i) <= count) return static_cast<std::size_t>(i - 1);
+  fail_here(L,
+            std::string("expected a ") + what + " from 1 to " + std::to_string(count) + ", got " + describe(L, index));
+}
+
 std::span<const Method> world_methods() { return kWorldMethods; }
 
 }  // namespace feder::lua
