@@ -62,7 +62,7 @@ class Study final : public Command {
     if (resume_ && out_.empty()) throw Failure(kUsage, "feder study: --resume needs the --out of the stopped study");
     StudyContext context = new_context(options);
     const auto problem = open_problem(words_[0], options);
-    StudyResult result = sweep(*problem, options, methods_, ladders_, context, out_);
+    StudyResult result = sweep(*problem, problem_file(words_[0]), options, methods_, ladders_, context, out_);
     context.machine.load_after = report::load_now();
     gate({&result, 1}, context);
     finish(result, context, out_, options);
@@ -88,7 +88,8 @@ class Study final : public Command {
   }
 
   int print_list(const Options& options) const {
-    std::fputs((options.json ? report::to_text(problem_list_json()) : problem_list_text()).c_str(), stdout);
+    std::fputs((options.json ? report::to_text(problem_list_json(options)) : problem_list_text(options)).c_str(),
+               stdout);
     return kPass;
   }
 
@@ -146,13 +147,14 @@ class Study final : public Command {
     if (!budget_.empty()) add("budget " + budget_);
     p.real = context.machine.real, p.git = context.machine.git, p.tool = context.machine.tool;
     p.build = context.machine.compiler + " " + context.machine.flags;
-    if (is_scene_file(scene)) p.scene_hash = report::file_hash(scene);
+    if (!scene.empty()) p.scene_hash = report::file_hash(scene);
     return p;
   }
 
   // `log_folder`: where finished points go; empty for nowhere.
-  StudyResult sweep(const StudyProblem& problem, const Options& options, const std::string& methods,
-                    const std::vector<std::string>& ladders, const StudyContext& context,
+  // `file`: of a scene.
+  StudyResult sweep(const StudyProblem& problem, const std::string& file, const Options& options,
+                    const std::string& methods, const std::vector<std::string>& ladders, const StudyContext& context,
                     const std::string& log_folder) const {
     SweepOptions o;
     o.machine = context.machine.cpu;
@@ -170,7 +172,7 @@ class Study final : public Command {
       for (const std::string& ladder : ladders) o.ladders.push_back(parse_ladder(ladder));
       StudyResult known;
       known.problem = problem.info();
-      known.provenance = provenance(options, context, words_.empty() ? "" : words_[0]);
+      known.provenance = provenance(options, context, file);
       const std::vector<PlannedPoint> plan = plan_sweep(problem, o);
       known.provenance.plan_hash = report::plan_hash(plan);
       known.planned = plan.size();
@@ -227,11 +229,11 @@ class Study final : public Command {
     std::vector<StudyResult> all;
     std::vector<std::string> broken;
     for (const SuiteRow& row : suite_rows(suite_)) {
-      const auto problem = open_problem(row.problem, row.set);
-      const std::string methods = fmt::format("{}", fmt::join(row.methods, ","));
       Options of_row = options;
       of_row.set = row.set;
-      all.push_back(sweep(*problem, of_row, methods, row.ladders, context, ""));
+      const auto problem = open_problem(row.problem, of_row);
+      const std::string methods = fmt::format("{}", fmt::join(row.methods, ","));
+      all.push_back(sweep(*problem, problem_file(row.problem), of_row, methods, row.ladders, context, ""));
       const StudyResult& r = all.back();
       for (const StudyPoint& p : r.points) {
         const auto& may = row.may_diverge;
@@ -330,11 +332,6 @@ class Study final : public Command {
 };
 
 }  // namespace
-
-std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Options& options) {
-  if (is_scene_file(name)) return open_scene(name, options);
-  return open_problem(name, options.set);
-}
 
 Row cli_study() {
   return {"study", "error against run time and work, with figures and a table of what to pick",

@@ -16,9 +16,12 @@ std::vector<std::string> split_list(const std::string& text);
 
 bool is_scene_file(const std::string& name);
 
-// A problem of the table with --set options. Failure (usage) names the nearest one.
+// Problems by name: those of the table, then scenes/study/*.
+std::vector<std::string> problem_names();
+// The file of a scene, given as such or by the name of a problem; empty for problems of the table and unknown names.
+std::string problem_file(const std::string& name);
+// With --set options. Failure (usage) names the nearest one.
 std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Options& options);
-std::unique_ptr<StudyProblem> open_problem(const std::string& name, const std::vector<std::string>& set);
 
 // A .lua or .yaml scene as a problem. Failure says what is wrong with it.
 std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options);
@@ -27,8 +30,9 @@ std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options&
 // report that was altered, or the shards that are missing; usage: what cannot be read or came twice.
 StudyResult merge_reports(const std::vector<std::string>& files, report::MachineInfo& machine);
 
-std::string problem_list_text();
-report::Json problem_list_json();
+// Of the problems that this build can run.
+std::string problem_list_text(const Options& options);
+report::Json problem_list_json(const Options& options);
 
 // One study of a suite.
 struct SuiteRow {

@@ -8,33 +8,41 @@
 #include "cli/session.h"
 #include "cli/study_parts.h"
 #include "integrate/integrator.h"
-#include "rigid/rigid.h"
-#include "rigid/solver.h"
+#include "lua/docs.h"
 #include "study/scene_problem.h"
 
 namespace feder::cli {
 namespace {
 
-// How the name of a method reaches the script.
-struct MethodPlace {
-  std::string param;      // --set NAME; empty: none
-  std::string world_key;  // --world KEY; empty: none
+// How what a rung says reaches the script: --set NAME, --world KEY; empty: not at all.
+struct RungPlace {
+  std::string method_param;
+  std::string system;  // whose option "solver" it is, where no parameter names it
+  std::string iterations_param, tolerance_param;
 };
+
+// Calls into the script; its errors become those of studies.
+template <class F>
+auto asked(F&& question) {
+  try {
+    return question();
+  } catch (const lua::LimitError& e) {
+    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
+  } catch (const lua::OptionError&) {
+    throw;
+  } catch (const lua::ScriptError& e) {
+    throw SceneError(e.what());
+  }
+}
+
+void take(lua::StudyState&& from, Observation& to) {
+  to.x = std::move(from.x), to.v = std::move(from.v), to.q = std::move(from.q);
+}
 
 class ScriptWorld final : public SceneWorld {
  public:
-  ScriptWorld(const std::string& file, lua::HostOptions host, bool has_error)
-      : script_(std::move(host)), has_error_(has_error) {
-    try {
-      script_.load_file(file);
-      script_.build();
-    } catch (const lua::LimitError& e) {
-      throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
-    } catch (const lua::OptionError& e) {
-      throw Failure(kUsage, e.what());
-    } catch (const lua::ScriptError& e) {
-      throw SceneError(e.what());
-    }
+  ScriptWorld(const std::string& file, lua::HostOptions host) : script_(std::move(host)) {
+    asked([&] { script_.load_file(file), script_.build(); });
     need_no_errors();
   }
   World& world() override { return *script_.world(); }
@@ -42,19 +50,32 @@ class ScriptWorld final : public SceneWorld {
     script_.step();
     need_no_errors();
   }
-  double own_error() override {
-    if (!has_error_) return NAN;
-    try {
-      return script_.study_error();
-    } catch (const lua::LimitError& e) {
-      throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
-    } catch (const lua::ScriptError& e) {
-      throw SceneError(e.what());
-    }
+  void observe(Observation& out) override {
+    if (!study().has_observe) return observe_world(world(), out);
+    take(asked([&] { return script_.study_state("observe"); }), out);
   }
+  std::vector<double> measure() override {
+    if (!study().has_measure) return SceneWorld::measure();
+    return asked([&] { return script_.study_numbers("measure"); });
+  }
+  double own_error(std::span<const double> refined) override {
+    return asked([&] { return script_.study_error(refined); });
+  }
+  double event_error() override { return study().has_event ? number("event", 0) : NAN; }
+  double constraint() override { return study().has_constraint ? number("constraint", 0) : NAN; }
+  double sweeps() const override { return script_.study().sweeps; }
+  void reference(double t, Observation& out) override {
+    take(asked([&] { return script_.study_state("reference", t); }), out);
+  }
+  double reference_energy(double t) override { return study().has_energy ? number("energy", t) : NAN; }
   lua::Script& script() { return script_; }
 
  private:
+  const lua::StudyDeclaration& study() const { return script_.study(); }
+  double number(const char* name, double t) {
+    const std::vector<double> all = asked([&] { return script_.study_numbers(name, t); });
+    return all.empty() ? NAN : all.front();
+  }
   void need_no_errors() {
     if (script_.handler_errors().empty()) return;
     const lua::HandlerError& e = script_.handler_errors().front();
@@ -63,7 +84,6 @@ class ScriptWorld final : public SceneWorld {
   }
 
   lua::Script script_;
-  bool has_error_;
 };
 
 lua::HostOptions silent(lua::HostOptions host) {
@@ -78,8 +98,6 @@ MethodInfo method_named(const std::string& name) {
       const IntegratorInfo i = row.make(arena, Params())->info();
       return {row.name, row.summary, i.order, i.evals_per_step, i.stability_limit, i.implicit, false};
     }
-  for (const auto& row : rigid_solvers())
-    if (name == row.name) return {row.name, row.summary, 0, 1, NAN, false, false};
   return {name, "", 0, 1, NAN, false, false};
 }
 
@@ -89,58 +107,114 @@ const lua::ParamInfo* find_param(const std::vector<lua::ParamInfo>& params, cons
   return nullptr;
 }
 
+// The solvers of the first of the world's systems that has a choice of them, its own first; none: empty.
+std::vector<std::string> solvers_of(const World& world, std::string& system) {
+  for (const SystemDescriptor* d : world.catalog()) {
+    const auto present = world.report();
+    if (!d->joins.empty() ||
+        std::none_of(present.begin(), present.end(), [&](const auto& s) { return s.name == d->name; }))
+      continue;
+    for (const OptionInfo& o : lua::system_options(world.catalog(), d->name)) {
+      if (std::string_view(o.row.name) != "solver") continue;
+      system = d->name;
+      const auto given = world.desc().systems.find(system);
+      const Params options = given == world.desc().systems.end() ? Params() : given->second;
+      const std::string own = options.text({"solver"}, o.fallback);
+      std::vector<std::string> names;
+      for (std::string_view name : split_choices(o.choices)) names.emplace_back(name);
+      std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
+      return names;
+    }
+  }
+  return {};
+}
+
 // The methods a scene offers: the choices of a parameter, or the solvers of its bodies.
-MethodPlace find_methods(const std::string& file, lua::Script& script, SceneDescription& scene) {
+RungPlace find_methods(const std::string& file, lua::Script& script, SceneDescription& scene) {
   const std::vector<lua::ParamInfo> params = script.params();
+  const lua::StudyDeclaration& study = script.study();
   std::vector<std::string> names;
-  MethodPlace place;
-  const std::string& wanted = script.study().method;
-  for (const std::string& name :
-       wanted.empty() ? std::vector<std::string>{"integrator", "solver"} : std::vector<std::string>{wanted}) {
+  RungPlace place;
+  for (const std::string& name : study.method.empty() ? std::vector<std::string>{"integrator", "solver"}
+                                                      : std::vector<std::string>{study.method}) {
     const lua::ParamInfo* p = find_param(params, name);
     if (!p || p->choices.empty()) continue;
-    place.param = name;
+    place.method_param = name;
     names = p->choices;
     // the scene's own comes first
     std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == p->value; });
     break;
   }
-  if (!wanted.empty() && place.param.empty())
-    throw Failure(kUsage, fmt::format("{}: study.method: expected a feder.param with choices, got '{}'", file, wanted));
+  if (!study.method.empty() && place.method_param.empty())
+    throw Failure(kUsage,
+                  fmt::format("{}: study.method: expected a feder.param with choices, got '{}'", file, study.method));
   World& world = *script.world();
-  if (place.param.empty() && world.find<Rigid>()) {
-    place.world_key = "rigid.solver";
-    const auto& systems = world.desc().systems;
-    const auto rigid = systems.find("rigid");
-    const std::string own = rigid_solver(rigid == systems.end() ? Params() : rigid->second).name;
-    for (const auto& row : rigid_solvers()) names.push_back(row.name);
-    std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
-  }
+  if (place.method_param.empty()) names = solvers_of(world, place.system);
   if (names.empty()) names = {"scene"};
-  for (const std::string& n : names) scene.methods.push_back(method_named(n));
+  for (const std::string& n : study.methods)
+    if (std::find(names.begin(), names.end(), n) == names.end())
+      throw Failure(kUsage,
+                    fmt::format("{}: study.methods: unknown method '{}'; known: {}", file, n, fmt::join(names, ", ")));
+  for (const std::string& n : study.methods.empty() ? names : study.methods) scene.methods.push_back(method_named(n));
+  if (find_param(params, "iterations")) place.iterations_param = "iterations";
+  if (!study.tolerance.empty() && !find_param(params, study.tolerance))
+    throw Failure(kUsage, fmt::format("{}: study.tolerance: expected the name of a feder.param, got '{}'", file,
+                                      study.tolerance));
+  place.tolerance_param = study.tolerance;
   return place;
 }
 
-void read_axes(const std::string& file, const lua::Script& script, const MethodPlace& place, SceneDescription& scene) {
-  std::vector<std::string> known = {"dt", "substeps"};
-  for (const lua::ParamInfo& p : script.params()) known.push_back(p.name);
-  for (const auto& [name, values] : script.study().axes) {
-    const std::string what = file + ": study.axes." + name;
+// One set of axes as rungs. `way`: told by the axis that has several values, where there are several sets.
+SceneLadder read_ladder(const std::string& what, const lua::StudyAxes& axes, lua::Script& script,
+                        const RungPlace& place, SceneDescription& scene) {
+  const std::vector<lua::ParamInfo> params = script.params();
+  SceneLadder ladder;
+  std::vector<std::string> known = {"dt", "substeps", "iterations", "solver"};
+  for (const lua::ParamInfo& p : params) known.push_back(p.name);
+  for (const auto& [name, values] : axes) {
+    const std::string where = what + "." + name;
+    const auto numbers = [&, &all = values](auto& out, auto read, const char* way) {
+      for (const std::string& v : all) out.push_back(read(read_number(v, where)));
+      if (all.size() > 1) ladder.way = way;
+    };
+    const auto whole = [](double x) { return static_cast<int>(x); };
     if (name == "dt") {
-      for (const std::string& v : values)
-        scene.steps.push_back(static_cast<int>(std::max(1.0, std::round(scene.t_end / read_number(v, what)))));
+      numbers(
+          ladder.steps, [&](double h) { return static_cast<int>(std::max(1.0, std::round(scene.info.t_end / h))); },
+          "steps");
     } else if (name == "substeps") {
-      for (const std::string& v : values) scene.substeps.push_back(static_cast<int>(read_number(v, what)));
-    } else if (name == place.param || (name == "solver" && !place.world_key.empty())) {
+      numbers(ladder.substeps, whole, "substeps");
+    } else if (name == "iterations") {
+      numbers(ladder.iterations, whole, "iters");
+    } else if (!name.empty() && name == place.tolerance_param) {
+      numbers(
+          ladder.tolerances, [](double x) { return x; }, "tol");
+    } else if (name == place.method_param ||
+               (!place.system.empty() && (name == "solver" || name == place.system + ".solver"))) {
       scene.methods.clear();
       for (const std::string& v : values) scene.methods.push_back(method_named(v));
-    } else if (std::find(known.begin(), known.end(), name) != known.end()) {
-      scene.axes.emplace_back(name, values);
+    } else if (find_param(params, name) || name.find('.') != std::string::npos) {
+      ladder.settings.emplace_back(name, values);
     } else {
       const std::string near = nearest_name(name, known);
-      throw Failure(kUsage, fmt::format("{}: expected dt, substeps, solver or a parameter of the scene{}", what,
-                                        near.empty() ? "" : "; did you mean '" + near + "'?"));
+      throw Failure(kUsage, fmt::format("{}: expected dt, substeps, iterations, solver or a parameter of the scene{}",
+                                        where, near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
+  }
+  if (ladder.substeps.empty()) ladder.substeps = {script.world()->desc().substeps};
+  return ladder;
+}
+
+void read_ladders(const std::string& file, lua::Script& script, const RungPlace& place, SceneDescription& scene) {
+  const lua::StudyDeclaration& study = script.study();
+  if (study.ladders.empty() || !study.axes.empty()) {
+    scene.ladders.push_back(read_ladder(file + ": study.axes", study.axes, script, place, scene));
+    if (study.ladders.empty()) scene.ladders.back().way.clear();
+  }
+  for (std::size_t k = 0; k < study.ladders.size(); ++k) {
+    scene.ladders.push_back(
+        read_ladder(fmt::format("{}: study.ladders[{}]", file, k + 1), study.ladders[k].axes, script, place, scene));
+    scene.ladders.back().methods = study.ladders[k].methods;
   }
 }
 
@@ -151,13 +225,57 @@ std::vector<ProblemParam> listed(const std::vector<lua::ParamInfo>& params) {
   return out;
 }
 
-void apply(const RunSpec& spec, double t_end, const MethodPlace& place, lua::HostOptions& host) {
-  for (const auto& [name, value] : spec.settings) host.set[name] = value;
+void apply(const RunSpec& spec, double t_end, const RungPlace& place, lua::HostOptions& host) {
+  for (const auto& [name, value] : spec.settings)
+    (name.find('.') == std::string::npos ? host.set : host.world)[name] = value;
   host.world["dt"] = fmt::format("{:.17g}", t_end / spec.steps);
   if (spec.substeps > 0) host.world["substeps"] = std::to_string(spec.substeps);
-  if (!place.param.empty()) host.set[place.param] = spec.method;
-  if (!place.world_key.empty()) host.world[place.world_key] = spec.method;
-  if (spec.iterations > 0 && !place.world_key.empty()) host.world["rigid.iterations"] = std::to_string(spec.iterations);
+  if (!place.method_param.empty()) host.set[place.method_param] = spec.method;
+  if (!place.system.empty()) host.world[place.system + ".solver"] = spec.method;
+  if (spec.iterations > 0 && !place.iterations_param.empty())
+    host.set[place.iterations_param] = std::to_string(spec.iterations);
+  else if (spec.iterations > 0 && !place.system.empty())
+    host.world[place.system + ".iterations"] = std::to_string(spec.iterations);
+  if (spec.tolerance > 0 && !place.tolerance_param.empty())
+    host.set[place.tolerance_param] = fmt::format("{:.17g}", spec.tolerance);
+}
+
+// What the scene says of its reference, scales and invariants.
+void read_reference(ScriptWorld& probe, SceneDescription& scene) {
+  const lua::StudyDeclaration& study = probe.script().study();
+  using Said = lua::StudyDeclaration::Reference;
+  using Reference = SceneDescription::Reference;
+  ProblemInfo& info = scene.info;
+  scene.has_error = study.has_error;
+  scene.reference = Reference::refined;
+  if (study.reference == Said::course)
+    scene.reference = Reference::course;
+  else if (study.has_error && study.reference != Said::refined)
+    scene.reference = Reference::none;  // or told to the error alone
+  else if (study.reference == Said::stated) {
+    lua::StudyState stated = probe.script().study_state("reference", info.t_end);
+    scene.reference = Reference::stated, scene.stated = std::move(stated.x);
+  }
+  if (scene.reference != Reference::refined) {
+    Observation start;
+    probe.observe(start);
+    info.dof = std::max(1, static_cast<int>(start.x.size() + start.q.size() / 4 * 3));
+  }
+  info.x_scale = study.length, info.v_scale = study.velocity;
+  if (study.energy > 0) info.energy_scale = study.energy;
+  info.reference = {study.kind == "quad"        ? ReferenceKind::quad
+                    : study.kind == "published" ? ReferenceKind::published
+                                                : ReferenceKind::closed,
+                    0,
+                    study.uncertainty,
+                    0,
+                    study.source,
+                    study.resolution};
+  scene.rounding = study.rounding;
+  info.dense = study.interpolate;
+  for (const std::string& word : study.conserves)
+    (word == "momentum" ? info.conserves_momentum : info.conserves_angular) = true;
+  scene.refined_substeps = study.refined_substeps;
 }
 
 }  // namespace
@@ -165,32 +283,37 @@ void apply(const RunSpec& spec, double t_end, const MethodPlace& place, lua::Hos
 std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options) {
   const lua::HostOptions host = silent(host_options(options));
   try {
-    ScriptWorld probe(file, host, false);
+    ScriptWorld probe(file, host);
     lua::Script& script = probe.script();
     const lua::StudyDeclaration& study = script.study();
     SceneDescription scene;
-    scene.name = std::filesystem::path(file).stem().string();
-    scene.summary = script.title();
-    scene.t_end = script.seconds();
+    scene.info.name = std::filesystem::path(file).stem().string();
+    scene.info.summary = script.title();
+    scene.info.t_end = study.seconds > 0 ? study.seconds : script.seconds();
+    scene.info.threads = probe.world().desc().threads;
+    scene.info.params = listed(script.params());
     scene.dt = probe.world().desc().dt;
-    scene.threads = probe.world().desc().threads;
-    scene.params = listed(script.params());
-    scene.has_error = study.has_error;
-    scene.error_source = "the error the scene measures itself, at t_end";
-    if (!(scene.t_end > 0)) throw Failure(kUsage, file + ": a study expects the scene to say seconds");
-    if (study.has_reference && !study.has_error) scene.reference = script.study_reference();
-    const MethodPlace place = find_methods(file, script, scene);
-    read_axes(file, script, place, scene);
-    scene.make = [file, host, place, t_end = scene.t_end, own = scene.has_error](const RunSpec& spec) {
+    if (!(scene.info.t_end > 0)) throw Failure(kUsage, file + ": a study expects the scene to say seconds");
+    read_reference(probe, scene);
+    const RungPlace place = find_methods(file, script, scene);
+    read_ladders(file, script, place, scene);
+    scene.make = [file, host, place, t_end = scene.info.t_end](const RunSpec& spec) {
       lua::HostOptions with = host;
       apply(spec, t_end, place, with);
-      return std::make_unique<ScriptWorld>(file, std::move(with), own);
+      try {
+        return std::make_unique<ScriptWorld>(file, std::move(with));
+      } catch (const lua::OptionError& e) {
+        if (spec.iterations > 0) throw SceneError(e.what());  // of a method that does not take them
+        throw Failure(kUsage, e.what());
+      }
     };
     return std::make_unique<SceneProblem>(std::move(scene));
   } catch (const SceneError& e) {
     throw Failure(kLoadError, e.what());
   } catch (const lua::LimitError& e) {
     throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
+  } catch (const lua::OptionError& e) {
+    throw Failure(kUsage, e.what());
   } catch (const lua::ScriptError& e) {
     throw Failure(kLoadError, e.what());
   }

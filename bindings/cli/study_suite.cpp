@@ -1,5 +1,7 @@
-// The suites of `feder study --suite`: numerics.md 1.6 as rows. A row whose problem this build lacks is left out.
+// The suites of `feder study --suite`: as rows. A row whose problem this build lacks is left out.
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "cli/command.h"
 #include "cli/study_parts.h"
@@ -65,12 +67,6 @@ const std::vector<SuiteRow>& all_rows() {
   return rows;
 }
 
-bool known(const char* problem) {
-  for (const auto& row : study_problems())
-    if (std::string(row.name) == problem) return true;
-  return false;
-}
-
 }  // namespace
 
 std::string suite_names() {
@@ -82,11 +78,12 @@ std::string suite_names() {
 
 std::vector<SuiteRow> suite_rows(const std::string& suite) {
   std::vector<SuiteRow> out;
+  const std::vector<std::string> known = problem_names();
   bool any = false;
   for (const SuiteRow& row : all_rows()) {
     if (row.suite != suite) continue;
     any = true;
-    if (known(row.problem)) out.push_back(row);
+    if (std::find(known.begin(), known.end(), row.problem) != known.end()) out.push_back(row);
   }
   if (!any) throw Failure(kUsage, fmt::format("feder study: unknown suite '{}'; known: {}", suite, suite_names()));
   return out;

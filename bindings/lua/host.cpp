@@ -154,18 +154,25 @@ void Script::step() {
 
 const StudyDeclaration& Script::study() const { return impl_->state.scene.study; }
 
-double Script::study_error() {
+double Script::study_error(std::span<const double> refined) {
   const Impl::InPhase phase(impl_->state, Phase::checking);
   double error = 0;
-  impl_->protect([&](lua_State* L) { error = scene_error(L); });
+  impl_->protect([&](lua_State* L) { error = scene_error(L, refined); });
   return error;
 }
 
-std::vector<double> Script::study_reference() {
+StudyState Script::study_state(const char* name, double t) {
   const Impl::InPhase phase(impl_->state, Phase::checking);
-  std::vector<double> values;
-  impl_->protect([&](lua_State* L) { push_scene_reference(L, values); });
-  return values;
+  StudyState out;
+  impl_->protect([&](lua_State* L) { read_study_state(L, name, t, out); });
+  return out;
+}
+
+std::vector<double> Script::study_numbers(const char* name, double t) {
+  const Impl::InPhase phase(impl_->state, Phase::checking);
+  std::vector<double> out;
+  impl_->protect([&](lua_State* L) { read_study_numbers(L, name, t, out); });
+  return out;
 }
 
 CheckResult Script::check() {

@@ -108,12 +108,39 @@ struct CheckResult {
   Limit limit = Limit::none;  // that ended it
 };
 
-// What a scene says about being studied: study = { reference =, error =, axes =, method = }.
+// Name -> values, in the order of the names.
+using StudyAxes = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+// What a scene says about being studied: study = { reference =, error =, axes =, ... }.
 struct StudyDeclaration {
+  enum class Reference { none, refined, stated, course };  // "self"; for the end; at any time
+
   bool declared = false;
-  bool has_error = false, has_reference = false;
-  std::string method;  // the parameter that names the methods; may be empty
-  std::vector<std::pair<std::string, std::vector<std::string>>> axes;  // name -> values, in the order of the names
+  Reference reference = Reference::none;
+  // functions that are there
+  bool has_error = false, has_observe = false, has_measure = false, has_energy = false, has_event = false,
+       has_constraint = false;
+  std::string method, tolerance;     // the parameters that name the methods and take their tolerance; may be empty
+  std::vector<std::string> methods;  // empty: all
+  double seconds = 0;                // 0: the scene's
+  StudyAxes axes;
+  struct Ladder {
+    std::vector<std::string> methods;  // that climb it; empty: all
+    StudyAxes axes;
+  };
+  std::vector<Ladder> ladders;
+  double length = 0, velocity = 0, energy = 0;  // scales; 0: not said
+  std::string kind = "closed", source;          // of the reference
+  double uncertainty = 1e-15, rounding = 1, resolution = 0;
+  std::vector<std::string> conserves;
+  bool interpolate = true;
+  double sweeps = 1;
+  int refined_substeps = 0;
+};
+
+// What is compared: three numbers per point, and orientations x y z w.
+struct StudyState {
+  std::vector<double> x, v, q;
 };
 
 // Time spent in a Lua handler, by place.
@@ -159,11 +186,14 @@ class Script {
   const Look* look() const;
   // One step: world.step(), then timers, events, tasks, update(). Handler errors are collected, not thrown.
   void step();
-  // Studies: what the scene declares; its error now, in whatever unit it has (several numbers: their rms); its
-  // reference (numbers, lists of numbers are laid end to end). ScriptError where the scene has none or fails.
+  // Studies: what the scene declares; its error now, in whatever unit it has (several numbers: their rms), against its
+  // reference or, where that is "self", the numbers that the refined run left; its states ("observe", "reference") and
+  // numbers ("measure", "energy", "event", "constraint"; lists are laid end to end), those of a reference at time t.
+  // ScriptError where the scene has none or fails.
   const StudyDeclaration& study() const;
-  double study_error();
-  std::vector<double> study_reference();
+  double study_error(std::span<const double> refined = {});
+  StudyState study_state(const char* name, double t = 0);
+  std::vector<double> study_numbers(const char* name, double t = 0);
   // Runs the scene's check.
   CheckResult check();
   const std::vector<HandlerError>& handler_errors() const;

@@ -38,6 +38,25 @@ int feder_deg(lua_State* L) {
   return 1;
 }
 
+// The names that an option of a class takes: "cloth.solver".
+int feder_choices(lua_State* L) {
+  const std::string wanted = check_text(L, 1, function_name(L));
+  for (const DocRow& row : docs(state(L).options.parts))
+    for (const OptionInfo& o : row.options) {
+      if (row.name + "." + o.row.name != wanted || o.choices.empty()) continue;
+      lua_newtable(L);
+      std::size_t from = 0;
+      for (lua_Integer k = 1; from < o.choices.size(); ++k) {
+        const std::size_t end = std::min(o.choices.find(", ", from), o.choices.size());
+        lua_pushlstring(L, o.choices.data() + from, end - from);
+        lua_rawseti(L, -2, k);
+        from = end + 2;
+      }
+      return 1;
+    }
+  fail_here(L, "expected an option with choices, such as \"fluid.solver\", got " + describe(L, 1));
+}
+
 int feder_version(lua_State* L) {
   lua_pushstring(L, kVersion);
   return 1;
@@ -53,6 +72,8 @@ const Method kFederFunctions[] = {
      "a value that --set, a viewer or a study may change", param_rows},
     {"load", guard<feder_load>, "feder.load(\"materials.yaml\") -> table",
      "a YAML file beside the scene or in the libraries"},
+    {"choices", guard<feder_choices>, "feder.choices(option) -> {name, ...}",
+     "what an option takes in this build: \"cloth.solver\", \"net.integrator\""},
     {"deg", guard<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
     {"buffer", guard<feder_buffer>, "feder.buffer(n) -> buffer", "n numbers for bulk data; buf[i] counts from 1"},
     {"wait", guard<feder_wait>, "feder.wait(seconds)", "in a task: simulated seconds, at least one step"},

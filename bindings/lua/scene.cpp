@@ -90,11 +90,15 @@ void push_scene_copy(lua_State* L) {
   lua_pop(L, 1);
 }
 
-int expect(lua_State* L) {  // upvalue 1: the result, light
-  auto& result = *static_cast<CheckResult*>(lua_touserdata(L, lua_upvalueindex(1)));
+CheckResult& result_of(lua_State* L) {  // upvalue 1, light
+  return *static_cast<CheckResult*>(lua_touserdata(L, lua_upvalueindex(1)));
+}
+
+int expect(lua_State* L) {  // (expect, condition, [message])
+  lua_remove(L, 1);
   luaL_checkany(L, 1);
   if (lua_toboolean(L, 1)) {
-    ++result.passed;
+    ++result_of(L).passed;
     lua_pushvalue(L, 1);
     return 1;
   }
@@ -105,9 +109,50 @@ int expect(lua_State* L) {  // upvalue 1: the result, light
     lua_call(L, 1, 1);
     message = lua_tostring(L, -1) ? lua_tostring(L, -1) : "?";
   }
-  result.failures.push_back({place(L), message});
+  result_of(L).failures.push_back({place(L), message});
   lua_pushvalue(L, 1);
   return 1;
+}
+
+// expect.error(value, "<", 1e-3, [what]): NaN holds against nothing.
+int expect_error(lua_State* L) {
+  if (lua_type(L, 1) != LUA_TNUMBER) fail(L, "expect.error: expected a number, got " + describe(L, 1));
+  const double value = lua_tonumber(L, 1);
+  const std::string sign = check_text(L, 2, "expect.error: comparison");
+  const double bound = check_number(L, 3, "expect.error: bound");
+  bool holds = false;
+  if (sign == "<")
+    holds = value < bound;
+  else if (sign == "<=")
+    holds = value <= bound;
+  else if (sign == ">")
+    holds = value > bound;
+  else if (sign == ">=")
+    holds = value >= bound;
+  else
+    fail(L, "expect.error: expected \"<\", \"<=\", \">\" or \">=\", got '" + sign + "'");
+  const std::string what = lua_isnoneornil(L, 4) ? "error" : check_text(L, 4, "expect.error: message");
+  if (holds)
+    ++result_of(L).passed;
+  else
+    result_of(L).failures.push_back(
+        {place(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
+  lua_pushboolean(L, holds);
+  return 1;
+}
+
+// A table that is called, and has comparisons by name.
+void push_expect(lua_State* L, CheckResult& result) {
+  const auto method = [&](const char* name, lua_CFunction fn) {
+    lua_pushlightuserdata(L, &result);
+    lua_pushcclosure(L, fn, 1);
+    lua_setfield(L, -2, name);
+  };
+  lua_newtable(L);
+  method("error", guard<expect_error>);
+  lua_newtable(L);
+  method("__call", expect);
+  lua_setmetatable(L, -2);
 }
 
 }  // namespace
@@ -231,8 +276,7 @@ CheckResult run_check(lua_State* L) {
   push_callback(L, "check");
   push_world(L, *st.worlds[st.last_world]);
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
-  lua_pushlightuserdata(L, &result);
-  lua_pushcclosure(L, expect, 1);
+  push_expect(L, result);
   Failure failure;
   if (!st.call(L, 3, 0, failure)) {
     result.failures.push_back({failure.where, failure.message});

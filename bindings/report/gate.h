@@ -1,5 +1,5 @@
 // The gate: the points of a study against a stored baseline. Counts and verdicts are exact, errors may move by a
-// thousandth, memory by 2 %; seconds never gate (numerics.md 1.5).
+// thousandth, memory by 2 %; seconds never gate.
 #pragma once
 #include <map>
 #include <string>

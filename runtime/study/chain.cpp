@@ -1,4 +1,5 @@
-// A straight chain of equal masses and springs that swings along itself in one eigenmode: numerics.md 2.4. Each mode
+// A straight chain of equal masses and springs that swings along itself in one eigenmode (Lagrange,
+// Mechanique analitique, 1788). Each mode
 // tests frequency and damping of its own; linear as long as no spring is squeezed to nothing.
 #include "study/net_problem.h"
 

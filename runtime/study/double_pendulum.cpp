@@ -1,4 +1,4 @@
-// Two unit masses on two unit rods, g = 9.81, from rest with both rods level: numerics.md 2.3. The angles from the
+// Two unit masses on two unit rods, g = 9.81, from rest with both rods level. The angles from the
 // vertical are the coordinates; the mass matrix is solved within the force, which so depends on velocity without
 // damping anything. Chaotic: beyond t = 3 what counts is how long a run stays with the reference.
 #include "study/ode.h"

@@ -1,7 +1,7 @@
 // Points of one setting of a scene are compared with each other only; another setting is another problem.
 // Points are ranked by their error along the run: the error at t_end alone may vanish by luck of the phase. An error is
 // reached where all finer points of the same ladder have it too, for the same reason.
-// Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost (numerics.md 1.4).
+// Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost.
 // Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
 // reference and of the rounding of each point.
 #include "study/evaluate.h"

@@ -1,9 +1,9 @@
-// The extreme inputs of numerics.md 3.6, each with the result it must have: refused with the object named and the world
+// Extreme inputs, each with the result it must have: refused with the object named and the world
 // unchanged, or run and end as said. Returns what happened; tests and reports compare.
 #pragma once
 #include <functional>
-#include <span>
 #include <string>
+#include <vector>
 
 #include "study/stability.h"
 
@@ -23,11 +23,9 @@ struct ExtremeCase {
   std::function<ExtremeOutcome()> run;
 };
 
-std::span<const ExtremeCase> extreme_spring_cases();
-std::span<const ExtremeCase> extreme_rigid_cases();
-std::vector<ExtremeCase> extreme_cloth_cases();  // where cloth is built; with each of its solvers
-std::vector<ExtremeCase> extreme_fluid_cases();  // likewise
-std::vector<ExtremeCase> extreme_cases();        // all
+// All: a file extreme_<name>.cpp defines `std::vector<ExtremeCase> <name>_extremes()`, and a line of the module's table
+// lists it.
+std::vector<ExtremeCase> extreme_cases();
 
 // Runs `act`, which must throw a SceneError that contains `word`, and asks `hash` before and after.
 ExtremeOutcome expect_refusal(const char* word, const std::function<void()>& act,

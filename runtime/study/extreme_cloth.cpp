@@ -160,7 +160,7 @@ const Run kRuns[] = {
 
 }  // namespace
 
-std::vector<ExtremeCase> extreme_cloth_cases() {
+std::vector<ExtremeCase> cloth_extremes() {
   std::vector<ExtremeCase> all(std::begin(kRefused), std::end(kRefused));
   for (const Variant<ClothSolver>& v : cloth_solvers())
     for (const Run& r : kRuns)

@@ -218,7 +218,7 @@ const Run kRuns[] = {
 
 }  // namespace
 
-std::vector<ExtremeCase> extreme_fluid_cases() {
+std::vector<ExtremeCase> fluid_extremes() {
   std::vector<ExtremeCase> all(std::begin(kRefused), std::end(kRefused));
   for (const Variant<FluidSolver>& v : fluid_solvers())
     for (const Run& r : kRuns)

@@ -163,6 +163,6 @@ const ExtremeCase kCases[] = {
 
 }  // namespace
 
-std::span<const ExtremeCase> extreme_rigid_cases() { return kCases; }
+std::vector<ExtremeCase> rigid_extremes() { return {std::begin(kCases), std::end(kCases)}; }
 
 }  // namespace feder

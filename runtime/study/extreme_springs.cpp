@@ -208,39 +208,6 @@ const ExtremeCase kCases[] = {
 
 }  // namespace
 
-std::span<const ExtremeCase> extreme_spring_cases() { return kCases; }
-
-std::vector<ExtremeCase> extreme_cases() {
-  std::vector<ExtremeCase> all;
-  for (const auto cases : {extreme_spring_cases(), extreme_rigid_cases()})
-    all.insert(all.end(), cases.begin(), cases.end());
-#ifdef FEDER_HAS_CLOTH
-  for (ExtremeCase& c : extreme_cloth_cases()) all.push_back(std::move(c));
-#endif
-#ifdef FEDER_HAS_FLUID
-  for (ExtremeCase& c : extreme_fluid_cases()) all.push_back(std::move(c));
-#endif
-  return all;
-}
-
-std::string labelled(const char* label, double value) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %.6g", label, value);
-  return text;
-}
-
-ExtremeOutcome expect_refusal(const char* word, const std::function<void()>& act,
-                              const std::function<std::uint64_t()>& hash) {
-  const std::uint64_t before = hash();
-  try {
-    act();
-  } catch (const SceneError& e) {
-    const std::string message = e.what();
-    const bool named = message.find(word) != std::string::npos, unchanged = hash() == before;
-    return {named && unchanged, Verdict::refused,
-            message + (named ? "" : std::string("; does not name ") + word) + (unchanged ? "" : "; the world changed")};
-  }
-  return {false, Verdict::stable, "was accepted"};
-}
+std::vector<ExtremeCase> springs_extremes() { return {std::begin(kCases), std::end(kCases)}; }
 
 }  // namespace feder

@@ -1,4 +1,4 @@
-// Ten springs of k = 1e8 with nine masses of 1 kg and one of 1e6 kg below, let go unstretched: numerics.md 2.4. It
+// Ten springs of k = 1e8 with nine masses of 1 kg and one of 1e6 kg below, let go unstretched. It
 // bounces about its equilibrium in ten modes; top tension and stretch there are known.
 #include "study/net_problem.h"
 

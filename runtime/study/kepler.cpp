@@ -1,4 +1,4 @@
-// A body around a fixed centre, GM = a = 1, from the pericentre: numerics.md 2.2. Reference: Kepler's equation
+// A body around a fixed centre, GM = a = 1, from the pericentre. Reference: Kepler's equation
 // E - e sin E = t by Newton in long double. The start decides much: from the pericentre, kicks first and drifts first
 // differ by an order of magnitude.
 #include "study/ode.h"

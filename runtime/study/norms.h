@@ -1,4 +1,4 @@
-// Error norms of a study (numerics.md 1.2), on plain numbers. Pure functions.
+// Error norms of a study, on plain numbers. Pure functions.
 #pragma once
 #include <span>
 

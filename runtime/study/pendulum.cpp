@@ -1,4 +1,5 @@
-// theta'' = -sin theta (g/L = 1) from rest at theta0: numerics.md 2.3. The angle is the coordinate.
+// theta'' = -sin theta (g/L = 1) from rest at theta0; the angle is the coordinate. By elliptic functions
+// (Jacobi 1829):
 //   sin(theta/2) = k sn(K - t | k), theta' = -2 k cn, with k = sin(theta0/2)
 #include "study/ode.h"
 #include "study/reference.h"

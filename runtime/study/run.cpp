@@ -1,5 +1,5 @@
 // One run against the reference. The observed state is read at the steps that enclose a sample time, and watched on at
-// least 2048 others; diverged and non-finite runs end where they are found out (numerics.md 3.6), except that one that
+// least 2048 others; diverged and non-finite runs end where they are found out, except that one that
 // only has too much energy goes on: its errors are worth seeing.
 #include "study/run.h"
 

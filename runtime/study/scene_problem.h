@@ -1,5 +1,5 @@
-// Any world as a problem: a factory makes runs, the reference is the same run refined. What a run is made from (a Lua
-// scene, an embedder's function) stays outside.
+// Any world as a problem: a factory makes runs, the reference is the scene's own or the same run refined. What a run is
+// made from (a Lua scene, an embedder's function) stays outside.
 #pragma once
 #include <functional>
 #include <map>
@@ -9,38 +9,59 @@
 
 namespace feder {
 
-// One world in progress, made for a spec.
+// Moving bodies and net points, in the order they were made.
+void observe_world(World& world, Observation& out);
+
+// One world in progress, made for a spec, and what its scene says of it.
 class SceneWorld {
  public:
   virtual ~SceneWorld() = default;
   virtual World& world() = 0;
-  virtual void step() = 0;                    // the world's step and what the scene does after it
-  virtual double own_error() { return NAN; }  // the scene's own measure, asked once at t_end
+  virtual void step() = 0;  // the world's step and what the scene does after it
+  virtual void observe(Observation& out) { observe_world(world(), out); }
+  // What errors at the end are made of; of a refined run it is the reference that own_error() gets.
+  virtual std::vector<double> measure() {
+    Observation o;
+    observe(o);
+    return o.x;
+  }
+  // The scene's own error, asked once at t_end. `refined`: the measure of the refined run, where there is one.
+  virtual double own_error(std::span<const double> /*refined*/) { return NAN; }
+  virtual double event_error() { return NAN; }             // StudyRun::event_error
+  virtual double constraint() { return NAN; }              // Invariants::constraint
+  virtual double sweeps() const { return 1; }              // evaluations in one call of a pass
+  virtual void reference(double /*t*/, Observation&) {}    // of Reference::course
+  virtual double reference_energy(double) { return NAN; }  // J
+};
+
+// Rungs, all combinations of the values; what is empty stays as the scene has it.
+struct SceneLadder {
+  std::vector<std::string> methods;  // that climb it; empty: all
+  std::vector<int> steps, substeps, iterations;
+  std::vector<double> tolerances;
+  std::vector<std::pair<std::string, std::vector<std::string>>> settings;  // name and values: other problems
+  std::string way;                                                         // RunSpec::way
 };
 
 struct SceneDescription {
-  std::string name, summary;
-  double t_end = 1;
+  SceneDescription() { info.x_scale = info.v_scale = 0; }
+
+  ProblemInfo info;                  // scales that are 0 or NaN are measured; of the reference what the scene says
   double dt = 1.0 / 60;              // the scene's own step, s
-  int threads = 1;                   // worker threads of its world
   std::vector<MethodInfo> methods;   // the first is the scene's own
-  std::vector<int> steps;            // of the ladder; empty: about dt, from 2 dt to dt/8
-  std::vector<int> substeps;         // likewise; empty: the scene's own
-  std::vector<ProblemParam> params;  // values for listings
-  // Every combination is run: name and values.
-  std::vector<std::pair<std::string, std::vector<std::string>>> axes;
-  bool has_error = false;    // own_error() is the error: nothing is refined
-  std::string error_source;  // in words, for has_error
-  // Observed points to be at t_end, in the order of observe_world(); empty: refined.
-  std::vector<double> reference;
+  std::vector<SceneLadder> ladders;  // empty: steps about dt, from 2 dt to dt/8
+  // What runs are compared with: themselves refined, values at t_end in the order of observe(), SceneWorld::reference()
+  // at any time, or nothing but their own error.
+  enum class Reference { refined, stated, course, none } reference = Reference::refined;
+  std::vector<double> stated;
+  int refined_substeps = 0;  // of the refined run, with the scene's own steps; 0: finer steps
+  bool has_error = false;    // own_error() stands for the error at t_end
+  double rounding = 1;       // by how much more than the rounding of the step alone
   std::function<std::unique_ptr<SceneWorld>(const RunSpec&)> make;
 };
 
-// Moving bodies and net points, in the order they were made.
-void observe_world(World& world, Observation& out);
-
-// The reference is a run with a step 64 times finer than the finest rung (at most kReferenceSteps in all), once by
-// the first method and once by another one, or by itself twice as coarse: their difference is the uncertainty.
+// A refined reference is a run with a step 64 times finer than the finest rung (at most kReferenceSteps in all), once
+// by the first method and once by another one, or by itself twice as coarse: their difference is the uncertainty.
 class SceneProblem final : public StudyProblem {
  public:
   static constexpr int kReferenceSteps = 200000;
@@ -53,19 +74,26 @@ class SceneProblem final : public StudyProblem {
   double reference_energy(double t) const override;
 
  private:
+  using Reference = SceneDescription::Reference;
   struct Refined {
-    std::vector<Observation> states;  // at the 257 times
+    std::vector<Observation> states;  // at equal distances, the start among them
     std::vector<double> energy;
-    double kinetic = 0;   // largest
-    std::string failure;  // of the run, empty when it reached the end
+    std::vector<double> measure;  // at the end
+    double kinetic = 0;           // largest
+    std::string failure;          // of the run, empty when it reached the end
   };
-  Refined run_refined(const std::string& method, int steps, const Settings& settings) const;
+  Refined run_refined(const RunSpec& spec) const;
   const Refined& refined() const;
-  void measure(const Refined& best, const Refined& other, int factor) const;
+  void measure(const Refined& best, const Refined& other) const;
+  void describe_reference();
+  RunSpec own_spec() const;
+  SceneWorld& referee() const;  // a world of the same settings at t = 0, which knows the reference
 
   SceneDescription scene_;
   mutable Settings settings_;
   mutable std::map<Settings, Refined> references_;
+  mutable std::unique_ptr<SceneWorld> referee_;
+  mutable Settings referee_settings_;
 };
 
 }  // namespace feder

@@ -1,4 +1,4 @@
-// A mass on a stiff spring that swings from the level, E0 = 0: numerics.md 2.3. Slow swing and fast stretch in one.
+// A mass on a stiff spring that swings from the level, E0 = 0. Slow swing and fast stretch in one.
 #include "study/net_problem.h"
 
 namespace feder {

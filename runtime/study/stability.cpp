@@ -7,6 +7,9 @@
 #include "study/stability_problem.h"
 
 namespace feder {
+
+#include "study_stability_declare.inc"
+
 namespace {
 
 double largest(const std::vector<double>& e, std::size_t first, std::size_t last) {
@@ -34,14 +37,62 @@ Verdict judge(const StabilityTrace& j, double length, double energy, const Stabi
   return c.missed > limits.slow ? Verdict::slow : Verdict::stable;
 }
 
+StabilityCell judge_run(const StabilityRun& run, double x, double y, const StabilityThresholds& limits) {
+  StabilityCell cell;
+  cell.x = x, cell.y = y;
+  World& w = run.world;
+  const auto total = [&w] {
+    const Energy e = w.energy();
+    return e.kinetic + e.potential + e.elastic;
+  };
+  const double start = total();
+  const int steps = static_cast<int>(std::lround(run.seconds / w.desc().dt));
+  double most = 0, late = 0, second = 0;
+  for (int k = 0; k < steps; ++k) {
+    w.step();
+    run.look();
+    for (const Event& e : w.events().list())
+      if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
+    const double gained = total() - start;
+    most = std::max(most, gained);
+    if (4 * k >= 3 * steps)
+      late = std::max(late, gained);
+    else if (4 * k >= steps && 2 * k < steps)
+      second = std::max(second, gained);
+    const bool finite = w.is_finite();
+    if (finite && std::isfinite(gained) && gained < limits.energy * run.energy && !run.left()) continue;
+    cell.verdict = finite || run.overflows ? Verdict::diverged : Verdict::nan;
+    cell.t_fail = w.time();
+    break;
+  }
+  cell.energy_ratio = most / run.energy;
+  if (cell.verdict != Verdict::stable) return cell;
+  cell.error = run.error();
+  if (late > limits.growth * second && late > (limits.growth_start - 1) * run.energy)
+    cell.verdict = Verdict::growing;
+  else if (cell.error > limits.inaccurate)
+    cell.verdict = Verdict::inaccurate;
+  return cell;
+}
+
 namespace {
 
-std::unique_ptr<StabilityProblem> make_problem(const std::string& name) {
-  for (const auto& rows : {stability_problems(), rigid_stability_problems()})
-    for (const StabilityProblemRow& row : rows)
-      if (name == row.name) return row.make();
+StabilityProblems all_problems() {
+  StabilityProblems all;
+  for (StabilityProblems (*const make)() : {
+#include "study_stability_rows.inc"
+       })
+    for (auto& problem : make()) all.push_back(std::move(problem));
+  return all;
+}
+
+std::unique_ptr<StabilityProblem> find_problem(const std::string& name) {
   std::string known;
-  for (const StabilityProblemInfo& info : stability_problem_infos()) known += (known.empty() ? "" : ", ") + info.name;
+  for (auto& problem : all_problems()) {
+    const std::string own = problem->info().name;
+    if (own == name) return std::move(problem);
+    known += (known.empty() ? "" : ", ") + own;
+  }
   throw SceneError("unknown stability problem '" + name + "'; known: " + known);
 }
 
@@ -86,13 +137,7 @@ const char* name_of(Verdict v) {
 }
 
 StabilityResult run_stability(const StabilityPlan& plan) {
-#ifdef FEDER_HAS_CLOTH
-  if (is_cloth_stability(plan.problem)) return run_cloth_stability(plan);
-#endif
-#ifdef FEDER_HAS_FLUID
-  if (is_fluid_stability(plan.problem)) return run_fluid_stability(plan);
-#endif
-  const auto problem = make_problem(plan.problem);
+  const auto problem = find_problem(plan.problem);
   std::vector<StabilityMethod> methods;
   for (const std::string& name : plan.methods) methods.push_back(find_method(*problem, name));
   if (methods.empty()) methods = problem->methods();
@@ -105,14 +150,7 @@ StabilityResult run_stability(const StabilityPlan& plan) {
 
 std::vector<StabilityProblemInfo> stability_problem_infos() {
   std::vector<StabilityProblemInfo> out;
-  for (const auto& rows : {stability_problems(), rigid_stability_problems()})
-    for (const StabilityProblemRow& row : rows) out.push_back(row.make()->info());
-#ifdef FEDER_HAS_CLOTH
-  for (const StabilityProblemInfo& info : cloth_stability_infos()) out.push_back(info);
-#endif
-#ifdef FEDER_HAS_FLUID
-  for (const StabilityProblemInfo& info : fluid_stability_infos()) out.push_back(info);
-#endif
+  for (const auto& problem : all_problems()) out.push_back(problem->info());
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Stability maps (numerics.md 3.6): a method on a problem over two axes, a verdict for each cell, and the boundary
+// Stability maps: a method on a problem over two axes, a verdict for each cell, and the boundary
 // found by bisection beside the one theory predicts. Plain data for tables and drawings; NaN stands for "does not
 // apply".
 #pragma once

@@ -246,101 +246,48 @@ const std::vector<ClothMapRow>& rows() {
   return table;
 }
 
-const ClothMapRow* find_row(std::string_view name) {
-  for (const ClothMapRow& r : rows())
-    if (r.info.name == name) return &r;
-  return nullptr;
-}
-
-double total(World& w) {
-  const Energy e = w.energy();
-  return e.kinetic + e.potential + e.elastic;
-}
-
 double row_updates(const World& w) {
   for (const Residual& r : w.residuals())
     if (r.name == "cloth.row_updates") return r.value;
   return 0;
 }
 
-StabilityCell run_cell(const ClothMapRow& row, const std::string& solver, double x, double y,
-                       const StabilityThresholds& limits) {
-  StabilityCell cell;
-  cell.x = x, cell.y = y;
-  ClothCell c = row.make(solver, x, y);
-  Arena unused("stability");
-  const bool sheds = find_variant(cloth_solvers(), solver, "cloth solver").make(unused, Params())->sheds_strain();
-  World& w = *c.world;
-  const double start = total(w);
-  const int steps = static_cast<int>(std::lround(c.seconds / w.desc().dt));
-  double most = 0, late = 0, second = 0;
-  for (int k = 0; k < steps; ++k) {
-    w.step();
-    const double work = row_updates(w);
-    c.most_work = std::max(c.most_work, work), c.mean_work += work / steps;
-    for (const Event& e : w.events().list())
-      if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
-    const double gained = total(w) - start;
-    most = std::max(most, gained);
-    if (4 * k >= 3 * steps)
-      late = std::max(late, gained);
-    else if (4 * k >= steps && 2 * k < steps)
-      second = std::max(second, gained);
-    const bool finite = w.is_finite();
-    if (finite && std::isfinite(gained) && gained < limits.energy * c.energy) continue;
-    // as for nets: the overflow of an explicit method, which was warned of, is divergence
-    cell.verdict = finite || !sheds ? Verdict::diverged : Verdict::nan;
-    cell.t_fail = w.time();
-    break;
+class ClothStability final : public StabilityProblem {
+ public:
+  explicit ClothStability(const ClothMapRow& row) : row_(row) {}
+  StabilityProblemInfo info() const override { return row_.info; }
+  std::vector<StabilityMethod> methods() const override {
+    std::vector<StabilityMethod> all;
+    for (const Variant<ClothSolver>& v : cloth_solvers())
+      if (!row_.iterates || takes_iterations(v.name)) all.push_back({v.name});
+    return all;
   }
-  cell.energy_ratio = most / c.energy;
-  if (cell.verdict != Verdict::stable) return cell;
-  if (!std::isnan(c.expected)) cell.error = c.error(c) / c.length;
-  if (late > limits.growth * second && late > (limits.growth_start - 1) * c.energy)
-    cell.verdict = Verdict::growing;
-  else if (cell.error > limits.inaccurate)
-    cell.verdict = Verdict::inaccurate;
-  return cell;
-}
+  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
+    ClothCell c = row_.make(method, x, y);
+    World& w = *c.world;
+    Arena unused("stability");
+    const double steps = std::round(c.seconds / w.desc().dt);
+    StabilityRun run{w, c.seconds, c.energy};
+    // as for nets: the overflow of an explicit method, which was warned of, is divergence
+    run.overflows = !find_variant(cloth_solvers(), method, "cloth solver").make(unused, Params())->sheds_strain();
+    run.look = [&] {
+      const double work = row_updates(w);
+      c.most_work = std::max(c.most_work, work), c.mean_work += work / steps;
+    };
+    run.error = [&c] { return std::isnan(c.expected) ? NAN : c.error(c) / c.length; };
+    return judge_run(run, x, y, limits);
+  }
+
+ private:
+  const ClothMapRow& row_;
+};
 
 }  // namespace
 
-bool is_cloth_stability(std::string_view problem) { return find_row(problem) != nullptr; }
-
-std::vector<StabilityProblemInfo> cloth_stability_infos() {
-  std::vector<StabilityProblemInfo> out;
-  for (const ClothMapRow& r : rows()) out.push_back(r.info);
-  return out;
-}
-
-StabilityResult run_cloth_stability(const StabilityPlan& plan) {
-  const ClothMapRow& row = *find_row(plan.problem);
-  std::vector<std::string> methods = plan.methods;
-  if (methods.empty())
-    for (const Variant<ClothSolver>& v : cloth_solvers())
-      if (!row.iterates || takes_iterations(v.name)) methods.push_back(v.name);
-  StabilityResult result;
-  result.thresholds = plan.thresholds;
-  result.real = kRealName;
-  for (const std::string& m : methods) {
-    find_variant(cloth_solvers(), m, "cloth solver");
-    if (row.iterates && !takes_iterations(m))
-      throw SceneError(m + " takes no iterations: " + row.info.name + " needs them");
-    StabilityMap map;
-    map.problem = row.info.name, map.method = m;
-    map.x = row.info.x, map.y = row.info.y;
-    if (!plan.x_values.empty()) map.x.values = plan.x_values;
-    if (!plan.y_values.empty()) map.y.values = plan.y_values;
-    std::size_t stable = 0;
-    for (const double y : map.y.values)
-      for (const double x : map.x.values) {
-        map.cells.push_back(run_cell(row, m, x, y, plan.thresholds));
-        stable += map.cells.back().verdict == Verdict::stable;
-      }
-    map.stable_share = static_cast<double>(stable) / static_cast<double>(map.cells.size());
-    result.maps.push_back(std::move(map));
-  }
-  return result;
+StabilityProblems cloth_stability() {
+  StabilityProblems all;
+  for (const ClothMapRow& row : rows()) all.push_back(std::make_unique<ClothStability>(row));
+  return all;
 }
 
 }  // namespace feder

@@ -192,12 +192,6 @@ const std::vector<FluidMapRow>& rows() {
   return table;
 }
 
-const FluidMapRow* find_row(std::string_view name) {
-  for (const FluidMapRow& r : rows())
-    if (r.info.name == name) return &r;
-  return nullptr;
-}
-
 // Of the end state: how far the fluid's middle, or the beam, is from where it belongs, by the level.
 double error_of(FluidCell& c) {
   double at = 0;
@@ -221,81 +215,33 @@ bool thrown(FluidCell& c) {
   return false;
 }
 
-double total(World& w) {
-  const Energy e = w.energy();
-  return e.kinetic + e.potential + e.elastic;
-}
-
-StabilityCell run_cell(const FluidMapRow& row, const std::string& solver, double x, double y,
-                       const StabilityThresholds& limits) {
-  StabilityCell cell;
-  cell.x = x, cell.y = y;
-  FluidCell c = row.make(solver, x, y);
-  World& w = *c.world;
-  const double start = total(w), scale = kDensity * c.width * c.level * kGravity * c.level;
-  const int steps = static_cast<int>(std::lround(kSeconds / w.desc().dt));
-  double most = 0, late = 0, second = 0;
-  for (int k = 0; k < steps; ++k) {
-    w.step();
-    for (const Event& e : w.events().list())
-      if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
-    const double gained = total(w) - start;
-    most = std::max(most, gained);
-    if (4 * k >= 3 * steps)
-      late = std::max(late, gained);
-    else if (4 * k >= steps && 2 * k < steps)
-      second = std::max(second, gained);
-    const bool finite = w.is_finite();
-    if (finite && std::isfinite(gained) && gained < limits.energy * scale && !thrown(c)) continue;
-    cell.verdict = finite ? Verdict::diverged : Verdict::nan;
-    cell.t_fail = w.time();
-    break;
+class FluidStability final : public StabilityProblem {
+ public:
+  explicit FluidStability(const FluidMapRow& row) : row_(row) {}
+  StabilityProblemInfo info() const override { return row_.info; }
+  std::vector<StabilityMethod> methods() const override {
+    std::vector<StabilityMethod> all;
+    for (const Variant<FluidSolver>& v : fluid_solvers()) all.push_back({v.name});
+    return all;
   }
-  cell.energy_ratio = most / scale;
-  if (cell.verdict != Verdict::stable) return cell;
-  cell.error = error_of(c);
-  if (late > limits.growth * second && late > (limits.growth_start - 1) * scale)
-    cell.verdict = Verdict::growing;
-  else if (cell.error > limits.inaccurate)
-    cell.verdict = Verdict::inaccurate;
-  return cell;
-}
+  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
+    FluidCell c = row_.make(method, x, y);
+    StabilityRun run{*c.world, kSeconds, kDensity * c.width * c.level * kGravity * c.level};
+    run.left = [&c] { return thrown(c); };
+    run.error = [&c] { return error_of(c); };
+    return judge_run(run, x, y, limits);
+  }
+
+ private:
+  const FluidMapRow& row_;
+};
 
 }  // namespace
 
-bool is_fluid_stability(std::string_view problem) { return find_row(problem) != nullptr; }
-
-std::vector<StabilityProblemInfo> fluid_stability_infos() {
-  std::vector<StabilityProblemInfo> out;
-  for (const FluidMapRow& r : rows()) out.push_back(r.info);
-  return out;
-}
-
-StabilityResult run_fluid_stability(const StabilityPlan& plan) {
-  const FluidMapRow& row = *find_row(plan.problem);
-  std::vector<std::string> methods = plan.methods;
-  if (methods.empty())
-    for (const Variant<FluidSolver>& v : fluid_solvers()) methods.push_back(v.name);
-  StabilityResult result;
-  result.thresholds = plan.thresholds;
-  result.real = kRealName;
-  for (const std::string& m : methods) {
-    find_variant(fluid_solvers(), m, "fluid solver");
-    StabilityMap map;
-    map.problem = row.info.name, map.method = m;
-    map.x = row.info.x, map.y = row.info.y;
-    if (!plan.x_values.empty()) map.x.values = plan.x_values;
-    if (!plan.y_values.empty()) map.y.values = plan.y_values;
-    std::size_t stable = 0;
-    for (const double y : map.y.values)
-      for (const double x : map.x.values) {
-        map.cells.push_back(run_cell(row, m, x, y, plan.thresholds));
-        stable += map.cells.back().verdict == Verdict::stable;
-      }
-    map.stable_share = static_cast<double>(stable) / static_cast<double>(map.cells.size());
-    result.maps.push_back(std::move(map));
-  }
-  return result;
+StabilityProblems fluid_stability() {
+  StabilityProblems all;
+  for (const FluidMapRow& row : rows()) all.push_back(std::make_unique<FluidStability>(row));
+  return all;
 }
 
 }  // namespace feder

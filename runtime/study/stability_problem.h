@@ -1,11 +1,13 @@
-// Problems of the stability maps: nets and bodies whose exact motion is known, or computed finely. Private to the
-// module.
+// Problems of the stability maps: a file stability_<name>.cpp defines `StabilityProblems <name>_stability()`, and a
+// line of the module's table lists it. Private to the module.
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "springs/springs.h"
 #include "study/stability.h"
+#include "world/world.h"
 
 namespace feder {
 
@@ -29,7 +31,7 @@ struct StabilityMethod {
   bool implicit = false;
 };
 
-// A table of cells. Nets are run by integrators, bodies by rigid solvers.
+// A table of cells. Nets are run by integrators, others by the solvers of their systems.
 class StabilityProblem {
  public:
   virtual ~StabilityProblem() = default;
@@ -67,21 +69,18 @@ struct StabilityTrace {
 Verdict judge(const StabilityTrace& trace, double length, double energy, const StabilityThresholds& limits,
               const StabilityCell& cell);
 
-struct StabilityProblemRow {
-  const char* name;
-  std::unique_ptr<StabilityProblem> (*make)();
+// A world of a map, for cells that are judged by its energy and by where it ends.
+struct StabilityRun {
+  World& world;
+  double seconds = 0;
+  double energy = 1;                                  // J, scale
+  std::function<void()> look = [] {};                 // after each step
+  std::function<bool()> left = [] { return false; };  // has something left the scene?
+  std::function<double()> error = {};                 // at the end, by the scene's length; NaN: not judged
+  bool overflows = false;                             // non-finite is its divergence, which was warned of
 };
-std::span<const StabilityProblemRow> stability_problems();
-std::span<const StabilityProblemRow> rigid_stability_problems();
+StabilityCell judge_run(const StabilityRun& run, double x, double y, const StabilityThresholds& limits);
 
-// Maps of cloth, by its solvers; where cloth is built.
-std::vector<StabilityProblemInfo> cloth_stability_infos();
-bool is_cloth_stability(std::string_view problem);
-StabilityResult run_cloth_stability(const StabilityPlan& plan);
-
-// Maps of fluids likewise.
-std::vector<StabilityProblemInfo> fluid_stability_infos();
-bool is_fluid_stability(std::string_view problem);
-StabilityResult run_fluid_stability(const StabilityPlan& plan);
+using StabilityProblems = std::vector<std::unique_ptr<StabilityProblem>>;
 
 }  // namespace feder

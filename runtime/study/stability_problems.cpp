@@ -199,11 +199,12 @@ std::unique_ptr<StabilityProblem> make() {
 
 }  // namespace
 
-std::span<const StabilityProblemRow> stability_problems() {
-  static const StabilityProblemRow table[] = {{"oscillator", &make<OscillatorProblem>},
-                                              {"chain", &make<ChainProblem>},
-                                              {"swinging_chain", &make<SwingingChain>}};
-  return table;
+StabilityProblems net_stability() {
+  StabilityProblems all;
+  all.push_back(std::make_unique<OscillatorProblem>());
+  all.push_back(std::make_unique<ChainProblem>());
+  all.push_back(std::make_unique<SwingingChain>());
+  return all;
 }
 
 }  // namespace feder

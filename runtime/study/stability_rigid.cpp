@@ -1,5 +1,5 @@
 // Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or
-// the place of a scene leave the usual (axes of numerics.md 3.6). Each scene ends where it is known: at rest in its
+// the place of a scene leave the usual (axes of stability.h). Each scene ends where it is known: at rest in its
 // place, or before the wall.
 #include "study/stability_rigid.h"
 
@@ -311,19 +311,12 @@ class RigidStability final : public StabilityProblem {
   const RigidMap& map_;
 };
 
-template <std::size_t kIndex>
-std::unique_ptr<StabilityProblem> make() {
-  return std::make_unique<RigidStability>(maps()[kIndex]);
-}
-
 }  // namespace
 
-std::span<const StabilityProblemRow> rigid_stability_problems() {
-  static const StabilityProblemRow table[] = {
-      {"stack", &make<0>},    {"heavy", &make<1>},      {"size", &make<2>},
-      {"far", &make<3>},      {"bullet", &make<4>},     {"spin", &make<5>},
-      {"friction", &make<6>}, {"hinged_rod", &make<7>}, {"jointed_chain", &make<8>}};
-  return table;
+StabilityProblems rigid_stability() {
+  StabilityProblems all;
+  for (const RigidMap& map : maps()) all.push_back(std::make_unique<RigidStability>(map));
+  return all;
 }
 
 }  // namespace feder

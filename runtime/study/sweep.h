@@ -1,5 +1,5 @@
 // A sweep: every method of a problem up its ladder. First the error pass, point by point; then the timing pass on the
-// points that reached the end, interleaved (numerics.md 1.3). A plan gives each point an index that does not depend on
+// points that reached the end, interleaved. A plan gives each point an index that does not depend on
 // the shard that runs it, so results of shards merge to the whole.
 #pragma once
 #include <functional>

@@ -1,5 +1,5 @@
-// Ten links of 0.1 m and 0.1 kg, the last mass R times that, level at rest, swinging for a second: numerics.md 2.4 and
-// the table of 3.4. Stiff by its springs, long in its motion; errors are those of the end point.
+// Ten links of 0.1 m and 0.1 kg, the last mass R times that, level at rest, swinging for a second.
+// Stiff by its springs, long in its motion; errors are those of the end point.
 #include "study/net_problem.h"
 
 namespace feder {

@@ -1,4 +1,4 @@
-// A wall, a spring, 1 kg, a spring, 1e6 kg: numerics.md 2.4. Both eigenmodes at once, four decades apart.
+// A wall, a spring, 1 kg, a spring, 1e6 kg. Both eigenmodes at once, four decades apart.
 #include "study/net_problem.h"
 
 namespace feder {

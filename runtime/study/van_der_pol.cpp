@@ -1,4 +1,4 @@
-// x'' = mu (1 - x^2) x' - x from (2, 0): numerics.md 2.5. Stiff while it creeps, fast while it jumps; no energy.
+// x'' = mu (1 - x^2) x' - x from (2, 0) (van der Pol 1926). Stiff while it creeps, fast while it jumps; no energy.
 #include "study/ode.h"
 #include "study/reference.h"
 

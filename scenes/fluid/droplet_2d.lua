@@ -1,12 +1,13 @@
 -- A drop without gravity, drawn out to an ellipse: surface tension makes it swing with the frequency that Rayleigh
 -- found, omega^2 = n (n^2 - 1) sigma / (rho R^3) with n = 2 in the plane.
 local feder = require "feder"
+local fluid = require "feder.fluid"
 
 local radius, sigma, density = 0.1, 1, 1000  -- m, N/m, kg/m^2
 local spacing = feder.param("spacing", 0.008, { min = 0.005, max = 0.012 })
 local stretch = 1.15
 
-local period = 2 * math.pi / math.sqrt(6 * sigma / (density * radius ^ 3))
+local period = 2 * math.pi / fluid.swing(sigma, density, radius)
 
 return feder.scene {
   title = "Droplet",
@@ -14,27 +15,15 @@ return feder.scene {
   world = { gravity = { 0, 0 }, dt = 1 / 60, substeps = 4, dimension = 2 },
 
   build = function(world, scene)
-    -- evenly, but on no lattice: rows of particles are stiff (Vogel's spiral of sunflower seeds)
-    local points = {}
-    local count = math.floor(math.pi * radius ^ 2 / spacing ^ 2 + 0.5)
-    for i = 1, count do
-      local r, turn = radius * math.sqrt((i - 0.5) / count), i * math.pi * (3 - math.sqrt(5))
-      points[i] = { stretch * r * math.cos(turn), r * math.sin(turn) / stretch, 0 }
-    end
     scene.water = world:fluid { name = "drop", spacing = spacing, density = density, surface_tension = sigma,
       solver = "wcsph", viscosity = 0, artificial_viscosity = 0 }  -- what damps them lets the particles freeze to a lattice
-    scene.count = scene.water:fill { points = points }
+    scene.count = scene.water:fill { points = fluid.drop(radius, spacing, stretch) }
     scene.swing = {}
   end,
 
   -- how long it is against how wide: the second moments
   update = function(world, scene)
-    local p = scene.water:positions()
-    local difference, sum = 0, 0
-    for i = 1, #p, 3 do
-      difference, sum = difference + p[i] ^ 2 - p[i + 1] ^ 2, sum + p[i] ^ 2 + p[i + 1] ^ 2
-    end
-    scene.swing[#scene.swing + 1] = { world:time(), difference / sum }
+    scene.swing[#scene.swing + 1] = { world:time(), fluid.elongation(scene.water) }
   end,
 
   check = function(world, scene, expect)

@@ -16,7 +16,6 @@
 #include <fstream>
 
 #include "fluid/tank.h"
-#include "study/martin_moyce.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -24,7 +23,15 @@ using namespace feder;
 namespace {
 
 constexpr double kG = 9.81;
-constexpr double kDelay = kDiaphragmDelay;
+
+// Of the library that scenes and studies use, so that it stands in one place.
+double library_number(const std::string& name) {
+  std::ifstream file(FEDER_SOURCE_DIR "/scripts/feder/fluid.lua");
+  for (std::string line; std::getline(file, line);)
+    if (line.compare(0, name.size(), name) == 0) return std::stod(line.substr(name.size()));
+  return NAN;
+}
+const double kDelay = library_number("fluid.diaphragm_delay = ");
 
 struct Column {
   explicit Column(const std::string& solver) : world(fluid_world(2), fluid_catalog()) {
@@ -64,13 +71,7 @@ void released(double x, double y, double& ax, double& ay) {
 }  // namespace
 
 TEST_CASE("scenes, studies and tests shift the films of the dam break by one number", "[fluid][analytic]") {
-  std::ifstream file(FEDER_SOURCE_DIR "/scripts/feder/fluid.lua");
-  const std::string name = "fluid.diaphragm_delay = ";
-  std::string line;
-  while (std::getline(file, line) && line.compare(0, name.size(), name) != 0) {
-  }
-  REQUIRE(line.size() > name.size());
-  CHECK(std::stod(line.substr(name.size())) == kDelay);
+  REQUIRE(std::isfinite(kDelay));
   CHECK(std::fabs(kDelay - 0.175 / std::sqrt(2.0)) < 1e-3);
 }
 

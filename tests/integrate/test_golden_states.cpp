@@ -1,5 +1,5 @@
-// x'' = -x from (1, 0), 100 steps of 0.1: the states that tell one method from its relatives (40-digit recurrences,
-// numerics.md 2.1). Methods without a row here are checked by the contract alone.
+// x'' = -x from (1, 0), 100 steps of 0.1: the states that tell one method from its relatives (recurrences with
+// 40 digits). Methods without a row here are checked by the contract alone.
 #include <cstring>
 
 #include "base/arena.h"

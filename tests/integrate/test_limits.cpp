@@ -1,4 +1,4 @@
-// Stability limits (numerics.md 3.1): what info() predicts against the matrix of one actual step, for every registered
+// Stability limits: what info() predicts against the matrix of one actual step, for every registered
 // method, and against the published numbers.
 #include "integrate/limits.h"
 #include "support/catch.h"

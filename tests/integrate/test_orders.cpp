@@ -1,4 +1,4 @@
-// Order of convergence of every registered method on problems with known solutions (numerics.md 2.1 to 2.3).
+// Order of convergence of every registered method on problems with known solutions.
 #include <memory>
 
 #include "base/arena.h"

@@ -71,7 +71,7 @@ struct Top {
 
 TEST_CASE("a free top keeps energy and angular momentum, and flips on time", "[rigid][closed]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
-  // periods of the angular velocity in the body, exact by elliptic integrals (rigid.md 5.4)
+  // periods of the angular velocity in the body, exact by elliptic integrals (Jacobi 1849)
   const Top top = GENERATE(Top{Vec3(Real(0.1), Real(0.2), Real(0.3)), Vec3(Real(0.05), 5, Real(0.05)), 10.2203046},
                            Top{Vec3(Real(0.1), Real(0.2), Real(0.3)), Vec3(Real(0.01), 10, 0), 6.60126439},
                            Top{Vec3(Real(0.35), Real(0.08), Real(0.5)), Vec3(5, Real(0.01), Real(0.01)), 10.5603943});

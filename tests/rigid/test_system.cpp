@@ -92,7 +92,7 @@ TEST_CASE("the middle axis flips with the period of the elliptic integral", "[ri
     int axis;
     double period;
   };
-  // rigid.md 5.4: the component along the middle axis changes sign twice per period
+  // the component along the middle axis changes sign twice per period
   const Case cases[] = {{Vec3(Real(.1), Real(.2), Real(.3)), Vec3(Real(.05), 5, Real(.05)), 1, 10.2203046},
                         {Vec3(Real(.1), Real(.2), Real(.3)), Vec3(Real(.01), 10, 0), 1, 6.60126439},
                         {Vec3(Real(.35), Real(.08), Real(.5)), Vec3(5, Real(.01), Real(.01)), 0, 10.5603943}};

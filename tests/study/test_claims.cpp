@@ -1,4 +1,4 @@
-// What numerics.md says in numbers, reproduced by sweeps: the lecture's claim (2.1), and stiff chains (3.4).
+// Published and known numbers, reproduced by sweeps: orders on the oscillator, and stiff chains.
 #include <cstring>
 
 #include "study/run.h"

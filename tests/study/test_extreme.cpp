@@ -1,4 +1,4 @@
-// Every extreme input ends as expected (numerics.md 3.6). The slow ones are a case of their own.
+// Every extreme input ends as expected. The slow ones are a case of their own.
 #include "study/extreme.h"
 #include "support/catch.h"
 

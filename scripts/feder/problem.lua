@@ -1,0 +1,247 @@
+-- For scenes that are studied (scenes/study): rungs, what is observed, and references by other means than the engine.
+--   local problem = require "feder.problem"
+local feder = require "feder"
+
+local problem = {}
+
+-- Values of the axis dt: `steps` over `seconds`, doubled so many times.
+function problem.steps(seconds, steps, doublings)
+  local axis = {}
+  for k = 0, doublings do axis[k + 1] = seconds / (math.ceil(steps) * 2 ^ k) end
+  return axis
+end
+
+function problem.zeros(count)
+  local list = {}
+  for i = 1, count do list[i] = 0 end
+  return list
+end
+
+-- Names of `all` without `one`.
+function problem.others(all, one)
+  local list = {}
+  for _, name in ipairs(all) do
+    if name ~= one then list[#list + 1] = name end
+  end
+  return list
+end
+
+-- Vertices of a cloth or points of a net, with their velocities.
+function problem.points(soft)
+  local x, v = soft:positions(), {}
+  for i = 1, #x // 3 do
+    v[3 * i - 2], v[3 * i - 1], v[3 * i] = soft:velocity(i)
+  end
+  return { x = x, v = v }
+end
+
+-- A cloth as its ladders want it: its own substeps are those of the world, but for explicit methods, which take what their
+-- stability needs.
+function problem.cloth(solver, iterations, options)
+  options.solver, options.damping, options.self_collision, options.max_strain = solver, 0.02, false, false
+  if solver ~= "mass_spring" then options.substeps = 1 end
+  if iterations > 0 then options.solver_options = { iterations = iterations } end
+  return options
+end
+
+-- About 60 steps a second: substeps, steps, and iterations of few substeps. A solver that chooses its own substeps needs
+-- no more of them, and gets a part of the ladder.
+function problem.cloth_ladders(solvers, seconds, substeps)
+  local function dt(factor) return seconds / math.ceil(60 * factor * seconds - 1e-9) end
+  local middle = (#substeps + 1) // 2
+  local few, coarse = table.move(substeps, 1, middle, 1, {}), { dt(0.25), dt(0.5), dt(1) }
+  local shed = problem.others(solvers, "mass_spring")
+  return {
+    { methods = { "mass_spring" }, dt = { dt(1) }, substeps = few },
+    { methods = { "mass_spring" }, dt = coarse, substeps = { substeps[middle] } },
+    { methods = shed, dt = { dt(1) }, substeps = substeps },
+    { methods = shed, dt = { dt(0.25), dt(0.5), dt(1), dt(2), dt(4) }, substeps = { substeps[middle] } },
+    { methods = shed, dt = { dt(1) }, substeps = { substeps[2] }, iterations = { 1, 2, 4, 8, 16, 32 } },
+  }
+end
+
+-- About a rate of steps a second and four substeps: substeps, steps, and more of what the solver refines by. Those that do
+-- not iterate have the parameter `compression` as tolerance.
+function problem.fluid_ladders(solvers, seconds, rate)
+  local function dt(factor) return seconds / math.ceil(factor * rate * seconds) end
+  return {
+    { dt = { dt(1) }, substeps = { 1, 2, 4, 8 } },
+    { dt = { dt(0.25), dt(0.5), dt(1), dt(2) }, substeps = { 4 } },
+    { methods = { "pbf" }, dt = { dt(1) }, substeps = { 4 }, iterations = { 1, 2, 4, 8, 16 } },
+    { methods = problem.others(solvers, "pbf"), dt = { dt(1) }, substeps = { 4 }, compression = { 0.1, 0.03, 0.01, 0.003 } },
+  }
+end
+
+-- The parameters that problems of fluids have, with `particles` across the length that the problem is about.
+function problem.fluid(particles, t_end)
+  local solvers = feder.choices("fluid.solver")
+  local p = {
+    solvers = solvers,
+    solver = feder.param("solver", solvers[1], { choices = solvers }),
+    spacing = 1 / feder.param("particles", particles,
+      { min = 5, max = 400, step = 1, help = "across the length that the problem is about" }),
+    stiffness = feder.param("stiffness", 0, { min = 0, max = 1e12, help = "bulk modulus for pbf, Pa; 0: as stiff as it can" }),
+    compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2, help = "that wcsph aims at" }),
+    iterations = feder.param("iterations", 4, { min = 1, max = 1000, step = 1, help = "of pbf in a substep" }),
+    rate = feder.param("rate", 60, { min = 10, max = 10000, step = 1, help = "steps a second" }),
+    seconds = feder.param("t_end", t_end, { min = 1e-3, max = 60, help = "s" }),
+  }
+  p.world = { gravity = { 0, -9.81 }, dt = 1 / p.rate, substeps = 4, dimension = 2, sleeping = false }
+  return p
+end
+
+-- The fluid of these parameters, with what else it is made of.
+function problem.water(world, p, options)
+  options.solver, options.spacing, options.stiffness = p.solver, p.spacing, p.stiffness
+  options.compression, options.iterations = p.compression, p.iterations
+  return world:fluid(options)
+end
+
+-- What the studies of fluids have in common: a study with its own error and ladders.
+function problem.of_fluid(p, fluid_, declaration)
+  declaration.tolerance = "compression"
+  declaration.interpolate = false
+  declaration.sweeps = p.solver == "pbf" and p.iterations or 1
+  declaration.ladders = problem.fluid_ladders(p.solvers, p.seconds, p.rate)
+  declaration.constraint = function()
+    local _, largest = fluid_():density_error()
+    return largest
+  end
+  return declaration
+end
+
+-- A block of particles from (x, y), in the plane.
+function problem.fill(fluid_, width, height, x, y)
+  local d, points = fluid_:spacing(), {}
+  local nx, ny = math.floor(width / d + 0.5), math.floor(height / d + 0.5)
+  for j = 1, ny do
+    for i = 1, nx do points[#points + 1] = { x + (i - 0.5) * width / nx, y + (j - 0.5) * height / ny, 0 } end
+  end
+  fluid_:fill { points = points }
+end
+
+-- Static half-spaces: the floor y = 0, and walls at x = 0 and, when given, x = width.
+function problem.tank(world, width)
+  world:body { type = "static", shape = feder.plane(0, 1, 0, 0) }
+  world:body { type = "static", shape = feder.plane(1, 0, 0, 0) }
+  if width then world:body { type = "static", shape = feder.plane(-1, 0, 0, -width) } end
+end
+
+-- Puts vertices to their places of rest; the root mean square of how far they are from there.
+function problem.place(soft, rest)
+  for i, x in ipairs(rest) do soft:set_point(i, x[1], x[2], x[3]) end
+end
+function problem.distance(soft, rest)
+  local x, sum = soft:positions(), 0
+  for i, at in ipairs(rest) do
+    for k = 1, 3 do sum = sum + (x[3 * i - 3 + k] - at[k]) ^ 2 end
+  end
+  return math.sqrt(sum / #rest)
+end
+
+-- Kinetic, potential and elastic together, J.
+function problem.energy(world)
+  local kinetic, potential, elastic = world:energy()
+  return kinetic + potential + elastic
+end
+
+-- The middle of [lo, hi] where the rising function f passes 0, halved until no number is between.
+function problem.root(f, lo, hi)
+  for _ = 1, 200 do
+    local middle = (lo + hi) / 2
+    if f(middle) < 0 then lo = middle else hi = middle end
+  end
+  return (lo + hi) / 2
+end
+
+-- One step of y' = f(t, y) by extrapolation of the modified midpoint rule with 2, 4 ... 16 substeps (Gragg 1965; Hairer,
+-- Norsett and Wanner, Solving Ordinary Differential Equations I, 1993, II.9). Nil where the columns do not agree.
+local function extrapolate(f, t, y, h)
+  local table_, n = {}, #y
+  local start = f(t, y)
+  for row = 1, 8 do
+    local parts = 2 * row
+    local s, before, now = h / parts, y, {}
+    for i = 1, n do now[i] = y[i] + s * start[i] end
+    for m = 1, parts - 1 do
+      local slope, next_ = f(t + m * s, now), {}
+      for i = 1, n do next_[i] = before[i] + 2 * s * slope[i] end
+      before, now = now, next_
+    end
+    local slope, value, worst = f(t + h, now), {}, 0
+    for i = 1, n do value[i] = (before[i] + now[i] + s * slope[i]) / 2 end
+    for column = 1, row - 1 do
+      local ratio = (parts / (2 * (row - column))) ^ 2
+      for i = 1, n do
+        local better = value[i] + (value[i] - table_[column][i]) / (ratio - 1)
+        table_[column][i], value[i] = value[i], better
+      end
+    end
+    for i = 1, n do
+      if row > 1 then worst = math.max(worst, math.abs(value[i] - table_[row - 1][i]) / (1 + math.abs(value[i]))) end
+    end
+    table_[row] = value
+    if row > 3 and worst < 1e-15 then return value end
+  end
+end
+
+-- The motion y' = f(t, y) from y(0): a function of t, which keeps the states at 256 equal distances over `seconds`.
+function problem.motion(f, start, seconds)
+  local kept, distance = { [0] = start }, seconds / 256
+  local function advance(y, from, to)
+    local h = to - from
+    while from < to - 1e-14 * seconds do
+      h = math.min(h, to - from)
+      local next_ = extrapolate(f, from, y, h)
+      if next_ or h < 1e-9 * seconds then
+        from, y = from + h, next_ or y
+      else
+        h = h / 2
+      end
+    end
+    return y
+  end
+  return function(t)
+    local k = math.floor(t / distance + 1e-9)
+    for i = #kept + 1, k do kept[i] = advance(kept[i - 1], (i - 1) * distance, i * distance) end
+    return t - k * distance < 1e-9 * distance and kept[k] or advance(kept[k], k * distance, t)
+  end
+end
+
+-- Columns of the rotation of a quaternion x, y, z, w: where the body's axes point.
+function problem.axes(x, y, z, w)
+  return { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w) },
+    { 2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w) },
+    { 2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y) }
+end
+
+function problem.cross(a, b)
+  return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] }
+end
+
+-- A rigid body about a fixed point (Euler 1758): I dw/dt = (I w) x w + torque in body axes, which are principal; the
+-- centre of mass lies on the second one, and `weight`, m g times its distance in N m, pulls along -y (0: free). State:
+-- w in body axes, then the quaternion x, y, z, w. Returns a function of t: quaternion, w in world axes.
+function problem.top(inertia, weight, start, seconds)
+  local a, b, c = inertia[1], inertia[2], inertia[3]
+  local motion = problem.motion(function(_, s)
+    local p, q, r, x, y, z, w = s[1], s[2], s[3], s[4], s[5], s[6], s[7]
+    -- up in body axes is the middle row of the rotation
+    local up_x, up_z = 2 * (x * y + z * w), 2 * (y * z - x * w)
+    return {
+      ((b - c) * q * r - weight * up_z) / a, (c - a) * r * p / b, ((a - b) * p * q + weight * up_x) / c,
+      (w * p + y * r - z * q) / 2, (w * q + z * p - x * r) / 2, (w * r + x * q - y * p) / 2,
+      -(x * p + y * q + z * r) / 2,
+    }
+  end, start, seconds)
+  return function(t)
+    local s = motion(t)
+    local quaternion, omega, axes = { s[4], s[5], s[6], s[7] }, { 0, 0, 0 }, { problem.axes(s[4], s[5], s[6], s[7]) }
+    for k = 1, 3 do
+      for i = 1, 3 do omega[i] = omega[i] + s[k] * axes[k][i] end
+    end
+    return quaternion, omega, s
+  end
+end
+
+return problem
