@@ -149,9 +149,8 @@ void LiveScene::one_step() {
 
 void LiveScene::record() {
   // a snapshot may cost a quarter of a step
-  const std::uint64_t stride =
-      std::clamp<std::uint64_t>(static_cast<std::uint64_t>(snapshot_seconds_ / (0.25 * step_seconds_ + 1e-4)), 1, 8);
-  if (world_step() % stride != 0) return;
+  const int stride = static_cast<int>(snapshot_seconds_ / (0.25 * step_seconds_ + 1e-4));
+  if (world_step() % static_cast<std::uint64_t>(std::clamp(stride, 1, options_.max_stride)) != 0) return;
   const double began = wall_seconds();
   history_.add({world_step(), world().time(), world().snapshot()});
   smooth(snapshot_seconds_, wall_seconds() - began, 0.1);

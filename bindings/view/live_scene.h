@@ -28,6 +28,7 @@ struct LiveOptions {
   ReloadMode reload = ReloadMode::catch_up;
   bool poll_files = false;  // look at times and sizes although inotify is there
   double budget = 0.025;    // s of wall time per tick for steps
+  int max_stride = 8;       // steps from a recorded moment to the next, where recording would slow the scene down
 };
 
 class LiveScene {

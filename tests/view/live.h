@@ -41,6 +41,7 @@ inline view::LiveOptions live_options() {
   view::LiveOptions options;
   options.host.library_roots = {FEDER_SOURCE_DIR "/scripts"};
   options.host.print = [](std::string_view) {};
+  options.max_stride = 1;  // a busy machine records every step, too
   return options;
 }
 
