@@ -262,7 +262,7 @@ int body_set_damping(lua_State* L) {
 
 int body_set_gravity_scale(lua_State* L) {
   const Body b = body(L);
-  b.rigid.set_gravity_scale(b.self.id, number_argument(L, 2, kAny));
+  b.rigid.set_gravity_scale(b.self.id, number_argument(L, 2, kGravityScale));
   return return_self(L);
 }
 

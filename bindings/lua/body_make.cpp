@@ -86,7 +86,7 @@ constexpr Option<BodyReading> kBody[] = {
     field<&BodyDesc::surface_velocity>("surface_velocity", "m/s"),
     field<&BodyDesc::linear_damping>("linear_damping", "1/s", kNotNegative),
     field<&BodyDesc::angular_damping>("angular_damping", "1/s", kNotNegative),
-    field<&BodyDesc::gravity_scale>("gravity_scale"),
+    field<&BodyDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&BodyDesc::bullet>("bullet"),
     field<&BodyDesc::can_sleep>("can_sleep"),
     field<&BodyDesc::sleeping>("sleeping"),

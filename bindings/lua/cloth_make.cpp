@@ -188,7 +188,7 @@ constexpr Option<ClothReading> kCloth[] = {
     {{.name = "wind"}, "boolean or table", read_wind, nullptr, wind_rows},
     field<&ClothDesc::tear_strain>("tear_strain", "", kPositive),
     {{.name = "max_strain", .range = kPositive}, "number or false", read_max_strain},
-    field<&ClothDesc::gravity_scale>("gravity_scale"),
+    field<&ClothDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&ClothDesc::group>("group", "", kBits),
     field<&ClothDesc::mask>("mask", "", kBits),
     field<&ClothDesc::substeps>("substeps", "", {1, 10000}).unset(),

@@ -35,7 +35,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),
     field<&FluidDesc::compression>("compression", "", {0, 0.5, true}).unset(),
     field<&FluidDesc::artificial_viscosity>("artificial_viscosity", "", {0, 10}),
-    field<&FluidDesc::gravity_scale>("gravity_scale"),
+    field<&FluidDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&FluidDesc::iterations>("iterations", "", {1, 1000}),
     field<&FluidDesc::max_substeps>("max_substeps", "", {1, 100000}),
     field<&FluidDesc::max_particles>("max_particles", "", {1, 134217728}),

@@ -202,7 +202,7 @@ constexpr Option<NetReading> kNet[] = {
     field<&NetDesc::self_collision>("self_collision"),
     field<&NetDesc::group>("group", "", kBits),
     field<&NetDesc::mask>("mask", "", kBits),
-    field<&NetDesc::gravity_scale>("gravity_scale"),
+    field<&NetDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     special("color", "color", read_color<NetReading>),
     special("pins", "list of point numbers", read_pins),
     later<NetReading>("tags", kWordsType),

@@ -18,6 +18,8 @@
 
 namespace feder::lua {
 
+inline constexpr Range kGravityScale{-1e6, 1e6};  // by more, a float has no room for the speed
+
 class Options;
 
 // What the description T of a thing takes from one key.

@@ -90,7 +90,7 @@ TEST_CASE("wrong values never crash and never reach the state", "[lua][hostile]"
     print(calls, bad > 500, world:is_finite())
   )",
                       options);
-  CAPTURE(ran.error);
+  CAPTURE(seed, ran.error, ran.output);
   CHECK(ran.error == "");
   CHECK(ran.output.find("2500\ttrue\ttrue\n") != std::string::npos);
 }
