@@ -19,6 +19,7 @@ return feder.scene {
   title = "Bullet",
   seconds = seconds,
   picture = 0.1,
+  camera = { target = { way, 0, 0 }, distance = 7, yaw = feder.deg(-50), pitch = feder.deg(20) },
   world = { gravity = { 0, 0, 0 }, dt = 1 / 60, substeps = 4, sleeping = false },
 
   study = {

@@ -46,18 +46,12 @@ return feder.scene {
   seconds = seconds,
   world = { gravity = { 0, -g, 0 }, dt = 1 / 60, substeps = 32, sleeping = false },
 
-  study = {
-    observe = function() return problem.points(strip) end,
-    reference = function() return { x = rest, v = problem.zeros(3 * #rest) } end,
-    energy = function() return energy end,
-    constraint = function() return math.max(0, strip:stretch()) end,
-    interpolate = false,
+  study = problem.of_cloth(function() return strip end, rest, function() return energy end, iterations, {
     scale = { length = 1, velocity = math.sqrt(g), energy = density * width * g },
     -- stretch is not in it
     certainty = { source = "moments at the vertices, inextensible", uncertainty = 1e-4, rounding = 10 },
     ladders = problem.cloth_ladders(solvers, seconds, { 4, 8, 16, 32, 64, 128, 256 }),
-    sweeps = math.max(1, iterations),
-  },
+  }),
 
   build = function(world)
     strip = world:cloth(problem.cloth(solver, iterations, { name = "strip", size = { 1, width },

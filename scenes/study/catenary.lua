@@ -52,17 +52,11 @@ return feder.scene {
   seconds = seconds,
   world = { gravity = { 0, -g, 0 }, dt = 1 / 60, substeps = 16, sleeping = false },
 
-  study = {
-    observe = function() return problem.points(strip) end,
-    reference = function() return { x = rest, v = problem.zeros(3 * #rest) } end,
-    energy = function() return energy end,
-    constraint = function() return math.max(0, strip:stretch()) end,
-    interpolate = false,
+  study = problem.of_cloth(function() return strip end, rest, function() return energy end, iterations, {
     scale = { length = depth, velocity = math.sqrt(depth * g), energy = area_density * length * width * g * depth },
     certainty = { source = "polygon of links with one horizontal tension", uncertainty = 1e-9, rounding = 10 },
     ladders = problem.cloth_ladders(solvers, seconds, { 2, 4, 8, 16, 32, 64, 128 }),
-    sweeps = math.max(1, iterations),
-  },
+  }),
 
   build = function(world)
     strip = world:cloth(problem.cloth(solver, iterations, { name = "strip", size = { length, width },

@@ -30,18 +30,12 @@ return feder.scene {
   seconds = seconds,
   world = { gravity = { 0, -g, 0 }, dt = 1 / 60, substeps = 16, sleeping = false },
 
-  study = {
-    observe = function() return problem.points(sheet) end,
-    reference = function() return { x = rest, v = problem.zeros(3 * #rest) } end,
-    energy = function() return energy end,
-    constraint = function() return math.max(0, sheet:stretch()) end,
-    interpolate = false,
+  study = problem.of_cloth(function() return sheet end, rest, function() return energy end, iterations, {
     scale = { length = -y, velocity = math.sqrt(-y * g), energy = (area_density * width * g + hung) * -y },
     -- places of a metre are rounded, and stiffness makes forces of it
     certainty = { source = "each link carries the weight below it", uncertainty = 1e-9, rounding = 10 },
     ladders = problem.cloth_ladders(solvers, seconds, { 2, 4, 8, 16, 32, 64, 128 }),
-    sweeps = math.max(1, iterations),
-  },
+  }),
 
   build = function(world)
     sheet = world:cloth(problem.cloth(solver, iterations, { name = "sheet", size = { width, 1 },

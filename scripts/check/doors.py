@@ -3,8 +3,8 @@
 
 A system, coupling, shape, joint or variant should enter by one door: its own files and the line that lists it. Every
 other file of runtime/ and bindings/ that names it (an include of its header, its class or factory, its library, its
-name as a word in quotes) has to be edited, or read, when such a thing is added. Comments do not count; studies, tests and
-scenes use things, so they do not count either, nor do couplings count for the systems that they couple.
+name as a word in quotes) has to be edited, or read, when such a thing is added. Comments do not count; studies, tests
+and scenes use things, so they do not count either, nor do couplings count for the systems that they couple.
 
   doors.py             compare with tests/golden/doors.json; exit status 1 when a number has grown or nobody stored it
   doors.py --list T    the files that name thing T, e.g. `system cloth`
@@ -22,7 +22,7 @@ WANTED = {"system": 4, "coupling": 1, "shape": 1, "joint": 1, "variant": 1}
 BODIES = ("rigid", "body", "bodies", "joint", "region", "queries")  # what collide serves
 OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "fluid": ("fluid", "emitter"),
        "collide": ("collide", *BODIES), "contact": ("contact", "surface")}
-# Where a system's name in quotes is the name of something else: a layer, a node, an event, a part of a suite, an option.
+# Where a system's name in quotes is the name of something else: a layer, node, event, part of a suite, option.
 ELSEWHERE = {"springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf.cpp"},
              "contact": {"runtime/state/events.h", "bindings/cli/study_suite.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.

@@ -222,7 +222,7 @@ def scenes(_feder, folder):
 
 
 def api(_feder, _folder):
-    """Every function that a script sees, from the tables of bindings/lua and the rows of shapes: signature and what it says."""
+    """Every function that a script sees, with what it says: tables of bindings/lua and rows of shapes."""
     text = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
     row = re.compile(rf'\{{\s*"\w+",\s*guard<.*?>,\s*{text},\s*{text}[,}}]', re.S)
     owners = {}

@@ -60,6 +60,18 @@ function problem.cloth_ladders(solvers, seconds, substeps)
   }
 end
 
+-- What the studies of cloth at rest have in common: the places of rest as reference, the energy there. `cloth_` and
+-- `energy_` are functions, as there is no cloth before `build`.
+function problem.of_cloth(cloth_, rest, energy_, iterations, declaration)
+  declaration.observe = function() return problem.points(cloth_()) end
+  declaration.reference = function() return { x = rest, v = problem.zeros(3 * #rest) } end
+  declaration.energy = function() return energy_() end
+  declaration.constraint = function() return math.max(0, cloth_():stretch()) end
+  declaration.interpolate = false
+  declaration.sweeps = math.max(1, iterations)
+  return declaration
+end
+
 -- About a rate of steps a second and four substeps: substeps, steps, and more of what the solver refines by. Those that do
 -- not iterate have the parameter `compression` as tolerance.
 function problem.fluid_ladders(solvers, seconds, rate)
