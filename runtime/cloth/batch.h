@@ -22,14 +22,14 @@ struct HingeBatch {
   Lane8 multiplier;    // N m s^2
 };
 
-inline constexpr WideReal kTieSpeed = 3;  // m/s, at which what a tie finds too far away is drawn in
+// m/s, at which what was too far away comes back: to a body that holds the cloth, which is pulled in turn, and else.
+inline constexpr WideReal kTieSpeed = 3, kShedSpeed = 20;
 
 // Eight vertices that may go no farther from an anchor that stays than along the cloth. No vertex twice in a layer.
 struct TieBatch {
   unsigned a[kLanes];
   Lane8x3 base;  // a minus its anchor at the start of the step, m
   Lane8 limit;   // m
-  Lane8 reach;   // m, in this small step: more where one was farther away when the step began
 };
 
 // What a hinge does against its rate, with the geometry at the start of a damping pass.
@@ -44,8 +44,9 @@ struct ClothPass {
   HingeBatch* hinges;
   HingeDamping* damping;
   TieBatch* ties;
-  unsigned first, last;  // range of batches
-  WideReal* moved;       // Row4 as four numbers each
+  unsigned first, last;    // range of batches
+  WideReal* moved;         // Row4 as four numbers each
+  const WideReal* before;  // likewise, where the small step began
   WideReal* speed;
   WideReal inv_h2;        // 1/h^2 of the small step
   WideReal h;             // s, of the small step

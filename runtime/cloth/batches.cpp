@@ -122,10 +122,10 @@ void ClothBatches::place(const ClothView& v) {
       for (int i = 0; i < kLanes; ++i) put(b.base[k], i, v.position[b.v[k + 1][i]] - v.position[b.v[0][i]]);
 }
 
-void ClothBatches::limit(const ClothView& v, StepContext& c) {
+void ClothBatches::limit(const ClothView& v, Real h, StepContext& c) {
   if (!(v.max_strain < kInfinity)) return;
   FEDER_ASSERT(v.max_strain > 0);
-  ClothPass p = pass(v, 1);
+  ClothPass p = pass(v, h);
   p.stretched = 1 + v.max_strain;
   run(kernels_->limit_links, link_colors_, p, c);
 }
@@ -150,7 +150,7 @@ ClothPass ClothBatches::pass(const ClothView& v, Real h) {
   FEDER_ASSERT(h > 0);
   ClothPass p{};
   p.links = links_.data(), p.hinges = hinges_.data();
-  p.moved = &v.moved->x, p.speed = &v.speed->x;
+  p.moved = &v.moved->x, p.before = &v.before->x, p.speed = &v.speed->x;
   p.h = h;
   return p;
 }

@@ -21,9 +21,9 @@ class ClothBatches {
   void build(const ClothView& v);
   void place(const ClothView& v);                                                   // edges at the start of the step
   void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a small step
-  void bend(const ClothView& v, Real h, StepContext& c);  // forces of hinges over h into `speed`
-  void limit(const ClothView& v, StepContext& c);         // links without their force, to v.max_strain
-  void tie(const ClothView& v, Real h, StepContext& c);   // vertices to their anchors
+  void bend(const ClothView& v, Real h, StepContext& c);   // forces of hinges over h into `speed`
+  void limit(const ClothView& v, Real h, StepContext& c);  // links without their force, to v.max_strain
+  void tie(const ClothView& v, Real h, StepContext& c);    // vertices to their anchors
   // Strain rate out of `speed` over h, see damping.cpp.
   void damp_links(const ClothView& v, Real h, StepContext& c);
   void damp_hinges(const ClothView& v, Real h, StepContext& c);

@@ -62,10 +62,17 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return select(good, all_lanes(1) / select(good, x, all_lanes(1)), zero_lanes());
 }
 
-constexpr WideReal kMostShed = 3;  // times the largest strain, in a small step
+// What is longer than `longest` may be so long in this small step: what was too long before comes back at kShedSpeed.
+// An edge without compliance would give any energy to a vertex that a script carried off.
+[[gnu::always_inline]] inline Lanes allowed(const ClothPass& p, Lanes longest, const Lanes3& before) {
+  return max(longest, square_root(dot(before, before)) - all_lanes(kShedSpeed * p.h));
+}
 
-// With a limit, the row is without compliance where that pulls more: C = len - rest stretched, unilateral. By no more
-// than kMostShed: so stiff a row would give any energy to a vertex that a script carried off.
+[[gnu::always_inline]] inline Lanes allowed(const ClothPass& p, const LinkBatch& c, Lanes longest) {
+  return allowed(p, longest, load(c.base) + (gather(p.before, c.b).v - gather(p.before, c.a).v));
+}
+
+// With a limit, the row is without compliance where that pulls more: C = len - rest stretched, unilateral.
 template <bool kLimited>
 void solve_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
@@ -77,10 +84,12 @@ void solve_links(const ClothPass& p) {
     const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
     Lanes pull = load(c.rest) - size - alpha * old, weight = a.w + b.w + alpha;
     if (kLimited) {
-      const Lanes rest = load(c.rest), stiff = a.w + b.w;
-      const Lanes over = max(rest * all_lanes(p.stretched) - size, rest * all_lanes(kMostShed * (1 - p.stretched)));
-      const LaneMask taut = over * weight < pull * stiff;
-      pull = select(taut, over, pull), weight = select(taut, stiff, weight);
+      const Lanes longest = load(c.rest) * all_lanes(p.stretched), stiff = a.w + b.w;
+      if (any((longest - size) * weight < pull * stiff)) {
+        const Lanes over = allowed(p, c, longest) - size;
+        const LaneMask taut = over * weight < pull * stiff;
+        pull = select(taut, over, pull), weight = select(taut, stiff, weight);
+      }
     }
     const Lanes change = pull * reciprocal_or_zero(weight);
     store(c.multiplier, old + change);
@@ -97,10 +106,10 @@ void limit_links(const ClothPass& p) {
     LinkBatch& c = p.links[i];
     Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
     const Lanes3 e = load(c.base) + (b.v - a.v);
-    const Lanes size = square_root(dot(e, e)), rest = load(c.rest);
-    const Lanes over = max(rest * all_lanes(p.stretched) - size, rest * all_lanes(kMostShed * (1 - p.stretched)));
-    if (!any(over < zero_lanes())) continue;
-    const Lanes3 push = e * (min(over, zero_lanes()) * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size));
+    const Lanes size = square_root(dot(e, e)), longest = load(c.rest) * all_lanes(p.stretched);
+    if (!any(longest < size)) continue;
+    const Lanes over = min(allowed(p, c, longest) - size, zero_lanes());
+    const Lanes3 push = e * (over * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size));
     a.v = a.v - push * a.w;
     b.v = b.v + push * b.w;
     scatter(p.moved, c.a, a);
@@ -108,19 +117,16 @@ void limit_links(const ClothPass& p) {
   }
 }
 
-// Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012). What was beyond it
-// when the step began (a script moved the anchor) comes back at kTieSpeed.
+// Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012).
 void solve_ties(const ClothPass& p) {
-  const Lanes back_by = all_lanes(kTieSpeed * p.h);
   for (unsigned i = p.first; i < p.last; ++i) {
-    TieBatch& c = p.ties[i];
+    const TieBatch& c = p.ties[i];
     Rows8 a = gather(p.moved, c.a);
     const Lanes3 e = load(c.base) + a.v;
-    const Lanes square = dot(e, e), limit = max(load(c.limit), load(c.reach) - back_by);
-    store(c.reach, limit);
-    const LaneMask taut = square > limit * limit;
-    if (!any(taut)) continue;
-    const Lanes back = select(taut, limit / square_root(square) - all_lanes(1), zero_lanes());
+    const Lanes square = dot(e, e), limit = load(c.limit);
+    if (!any(square > limit * limit)) continue;
+    const Lanes bound = allowed(p, limit, load(c.base) + gather(p.before, c.a).v);
+    const Lanes back = select(square > bound * bound, bound / square_root(square) - all_lanes(1), zero_lanes());
     a.v = a.v + e * back;
     scatter(p.moved, c.a, a);
   }

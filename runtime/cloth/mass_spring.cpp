@@ -102,11 +102,12 @@ class MassSpring final : public ClothSolver, private ForceField {
     for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.moved[i].vec(), v_[i] = v.speed[i].vec();
     method.integrator->step(*this, t, h, {x_.data(), v.points}, {v_.data(), v.points});
     for (std::uint32_t i = 0; i < v.total; ++i) {
-      if (i < v.points && v.moved[i].w != 0) v.moved[i].set(x_[i]), v.speed[i].set(v_[i]);
       v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 1};
+      if (i < v.points && v.moved[i].w != 0) v.moved[i].set(x_[i]), v.speed[i].set(v_[i]);
     }
-    batches_.limit(v, c);
+    batches_.limit(v, h, c);
     batches_.tie(v, h, c);
+    for (std::uint32_t i = 0; i < v.points; ++i) v.before[i] = {x_[i][0], x_[i][1], x_[i][2], 1};
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {

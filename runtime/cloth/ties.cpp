@@ -17,9 +17,8 @@
 
 namespace feder {
 namespace {
-constexpr std::size_t kNearest = 2;    // pins of a vertex
-constexpr std::size_t kFarPins = 32;   // looked at for whether pins have moved apart
-constexpr Real kCarried = Real(1.25);  // times its reach: farther from its anchor a vertex gets by scripts only
+constexpr std::size_t kNearest = 2;   // pins of a vertex
+constexpr std::size_t kFarPins = 32;  // looked at for whether pins have moved apart
 
 struct Label {
   std::uint32_t anchor = kNone;
@@ -176,8 +175,6 @@ void Cloth::Impl::place_ties(Sheet& s) {
       const Vec3 base = t.anchor[at] == kNone ? Vec3(0, 0, 0) : Vec3(x[b.a[k]] - x[t.anchor[at]]);
       b.base.x.v[k] = base[0], b.base.y.v[k] = base[1], b.base.z.v[k] = base[2];
       b.limit.v[k] = t.rest[at] * longest * apart;
-      const Real far = length(base);
-      b.reach.v[k] = far > kCarried * b.limit.v[k] ? far : b.limit.v[k];
     }
 }
 
