@@ -41,9 +41,10 @@ TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses
   ClothDesc d = sheet(n, n, 1, 1);
   d.thickness = Real(0.01);
   d.bend = Real(1e-5);
-  // the lower layer's border is held, the upper layer falls on it and slides
+  // The lower layer's border is held, the upper layer falls on it and slides. Held to 2/5 of the length, a loop of .14
+  // m hangs over the edge and friction holds .4 x .35 m: then the mesh decides whether all of it slides off.
   for (std::uint32_t j = 0; j < n; ++j) d.pins.push_back(n * j);
-  for (std::uint32_t i = 0; i < 2 * n / 5; ++i) d.pins.push_back(i), d.pins.push_back((n - 1) * n + i);
+  for (std::uint32_t i = 0; i < 9 * n / 20; ++i) d.pins.push_back(i), d.pins.push_back((n - 1) * n + i);
   const ObjectId id = cloth.add_cloth(d);
   for (std::size_t i = 0; i < n * n; ++i) cloth.set_point(id, i, folded(cloth.point(id, i), Real(0.06)));
   std::size_t worst = 0, frames = 0;
@@ -62,7 +63,7 @@ TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses
   CHECK(w.is_finite());
   // it lies on itself: the upper layer has come down to the thickness and not through
   const Real between = cloth.point(id, n / 2 * n + 7 * n / 8)[1] - cloth.point(id, n / 2 * n + n / 10)[1];
-  CHECK(between > Real(-0.3));
+  CHECK(std::abs(between) < Real(0.1));
 }
 
 TEST_CASE("vertices on one spot, or triangles without area, give no number that is not finite", "[cloth]") {
