@@ -54,7 +54,7 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
       {"world:body{ shape = feder.box(1,1,1), friction = -1 }",
        "test.lua:1: world:body.friction: expected a number of at least 0, got -1"},
       {"world:body{ shape = feder.box(1,1,1), gravity_scale = 1e7 }",
-       "test.lua:1: world:body.gravity_scale: expected a number from -1000000 to 1000000, got 1e+07"},
+       "test.lua:1: world:body.gravity_scale: expected a number from -1000000 to 1000000, got 10000000"},
       {"world:body{ shape = feder.box(1,1,1), friction = {static=1, dynamc=1} }",
        "test.lua:1: world:body.friction: unknown option 'dynamc'; did you mean 'dynamic'?"},
       {"world:body{ shape = feder.box(1,1,1), rotation = {axis={0,1,0}} }",
