@@ -54,7 +54,9 @@ TEST_CASE("the same of 100 cells", "[cloth][strain][.slow]") { hang(100, "xpbd",
 TEST_CASE("a pinned corner that a script sets anywhere gives its sheet no more energy than the material holds",
           "[cloth][strain]") {
   std::mt19937 random(7);
-  const auto range = [&](double a, double b) { return Real(a + (b - a) * (static_cast<double>(random()) / 4294967296.0)); };
+  const auto range = [&](double a, double b) {
+    return Real(a + (b - a) * (static_cast<double>(random()) / 4294967296.0));
+  };
   const char* const solver = GENERATE("xpbd", "mass_spring");
   int alarms = 0;
   double fastest = 0;
