@@ -1,3 +1,4 @@
+// Blocks that are counted, and the step's scratch memory.
 #include "base/arena.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// What a failed assert prints before it aborts.
 #include "base/assert.h"
 
 #include <cstdio>

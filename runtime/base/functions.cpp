@@ -1,3 +1,4 @@
+// exp, log and pow from sums and products alone: the same digits on every machine.
 #include "base/functions.h"
 
 #include <cmath>

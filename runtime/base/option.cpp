@@ -1,3 +1,4 @@
+// Ranges, choices and values as text.
 #include "base/option.h"
 
 #include <algorithm>

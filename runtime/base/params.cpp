@@ -1,3 +1,4 @@
+// Options by name: reading, and the error that names the nearest known key.
 #include "base/params.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Counting sort by `a`, then each short run by `b`.
 #include "broad/pair_sort.h"
 
 #include <algorithm>

@@ -60,7 +60,7 @@ Real max_strain_of(const ClothDesc& d) {
   return d.tear_strain < kInfinity ? kInfinity : kAimed * Cloth::kMaxStrain;
 }
 
-// The vertices a name stands for; `line`: two of each neighbouring pair are an edge that may be clamped.
+// The vertices a name stands for; `clamped`: two of each neighbouring pair are an edge that may be clamped.
 std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, bool& clamped) {
   static const char kSuffix[] = "_clamped";
   const std::string full = name;

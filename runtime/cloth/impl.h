@@ -89,7 +89,7 @@ struct Cloth::Impl {
   void update_sleep(StepContext& c);
   // watch.cpp
   double kinetic_energy(const Sheet& s) const;
-  double work(const Sheet& s) const;
+  double work(const Sheet& s, const StepContext& c) const;
   double given(const Sheet& s, const StepContext& c) const;
   void watch(StepContext& c);
   void suspect(const Sheet& s);

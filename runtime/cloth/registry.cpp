@@ -1,3 +1,4 @@
+// The table of cloth solvers, from the lines that feder_variant(cloth ...) wrote.
 #include "cloth/cloth.h"
 #include "cloth/solver.h"
 

@@ -21,6 +21,8 @@ void Cloth::save(Writer& w) const {
   ClothVertices::each_array(impl_->vertices, [&](const auto& array) { w.list(array); });
   w.list(impl_->attachments);
   w.add(static_cast<std::uint64_t>(impl_->force_count));
+  w.add(impl_->gravity_known);
+  for (int k = 0; k < 3; ++k) w.add(impl_->gravity[k]);
   w.add(static_cast<std::uint64_t>(impl_->sheets.size()));
   for (const auto& s : impl_->sheets) {
     w.add(s->object), w.add(s->first), w.add(s->points), w.add(s->total), w.add(s->version);
@@ -40,7 +42,8 @@ void Cloth::load(Reader& r) {
   ClothVertices::each_array(m.vertices, [&](auto& array) { r.list(array); });
   r.list(m.attachments);
   m.force_count = r.get<std::uint64_t>();
-  m.gravity_known = false;
+  r.get(m.gravity_known);
+  for (int k = 0; k < 3; ++k) r.get(m.gravity[k]);
   const auto count = r.get<std::uint64_t>();
   m.sheets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {

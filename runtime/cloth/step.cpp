@@ -125,7 +125,8 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       }
       if (wanted > cap) wanted = s.solver->substeps_beyond(cap);
       const std::int32_t count = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
-      const bool stays = count<s.state.substeps&& static_cast<double>(count)> kStay * s.state.substeps;
+      const bool fewer = count < s.state.substeps;
+      const bool stays = fewer && static_cast<double>(count) > kStay * s.state.substeps;
       if (!stays || s.state.fresh || s.state.substeps > cap) s.state.substeps = count;
     }
     FEDER_ASSERT(s.state.substeps >= 1);

@@ -1,8 +1,8 @@
 // Tearing: an edge stretched beyond `tear_strain` splits the cloth at one of its ends. The triangles round that vertex
 // are parted by the plane across the edge; each connected fan of them beyond the first gets a vertex of its own with
-// the same place and velocity, so momentum is kept, and no vertex is shared by fans that
-// touch in a point only. Elements are made anew; where a torn cell shares its mass out differently, mass takes its
-// velocity along. The worst few edges of a step tear; allocates when it happens.
+// the same place and velocity, so momentum is kept, and no vertex is shared by fans that touch in a point only.
+// Elements are made anew; where a torn cell shares its mass out differently, mass takes its velocity along. The worst
+// few edges of a step tear; allocates when it happens.
 #include <algorithm>
 
 #include "cloth/impl.h"

@@ -23,7 +23,7 @@ double Cloth::Impl::kinetic_energy(const Sheet& s) const {
 // J: what weight, wind, scripts and generators did in the step at most: mass times acceleration times way. A generator
 // with a potential gives what the vertices came down in it instead: where one is too stiff for the step, force times
 // way would explain anything.
-double Cloth::Impl::work(const Sheet& s) const {
+double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
   double all = 0;
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
     if (vertices.inv_mass[i] != 0)
@@ -39,12 +39,14 @@ double Cloth::Impl::work(const Sheet& s) const {
     for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
       const Real size = vertices.mass[i] / s.settings.area_density;
       MassPoint point{vertices.position[i], vertices.velocity[i], vertices.mass[i], size, size * s.settings.thickness};
-      Vec3 added = Vec3::Zero();
+      Vec3 force_before = Vec3::Zero(), force_after = Vec3::Zero();
       potential[1] += f.force->potential(&point, 1);
+      f.force->add(&point, 1, c.time + number(c.dt), &force_after);
       if (vertices.inv_mass[i] != 0) point.position -= moved[i].vec();
       potential[0] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, 0, &added);
-      if (vertices.inv_mass[i] != 0) push += number(length(added)) * number(length(moved[i].vec()));
+      f.force->add(&point, 1, c.time, &force_before);
+      if (vertices.inv_mass[i] != 0)
+        push += number(std::max(length(force_before), length(force_after))) * number(length(moved[i].vec()));
     }
     const bool conserves = potential[0] != 0 || potential[1] != 0;
     held = held || conserves;
@@ -70,7 +72,7 @@ double Cloth::Impl::given(const Sheet& s, const StepContext& c) const {
     const Vec3& x = vertices.position[s.first + i];
     return vertices.inv_mass[s.first + i] == 0 ? x : Vec3(x - moved[s.first + i].vec());
   };
-  double sum = work(s);
+  double sum = work(s, c);
   for (const ClothLink& l : s.mesh.links) {
     if (l.a >= s.points || l.b >= s.points) continue;
     const double stretch = number(length(start(l.b) - start(l.a)) - l.rest);

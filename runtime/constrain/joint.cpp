@@ -1,3 +1,4 @@
+// What all joint kinds share: the matrix of a bend, and the writer of rows.
 #include "constrain/joint.h"
 
 #include "base/assert.h"

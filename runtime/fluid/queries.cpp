@@ -80,23 +80,26 @@ double Fluid::pressure_at(ObjectId id, const Vec3& point) {
   return weights > 0 ? sum / weights : 0;
 }
 
-// The smoothed fluid over what walls leave of the kernel crosses one half at the surface.
+// The smoothed fluid over what walls leave of the kernel crosses one half at the surface. Searched downwards, within a
+// spacing of each particle of the column only: gaps cost nothing, and far from the origin no step is lost to rounding.
 bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
   const FluidPool& p = impl_->pool(id);
-  std::vector<Vec3> near;
-  Real top = -kInfinity, bottom = kInfinity;
+  std::vector<Vec3> column;
   for (std::uint32_t i = 0; i < p.count; ++i) {
     const Real dx = p.x[i].x - x, dz = p.dimension == 2 ? Real(0) : p.x[i].z - z;
-    if (dx * dx + dz * dz >= p.support * p.support) continue;
-    near.push_back(p.x[i].vec());
-    top = std::max(top, p.x[i].y), bottom = std::min(bottom, p.x[i].y);
+    if (dx * dx + dz * dz < p.support * p.support) column.push_back(p.x[i].vec());
   }
-  const auto share = [&](Real at) {
-    const Vec3 here = vec3(x, at, p.dimension == 2 ? Real(0) : z);
+  std::sort(column.begin(), column.end(), [](const Vec3& a, const Vec3& b) {
+    return a[1] != b[1] ? a[1] > b[1] : a[0] != b[0] ? a[0] < b[0] : a[2] < b[2];
+  });
+  const double support = p.support, spacing = p.desc.spacing, step = spacing / 4;
+  const double factor = static_cast<double>(p.value_factor) / p.kernel->norm_density[p.dimension - 2];
+  const auto share = [&](double at) {
+    const Vec3 here = vec3(x, static_cast<Real>(at), p.dimension == 2 ? Real(0) : z);
     double fluid = 0, wall = 0;
-    for (const Vec3& q : near)
-      fluid += static_cast<double>(p.value_factor) / p.kernel->norm_density[p.dimension - 2] *
-               p.kernel->density.value(p.dimension, static_cast<double>(length(Vec3(q - here)) / p.support));
+    auto q = std::partition_point(column.begin(), column.end(), [&](const Vec3& c) { return c[1] > at + support; });
+    for (; q != column.end() && static_cast<double>((*q)[1]) > at - support; ++q)
+      fluid += factor * p.kernel->density.value(p.dimension, static_cast<double>(length(Vec3(*q - here))) / support);
     for (const Wall& w : impl_->walls.list) {
       Vec3 n;
       const Real d = w.shape->distance(to_local(w.pose, here), p.support, n);
@@ -104,16 +107,20 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
     }
     return fluid / std::max(0.1, 1 - wall);
   };
-  const Real step = p.desc.spacing / 4;
-  for (Real at = top + p.desc.spacing; at > bottom - p.desc.spacing; at -= step) {
-    if (share(at) < 0.5) continue;
-    Real in = at, out = at + step;
-    for (int k = 0; k < 20; ++k) {
-      const Real middle = (in + out) / 2;
-      (share(middle) < 0.5 ? out : in) = middle;
+  double searched = kInfinity;  // down to here
+  for (const Vec3& q : column) {
+    const double from = std::min(searched, q[1] + spacing), to = q[1] - spacing;
+    for (int k = 0; from - k * step > to && k * step <= 2 * spacing; ++k) {
+      double in = from - k * step, out = in + step;
+      if (share(in) < 0.5) continue;
+      for (int bisection = 0; bisection < 20; ++bisection) {
+        const double middle = (in + out) / 2;
+        (share(middle) < 0.5 ? out : in) = middle;
+      }
+      y = static_cast<Real>(in);
+      return true;
     }
-    y = in;
-    return true;
+    searched = std::min(searched, to);
   }
   return false;
 }

@@ -1,3 +1,4 @@
+// Box: bounds, mass, support, faces, distance and rays.
 #include "geom/box.h"
 
 #include "geom/sizes.h"

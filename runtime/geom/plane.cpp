@@ -1,3 +1,4 @@
+// Plane: bounds, rays and its 2D section.
 #include "geom/plane.h"
 
 #include "base/error.h"

@@ -1,3 +1,4 @@
+// What shapes that do not say otherwise answer.
 #include "geom/shape.h"
 
 #include "base/assert.h"

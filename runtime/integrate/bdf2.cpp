@@ -1,12 +1,11 @@
 // BDF2 (Curtiss & Hirschfelder 1952) with the coefficients for a varying step, w = h / h_before:
 //   y1 = ((1+w)^2 y0 - w^2 y_before)/(1+2w) + (1+w)/(1+2w) h y1'.
 // Order 2, L-stable, one solve a step. The first step is implicit Euler.
-// Kept between calls, in `memory`: the displacement of the last step, the velocity before it, the state it left, and
-// its h. A state
-// that is not the one it left (beyond rounding: couplings hand states through other sums) or another number of points
-// starts afresh with implicit Euler, for the whole net: one different coefficient per point would make the matrix
-// unsymmetric. So does a step grown beyond w = 2 (zero-stable up to 1 + sqrt 2; smaller ones go on with their w).
-// Weak spot: that fresh start; a net in contact or attached to bodies is touched every step and moves by implicit
+// Kept between calls, in `memory`: the displacement of the last step, the velocity before it, the state it left, its h.
+// A state that is not the one it left (beyond rounding: couplings hand states through other sums) or another number of
+// points starts afresh with implicit Euler, for the whole net: one different coefficient per point would make the
+// matrix unsymmetric. So does a step grown beyond w = 2 (zero-stable up to 1 + sqrt 2; smaller ones go on with their
+// w). Weak spot: that fresh start; a net in contact or attached to bodies is touched every step and moves by implicit
 // Euler.
 #include <algorithm>
 #include <cmath>

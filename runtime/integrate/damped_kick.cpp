@@ -1,3 +1,4 @@
+// The solve of a damped velocity kick.
 #include "integrate/damped_kick.h"
 
 namespace feder {

@@ -2,7 +2,7 @@
 // Euler to the middle, which is then doubled. Order 2, symplectic, stable on linear systems at any step, and it loses
 // nothing there: |R| = 1.
 // Kept between calls: work arrays. Weak spot: nothing is damped at any stiffness either; a stiff chain that swings far
-// in a step gains energy without bound (numerics 3.4: + 5e6 m g L), so A-stable is not safe.
+// in a step gains energy without bound, so A-stable is not safe: study/swinging_chain.
 #include "integrate/implicit_solve.h"
 
 namespace feder {

@@ -1,3 +1,4 @@
+// Pattern and zero of a block matrix.
 #include "linear/block_sparse.h"
 
 #include "base/assert.h"

@@ -1,6 +1,6 @@
 // What can be said about a net before it runs.
-// Stability: no eigenvalue of M^-1 K exceeds max_i (1/m_i) sum_j |K_ij| <= max_i 2 sum_k k_ik / m_i (Gershgorin 1931;
-// numerics 2.4), so h sqrt of that against the method's limit on x'' = -w^2 x decides. It is an upper bound, exact for
+// Stability: no eigenvalue of M^-1 K exceeds max_i (1/m_i) sum_j |K_ij| <= max_i 2 sum_k k_ik / m_i (Gershgorin
+// 1931), so h sqrt of that against the method's limit on x'' = -w^2 x decides. It is an upper bound, exact for
 // long chains: a net beyond it may still be stable, one below it is, as long as its springs stay near their rest
 // lengths or stretched. Force generators that tell their derivative add it as it is now; scripts tell none.
 // Error: a method of order p reproduces exp(i h w) up to (h w)^p, so a step errs by about z^(p+1)/(p+1)! with z = h w

@@ -1,5 +1,5 @@
-// The problems of the stability maps: one oscillator, a chain on its slowest mode, and the swinging chain of numerics
-// 2.4. h is 1/60 s throughout; the x axis changes the stiffness.
+// The problems of the stability maps: one oscillator, a chain on its slowest mode, and the swinging chain.
+// h is 1/60 s throughout; the x axis changes the stiffness.
 #include <cmath>
 #include <map>
 
@@ -74,7 +74,7 @@ class OscillatorProblem final : public NetStability {
   }
 };
 
-// x = k h^2/m, y = number of free masses between two walls (numerics 2.4, fixed-fixed), moving along the chain.
+// x = k h^2/m, y = number of free masses between two walls (fixed-fixed), moving along the chain.
 class ChainProblem final : public NetStability {
  public:
   StabilityProblemInfo info() const override {

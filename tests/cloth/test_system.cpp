@@ -235,6 +235,24 @@ TEST_CASE("restore then run equals run, bit for bit", "[cloth]") {
   CHECK(w.hash() == hash);
 }
 
+TEST_CASE("a sleeping cloth that was restored wakes when gravity changes", "[cloth]") {
+  World w(WorldDesc{}, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = hung("xpbd");
+  d.damping = Real(0.05);
+  const ObjectId id = cloth.add_cloth(d);
+  for (int k = 0; k < 1500 && !cloth.asleep(id); ++k) {
+    w.step();
+    for (std::size_t i = 0; k % 4 == 0 && k < 600 && i < 169; ++i)
+      cloth.set_velocity(id, i, Real(0.7) * cloth.velocity(id, i));
+  }
+  REQUIRE(cloth.asleep(id));
+  w.restore(w.snapshot());
+  w.set_gravity(Vec3(1, -9, 0));
+  w.step();
+  CHECK(!cloth.asleep(id));
+}
+
 TEST_CASE("threads and kernels change nothing, and stepping allocates nothing", "[cloth][threads]") {
   const char* solver = any_solver();
   CAPTURE(solver);

@@ -219,3 +219,35 @@ TEST_CASE("pbf takes smaller steps where those of the world would crush it", "[f
   }
   CHECK(w.need<Fluid>().own_steps(id) > (kFull ? 60 : 2));
 }
+
+TEST_CASE("the height of a fluid is found past a gap, and far from the origin", "[fluid][extreme]") {
+  const Real far = GENERATE(Real(0), Real(1e6), Real(1e7));
+  World w(fluid_world(2), fluid_catalog());
+  FluidDesc d;
+  d.spacing = Real(0.05);
+  CAPTURE(far);
+  Fluid& f = w.need<Fluid>();
+  const ObjectId id = f.add_fluid(d);
+  std::vector<Vec3> points;
+  for (int i = -5; i <= 5; ++i)
+    for (int j = 0; j < 10; ++j) points.push_back(vec3(d.spacing * Real(i), far + d.spacing * Real(j), 0));
+  points.push_back(vec3(0, far + 1000000, 0));  // a drop above: 20 million spacings of nothing between
+  f.fill(id, points, Vec3::Zero());
+  Real y = 0;
+  const bool found = f.height_at(id, 0, 0, y);  // comes back
+  if (far != 0) return;                         // a float is coarser than a spacing there
+  REQUIRE(found);
+  CHECK(y > Real(0.4));
+  CHECK(y < Real(0.55));
+}
+
+TEST_CASE("a shape of more cells along an axis than can be counted is refused", "[fluid][extreme]") {
+  World w(fluid_world(3), fluid_catalog());
+  FluidDesc d;
+  d.spacing = Real(0.1);
+  Fluid& f = w.need<Fluid>();
+  const ObjectId id = f.add_fluid(d);
+  const ShapePtr rod = make_box(Real(3e8), Real(0.1), Real(0.1));
+  CHECK_THROWS_WITH(f.fill(id, *rod, Pose{}, Vec3::Zero()), Catch::Contains("too many particles"));
+  CHECK(f.particle_count(id) == 0);
+}

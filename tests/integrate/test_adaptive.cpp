@@ -27,7 +27,7 @@ std::unique_ptr<Integrator> rk45(Arena& a, double tolerance) {
 }  // namespace
 
 TEST_CASE("rk45 spends its steps where the orbit is fast", "[integrate]") {
-  // numerics 2.2: error 8e-4 with about 524 evaluations, 4e-7 with 1484
+  // error 8e-4 with about 524 evaluations, 4e-7 with 1484
   const auto error = [](double tolerance, std::uint64_t& evals, std::uint64_t& rejected) {
     Arena arena("test");
     const auto m = rk45(arena, tolerance);

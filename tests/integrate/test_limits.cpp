@@ -29,7 +29,7 @@ TEST_CASE("integrators have their stated stability limits", "[integrate][contrac
   check_limit(observed_limit(method, Params(), zeta), wanted, 1e-6);
 }
 
-TEST_CASE("limits of numerics 3.1", "[integrate]") {
+TEST_CASE("stability limits are the published ones", "[integrate]") {
   struct Row {
     const char *method, *option, *value;
     double zeta, limit, precision;  // as many digits as are printed there
@@ -61,7 +61,7 @@ TEST_CASE("limits of numerics 3.1", "[integrate]") {
   }
 }
 
-TEST_CASE("amplitude kept per step (numerics 3.2)", "[integrate]") {
+TEST_CASE("amplitude kept per step", "[integrate]") {
   struct Row {
     const char* method;
     double z, amplitude, margin;

@@ -24,7 +24,7 @@ struct Problem {
 };
 
 Problem oscillator_problem(const char* name, double k, double c, double t, int first_steps) {
-  const double w0 = std::sqrt(k), decay = c / 2, wd = std::sqrt(k - decay * decay);  // numerics 2.1
+  const double w0 = std::sqrt(k), decay = c / 2, wd = std::sqrt(k - decay * decay);
   const double e = std::exp(-decay * t);
   const double x = e * (std::cos(wd * t) + decay / wd * std::sin(wd * t)), v = -e * k / wd * std::sin(wd * t);
   return {name,
@@ -41,7 +41,7 @@ std::vector<Problem> problems(int order) {
   std::vector<Problem> all;
   all.push_back(oscillator_problem("oscillator", 1, 0, 30, 30));
   all.push_back(oscillator_problem("damped oscillator", 100, 1, 2, 14));
-  // numerics 2.3: rest length 1, stiffness 100, released horizontally; only the position is known
+  // rest length 1, stiffness 100, released horizontally; only the position is known
   const auto spring = std::make_shared<SpringField>();
   spring->springs.push_back({spring->add_point(1), kNone, 100, 0, 1});
   spring->gravity = Vec3(0, Real(-9.81), 0);
@@ -53,7 +53,7 @@ std::vector<Problem> problems(int order) {
                  Vec3(0, 0, 0),
                  0,
                  10});
-  // numerics 2.3: released at a right angle
+  // released at a right angle
   all.push_back({"pendulum",
                  std::make_shared<PendulumField>(),
                  {{Vec3(kPi / 2, 0, 0)}, {Vec3(0, 0, 0)}},
@@ -62,7 +62,7 @@ std::vector<Problem> problems(int order) {
                  Vec3(Real(-1.0809554582362733), 0, 0),
                  1,
                  10});
-  // numerics 2.2: eccentricity 0.9, from pericentre. In 113 bits, errors of order 5 at t = 1 fall by 5 +- 0.1 below
+  // eccentricity 0.9, from pericentre. In 113 bits, errors of order 5 at t = 1 fall by 5 +- 0.1 below
   // 1e-14 only, which is rounding here; at t = 10 they do so from 1e-9 on.
   const State start = {{Vec3(Real(0.1), 0, 0)}, {Vec3(0, Real(4.3588989435406736), 0)}};
   if (order > 4)

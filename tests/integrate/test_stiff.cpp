@@ -58,7 +58,7 @@ TEST_CASE("a stiff chain hangs at rest with its weight in the springs", "[integr
   const auto m = method.make(arena, Params());
   if (!m->info().implicit || !m->info().l_stable) return;
   CAPTURE(method.name);
-  // hanging chain of numerics 2.4: nine masses of 1 and a last of 1e6, springs of 1e8 N/m
+  // hanging chain: nine masses of 1 and a last of 1e6, springs of 1e8 N/m
   SpringField f;
   f.gravity = Vec3(0, Real(-9.81), 0);
   State s;

@@ -59,12 +59,12 @@ TEST_CASE("a stiff spring pendulum has the pendulum's period", "[springs]") {
   const ObjectId net = s.add_net(d);
   s.pin(net, 0);
   const double period = mean_period(w, 240 * 10, [&] { return static_cast<double>(s.point(net, 1)[0]); });
-  // numerics 2.3: 2.3678419475762374 for the rigid pendulum; a spring of 1e5 N/m is up to 3e-4 longer
+  // elliptic integral: 2.3678419475762374 for the rigid pendulum; a spring of 1e5 N/m is up to 3e-4 longer
   CHECK(period == Approx(2.36784194757).epsilon(5e-4));
 }
 
 TEST_CASE("chains swing with their eigenfrequencies", "[springs]") {
-  // numerics 2.4, ten free masses of 1 kg with springs of 100 N/m, started on one eigenvector
+  // ten free masses of 1 kg with springs of 100 N/m, started on one eigenvector
   struct Case {
     const char* ends;
     bool left, right;
@@ -121,7 +121,7 @@ TEST_CASE("a hanging chain carries the weight below every link", "[springs]") {
 }
 
 TEST_CASE("extreme mass ratio: a chain of 10 links holds 1e6 kg", "[springs]") {
-  // numerics 2.4: springs of 1e8 N/m, nine masses of 1 kg and a last of 1e6 kg: top tension 9810088.29 N
+  // springs of 1e8 N/m, nine masses of 1 kg and a last of 1e6 kg: top tension 9810088.29 N
   World w(WorldDesc{}, kSpringsOnly);
   Springs& s = w.need<Springs>();
   NetDesc d = row_net(11, 1, 1, Real(1e8));
