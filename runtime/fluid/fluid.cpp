@@ -145,7 +145,7 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
     if (!(size < 1e9)) throw SceneError("fluid: fill: expected a shape of finite size");
     const double n = k == 2 && p.dimension == 2 ? 1 : std::max(1.0, std::floor(size / d + 0.01));
     total *= n;
-    if (n > 2e9 || total > 4e9)
+    if (total > 2e9)
       throw SceneError("fluid: fill: the shape holds too many particles of spacing " + std::to_string(d));
     cells[k] = static_cast<int>(n);
     const double low = box.lo[k], middle = (low + static_cast<double>(box.hi[k])) / 2;

@@ -89,9 +89,7 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
     const Real dx = p.x[i].x - x, dz = p.dimension == 2 ? Real(0) : p.x[i].z - z;
     if (dx * dx + dz * dz < p.support * p.support) column.push_back(p.x[i].vec());
   }
-  std::sort(column.begin(), column.end(), [](const Vec3& a, const Vec3& b) {
-    return a[1] != b[1] ? a[1] > b[1] : a[0] != b[0] ? a[0] < b[0] : a[2] < b[2];
-  });
+  std::sort(column.begin(), column.end(), [](const Vec3& a, const Vec3& b) { return a[1] > b[1]; });
   const double support = p.support, spacing = p.desc.spacing, step = spacing / 4;
   const double factor = static_cast<double>(p.value_factor) / p.kernel->norm_density[p.dimension - 2];
   const auto share = [&](double at) {
@@ -109,10 +107,11 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
   };
   double searched = kInfinity;  // down to here
   for (const Vec3& q : column) {
-    const double from = std::min(searched, q[1] + spacing), to = q[1] - spacing;
-    for (int k = 0; from - k * step > to && k * step <= 2 * spacing; ++k) {
+    const double from = std::min(searched, q[1] + spacing);
+    searched = q[1] - spacing;
+    for (int k = 0; k < 8; ++k) {
       double in = from - k * step, out = in + step;
-      if (share(in) < 0.5) continue;
+      if (in <= searched || share(in) < 0.5) continue;
       for (int bisection = 0; bisection < 20; ++bisection) {
         const double middle = (in + out) / 2;
         (share(middle) < 0.5 ? out : in) = middle;
@@ -120,7 +119,6 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
       y = static_cast<Real>(in);
       return true;
     }
-    searched = std::min(searched, to);
   }
   return false;
 }

@@ -29,10 +29,10 @@ TEST_CASE("integrators have their stated stability limits", "[integrate][contrac
   check_limit(observed_limit(method, Params(), zeta), wanted, 1e-6);
 }
 
-TEST_CASE("stability limits are the published ones", "[integrate]") {
+TEST_CASE("stability limits at several damping ratios", "[integrate]") {
   struct Row {
     const char *method, *option, *value;
-    double zeta, limit, precision;  // as many digits as are printed there
+    double zeta, limit, precision;  // as many digits as are known
   };
   static const Row kRows[] = {{"midpoint", "", "", 0.01, 0.444, 1e-3},
                               {"heun", "", "", 0.1, 1.050, 1e-3},
