@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <new>
 
-#include "base/params.h"
 #include "cli/command.h"
 #include "cli/stop.h"
+#include "feder/params.h"
 
 namespace feder::cli {
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "base/profile.h"
 #include "cli/command.h"
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/summary.h"
+#include "feder/profile.h"
 #include "state/bodies.h"
 
 namespace feder::cli {

@@ -9,9 +9,9 @@
 #include <set>
 #include <sstream>
 
-#include "base/params.h"
 #include "cli/command.h"
 #include "cli/session.h"
+#include "feder/params.h"
 #include "report/json.h"
 
 namespace feder::cli {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "base/error.h"
 #include "cli/picture.h"
+#include "feder/error.h"
 #include "report/json.h"
 
 namespace feder::cli {

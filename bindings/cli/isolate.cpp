@@ -12,10 +12,10 @@
 #include <cstring>
 #include <filesystem>
 
-#include "base/profile.h"
 #include "cli/command.h"
 #include "cli/stop.h"
 #include "cli/test_file.h"
+#include "feder/profile.h"
 
 extern char** environ;
 

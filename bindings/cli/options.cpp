@@ -9,7 +9,7 @@
 #include "cli/command.h"
 #include "cli/stop.h"
 #ifdef FEDER_HAS_YAML
-#include "yaml/yaml.h"
+#include "feder/yaml.h"
 #endif
 
 namespace feder::cli {

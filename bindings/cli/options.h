@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/arguments.h"
-#include "lua/host.h"
+#include "feder/lua.h"
 
 namespace feder::cli {
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-#include "base/profile.h"
+#include "feder/profile.h"
 
 namespace feder::cli {
 

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <optional>
 
-#include "base/error.h"
 #include "cli/picture.h"
 #include "cli/scene_files.h"
 #include "cli/stop.h"
+#include "feder/error.h"
 #include "report/json.h"
 
 namespace feder::cli {

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "base/profile.h"
 #include "cli/stop.h"
+#include "feder/profile.h"
 #ifdef FEDER_HAS_YAML
-#include "yaml/yaml.h"
+#include "feder/yaml.h"
 #endif
 
 namespace feder::cli {

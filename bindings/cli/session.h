@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/command.h"
-#include "lua/host.h"
+#include "feder/lua.h"
 
 namespace feder::cli {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "base/profile.h"
 #include "cli/session.h"
 #include "cli/stop.h"
+#include "feder/profile.h"
 
 namespace feder::cli {
 namespace {

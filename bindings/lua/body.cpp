@@ -3,6 +3,8 @@
 
 #include "lua/rigid_part.h"
 #include "lua/world_options.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
 
 namespace feder::lua {
 namespace {

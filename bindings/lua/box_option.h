@@ -1,6 +1,6 @@
 // Where a volume is asked for: box = {min, max}, or a shape with its pose.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "lua/options.h"
 
 namespace feder::lua {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "base/types.h"
+#include "feder/types.h"
 #include "lua/state.h"
 
 namespace feder::lua {

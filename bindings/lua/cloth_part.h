@@ -1,6 +1,6 @@
 // Cloth in Lua.
 #pragma once
-#include "cloth/cloth.h"
+#include "feder/cloth.h"
 #include "lua/objects.h"
 
 namespace feder::lua {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/option.h"
-#include "step/system.h"
+#include "feder/params.h"
+#include "feder/system.h"
 
 namespace feder::lua {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/profile.h"
+#include "feder/profile.h"
 #include "lua/records.h"
 
 namespace feder::lua {

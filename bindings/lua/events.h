@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "feder/events.h"
 #include "lua/state.h"
-#include "state/events.h"
 
 namespace feder::lua {
 

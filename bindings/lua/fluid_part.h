@@ -1,6 +1,6 @@
 // Fluids, their emitters and drains in Lua.
 #pragma once
-#include "fluid/fluid.h"
+#include "feder/fluid.h"
 #include "lua/objects.h"
 
 namespace feder::lua {

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/profile.h"
+#include "base/registry.h"
+#include "feder/profile.h"
+#include "forces/forces.h"
 #include "lua/objects.h"
 
 namespace feder::lua {

@@ -3,11 +3,11 @@
 #include <map>
 #include <vector>
 
-#include "base/math.h"
-#include "forces/force.h"
+#include "feder/force.h"
+#include "feder/object.h"
+#include "feder/types.h"
+#include "feder/world.h"
 #include "lua/state.h"
-#include "state/objects.h"
-#include "world/world.h"
 
 namespace feder::lua {
 

@@ -1,6 +1,5 @@
 // Script: the C++ face. Every way into Lua goes through State::call, so that nothing unwinds into the host.
-#include "lua/host.h"
-
+#include "feder/lua.h"
 #include "lua/console.h"
 #include "lua/library.h"
 #include "lua/params.h"

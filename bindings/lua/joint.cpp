@@ -1,4 +1,6 @@
 // world:joint{ ... } and the methods of joints.
+#include "constrain/joint.h"
+
 #include "lua/rigid_part.h"
 
 namespace feder::lua {

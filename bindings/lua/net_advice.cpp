@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "integrate/integrator.h"
 #include "lua/springs_part.h"
 
 namespace feder::lua {

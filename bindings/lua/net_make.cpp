@@ -1,6 +1,7 @@
 // world:net{ ... }: points, masses, springs, pins, and what the net does with bodies.
 #include <algorithm>
 
+#include "integrate/integrator.h"
 #include "lua/buffer.h"
 #include "lua/shapes.h"
 #include "lua/springs_part.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder::lua {
 namespace {

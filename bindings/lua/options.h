@@ -1,4 +1,4 @@
-// Reads an options table by its rows (base/option.h), or the plain numbers of a hot verb, with a message for every
+// Reads an options table by its rows (feder/params.h), or the plain numbers of a hot verb, with a message for every
 // mistake:
 //   file:line: world:body.density: expected a number above 0, got -5
 //   file:line: world:body: unknown option 'frction'; did you mean 'friction'?
@@ -10,10 +10,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/math.h"
-#include "base/option.h"
-#include "base/params.h"
 #include "base/registry.h"
+#include "feder/params.h"
+#include "feder/types.h"
 #include "lua/state.h"
 
 namespace feder::lua {

@@ -4,14 +4,14 @@
 #include <map>
 #include <string>
 
+#include "feder/lua.h"
+#include "feder/world.h"
 #include "lua/events.h"
 #include "lua/force.h"
-#include "lua/look.h"
 #include "lua/options.h"
 #include "lua/part.h"
 #include "lua/state.h"
 #include "lua/tasks.h"
-#include "world/world.h"
 
 namespace feder::lua {
 

@@ -1,7 +1,9 @@
 #include "lua/rigid_part.h"
 
+#include "constrain/joint.h"
 #include "lua/shapes.h"
 #include "lua/yaml_scene.h"
+#include "state/bodies.h"
 
 namespace feder::lua {
 namespace {

@@ -1,8 +1,8 @@
 // Bodies, joints, regions and queries in Lua.
 #pragma once
-#include "collide/collide.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
 #include "lua/objects.h"
-#include "rigid/rigid.h"
 
 namespace feder::lua {
 

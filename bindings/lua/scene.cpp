@@ -1,7 +1,7 @@
 // feder.scene{...} and what the host does with it.
 #include "lua/scene.h"
 
-#include "base/profile.h"
+#include "feder/profile.h"
 #include "lua/options.h"
 #include "lua/study.h"
 #include "lua/world_options.h"

@@ -1,6 +1,6 @@
 // Shapes as Lua values: immutable, shared between bodies.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "lua/options.h"
 
 namespace feder::lua {

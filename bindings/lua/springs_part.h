@@ -1,7 +1,7 @@
 // Nets in Lua.
 #pragma once
+#include "feder/net.h"
 #include "lua/objects.h"
-#include "springs/springs.h"
 
 namespace feder::lua {
 

@@ -8,8 +8,9 @@
 #include <cstring>
 #include <ctime>
 
-#include "base/params.h"
-#include "base/profile.h"
+#include "base/rng.h"
+#include "feder/params.h"
+#include "feder/profile.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
 

@@ -14,11 +14,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/error.h"
-#include "base/option.h"
 #include "base/rng.h"
-#include "lua/host.h"
-#include "lua/look.h"
+#include "feder/error.h"
+#include "feder/lua.h"
+#include "feder/params.h"
 
 namespace feder::lua {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/profile.h"
+#include "feder/profile.h"
 #include "lua/records.h"
 
 namespace feder::lua {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "feder/system.h"
 #include "forces/area.h"
-#include "step/contact_service.h"
 
 namespace feder::lua {
 namespace {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/hash.h"
+#include "feder/snapshot.h"
 #include "report/study_text.h"
 
 namespace feder::report {

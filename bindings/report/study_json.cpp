@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "feder/snapshot.h"
 #include "report/study_figures.h"
 #include "report/study_identity.h"
 

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "lua/look.h"
+#include "feder/lua.h"
+#include "feder/world.h"
 #include "view/frame.h"
 #include "view/palette.h"
 #include "view/toggles.h"
-#include "world/world.h"
 
 namespace feder::view {
 

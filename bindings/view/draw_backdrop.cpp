@@ -2,7 +2,7 @@
 // spacing (a power of ten of metres) and it fades into the sky, so that its end is not seen.
 #include <cmath>
 
-#include "base/math.h"
+#include "feder/types.h"
 #include "view/layers.h"
 #include "view/shaders.h"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "state/objects.h"
+#include "feder/object.h"
 #include "view/frame.h"
 
 namespace feder::view {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <map>
 
-#include "base/error.h"
+#include "feder/error.h"
 #include "view/export.h"
 #include "view/palette.h"
 #include "view/solids.h"

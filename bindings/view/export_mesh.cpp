@@ -4,7 +4,7 @@
 #include <fstream>
 #include <map>
 
-#include "base/error.h"
+#include "feder/error.h"
 #include "view/export.h"
 #include "view/solids.h"
 

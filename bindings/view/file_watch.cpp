@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "base/hash.h"
+#include "feder/snapshot.h"
 
 namespace feder::view {
 namespace {

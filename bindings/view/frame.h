@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "state/events.h"
+#include "feder/events.h"
 #include "view/geometry.h"
 
 namespace feder::view {

@@ -2,7 +2,8 @@
 // a mark.
 #include <algorithm>
 
-#include "cloth/cloth.h"
+#include "feder/cloth.h"
+#include "state/cloth_vertices.h"
 #include "view/collector.h"
 
 namespace feder::view {

@@ -1,7 +1,9 @@
 // Contacts: points with normals, impulses as arrows as long as 0.1 s of the force would push 1 kg.
 #include <cmath>
 
-#include "collide/collide.h"
+#include "feder/query.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
 #include "view/collector.h"
 
 namespace feder::view {

@@ -1,7 +1,7 @@
 // Fluids: particles as balls that touch at rest, coloured by speed, density or pressure as the toggles say.
 #include <algorithm>
 
-#include "fluid/fluid.h"
+#include "feder/fluid.h"
 #include "view/collector.h"
 
 namespace feder::view {

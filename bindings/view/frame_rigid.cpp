@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
 #include "view/collector.h"
 
 namespace feder::view {

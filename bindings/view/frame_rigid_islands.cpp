@@ -2,8 +2,12 @@
 // links).
 #include <algorithm>
 
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "constrain/joint.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
 #include "view/collector.h"
 
 namespace feder::view {

@@ -1,5 +1,7 @@
 // Joints as lines: from each body's centre to its anchor, the axis, and a gap in red where a joint is pulled open.
-#include "rigid/rigid.h"
+#include "constrain/joint.h"
+#include "feder/rigid.h"
+#include "state/bodies.h"
 #include "view/collector.h"
 
 namespace feder::view {

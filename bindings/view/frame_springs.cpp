@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "springs/springs.h"
+#include "feder/net.h"
+#include "state/particles.h"
 #include "view/collector.h"
 
 namespace feder::view {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geom/shape.h"
+#include "feder/shape.h"
 
 namespace feder::view {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "base/error.h"
+#include "feder/error.h"
 #include "view/image.h"
 
 namespace feder::view {

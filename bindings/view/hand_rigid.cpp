@@ -1,8 +1,9 @@
 // Bodies in the hand: pulled by a critically damped spring at the point that is held.
 #include <algorithm>
 
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "state/bodies.h"
 #include "view/object_view.h"
 
 namespace feder::view {

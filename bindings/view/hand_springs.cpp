@@ -1,7 +1,7 @@
 // Points of nets in the hand: pinned while they are held, and led to the mouse at a bounded speed.
 #include <algorithm>
 
-#include "springs/springs.h"
+#include "feder/net.h"
 #include "view/object_view.h"
 
 namespace feder::view {

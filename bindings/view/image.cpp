@@ -12,7 +12,7 @@
 
 #include <fstream>
 
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder::view {
 

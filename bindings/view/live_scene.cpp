@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/profile.h"
+#include "feder/error.h"
+#include "feder/profile.h"
 
 namespace feder::view {
 namespace {

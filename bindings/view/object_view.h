@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lua/host.h"
-#include "world/world.h"
+#include "feder/lua.h"
+#include "feder/world.h"
 
 namespace feder::view {
 

@@ -1,9 +1,11 @@
 // Bodies in the inspector, and the choice of their solver.
 #include <cstdio>
 
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
 #include "rigid/solver.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
 #include "view/fields.h"
 #include "view/theme.h"
 

@@ -1,7 +1,7 @@
 // Nets and their points in the inspector.
 #include <cstdio>
 
-#include "springs/springs.h"
+#include "feder/net.h"
 #include "view/fields.h"
 
 namespace feder::view {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/math.h"
+#include "feder/types.h"
 #include "view/layers.h"
 #include "view/shaders.h"
 

@@ -1,6 +1,6 @@
 #include "view/scene_run.h"
 
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder::view {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lua/host.h"
+#include "feder/lua.h"
 #include "view/kept_state.h"
 
 namespace feder::view {

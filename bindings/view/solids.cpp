@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/math.h"
+#include "feder/types.h"
 #include "view/palette.h"
 
 namespace feder::view {

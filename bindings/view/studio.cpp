@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder::view {
 namespace {

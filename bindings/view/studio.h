@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "lua/host.h"
+#include "feder/lua.h"
 #include "view/collector.h"
 #include "view/headless.h"
 

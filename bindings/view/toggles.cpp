@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "base/error.h"
-#include "base/params.h"
+#include "feder/error.h"
+#include "feder/params.h"
 
 namespace feder::view {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/profile.h"
+#include "feder/profile.h"
 #include "view/collector.h"
 #include "view/desk.h"
 #include "view/status.h"

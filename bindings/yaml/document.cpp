@@ -10,7 +10,7 @@
 #include <map>
 #include <sstream>
 
-#include "lua/host.h"
+#include "feder/lua.h"
 
 namespace feder::yaml {
 namespace {

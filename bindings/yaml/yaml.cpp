@@ -1,8 +1,8 @@
-#include "yaml/yaml.h"
+#include "feder/yaml.h"
 
 #include <lua.hpp>
 
-#include "lua/host.h"
+#include "feder/lua.h"
 #include "yaml/document.h"
 
 namespace feder::yaml {

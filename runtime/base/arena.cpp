@@ -1,8 +1,8 @@
 // Blocks that are counted, and the step's scratch memory.
-#include "base/arena.h"
-
 #include <algorithm>
 #include <new>
+
+#include "feder/memory.h"
 
 namespace feder {
 namespace {

@@ -1,8 +1,8 @@
 // What a failed assert prints before it aborts.
-#include "base/assert.h"
-
 #include <cstdio>
 #include <cstdlib>
+
+#include "feder/error.h"
 
 namespace feder {
 

@@ -3,8 +3,8 @@
 #pragma once
 #include <span>
 
-#include "base/assert.h"
-#include "base/math.h"
+#include "feder/error.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -2,7 +2,7 @@
 // increments far below that place add up instead of getting lost. Exact where |x| >= |d|; else the low part errs by a
 // rounding of d. Needs arithmetic as written: -ffp-contract=off, no -ffast-math.
 #pragma once
-#include "base/math.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 #if defined(__x86_64__) || defined(__i386__)
 #include <immintrin.h>

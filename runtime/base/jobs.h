@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/semaphore.h"
-#include "base/types.h"
+#include "feder/types.h"
 
 namespace feder {
 

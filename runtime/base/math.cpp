@@ -1,8 +1,7 @@
 // Own trigonometry by Taylor and argument reduction (Muller, "Elementary Functions", ch. 9 and 11), evaluated in
 // double so that the float build is correctly rounded nearly always and every machine agrees bit for bit.
-#include "base/math.h"
-
 #include "base/trig.h"
+#include "feder/types.h"
 
 namespace feder {
 namespace {

@@ -1,9 +1,9 @@
 // Ranges, choices and values as text.
-#include "base/option.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "feder/params.h"
 
 namespace feder {
 

@@ -1,10 +1,10 @@
 // Options by name: reading, and the error that names the nearest known key.
-#include "base/params.h"
+#include "feder/params.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/archive.h"
+#include "feder/snapshot.h"
 
 namespace feder {
 namespace {

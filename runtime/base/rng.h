@@ -1,6 +1,6 @@
 // PCG32 (O'Neill 2014): small, seedable, the same everywhere.
 #pragma once
-#include "base/types.h"
+#include "feder/types.h"
 
 namespace feder {
 

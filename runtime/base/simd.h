@@ -10,7 +10,7 @@
 namespace feder {
 
 #ifdef FEDER_REAL_DOUBLE
-using WideReal = double;  // the same as Real of base/types.h, which kernels cannot include
+using WideReal = double;  // the same as Real of feder/types.h, which kernels cannot include
 using WideIndex = long long;
 #else
 using WideReal = float;

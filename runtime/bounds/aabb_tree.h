@@ -7,9 +7,9 @@
 #pragma once
 #include <span>
 
-#include "base/arena.h"
-#include "bounds/aabb.h"
 #include "bounds/segment_box.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

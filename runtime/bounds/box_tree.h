@@ -4,8 +4,8 @@
 #pragma once
 #include <span>
 
-#include "base/arena.h"
-#include "bounds/aabb.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

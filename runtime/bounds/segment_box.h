@@ -1,8 +1,7 @@
 // Segment against box, by slabs. Monotone under rounding: a box that encloses a hit box is hit too, so a tree that
 // prunes with it finds what a linear scan finds.
 #pragma once
-#include "base/math.h"
-#include "bounds/aabb.h"
+#include "feder/types.h"
 
 namespace feder {
 

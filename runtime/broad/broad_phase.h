@@ -3,9 +3,9 @@
 #include <compare>
 #include <span>
 
-#include "base/arena.h"
 #include "base/registry.h"
-#include "bounds/aabb.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

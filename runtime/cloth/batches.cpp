@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "base/jobs.h"
+
 namespace feder {
 namespace {
 constexpr JobGrain kBatchGrain{32, 3'000};  // batches per job

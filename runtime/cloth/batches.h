@@ -1,6 +1,7 @@
 // Elements in colours of eight: what the kernels run over. Private to the module.
 #pragma once
 #include "base/checks.h"
+#include "base/jobs.h"
 #include "cloth/batch.h"
 #include "cloth/damping.h"
 #include "cloth/solver.h"

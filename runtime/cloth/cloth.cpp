@@ -1,12 +1,16 @@
 // The cloth system: owner of sheets. What scripts give is checked here; vertices are added, and taken away.
-#include "cloth/cloth.h"
+#include "feder/cloth.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/assert.h"
 #include "cloth/impl.h"
+#include "feder/error.h"
 #include "forces/area.h"
+#include "forces/forces.h"
+#include "state/cloth_vertices.h"
+#include "state/surface.h"
+#include "step/watch.h"
 
 namespace feder {
 namespace {

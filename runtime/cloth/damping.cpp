@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/jobs.h"
 #include "cloth/batches.h"
 
 namespace feder {

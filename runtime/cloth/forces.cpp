@@ -1,5 +1,7 @@
 // Forces on vertices, once per substep: gravity, scripts, the world's force generators. Those that act on areas (wind)
 // are asked per triangle and pressed through its normal (forces/area.h). Air is still where no wind acts on the cloth.
+#include "forces/forces.h"
+
 #include <algorithm>
 #include <cmath>
 

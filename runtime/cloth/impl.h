@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "cloth/sheet.h"
-#include "forces/force.h"
+#include "feder/force.h"
+#include "state/cloth_vertices.h"
+#include "state/surface.h"
 #include "step/watch.h"
 
 namespace feder {

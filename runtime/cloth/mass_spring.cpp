@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "cloth/batches.h"
+#include "feder/snapshot.h"
 #include "integrate/integrator.h"
 
 namespace feder {

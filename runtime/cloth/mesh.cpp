@@ -15,7 +15,7 @@
 #include <string>
 #include <tuple>
 
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

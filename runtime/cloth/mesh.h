@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "base/arena.h"
 #include "base/checks.h"
+#include "feder/memory.h"
 
 namespace feder {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cloth/impl.h"
+#include "forces/forces.h"
 
 namespace feder {
 

@@ -1,6 +1,6 @@
 // The table of cloth solvers, from the lines that feder_variant(cloth ...) wrote.
-#include "cloth/cloth.h"
 #include "cloth/solver.h"
+#include "feder/cloth.h"
 
 namespace feder {
 using Row = Variant<ClothSolver>;

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "cloth/cloth.h"
 #include "cloth/solver.h"
+#include "feder/cloth.h"
 
 namespace feder {
 

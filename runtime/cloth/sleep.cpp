@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloth/impl.h"
+#include "forces/forces.h"
 
 namespace feder {
 namespace {

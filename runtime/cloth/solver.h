@@ -4,12 +4,12 @@
 // hanging sheet takes the stretch of its material, no allocation after the first step, the same bits for any thread
 // count.
 #pragma once
-#include "base/params.h"
 #include "base/registry.h"
 #include "cloth/batch.h"
 #include "cloth/mesh.h"
+#include "feder/params.h"
+#include "feder/plan.h"
 #include "state/surface.h"
-#include "step/context.h"
 
 namespace feder {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cloth/impl.h"
+#include "forces/forces.h"
 
 namespace feder {
 namespace {

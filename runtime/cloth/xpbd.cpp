@@ -12,6 +12,7 @@
 // to the small step, as with implicit methods (gradients are those of the new positions).
 #include <cmath>
 
+#include "base/jobs.h"
 #include "cloth/batches.h"
 
 namespace feder {

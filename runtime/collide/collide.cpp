@@ -1,9 +1,13 @@
 // The collide system: its rows, filters by pairs of objects, materials, hash and snapshots.
-#include "collide/collide.h"
-
 #include <algorithm>
 
+#include "base/registry.h"
+#include "broad/broad_phase.h"
 #include "collide/impl.h"
+#include "feder/query.h"
+#include "narrow/narrow_phase.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
 
 namespace feder {
 

@@ -4,9 +4,13 @@
 #pragma once
 #include <tuple>
 
-#include "base/assert.h"
-#include "collide/collide.h"
+#include "broad/broad_phase.h"
+#include "feder/error.h"
+#include "feder/query.h"
+#include "narrow/narrow_phase.h"
+#include "state/colliders.h"
 #include "state/contact_book.h"
+#include "state/contacts.h"
 
 namespace feder {
 

@@ -6,6 +6,7 @@
 // do not add up over steps. Kept between calls: per contact the poses and separations of its last real test. Points of
 // a new manifold take the impulses of the old points with the same feature, else of the nearest. Weak spot: a pair that
 // turns together (in a drum) is tested again every few steps.
+#include "base/jobs.h"
 #include "collide/impl.h"
 
 namespace feder {

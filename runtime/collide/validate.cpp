@@ -1,4 +1,4 @@
-// What holds of collision detection after each step, asserted where asserts are on (base/assert.h): the sorted entries,
+// What holds of collision detection after each step, asserted where asserts are on (feder/error.h): the sorted entries,
 // the contact slots and what is remembered of them belong together, active contacts touch, and the number of touching
 // contacts on record per pair of objects is that of the entries, so that no begin or end event was lost.
 #include "base/hash.h"

@@ -1,7 +1,8 @@
 // What all joint kinds share: the matrix of a bend, and the writer of rows.
 #include "constrain/joint.h"
 
-#include "base/assert.h"
+#include "feder/error.h"
+#include "state/rows.h"
 
 namespace feder {
 

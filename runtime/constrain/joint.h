@@ -6,24 +6,15 @@
 #pragma once
 #include <span>
 
-#include "base/math.h"
 #include "base/registry.h"
-#include "state/objects.h"
+#include "feder/joint.h"
+#include "feder/object.h"
+#include "feder/types.h"
 #include "state/rows.h"
 
 namespace feder {
 
 inline constexpr int kMaxJointRows = 10;
-
-// What a script may ask of a joint; a kind uses its part, and refuses (SceneError) what it has no use for.
-struct JointOptions {
-  Real lower = -kInfinity, upper = kInfinity;  // limits, m or rad
-  bool has_limits = false;
-  Real motor_speed = 0, motor_max = 0;  // m/s or rad/s; N or N m
-  bool has_motor = false;
-  Real spring_hertz = 0, spring_damping = 1;  // 0 hertz: rigid
-  Real rest_length = -1;                      // distance; < 0: as built
-};
 
 // A joint as the kinds see it. Frames are in the centre-of-mass frames of the bodies; the x axis of a frame is the
 // joint's axis.

@@ -4,8 +4,8 @@
 #pragma once
 #include <memory>
 
+#include "feder/system.h"
 #include "state/surface.h"
-#include "step/system.h"
 
 namespace feder {
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "couple/surface_triangle.h"
+#include "narrow/narrow_phase.h"
+#include "state/cloth_vertices.h"
 
 namespace feder {
 const SystemDescriptor& ClothRigid::descriptor() {

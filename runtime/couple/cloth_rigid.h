@@ -1,11 +1,13 @@
 // What is special between cloth and rigid bodies: attached vertices hold bodies, what comes at a cloth and what lies
 // on it asks for smaller steps. Their contact is that of all surfaces (couple/surface_rigid.h).
 #pragma once
-#include "cloth/cloth.h"
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/cloth.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/system.h"
+#include "state/colliders.h"
 #include "state/movers.h"
-#include "step/system.h"
+#include "state/surface.h"
 
 namespace feder {
 

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "state/cloth_vertices.h"
+
 namespace feder {
 namespace {
 

@@ -1,10 +1,11 @@
 // Fluids and cloth in one world: sheets hold, catch and shed fluid, and are moved by it.
 #pragma once
-#include "cloth/cloth.h"
 #include "couple/fluid_faces.h"
+#include "feder/cloth.h"
+#include "feder/system.h"
 #include "state/contact_book.h"
 #include "state/movers.h"
-#include "step/system.h"
+#include "state/surface.h"
 
 namespace feder {
 

@@ -13,9 +13,9 @@
 // 50 m/s at 0.5 kg/m2.
 #pragma once
 #include "bounds/box_tree.h"
-#include "fluid/fluid.h"
+#include "feder/fluid.h"
+#include "feder/plan.h"
 #include "fluid/pool.h"
-#include "step/context.h"
 
 namespace feder {
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "fluid/pool.h"
+#include "state/bodies.h"
 
 namespace feder {
 namespace {

@@ -1,12 +1,13 @@
 // Fluids and rigid bodies in one world: bodies are the fluid's walls, and the fluid pushes them in the same substep.
 // Buoyancy and drag are nothing of their own: they are what the pressure and friction on the walls add up to.
 #pragma once
-#include "fluid/fluid.h"
-#include "rigid/rigid.h"
+#include "feder/fluid.h"
+#include "feder/rigid.h"
+#include "feder/system.h"
+#include "fluid/walls.h"
+#include "state/colliders.h"
 #include "state/contact_book.h"
 #include "state/movers.h"
-#include "step/contact_service.h"
-#include "step/system.h"
 
 namespace feder {
 

@@ -2,9 +2,9 @@
 // through.
 #pragma once
 #include "couple/fluid_faces.h"
-#include "springs/springs.h"
+#include "feder/net.h"
+#include "feder/system.h"
 #include "state/particles.h"
-#include "step/system.h"
 
 namespace feder {
 

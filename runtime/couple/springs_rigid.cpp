@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "state/bodies.h"
+
 namespace feder {
 
 const SystemDescriptor& SpringsRigid::descriptor() {

@@ -1,11 +1,13 @@
 // Nets and rigid bodies in one world: net points with a radius collide with bodies, attached points hold bodies.
 // Exists as soon as a world has both. Momentum passes both ways in the same substep.
 #pragma once
-#include "collide/collide.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
+#include "feder/net.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/system.h"
+#include "state/colliders.h"
 #include "state/movers.h"
-#include "step/system.h"
+#include "state/particles.h"
 
 namespace feder {
 

@@ -12,6 +12,8 @@
 #include <algorithm>
 
 #include "couple/springs_rigid.h"
+#include "state/bodies.h"
+#include "state/contacts.h"
 
 namespace feder {
 namespace {

@@ -2,12 +2,13 @@
 // use. Exists as soon as a world has both. Rows go to the loop of the surface's group, which pushes both sides at the
 // same moment. Points that are colliders of their own (of nets) meet bodies there, and only their triangles here.
 #pragma once
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/system.h"
+#include "state/colliders.h"
 #include "state/contact_book.h"
 #include "state/movers.h"
 #include "state/surface.h"
-#include "step/system.h"
 
 namespace feder {
 

@@ -12,6 +12,7 @@
 #include "base/checks.h"
 #include "couple/surface_rigid.h"
 #include "couple/surface_triangle.h"
+#include "narrow/narrow_phase.h"
 
 namespace feder {
 namespace {

@@ -1,7 +1,7 @@
 // A triangle of a surface as a convex shape: three points rounded by half the thickness. Lives in a step only.
 #pragma once
+#include "feder/shape.h"
 #include "geom/closest.h"
-#include "geom/shape.h"
 
 namespace feder {
 

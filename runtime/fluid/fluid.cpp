@@ -1,12 +1,14 @@
 // The fluid system: pools, what is asked of them, and the plan's rows. Particles live in arrays that grow outside
 // steps only.
-#include "fluid/fluid.h"
+#include "feder/fluid.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/rng.h"
 #include "fluid/impl.h"
+#include "fluid/walls.h"
+#include "step/watch.h"
 
 namespace feder {
 namespace {

@@ -1,12 +1,14 @@
 // One fluid: its particles as arrays, sorted by cell of its grid so that neighbours lie near in memory; what they are
 // made of; and work arrays. Private to the module and to couplings.
 #pragma once
-#include "fluid/fluid.h"
+#include "base/jobs.h"
+#include "feder/fluid.h"
+#include "feder/plan.h"
+#include "fluid/walls.h"
 #include "neighbors/cell_grid.h"
 #include "neighbors/neighbor_search.h"
 #include "sph/kernel.h"
 #include "sph/wall_table.h"
-#include "step/context.h"
 
 namespace feder {
 

@@ -1,5 +1,5 @@
 // The table of fluid solvers, generated from the feder_variant(fluid ...) lines.
-#include "fluid/fluid.h"
+#include "feder/fluid.h"
 #include "fluid/solver.h"
 
 namespace feder {

@@ -6,8 +6,9 @@
 #include <algorithm>
 
 #include "base/registry.h"
+#include "feder/plan.h"
 #include "fluid/pool.h"
-#include "step/plan.h"
+#include "fluid/walls.h"
 
 namespace feder {
 

@@ -2,10 +2,10 @@
 // passes of a substep; the fluid adds its impulses to the bodies' velocities as it goes, so that each next iteration
 // meets the wall where it is by then.
 #pragma once
-#include "base/arena.h"
 #include "base/checks.h"
-#include "geom/shape.h"
-#include "state/objects.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/shape.h"
 
 namespace feder {
 

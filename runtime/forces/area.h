@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/math.h"
-#include "base/params.h"
+#include "feder/params.h"
+#include "feder/types.h"
 
 namespace feder {
 

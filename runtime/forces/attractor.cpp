@@ -7,7 +7,7 @@
 // Powers are computed here and not by the C library, whose last digit differs between machines: whole and half
 // powers by multiplication of square roots, others by exp(p ln s) in double.
 #include "base/functions.h"
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

@@ -5,7 +5,7 @@
 // Weak spot: lift acts on the centre of mass, so a floating box does not right itself.
 #include <algorithm>
 
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

@@ -1,7 +1,7 @@
 // Linear and quadratic drag: f = -(linear + quadratic |v|) v. Linear in N s/m, quadratic in N s^2/m^2.
 #include <algorithm>
 
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

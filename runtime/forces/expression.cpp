@@ -5,7 +5,7 @@
 #include <atomic>
 
 #include "base/functions.h"
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

@@ -1,6 +1,6 @@
 // A formula in x y z vx vy vz m t and named parameters, parsed once and evaluated often:
 //   + - * / ^ (right to left), sin cos exp log pow sqrt abs min max, pi, numbers, parentheses.
-// Values in double by functions of base/math.h, so that they do not depend on the C library; derivatives by the same
+// Values in double by functions of feder/types.h, so that they do not depend on the C library; derivatives by the same
 // program on dual numbers (forward mode; Griewank & Walther 2008, 3). Where an operation has no value (division by
 // zero, logarithm or root of a negative number, overflow) the formula has none.
 #pragma once

@@ -3,8 +3,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/params.h"
+#include "feder/error.h"
+#include "feder/params.h"
 #include "forces/expression.h"
 
 namespace feder {

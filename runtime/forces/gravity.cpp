@@ -1,5 +1,5 @@
 // A uniform field beside the world's gravity: f = m a. Potential -m a.x.
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

@@ -1,5 +1,5 @@
 // The table of force kinds, generated from the feder_variant(forces ...) lines.
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 

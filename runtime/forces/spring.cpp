@@ -1,6 +1,6 @@
 // A spring from each point to a place in the world: f = -(stiffness (r - rest_length) + damping r') n.
 // At r = 0 with a rest length the direction is undefined: x is used.
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

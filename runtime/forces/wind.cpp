@@ -5,7 +5,7 @@
 // depend on the simulated time only. Weak spot: no wind shadow, and the whole field breathes at once.
 #include <algorithm>
 
-#include "forces/force.h"
+#include "feder/force.h"
 
 namespace feder {
 namespace {

@@ -1,6 +1,6 @@
 // Box: half sizes along its axes. A header of its own because the box pair tests read the half sizes.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 
 namespace feder {
 

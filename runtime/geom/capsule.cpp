@@ -1,5 +1,5 @@
 // Capsule: a segment along y rounded by the radius.
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "geom/sizes.h"
 
 namespace feder {

@@ -1,5 +1,5 @@
 // Circle: the 2D sphere, a point in the xy plane rounded by its radius. Masses are per metre of depth.
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "geom/sizes.h"
 
 namespace feder {

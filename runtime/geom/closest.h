@@ -1,7 +1,7 @@
 // Nearest points on segments and triangles.
 // Triangle: Ericson, "Real-Time Collision Detection" (2005), 5.1.5: the Voronoi region of p by barycentric signs.
 #pragma once
-#include "base/math.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -1,6 +1,6 @@
 // Compound: shapes with poses, moving as one. Colliders are made per part, so pair tests never see the whole.
-#include "base/error.h"
-#include "geom/shape.h"
+#include "feder/error.h"
+#include "feder/shape.h"
 
 namespace feder {
 namespace {

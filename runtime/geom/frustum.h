@@ -1,7 +1,7 @@
 // Frustum: a circle at the bottom, one at the top (radius 0: a tip), straight sides. Cylinder and cone are two of its
 // kinds.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 
 namespace feder {
 

@@ -1,6 +1,6 @@
 // Convex hull of a point cloud: corners, polygonal faces, edges.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 
 namespace feder {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/error.h"
+#include "feder/error.h"
 #include "geom/hull.h"
 
 namespace feder {

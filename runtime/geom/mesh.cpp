@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <map>
 
-#include "base/error.h"
 #include "bounds/box_tree.h"
+#include "feder/error.h"
+#include "feder/shape.h"
 #include "geom/closest.h"
-#include "geom/shape.h"
 
 namespace feder {
 namespace {

@@ -1,8 +1,8 @@
 // Plane: bounds, rays and its 2D section.
 #include "geom/plane.h"
 
-#include "base/error.h"
-#include "base/option.h"
+#include "feder/error.h"
+#include "feder/params.h"
 
 namespace feder {
 

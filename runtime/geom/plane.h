@@ -1,6 +1,6 @@
 // Plane: the half-space n.x <= d is solid. Has neither mass nor support function; pair tests read n and d.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 
 namespace feder {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/error.h"
+#include "feder/error.h"
 #include "geom/closest.h"
 
 namespace feder {

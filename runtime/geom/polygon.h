@@ -1,7 +1,7 @@
 // Polygon: a 2D convex outline in the xy plane, optionally rounded; two points with a radius are a 2D capsule.
 // Masses are per metre of depth.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 
 namespace feder {
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "base/error.h"
-#include "geom/shape.h"
+#include "feder/error.h"
+#include "feder/shape.h"
 
 namespace feder {
 

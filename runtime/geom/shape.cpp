@@ -1,8 +1,7 @@
 // What shapes that do not say otherwise answer.
-#include "geom/shape.h"
+#include "feder/shape.h"
 
-#include "base/assert.h"
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder {
 

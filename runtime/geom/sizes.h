@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include "base/error.h"
-#include "base/types.h"
+#include "feder/error.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -1,5 +1,5 @@
 // Sphere: a point rounded by its radius.
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "geom/sizes.h"
 
 namespace feder {

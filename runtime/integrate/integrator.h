@@ -7,12 +7,13 @@
 #pragma once
 #include <span>
 
-#include "base/arena.h"
 #include "base/compensated.h"
 #include "base/jobs.h"
-#include "base/math.h"
-#include "base/params.h"
 #include "base/registry.h"
+#include "feder/integrator.h"
+#include "feder/memory.h"
+#include "feder/params.h"
+#include "feder/types.h"
 #include "linear/block_sparse.h"
 
 namespace feder {
@@ -76,29 +77,6 @@ inline void drift(const ForceField& field, Real h, std::span<const Vec3> v, std:
     while (i < last) one();
   });
 }
-
-struct IntegratorInfo {
-  int order = 1;               // of the global error
-  double stability_limit = 0;  // largest h*omega on the undamped oscillator; 0 = never stable, infinity = always
-  int evals_per_step = 1;      // force evaluations; at least that many where `implicit` or `adaptive`
-  bool implicit = false;       // solves systems with K
-  bool symplectic = false;     // without damping; the energy swings and does not drift
-  bool adaptive = false;       // cuts h into steps of its own (limits and order are those of one, see rk45.cpp)
-  bool l_stable = false;       // what is far too stiff for h is damped out in a step
-  bool exact_linear = false;   // linear forces are integrated exactly
-  const char* effort_option = nullptr;  // integer option that caps the work within a step, if there is one
-  // Largest h*omega with the damping ratio zeta, where a formula gives it.
-  double (*damped_limit)(double zeta) = nullptr;
-  // Of explicit Runge-Kutta methods: one step multiplies a solution e^(lambda t) by sum c_k (h lambda)^k.
-  std::span<const double> stability_polynomial = {};
-};
-
-struct IntegratorStats {
-  std::uint64_t force_evals = 0, jacobian_evals = 0, linear_solves = 0, cg_iterations = 0;
-  std::uint64_t unconverged = 0;             // solves that ended at the cap: reported as a warning
-  std::uint64_t substeps = 0, rejected = 0;  // of adaptive methods: accepted and thrown away
-  double residual = 0;                       // of the last solve, relative
-};
 
 // State of a multi-step method as plain data: part of snapshots and of the state hash. Empty for one-step methods.
 struct IntegratorMemory {

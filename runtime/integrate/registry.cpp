@@ -1,4 +1,5 @@
 // The table of integrators, generated from the feder_variant(integrate ...) lines.
+#include "feder/params.h"
 #include "integrate/integrator.h"
 
 namespace feder {
@@ -12,5 +13,7 @@ std::span<const Variant<Integrator>> integrators() {
   };
   return {table.begin(), table.size()};
 }
+
+std::string default_integrator() { return default_variant(integrators(), "symplectic_euler"); }
 
 }  // namespace feder

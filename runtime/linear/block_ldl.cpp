@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

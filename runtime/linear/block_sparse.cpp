@@ -1,7 +1,7 @@
 // Pattern and zero of a block matrix.
 #include "linear/block_sparse.h"
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "base/arena.h"
-#include "base/assert.h"
-#include "base/math.h"
+#include "feder/error.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

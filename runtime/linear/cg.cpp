@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-#include "base/math.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -1,7 +1,7 @@
 // Distance and overlap depth of two convex cores through their support functions (internal to narrow).
 // All points and normals are in the frame of a.
 #pragma once
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "narrow/double3.h"
 
 namespace feder {

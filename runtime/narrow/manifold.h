@@ -1,6 +1,6 @@
 // What two touching shapes share: up to four points with one normal.
 #pragma once
-#include "base/math.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

@@ -8,7 +8,7 @@
 #pragma once
 #include <span>
 
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "narrow/manifold.h"
 
 namespace feder {

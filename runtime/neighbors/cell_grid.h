@@ -4,8 +4,8 @@
 #pragma once
 #include <span>
 
-#include "base/arena.h"
-#include "base/types.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

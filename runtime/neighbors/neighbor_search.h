@@ -2,9 +2,9 @@
 #pragma once
 #include <span>
 
-#include "base/arena.h"
 #include "base/jobs.h"
 #include "base/registry.h"
+#include "feder/memory.h"
 
 namespace feder {
 

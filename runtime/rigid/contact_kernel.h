@@ -7,7 +7,7 @@
 // pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's
 // centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
 #pragma once
-#include "base/assert.h"
+#include "feder/error.h"
 #include "rigid/contact_batch.h"
 
 namespace feder {
@@ -160,7 +160,7 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
 
 [[gnu::always_inline]] inline void prepare_friction(ContactBatch& c) {
   const Lanes3 n = load(c.normal);
-  // tangent_frame(n) of base/math.h (Duff et al. 2017)
+  // tangent_frame(n) of feder/types.h (Duff et al. 2017)
   const Lanes one = all_lanes(1);
   const Lanes sign = select(n.z < zero_lanes(), -one, one);
   const Lanes s = -one / (sign + n.z);

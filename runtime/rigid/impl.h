@@ -1,11 +1,16 @@
 // The inside of the rigid system, shared by its source files.
 #pragma once
-#include "base/assert.h"
-#include "forces/force.h"
-#include "rigid/rigid.h"
+#include "constrain/joint.h"
+#include "feder/error.h"
+#include "feder/force.h"
+#include "feder/rigid.h"
+#include "feder/system.h"
 #include "rigid/solver.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
 #include "state/movers.h"
-#include "step/contact_service.h"
+#include "state/rows.h"
 #include "step/watch.h"
 
 namespace feder {

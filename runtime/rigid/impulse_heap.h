@@ -3,8 +3,8 @@
 #pragma once
 #include <utility>
 
-#include "base/arena.h"
-#include "base/assert.h"
+#include "feder/error.h"
+#include "feder/memory.h"
 
 namespace feder {
 

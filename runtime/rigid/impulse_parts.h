@@ -1,8 +1,10 @@
 // What the impulse solver works on: movers, contacts and joint blocks of one substep, and the closed-form answers for
 // a single one of them. impulse.cpp decides the order.
 #pragma once
-#include "base/assert.h"
+#include "feder/error.h"
 #include "rigid/solver.h"
+#include "state/movers.h"
+#include "state/rows.h"
 
 namespace feder {
 

@@ -1,8 +1,10 @@
 // Direct solution of the stiff joints of bodies that hang together like a tree (chains, ragdolls): exact in one pass,
 // whatever the mass ratio.
 #pragma once
-#include "base/assert.h"
+#include "feder/error.h"
 #include "rigid/solver.h"
+#include "state/movers.h"
+#include "state/rows.h"
 
 namespace feder {
 

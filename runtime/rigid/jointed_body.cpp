@@ -2,7 +2,8 @@
 
 #include <cmath>
 
-#include "base/assert.h"
+#include "feder/error.h"
+#include "state/movers.h"
 
 namespace feder {
 namespace {

@@ -1,8 +1,15 @@
 // The rigid system's face: descriptor, plan rows, questions, snapshot. The work is in bodies.cpp, rows.cpp, sleep.cpp
 // and joints.cpp.
-#include "rigid/rigid.h"
+#include "feder/rigid.h"
 
+#include "constrain/joint.h"
+#include "forces/forces.h"
 #include "rigid/impl.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
+#include "state/movers.h"
+#include "step/watch.h"
 
 namespace feder {
 

@@ -5,6 +5,8 @@
 // to L through the inertia they were solved with.
 #include <algorithm>
 
+#include "base/jobs.h"
+#include "forces/forces.h"
 #include "rigid/impl.h"
 
 namespace feder {

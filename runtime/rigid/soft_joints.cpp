@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/assert.h"
+#include "constrain/joint.h"
+#include "feder/error.h"
+#include "state/movers.h"
+#include "state/rows.h"
 
 namespace feder {
 namespace {

@@ -8,12 +8,16 @@
 // with few substeps; simultaneous hits are resolved in colour order.
 #include <algorithm>
 
-#include "base/assert.h"
 #include "base/hash.h"
+#include "base/jobs.h"
 #include "base/simd.h"
+#include "feder/error.h"
 #include "rigid/contact_batch.h"
 #include "rigid/soft_joints.h"
 #include "rigid/solver.h"
+#include "state/colliders.h"
+#include "state/contacts.h"
+#include "state/movers.h"
 
 namespace feder {
 namespace {

@@ -5,14 +5,14 @@
 #pragma once
 #include <span>
 
-#include "base/params.h"
 #include "base/registry.h"
 #include "constrain/joint.h"
+#include "feder/params.h"
+#include "feder/plan.h"
 #include "rigid/jointed_body.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
 #include "state/movers.h"
-#include "step/context.h"
 
 namespace feder {
 

@@ -1,4 +1,4 @@
-// What holds of bodies and joints after each step, asserted where asserts are on (base/assert.h): bodies, colliders and
+// What holds of bodies and joints after each step, asserted where asserts are on (feder/error.h): bodies, colliders and
 // objects know each other, sleeping islands are rings whose members sleep, joints follow their bodies' types, movers
 // lie where their bodies look for them, and the numbers of bodies that the solver moves are finite.
 #include "base/hash.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "forces/forces.h"
 #include "rigid/impl.h"
 
 namespace feder {

@@ -3,9 +3,12 @@
 #include <memory>
 #include <vector>
 
-#include "base/assert.h"
+#include "feder/error.h"
 #include "forces/area.h"
+#include "forces/forces.h"
 #include "springs/net.h"
+#include "state/colliders.h"
+#include "state/particles.h"
 #include "state/surface.h"
 #include "step/watch.h"
 

@@ -3,10 +3,10 @@
 #pragma once
 #include <span>
 
-#include "base/arena.h"
-#include "base/assert.h"
 #include "base/jobs.h"
-#include "base/math.h"
+#include "feder/error.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 #include "springs/spring_batch.h"
 
 namespace feder {

@@ -2,10 +2,12 @@
 #pragma once
 #include <array>
 
-#include "forces/force.h"
+#include "base/jobs.h"
+#include "feder/force.h"
+#include "feder/net.h"
+#include "forces/forces.h"
 #include "integrate/integrator.h"
 #include "springs/layout.h"
-#include "springs/springs.h"
 #include "state/particles.h"
 
 namespace feder {

@@ -8,7 +8,7 @@
 // is exact to rounding. A spring without length pulls along x, from the lower point number to the higher.
 // One division and one square root per spring end, no estimates of either (rsqrt differs between processors).
 #pragma once
-#include "base/assert.h"
+#include "feder/error.h"
 #include "springs/spring_batch.h"
 
 namespace feder {

@@ -1,10 +1,12 @@
 // The springs system: owner of nets. Each substep every net's integrator pulls the net's forces; nets are
 // independent, so they run in parallel and everything that leaves a net (events, warnings) is done after, in order.
-#include "springs/springs.h"
-
 #include <cmath>
 
+#include "feder/net.h"
+#include "integrate/integrator.h"
 #include "springs/impl.h"
+#include "state/particles.h"
+#include "state/surface.h"
 
 namespace feder {
 const SystemDescriptor& Springs::descriptor() {

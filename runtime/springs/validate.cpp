@@ -1,4 +1,4 @@
-// What holds of nets after each step, asserted where asserts are on (base/assert.h): nets own consecutive runs of
+// What holds of nets after each step, asserted where asserts are on (feder/error.h): nets own consecutive runs of
 // points, springs join points of their net, what is removed has no stiffness, colliders and points know each other,
 // numbers of nets that are not quarantined are finite. The kernels' layout is checked when it is built.
 #include "springs/impl.h"

@@ -1,7 +1,8 @@
 #include "state/bodies.h"
 
-#include "base/assert.h"
 #include "base/hash.h"
+#include "feder/error.h"
+#include "feder/snapshot.h"
 
 namespace feder {
 namespace {

@@ -1,18 +1,12 @@
 // Rigid bodies as plain arrays, indexed by a stable body index (a destroyed body leaves a free index that is used
 // again). Positions are of the centre of mass; the body frame has its origin at the script's `position`.
 #pragma once
-#include "base/arena.h"
-#include "base/math.h"
-#include "state/objects.h"
+#include "feder/body.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/types.h"
 
 namespace feder {
-
-inline constexpr ObjectKind kBodyKind{"body", "bodies"};
-
-enum class BodyType : std::uint8_t { free, fixed, kinematic, dynamic };  // fixed = "static" in Lua
-
-// Locked degrees of freedom, world axes.
-enum LockBits : std::uint8_t { kLockX = 1, kLockY = 2, kLockZ = 4, kLockRx = 8, kLockRy = 16, kLockRz = 32 };
 
 struct Bodies {
   explicit Bodies(Arena& a);

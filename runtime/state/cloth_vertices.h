@@ -1,9 +1,9 @@
 // Vertices of all cloths one after another: a cloth owns a run of indices, first the visible ones, then hidden ones
 // that nothing draws or hits (the far side of clamps, and one that fills empty lanes of kernels).
 #pragma once
-#include "base/arena.h"
-#include "base/math.h"
-#include "state/objects.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/types.h"
 
 namespace feder {
 

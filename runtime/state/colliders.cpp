@@ -1,8 +1,8 @@
 #include "state/colliders.h"
 
-#include "base/assert.h"
-#include "base/error.h"
 #include "base/hash.h"
+#include "feder/error.h"
+#include "feder/snapshot.h"
 
 namespace feder {
 namespace {

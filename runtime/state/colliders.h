@@ -5,11 +5,10 @@
 #include <cmath>
 #include <memory>
 
-#include "base/arena.h"
-#include "base/math.h"
-#include "bounds/aabb.h"
-#include "geom/shape.h"
-#include "state/objects.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/shape.h"
+#include "feder/types.h"
 
 namespace feder {
 

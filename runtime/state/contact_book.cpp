@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "base/archive.h"
-#include "base/arena.h"
-#include "base/math.h"
-#include "state/events.h"
-#include "state/objects.h"
+#include "feder/events.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/snapshot.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -1,10 +1,10 @@
 // Contacts: one slot per pair of colliders that may touch (and per extra manifold against meshes). A slot lives as
 // long as the pair's boxes overlap; impulses in it warm-start the next step.
 #pragma once
-#include "base/archive.h"
-#include "base/arena.h"
-#include "base/math.h"
-#include "state/objects.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/snapshot.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -1,9 +1,9 @@
-#include "state/events.h"
+#include "feder/events.h"
 
 #include <algorithm>
 #include <tuple>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

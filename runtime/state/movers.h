@@ -2,9 +2,9 @@
 // A body or a colliding net point owns a mover slot for life; at the start of a step each owner that takes part
 // writes its solver index there. Index 0 is the world: infinite mass, at rest, never written.
 #pragma once
-#include "base/arena.h"
-#include "base/assert.h"
-#include "base/math.h"
+#include "feder/error.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

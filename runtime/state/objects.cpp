@@ -1,9 +1,9 @@
-#include "state/objects.h"
-
 #include <algorithm>
 
-#include "base/assert.h"
 #include "base/hash.h"
+#include "feder/error.h"
+#include "feder/object.h"
+#include "feder/snapshot.h"
 
 namespace feder {
 namespace {

@@ -1,9 +1,9 @@
 // Mass points as plain arrays: the points of all nets one after another (a net owns a run of indices).
 #pragma once
-#include "base/arena.h"
 #include "base/compensated.h"
-#include "base/math.h"
-#include "state/objects.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -1,8 +1,8 @@
 // Constraint rows: the contract between joints (who fill them) and solvers (who read them). A block is up to six
 // rows between two movers that are solved together; a row with bounds that can become active must stand alone.
 #pragma once
-#include "base/arena.h"
-#include "base/math.h"
+#include "feder/memory.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -7,13 +7,13 @@
 #include <string_view>
 #include <vector>
 
-#include "base/arena.h"
-#include "base/assert.h"
-#include "base/math.h"
+#include "feder/error.h"
+#include "feder/events.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/types.h"
 #include "state/bodies.h"
-#include "state/events.h"
 #include "state/movers.h"
-#include "state/objects.h"
 
 namespace feder {
 

@@ -1,9 +1,9 @@
-#include "step/plan.h"
+#include "feder/plan.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

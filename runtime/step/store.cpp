@@ -1,4 +1,4 @@
-#include "step/store.h"
+#include "feder/memory.h"
 
 namespace feder {
 

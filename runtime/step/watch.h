@@ -6,10 +6,10 @@
 // adds what the other systems may have given (System::held, System::drive) and warns, once per object and episode.
 // All bounds are from above: the watchdog would rather be late than cry wolf. tests/lua/test_watchdog.cpp.
 #pragma once
-#include "base/arena.h"
-#include "base/assert.h"
-#include "base/math.h"
-#include "step/context.h"
+#include "feder/error.h"
+#include "feder/memory.h"
+#include "feder/plan.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/error.h"
+#include "feder/error.h"
 #include "study/norms.h"
 
 namespace feder {

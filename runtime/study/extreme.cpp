@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "base/error.h"
+#include "feder/error.h"
 
 namespace feder {
 

@@ -1,11 +1,11 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "collide/collide.h"
 #include "couple/fluid_rigid.h"
+#include "feder/query.h"
+#include "feder/world.h"
 #include "fluid/solver.h"
 #include "study/extreme.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

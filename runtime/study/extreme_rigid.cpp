@@ -1,9 +1,10 @@
 #include <cmath>
 
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/world.h"
+#include "state/bodies.h"
 #include "study/extreme.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

@@ -1,10 +1,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "feder/net.h"
+#include "feder/world.h"
+#include "integrate/integrator.h"
 #include "integrate/limits.h"
-#include "springs/springs.h"
 #include "study/extreme.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/rng.h"
+#include "feder/world.h"
 #include "study/ode.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

@@ -1,7 +1,7 @@
 // Problems of point masses and springs, run through a World by every integrator: the same force code as the library's.
 // Private to the module.
 #pragma once
-#include "springs/springs.h"
+#include "feder/net.h"
 #include "study/options.h"
 #include "study/reference.h"
 

@@ -1,6 +1,8 @@
 #include "study/ode.h"
 
-#include "base/arena.h"
+#include "base/rng.h"
+#include "feder/memory.h"
+#include "integrate/integrator.h"
 
 namespace feder {
 namespace {

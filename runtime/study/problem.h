@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/params.h"
 #include "base/registry.h"
+#include "feder/params.h"
 #include "study/result.h"
 
 namespace feder {

@@ -1,7 +1,7 @@
 // The table of study problems, generated from the feder_variant(study ...) lines, and the words of the results.
 #include <charconv>
 
-#include "base/arena.h"
+#include "feder/memory.h"
 #include "study/problem.h"
 
 namespace feder {

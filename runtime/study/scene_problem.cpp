@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
-#include "rigid/rigid.h"
-#include "springs/springs.h"
+#include "feder/net.h"
+#include "feder/rigid.h"
+#include "state/bodies.h"
+#include "state/particles.h"
 #include "study/norms.h"
 #include "study/ode.h"
 

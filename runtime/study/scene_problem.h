@@ -4,8 +4,8 @@
 #include <functional>
 #include <map>
 
+#include "feder/world.h"
 #include "study/problem.h"
-#include "world/world.h"
 
 namespace feder {
 

@@ -8,8 +8,8 @@
 #include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/surface_rigid.h"
+#include "feder/world.h"
 #include "study/stability_problem.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collide/collide.h"
 #include "couple/fluid_rigid.h"
+#include "feder/query.h"
+#include "feder/world.h"
 #include "fluid/solver.h"
 #include "study/stability_problem.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

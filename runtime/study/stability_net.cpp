@@ -2,9 +2,10 @@
 // that a failure has a time and a point; energies and errors are judged at the end. Limits: see limit().
 #include <algorithm>
 
+#include "feder/world.h"
+#include "integrate/integrator.h"
 #include "integrate/limits.h"
 #include "study/stability_problem.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

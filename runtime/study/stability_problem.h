@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "springs/springs.h"
+#include "feder/net.h"
+#include "feder/world.h"
 #include "study/stability.h"
-#include "world/world.h"
 
 namespace feder {
 

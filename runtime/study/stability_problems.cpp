@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
+#include "feder/world.h"
 #include "study/stability_problem.h"
-#include "world/world.h"
 
 namespace feder {
 namespace {

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collide/collide.h"
+#include "feder/query.h"
+#include "feder/world.h"
 #include "rigid/solver.h"
-#include "world/world.h"
+#include "state/bodies.h"
 
 namespace feder {
 

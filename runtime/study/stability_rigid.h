@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "rigid/rigid.h"
+#include "feder/rigid.h"
 #include "study/stability_problem.h"
 
 namespace feder {

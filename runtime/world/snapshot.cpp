@@ -1,6 +1,7 @@
 // Snapshots: time, objects and every system's state as one byte image.
+#include "feder/world.h"
 #include "state/contact_book.h"
-#include "world/world.h"
+#include "world/own.h"
 
 namespace feder {
 namespace {
@@ -21,7 +22,7 @@ std::string World::snapshot() const {
   w.add(seal(this));
   w.add(time_);
   w.add(steps_);
-  w.add(rng_);
+  w.add(own_->rng);
   w.add(desc_.gravity[0]), w.add(desc_.gravity[1]), w.add(desc_.gravity[2]);
   objects_.save(w);
   w.add(static_cast<std::uint64_t>(systems_.size()));
@@ -42,7 +43,7 @@ void World::load_image(std::string_view image) {
   if (maker != seal(this)) throw SceneError("snapshot: made by another world");
   r.get(time_);
   r.get(steps_);
-  r.get(rng_);
+  r.get(own_->rng);
   r.get(desc_.gravity[0]), r.get(desc_.gravity[1]), r.get(desc_.gravity[2]);
   objects_.load(r);
   r.get(count);

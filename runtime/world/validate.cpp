@@ -1,13 +1,15 @@
-// What holds of a world after each step, asserted where asserts are on (base/assert.h): the plan's passes lie
+// What holds of a world after each step, asserted where asserts are on (feder/error.h): the plan's passes lie
 // in the order they run in, the table of objects and the events are consistent, forces act on something, and each
 // system says the same of its own structures (System::validate).
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "base/assert.h"
+#include "feder/error.h"
+#include "feder/world.h"
+#include "forces/forces.h"
 #include "state/contact_book.h"
-#include "world/world.h"
+#include "step/watch.h"
 
 namespace feder {
 namespace {

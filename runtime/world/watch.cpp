@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "world/world.h"
+#include "feder/world.h"
 
 namespace feder {
 namespace {

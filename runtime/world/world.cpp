@@ -1,9 +1,12 @@
-#include "world/world.h"
+#include "feder/world.h"
 
 #include <cmath>
 
-#include "base/assert.h"
+#include "feder/error.h"
+#include "forces/forces.h"
 #include "state/contact_book.h"
+#include "step/watch.h"
+#include "world/own.h"
 
 namespace feder {
 
@@ -21,9 +24,11 @@ void check(const WorldDesc& d) {
     throw SceneError("world.dimension: expected 2 or 3, got " + std::to_string(d.dimension));
 }
 
+Rng& World::rng() { return own_->rng; }
+
 World::World(const WorldDesc& desc, Catalog catalog)
     : desc_(desc), catalog_(catalog), watch_(store_.need<Watch>("watch")), events_(store_.arena("events")),
-      jobs_(desc.threads), scratch_(store_.arena("scratch")), rng_(desc.seed) {
+      own_(std::make_unique<Own>(desc, store_)) {
   check(desc);
   objects_.know(kForceKind);
   for (const SystemDescriptor* d : catalog_)
@@ -103,7 +108,7 @@ std::vector<std::string> World::absent() const {
 void World::begin_step(void* self, StepContext&) {
   World& w = *static_cast<World*>(self);
   w.events_.clear();
-  w.scratch_.reset();
+  w.own_->scratch.reset();
 }
 
 void World::finish_step(void* self, StepContext& c) {
@@ -166,8 +171,8 @@ StepContext World::context() {
   c.store = &store_;
   c.objects = &objects_;
   c.events = &events_;
-  c.jobs = &jobs_;
-  c.scratch = &scratch_;
+  c.jobs = &own_->jobs;
+  c.scratch = &own_->scratch;
   return c;
 }
 

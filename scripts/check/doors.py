@@ -22,9 +22,10 @@ WANTED = {"system": 4, "coupling": 1, "shape": 1, "joint": 1, "variant": 1}
 BODIES = ("rigid", "body", "bodies", "joint", "region", "queries")  # what collide serves
 OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "fluid": ("fluid", "emitter"),
        "collide": ("collide", *BODIES), "contact": ("contact", "surface")}
+PUBLIC = {"springs": "net", "collide": "query"}  # feder/<name>.h of the system, where it is called otherwise
 # Where a system's name in quotes is the name of something else: a layer, node, event, part of a suite, option.
 ELSEWHERE = {"springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf.cpp"},
-             "contact": {"runtime/state/events.h", "bindings/cli/study_suite.cpp"}}
+             "contact": {"runtime/include/feder/events.h", "bindings/cli/study_suite.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
           "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
@@ -59,12 +60,13 @@ def pascal(name):
 def things():
     """(kind, name, pattern, is_own, family) of every thing; where family is found its name in quotes is meant."""
     for system, own in OWN.items():
-        headers = [h.read_text() for h in (ROOT / f"runtime/{system}").glob("*.h")]
+        headers = [h.read_text() for h in [*(ROOT / f"runtime/{system}").glob("*.h"),
+                                           ROOT / f"runtime/include/feder/{PUBLIC.get(system, system)}.h"] if h.exists()]
         classes = {c for text in headers for c in SYSTEM.findall(text)}
-        pattern = "|".join([rf'"{system}/', rf'"{system}"', rf"\bfeder_{system}\b", rf"FEDER_HAS_{system.upper()}\b"] +
+        pattern = "|".join([rf'"{system}/', rf'"feder/{PUBLIC.get(system, system)}\.h"', rf'"{system}"', rf"\bfeder_{system}\b", rf"FEDER_HAS_{system.upper()}\b"] +
                            [rf"\b{c}\b" for c in sorted(classes)])
         assert classes, system
-        is_own = lambda p, o=own, s=system: (p.startswith(f"runtime/{s}/") or words(p) & set(o) or
+        is_own = lambda p, o=own, s=system: (p.startswith(f"runtime/{s}/") or p == f"runtime/include/feder/{PUBLIC.get(s, s)}.h" or words(p) & set(o) or
                                              p in ELSEWHERE.get(s, ()) or
                                              p.startswith("runtime/couple/") and not p.endswith("CMakeLists.txt"))
         yield "system", system, pattern, is_own, None

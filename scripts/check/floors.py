@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The floor check: a file includes its own module and lower floors only; modules of one floor are strangers.
 
-Also: what the runtime may include at all, which entries the top level may have, and how long a file may be.
+Also: what the runtime may include at all, what its public headers may, which entries the top level may have, and how
+long a file may be.
 Each finding is one line `file:line: rule`. Exit status 1 when there is any.
 
   floors.py [ROOT]     check a tree (default: this checkout)
@@ -27,7 +28,17 @@ NEIGHBORS = {
     "cli": {"lua", "yaml", "report", "view"},
     "web": {"lua", "view"},
 }
-EIGEN = {"base/types.h": {"Eigen/Core"}}
+# Public headers, runtime/include/feder/<name>.h, and whose they are: on that floor they may be included, but also by
+# strangers where what they declare has its definitions in a lower room.
+PUBLIC = {
+    "types": "base", "error": "base", "params": "base", "memory": "base", "snapshot": "base", "profile": "base",
+    "shape": "geom", "object": "state", "events": "state", "body": "state", "order": "step", "plan": "step",
+    "system": "step", "force": "forces", "integrator": "integrate", "joint": "constrain", "query": "collide",
+    "net": "springs", "rigid": "rigid", "cloth": "cloth", "fluid": "fluid", "desc": "world", "world": "world",
+    "systems": "world", "study": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
+}
+PUBLIC_FOLDER = "runtime/include/feder"
+EIGEN = {f"{PUBLIC_FOLDER}/types.h": {"Eigen/Core"}}
 EIGEN_LINEAR = {"Eigen/Core", "Eigen/Sparse", "Eigen/SVD", "Eigen/Eigenvalues", "Eigen/Cholesky"}
 INTRINSICS = {"immintrin.h", "xmmintrin.h", "emmintrin.h"}  # floating-point control words and base/simd.h
 SYSTEM = {"base/semaphore.h": {"semaphore.h"}}  # POSIX; elsewhere the file takes the standard one
@@ -73,8 +84,8 @@ def floor_rule(module, target):
 def runtime_rule(path, module, bracket, name):
     """Why a runtime file may not include something that is no module of ours, or None."""
     if name.startswith("Eigen/") or name.startswith("unsupported/"):
-        allowed = EIGEN_LINEAR if module == "linear" else EIGEN.get("/".join(path.parts[1:]), set())
-        return None if name in allowed else f"<{name}>: Eigen comes through base/types.h (linear/ may use its solvers)"
+        allowed = EIGEN_LINEAR if module == "linear" else EIGEN.get(path.as_posix(), set())
+        return None if name in allowed else f"<{name}>: Eigen comes through feder/types.h (linear/ may use its solvers)"
     if name in BANNED_STANDARD:
         return f"<{name}>: the runtime draws, prints and reads nothing"
     if bracket == "<" and (name in STANDARD or name in INTRINSICS):
@@ -92,7 +103,8 @@ def check_file(root, path):
         yield f"{path}:{MAX_LINES + 1}: {len(text)} lines; files above {MAX_LINES} are split"
     if path.parts[0] not in ("runtime", "bindings") or path.suffix not in (".h", ".cpp", ".inc"):
         return
-    module = path.parts[1] if len(path.parts) > 2 else ""
+    public = path.parent.as_posix() == PUBLIC_FOLDER
+    module = PUBLIC.get(path.stem, "") if public else path.parts[1] if len(path.parts) > 2 else ""
     if module not in FLOORS:
         yield f"{path}:1: '{module}' has no floor; add it to the table in scripts/check/floors.py"
         return
@@ -102,9 +114,16 @@ def check_file(root, path):
             continue
         bracket, name = match.groups()
         head = name.split("/")[0]
-        if bracket == '"' and "/" in name and head in FLOORS:
+        if bracket == '"' and head == "feder":
+            owner = PUBLIC.get(name.split("/")[-1].removesuffix(".h"))
+            rule = floor_rule(module, owner) if owner else f'"{name}" is no public header of the table in this script'
+        elif public and not (
+                bracket == "<" and (name in STANDARD or name in EIGEN.get(path.as_posix(), ()) or
+                                    module == "lua" and name == "filesystem")):
+            rule = f"{name}: a public header includes its like, the standard library and, in types.h, Eigen/Core"
+        elif bracket == '"' and "/" in name and head in FLOORS:
             rule = floor_rule(module, head)
-        elif path.parts[0] == "runtime":
+        elif path.parts[0] == "runtime" and not public:
             rule = runtime_rule(path, module, bracket, name)
         else:
             rule = f'"{name}": name the module in the path' if bracket == '"' and not name.endswith(".inc") else None
@@ -124,12 +143,15 @@ def check_tree(root):
 
 
 PLANTED = {
-    "runtime/springs/bad_up.cpp": ('#include "world/world.h"\n', "includes go down only"),
-    "runtime/springs/bad_side.cpp": ('// a\n#include "rigid/rigid.h"\n', "are strangers"),
+    "runtime/springs/bad_up.cpp": ('#include "world/own.h"\n', "includes go down only"),
+    "runtime/springs/bad_side.cpp": ('// a\n#include "rigid/impl.h"\n', "are strangers"),
+    "runtime/springs/bad_public.cpp": ('#include "feder/rigid.h"\n', "are strangers"),
+    "runtime/springs/bad_name.cpp": ('#include "feder/spring.h"\n', "no public header"),
+    "runtime/include/feder/cloth.h": ('#include "cloth/batch.h"\n', "a public header includes its like"),
     "runtime/broad/bad_eigen.cpp": ("#include <Eigen/Dense>\n", "Eigen comes through"),
     "runtime/broad/bad_print.cpp": ("#include <iostream>\n", "draws, prints and reads nothing"),
     "runtime/broad/bad_lua.cpp": ("#include <lua.hpp>\n", "standard library only"),
-    "runtime/world/bad_binding.cpp": ('#include "lua/host.h"\n', "includes go down only"),
+    "runtime/world/bad_binding.cpp": ('#include "lua/state.h"\n', "includes go down only"),
     "runtime/helpers/bad_module.cpp": ("\n", "has no floor"),
     "bindings/lua/bad_side.cpp": ('#include "cli/session.h"\n', "are strangers"),
     "bindings/cli/bad_path.cpp": ('#include "session.h"\n', "name the module"),
@@ -138,10 +160,10 @@ PLANTED = {
 }
 CLEAN = {
     ".github/CONTRIBUTING.md": "dotfiles may stand at the top\n",
-    "runtime/base/types.h": "#include <Eigen/Core>\n#include <cstdint>\n",
-    "runtime/world/world.h": '#include "forces/force.h"\n#include "world/desc.h"\n',
+    "runtime/include/feder/types.h": "#include <Eigen/Core>\n#include <cstdint>\n",
+    "runtime/world/own.h": '#include "base/jobs.h"\n#include "feder/world.h"\n',
     "runtime/broad/registry.cpp": '#include "broad_rows.inc"\n',
-    "bindings/cli/run.cpp": '#include <CLI/CLI.hpp>\n#include "lua/host.h"\n#include "report/table.h"\n',
+    "bindings/cli/run.cpp": '#include <CLI/CLI.hpp>\n#include "feder/lua.h"\n#include "report/table.h"\n',
 }
 
 

@@ -2,7 +2,7 @@
 #   feder_module(name [APART] SOURCES a.cpp ... NEEDS base ...)   a static library feder_<name>; APART: see pch.cmake
 #   feder_variant(module name [FILE file.cpp])                    one source and one row of the module's table
 #   feder_pair(a b)                                               the same for a narrow-phase pair test
-#   feder_system(module Class header)                             a row of the catalog (runtime/world/catalog.h)
+#   feder_system(module Class header)                             a row of the catalog and of the built feder/systems.h
 # A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
 # generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
 
@@ -101,16 +101,17 @@ function(feder_module name)
   if(left_out)
     return()
   endif()
-  if(NOT M_ROOT)
-    set(M_ROOT ${PROJECT_SOURCE_DIR}/runtime)
-  endif()
+  set(M_ROOT ${PROJECT_SOURCE_DIR}/runtime ${M_ROOT})
   set(target feder_${name})
   add_library(${target} STATIC ${M_SOURCES})
   add_library(feder::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX CXX_VISIBILITY_PRESET hidden
+                        VISIBILITY_INLINES_HIDDEN ON)
+  # a host sees feder/*.h alone
   target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${M_ROOT}> $<INSTALL_INTERFACE:include/feder>)
-  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+    $<INSTALL_INTERFACE:include>)
+  target_include_directories(${target} PRIVATE ${M_ROOT} ${CMAKE_CURRENT_BINARY_DIR})
   target_link_libraries(${target} PUBLIC feder_flags)
   feder_use_pch(${target} library)
   if(NOT M_APART)
@@ -147,9 +148,18 @@ endfunction()
 
 function(feder_system module class header)
   if(TARGET feder_${module})
+    string(REGEX REPLACE "([a-z])([A-Z])" "\\1_\\2" name ${class})
+    string(TOLOWER ${name}_system name)
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+    file(CONFIGURE OUTPUT ${source} @ONLY CONTENT "#include \"@header@\"
+
+namespace feder {
+const SystemDescriptor& @name@() { return @class@::descriptor(); }
+}  // namespace feder
+")
+    target_sources(feder_${module} PRIVATE ${source})
     set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_MODULES ${module})
-    set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_HEADERS "#include \"${module}/${header}\"")
-    set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_ROWS "      &${class}::descriptor(),")
+    set_property(GLOBAL APPEND PROPERTY FEDER_SYSTEM_NAMES ${name})
   endif()
 endfunction()
 

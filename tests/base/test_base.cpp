@@ -2,11 +2,11 @@
 #include <limits>
 #include <numeric>
 
-#include "base/arena.h"
 #include "base/cast.h"
 #include "base/jobs.h"
-#include "base/params.h"
 #include "base/rng.h"
+#include "feder/memory.h"
+#include "feder/params.h"
 #include "support/catch.h"
 
 using namespace feder;

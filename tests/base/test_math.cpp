@@ -1,8 +1,8 @@
 // Own trigonometry and rotations against the C library in long double and against identities.
 #include <cmath>
 
-#include "base/math.h"
 #include "base/rng.h"
+#include "feder/types.h"
 #include "support/catch.h"
 
 using namespace feder;

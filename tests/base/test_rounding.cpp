@@ -2,7 +2,7 @@
 // on x86-64 (where these numbers come from) and on ARM, though ARM could fuse and has narrower packets.
 #include <cstring>
 
-#include "base/types.h"
+#include "feder/types.h"
 #include "support/catch.h"
 
 using namespace feder;

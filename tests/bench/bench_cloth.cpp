@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/profile.h"
-#include "cloth/cloth.h"
 #include "contact/surface_contact.h"
-#include "world/world.h"
+#include "feder/cloth.h"
+#include "feder/profile.h"
+#include "feder/world.h"
 
 using namespace feder;
 

@@ -8,7 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/profile.h"
+#include "base/jobs.h"
+#include "feder/profile.h"
 #include "fluid/tank.h"
 #include "neighbors/neighbor_search.h"
 

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/profile.h"
+#include "base/jobs.h"
+#include "feder/profile.h"
+#include "feder/world.h"
 #include "springs/net.h"
-#include "world/world.h"
 
 using namespace feder;
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/params.h"
 #include "base/rng.h"
 #include "bounds/segment_box.h"
 #include "broad/broad_phase.h"
+#include "feder/params.h"
 #include "support/catch.h"
 
 using namespace feder;

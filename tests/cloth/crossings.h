@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cloth/cloth.h"
+#include "feder/cloth.h"
 
 namespace feder::test {
 

@@ -1,10 +1,10 @@
 // Worlds with one cloth, for tests.
 #pragma once
-#include "cloth/cloth.h"
 #include "cloth/solver.h"
 #include "contact/surface_contact.h"
+#include "feder/cloth.h"
+#include "feder/world.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 namespace feder::test {
 

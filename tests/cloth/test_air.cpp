@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "cloth/sheets.h"
-#include "forces/force.h"
+#include "feder/force.h"
 
 using namespace feder;
 using namespace feder::test;

@@ -5,6 +5,7 @@
 #include "base/rng.h"
 #include "cloth/mesh.h"
 #include "cloth/sheets.h"
+#include "state/cloth_vertices.h"
 
 using namespace feder;
 using namespace feder::test;

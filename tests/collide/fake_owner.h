@@ -6,10 +6,13 @@
 #include <set>
 #include <vector>
 
+#include "base/jobs.h"
 #include "base/rng.h"
-#include "collide/collide.h"
+#include "feder/query.h"
 #include "state/bodies.h"
+#include "state/colliders.h"
 #include "state/contact_book.h"
+#include "state/contacts.h"
 
 namespace feder {
 

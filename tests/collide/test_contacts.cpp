@@ -1,5 +1,7 @@
 // Contacts: filters, mixing, recycling, waking, sleeping pairs, margins, warm start, exclusions, allocation.
+#include "broad/broad_phase.h"
 #include "collide/fake_owner.h"
+#include "narrow/narrow_phase.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -1,5 +1,6 @@
 // Rays, casts and overlaps against testing every shape, with filters, sensors and ties.
 #include "collide/fake_owner.h"
+#include "narrow/narrow_phase.h"
 #include "support/catch.h"
 
 using namespace feder;

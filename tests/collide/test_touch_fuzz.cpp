@@ -3,7 +3,9 @@
 #include <map>
 #include <string>
 
+#include "broad/broad_phase.h"
 #include "collide/fake_owner.h"
+#include "narrow/narrow_phase.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -1,6 +1,6 @@
 // Nets for tests of contact.
 #pragma once
-#include "springs/springs.h"
+#include "feder/net.h"
 
 namespace feder {
 

@@ -11,8 +11,8 @@
 #include "couple/fluid_springs.h"
 #include "couple/springs_rigid.h"
 #include "couple/surface_rigid.h"
+#include "feder/world.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 namespace feder {
 

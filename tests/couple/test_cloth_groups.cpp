@@ -2,10 +2,11 @@
 #include <functional>
 
 #include "cloth/sheets.h"
-#include "collide/collide.h"
 #include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/surface_rigid.h"
+#include "feder/query.h"
+#include "state/surface.h"
 
 using namespace feder;
 using namespace feder::test;

@@ -6,8 +6,9 @@
 #include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/surface_rigid.h"
+#include "feder/world.h"
+#include "state/bodies.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

@@ -4,8 +4,11 @@
 #include "contact/surface_contact.h"
 #include "couple/cloth_rigid.h"
 #include "couple/surface_rigid.h"
+#include "feder/world.h"
+#include "narrow/narrow_phase.h"
+#include "state/bodies.h"
+#include "state/cloth_vertices.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

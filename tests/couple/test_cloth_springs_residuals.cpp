@@ -5,8 +5,8 @@
 #include "couple/cloth_rigid.h"
 #include "couple/springs_rigid.h"
 #include "couple/surface_rigid.h"
+#include "feder/world.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

@@ -3,9 +3,10 @@
 #include <cstring>
 
 #include "couple/springs_rigid.h"
+#include "feder/world.h"
 #include "rigid/solver.h"
+#include "state/bodies.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

@@ -5,6 +5,7 @@
 
 #include "contact/surface_contact.h"
 #include "couple/fluid_parts.h"
+#include "state/cloth_vertices.h"
 #include "state/contact_book.h"
 #include "support/aborts.h"
 #include "support/catch.h"

@@ -1,12 +1,12 @@
 // A host that lists two systems; run.cmake looks into the program that nothing of the others was linked.
-#include <collide/collide.h>
-#include <rigid/rigid.h>
-#include <world/world.h>
+#include <feder/rigid.h>
+#include <feder/systems.h>
+#include <feder/world.h>
 
 #include <cstdio>
 
 int main() {
-  const feder::SystemDescriptor* const catalog[] = {&feder::Collide::descriptor(), &feder::Rigid::descriptor()};
+  const feder::SystemDescriptor* const catalog[] = {&feder::collide_system(), &feder::rigid_system()};
   feder::World world(feder::WorldDesc{}, catalog);
   world.need<feder::Rigid>();
   world.step();

@@ -1,5 +1,5 @@
 // feder in a program of one's own: load a scene, step it, read events.
-#include <lua/host.h>
+#include <feder/lua.h>
 
 #include <cstdio>
 

@@ -19,7 +19,18 @@ function(expect text pattern)
 endfunction()
 
 run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
-run("configure" ${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -G Ninja -DCMAKE_PREFIX_PATH=${work}/prefix
+# what is installed to be included: the public headers, and no folder of the house
+file(GLOB_RECURSE installed RELATIVE ${work}/prefix/include ${work}/prefix/include/*)
+foreach(file ${installed})
+  if(NOT file MATCHES "^feder/[a-z]+\\.h$")
+    message(FATAL_ERROR "${file} is installed and no public header")
+  endif()
+endforeach()
+list(LENGTH installed headers)
+if(headers GREATER 30)
+  message(FATAL_ERROR "${headers} public headers: ${installed}")
+endif()
+run("configure" ${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -G Ninja -DCMAKE_PREFIX_PATH=${work}/prefix -DFEDER_PREFIX=${work}/prefix
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${TYPE} "-DCMAKE_CXX_FLAGS=${FLAGS}"
     -DCMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON)
 run("build" ${CMAKE_COMMAND} --build ${work}/build)

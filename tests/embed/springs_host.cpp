@@ -1,7 +1,7 @@
 // A Lua host that knows nets alone: springs_host SCENE SCRIPTS STEPS prints the hash. run.cmake compares it with the
 // program's, which has all systems, and looks into this one that nothing of the others was linked.
-#include <lua/parts.h>
-#include <springs/springs.h>
+#include <feder/parts.h>
+#include <feder/systems.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 int main(int count, char** words) try {
   if (count != 4) return 2;
   const feder::lua::Part* const parts[] = {&feder::lua::springs_part()};
-  const feder::SystemDescriptor* const systems[] = {&feder::Springs::descriptor()};
+  const feder::SystemDescriptor* const systems[] = {&feder::springs_system()};
   feder::lua::Script script{feder::lua::HostOptions{.parts = parts, .systems = systems, .library_roots = {words[2]}}};
   script.load_file(words[1]);
   script.build();

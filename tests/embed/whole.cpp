@@ -1,7 +1,7 @@
 // Every module of the runtime from one target, and the YAML reader handed to a script host.
-#include <lua/host.h>
-#include <springs/springs.h>
-#include <yaml/yaml.h>
+#include <feder/lua.h>
+#include <feder/net.h>
+#include <feder/yaml.h>
 
 #include <cstdio>
 

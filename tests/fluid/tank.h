@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "collide/collide.h"
 #include "couple/fluid_rigid.h"
-#include "fluid/fluid.h"
-#include "rigid/rigid.h"
-#include "world/world.h"
+#include "feder/fluid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/world.h"
 
 namespace feder {
 

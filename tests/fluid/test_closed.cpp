@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "fluid/tank.h"
+#include "state/bodies.h"
 #include "support/catch.h"
 
 using namespace feder;

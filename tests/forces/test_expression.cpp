@@ -1,10 +1,10 @@
 // Formulas: values against the C library and by hand, derivatives against differences, messages with their column.
 #include <cmath>
 
-#include "base/arena.h"
 #include "base/functions.h"
+#include "feder/force.h"
+#include "feder/memory.h"
 #include "forces/expression.h"
-#include "forces/force.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -1,11 +1,11 @@
-// The contract of forces/force.h for every registered kind, with default options and with some set.
+// The contract of feder/force.h for every registered kind, with default options and with some set.
 #include <cmath>
 #include <cstring>
 #include <vector>
 
-#include "base/arena.h"
 #include "base/rng.h"
-#include "forces/force.h"
+#include "feder/force.h"
+#include "feder/memory.h"
 #include "support/catch.h"
 
 using namespace feder;

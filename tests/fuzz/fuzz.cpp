@@ -14,7 +14,7 @@
 #include <sstream>
 #include <string>
 
-#include "lua/host.h"
+#include "feder/lua.h"
 
 extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__((weak));
 

@@ -1,7 +1,7 @@
-// The contract of geom/shape.h for every kind of shape. A new kind is enrolled by its line alone.
-#include "base/error.h"
+// The contract of feder/shape.h for every kind of shape. A new kind is enrolled by its line alone.
 #include "base/rng.h"
-#include "geom/shape.h"
+#include "feder/error.h"
+#include "feder/shape.h"
 #include "support/catch.h"
 
 using namespace feder;

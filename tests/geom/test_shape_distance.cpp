@@ -1,6 +1,6 @@
 // Signed distances of every kind of shape, against supports and rays. A new kind is enrolled by its line alone.
 #include "base/rng.h"
-#include "geom/shape.h"
+#include "feder/shape.h"
 #include "support/catch.h"
 
 using namespace feder;

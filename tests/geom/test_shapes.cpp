@@ -1,6 +1,6 @@
 // Closed forms of single shapes, and what their makers refuse.
-#include "base/error.h"
 #include "base/rng.h"
+#include "feder/error.h"
 #include "geom/hull.h"
 #include "geom/polygon.h"
 #include "support/catch.h"

@@ -1,9 +1,10 @@
 // rk45 (step control, dense output), the exponential method on linear systems, BDF2 with a varying step.
 #include <cmath>
 
-#include "base/arena.h"
+#include "feder/memory.h"
 #include "fields.h"
 #include "integrate/dormand_prince.h"
+#include "integrate/integrator.h"
 #include "integrate/limits.h"
 #include "spring_field.h"
 #include "support/catch.h"

@@ -1,5 +1,5 @@
 // Conjugate gradient of runtime/linear on chains with a known solution.
-#include "base/arena.h"
+#include "feder/memory.h"
 #include "linear/cg.h"
 #include "support/catch.h"
 

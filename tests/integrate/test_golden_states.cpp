@@ -2,7 +2,8 @@
 // 40 digits). Methods without a row here are checked by the contract alone.
 #include <cstring>
 
-#include "base/arena.h"
+#include "feder/memory.h"
+#include "integrate/integrator.h"
 #include "spring_field.h"
 #include "support/catch.h"
 

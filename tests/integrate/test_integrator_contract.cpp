@@ -1,5 +1,6 @@
 // The contract of integrate/integrator.h for every registered method. A new one is enrolled by its line alone.
-#include "base/arena.h"
+#include "feder/memory.h"
+#include "integrate/integrator.h"
 #include "spring_field.h"
 #include "support/catch.h"
 

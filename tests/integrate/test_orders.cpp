@@ -1,8 +1,9 @@
 // Order of convergence of every registered method on problems with known solutions.
 #include <memory>
 
-#include "base/arena.h"
+#include "feder/memory.h"
 #include "fields.h"
+#include "integrate/integrator.h"
 #include "spring_field.h"
 #include "support/catch.h"
 

@@ -1,5 +1,6 @@
 // Springs far too stiff for the step: no implicit method may go non-finite, and none may stop in silence.
-#include "base/arena.h"
+#include "feder/memory.h"
+#include "integrate/integrator.h"
 #include "linear/block_ldl.h"
 #include "spring_field.h"
 #include "support/catch.h"

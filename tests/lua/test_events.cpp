@@ -1,4 +1,5 @@
 // Events: order, filters, orientation, handlers that edit the world, errors that are counted.
+#include "state/bodies.h"
 #include "support/script.h"
 
 using namespace feder::test;

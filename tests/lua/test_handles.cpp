@@ -1,4 +1,5 @@
 // Handles: identity, tombstones, other worlds, closed worlds, collection.
+#include "state/bodies.h"
 #include "support/script.h"
 
 using namespace feder::test;

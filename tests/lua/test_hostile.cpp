@@ -4,6 +4,7 @@
 #include <set>
 
 #include "lua/docs.h"
+#include "state/bodies.h"
 #include "support/script.h"
 
 using namespace feder;

@@ -1,4 +1,5 @@
 // The promised messages: what was expected, what came, and where.
+#include "state/bodies.h"
 #include "support/script.h"
 
 using namespace feder::test;

@@ -3,9 +3,9 @@
 #include <set>
 #include <sstream>
 
+#include "feder/world.h"
 #include "lua/docs.h"
 #include "support/script.h"
-#include "world/catalog.h"
 
 using namespace feder;
 

@@ -1,4 +1,5 @@
 // Queries, snapshots, conserved quantities, joints, forces, nets and buffers through the API.
+#include "state/bodies.h"
 #include "support/script.h"
 
 using namespace feder;

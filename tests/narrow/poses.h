@@ -1,8 +1,8 @@
 // Random poses and the support-function oracle for narrow-phase tests.
 #pragma once
-#include "base/math.h"
 #include "base/rng.h"
-#include "geom/shape.h"
+#include "feder/shape.h"
+#include "feder/types.h"
 #include "narrow/narrow_phase.h"
 
 namespace feder {

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "base/rng.h"
+#include "narrow/narrow_phase.h"
 #include "poses.h"
 #include "support/catch.h"
 

@@ -1,4 +1,6 @@
 // Convex shapes on triangle meshes: seams are not felt, sharp edges are, sides do not matter.
+#include "base/rng.h"
+#include "narrow/narrow_phase.h"
 #include "poses.h"
 #include "support/catch.h"
 

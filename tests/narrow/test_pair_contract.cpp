@@ -1,5 +1,7 @@
 // The contract of narrow/narrow_phase.h for every pair of convex kinds, against the support functions alone.
-#include "base/error.h"
+#include "base/rng.h"
+#include "feder/error.h"
+#include "narrow/narrow_phase.h"
 #include "poses.h"
 #include "support/catch.h"
 

@@ -1,4 +1,6 @@
 // Closed forms of distances, standing manifolds, sweeps and overlaps; sizes from 1e-4 m to 1e4 m.
+#include "base/rng.h"
+#include "narrow/narrow_phase.h"
 #include "poses.h"
 #include "support/catch.h"
 

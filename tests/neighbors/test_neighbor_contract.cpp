@@ -3,8 +3,9 @@
 #include <array>
 #include <vector>
 
-#include "base/params.h"
+#include "base/jobs.h"
 #include "base/rng.h"
+#include "feder/params.h"
 #include "neighbors/cell_grid.h"
 #include "neighbors/neighbor_search.h"
 #include "support/catch.h"

@@ -3,12 +3,13 @@
 #include <memory>
 
 #include "base/rng.h"
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/world.h"
 #include "rigid/solver.h"
 #include "rigid/tolerances.h"
+#include "state/bodies.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 namespace feder {
 

@@ -1,5 +1,5 @@
 // Forces against velocity on bodies: each acts over a substep with what it was at its start, and may stop a body in it.
-#include "forces/force.h"
+#include "feder/force.h"
 #include "rigid/closed_scene.h"
 
 using namespace feder;

@@ -1,12 +1,14 @@
 // Rigid::validate and World::validate against seeded faults: each must be found.
 #include <limits>
 
-#include "collide/collide.h"
-#include "rigid/rigid.h"
+#include "feder/query.h"
+#include "feder/rigid.h"
+#include "feder/world.h"
+#include "state/bodies.h"
+#include "state/colliders.h"
 #include "state/movers.h"
 #include "support/aborts.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/rng.h"
-#include "base/types.h"
+#include "feder/types.h"
 #include "sph/kernel.h"
 #include "sph/wall_table.h"
 #include "support/catch.h"

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "springs/springs.h"
-#include "world/world.h"
+#include "feder/net.h"
+#include "feder/world.h"
 
 namespace feder::test {
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrate/integrator.h"
 #include "nets.h"
 #include "support/catch.h"
 

@@ -1,6 +1,7 @@
 // Nets against closed forms: pendulum period, frequencies of chains, hanging chain, free fall with drag.
 #include <cmath>
 
+#include "integrate/integrator.h"
 #include "nets.h"
 #include "support/catch.h"
 

@@ -1,6 +1,7 @@
 // Positions of nets keep what rounding takes off them: small steps add up, for every integrator.
 #include <cmath>
 
+#include "integrate/integrator.h"
 #include "nets.h"
 #include "support/catch.h"
 

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <functional>
 
-#include "forces/force.h"
+#include "feder/force.h"
+#include "integrate/integrator.h"
 #include "nets.h"
 #include "support/catch.h"
 

@@ -1,6 +1,7 @@
 // What nets do beside swinging: pins, breaking, removal, forces, quarantine, warnings, snapshots, threads.
 #include <cmath>
 
+#include "integrate/integrator.h"
 #include "nets.h"
 #include "support/catch.h"
 

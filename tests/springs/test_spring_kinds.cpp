@@ -1,6 +1,7 @@
 // Kinds of springs: strings, springs without length, two points at one spot; forces on some points.
 #include <cmath>
 
+#include "integrate/integrator.h"
 #include "nets.h"
 #include "support/catch.h"
 

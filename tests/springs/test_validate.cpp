@@ -1,10 +1,11 @@
 // Springs::validate against seeded faults: each must be found.
 #include <limits>
 
-#include "springs/springs.h"
+#include "feder/net.h"
+#include "feder/world.h"
+#include "state/particles.h"
 #include "support/aborts.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

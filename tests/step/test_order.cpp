@@ -1,5 +1,5 @@
 // The tree of loops: order, nesting, groups, counters.
-#include "step/plan.h"
+#include "feder/plan.h"
 #include "support/catch.h"
 
 using namespace feder;

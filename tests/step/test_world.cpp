@@ -1,9 +1,9 @@
 // The world with systems made up for the test: plan order, systems on demand, couplings, snapshots, absence.
 #include <limits>
 
+#include "feder/world.h"
 #include "support/aborts.h"
 #include "support/catch.h"
-#include "world/world.h"
 
 using namespace feder;
 

@@ -1,5 +1,5 @@
 // Any world as a problem: the reference is found by refinement, its uncertainty told.
-#include "springs/springs.h"
+#include "feder/net.h"
 #include "study/scene_problem.h"
 #include "study/sweep.h"
 #include "support/catch.h"

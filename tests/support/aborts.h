@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 

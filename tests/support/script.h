@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "lua/host.h"
+#include "feder/lua.h"
 #include "support/catch.h"
 
 namespace feder::test {

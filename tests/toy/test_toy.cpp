@@ -1,7 +1,7 @@
 // A system from outside enters by the doors of the house alone: scripts, YAML, events, snapshots, the hash, explain and
 // the viewer's frame know it, and no file outside this folder names it.
 #include "cli/program.h"
-#include "rigid/rigid.h"
+#include "feder/rigid.h"
 #include "support/catch.h"
 #include "toy/parts.h"
 

@@ -1,6 +1,6 @@
 #include "toy/wind_sock.h"
 
-#include "base/assert.h"
+#include "feder/error.h"
 
 namespace feder {
 namespace {

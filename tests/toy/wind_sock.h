@@ -6,8 +6,8 @@
 //   d_i' = (d_(i-1) - d_i) / lag, kept at length 1; backward Euler.
 // Kept between steps: directions. Weak spot: no mass, so nobody feels a sock.
 #pragma once
-#include "base/math.h"
-#include "step/system.h"
+#include "feder/system.h"
+#include "feder/types.h"
 
 namespace feder {
 

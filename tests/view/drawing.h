@@ -1,8 +1,8 @@
 // A world to draw, and one headless renderer for all tests of a program: a driver is slow to start.
 #pragma once
-#include "lua/host.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
+#include "feder/lua.h"
+#include "feder/net.h"
+#include "feder/rigid.h"
 #include "support/catch.h"
 #include "view/studio.h"
 

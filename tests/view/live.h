@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/profile.h"
+#include "feder/profile.h"
 #include "support/catch.h"
 #include "view/live_scene.h"
 

@@ -1,7 +1,8 @@
 // Picking, dragging, throwing, pinning and shooting without a window.
+#include "feder/net.h"
+#include "feder/rigid.h"
 #include "live.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
+#include "state/bodies.h"
 
 using namespace feder;
 using view::LiveScene;

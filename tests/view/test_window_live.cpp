@@ -1,7 +1,7 @@
 // The running scene: the same as headless, exact about its past, unmoved by broken files.
+#include "feder/net.h"
+#include "feder/rigid.h"
 #include "live.h"
-#include "rigid/rigid.h"
-#include "springs/springs.h"
 
 using namespace feder;
 using view::LiveScene;

@@ -2,10 +2,10 @@
 #include <lua.hpp>
 #include <memory>
 
-#include "lua/host.h"
+#include "feder/lua.h"
+#include "feder/yaml.h"
 #include "support/catch.h"
 #include "yaml/document.h"
-#include "yaml/yaml.h"
 
 using namespace feder;
 

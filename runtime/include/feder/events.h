@@ -2,12 +2,12 @@
 // step. Nothing here calls anybody.
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "base/arena.h"
-#include "base/assert.h"
-#include "base/name.h"
-#include "state/objects.h"
+#include "feder/error.h"
+#include "feder/memory.h"
+#include "feder/object.h"
 
 namespace feder {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <chrono>
 
-#include "base/types.h"
+#include "feder/types.h"
 
 namespace feder {
 

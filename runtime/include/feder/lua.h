@@ -12,12 +12,12 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "lua/advice.h"
-#include "lua/look.h"
-#include "world/catalog.h"
-#include "world/world.h"
+#include "feder/object.h"
+#include "feder/world.h"
 
 namespace feder::lua {
 
@@ -51,7 +51,7 @@ class OptionError : public ScriptError {
 struct Part;
 std::span<const Part* const> parts();  // all of this build, in the library feder_lua
 
-// A host that wants fewer systems names its own parts (lua/parts.h) and catalog where it makes the options, as
+// A host that wants fewer systems names its own parts (feder/parts.h) and catalog where it makes the options, as
 // HostOptions{.parts = mine, .systems = my_systems}, and links feder_lua_core and feder_lua_<module> alone. Both lists
 // outlive the script.
 struct HostOptions {
@@ -75,9 +75,33 @@ struct HostOptions {
   std::uint64_t instruction_limit = 100'000'000;
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
-  // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see yaml/yaml.h).
+  // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
+};
+
+// What a script says for the eye only: no part of the world, its hash or its snapshots.
+// `camera = { target =, distance =, yaw =, pitch = }` of a scene; what is not given is fitted.
+struct SceneCamera {
+  bool has_target = false, has_distance = false, has_yaw = false, has_pitch = false;
+  double target[3] = {0, 0, 0};  // m
+  double distance = 0;           // m
+  double yaw = 0, pitch = 0;     // rad
+};
+
+// Of one world.
+struct Look {
+  std::map<ObjectId, std::uint32_t> colors;              // 0xrrggbb; objects without one are not here
+  std::map<ObjectId, std::vector<std::uint32_t>> faces;  // of nets: three point numbers (from 0) per triangle
+  std::uint64_t version = 0;                             // goes up when a colour of an older object changes
+};
+
+// What a system says about one of its objects before a world runs: feder.advise, `feder explain`.
+struct Advice {
+  using Fact = std::variant<std::int64_t, double, std::string>;  // a number may be infinite
+  ObjectId object;
+  std::string text;  // a sentence that names it
+  std::vector<std::pair<const char*, Fact>> facts;
 };
 
 // A declared feder.param.

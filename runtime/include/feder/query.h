@@ -1,14 +1,18 @@
 // Collision detection as one system: boxes -> broad phase -> narrow phase -> contacts, with begin/end events,
 // sensors, filters, and the queries. Knows colliders, not bodies.
 #pragma once
-#include "broad/broad_phase.h"
-#include "narrow/narrow_phase.h"
-#include "state/colliders.h"
-#include "state/contacts.h"
-#include "step/contact_service.h"
-#include "step/system.h"
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "feder/shape.h"
+#include "feder/system.h"
 
 namespace feder {
+
+struct Colliders;
+struct Contacts;
+class NarrowPhase;
 
 struct RaycastHit {
   std::uint32_t collider = kNone;

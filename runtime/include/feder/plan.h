@@ -1,5 +1,5 @@
 // The step plan: a tree of loops of passes, built when the scene's structure changes, run every step from top to
-// bottom (step/order.h). Clocks stand around every loop; inside a loop passes are counted each time and clocked in one
+// bottom (feder/order.h). Clocks stand around every loop; inside a loop passes are counted each time and clocked in one
 // iteration of kClockEvery, so that small steps are not made of clocks.
 #pragma once
 #include <algorithm>
@@ -7,10 +7,52 @@
 #include <string>
 #include <vector>
 
-#include "base/profile.h"
-#include "step/context.h"
+#include "feder/events.h"
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/order.h"
+#include "feder/profile.h"
+#include "feder/types.h"
 
 namespace feder {
+
+class JobPool;
+
+// What a pass gets to see of the step it runs in.
+// How often a loop of solver substeps runs: one count per group, written before the loop by a pass of its system. A
+// group runs its whole loop before the next.
+struct LoopCounts {
+  std::vector<int> count;  // by group
+};
+
+// Where an inner loop is.
+struct InnerLoop {
+  int group = 0;
+  int index = 0;  // of the iteration, from 0
+  int count = 1;  // iterations of this group
+  bool last() const { return index + 1 == count; }
+};
+
+struct StepContext {
+  Real dt = 0;  // s, the whole step
+  Real h = 0;   // s, one substep: dt / substeps
+  int substeps = 1;
+  int substep = 0;         // 0 .. substeps-1 inside the substep loop
+  InnerLoop inner;         // inside a loop of solver substeps
+  std::uint64_t step = 0;  // steps done before this one
+  double time = 0;         // s, simulated, at the start of the step
+  int dimension = 3;
+  bool sleeping = true;         // bodies may fall asleep
+  Vec3 gravity = Vec3::Zero();  // m/s^2
+  Store* store = nullptr;
+  Objects* objects = nullptr;
+  Events* events = nullptr;
+  JobPool* jobs = nullptr;
+  Scratch* scratch = nullptr;
+  LoopCounts* loops = nullptr;  // by Loop
+
+  LoopCounts& counts(Loop loop) const { return loops[static_cast<int>(loop)]; }
+};
 
 using PassFunction = void (*)(void* self, StepContext& context);
 

@@ -1,57 +1,16 @@
 // Rigid bodies and joints: the system that owns them, and the solver that moves them.
 #pragma once
+#include <memory>
 #include <string>
 
-#include "constrain/joint.h"
-#include "geom/shape.h"
-#include "state/bodies.h"
-#include "state/colliders.h"
-#include "step/system.h"
+#include "feder/body.h"
+#include "feder/joint.h"
+#include "feder/system.h"
 
 namespace feder {
 
-inline constexpr ObjectKind kJointKind{"joint", "joints"};
-inline constexpr EventKind kJointBreak{"joint_break", EventKind::kForce};
-
-struct BodyDesc {
-  std::string name;
-  TagMask tags = 0;
-  BodyType type = BodyType::dynamic;
-  ShapePtr shape;                // required
-  Vec3 position = Vec3::Zero();  // of the body frame's origin, m
-  Quat rotation;
-  Vec3 velocity = Vec3::Zero();          // of the centre of mass, m/s
-  Vec3 angular_velocity = Vec3::Zero();  // rad/s
-  Real density = 1000;                   // kg/m^3 (dimension 2: kg/m^2), used unless mass > 0
-  Real mass = 0;                         // kg; > 0 overrides the density (inertia scales along)
-  bool has_center = false;
-  Vec3 center_of_mass = Vec3::Zero();  // body frame, when has_center
-  Real friction_static = Real(0.5), friction_dynamic = Real(0.5);
-  Real restitution = 0;
-  Real rolling_friction = 0;                     // lever arm, m
-  Vec3 surface_velocity = Vec3::Zero();          // body frame, m/s
-  Real linear_damping = 0, angular_damping = 0;  // 1/s
-  Real gravity_scale = 1;
-  bool bullet = false;
-  bool sleeping = false;  // starts asleep
-  bool can_sleep = true;
-  std::uint8_t lock = 0;  // LockBits
-  std::uint32_t group = 1, mask = 0xffffffffu;
-  bool sensor = false;
-  std::string material;
-};
-
-struct JointDesc {
-  std::string name;
-  TagMask tags = 0;
-  std::string type;                                       // a name of joint_kinds()
-  ObjectId a, b;                                          // b none: the world
-  Vec3 anchor_a = Vec3::Zero(), anchor_b = Vec3::Zero();  // world, m (kinds with one anchor use anchor_a)
-  Vec3 axis = Vec3(0, 0, 1);                              // world, for kinds with an axis
-  JointOptions options;
-  Real break_force = kInfinity;  // N
-  bool collide = false;          // joined bodies collide with each other
-};
+struct Bodies;
+struct JointKind;
 
 class Rigid final : public System {
  public:

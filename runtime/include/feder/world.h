@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "base/jobs.h"
-#include "base/rng.h"
-#include "forces/force.h"
-#include "step/system.h"
-#include "step/watch.h"
-#include "world/desc.h"
+#include "feder/desc.h"
+#include "feder/force.h"
+#include "feder/system.h"
 
 namespace feder {
+
+class Rng;
+struct Watch;
 
 struct SystemReport {
   std::string name;
@@ -71,10 +71,10 @@ class World final : private SystemFinder {
   const Objects& objects() const { return objects_; }
   Events& events() { return events_; }
   Store& store() { return store_; }
-  Rng& rng() { return rng_; }
+  Rng& rng();
   const StepPlan& plan();  // rebuilt when needed
   void reset_profile() { plan_.reset_counters(); }
-  void clock_every(int iterations) { plan_.clock_every(iterations); }  // of loops, see step/plan.h
+  void clock_every(int iterations) { plan_.clock_every(iterations); }  // of loops, see feder/plan.h
 
   // Forces: made by kind name; the target is everything, objects with a tag, or one object.
   ObjectId add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name, TagMask tags);
@@ -104,6 +104,7 @@ class World final : private SystemFinder {
     std::unique_ptr<System> system;
   };
   System* find_system(std::string_view name) override;
+  struct Own;  // threads, scratch memory, random numbers
   const SystemDescriptor* find_descriptor(std::string_view name) const;
   System& make_system(const SystemDescriptor& descriptor);
   void make_couplings();
@@ -126,9 +127,7 @@ class World final : private SystemFinder {
   Watch& watch_;
   Objects objects_;
   Events events_;
-  JobPool jobs_;
-  Scratch scratch_;
-  Rng rng_;
+  std::unique_ptr<Own> own_;
   std::vector<Present> systems_;
   StepPlan plan_;
   Params no_options_;
@@ -137,5 +136,9 @@ class World final : private SystemFinder {
   double time_ = 0;
   std::uint64_t steps_ = 0;
 };
+
+// All systems of this build, in the order of their modules: what couples comes after what it couples. In a library of
+// its own (feder::catalog), because it links them all; a host that wants fewer gives World a list of its own.
+Catalog catalog();
 
 }  // namespace feder

@@ -2,10 +2,12 @@
 #pragma once
 #include <cstring>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
-#include "base/arena.h"
-#include "base/error.h"
+#include "feder/error.h"
+#include "feder/types.h"
 
 namespace feder {
 
@@ -62,6 +64,25 @@ class Reader {
     in_.remove_prefix(n);
   }
   std::string_view in_;
+};
+
+// 64-bit FNV-1a over bytes: the state hash. Same bytes, same hash, on every machine of the same byte order.
+class Hash {
+ public:
+  void bytes(const void* data, std::size_t count) {
+    const auto* p = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < count; ++i) value_ = (value_ ^ p[i]) * 0x100000001b3ull;
+  }
+  template <class T>
+  void add(const T& x) {
+    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+    bytes(&x, sizeof x);
+  }
+  void add(const Vec3& v) { add(v[0]), add(v[1]), add(v[2]); }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ull;
 };
 
 }  // namespace feder

@@ -1,12 +1,13 @@
 // Force generators: from the state of one mass point to a force. Owners of mass points (rigid, springs) pull them.
 // One file per kind, one feder_variant(forces <kind>) line. Gravity of the world is not among them.
 #pragma once
+#include <memory>
+#include <span>
 #include <vector>
 
-#include "base/math.h"
-#include "base/params.h"
-#include "base/registry.h"
-#include "state/objects.h"
+#include "feder/object.h"
+#include "feder/params.h"
+#include "feder/types.h"
 
 namespace feder {
 
@@ -58,25 +59,5 @@ struct ForceEntry {
   bool enabled = true;
   bool warned = false;  // of a value that does not exist
 };
-
-// The block: a world's forces in the order they were made.
-struct Forces {
-  explicit Forces(Arena&) {}
-  // What each force may stop of a mass (or of a rate) if all that act against velocities share it.
-  Real drag_share() const {
-    int count = 0;
-    for (const ForceEntry& f : list) count += f.enabled && f.force && f.force->depends_on_velocity();
-    return count > 1 ? 1 / static_cast<Real>(count) : Real(1);
-  }
-  std::vector<ForceEntry> list;
-};
-
-// Is the force meant for that object, whoever evaluates it?
-inline bool aims_at(const ForceEntry& f, ObjectId object, TagMask tags) {
-  return f.enabled && (f.all || (f.tags & tags) != 0 || f.target == object);
-}
-
-// Does the force act on that object when its owner asks?
-inline bool acts_on(const ForceEntry& f, ObjectId object, TagMask tags) { return f.force && aims_at(f, object, tags); }
 
 }  // namespace feder

@@ -1,11 +1,60 @@
-// Small vector algebra: what Eigen/Core lacks (cross product, quaternions, 3x3 inverse), and own trigonometry so
-// that results do not depend on the C library. Everything here is a pure function.
+// The scalar and the small fixed-size types of the whole project. The only place that names Eigen types.
+// SI units, radians, y up, right-handed.
 #pragma once
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 
-#include "base/types.h"
+// On 64-bit ARM Eigen's packets would round otherwise than on x86: products fuse multiply and add (intrinsics, which
+// -ffp-contract=off does not reach) and floats are also added in pairs, as packets of two, where x86 has only packets
+// of four. Neither here; tests/base/test_rounding.cpp holds the bits of products and sums.
+#if defined(__aarch64__) && defined(__ARM_FEATURE_FMA)
+#pragma push_macro("__ARM_FEATURE_FMA")
+#undef __ARM_FEATURE_FMA
+#include <Eigen/Core>
+#pragma pop_macro("__ARM_FEATURE_FMA")
+#else
+#include <Eigen/Core>
+#endif
+#if defined(__aarch64__) && defined(EIGEN_VECTORIZE_NEON)
+namespace Eigen::internal {
+template <>
+struct find_best_packet<float, 3> {
+  using type = Packet4f;
+};
+template <>
+struct find_best_packet<float, 9> {
+  using type = Packet4f;
+};
+}  // namespace Eigen::internal
+#endif
 
 namespace feder {
+
+#ifdef FEDER_REAL_DOUBLE
+using Real = double;
+inline constexpr const char* kRealName = "double";
+#else
+using Real = float;
+inline constexpr const char* kRealName = "float";
+#endif
+
+using Vec2 = Eigen::Matrix<Real, 2, 1, Eigen::DontAlign>;
+using Vec3 = Eigen::Matrix<Real, 3, 1, Eigen::DontAlign>;
+using Mat3 = Eigen::Matrix<Real, 3, 3, Eigen::DontAlign>;
+
+// Where float would drown small numbers beside large ones: matrices of stiff systems.
+using Vec3d = Eigen::Matrix<double, 3, 1, Eigen::DontAlign>;
+using Mat3d = Eigen::Matrix<double, 3, 3, Eigen::DontAlign>;
+
+inline constexpr Real kPi = Real(3.14159265358979323846);
+inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
+inline constexpr std::uint32_t kNone = 0xffffffffu;  // "no index" everywhere
+
+// Small vector algebra: what Eigen/Core lacks (cross product, quaternions, 3x3 inverse), and own trigonometry so
+// that results do not depend on the C library. Everything here is a pure function.
 
 inline Vec3 vec3(Real x, Real y, Real z) { return Vec3(x, y, z); }
 
@@ -106,5 +155,27 @@ inline Pose operator*(const Pose& a, const Pose& b) { return {to_world(a, b.posi
 
 // Eigenvalues (ascending) and unit eigenvectors (columns, right-handed) of a symmetric 3x3 matrix, cyclic Jacobi.
 void eigen_symmetric(const Mat3& m, Vec3& values, Mat3& vectors);
+
+// Axis-aligned bounding box.
+struct Aabb {
+  Vec3 lo = Vec3::Constant(kInfinity);
+  Vec3 hi = Vec3::Constant(-kInfinity);
+
+  static Aabb everything() { return {Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity)}; }
+  bool empty() const { return !(lo[0] <= hi[0]); }
+  void include(const Vec3& p) { lo = lo.cwiseMin(p), hi = hi.cwiseMax(p); }
+  void include(const Aabb& b) { lo = lo.cwiseMin(b.lo), hi = hi.cwiseMax(b.hi); }
+  void grow(Real margin) { lo.array() -= margin, hi.array() += margin; }
+};
+
+inline bool overlaps(const Aabb& a, const Aabb& b) {
+  return a.lo[0] <= b.hi[0] && b.lo[0] <= a.hi[0] && a.lo[1] <= b.hi[1] && b.lo[1] <= a.hi[1] && a.lo[2] <= b.hi[2] &&
+         b.lo[2] <= a.hi[2];
+}
+
+inline bool contains(const Aabb& outer, const Aabb& inner) {
+  return outer.lo[0] <= inner.lo[0] && outer.lo[1] <= inner.lo[1] && outer.lo[2] <= inner.lo[2] &&
+         inner.hi[0] <= outer.hi[0] && inner.hi[1] <= outer.hi[1] && inner.hi[2] <= outer.hi[2];
+}
 
 }  // namespace feder

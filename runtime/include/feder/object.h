@@ -7,11 +7,31 @@
 #include <string_view>
 #include <vector>
 
-#include "base/archive.h"
-#include "base/name.h"
-#include "base/types.h"
+#include "feder/types.h"
 
 namespace feder {
+
+class Writer;
+class Reader;
+
+// A word of a family that modules may add to ("cloth" among the kinds of objects): a constant in the header of who
+// brings it. Equal texts are equal words, so nothing depends on what else a build holds.
+template <class Family>
+class Name {
+ public:
+  // `text` lives as long as the program.
+  explicit constexpr Name(const char* text) : text_(text) {}
+  constexpr const char* text() const { return text_; }
+  friend constexpr bool operator==(const Family& x, const Family& y) {
+    return x.text() == y.text() || std::string_view(x.text()) == y.text();
+  }
+  friend constexpr bool operator<(const Family& x, const Family& y) {
+    return x.text() != y.text() && std::string_view(x.text()) < y.text();
+  }
+
+ private:
+  const char* text_;
+};
 
 // "body", "net" ...: systems list theirs in their descriptor.
 class ObjectKind : public Name<ObjectKind> {

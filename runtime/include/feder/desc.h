@@ -3,8 +3,8 @@
 #include <map>
 #include <string>
 
-#include "base/math.h"
-#include "base/params.h"
+#include "feder/params.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -4,14 +4,16 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "base/archive.h"
-#include "base/hash.h"
-#include "base/params.h"
-#include "step/plan.h"
+#include "feder/params.h"
+#include "feder/plan.h"
+#include "feder/snapshot.h"
 
 namespace feder {
+
+class Shape;
 
 struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;  // J
@@ -61,7 +63,7 @@ class System {
   virtual Momentum momentum() const { return {}; }
   virtual void residuals(std::vector<Residual>& /*out*/) const {}
   virtual bool finite() const { return true; }
-  // Walks the system's structures and asserts what holds between steps (base/assert.h). After each step where asserts
+  // Walks the system's structures and asserts what holds between steps (feder/error.h). After each step where asserts
   // are on: dev, fuzz, asan, tsan.
   virtual void validate() const {}
   // For the watchdog (step/watch.h), asked at the end of a step that has a suspect: upper bounds of the energy that
@@ -91,5 +93,27 @@ std::unique_ptr<System> make_system(SystemSetup& setup) {
 }
 
 using Catalog = std::span<const SystemDescriptor* const>;
+
+// What owners of colliders (rigid bodies, net points) may ask of collision detection, and what it asks of them.
+// The system named "collide" implements it; owners find it by name and know no more of it.
+class ContactService {
+ public:
+  static constexpr const char* kSystem = "collide";  // also the arena of Colliders and Contacts
+  virtual ~ContactService() = default;
+
+  // Pairs of objects that never touch, whatever their filters (joined bodies). Counted: exclude twice, include twice.
+  virtual void exclude(ObjectId a, ObjectId b) = 0;
+  virtual void include(ObjectId a, ObjectId b) = 0;
+
+  // A collider is about to go, to be switched to another filter or type, or to be teleported: its contacts are
+  // removed now, and their end events queued.
+  virtual void forget(std::uint32_t collider) = 0;
+
+  // SceneError when this build has no test for the shape with one that is there already. Before its collider is added.
+  virtual void check_shape(const Shape& shape) const = 0;
+
+  // The number of a named material, made on first use. Number 0 is "no material".
+  virtual std::uint16_t material(std::string_view name) = 0;
+};
 
 }  // namespace feder

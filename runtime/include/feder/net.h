@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "integrate/integrator.h"
-#include "state/particles.h"
-#include "step/system.h"
+#include "feder/integrator.h"
+#include "feder/system.h"
 
 namespace feder {
 
@@ -32,7 +31,7 @@ struct NetDesc {
   std::vector<Real> masses;      // one per point, kg, > 0
   std::vector<SpringDesc> springs;
   std::vector<std::uint32_t> faces;  // triangles, three point numbers each: what fluids cannot pass
-  std::string integrator = default_variant(integrators(), "symplectic_euler");
+  std::string integrator = default_integrator();
   Params integrator_options;
   Real damping = 0;             // drag on every point, 1/s (force = -damping m v)
   Real radius = 0;              // m; > 0: points and faces collide

@@ -2,11 +2,13 @@
 // that is absent has none. Scratch is the step's throw-away memory.
 #pragma once
 #include <atomic>
+#include <memory>
 #include <memory_resource>
 #include <string>
 #include <vector>
 
-#include "base/types.h"
+#include "feder/error.h"
+#include "feder/types.h"
 
 namespace feder {
 
@@ -63,6 +65,59 @@ class Scratch {
   std::size_t used_ = 0;   // in the last block
   std::size_t total_ = 0;  // asked for since reset
   Arena* arena_;
+};
+
+// Blocks of state by type, made when a system first asks: what nobody needs is not there and has no bytes.
+class Store {
+ public:
+  // The block, made in the arena `arena_name` on first use (one arena per system; several blocks may share it).
+  template <class Block>
+  Block& need(const char* arena_name) {
+    if (Block* found = find<Block>()) return *found;
+    auto holder = std::make_unique<Holder<Block>>(arena(arena_name));
+    Block& block = holder->block;
+    blocks_.push_back({type_tag<Block>(), std::move(holder)});
+    return block;
+  }
+  // Null when nobody has asked for it.
+  template <class Block>
+  Block* find() const {
+    for (const Entry& e : blocks_)
+      if (e.tag == type_tag<Block>()) return &static_cast<Holder<Block>*>(e.holder.get())->block;
+    return nullptr;
+  }
+  // For rows, which only run when their blocks exist.
+  template <class Block>
+  Block& get() const {
+    Block* block = find<Block>();
+    FEDER_ASSERT(block);
+    return *block;
+  }
+
+  Arena& arena(const char* name);
+  const std::vector<std::unique_ptr<Arena>>& arenas() const { return arenas_; }
+
+ private:
+  struct HolderBase {
+    virtual ~HolderBase() = default;
+  };
+  template <class Block>
+  struct Holder : HolderBase {
+    explicit Holder(Arena& a) : block(a) {}
+    Block block;
+  };
+  template <class Block>
+  static const void* type_tag() {
+    static const char tag = 0;
+    return &tag;
+  }
+  struct Entry {
+    const void* tag;
+    std::unique_ptr<HolderBase> holder;
+  };
+
+  std::vector<std::unique_ptr<Arena>> arenas_;  // first: freed last
+  std::vector<Entry> blocks_;
 };
 
 }  // namespace feder

@@ -2,7 +2,7 @@
 // none of the house's, before or after one. Passes of one place run in the order in which their systems were made.
 // A loop is a run of ranks; loops nest. tests/step/test_order.cpp.
 #pragma once
-#include "base/types.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/math.h"
-#include "bounds/aabb.h"
+#include "feder/types.h"
 
 namespace feder {
 

@@ -2,12 +2,12 @@
 // Particles of different fluids do not meet.
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "fluid/walls.h"
-#include "geom/shape.h"
-#include "step/system.h"
+#include "feder/shape.h"
+#include "feder/system.h"
 
 namespace feder {
 
@@ -19,6 +19,8 @@ inline constexpr EventKind kEmitterDone{"emitter_done", EventKind::kOther | Even
     kDrained{"drained", EventKind::kOther | EventKind::kAmount};
 
 struct FluidPool;
+struct FluidTouch;
+struct Walls;
 
 // pbf, cubic and grid, or the first of this build where they are left out.
 std::string default_fluid_solver();

@@ -5,15 +5,15 @@
 // (E h^3 / (12 (1 - nu^2)), moment per width and curvature).
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "base/params.h"
-#include "state/cloth_vertices.h"
-#include "state/surface.h"
-#include "step/system.h"
+#include "feder/system.h"
 
 namespace feder {
+
+struct ClothVertices;
 
 inline constexpr ObjectKind kClothKind{"cloth", "cloths"};
 inline constexpr WakeCause kClothCause{"cloth"};

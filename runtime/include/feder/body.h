@@ -1,0 +1,46 @@
+// What a rigid body is made from.
+#pragma once
+#include <string>
+
+#include "feder/object.h"
+#include "feder/shape.h"
+#include "feder/types.h"
+
+namespace feder {
+
+inline constexpr ObjectKind kBodyKind{"body", "bodies"};
+
+enum class BodyType : std::uint8_t { free, fixed, kinematic, dynamic };  // fixed = "static" in Lua
+
+// Locked degrees of freedom, world axes.
+enum LockBits : std::uint8_t { kLockX = 1, kLockY = 2, kLockZ = 4, kLockRx = 8, kLockRy = 16, kLockRz = 32 };
+
+struct BodyDesc {
+  std::string name;
+  TagMask tags = 0;
+  BodyType type = BodyType::dynamic;
+  ShapePtr shape;                // required
+  Vec3 position = Vec3::Zero();  // of the body frame's origin, m
+  Quat rotation;
+  Vec3 velocity = Vec3::Zero();          // of the centre of mass, m/s
+  Vec3 angular_velocity = Vec3::Zero();  // rad/s
+  Real density = 1000;                   // kg/m^3 (dimension 2: kg/m^2), used unless mass > 0
+  Real mass = 0;                         // kg; > 0 overrides the density (inertia scales along)
+  bool has_center = false;
+  Vec3 center_of_mass = Vec3::Zero();  // body frame, when has_center
+  Real friction_static = Real(0.5), friction_dynamic = Real(0.5);
+  Real restitution = 0;
+  Real rolling_friction = 0;                     // lever arm, m
+  Vec3 surface_velocity = Vec3::Zero();          // body frame, m/s
+  Real linear_damping = 0, angular_damping = 0;  // 1/s
+  Real gravity_scale = 1;
+  bool bullet = false;
+  bool sleeping = false;  // starts asleep
+  bool can_sleep = true;
+  std::uint8_t lock = 0;  // LockBits
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  bool sensor = false;
+  std::string material;
+};
+
+}  // namespace feder

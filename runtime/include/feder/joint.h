@@ -1,0 +1,36 @@
+// What a joint between two bodies is made from.
+#pragma once
+#include <string>
+
+#include "feder/events.h"
+#include "feder/object.h"
+#include "feder/types.h"
+
+namespace feder {
+
+inline constexpr ObjectKind kJointKind{"joint", "joints"};
+inline constexpr EventKind kJointBreak{"joint_break", EventKind::kForce};
+
+// What a script may ask of a joint; a kind uses its part, and refuses (SceneError) what it has no use for.
+struct JointOptions {
+  Real lower = -kInfinity, upper = kInfinity;  // limits, m or rad
+  bool has_limits = false;
+  Real motor_speed = 0, motor_max = 0;  // m/s or rad/s; N or N m
+  bool has_motor = false;
+  Real spring_hertz = 0, spring_damping = 1;  // 0 hertz: rigid
+  Real rest_length = -1;                      // distance; < 0: as built
+};
+
+struct JointDesc {
+  std::string name;
+  TagMask tags = 0;
+  std::string type;                                       // a name of joint_kinds()
+  ObjectId a, b;                                          // b none: the world
+  Vec3 anchor_a = Vec3::Zero(), anchor_b = Vec3::Zero();  // world, m (kinds with one anchor use anchor_a)
+  Vec3 axis = Vec3(0, 0, 1);                              // world, for kinds with an axis
+  JointOptions options;
+  Real break_force = kInfinity;  // N
+  bool collide = false;          // joined bodies collide with each other
+};
+
+}  // namespace feder
