@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "feder/study.h"
 #include "report/json.h"
-#include "study/sweep.h"
 
 namespace feder::cli {
 

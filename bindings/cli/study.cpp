@@ -1,4 +1,6 @@
 // feder study: error against cost of every method on a problem with a reference: tables, CSV, JSON, SVG and one page.
+#include "feder/study.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include "report/gate.h"
 #include "report/study_identity.h"
 #include "report/study_page.h"
-#include "study/evaluate.h"
 
 namespace feder::cli {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "cli/command.h"
 #include "cli/study_parts.h"
+#include "feder/study.h"
 #include "report/study_identity.h"
 #include "report/study_text.h"
-#include "study/evaluate.h"
 
 namespace feder::cli {
 namespace {

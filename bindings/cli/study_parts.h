@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "cli/options.h"
+#include "feder/study.h"
 #include "report/json.h"
 #include "report/machine.h"
-#include "study/sweep.h"
 
 namespace feder::cli {
 

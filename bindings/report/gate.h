@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "feder/study.h"
 #include "report/json.h"
-#include "study/result.h"
 
 namespace feder::report {
 

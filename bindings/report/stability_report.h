@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "feder/stability.h"
 #include "report/machine.h"
 #include "report/study_figures.h"
-#include "study/stability.h"
 
 namespace feder::report {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "feder/study.h"
 #include "report/json.h"
-#include "study/sweep.h"
 
 namespace feder::report {
 

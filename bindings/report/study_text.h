@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "feder/study.h"
 #include "report/json.h"
 #include "report/machine.h"
-#include "study/sweep.h"
 
 namespace feder::report {
 

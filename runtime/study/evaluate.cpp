@@ -4,12 +4,11 @@
 // Fronts: points with no other both cheaper and better; by time, cheaper means below 0.9 of the cost.
 // Orders: least squares over the finest straight stretch of points whose errors are small, yet above the floor of the
 // reference and of the rounding of each point.
-#include "study/evaluate.h"
-
 #include <algorithm>
 #include <numeric>
 
 #include "feder/error.h"
+#include "feder/study.h"
 #include "study/norms.h"
 
 namespace feder {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "study/stability.h"
+#include "feder/stability.h"
 
 namespace feder {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <span>
 
-#include "study/problem.h"
+#include "feder/study.h"
 
 namespace feder {
 

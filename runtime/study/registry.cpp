@@ -2,7 +2,7 @@
 #include <charconv>
 
 #include "feder/memory.h"
-#include "study/problem.h"
+#include "feder/study.h"
 
 namespace feder {
 

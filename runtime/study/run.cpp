@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "study/evaluate.h"
+#include "feder/study.h"
 #include "study/norms.h"
 
 namespace feder {

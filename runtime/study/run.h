@@ -1,18 +1,17 @@
-// The error pass of one point: run it, look at it, judge it.
+// The error pass of one point, and what it costs; the timing pass.
 #pragma once
-#include "study/problem.h"
+#include "feder/study.h"
 
 namespace feder {
-
-struct RunLimits {
-  double budget_work = 4e7;  // force evaluations times points; more: slow, and stopped
-  bool series = true;        // keep the curves over time
-};
 
 // Fills everything of `point` but timing, fronts and index. Same spec, same bits.
 void run_point(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, const RunLimits& limits,
                const WorkWeights& weights, StudyPoint& point, StudySeries* series);
 
 double work_of(const StudyCounters& count, const WorkWeights& weights);
+
+// Seconds per run of the points that reached the end.
+void time_points(const StudyProblem& problem, std::span<const PlannedPoint> plan, const SweepOptions& options,
+                 std::vector<StudyPoint>& points);
 
 }  // namespace feder

@@ -4,8 +4,8 @@
 #include <functional>
 #include <map>
 
+#include "feder/study.h"
 #include "feder/world.h"
-#include "study/problem.h"
 
 namespace feder {
 

@@ -1,5 +1,5 @@
 // The table of problems, verdicts of traces, and maps.
-#include "study/stability.h"
+#include "feder/stability.h"
 
 #include <algorithm>
 

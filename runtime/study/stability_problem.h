@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "feder/net.h"
+#include "feder/stability.h"
 #include "feder/world.h"
-#include "study/stability.h"
 
 namespace feder {
 

@@ -1,11 +1,10 @@
-#include "study/sweep.h"
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 
-#include "study/evaluate.h"
+#include "feder/study.h"
 #include "study/options.h"
+#include "study/run.h"
 
 namespace feder {
 namespace {

@@ -35,7 +35,7 @@ PUBLIC = {
     "shape": "geom", "object": "state", "events": "state", "body": "state", "order": "step", "plan": "step",
     "system": "step", "force": "forces", "integrator": "integrate", "joint": "constrain", "query": "collide",
     "net": "springs", "rigid": "rigid", "cloth": "cloth", "fluid": "fluid", "desc": "world", "world": "world",
-    "systems": "world", "study": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
+    "systems": "world", "study": "study", "stability": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
 }
 PUBLIC_FOLDER = "runtime/include/feder"
 EIGEN = {f"{PUBLIC_FOLDER}/types.h": {"Eigen/Core"}}

@@ -1,4 +1,4 @@
-// The contract of study/problem.h for scenes/study: runs start where the reference does, come close to it, and closer
+// The contract of feder/study.h for scenes/study: runs start where the reference does, come close to it, and closer
 // with work; equal commands give equal points. A new scene is enrolled by its row here.
 #include <map>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "study/evaluate.h"
+#include "feder/study.h"
 
 namespace feder::test {
 

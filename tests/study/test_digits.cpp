@@ -1,5 +1,5 @@
 // The references of the problems against printed digits.
-#include "study/problem.h"
+#include "feder/study.h"
 #include "study/reference.h"
 #include "support/catch.h"
 

@@ -1,8 +1,8 @@
-// The contract of study/problem.h for every registered problem. A new one is enrolled by its line alone.
+// The contract of feder/study.h for every registered problem. A new one is enrolled by its line alone.
 #include <algorithm>
 
+#include "feder/study.h"
 #include "study/run.h"
-#include "study/sweep.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -1,7 +1,7 @@
 // Any world as a problem: the reference is found by refinement, its uncertainty told.
 #include "feder/net.h"
+#include "feder/study.h"
 #include "study/scene_problem.h"
-#include "study/sweep.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -1,8 +1,8 @@
 // Stability maps: limits against theory, verdicts that must not be, and the thresholds at work.
 #include <set>
 
+#include "feder/stability.h"
 #include "integrate/integrator.h"
-#include "study/stability.h"
 #include "support/catch.h"
 
 using namespace feder;

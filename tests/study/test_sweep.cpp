@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "study/evaluate.h"
+#include "feder/study.h"
 #include "study/run.h"
-#include "study/sweep.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -1,0 +1,330 @@
+// Studies: problems with known ends, methods that run them, error against run time. In the library feder::study.
+// One thread at a time: a study makes worlds of its own.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "feder/params.h"
+
+namespace feder {
+
+// What a study hands out: plain data for tables, drawings and gates. NaN (or -1 in counts) stands for "does not apply";
+// fields are named like the columns of points.csv.
+struct ProblemParam {
+  std::string name, value, fallback, help;  // numbers print with the shortest digits that read back
+  double lo = NAN, hi = NAN;                // range of numbers; NaN: none
+  std::vector<std::string> choices;
+};
+
+enum class ReferenceKind : std::uint8_t { closed, quad, published, self };
+const char* name_of(ReferenceKind kind);  // "closed", "quad" ...
+
+struct ReferenceInfo {
+  ReferenceKind kind = ReferenceKind::closed;
+  int digits = 15;         // correct decimal digits
+  double uncertainty = 0;  // of err_end: of the reference itself
+  double rounding = 0;     // of err_end: what one rounding of the step size or of a force to Real does by t_end
+  std::string source;      // formula, paper, or how it was computed
+  double resolution = 0;   // of err_end: what the spacing of particles leaves, however short the steps; 0: nothing
+  // Below this an error says nothing about the method.
+  double floor() const { return 3 * (uncertainty > rounding ? uncertainty : rounding); }
+};
+
+struct ProblemInfo {
+  std::string name, summary;
+  std::string family;  // "ode", "net", "rigid", "scene"
+  std::vector<ProblemParam> params;
+  double t_end = 1;                 // s
+  int dof = 1;                      // degrees of freedom
+  double x_scale = 1, v_scale = 1;  // what errors are divided by
+  double energy_scale = NAN;        // J: max(|E0|, peak kinetic energy of the reference)
+  double energy_start = NAN;        // J
+  double frequency = 0;             // fastest angular frequency, 1/s; 0: not known
+  bool chaotic = false;             // err_horizon_s counts instead of err_end
+  bool conserves_momentum = false, conserves_angular = false;
+  bool own_measure = false;  // err_end is the problem's own measure, told in the reference's source
+  int threads = 1;           // that worlds of the problem step with
+  bool dense = true;         // false: errors along the run are taken at the steps, not interpolated between
+  ReferenceInfo reference;
+};
+
+struct MethodInfo {
+  std::string name, summary;
+  int order = 0;  // 0: no order is claimed
+  int evals_per_step = 1;
+  double limit_hw = NAN;  // h*omega on the undamped oscillator; infinity: always stable; NaN: not known
+  bool implicit = false, adaptive = false;
+};
+
+struct StudyCounters {
+  std::int64_t steps = 0, rejected = 0;  // steps taken, inner ones of adaptive methods included
+  std::int64_t force_evals = 0, jac_evals = 0, linear_solves = 0, cg_iters = 0;
+  std::int64_t sweeps = 0;       // of contact solvers
+  std::int64_t unconverged = 0;  // solves that ended at their cap
+};
+
+// ok and slow points reach t_end. diverged ones may: then their errors are there to see.
+enum class PointStatus : std::uint8_t { ok, diverged, nan, refused, slow };
+const char* name_of(PointStatus status);
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+struct StudyPoint {
+  std::size_t index = 0;  // in the whole plan, whatever shard ran it
+  std::string method;
+  int order = 0;
+  // rung
+  double h_s = 0, tol = NAN;  // step asked for; tolerance of adaptive methods
+  int iters = -1, substeps = -1;
+  Settings settings;    // scene parameters of this rung
+  std::string way;      // RunSpec::way
+  std::string machine;  // processor that ran it; shards of one study may have different ones
+  // outcome
+  PointStatus status = PointStatus::ok;
+  double status_t_s = NAN;   // when it went wrong
+  std::string reason;        // in words, with what the run warned of; empty when ok and not warned
+  bool completed = false;    // reached t_end
+  bool below_floor = false;  // err_end is below the floor: no fits, no fronts beyond it
+  double noise = NAN;        // of positions, scaled: what rounding did to this run, from its twin; NaN: not known
+  double floor(const ReferenceInfo& r) const { return noise > 0 ? std::max(r.floor(), 3 * noise) : r.floor(); }
+  StudyCounters count;
+  double work = NAN;   // in force evaluations, see WorkWeights
+  double instr = NAN;  // instructions, when somebody counted
+  // timing pass
+  double t_min_s = NAN, t_med_s = NAN, t_p90_s = NAN, rtf = NAN;  // rtf: simulated by real time
+  int n_rep = 0;
+  bool noisy = false;  // median / minimum above 1.15
+  // error pass
+  double err_end = NAN, err_end_v = NAN;          // positions, velocities at t_end; rms over points, scaled
+  double err_traj_rms = NAN, err_traj_max = NAN;  // positions over the 257 times
+  double err_orient_rad = NAN;                    // largest angle at t_end
+  double err_energy_max = NAN, err_energy_drift_per_s = NAN;
+  double err_mom = NAN, err_angmom = NAN, err_constraint = NAN, err_event_s = NAN;
+  double err_horizon_s = NAN;  // first time the trajectory error exceeds 1e-3; t_end: never
+  double mescd = NAN;          // correct digits of the worst component
+  std::int64_t peak_bytes = -1;
+  bool on_front_time = false, on_front_work = false;
+};
+
+// Force evaluations one Jacobian, one step of conjugate gradient, one direct solve count as.
+struct WorkWeights {
+  double jacobian = 2, cg_iteration = 1, direct_solve = 4;
+};
+
+// Order (error against step) or exponent (error against tolerance) by least squares in log-log.
+struct OrderFit {
+  std::string method, axis;  // "h", "tol", "substeps", "iters"
+  double slope = NAN, expected = NAN, rms = NAN;
+  double lo = NAN, hi = NAN;  // range of the axis used
+  int points = 0;
+  Settings settings;     // of a scene; orders are fitted for each
+  std::string way = {};  // of the points, likewise
+  // Does a step's order miss theory? Then rounding, resonance or too coarse rungs speak, not the method.
+  bool off() const { return axis == "h" && std::fabs(slope - expected) > kOrderMargin; }
+  static constexpr double kOrderMargin = 0.25;
+};
+
+// Cheapest way of one method to an error, log-log between two of its own points, never beyond them. Settings of a scene
+// are not the method's choice: it has to get there with each of them, and the dearest is named.
+struct CostToAccuracy {
+  double target = 0;
+  std::string method;
+  double h_s = NAN, tol = NAN, force_evals = NAN, work = NAN, time_s = NAN;
+  bool cheapest_work = false, cheapest_time = false;  // among the methods
+};
+
+// A run at the 257 times.
+struct StudySeries {
+  std::size_t point = 0;                                 // StudyPoint::index
+  std::vector<double> t, err, energy, momentum, angmom;  // err scaled; the others relative to their scale and start
+};
+
+// What all points of a study have in common besides the problem: reports of shards go together when this is equal.
+struct Provenance {
+  std::string overrides;        // --set, --world, --dt, --seed, --budget as given: "stiffness=2; dt=1/30"
+  std::string real, git, tool;  // float or double; commit; program and version
+  std::string build;            // compiler and flags
+  std::string scene_hash;       // of the scene's file; empty for built-in problems
+  std::string plan_hash;        // of all points planned: methods, rungs, settings
+};
+
+struct StudyResult {
+  ProblemInfo problem;
+  std::vector<MethodInfo> methods;
+  std::size_t planned = 0;  // points of the whole plan
+  int shard = 0, shards = 1;
+  Provenance provenance;
+  WorkWeights weights;
+  std::vector<StudyPoint> points;  // by index
+  std::vector<StudySeries> series;
+  // made by evaluate()
+  std::vector<OrderFit> fits;
+  std::vector<std::size_t> front_time, front_work;  // places in `points`, by cost
+  std::vector<CostToAccuracy> cost_to_accuracy;
+};
+
+// Problems of a study: a start, methods that can run it, and a reference the runs are measured against. One file per
+// family, one feder_variant(study <problem>) line. Contract, checked for every row by
+// tests/study/test_problem_contract.cpp: each method starts at the reference's start, a refined run comes closer to the
+// reference, equal specs give equal bits, parameters refuse values out of range.
+// Errors along a run are measured at these many equidistant times, 0 and t_end among them.
+inline constexpr int kStudySamples = 257;
+
+// The observed part of a state, in double whatever Real is: what the error norms compare.
+struct Observation {
+  std::vector<double> x, v;  // three numbers per observed point, in the problem's units of length
+  std::vector<double> q;     // orientations of observed bodies, x y z w; may be empty
+};
+
+// What should be conserved, or held. NaN: the problem has no such thing.
+struct Invariants {
+  double energy = NAN;                   // J, kinetic, potential and elastic
+  double momentum[3] = {NAN, NAN, NAN};  // kg m/s
+  double angular[3] = {NAN, NAN, NAN};   // kg m^2/s, components that are conserved; others 0
+  double momentum_scale = NAN;           // sum of m |v|
+  double angular_scale = NAN;            // sum of m |r| |v|
+  double constraint = NAN;               // largest violation or penetration, by the size of what is violated
+};
+
+// One way to run a problem: a method and a rung of its ladder.
+struct RunSpec {
+  std::string method;
+  int steps = 0;         // of t_end / steps each; adaptive methods divide them further
+  double tolerance = 0;  // adaptive methods, and fluids: the compression aimed at; 0: their default
+  int iterations = 0;    // of the solver; 0: its default
+  int substeps = 0;      // of worlds; 0: the problem's default
+  Settings settings;
+  std::string way = {};  // what this part of a ladder refines: "substeps", "steps" ...; empty: it has one part
+  bool twin = false;     // points start some last places away: two such runs differ by what rounding does to them
+};
+
+// A run in progress. Used as: start, then step() as often as the spec says, reading in between at will.
+class StudyRun {
+ public:
+  virtual ~StudyRun() = default;
+  virtual void step() = 0;                     // one of spec.steps
+  virtual void observe(Observation& out) = 0;  // the state now
+  virtual Invariants invariants() = 0;
+  virtual StudyCounters counters() const = 0;
+  virtual std::size_t bytes() const { return 0; }         // of the systems that take part
+  virtual bool gave_up() const { return false; }          // the library holds a non-finite object back
+  virtual std::string warning() const { return {}; }      // what the library warned of so far, in words
+  virtual double event_error() const { return NAN; }      // s, of the event the problem is about; NaN: none so far
+  virtual double own_error() const { return NAN; }        // a scene's own measure at t_end: stands for err_end
+  virtual bool measures_itself() const { return false; }  // own_error() must be a number at t_end
+};
+
+class StudyProblem {
+ public:
+  virtual ~StudyProblem() = default;
+  const ProblemInfo& info() const { return info_; }
+  virtual std::vector<MethodInfo> methods() const = 0;
+  // The rungs a study runs when it is not told otherwise, coarse to fine.
+  virtual std::vector<RunSpec> ladder(const MethodInfo& method) const = 0;
+  // A fresh run. SceneError: refused.
+  virtual std::unique_ptr<StudyRun> start(const RunSpec& spec) const = 0;
+  // Does start() know twins?
+  virtual bool has_twins() const { return false; }
+  // Reference at time t; at the times of the 257 samples at least. Not thread-safe: may be computed on first use.
+  virtual void reference(double t, Observation& out) const = 0;
+  // Energy the exact solution has at t: less than at the start where the model dissipates. NaN: none.
+  virtual double reference_energy(double) const { return info_.energy_start; }
+
+ protected:
+  friend std::unique_ptr<StudyProblem> make_study_problem(std::string_view name, const Params& options);
+  // Once the scales and t_end are known.
+  void set_reference(ReferenceKind kind, int digits, double uncertainty, std::string source);
+
+  mutable ProblemInfo info_;  // scenes learn their scales with their first reference
+};
+
+std::span<const Variant<StudyProblem>> study_problems();
+
+// The problem `name` with options set; SceneError names what is unknown. Keeps no memory in an arena.
+std::unique_ptr<StudyProblem> make_study_problem(std::string_view name, const Params& options);
+
+// "stiffness=1e8" into options: numbers as numbers, true and false as flags, the rest as text.
+void set_option(Params& options, std::string_view assignment);
+
+// The error pass of one point: run it, look at it, judge it.
+struct RunLimits {
+  double budget_work = 4e7;  // force evaluations times points; more: slow, and stopped
+  bool series = true;        // keep the curves over time
+};
+
+// A sweep: every method of a problem up its ladder. First the error pass, point by point; then the timing pass on the
+// points that reached the end, interleaved. A plan gives each point an index that does not depend on
+// the shard that runs it, so results of shards merge to the whole.
+struct TimingOptions {
+  bool enabled = true;
+  int warm_ups = 2, min_repeats = 5, max_repeats = 50;
+  double min_total_s = 0.3;   // per point, unless max_repeats came first
+  double budget_s = 25;       // for the whole sweep; every point is timed once whatever it says
+  double noisy_ratio = 1.15;  // of median to minimum
+};
+
+struct Ladder {
+  std::string axis;  // "h", "tol", "iters", "substeps", "steps"
+  std::vector<double> values;
+};
+
+// A point of the error pass and its curves.
+struct FinishedPoint {
+  StudyPoint point;
+  StudySeries series;
+};
+
+struct SweepOptions {
+  std::vector<std::string> methods;  // empty: all
+  std::vector<Ladder> ladders;       // empty: the problem's own; several axes: all combinations
+  RunLimits limits;
+  TimingOptions timing;
+  WorkWeights weights;
+  int shard = 0, shards = 1;  // points with index % shards == shard
+  std::string machine;        // written into each point that is run here
+  // Points of the same study that ran before it was stopped: taken over instead of run. Timed anew with the others.
+  std::vector<FinishedPoint> done;
+  // The problem as the last of them knew it (references of scenes are learned in runs); used when nothing is left to
+  // run.
+  std::optional<ProblemInfo> learned;
+  // Called with each point that was run, as soon as its errors are known; may be empty.
+  std::function<void(const FinishedPoint&, const ProblemInfo&)> finished;
+  // Called between points with what is done, from 0 to 1, and where; may be empty.
+  std::function<void(double done, const std::string& where)> progress;
+};
+
+struct PlannedPoint {
+  std::size_t index = 0;
+  MethodInfo method;
+  RunSpec spec;
+};
+
+// "h:1e-1..1e-5:x2", "tol:1e-2..1e-12:x10", "iters:1..256:x2", "steps:60,600,6000". SceneError says what is wrong.
+Ladder parse_ladder(std::string_view text);
+
+// All points, whatever the shard. SceneError on unknown methods or ladders no method can use.
+std::vector<PlannedPoint> plan_sweep(const StudyProblem& problem, const SweepOptions& options);
+
+// The points of the shard, run, timed and evaluated.
+StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options);
+
+// From points to statements: fronts, orders, the cheapest way to an error. Pure functions of the points.
+// Fills fits, fronts (also the points' flags) and cost_to_accuracy.
+void evaluate(StudyResult& result);
+
+// The results of shards of one plan as one result, evaluated. SceneError when they do not belong together.
+StudyResult merge_shards(std::vector<StudyResult> shards);
+
+// The error a point is ranked by: err_end; of chaotic problems the share of t_end beyond the horizon.
+double ranking_error(const ProblemInfo& problem, const StudyPoint& point);
+
+}  // namespace feder
