@@ -25,6 +25,14 @@ std::uint32_t Rigid::index(ObjectId body) const { return impl_->index(body); }
 Pose Rigid::pose(ObjectId body) const { return impl_->bodies.origin_pose(impl_->index(body)); }
 void Rigid::set_pose(ObjectId body, const Pose& origin) { impl_->set_pose(impl_->index(body), origin); }
 
+Vec3 Rigid::velocity(ObjectId body) const { return impl_->bodies.velocity[impl_->index(body)]; }
+Vec3 Rigid::angular_velocity(ObjectId body) const { return impl_->bodies.angular_velocity[impl_->index(body)]; }
+BodyType Rigid::type(ObjectId body) const { return impl_->bodies.type[impl_->index(body)]; }
+bool Rigid::asleep(ObjectId body) const {
+  const std::uint32_t i = impl_->index(body);
+  return impl_->bodies.type[i] != BodyType::fixed && !impl_->bodies.awake[i];
+}
+
 void Rigid::set_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_velocity");

@@ -1,4 +1,4 @@
-// What a rigid body is made from.
+// Description of a rigid body, for Rigid::add_body. Plain data: no errors before it is used there.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// What a world is made from.
+// Description of a world. Plain data: World's constructor checks it (SceneError names the field).
 #pragma once
 #include <map>
 #include <string>

@@ -1,4 +1,5 @@
-// Scene mistakes: thrown while a scene is built, never inside a step; bindings turn them into script errors.
+// Two kinds of mistakes. A scene's: SceneError, thrown while things are made or edited and never inside a step; what
+// was asked for has not been done then, and nothing else has changed. Bindings turn it into a script error.
 #pragma once
 #include <stdexcept>
 #include <string>

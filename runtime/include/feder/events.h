@@ -1,5 +1,5 @@
-// What happened in a step, as plain buffers. Rows append; the world sorts once in `finish`; handlers read after the
-// step. Nothing here calls anybody.
+// Events of a step as plain buffers: passes append, the world sorts once at the end of the step, hosts read after it.
+// Nothing here calls anybody. World::step() replaces the list; read it on the thread that steps, between two steps.
 #pragma once
 #include <string>
 #include <utility>

@@ -1,5 +1,7 @@
-// Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, held by walls.
-// Particles of different fluids do not meet.
+// Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, held by boundaries
+// (bodies, faces of cloths and nets, by couplings). Particles of different fluids do not meet. SI units; densities
+// kg/m^3, in dimension 2 kg/m^2. SceneError on impossible input, nothing changed. One thread at a time, that of the
+// world; questions that fill `out` replace its content.
 #pragma once
 #include <memory>
 #include <span>

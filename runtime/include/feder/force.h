@@ -1,4 +1,5 @@
-// Force generators: from the state of one mass point to a force. Owners of mass points (rigid, springs) pull them.
+// Force generators: from the state of one mass point to a force. Owners of mass points (bodies, nets, cloths, fluids)
+// ask them, perhaps from several threads at once: `add` and the other const members must not change shared state.
 // One file per kind, one feder_variant(forces <kind>) line. Gravity of the world is not among them.
 #pragma once
 #include <memory>

@@ -1,4 +1,4 @@
-// What time integrators say about themselves and their work.
+// Time integrators as a net names them: orders, stability limits and costs, and the work that they did. Plain data.
 #pragma once
 #include <span>
 #include <string>

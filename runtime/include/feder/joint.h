@@ -1,4 +1,4 @@
-// What a joint between two bodies is made from.
+// Description of a joint between two bodies, or a body and the world, for Rigid::add_joint. Plain data.
 #pragma once
 #include <string>
 

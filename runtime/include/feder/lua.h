@@ -1,5 +1,6 @@
 // A script in its own Lua state: the C++ face of the Lua binding, used by the feder program, tests and embedders.
-// Hides Lua completely. Errors are ScriptError with "file:line: message"; nothing a script does ends the process.
+// Hides Lua completely. Errors are ScriptError with "file:line: message"; nothing a script does ends the process. One
+// thread at a time, but for Script::interrupt; scripts share nothing.
 #pragma once
 #include <atomic>
 #include <cstdint>

@@ -1,5 +1,6 @@
-// Named memory: every block of a system lives in an Arena, so that bytes per system can be printed and a system
-// that is absent has none. Scratch is the step's throw-away memory.
+// Named memory: every block of a system lives in an Arena, so that bytes per system can be printed and a system that is
+// absent has none. Scratch is the step's throw-away memory; Store holds a world's blocks by type. An Arena may be used
+// by several threads at once, Scratch and Store by one.
 #pragma once
 #include <atomic>
 #include <memory>

@@ -1,4 +1,5 @@
-// Mass-spring nets: points, springs and faces, advanced by an integrator of choice.
+// Mass-spring nets: points, springs and faces, advanced by an integrator of choice (the system "springs").
+// SI units. SceneError on impossible input, nothing changed. One thread at a time, that of the world.
 #pragma once
 #include <memory>
 #include <span>

@@ -1,4 +1,4 @@
-// Time spent in a pass or loop of the step plan.
+// Time spent in a pass or loop of the step plan, ns of the steady clock.
 #pragma once
 #include <chrono>
 

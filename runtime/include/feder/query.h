@@ -1,5 +1,6 @@
-// Collision detection as one system: boxes -> broad phase -> narrow phase -> contacts, with begin/end events,
-// sensors, filters, and the queries. Knows colliders, not bodies.
+// Collision detection as one system ("collide"): bounding boxes -> broad phase -> narrow phase -> contacts, with
+// filters, sensors and begin/end events; and the queries: rays, swept shapes, overlaps. Knows colliders, not bodies.
+// SI units, world coordinates. Queries are asked of World::query<Collide>(), between two steps, on the world's thread.
 #pragma once
 #include <memory>
 #include <string_view>

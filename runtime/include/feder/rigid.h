@@ -1,4 +1,6 @@
-// Rigid bodies and joints: the system that owns them, and the solver that moves them.
+// Rigid bodies and joints: the system that owns them ("rigid"), and the solver that moves them.
+// SI units, radians, world axes where nothing else is said. SceneError on impossible input or an object that is gone,
+// nothing changed. One thread at a time, that of the world.
 #pragma once
 #include <memory>
 #include <string>
@@ -40,6 +42,10 @@ class Rigid final : public System {
 
   Pose pose(ObjectId body) const;                    // of the body frame's origin
   void set_pose(ObjectId body, const Pose& origin);  // teleport
+  Vec3 velocity(ObjectId body) const;                // of the centre of mass, m/s
+  Vec3 angular_velocity(ObjectId body) const;        // rad/s
+  BodyType type(ObjectId body) const;
+  bool asleep(ObjectId body) const;  // a dynamic or kinematic body that is not awake
   void set_velocity(ObjectId body, const Vec3& v);
   void set_angular_velocity(ObjectId body, const Vec3& w);
   void apply_force(ObjectId body, const Vec3& force, const Vec3* world_point);  // until the end of the next step

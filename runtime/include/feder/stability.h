@@ -1,6 +1,6 @@
-// Stability maps: a method on a problem over two axes, a verdict for each cell, and the boundary
-// found by bisection beside the one theory predicts. Plain data for tables and drawings; NaN stands for "does not
-// apply".
+// Stability maps: a method on a problem over two axes, a verdict for each cell, and the boundary found by bisection
+// beside the one that theory predicts. Plain data for tables and drawings; NaN stands for "does not apply". In the
+// library feder::study; runs on the calling thread.
 #pragma once
 #include <cmath>
 #include <cstdint>

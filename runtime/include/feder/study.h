@@ -1,5 +1,6 @@
-// Studies: problems with known ends, methods that run them, error against run time. In the library feder::study.
-// One thread at a time: a study makes worlds of its own.
+// Studies: problems with known ends, the methods that run them, and their error against run time. In the library
+// feder::study. SceneError says what a plan or problem lacks. A study runs on the calling thread in worlds of its own;
+// several may run at once, a problem in one of them.
 #pragma once
 #include <algorithm>
 #include <cmath>

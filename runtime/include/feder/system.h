@@ -1,5 +1,6 @@
-// What a system is: it adds rows to the plan and answers the world's questions about its part of the state.
-// A system is made on demand through its descriptor; a host lists the descriptors that its scenes may use.
+// A system: it adds passes to the plan and answers the world's questions about its part of the state. A world makes it
+// on demand through its descriptor; a host lists the descriptors that its scenes may use. Passes run on the thread that
+// steps the world: no exceptions, no logging, no allocation there after warm-up.
 #pragma once
 #include <memory>
 #include <span>

@@ -1,5 +1,7 @@
-// A world: systems made on demand, the step plan they fill, the objects scripts hold, and the events of a step.
+// A world: systems made on demand, the step plan they fill, the objects that scripts hold, and the events of a step.
 // It knows no particular system. Nothing in a step allocates after warm-up, throws or logs.
+// Threads: a world, its systems and all they give out belong to one thread at a time; WorldDesc::threads are its own
+// workers, and results do not depend on their number. Two worlds share nothing but shapes, which never change.
 #pragma once
 #include <memory>
 #include <string>

@@ -1,4 +1,5 @@
-// YAML text as Lua values: what a host puts into lua::HostOptions::load_yaml.
+// YAML text as Lua values: what a host puts into lua::HostOptions::load_yaml. In the library feder::yaml
+// (find_package(feder COMPONENTS yaml)). Keeps nothing between calls.
 #pragma once
 #include <string>
 
