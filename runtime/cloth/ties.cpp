@@ -184,7 +184,7 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
   if (g.holds.empty()) return;
   const Real h = g.step;
   const Array<SurfaceHold>& holds = g.holds;
-  const Movers* movers = surfaces.movers;
+  const SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (const std::uint32_t member : g.members) {
     if (member >= sheets.size()) break;
     Sheet& s = *sheets[member];
@@ -201,24 +201,25 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
       }
       FEDER_ASSERT(t.vertex < s.points && t.anchor < s.points);
       Row4& x = moved[i];
-      const Vec3 point = vertices.position[anchor] - hold->error + surfaces.mover_displacement(hold->mover, hold->arm);
+      const Vec3 point =
+          vertices.position[anchor] - hold->error + surfaces.body_displacement(hold->solver_index, hold->arm);
       const Vec3 e = vertices.position[i] + x.vec() - point;
       const Real far = std::min(length(e) - t.rest * longest, t.rest * s.settings.max_strain);
       if (!(far > 0)) continue;
       const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
-      const Real response = x.w + surfaces.mover_response(hold->mover, hold->arm, n);
+      const Real response = x.w + surfaces.body_response(hold->solver_index, hold->arm, n);
       if (!(response > 0)) continue;
       Vec3 change = x.vec() - before[i].vec();
       if (before[i].w != 0) change += h * speed[i].vec();
-      if (hold->mover != 0) {
-        const MoverState& m = movers->state[hold->mover];
+      if (hold->solver_index != 0) {
+        const SolverBody& m = solver_bodies->state[hold->solver_index];
         change -= h * (m.velocity + cross(m.angular_velocity, hold->arm));
       }
       const Real need = far - std::max(far - dot(n, change) - kTieSpeed * h, Real(0));
       if (!(need > 0)) continue;
       const Vec3 push = (need / response) * n;  // kg m
       x.add(-x.w * push);
-      surfaces.push_mover(hold->mover, hold->arm, push, h);
+      surfaces.push_body(hold->solver_index, hold->arm, push, h);
     }
   }
 }

@@ -22,8 +22,8 @@ Mat3 bend_matrix(const Vec3& start, const Vec3& w, Real h) {
 
 void RowWriter::start(const JointInput& in, std::uint32_t joint) {
   open_ = RowBlock{};
-  open_.mover_a = in.mover_a;
-  open_.mover_b = in.mover_b;
+  open_.index_a = in.index_a;
+  open_.index_b = in.index_b;
   open_.joint = joint;
   written_ = 0;
 }

@@ -38,7 +38,7 @@ Mat3 bend_matrix(const Vec3& start, const Vec3& w, Real h);
 struct JointInput {
   const JointShape* joint = nullptr;
   Pose a, b;
-  std::uint32_t mover_a = 0, mover_b = 0;
+  std::uint32_t index_a = 0, index_b = 0;
   const BodyMotion *motion_a = nullptr, *motion_b = nullptr;  // both or none
   Real h = 0;                                                 // s, length of the substep
 };

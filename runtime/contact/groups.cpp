@@ -24,14 +24,14 @@ void SurfaceContact::Impl::form_groups(StepContext& c) {
   joined_to.resize(count);
   for (std::uint32_t n = 0; n < count; ++n) joined_to[n] = n;
   for (const SurfacePair& k : between) join(k.a, k.b);
-  mover_surface.assign(surfaces.movers ? surfaces.movers->state.size() : 0, kNone);
+  surface_of_body.assign(surfaces.solver_bodies ? surfaces.solver_bodies->state.size() : 0, kNone);
   for (const Surfaces::Connection& l : surfaces.connections) {
-    if (l.mover == 0) {
+    if (l.solver_index == 0) {
       join(l.a, l.b);
       continue;
     }
-    FEDER_ASSERT(l.mover < mover_surface.size());
-    std::uint32_t& first = mover_surface[l.mover];
+    FEDER_ASSERT(l.solver_index < surface_of_body.size());
+    std::uint32_t& first = surface_of_body[l.solver_index];
     if (first == kNone) first = l.a;
     join(first, l.a);
   }

@@ -37,8 +37,8 @@ struct SurfaceContact::Impl {
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
 
   // groups.cpp
-  Array<std::uint32_t> mover_surface;  // by mover: the first surface connected to it
-  Array<std::uint32_t> joined_to;      // by surface: an earlier one of its group, or itself
+  Array<std::uint32_t> surface_of_body;  // by solver index: the first surface connected to it
+  Array<std::uint32_t> joined_to;        // by surface: an earlier one of its group, or itself
 
   // closeness, by point; each group writes those of its own
   Array<Aabb> vertex_box;                // swept over the rest of the step, beside the drift
@@ -65,7 +65,7 @@ struct SurfaceContact::Impl {
   void begin_substep(StepContext& c);
   void find_near(StepContext& c);
   void coast(StepContext& c);
-  void advance_movers(StepContext& c);
+  void advance_bodies(StepContext& c);
   void solve_holds(StepContext& c);
   void solve(StepContext& c);
   void read_velocities(StepContext& c);

@@ -12,15 +12,17 @@ void SurfaceContact::Impl::begin_substep(StepContext& c) {
   bool any = false;
   for (const Surface& s : list) any = any || s.active;
   if (!any) return;
-  const std::size_t movers = std::max<std::size_t>(surfaces.movers ? surfaces.movers->state.size() : 1, 1);
-  surfaces.mover_shift.assign(movers, Vec3::Zero()), surfaces.mover_turn.assign(movers, Vec3::Zero());
+  const std::size_t solver_bodies =
+      std::max<std::size_t>(surfaces.solver_bodies ? surfaces.solver_bodies->state.size() : 1, 1);
+  surfaces.body_delta_position.assign(solver_bodies, Vec3::Zero()),
+      surfaces.body_delta_rotation.assign(solver_bodies, Vec3::Zero());
   for (std::size_t k = 0; k < surfaces.group_count; ++k) {
     SurfaceGroup& g = *surfaces.groups[k];
     counts.push_back(g.steps);
-    g.movers.swap(g.named);
+    g.solver_indices.swap(g.named);
     g.named.clear();
-    std::sort(g.movers.begin(), g.movers.end());
-    g.movers.erase(std::unique(g.movers.begin(), g.movers.end()), g.movers.end());
+    std::sort(g.solver_indices.begin(), g.solver_indices.end());
+    g.solver_indices.erase(std::unique(g.solver_indices.begin(), g.solver_indices.end()), g.solver_indices.end());
     if (g.steps == 0) continue;
     NearSearch& near = *searches[k];
     near.near = near_wanted(g);

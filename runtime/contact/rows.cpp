@@ -1,10 +1,9 @@
 // Contact rows and holds, one after another in each small step, between the solvers' own sweeps. A row pushes its
-// vertices apart, or off a mover, which gets the opposite impulse at the same moment; friction likewise (a cone, by
-// displacement). Collisions are fully plastic: what a push would throw back is taken out again.
-// Overlap that was there before is undone at kPushSpeed at most, so it cannot explode.
-// A row near pinned vertices has little hold on the free ones: to move a point that takes a share b of a vertex by d,
-// the vertex goes d/b. It goes kMaxMotion d at most, so that what pins make impossible stays undone and does not grow.
-// Rows run in their makers' order, on one thread.
+// vertices apart, or off a solver body, which gets the opposite impulse at the same moment; friction likewise (a cone,
+// by displacement). Collisions are fully plastic: what a push would throw back is taken out again. Overlap that was
+// there before is undone at kPushSpeed at most, so it cannot explode. A row near pinned vertices has little hold on the
+// free ones: to move a point that takes a share b of a vertex by d, the vertex goes d/b. It goes kMaxMotion d at most,
+// so that what pins make impossible stays undone and does not grow. Rows run in their makers' order, on one thread.
 #include <algorithm>
 #include <cmath>
 
@@ -28,44 +27,45 @@ struct RowResponse {
     sum += motion * std::abs(weight);
     largest = std::max(largest, motion);
   }
-  // With that of the mover: by what a correction or change of velocity is divided.
-  Real with(Real mover) const { return std::max(sum + mover, largest / kMaxMotion); }
+  // With that of the solver body: by what a correction or change of velocity is divided.
+  Real with(Real body) const { return std::max(sum + body, largest / kMaxMotion); }
 };
 }  // namespace
 
-// Movers go on with the velocity they have. Each group begins where they stood when the substep did.
-void SurfaceContact::Impl::advance_movers(StepContext& c) {
+// Bodies go on with the velocity they have. Each group begins where they stood when the substep did.
+void SurfaceContact::Impl::advance_bodies(StepContext& c) {
   const SurfaceGroup& g = group(c);
-  Array<Vec3>&shift = surfaces.mover_shift, &turn = surfaces.mover_turn;
-  const Movers* movers = surfaces.movers;
-  FEDER_ASSERT(g.movers.empty() || shift.size() == movers->state.size());  // nobody joins within a substep
-  for (const std::uint32_t m : g.movers) {
+  Array<Vec3>&shift = surfaces.body_delta_position, &turn = surfaces.body_delta_rotation;
+  const SolverBodies* solver_bodies = surfaces.solver_bodies;
+  FEDER_ASSERT(g.solver_indices.empty() ||
+               shift.size() == solver_bodies->state.size());  // nobody joins within a substep
+  for (const std::uint32_t m : g.solver_indices) {
     if (c.inner.index == 0) shift[m] = turn[m] = Vec3::Zero();
-    shift[m] += g.step * movers->state[m].velocity;
-    turn[m] += g.step * movers->state[m].angular_velocity;
+    shift[m] += g.step * solver_bodies->state[m].velocity;
+    turn[m] += g.step * solver_bodies->state[m].angular_velocity;
   }
 }
 
 void SurfaceContact::Impl::solve_holds(StepContext& c) {
   const SurfaceGroup& g = group(c);
-  const Movers* movers = surfaces.movers;
+  const SolverBodies* solver_bodies = surfaces.solver_bodies;
   const Real h = g.step;
   for (const SurfaceHold& k : g.holds) {
     FEDER_ASSERT(k.vertex < moved.size());
     Row4& x = moved[k.vertex];
     Mat3 response = Mat3::Zero();
-    if (k.mover != 0) {
+    if (k.solver_index != 0) {
       const Mat3 arm = skew(k.arm);
-      response = -(arm * movers->mass[k.mover].inv_inertia * arm);
-      response.diagonal() += movers->mass[k.mover].inv_mass_axes;
+      response = -(arm * solver_bodies->mass[k.solver_index].inv_inertia * arm);
+      response.diagonal() += solver_bodies->mass[k.solver_index].inv_mass_axes;
     }
     response.diagonal().array() += x.w;
-    Vec3 error = k.error + x.vec() - surfaces.mover_displacement(k.mover, k.arm);
+    Vec3 error = k.error + x.vec() - surfaces.body_displacement(k.solver_index, k.arm);
     // what was open before closes at kPullSpeed: a vertex attached far from its place must not throw the body
     Vec3 change = x.vec() - before[k.vertex].vec();
     if (before[k.vertex].w != 0) change += h * speed[k.vertex].vec();
-    if (k.mover != 0) {
-      const MoverState& m = movers->state[k.mover];
+    if (k.solver_index != 0) {
+      const SolverBody& m = solver_bodies->state[k.solver_index];
       change -= h * (m.velocity + cross(m.angular_velocity, k.arm));
     }
     const Vec3 start = error - change;
@@ -73,12 +73,12 @@ void SurfaceContact::Impl::solve_holds(StepContext& c) {
     if (open > closed) error -= (1 - closed / open) * start;
     const Vec3 push = -(inverse(response) * error);  // kg m
     x.add(x.w * push);
-    surfaces.push_mover(k.mover, k.arm, -push, h);
+    surfaces.push_body(k.solver_index, k.arm, -push, h);
   }
 }
 
 void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h) {
-  const Movers* movers = surfaces.movers;
+  const SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (SurfaceRow& r : rows) {
     Vec3 d = Vec3::Zero(), change = Vec3::Zero();
     RowResponse response;
@@ -91,16 +91,16 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
       if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * speed[r.vertex[k]].vec();
       response.add(x.w, r.weight[k]);
     }
-    const Real gap = r.offset + dot(r.normal, d - surfaces.mover_displacement(r.mover, r.arm));
+    const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
     FEDER_ASSERT(!near || r.touch == kNone || r.touch < between.size());
-    if (r.mover != 0) {
-      const MoverState& m = movers->state[r.mover];
+    if (r.solver_index != 0) {
+      const SolverBody& m = solver_bodies->state[r.solver_index];
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
     }
     const Real closing = dot(r.normal, change);
-    const Real along = response.with(surfaces.mover_response(r.mover, r.arm, r.normal));
+    const Real along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(along > 0)) continue;
     const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
     const Real push = r.relaxation * need / along;  // kg m
@@ -114,7 +114,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     const Real slid = length(sliding);
     if (r.friction > 0 && slid > 0) {
       const Vec3 t = sliding / slid;
-      const Real across = response.with(surfaces.mover_response(r.mover, r.arm, t));
+      const Real across = response.with(surfaces.body_response(r.solver_index, r.arm, t));
       total -= std::min(r.friction * push, slid / across) * t;
     }
     Real tilt[4] = {0, 0, 0, 0};
@@ -129,7 +129,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
       x.add(x.w * to);
       if (near && r.touch != kNone) account(r, k, x.vec() - was, to, h);
     }
-    surfaces.push_mover(r.mover, r.arm, -total, h);
+    surfaces.push_body(r.solver_index, r.arm, -total, h);
   }
 }
 
@@ -171,7 +171,7 @@ void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], cons
 
 // Rows that pushed and now part: the relative velocity along the normal goes to zero.
 void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real h) {
-  Movers* movers = surfaces.movers;
+  SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (SurfaceRow& r : rows) {
     if (r.impulse == 0) continue;
     Vec3 d = Vec3::Zero(), u = Vec3::Zero();
@@ -182,12 +182,13 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
       u += r.weight[k] * speed[r.vertex[k]].vec();
       response.add(moved[r.vertex[k]].w, r.weight[k]);
     }
-    if (r.offset + dot(r.normal, d - surfaces.mover_displacement(r.mover, r.arm)) > Real(1e-3) * h) continue;
-    if (r.mover != 0) {
-      const MoverState& m = movers->state[r.mover];
+    if (r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h) continue;
+    if (r.solver_index != 0) {
+      const SolverBody& m = solver_bodies->state[r.solver_index];
       u -= m.velocity + cross(m.angular_velocity, r.arm);
     }
-    const Real parting = dot(r.normal, u), along = response.with(surfaces.mover_response(r.mover, r.arm, r.normal));
+    const Real parting = dot(r.normal, u),
+               along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;
@@ -204,10 +205,10 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
       v.add(moved[r.vertex[k]].w * push);
       if (near && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
     }
-    if (r.mover == 0) continue;
+    if (r.solver_index == 0) continue;
     // velocities only: the displacement stands
-    const MoverMass& mm = movers->mass[r.mover];
-    MoverState& m = movers->state[r.mover];
+    const SolverMass& mm = solver_bodies->mass[r.solver_index];
+    SolverBody& m = solver_bodies->state[r.solver_index];
     m.velocity += mm.inv_mass_axes.cwiseProduct(impulse * r.normal);
     m.angular_velocity += mm.inv_inertia * cross(r.arm, impulse * r.normal);
   }

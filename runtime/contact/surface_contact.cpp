@@ -29,7 +29,7 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
       position(surfaces.position), mass(surfaces.mass), moved(surfaces.moved), before(surfaces.before),
-      speed(surfaces.speed), between(surfaces.pairs), mover_surface(&arena), joined_to(&arena), vertex_box(&arena),
+      speed(surfaces.speed), between(surfaces.pairs), surface_of_body(&arena), joined_to(&arena), vertex_box(&arena),
       found_place(&arena), found_speed(&arena), stray(&arena), found(&arena), guard_start(&arena), held_with(&arena),
       zones(&arena), wished(&arena), swapped(&arena), near_surface(&arena), others_box(&arena), box(&arena) {}
 
@@ -37,23 +37,23 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
   m->wake_left();
   m->surfaces.forget();  // what it names may be gone
-  m->surfaces.movers = m->store.find<Movers>();
+  m->surfaces.solver_bodies = m->store.find<SolverBodies>();
   if (!m->surfaces.wanted()) return;
   const bool pairs = m->surfaces.declared() > 1;
   const bool near = pairs || m->surfaces.any_owner([](const Surfaces::Owner& o) { return o.self; });
   const bool coasts = m->surfaces.any_owner([](const Surfaces::Owner& o) { return !o.loops; });
-  const bool movers = m->surfaces.movers != nullptr;
+  const bool solver_bodies = m->surfaces.solver_bodies != nullptr;
   plan.add<&Impl::begin_step>(Rank::surface_begin, "begin", kName, m);
   if (pairs) plan.add<&Impl::list_pairs>(Rank::surface_pairs, "who may touch", kName, m);
   plan.add<&Impl::form_groups>(Rank::surface_groups, "groups", kName, m);
-  plan.add<&Impl::begin_substep>(Rank::surface_movers, "begin substep", kName, m);
+  plan.add<&Impl::begin_substep>(Rank::surface_start, "begin substep", kName, m);
   if (near) plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
   if (coasts) plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);
-  if (movers) plan.add<&Impl::advance_movers>(Rank::surface_bodies, "bodies", kName, m);
-  if (movers) plan.add<&Impl::solve_holds>(Rank::surface_holds, "attachments", kName, m);
-  if (near || movers) plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
+  if (solver_bodies) plan.add<&Impl::advance_bodies>(Rank::surface_bodies, "bodies", kName, m);
+  if (solver_bodies) plan.add<&Impl::solve_holds>(Rank::surface_holds, "attachments", kName, m);
+  if (near || solver_bodies) plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
   if (coasts) plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
-  if (near || movers) plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
+  if (near || solver_bodies) plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
   if (near) plan.add<&Impl::project>(Rank::surface_project, "non-penetration", kName, m);
   if (pairs) m->contacts.use();
   if (pairs) plan.add<&Impl::finish>(Rank::surface_events, "touches", kName, m);

@@ -20,8 +20,8 @@ ClothRigid::ClothRigid(SystemSetup& s)
     : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), structure_changed_(s.structure_changed),
-      near_(&s.store.arena(kName)) {}
+      solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
+      structure_changed_(s.structure_changed), near_(&s.store.arena(kName)) {}
 
 void ClothRigid::add_passes(StepPlan& plan) {
   sync();
@@ -123,14 +123,16 @@ void ClothRigid::make_holds(StepContext&) {
     FEDER_ASSERT(cloth_.vertices().cloth[a.vertex] == a.cloth && b.object[body] == a.body);
     SurfaceHold k;
     k.vertex = a.vertex;
-    k.mover = movers_.solver[b.mover[body]];
-    FEDER_ASSERT(k.mover < movers_.state.size());
+    k.solver_index = solver_bodies_.index[b.solver_slot[body]];
+    FEDER_ASSERT(k.solver_index < solver_bodies_.state.size());
     const Vec3 local = a.local - b.local_com[body];
-    const Vec3 center = k.mover ? Vec3(movers_.mass[k.mover].center + movers_.state[k.mover].moved) : b.position[body];
-    k.arm = rotate(k.mover ? movers_.state[k.mover].rotation : b.rotation[body], local);
+    const Vec3 center =
+        k.solver_index ? Vec3(solver_bodies_.mass[k.solver_index].center + solver_bodies_.state[k.solver_index].moved)
+                       : b.position[body];
+    k.arm = rotate(k.solver_index ? solver_bodies_.state[k.solver_index].rotation : b.rotation[body], local);
     k.error = cloth_.vertices().position[a.vertex] - center - k.arm;
     const std::size_t group = surfaces_.group_of(objects_.index(a.cloth));
-    surfaces_.groups[group]->use_mover(k.mover);
+    surfaces_.groups[group]->use_body(k.solver_index);
     surfaces_.groups[group]->holds.push_back(k);
   }
 }

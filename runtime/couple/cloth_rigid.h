@@ -6,7 +6,7 @@
 #include "feder/rigid.h"
 #include "feder/system.h"
 #include "state/colliders.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 #include "state/surface.h"
 
 namespace feder {
@@ -42,7 +42,7 @@ class ClothRigid final : public System {
   Rigid& rigid_;
   Collide& collide_;
   Colliders& colliders_;
-  Movers& movers_;
+  SolverBodies& solver_bodies_;
   Objects& objects_;
   bool* structure_changed_;
   Array<std::uint32_t> near_;  // colliders

@@ -1,11 +1,10 @@
 // Per substep: sheets screen the particles near them; the fluid moves; particles that lie on a sheet or would pass it
-// in this substep become guests among the movers, so that the cloth's small steps solve their contacts together with
-// its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
-// read back, and none may be on the other side of a triangle it was before.
-// Sheets do not hold fluid back along their surface (no friction, no wetting).
-// Kept between calls: what pressed on whom, for waking. Weak spot: a pool of N layers presses its first layer into the
-// sheet by about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows
-// single drops in jerks.
+// in this substep become guests among the solver bodies, so that the cloth's small steps solve their contacts together
+// with its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles
+// are read back, and none may be on the other side of a triangle it was before. Sheets do not hold fluid back along
+// their surface (no friction, no wetting). Kept between calls: what pressed on whom, for waking. Weak spot: a pool of N
+// layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out again; a cloth far
+// lighter than a single particle follows single drops in jerks.
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>
@@ -30,10 +29,11 @@ const SystemDescriptor& FluidCloth::descriptor() {
 FluidCloth::FluidCloth(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      movers_(s.store.need<Movers>(kName)), objects_(s.objects), contacts_(s.store.need<ContactBook>(kName)),
-      finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)), guests_(&s.store.arena(kName)),
-      next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)), touches_(&s.store.arena(kName)) {
-  if (movers_.state.empty()) movers_.reset();  // no bodies: only the world
+      solver_bodies_(s.store.need<SolverBodies>(kName)), objects_(s.objects),
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)),
+      guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
+      touches_(&s.store.arena(kName)) {
+  if (solver_bodies_.state.empty()) solver_bodies_.reset();  // no bodies: only the world
 }
 
 std::size_t FluidCloth::count() const { return guests_.size(); }
@@ -145,8 +145,8 @@ void FluidCloth::make_rows(StepContext& c) {
   // where the vertices would go without fluid, roughly: the contacts follow what they do
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * speed[i].vec();
   faces_.find(fluid_);
-  own_movers_ = static_cast<std::uint32_t>(movers_.state.size());
-  FEDER_ASSERT(own_movers_ > 0 && movers_.mass.size() == own_movers_);  // the world is one
+  own_bodies_ = static_cast<std::uint32_t>(solver_bodies_.state.size());
+  FEDER_ASSERT(own_bodies_ > 0 && solver_bodies_.mass.size() == own_bodies_);  // the world is one
   const std::span<const Row4> moved = surfaces_.moved;
   for (const FaceContact& k : faces_.contacts) {
     const FluidPool& p = fluid_.pool_at(k.pool);
@@ -154,14 +154,14 @@ void FluidCloth::make_rows(StepContext& c) {
       FEDER_ASSERT(k.particle < p.count && p.origin.size() > k.particle);
       Guest g;
       g.pool = k.pool, g.particle = k.particle;
-      g.mover = static_cast<std::uint32_t>(movers_.state.size());
+      g.solver_index = static_cast<std::uint32_t>(solver_bodies_.state.size());
       g.given = (p.x[k.particle].vec() - p.origin[k.particle].vec()) / c.h;
-      MoverState s;
+      SolverBody s;
       s.velocity = g.given;
-      MoverMass m;
+      SolverMass m;
       m.inv_mass = 1 / p.mass, m.inv_mass_axes = Vec3::Constant(1 / p.mass);
       m.center = p.origin[k.particle].vec();
-      movers_.state.push_back(s), movers_.mass.push_back(m);
+      solver_bodies_.state.push_back(s), solver_bodies_.mass.push_back(m);
       guests_.push_back(g);
     }
     SurfaceRow r;
@@ -173,11 +173,11 @@ void FluidCloth::make_rows(StepContext& c) {
     FEDER_ASSERT(r.vertex[0] < v.size() && v.cloth[r.vertex[0]] == faces_.surfaces[k.surface].object);
     r.vertex[3] = k.vertex[0];
     r.normal = -k.normal;
-    r.mover = guests_.back().mover;
+    r.solver_index = guests_.back().solver_index;
     r.offset = k.distance - k.rest - dot(r.normal, d);
     const std::size_t cloth = faces_.surfaces[k.surface].place, group = surfaces_.group_of(cloth);
     r.relaxation = cloth_.info(cloth).relaxation;
-    surfaces_.groups[group]->use_mover(r.mover);
+    surfaces_.groups[group]->use_body(r.solver_index);
     surfaces_.groups[group]->rows.push_back(r);
   }
 }
@@ -194,7 +194,7 @@ void FluidCloth::read_back(StepContext& c) {
     while (next < rows.size() && rows[next].touch != kNone) ++next;
     FEDER_ASSERT(next < rows.size());  // no row is lost on the way, and with it its impulse
     const SurfaceRow& r = rows[next++];
-    while (guests_[at].mover != r.mover) {
+    while (guests_[at].solver_index != r.solver_index) {
       ++at;
       FEDER_ASSERT(at < guests_.size());
     }
@@ -207,18 +207,18 @@ void FluidCloth::read_back(StepContext& c) {
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
   }
-  FEDER_ASSERT(movers_.state.size() == own_movers_ + guests_.size());
+  FEDER_ASSERT(solver_bodies_.state.size() == own_bodies_ + guests_.size());
   for (const Guest& k : guests_) {
     FluidPool& p = fluid_.pool_at(k.pool);
-    const Vec3 gain = movers_.state[k.mover].velocity - k.given;
-    if (k.mover >= own_movers_ && !gain.isZero(0)) {
-      p.x[k.particle].set(p.origin[k.particle].vec() + surfaces_.mover_shift[k.mover]);
+    const Vec3 gain = solver_bodies_.state[k.solver_index].velocity - k.given;
+    if (k.solver_index >= own_bodies_ && !gain.isZero(0)) {
+      p.x[k.particle].set(p.origin[k.particle].vec() + surfaces_.body_delta_position[k.solver_index]);
       p.v[k.particle].set(p.v[k.particle].vec() + gain);
     }
     for (int i = 0; i < 3; ++i)
       mismatch_ = std::max(mismatch_, std::abs(static_cast<double>(p.mass * gain[i] - k.pushed[i])));
   }
-  movers_.state.resize(own_movers_), movers_.mass.resize(own_movers_);
+  solver_bodies_.state.resize(own_bodies_), solver_bodies_.mass.resize(own_bodies_);
   drop_rows();
   const auto now = [&](std::uint32_t i) { return Vec3(cloth_.vertices().position[i] + surfaces_.moved[i].vec()); };
   faces_.follow(fluid_, now);
@@ -321,7 +321,7 @@ void FluidCloth::validate() const {
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
   for (std::size_t k = 0; k < guests_.size(); ++k)
-    FEDER_ASSERT(guests_[k].mover == own_movers_ + k && guests_[k].pool < fluid_.pool_count());
+    FEDER_ASSERT(guests_[k].solver_index == own_bodies_ + k && guests_[k].pool < fluid_.pool_count());
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   FEDER_ASSERT(pressed_.size() == cloth_.cloth_count());
   faces_.validate();

@@ -4,7 +4,7 @@
 #include "feder/cloth.h"
 #include "feder/system.h"
 #include "state/contact_book.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 #include "state/surface.h"
 
 namespace feder {
@@ -40,9 +40,9 @@ class FluidCloth final : public System {
     Real strongest = 0;                                // N s
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
-  // A particle that stands among the movers for the length of the cloth's row.
+  // A particle that stands among the solver bodies for the length of the cloth's row.
   struct Guest {
-    std::uint32_t pool = 0, particle = 0, mover = 0;
+    std::uint32_t pool = 0, particle = 0, solver_index = 0;
     Vec3 given = Vec3::Zero();   // velocity, m/s
     Vec3 pushed = Vec3::Zero();  // by the rows, N s
   };
@@ -68,7 +68,7 @@ class FluidCloth final : public System {
   Fluid& fluid_;
   Cloth& cloth_;
   Surfaces& surfaces_;
-  Movers& movers_;
+  SolverBodies& solver_bodies_;
   Objects& objects_;
   ContactBook& contacts_;
   const std::uint32_t finder_;
@@ -77,7 +77,7 @@ class FluidCloth final : public System {
   Array<std::uint32_t> next_row_;    // by group of cloths
   Array<Pressed> pressed_;           // by cloth
   Array<Touch> touches_;             // in the order of the objects
-  std::uint32_t own_movers_ = 0;     // how many there were without the guests
+  std::uint32_t own_bodies_ = 0;     // how many there were without the guests
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
   double force_ = 0;                 // N, of the last step, along gravity
   std::uint64_t guarded_ = 0;        // corrections of the last step

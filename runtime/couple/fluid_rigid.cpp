@@ -1,9 +1,9 @@
 // Per substep: the bodies' velocities are integrated; the walls are placed where the bodies are; the fluid moves and
-// changes the walls' velocities as it presses on them; the velocities go back to the movers, so that contacts and
-// joints are solved with what the water did; then the walls are placed where the solve has taken the bodies, and the
-// fluid lets no particle stay inside. A sleeping body is a fixed wall, until fluid presses on it.
-// Kept between calls: the list of walls, for questions. Weak spot: a body that is far lighter than the fluid around it
-// follows the fluid within an iteration, its contacts with other bodies only within a substep.
+// changes the walls' velocities as it presses on them; the velocities go back to the solver bodies, so that contacts
+// and joints are solved with what the water did; then the walls are placed where the solve has taken the bodies, and
+// the fluid lets no particle stay inside. A sleeping body is a fixed wall, until fluid presses on it. Kept between
+// calls: the list of walls, for questions. Weak spot: a body that is far lighter than the fluid around it follows the
+// fluid within an iteration, its contacts with other bodies only within a substep.
 #include "couple/fluid_rigid.h"
 
 #include <cmath>
@@ -27,10 +27,11 @@ const SystemDescriptor& FluidRigid::descriptor() {
 FluidRigid::FluidRigid(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      colliders_(s.store.need<Colliders>(ContactService::kSystem)), movers_(s.store.need<Movers>(Rigid::kName)),
-      walls_(fluid_.walls()), objects_(s.objects), contacts_(s.store.need<ContactBook>(ContactService::kSystem)),
-      finder_(contacts_.finder(kName)), collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)),
-      place_(&s.store.arena(kName)), inside_(&s.store.arena(kName)), touching_(&s.store.arena(kName)) {}
+      colliders_(s.store.need<Colliders>(ContactService::kSystem)),
+      solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), walls_(fluid_.walls()), objects_(s.objects),
+      contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)),
+      collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)), place_(&s.store.arena(kName)),
+      inside_(&s.store.arena(kName)), touching_(&s.store.arena(kName)) {}
 
 FluidRigid::~FluidRigid() { walls_.list.clear(), walls_.bodies.clear(); }
 
@@ -91,11 +92,11 @@ void FluidRigid::place_walls(bool between_steps) {
   for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
     WallBody& w = walls_.bodies[n];
     const std::uint32_t i = body_[n];
-    const std::uint32_t at = between_steps ? 0 : movers_.solver[b.mover[i]];
-    FEDER_ASSERT(b.object[i] == w.object && (at == 0 || at < movers_.state.size()));
+    const std::uint32_t at = between_steps ? 0 : solver_bodies_.index[b.solver_slot[i]];
+    FEDER_ASSERT(b.object[i] == w.object && (at == 0 || at < solver_bodies_.state.size()));
     // what the fluid gave to a body that moves has been handed over: the velocity is read anew below
-    FEDER_ASSERT(w.mover == 0 || !w.dynamic || w.impulse.isZero(0));
-    w.mover = at;
+    FEDER_ASSERT(w.solver_index == 0 || !w.dynamic || w.impulse.isZero(0));
+    w.solver_index = at;
     w.touching = 0;
     w.impulse = Vec3::Zero();
     if (at == 0) {
@@ -104,16 +105,16 @@ void FluidRigid::place_walls(bool between_steps) {
       w.inv_inertia = Mat3::Zero();
       continue;
     }
-    const MoverState& s = movers_.state[at];
-    const MoverMass& m = movers_.mass[at];
+    const SolverBody& s = solver_bodies_.state[at];
+    const SolverMass& m = solver_bodies_.mass[at];
     w.center = m.center + s.moved;
     w.velocity = s.velocity, w.spin = s.angular_velocity;
     w.inv_mass = m.inv_mass_axes, w.inv_inertia = m.inv_inertia;
     walls_.weighed = walls_.weighed || w.dynamic;
   }
   for (Wall& w : walls_.list) {
-    const std::uint32_t i = body_[w.body], at = walls_.bodies[w.body].mover;
-    const Quat turn = at == 0 ? b.rotation[i] : movers_.state[at].rotation;
+    const std::uint32_t i = body_[w.body], at = walls_.bodies[w.body].solver_index;
+    const Quat turn = at == 0 ? b.rotation[i] : solver_bodies_.state[at].rotation;
     w.pose = Pose{walls_.bodies[w.body].center, turn} * w.local;
     w.box = w.shape->bounds(w.pose);
   }
@@ -121,8 +122,8 @@ void FluidRigid::place_walls(bool between_steps) {
 
 void FluidRigid::give_velocities() {
   for (WallBody& w : walls_.bodies) {
-    if (w.mover == 0 || !w.dynamic) continue;
-    MoverState& s = movers_.state[w.mover];
+    if (w.solver_index == 0 || !w.dynamic) continue;
+    SolverBody& s = solver_bodies_.state[w.solver_index];
     s.velocity = w.velocity, s.angular_velocity = w.spin;
     w.impulse = Vec3::Zero();  // handed over
   }
@@ -165,11 +166,13 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
   double after[3], gained[3] = {0, 0, 0};
   weigh_fluids(after);
   for (const WallBody& w : walls_.bodies) {
-    const bool moves = w.dynamic && w.mover != 0;
+    const bool moves = w.dynamic && w.solver_index != 0;
     for (int k = 0; k < 3; ++k) {
-      const Real inv_mass = moves ? movers_.mass[w.mover].inv_mass_axes[k] : Real(0);
-      gained[k] += inv_mass > 0 ? static_cast<double>(w.velocity[k] - movers_.state[w.mover].velocity[k]) / inv_mass
-                                : static_cast<double>(w.impulse[k]);
+      const Real inv_mass = moves ? solver_bodies_.mass[w.solver_index].inv_mass_axes[k] : Real(0);
+      gained[k] +=
+          inv_mass > 0
+              ? static_cast<double>(w.velocity[k] - solver_bodies_.state[w.solver_index].velocity[k]) / inv_mass
+              : static_cast<double>(w.impulse[k]);
     }
     given_ += static_cast<double>(length(w.impulse));
     if (moves) pushed_ += static_cast<double>(length(w.impulse));

@@ -7,7 +7,7 @@
 #include "fluid/walls.h"
 #include "state/colliders.h"
 #include "state/contact_book.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -33,8 +33,8 @@ class FluidRigid final : public System {
     std::uint32_t count = 0;
   };
   void list_walls();                          // all colliders of bodies that fluids may meet
-  void place_walls(bool before_step);         // poses and velocities as the movers have them
-  void give_velocities();                     // back to the movers
+  void place_walls(bool before_step);         // poses and velocities as the solver bodies have them
+  void give_velocities();                     // back to the solver bodies
   void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
   // What the fluids lost since `before_`, aside from what gravity gave in g h m/s, against what the bodies gained.
   void compare_impulses(const Vec3& gravity_seconds);
@@ -55,7 +55,7 @@ class FluidRigid final : public System {
   Fluid& fluid_;
   Rigid& rigid_;
   Colliders& colliders_;
-  Movers& movers_;
+  SolverBodies& solver_bodies_;
   Walls& walls_;
   Objects& objects_;
   ContactBook& contacts_;

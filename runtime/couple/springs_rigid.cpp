@@ -1,7 +1,7 @@
-// Structure of the coupling: which points have a collider and a mover, the plan's rows, and what is asked from
+// Structure of the coupling: which points have a collider and a solver body, the plan's rows, and what is asked from
 // outside. The rows themselves are in springs_rigid_step.cpp.
-// Everything here follows from the nets: colliders and movers live in their blocks, their numbers in Particles, so a
-// snapshot needs nothing from this system.
+// Everything here follows from the nets: colliders and solver bodies live in their blocks, their numbers in Particles,
+// so a snapshot needs nothing from this system.
 #include "couple/springs_rigid.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ SpringsRigid::SpringsRigid(SystemSetup& s)
     : springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
+      solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
       objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
       holds_(&s.store.arena(kName)), held_(&s.store.arena(kName)) {}
 
@@ -66,7 +66,7 @@ void SpringsRigid::sync() {
     const Springs::NetInfo net = springs_.net_info(n);
     for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
       sync_collider(i, net, attached[i] != 0);
-      if (particles_.mover[i] == kNone) continue;
+      if (particles_.solver_slot[i] == kNone) continue;
       FEDER_ASSERT(coupled_.empty() || coupled_.back().particle < i);  // find_coupled searches by halves
       Coupled k;
       k.particle = i;
@@ -80,11 +80,11 @@ void SpringsRigid::sync() {
 // An attached point collides with nothing: the body it is part of does.
 void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, bool attached) {
   const bool collides = particles_.radius[i] > 0;
-  std::uint32_t& mover = particles_.mover[i];
-  if ((collides || attached) && mover == kNone) mover = movers_.add();
-  if (!collides && !attached && mover != kNone) {
-    movers_.remove(mover);
-    mover = kNone;
+  std::uint32_t& slot = particles_.solver_slot[i];
+  if ((collides || attached) && slot == kNone) slot = solver_bodies_.add();
+  if (!collides && !attached && slot != kNone) {
+    solver_bodies_.remove(slot);
+    slot = kNone;
   }
   if (!collides) return;
   std::uint32_t& k = particles_.collider[i];
@@ -95,7 +95,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
     const ShapePtr ball = share ? colliders_.shapes[first] : make_point(particles_.radius[i]);
     collide_.check_shape(*ball);
     k = colliders_.add();
-    FEDER_ASSERT(mover != kNone && particles_.net[i] == net.object);
+    FEDER_ASSERT(slot != kNone && particles_.net[i] == net.object);
     colliders_.shapes[k] = ball;
     colliders_.shape[k] = colliders_.shapes[k].get();
     colliders_.motion[k] = ColliderMotion::dynamic;
@@ -107,7 +107,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
   }
   FEDER_ASSERT(colliders_.owner[k] == ColliderOwner::point && colliders_.object[k] == net.object);
   colliders_.owner_index[k] = i;
-  colliders_.mover[k] = mover;
+  colliders_.solver_slot[k] = slot;
   colliders_.group[k] = attached ? 0 : net.group;
   colliders_.mask[k] = attached ? 0 : net.mask;
 }
@@ -120,7 +120,7 @@ void SpringsRigid::release_removed() {
       collide_.forget(r.collider);
       colliders_.remove(r.collider);
     }
-    if (r.mover != kNone) movers_.remove(r.mover);
+    if (r.solver_slot != kNone) solver_bodies_.remove(r.solver_slot);
   }
   springs_.removed().clear();
 }
@@ -142,17 +142,18 @@ void SpringsRigid::validate() const {
     const Coupled& k = coupled_[n];
     const std::uint32_t i = k.particle, collider = particles_.collider[i];
     FEDER_ASSERT(i < particles_.size() && (n == 0 || coupled_[n - 1].particle < i));
-    FEDER_ASSERT(particles_.mover[i] < movers_.solver.size());
+    FEDER_ASSERT(particles_.solver_slot[i] < solver_bodies_.index.size());
     FEDER_ASSERT(particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
     FEDER_ASSERT(k.attached || collider != kNone);
     if (collider != kNone) {
       FEDER_ASSERT(colliders_.owner[collider] == ColliderOwner::point && colliders_.owner_index[collider] == i);
       FEDER_ASSERT(colliders_.object[collider] == particles_.net[i] &&
-                   colliders_.mover[collider] == particles_.mover[i]);
+                   colliders_.solver_slot[collider] == particles_.solver_slot[i]);
     }
-    if (k.solver == 0) continue;
-    FEDER_ASSERT(k.solver > last && movers_.solver[particles_.mover[i]] == k.solver);  // no two share a mover
-    last = k.solver;
+    if (k.solver_index == 0) continue;
+    FEDER_ASSERT(k.solver_index > last &&
+                 solver_bodies_.index[particles_.solver_slot[i]] == k.solver_index);  // no two share a solver body
+    last = k.solver_index;
   }
   for (const Springs::Attachment& a : springs_.attachments()) {
     const std::uint32_t place = find_coupled(a.point);

@@ -6,8 +6,8 @@
 #include "feder/rigid.h"
 #include "feder/system.h"
 #include "state/colliders.h"
-#include "state/movers.h"
 #include "state/particles.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -29,9 +29,9 @@ class SpringsRigid final : public System {
   // A net point that takes part: it collides, or it is attached.
   struct Coupled {
     std::uint32_t particle = 0;
-    std::uint32_t solver = 0;    // in Movers this step; 0 = pinned
-    Vec3 before = Vec3::Zero();  // position before the substep, m
-    Vec3 given = Vec3::Zero();   // velocity the solver got, m/s
+    std::uint32_t solver_index = 0;  // in SolverBodies this step; 0 = pinned
+    Vec3 before = Vec3::Zero();      // position before the substep, m
+    Vec3 given = Vec3::Zero();       // velocity the solver got, m/s
     Vec3 given_moved = Vec3::Zero();
     Real added = 0;         // inertia carried this step, kg
     bool implicit = false;  // net's integrator
@@ -39,15 +39,15 @@ class SpringsRigid final : public System {
   };
   // An attachment this step.
   struct Hold {
-    std::uint32_t coupled = 0;  // place in coupled_
-    std::uint32_t body = 0;     // index in Bodies
-    std::uint32_t solver = 0;   // body's place in Movers; 0 = does not move
-    Vec3 local = Vec3::Zero();  // from the centre of mass, body axes, m
-    Mat3 mass = Mat3::Zero();   // effective, of the three rows, kg
-    Vec3 arm = Vec3::Zero();    // world, now, m
+    std::uint32_t coupled = 0;       // place in coupled_
+    std::uint32_t body = 0;          // index in Bodies
+    std::uint32_t solver_index = 0;  // body's slot in SolverBodies; 0 = does not move
+    Vec3 local = Vec3::Zero();       // from the centre of mass, body axes, m
+    Mat3 mass = Mat3::Zero();        // effective, of the three rows, kg
+    Vec3 arm = Vec3::Zero();         // world, now, m
   };
 
-  // Structure: colliders, movers and the list of coupled points brought up to date.
+  // Structure: colliders, solver bodies and the list of coupled points brought up to date.
   void sync();
   void sync_collider(std::uint32_t particle, const Springs::NetInfo& net, bool attached);
   void release_removed();
@@ -76,7 +76,7 @@ class SpringsRigid final : public System {
   Rigid& rigid_;
   Collide& collide_;
   Colliders& colliders_;
-  Movers& movers_;
+  SolverBodies& solver_bodies_;
   Particles& particles_;
   Objects& objects_;
   bool* structure_changed_;

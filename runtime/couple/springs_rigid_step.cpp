@@ -1,11 +1,10 @@
 // The rows of the coupling. Per substep: the net's integrator has moved its points; their velocities are handed to
-// the rigid solver as movers of their own, contacts push both sides, and what changed is read back. A point without
-// a contact keeps its integrator's result.
-// Attachments are ball joints between body and point: three rows solved together, with the position error taken out
-// as bias velocity before the rigid solve and the velocity projected again after it.
-// An integrator that knew only the light point would give a hanging body too little: an implicit one answers with the
-// impulse that stops the point, not the body. So while it runs, the point has the inertia of what it carries; the
-// impulse it found is then given to the point alone and the constraint passes it on, which keeps momentum.
+// the rigid solver as solver bodies of their own, contacts push both sides, and what changed is read back. A point
+// without a contact keeps its integrator's result. Attachments are ball joints between body and point: three rows
+// solved together, with the position error taken out as bias velocity before the rigid solve and the velocity projected
+// again after it. An integrator that knew only the light point would give a hanging body too little: an implicit one
+// answers with the impulse that stops the point, not the body. So while it runs, the point has the inertia of what it
+// carries; the impulse it found is then given to the point alone and the constraint passes it on, which keeps momentum.
 // Contacts cannot be treated likewise (they may let go, and a light point with a heavy body's impulse is a bullet), so
 // an implicit net yields to a body about 1 + (h w)^2 times too far: the warning "implicit_contact" says so.
 // Kept between calls: nothing. Weak spot: that, and a long chain of bodies joined by attachments converges slowly.
@@ -30,7 +29,7 @@ Vec3 closing_velocity(const Vec3& error, Real rate) {
   return fast > kPullSpeed ? Vec3((rate * kPullSpeed / fast) * error) : Vec3(rate * error);
 }
 
-Vec3 velocity_at(const MoverState& s, const Vec3& arm) { return s.velocity + cross(s.angular_velocity, arm); }
+Vec3 velocity_at(const SolverBody& s, const Vec3& arm) { return s.velocity + cross(s.angular_velocity, arm); }
 
 }  // namespace
 
@@ -56,18 +55,18 @@ void SpringsRigid::update_boxes(StepContext& c) {
 void SpringsRigid::append(StepContext& c) {
   for (Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
-    k.solver = 0;
+    k.solver_index = 0;
     k.added = 0;
     const Real inv_mass = particles_.inv_mass[i];
     if (inv_mass == 0) continue;
-    FEDER_ASSERT(movers_.solver[particles_.mover[i]] == 0);  // it takes part once
-    MoverState s;
+    FEDER_ASSERT(solver_bodies_.index[particles_.solver_slot[i]] == 0);  // it takes part once
+    SolverBody s;
     s.velocity = particles_.velocity[i];
-    MoverMass m;
+    SolverMass m;
     m.inv_mass = inv_mass;
     m.inv_mass_axes = Vec3::Constant(inv_mass);
     m.center = particles_.position[i];
-    k.solver = movers_.append(particles_.mover[i], s, m);
+    k.solver_index = solver_bodies_.append(particles_.solver_slot[i], s, m);
   }
   find_holds();
   add_carried_mass();
@@ -86,7 +85,7 @@ void SpringsRigid::find_holds() {
     k.coupled = find_coupled(a.point);
     FEDER_ASSERT(k.coupled != kNone && coupled_[k.coupled].attached);
     k.body = rigid_.index(a.body);
-    k.solver = movers_.solver[b.mover[k.body]];
+    k.solver_index = solver_bodies_.index[b.solver_slot[k.body]];
     k.local = a.local - b.local_com[k.body];
     k.arm = rotate(b.rotation[k.body], k.local);
     holds_.push_back(k);
@@ -94,8 +93,8 @@ void SpringsRigid::find_holds() {
 }
 
 Mat3 SpringsRigid::body_response(const Hold& k) const {
-  FEDER_ASSERT(k.solver < movers_.mass.size());
-  const MoverMass& m = movers_.mass[k.solver];
+  FEDER_ASSERT(k.solver_index < solver_bodies_.mass.size());
+  const SolverMass& m = solver_bodies_.mass[k.solver_index];
   const Mat3 arm = skew(k.arm);
   Mat3 r = -(arm * m.inv_inertia * arm);
   r.diagonal() += m.inv_mass_axes;
@@ -137,7 +136,7 @@ void SpringsRigid::warn_soft_contact(std::uint32_t collider, StepContext& c) {
   FEDER_ASSERT(find_coupled(colliders_.owner_index[collider]) != kNone);
   const Coupled& k = coupled_[find_coupled(colliders_.owner_index[collider])];
   const ObjectId net = colliders_.object[collider];
-  if (!k.implicit || k.solver == 0 || !(c.h * springs_.max_frequency(net) > Real(0.5))) return;
+  if (!k.implicit || k.solver_index == 0 || !(c.h * springs_.max_frequency(net) > Real(0.5))) return;
   warned_ = true;
   c.events->warn("implicit_contact",
                  objects_.describe(net) +
@@ -149,28 +148,30 @@ void SpringsRigid::warn_soft_contact(std::uint32_t collider, StepContext& c) {
 Vec3 SpringsRigid::hold_error(const Hold& k) const {
   const Coupled& p = coupled_[k.coupled];
   const Bodies& b = rigid_.bodies();
-  const Vec3 x = p.solver != 0 ? Vec3(movers_.mass[p.solver].center + movers_.state[p.solver].moved)
-                               : particles_.position[p.particle];
-  const Vec3 center = b.position[k.body] + (k.solver != 0 ? movers_.state[k.solver].moved : Vec3(0, 0, 0));
+  const Vec3 x = p.solver_index != 0
+                     ? Vec3(solver_bodies_.mass[p.solver_index].center + solver_bodies_.state[p.solver_index].moved)
+                     : particles_.position[p.particle];
+  const Vec3 center =
+      b.position[k.body] + (k.solver_index != 0 ? solver_bodies_.state[k.solver_index].moved : Vec3(0, 0, 0));
   return x - center - k.arm;
 }
 
 void SpringsRigid::hold(int rounds, Real rate) {
   for (Hold& k : holds_) {
-    if (k.solver != 0) k.arm = rotate(movers_.state[k.solver].rotation, k.local);
+    if (k.solver_index != 0) k.arm = rotate(solver_bodies_.state[k.solver_index].rotation, k.local);
     Mat3 response = body_response(k);
-    response.diagonal().array() += movers_.mass[coupled_[k.coupled].solver].inv_mass;
+    response.diagonal().array() += solver_bodies_.mass[coupled_[k.coupled].solver_index].inv_mass;
     k.mass = inverse(response);  // zero when neither can move
   }
   for (int round = 0; round < rounds; ++round)
     for (const Hold& k : holds_) {
-      MoverState& point = movers_.state[coupled_[k.coupled].solver];
-      MoverState& body = movers_.state[k.solver];
+      SolverBody& point = solver_bodies_.state[coupled_[k.coupled].solver_index];
+      SolverBody& body = solver_bodies_.state[k.solver_index];
       Vec3 speed = point.velocity - velocity_at(body, k.arm);
       if (rate > 0) speed += closing_velocity(hold_error(k), rate);
       const Vec3 impulse = -(k.mass * speed);
-      const MoverMass& pm = movers_.mass[coupled_[k.coupled].solver];
-      const MoverMass& bm = movers_.mass[k.solver];
+      const SolverMass& pm = solver_bodies_.mass[coupled_[k.coupled].solver_index];
+      const SolverMass& bm = solver_bodies_.mass[k.solver_index];
       point.velocity += pm.inv_mass * impulse;
       body.velocity -= bm.inv_mass_axes.cwiseProduct(impulse);
       body.angular_velocity -= bm.inv_inertia * cross(k.arm, impulse);
@@ -180,13 +181,13 @@ void SpringsRigid::hold(int rounds, Real rate) {
 void SpringsRigid::before_integrate(StepContext&) {
   for (Coupled& k : coupled_) {
     k.before = particles_.position[k.particle];
-    if (k.solver != 0) movers_.state[k.solver].velocity = particles_.velocity[k.particle];
+    if (k.solver_index != 0) solver_bodies_.state[k.solver_index].velocity = particles_.velocity[k.particle];
   }
   if (!holds_.empty()) hold(kHoldRounds, 0);  // forces have moved the bodies' velocities since
   for (Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
-    if (k.solver == 0 || particles_.inv_mass[i] == 0) continue;  // quarantined in the substep before: stays held
-    k.given = particles_.velocity[i] = movers_.state[k.solver].velocity;
+    if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;  // quarantined in the substep before: stays held
+    k.given = particles_.velocity[i] = solver_bodies_.state[k.solver_index].velocity;
     if (k.added == 0) continue;
     FEDER_ASSERT(k.added > 0 && particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
     particles_.inertia[i] = particles_.mass[i] + k.added;
@@ -197,7 +198,7 @@ void SpringsRigid::before_integrate(StepContext&) {
 void SpringsRigid::after_integrate(StepContext&) {
   for (Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
-    if (k.added == 0 || k.solver == 0) continue;
+    if (k.added == 0 || k.solver_index == 0) continue;
     const Real inertia = particles_.inertia[i];
     FEDER_ASSERT(inertia >= particles_.mass[i]);
     particles_.inertia[i] = particles_.mass[i];
@@ -210,17 +211,17 @@ void SpringsRigid::after_integrate(StepContext&) {
 
 void SpringsRigid::hand_over(StepContext& c) {
   for (Coupled& k : coupled_) {
-    if (k.solver == 0) continue;
-    MoverState& s = movers_.state[k.solver];
+    if (k.solver_index == 0) continue;
+    SolverBody& s = solver_bodies_.state[k.solver_index];
     s.velocity = particles_.velocity[k.particle];
-    s.moved = k.before - movers_.mass[k.solver].center;
+    s.moved = k.before - solver_bodies_.mass[k.solver_index].center;
   }
   FEDER_ASSERT(c.h > 0);
   if (!holds_.empty()) hold(kHoldRounds, kHoldShare / c.h);
   for (Coupled& k : coupled_) {
-    if (k.solver == 0) continue;
-    k.given = movers_.state[k.solver].velocity;
-    k.given_moved = movers_.state[k.solver].moved;
+    if (k.solver_index == 0) continue;
+    k.given = solver_bodies_.state[k.solver_index].velocity;
+    k.given_moved = solver_bodies_.state[k.solver_index].moved;
   }
 }
 
@@ -228,14 +229,14 @@ void SpringsRigid::read_back(StepContext& c) {
   if (!holds_.empty()) hold(kHoldRounds, 0);
   for (const Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
-    if (k.solver == 0 || particles_.inv_mass[i] == 0) continue;
-    const MoverState& s = movers_.state[k.solver];
+    if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;
+    const SolverBody& s = solver_bodies_.state[k.solver_index];
     const bool held = k.added > 0 || k.attached;
     if (!held && s.velocity == k.given) continue;  // untouched: what the net did stays, to the bit
     particles_.velocity[i] = s.velocity;
-    FEDER_ASSERT(movers_.solver[particles_.mover[i]] == k.solver);
+    FEDER_ASSERT(solver_bodies_.index[particles_.solver_slot[i]] == k.solver_index);
     const Vec3 pushed = s.moved - k.given_moved - c.h * k.given;
-    if (held) particles_.place(i, movers_.mass[k.solver].center);
+    if (held) particles_.place(i, solver_bodies_.mass[k.solver_index].center);
     particles_.move(i, held ? s.moved : pushed);
   }
 }
@@ -243,8 +244,8 @@ void SpringsRigid::read_back(StepContext& c) {
 void SpringsRigid::read_back_velocities(StepContext&) {
   if (!holds_.empty()) hold(kHoldRounds, 0);
   for (const Coupled& k : coupled_)
-    if (k.solver != 0 && particles_.inv_mass[k.particle] != 0)
-      particles_.velocity[k.particle] = movers_.state[k.solver].velocity;
+    if (k.solver_index != 0 && particles_.inv_mass[k.particle] != 0)
+      particles_.velocity[k.particle] = solver_bodies_.state[k.solver_index].velocity;
 }
 
 // A sleeping body is as good as fixed, but a net never sleeps and may creep away below it: what touches or holds free
@@ -252,7 +253,7 @@ void SpringsRigid::read_back_velocities(StepContext&) {
 void SpringsRigid::keep_awake(StepContext&) {
   const Bodies& b = rigid_.bodies();
   for (const Hold& k : holds_)
-    if (coupled_[k.coupled].solver != 0 && b.type[k.body] == BodyType::dynamic)
+    if (coupled_[k.coupled].solver_index != 0 && b.type[k.body] == BodyType::dynamic)
       rigid_.wake(b.object[k.body], WakeCause::joint, particles_.net[coupled_[k.coupled].particle]);
   const Contacts& contacts = collide_.contacts();
   for (const std::uint32_t slot : contacts.active) {

@@ -28,11 +28,11 @@ const SystemDescriptor& SurfaceRigid::descriptor() {
 SurfaceRigid::SurfaceRigid(SystemSetup& s)
     : surfaces_(s.store.get<Surfaces>()), rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
-      movers_(s.store.need<Movers>(Rigid::kName)), objects_(s.objects), contacts_(s.store.need<ContactBook>(kName)),
-      finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)), touches_(&s.store.arena(kName)),
-      box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)), near_(&s.store.arena(kName)),
-      pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)), hurry_(&s.store.arena(kName)),
-      warned_(&s.store.arena(kName)) {
+      solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)),
+      touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)),
+      near_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)),
+      hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
   surfaces_.bodies = &rigid_.bodies();
 }
 
@@ -74,20 +74,20 @@ SurfaceRigid::Place SurfaceRigid::place(std::uint32_t k) const {
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = colliders_.owner_index[k];
   FEDER_ASSERT(colliders_.owner[k] == ColliderOwner::body && b.object[body] == colliders_.object[k]);
-  p.solver = movers_.solver[b.mover[body]];
-  if (p.solver == 0) {
+  p.solver_index = solver_bodies_.index[b.solver_slot[body]];
+  if (p.solver_index == 0) {
     p.center = b.position[body];
     p.pose = b.com_pose(body) * colliders_.local[k];
     return p;
   }
-  FEDER_ASSERT(p.solver < movers_.state.size() && p.solver < movers_.mass.size());
-  const MoverState& s = movers_.state[p.solver];
-  p.center = movers_.mass[p.solver].center + s.moved;
+  FEDER_ASSERT(p.solver_index < solver_bodies_.state.size() && p.solver_index < solver_bodies_.mass.size());
+  const SolverBody& s = solver_bodies_.state[p.solver_index];
+  p.center = solver_bodies_.mass[p.solver_index].center + s.moved;
   p.velocity = s.velocity, p.spin = s.angular_velocity;
   Quat rotation = s.rotation;
   if (refreshing()) {
-    p.center += surfaces_.mover_shift[p.solver];
-    rotation = integrate_rotation(rotation, surfaces_.mover_turn[p.solver]);
+    p.center += surfaces_.body_delta_position[p.solver_index];
+    rotation = integrate_rotation(rotation, surfaces_.body_delta_rotation[p.solver_index]);
   }
   p.pose = Pose{p.center, rotation} * colliders_.local[k];
   return p;
@@ -140,8 +140,9 @@ void SurfaceRigid::find_candidates(StepContext& c) {
 // What a dynamic body gets from one surface reaches the others that act on it within a substep.
 void SurfaceRigid::connect(std::uint32_t surface, std::uint32_t body) {
   const Bodies& b = rigid_.bodies();
-  const std::uint32_t solver = movers_.solver[b.mover[body]];
-  if (b.type[body] == BodyType::dynamic && solver != 0) surfaces_.connections.push_back({surface, 0, solver});
+  const std::uint32_t solver_index = solver_bodies_.index[b.solver_slot[body]];
+  if (b.type[body] == BodyType::dynamic && solver_index != 0)
+    surfaces_.connections.push_back({surface, 0, solver_index});
 }
 
 // A pin inside a shape asks for what cannot be. Said once for a surface and a body, with the deepest pin.
@@ -246,7 +247,9 @@ void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
     t.normal = -r.normal;
     Vec3 u = Vec3::Zero();
     for (int k = 0; k < 3; ++k) u += r.weight[k] * surfaces_.speed[r.vertex[k]].vec();
-    if (r.mover) u -= movers_.state[r.mover].velocity + cross(movers_.state[r.mover].angular_velocity, r.arm);
+    if (r.solver_index)
+      u -= solver_bodies_.state[r.solver_index].velocity +
+           cross(solver_bodies_.state[r.solver_index].angular_velocity, r.arm);
     t.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
   }
 }

@@ -7,7 +7,7 @@
 #include "feder/system.h"
 #include "state/colliders.h"
 #include "state/contact_book.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 #include "state/surface.h"
 
 namespace feder {
@@ -50,8 +50,8 @@ class SurfaceRigid final : public System {
     Pose pose;
     Vec3 center = Vec3::Zero();  // of mass, m
     Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
-    std::uint32_t solver = 0;  // in Movers; 0 = does not move
-    Aabb box;                  // of the shape there
+    std::uint32_t solver_index = 0;  // in SolverBodies; 0 = does not move
+    Aabb box;                        // of the shape there
   };
 
   // Passes.
@@ -85,7 +85,7 @@ class SurfaceRigid final : public System {
   Rigid& rigid_;
   Collide& collide_;
   Colliders& colliders_;
-  Movers& movers_;
+  SolverBodies& solver_bodies_;
   Objects& objects_;
   ContactBook& contacts_;
   const std::uint32_t finder_;

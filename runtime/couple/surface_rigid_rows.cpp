@@ -76,7 +76,7 @@ void SurfaceRigid::fill_rows(StepContext& c) {
       const std::size_t group = surfaces_.group_of(surface);
       wanted = !refreshing() || refreshing_ == group;
       if (wanted) at = place(collider), at.box = colliders_.shape[collider]->bounds(at.pose);
-      if (!refreshing()) surfaces_.groups[group]->use_mover(at.solver);
+      if (!refreshing()) surfaces_.groups[group]->use_body(at.solver_index);
       for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
       deep_pins_.clear();
     }
@@ -114,15 +114,16 @@ void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint3
     if (k.triangle) gap += weight[i] * pin_depth_[v[i]];
   }
   if (free < kFreeShare) {
-    if (at.solver == 0) return;  // nothing here can move
+    if (at.solver_index == 0) return;  // nothing here can move
     for (int i = 0; i < 3; ++i)
       if (surfaces_.moved[v[i]].w != 0) r.weight[i] = 0;
   }
   r.vertex[3] = v[0];
   r.normal = normal;
-  r.mover = at.solver;
+  r.solver_index = at.solver_index;
   r.arm = point - at.center;
-  if (refreshing() && at.solver) d -= surfaces_.mover_shift[at.solver] + cross(surfaces_.mover_turn[at.solver], r.arm);
+  if (refreshing() && at.solver_index)
+    d -= surfaces_.body_delta_position[at.solver_index] + cross(surfaces_.body_delta_rotation[at.solver_index], r.arm);
   r.offset = gap - dot(normal, d);
   r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
   const Vec3 slide = colliders_.surface_velocity[k.collider];

@@ -17,7 +17,7 @@ struct WallBody {
   Vec3 spin = Vec3::Zero();         // rad/s
   Vec3 inv_mass = Vec3::Zero();     // by world axis, 1/kg; zero: is not moved by the fluid
   Mat3 inv_inertia = Mat3::Zero();  // world, 1/(kg m^2)
-  std::uint32_t mover = 0;          // in Movers, for the coupling
+  std::uint32_t solver_index = 0;   // in SolverBodies, for the coupling
   bool dynamic = false;
   Real touching = 0;            // sum of the weights by which particles press on it, 1/m
   Vec3 impulse = Vec3::Zero();  // given by the fluid since the walls were filled, N s; of what the fluid does not move

@@ -167,7 +167,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   calm[i] = spins[i] = 0;
   kept_momentum[i] = kept_spin[i] = Vec3::Zero();
   next_in_island[i] = kNone;
-  bodies.mover[i] = movers.add();
+  bodies.solver_slot[i] = solver_bodies.add();
   bodies.object[i] = objects.add(kBodyKind, i, d.name, d.tags);
   set_mass(i);
   // in reverse, so that the list of a body runs in the order of the parts
@@ -201,7 +201,7 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d) {
                                                           : ColliderMotion::fixed;
     colliders.owner[k] = ColliderOwner::body;
     colliders.owner_index[k] = i;
-    colliders.mover[k] = d.type == BodyType::fixed ? kNone : bodies.mover[i];
+    colliders.solver_slot[k] = d.type == BodyType::fixed ? kNone : bodies.solver_slot[i];
     colliders.object[k] = bodies.object[i];
     colliders.sensor[k] = d.sensor;
     colliders.bullet[k] = d.bullet;
@@ -272,7 +272,7 @@ void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
 void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
   if (type == BodyType::free) throw SceneError("set_type: expected static, kinematic or dynamic");
   if (type == bodies.type[i]) return;
-  FEDER_ASSERT(bodies.type[i] != BodyType::free && bodies.mover[i] < movers.solver.size());
+  FEDER_ASSERT(bodies.type[i] != BodyType::free && bodies.solver_slot[i] < solver_bodies.index.size());
   if (type == BodyType::dynamic) {
     each_collider(i, [&](std::uint32_t k) {
       if (!(colliders.shape[k]->mass(1).mass > 0))
@@ -294,7 +294,7 @@ void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
     colliders.motion[k] = type == BodyType::dynamic     ? ColliderMotion::dynamic
                           : type == BodyType::kinematic ? ColliderMotion::kinematic
                                                         : ColliderMotion::fixed;
-    colliders.mover[k] = type == BodyType::fixed ? kNone : bodies.mover[i];
+    colliders.solver_slot[k] = type == BodyType::fixed ? kNone : bodies.solver_slot[i];
   });
   if (type == BodyType::dynamic) wake_one(i, WakeCause::none, {});
   place_colliders(i, 0, Vec3::Zero());
@@ -316,7 +316,7 @@ void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
     colliders.remove(k);
     k = next;
   }
-  movers.remove(bodies.mover[i]);
+  solver_bodies.remove(bodies.solver_slot[i]);
   objects.remove(bodies.object[i], where);
   bodies.remove(i);
   FEDER_ASSERT(body_count > 0);

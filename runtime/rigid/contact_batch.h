@@ -1,5 +1,5 @@
 // Eight contacts side by side, all fields wide, and the kernels that work on them. Plain structs only: included by
-// the file that is compiled with -mavx2. No two contacts of a batch push the same mover.
+// the file that is compiled with -mavx2. No two contacts of a batch push the same solver body.
 #pragma once
 #include "base/simd.h"
 
@@ -15,10 +15,10 @@ struct BatchPoint {
 };
 
 struct ContactBatch {
-  unsigned mover_a[kLanes], mover_b[kLanes];  // solver indices; 0 = world
+  unsigned index_a[kLanes], index_b[kLanes];  // solver indices; 0 = world
   unsigned points;                            // the largest point count of the lanes
   unsigned rounds;              // there and back over the points per pass: more when a lane has no warm start
-  unsigned writes_a, writes_b;  // bit per lane: the mover can be pushed
+  unsigned writes_a, writes_b;  // bit per lane: the solver body can be pushed
   Lane8x3 normal;               // a to b
   BatchPoint point[kBatchPoints];
   Lane8 coupling[6];                         // between points 01 02 03 12 13 23, 1/kg
@@ -52,11 +52,12 @@ struct BatchSide {
   Lane8x3 rolling_impulse;  // N m s
 };
 
-// A mover's mass in the order the kernels want: 16 numbers.
+// A solver body's mass in the order the kernels want: 16 numbers.
 struct alignas(64) WideMass {
   WideReal inv_mass[3];
   WideReal inv_inertia[6];
-  WideReal pad[7];
+  WideReal movable;  // 1: contacts change its velocity; 0: the world, and what is kinematic
+  WideReal pad[6];
 };
 
 struct SoftFactors {
@@ -67,10 +68,10 @@ struct ContactPass {
   ContactBatch* batches;
   BatchSide* sides;
   unsigned first, last;  // range of batches
-  WideReal* movers;      // MoverState as 16 numbers each
+  WideReal* bodies;      // SolverBody as 16 numbers each
   const WideMass* masses;
   WideReal h, inv_h;
-  SoftFactors soft, soft_fixed;  // between movers; against something that cannot move
+  SoftFactors soft, soft_fixed;  // between solver bodies; against something that cannot move
   WideReal push_speed;           // largest speed at which overlap is undone, m/s
   WideReal bounce_speed;         // slower approaches do not bounce, m/s
   unsigned odd;                  // 1 in every second substep

@@ -15,7 +15,7 @@ namespace {
 
 using namespace lanes;
 
-constexpr int kStride = 16;              // numbers per mover
+constexpr int kStride = 16;              // numbers per solver body
 constexpr unsigned kColdRounds = 4;      // what lands flat settles within 1e-3 of its rotation-free answer
 constexpr unsigned kLoadRounds = 16;     // a cube whose load comes at once: 0.6 of the rest is left by each
 constexpr WideReal kLoadPart = 0.02f;    // of the static limit: friction that changes by less is settled
@@ -34,18 +34,19 @@ constexpr WideReal kTilt = 1.75f;        // compliance against tilting over that
   return {diagonal.x * a.x, diagonal.y * a.y, diagonal.z * a.z};
 }
 
-// One half of eight movers: row 0 holds v, w and the first two of moved; row 1 the rest of moved, turned, rotation.
-[[gnu::always_inline]] inline void gather(const WideReal* movers, const unsigned* index, int row,
+// One half of eight solver bodies: row 0 holds v, w and the first two of moved; row 1 the rest of moved, turned,
+// rotation.
+[[gnu::always_inline]] inline void gather(const WideReal* bodies, const unsigned* index, int row,
                                           Lanes (&out)[kLanes]) {
-  for (int i = 0; i < kLanes; ++i) out[i] = load_row(movers + index[i] * kStride + row * kLanes);
+  for (int i = 0; i < kLanes; ++i) out[i] = load_row(bodies + index[i] * kStride + row * kLanes);
   transpose(out);
 }
 
-[[gnu::always_inline]] inline void scatter(WideReal* movers, const unsigned* index, unsigned writes,
+[[gnu::always_inline]] inline void scatter(WideReal* bodies, const unsigned* index, unsigned writes,
                                            Lanes (&rows)[kLanes]) {
   transpose(rows);
   for (int i = 0; i < kLanes; ++i)
-    if (writes >> i & 1u) store_row(movers + index[i] * kStride, rows[i]);
+    if (writes >> i & 1u) store_row(bodies + index[i] * kStride, rows[i]);
 }
 
 // Both sides of a batch: velocities now, and the rows they came in (to be written back).
@@ -55,14 +56,14 @@ struct Sides {
 };
 
 [[gnu::always_inline]] inline void gather_velocity(const ContactPass& p, const ContactBatch& c, Sides& s) {
-  gather(p.movers, c.mover_a, 0, s.a);
-  gather(p.movers, c.mover_b, 0, s.b);
+  gather(p.bodies, c.index_a, 0, s.a);
+  gather(p.bodies, c.index_b, 0, s.b);
 }
 
 [[gnu::always_inline]] inline void gather_displacement(const ContactPass& p, const ContactBatch& c, Sides& s) {
   Lanes a[kLanes], b[kLanes];
-  gather(p.movers, c.mover_a, 1, a);
-  gather(p.movers, c.mover_b, 1, b);
+  gather(p.bodies, c.index_a, 1, a);
+  gather(p.bodies, c.index_b, 1, b);
   s.moved = {s.b[6] - s.a[6], s.b[7] - s.a[7], b[0] - a[0]};
   s.turned_a = {a[1], a[2], a[3]};
   s.turned_b = {b[1], b[2], b[3]};
@@ -82,8 +83,8 @@ struct Sides {
 }
 
 [[gnu::always_inline]] inline void write_back(const ContactPass& p, const ContactBatch& c, Sides& s) {
-  scatter(p.movers, c.mover_a, c.writes_a, s.a);
-  scatter(p.movers, c.mover_b, c.writes_b, s.b);
+  scatter(p.bodies, c.index_a, c.writes_a, s.a);
+  scatter(p.bodies, c.index_b, c.writes_b, s.b);
 }
 
 [[gnu::always_inline]] inline Lanes reciprocal_or_zero(Lanes k) {
@@ -100,7 +101,7 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
 // Masses into the batch, and the effective masses and couplings of its points.
 [[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, ContactBatch& c) {
   for (int side = 0; side < 2; ++side) {
-    const unsigned* index = side ? c.mover_b : c.mover_a;
+    const unsigned* index = side ? c.index_b : c.index_a;
     Lanes r[kLanes];
     for (int i = 0; i < kLanes; ++i) r[i] = load_row(reinterpret_cast<const WideReal*>(p.masses + index[i]));
     transpose(r);
@@ -211,8 +212,8 @@ void prepare_batches(const ContactPass& p) {
     BatchSide& side = p.sides[i];
     FEDER_ASSERT(c.points >= 1 && c.points <= kBatchPoints);
     // the world is never written
-    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.mover_a[k] > 0 || !(c.writes_a >> k & 1u));
-    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.mover_b[k] > 0 || !(c.writes_b >> k & 1u));
+    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_a[k] > 0 || !(c.writes_a >> k & 1u));
+    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_b[k] > 0 || !(c.writes_b >> k & 1u));
     prepare_center(c);
     prepare_normals(p, c);
     prepare_friction(c);
@@ -408,7 +409,7 @@ void solve_batches(const ContactPass& p) {
 // factor kSlip is that of a manifold in motion, which slides with the dynamic cone. In between lies slip of less than
 // (kSlip - 1) mu_s g h, which static friction brakes: what is left of impulses that arrived late, from normals not yet
 // solved or from neighbours, is no motion. Returns whether load arrives at something that cannot move: friction that
-// matters, and may hold, still changes. Between movers the neighbours are no better known than that.
+// matters, and may hold, still changes. Between solver bodies the neighbours are no better known than that.
 [[gnu::always_inline]] inline bool relax_friction(ContactBatch& c, Lanes held, Sides& s) {
   const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
   const Lanes3 ra = load(c.center_a), rb = load(c.center_b);

@@ -9,8 +9,8 @@
 #include "state/bodies.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
-#include "state/movers.h"
 #include "state/rows.h"
+#include "state/solver_bodies.h"
 #include "step/watch.h"
 
 namespace feder {
@@ -108,8 +108,8 @@ struct Rigid::Impl {
   void refresh_joints_of(std::uint32_t body);
   void activate_joints(StepContext& c);
   void load_inertia(std::uint32_t body);
-  JointedBody* uneven_mover(std::uint32_t mover) {
-    return mover < jointed.size() && jointed[mover].uneven ? &jointed[mover] : nullptr;
+  JointedBody* uneven_body(std::uint32_t index) {
+    return index < jointed.size() && jointed[index].uneven ? &jointed[index] : nullptr;
   }
   // validate.cpp
   void check_gathered() const;
@@ -133,7 +133,7 @@ struct Rigid::Impl {
   Bodies& bodies;
   Colliders& colliders;
   Contacts& contacts;
-  Movers& movers;
+  SolverBodies& solver_bodies;
   int dimension;
   bool* structure_changed;
   std::unique_ptr<RigidSolver> solver;
@@ -161,7 +161,7 @@ struct Rigid::Impl {
   Real last_h = Real(1) / 240;  // s
 
   // this step
-  Array<std::uint32_t> moving;  // awake dynamic and kinematic bodies, ascending; mover = place + 1
+  Array<std::uint32_t> moving;  // awake dynamic and kinematic bodies, ascending; solver body = place + 1
   bool list_stale = true;
   Array<Vec3> applied_force, applied_torque;  // by place, N and N m
   Array<Vec3> angular_momentum;               // by place, of bodies that spin, N m s

@@ -57,7 +57,7 @@ class ImpulseSolver final : public RigidSolver {
   void start_joints(const SolverInput& in, const ImpulseScene& s);
   Pose body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const;
   void fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s, RowWriter& out) const;
-  void travel(const Movers& movers, const ImpulseScene& s);
+  void travel(const SolverBodies& solver_bodies, const ImpulseScene& s);
   void factor_trees(const SolverInput& in, const StepContext& c);
   void solve_tree_speeds(const SolverInput& in, const ImpulseScene& s);
   void close_tree_drift(const SolverInput& in, const ImpulseScene& s);
@@ -104,33 +104,29 @@ ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
       first_place_(&a), body_places_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {
-  const Movers& movers = *in.movers;
-  bodies_.resize(movers.state.size());
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  bodies_.resize(solver_bodies.state.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const MoverMass& m = movers.mass[i];
+    const SolverMass& m = solver_bodies.mass[i];
     ImpulseBody& b = bodies_[i];
     b = ImpulseBody{};
     b.inv_inertia = m.inv_inertia;
     b.uneven = in.uneven(static_cast<std::uint32_t>(i));
     b.movable = i > 0 && (m.inv_mass > 0 || m.inv_inertia.trace() > 0);
-    b.last_velocity = movers.state[i].velocity;
-    b.last_spin = movers.state[i].angular_velocity;
+    b.last_velocity = solver_bodies.state[i].velocity;
+    b.last_spin = solver_bodies.state[i].angular_velocity;
   }
 }
 
 void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) {
-  const auto solver_index = [&](std::uint32_t collider) {
-    const std::uint32_t mover = in.colliders->mover[collider];
-    return mover == kNone ? 0u : in.movers->solver[mover];
-  };
   contacts_.clear();
   for (const std::uint32_t slot : in.contacts->active) {
     FEDER_ASSERT(slot < in.contacts->slots.size());
     Contact& from = in.contacts->slots[slot];
     ImpulseContact c;
     c.slot = slot;
-    c.a = solver_index(from.collider_a);
-    c.b = solver_index(from.collider_b);
+    c.a = in.solver_index(from.collider_a);
+    c.b = in.solver_index(from.collider_b);
     FEDER_ASSERT(c.a < bodies_.size() && c.b < bodies_.size() && (c.a != c.b || c.a == 0));
     for (ContactPoint& p : from.points) p.total_impulse = 0;
     if (!bodies_[c.a].movable && !bodies_[c.b].movable) continue;
@@ -138,7 +134,7 @@ void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) 
     contacts_.push_back(c);
     for (int i = 0; i < from.point_count; ++i) {
       ContactPoint& p = from.points[i];
-      const MoverState &a = in.movers->state[c.a], &b = in.movers->state[c.b];
+      const SolverBody &a = in.solver_bodies->state[c.a], &b = in.solver_bodies->state[c.b];
       p.approach_speed = dot(from.normal, b.velocity + cross(b.angular_velocity, p.arm_b) - a.velocity -
                                               cross(a.angular_velocity, p.arm_a));
     }
@@ -146,13 +142,12 @@ void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) 
 }
 
 void ImpulseSolver::load_joints(const SolverInput& in) {
-  const auto solver_index = [&](std::uint32_t slot) { return slot == kNone ? 0u : in.movers->solver[slot]; };
   joints_.clear();
   for (std::uint32_t i = 0; i < in.joints.size(); ++i) {
     ImpulseJoint j;
     j.joint = i;
-    j.a = solver_index(in.joints[i].mover_a);
-    j.b = solver_index(in.joints[i].mover_b);
+    j.a = in.solver_bodies->at(in.joints[i].slot_a);
+    j.b = in.solver_bodies->at(in.joints[i].slot_b);
     FEDER_ASSERT(j.a < bodies_.size() && j.b < bodies_.size());
     if (in.joints[i].active && (bodies_[j.a].movable || bodies_[j.b].movable)) joints_.push_back(j);
   }
@@ -247,7 +242,7 @@ void ImpulseSolver::index_nodes() {
 }
 
 ImpulseScene ImpulseSolver::scene(const SolverInput& in, const StepContext& c) {
-  return {in.movers->state.data(), in.movers->mass.data(), bodies_.data(), c.h, rest_speed_, slop_};
+  return {in.solver_bodies->state.data(), in.solver_bodies->mass.data(), bodies_.data(), c.h, rest_speed_, slop_};
 }
 
 void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
@@ -272,10 +267,10 @@ void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, const
   const SolverJoint& j = in.joints[joint.joint];
   JointInput input;
   input.joint = &j.shape;
-  input.a = body_pose(joint.a, j.mover_a, s);
-  input.b = body_pose(joint.b, j.mover_b, s);
-  input.mover_a = joint.a;
-  input.mover_b = joint.b;
+  input.a = body_pose(joint.a, j.slot_a, s);
+  input.b = body_pose(joint.b, j.slot_b, s);
+  input.index_a = joint.a;
+  input.index_b = joint.b;
   out.start(input, joint.joint);
   j.kind->fill(input, out);
 }
@@ -293,8 +288,8 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   factors_.resize(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& b = blocks_[i];
-    factor_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, s, factors_[i]);
-    apply_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, in.joints[b.joint].impulse + b.first_impulse, s);
+    factor_block(&rows_[b.first], b.count, b.index_a, b.index_b, s, factors_[i]);
+    apply_block(&rows_[b.first], b.count, b.index_a, b.index_b, in.joints[b.joint].impulse + b.first_impulse, s);
   }
 }
 
@@ -320,10 +315,10 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
   start_joints(in, s);
 }
 
-void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
-  FEDER_ASSERT(bodies_.size() == movers.state.size());
-  for (std::size_t i = 1; i < movers.state.size(); ++i) {
-    MoverState& m = s.state[i];
+void ImpulseSolver::travel(const SolverBodies& solver_bodies, const ImpulseScene& s) {
+  FEDER_ASSERT(bodies_.size() == solver_bodies.state.size());
+  for (std::size_t i = 1; i < solver_bodies.state.size(); ++i) {
+    SolverBody& m = s.state[i];
     ImpulseBody& b = bodies_[i];
     if (b.uneven) take_pushes(*b.uneven, m, s.mass[i]);
     const Vec3 turn = free_turn(s, static_cast<std::uint32_t>(i));
@@ -335,7 +330,7 @@ void ImpulseSolver::travel(const Movers& movers, const ImpulseScene& s) {
 }
 
 void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
-  if (c.substep == 0) trees_.find(rows_, blocks_, *in.movers);
+  if (c.substep == 0) trees_.find(rows_, blocks_, *in.solver_bodies);
   FEDER_ASSERT(trees_.knows(blocks_.size()));
   if (trees_.empty()) return;
   tree_inertia_.resize(bodies_.size());
@@ -347,13 +342,13 @@ void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
 
 void ImpulseSolver::solve_tree_speeds(const SolverInput& in, const ImpulseScene& s) {
   tree_bias_.assign(rows_.size(), Real(0));
-  trees_.solve(rows_, in.movers, tree_bias_, tree_step_);
+  trees_.solve(rows_, in.solver_bodies, tree_bias_, tree_step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;
     const RowBlock& b = blocks_[i];
     Real* impulse = in.joints[b.joint].impulse + b.first_impulse;
     for (std::uint32_t k = 0; k < b.count; ++k) impulse[k] += tree_step_[b.first + k];
-    apply_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, &tree_step_[b.first], s);
+    apply_block(&rows_[b.first], b.count, b.index_a, b.index_b, &tree_step_[b.first], s);
   }
 }
 
@@ -384,7 +379,7 @@ void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& 
       const RowBlock& b = blocks_[i];
       Real* impulse = in.joints[b.joint].impulse + b.first_impulse;
       for (std::uint32_t k = 0; k < b.count; ++k) impulse[k] += tree_step_[b.first + k];
-      push_back_block(&rows_[b.first], b.count, b.mover_a, b.mover_b, &tree_step_[b.first], s);
+      push_back_block(&rows_[b.first], b.count, b.index_a, b.index_b, &tree_step_[b.first], s);
     }
   }
 }
@@ -458,7 +453,7 @@ void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& 
   const std::uint32_t node = order_[place];
   if (node < contacts_.size()) return push_contact_apart(contacts_[node], s);
   fill_now(in, s, joints_[node - contacts_.size()]);
-  for (const RowBlock& b : spare_blocks_) correct_block(&spare_rows_[b.first], b.count, b.mover_a, b.mover_b, s);
+  for (const RowBlock& b : spare_blocks_) correct_block(&spare_rows_[b.first], b.count, b.index_a, b.index_b, s);
 }
 
 template <auto Error, auto Fix>
@@ -494,7 +489,7 @@ bool ImpulseSolver::judge_slip(const ImpulseScene& s, const Island& island) {
 
 void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   const ImpulseScene s = scene(in, c);
-  FEDER_ASSERT(in.movers->mass.size() == bodies_.size());  // prepared for these movers
+  FEDER_ASSERT(in.solver_bodies->mass.size() == bodies_.size());  // prepared for these solver bodies
   start_substep(in, s);
   if (!joints_.empty()) factor_trees(in, c);
   if (!trees_.empty()) solve_tree_speeds(in, s);
@@ -503,7 +498,7 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
       worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);
       if (round == kSlipRounds || !judge_slip(s, island)) break;
     }
-  travel(*in.movers, s);
+  travel(*in.solver_bodies, s);
   if (!joints_.empty()) {
     if (!trees_.empty()) close_tree_drift(in, s);
     for (const Island& island : islands_)

@@ -19,11 +19,11 @@ namespace {
 constexpr int kSweeps = 40;  // of the points of one manifold; four corners agree to 1e-6 in about fifteen
 
 Vec3 point_velocity(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
-  const MoverState &a = s.state[c.a], &b = s.state[c.b];
+  const SolverBody &a = s.state[c.a], &b = s.state[c.b];
   return b.velocity + cross(b.angular_velocity, p.arm_b) - a.velocity - cross(a.angular_velocity, p.arm_a);
 }
 
-// Adds the part of mover i to K: M^-1 - [r] I^-1 [r].
+// Adds the part of solver body i to K: M^-1 - [r] I^-1 [r].
 void add_inverse_mass(const ImpulseScene& s, std::uint32_t i, const Vec3& arm, Mat3& k) {
   if (!s.body[i].movable) return;
   FEDER_ASSERT(i != 0);
@@ -103,7 +103,7 @@ Real rolling_reach(const ImpulseContact& c) { return std::max(length(c.points[0]
 
 // How fast velocities are known to this precision, m/s: smaller errors are rounding.
 Real rounding(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
-  const MoverState &a = s.state[c.a], &b = s.state[c.b];
+  const SolverBody &a = s.state[c.a], &b = s.state[c.b];
   return 4 * kEpsilon *
          (length(a.velocity) + length(b.velocity) + length(a.angular_velocity) * length(p.arm_a) +
           length(b.angular_velocity) * length(p.arm_b));
@@ -190,9 +190,10 @@ void settle(ImpulseContact& c, const ImpulseScene& s) {
   c.rolling = Vec3::Zero();
 }
 
-// An impact at the time t pushes for h - t only: what the mover would travel with the change of velocity before it is
-// taken off again. Against immovable partners alone, since between two movers it would not keep angular momentum.
-void act_late(std::uint32_t i, const MoverState& before, Real late, const ImpulseScene& s) {
+// An impact at the time t pushes for h - t only: what the solver body would travel with the change of velocity before
+// it is taken off again. Against immovable partners alone, since between two solver bodies it would not keep angular
+// momentum.
+void act_late(std::uint32_t i, const SolverBody& before, Real late, const ImpulseScene& s) {
   s.body[i].late_move -= late * (s.state[i].velocity - before.velocity);
   s.body[i].late_turn -= late * (s.state[i].angular_velocity - before.angular_velocity);
 }
@@ -200,7 +201,7 @@ void act_late(std::uint32_t i, const MoverState& before, Real late, const Impuls
 // Arms and normal keep their directions within a step, and separations follow the turning to first order: a ball that
 // rolls stays where it touches.
 Real separation_now(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
-  const MoverState &a = s.state[c.a], &b = s.state[c.b];
+  const SolverBody &a = s.state[c.a], &b = s.state[c.b];
   return p.start_separation + dot(c.normal, b.moved + cross(b.turned, p.arm_b) - a.moved - cross(a.turned, p.arm_a));
 }
 
@@ -289,7 +290,7 @@ void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real toleranc
     c.points[i].impulse = Vec3::Zero();
   }
   c.rolling = Vec3::Zero();
-  const MoverState before_a = s.state[c.a], before_b = s.state[c.b];
+  const SolverBody before_a = s.state[c.a], before_b = s.state[c.b];
   sweep_points(c, s, tolerance);
   if (begins_to_slide(c, s)) {
     c.slides = true;

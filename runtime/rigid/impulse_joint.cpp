@@ -14,7 +14,7 @@ namespace {
 
 constexpr Real kMaxTurn = Real(0.3);  // rad or m per correction: rows are linear in small motions only
 
-Real row_speed(const Row& r, const MoverState& a, const MoverState& b) {
+Real row_speed(const Row& r, const SolverBody& a, const SolverBody& b) {
   return dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.angular_velocity) +
          dot(r.angular_b, b.angular_velocity);
 }

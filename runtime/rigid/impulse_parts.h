@@ -1,14 +1,14 @@
-// What the impulse solver works on: movers, contacts and joint blocks of one substep, and the closed-form answers for
-// a single one of them. impulse.cpp decides the order.
+// What the impulse solver works on: solver bodies, contacts and joint blocks of one substep, and the closed-form
+// answers for a single one of them. impulse.cpp decides the order.
 #pragma once
 #include "feder/error.h"
 #include "rigid/solver.h"
-#include "state/movers.h"
 #include "state/rows.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
-// Per mover, beside MoverState and MoverMass.
+// Per solver body, beside SolverBody and SolverMass.
 struct ImpulseBody {
   Mat3 inv_inertia = Mat3::Zero();                                // world, at the start of the step: contacts
   JointedBody* uneven = nullptr;                                  // for joints, whose inertia turns with the body
@@ -21,15 +21,15 @@ struct ImpulseBody {
 };
 
 struct ImpulseScene {
-  MoverState* state;
-  const MoverMass* mass;
+  SolverBody* state;
+  const SolverMass* mass;
   ImpulseBody* body;
   Real h;           // s
   Real rest_speed;  // m/s: slower impacts do not bounce
   Real slop;        // m: overlap left alone
 };
 
-// Impulse on mover i: linear part and moment about its centre.
+// Impulse on solver body i: linear part and moment about its centre.
 inline void push(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3& moment) {
   if (!s.body[i].movable) return;
   s.state[i].velocity += s.mass[i].inv_mass_axes.cwiseProduct(linear);

@@ -49,12 +49,12 @@ double dot6(const double* a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
-bool moves(const MoverMass& m) { return m.inv_mass > 0; }
+bool moves(const SolverMass& m) { return m.inv_mass > 0; }
 
 bool stiff(const Row& r) { return r.lower == -kInfinity && r.upper == kInfinity && r.hertz == 0; }
 
 // Mass matrix, packed. A locked axis gets a mass beyond all others.
-void mass_matrix(const MoverMass& m, const JointedBody* uneven, const Mat3& inv_inertia, double* out) {
+void mass_matrix(const SolverMass& m, const JointedBody* uneven, const Mat3& inv_inertia, double* out) {
   FEDER_ASSERT(m.inv_mass > 0);
   const double heavy = 1e9 / static_cast<double>(m.inv_mass);
   for (int i = 0; i < 21; ++i) out[i] = 0;
@@ -95,7 +95,7 @@ void jacobian(const Row& row, bool side_a, const JointedBody* uneven, double* ou
 }
 
 // A row's compliance through one body alone.
-double compliance(const Row& row, const Vec3& turn, const MoverMass& m, const JointedBody* uneven,
+double compliance(const Row& row, const Vec3& turn, const SolverMass& m, const JointedBody* uneven,
                   const Mat3& inv_inertia) {
   const double straight = static_cast<double>(dot(row.linear, Vec3(m.inv_mass_axes.cwiseProduct(row.linear))));
   if (!uneven) return straight + static_cast<double>(dot(turn, Vec3(inv_inertia * turn)));
@@ -110,7 +110,8 @@ std::uint32_t JointTrees::find_root(std::uint32_t i) {
   return i;
 }
 
-void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers) {
+void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks,
+                               const SolverBodies& solver_bodies) {
   links_.clear();
   for (const RowBlock& block : blocks) {
     bool all = true;
@@ -119,10 +120,10 @@ void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlo
     FEDER_ASSERT(links_.empty() || links_.back().joint <= block.joint);
     if (links_.empty() || links_.back().joint != block.joint) {
       Link link;
-      link.mover_a = moves(movers.mass[block.mover_a]) ? block.mover_a : 0;
-      link.mover_b = moves(movers.mass[block.mover_b]) ? block.mover_b : 0;
-      link.state_a = block.mover_a;
-      link.state_b = block.mover_b;
+      link.index_a = moves(solver_bodies.mass[block.index_a]) ? block.index_a : 0;
+      link.index_b = moves(solver_bodies.mass[block.index_b]) ? block.index_b : 0;
+      link.state_a = block.index_a;
+      link.state_b = block.index_b;
       link.joint = block.joint;
       links_.push_back(link);
     }
@@ -134,8 +135,8 @@ void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlo
 
 void JointTrees::accept_trees() {
   for (Link& link : links_) {
-    if (!link.mover_a || !link.mover_b) continue;
-    const std::uint32_t a = find_root(link.mover_a), b = find_root(link.mover_b);
+    if (!link.index_a || !link.index_b) continue;
+    const std::uint32_t a = find_root(link.index_a), b = find_root(link.index_b);
     if (a == b) {
       cyclic_[a] = 1;
     } else {
@@ -145,40 +146,40 @@ void JointTrees::accept_trees() {
     }
   }
   for (Link& link : links_) {
-    link.root = find_root(link.mover_a ? link.mover_a : link.mover_b);
+    link.root = find_root(link.index_a ? link.index_a : link.index_b);
     ++count_[link.root];
   }
   // one link alone too: the softened rows of a block would leave a share of what the last impulses do in the new pose,
   // which is a spin about the long axis of a slender body
   for (Link& link : links_)
-    if (cyclic_[link.root] || (!link.mover_a && !link.mover_b)) link.root = kNone;
+    if (cyclic_[link.root] || (!link.index_a && !link.index_b)) link.root = kNone;
 }
 
-void JointTrees::grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link) {
-  FEDER_ASSERT(mover != 0 && !visited_[mover]);  // a body twice would be a loop
+void JointTrees::grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link) {
+  FEDER_ASSERT(index != 0 && !visited_[index]);  // a body twice would be a loop
   Node node;
-  node.mover = mover;
+  node.solver_index = index;
   node.parent = parent;
   node.link = link;
-  if (link != kNone) node.rows = links_[link].rows, node.body_is_a = links_[link].mover_a == mover;
+  if (link != kNone) node.rows = links_[link].rows, node.body_is_a = links_[link].index_a == index;
   queue_.push_back(static_cast<std::uint32_t>(nodes_.size()));
   nodes_.push_back(node);
-  visited_[mover] = 1;
+  visited_[index] = 1;
 }
 
-void JointTrees::order_nodes(std::size_t mover_count) {
-  // links by mover
-  first_edge_.assign(mover_count + 1, 0);
+void JointTrees::order_nodes(std::size_t body_count) {
+  // links by solver index
+  first_edge_.assign(body_count + 1, 0);
   const auto each_side = [&](auto&& f) {
     for (std::uint32_t l = 0; l < links_.size(); ++l) {
       if (links_[l].root == kNone) continue;
-      if (links_[l].mover_a) f(links_[l].mover_a, l);
-      if (links_[l].mover_b) f(links_[l].mover_b, l);
+      if (links_[l].index_a) f(links_[l].index_a, l);
+      if (links_[l].index_b) f(links_[l].index_b, l);
     }
   };
   each_side([&](std::uint32_t m, std::uint32_t) { ++first_edge_[m + 1]; });
-  for (std::size_t m = 0; m < mover_count; ++m) first_edge_[m + 1] += first_edge_[m];
-  edges_.resize(first_edge_[mover_count]);
+  for (std::size_t m = 0; m < body_count; ++m) first_edge_[m + 1] += first_edge_[m];
+  edges_.resize(first_edge_[body_count]);
   count_.assign(first_edge_.begin(), first_edge_.end());
   each_side([&](std::uint32_t m, std::uint32_t l) { edges_[count_[m]++] = l; });
   // breadth first; links to the world are roots, the first of a tree its root link
@@ -186,17 +187,17 @@ void JointTrees::order_nodes(std::size_t mover_count) {
     for (std::uint32_t l = 0; l < links_.size(); ++l) {
       const Link& link = links_[l];
       if (link.root == kNone) continue;
-      const bool anchored = !link.mover_a || !link.mover_b;
-      const std::uint32_t start = link.mover_a ? link.mover_a : link.mover_b;
+      const bool anchored = !link.index_a || !link.index_b;
+      const std::uint32_t start = link.index_a ? link.index_a : link.index_b;
       if (visited_[start] || (pass == 0 && !anchored)) continue;
       queue_.clear();
       grow(start, kNone, anchored ? l : kNone);
       for (std::size_t q = 0; q < queue_.size(); ++q) {
-        const std::uint32_t at = queue_[q], mover = nodes_[at].mover, from = nodes_[at].link;
-        for (std::uint32_t e = first_edge_[mover]; e < first_edge_[mover + 1]; ++e) {
+        const std::uint32_t at = queue_[q], index = nodes_[at].solver_index, from = nodes_[at].link;
+        for (std::uint32_t e = first_edge_[index]; e < first_edge_[index + 1]; ++e) {
           const Link& next = links_[edges_[e]];
           if (edges_[e] == from) continue;
-          const std::uint32_t other = next.mover_a == mover ? next.mover_b : next.mover_a;
+          const std::uint32_t other = next.index_a == index ? next.index_b : next.index_a;
           if (other) {
             if (!visited_[other]) grow(other, at, edges_[e]);
             continue;
@@ -207,7 +208,7 @@ void JointTrees::order_nodes(std::size_t mover_count) {
           leaf.link = edges_[e];
           leaf.leaf = true;
           leaf.rows = next.rows;
-          leaf.body_is_a = next.mover_a != mover;
+          leaf.body_is_a = next.index_a != index;
           nodes_.push_back(leaf);
         }
       }
@@ -226,17 +227,17 @@ void JointTrees::check_nodes() const {
     if (node.link == kNone) continue;
     placed.add(node.link);
     const Link& link = links_[node.link];
-    FEDER_ASSERT(node.leaf || (node.body_is_a ? link.mover_a : link.mover_b) == node.mover);
+    FEDER_ASSERT(node.leaf || (node.body_is_a ? link.index_a : link.index_b) == node.solver_index);
     FEDER_ASSERT(node.rows == link.rows && node.rows >= 1);
   }
   FEDER_ASSERT(accepted == placed);
 }
 
-void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers) {
-  const std::size_t count = movers.state.size();
+void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies) {
+  const std::size_t count = solver_bodies.state.size();
   nodes_.clear();
   direct_.assign(blocks.size(), 0);
-  collect_links(rows, blocks, movers);
+  collect_links(rows, blocks, solver_bodies);
   if (links_.empty()) return;
   parent_.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
@@ -259,8 +260,8 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
 
 void JointTrees::factor_node(Node& node, std::span<const Row> rows, const SolverInput& in,
                              std::span<const Mat3> inv_inertia) {
-  const JointedBody* own = node.leaf ? nullptr : in.uneven(node.mover);
-  const JointedBody* up = node.parent == kNone ? nullptr : in.uneven(nodes_[node.parent].mover);
+  const JointedBody* own = node.leaf ? nullptr : in.uneven(node.solver_index);
+  const JointedBody* up = node.parent == kNone ? nullptr : in.uneven(nodes_[node.parent].solver_index);
   for (int i = 0; i < node.rows; ++i) {
     const Row& row = rows[links_[node.link].row[i]];
     jacobian(row, node.body_is_a, own, node.own[i]);
@@ -278,9 +279,9 @@ void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Solver
       for (int j = 0; j <= i; ++j) y[j] = dot6(node.weight[i], node.own[j]);
     }
     const Row& row = rows[links_[node.link].row[i]];
-    const std::uint32_t a = links_[node.link].mover_a, b = links_[node.link].mover_b;
-    const double alone = compliance(row, row.angular_a, in.movers->mass[a], in.uneven(a), inv_inertia[a]) +
-                         compliance(row, row.angular_b, in.movers->mass[b], in.uneven(b), inv_inertia[b]);
+    const std::uint32_t a = links_[node.link].index_a, b = links_[node.link].index_b;
+    const double alone = compliance(row, row.angular_a, in.solver_bodies->mass[a], in.uneven(a), inv_inertia[a]) +
+                         compliance(row, row.angular_b, in.solver_bodies->mass[b], in.uneven(b), inv_inertia[b]);
     y[i] = (node.leaf ? kClosingCompliance * alone : y[i] + kCompliance * alone) + 1e-30;
   }
   factorize(node.stiffness, node.rows);
@@ -297,20 +298,21 @@ void JointTrees::factor_node(Node& node, std::span<const Row> rows, const Solver
 }
 
 void JointTrees::factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia) {
-  FEDER_ASSERT(inv_inertia.size() == in.movers->state.size());
+  FEDER_ASSERT(inv_inertia.size() == in.solver_bodies->state.size());
   for (Node& node : nodes_)
     if (!node.leaf)
-      mass_matrix(in.movers->mass[node.mover], in.uneven(node.mover), inv_inertia[node.mover], node.inertia);
+      mass_matrix(in.solver_bodies->mass[node.solver_index], in.uneven(node.solver_index),
+                  inv_inertia[node.solver_index], node.inertia);
   for (std::size_t i = nodes_.size(); i-- > 0;) factor_node(nodes_[i], rows, in, inv_inertia);
 }
 
-Real JointTrees::speed(const Row& row, const Link& link, const Movers& movers) {
-  const MoverState &a = movers.state[link.state_a], &b = movers.state[link.state_b];
+Real JointTrees::speed(const Row& row, const Link& link, const SolverBodies& solver_bodies) {
+  const SolverBody &a = solver_bodies.state[link.state_a], &b = solver_bodies.state[link.state_b];
   return dot(row.linear, Vec3(b.velocity - a.velocity)) + dot(row.angular_b, b.angular_velocity) +
          dot(row.angular_a, a.angular_velocity);
 }
 
-void JointTrees::solve(std::span<const Row> rows, const Movers* movers, std::span<const Real> bias,
+void JointTrees::solve(std::span<const Row> rows, const SolverBodies* solver_bodies, std::span<const Real> bias,
                        std::span<Real> step) {
   FEDER_ASSERT(bias.size() == rows.size() && step.size() == rows.size());
   FEDER_ASSERT(response_.size() == nodes_.size() * 6);
@@ -321,7 +323,8 @@ void JointTrees::solve(std::span<const Row> rows, const Movers* movers, std::spa
     Node& node = nodes_[n];
     for (int i = 0; i < node.rows; ++i) {
       const std::uint32_t r = links_[node.link].row[i];
-      node.wanted[i] = -static_cast<double>(movers ? speed(rows[r], links_[node.link], *movers) + bias[r] : bias[r]);
+      node.wanted[i] =
+          -static_cast<double>(solver_bodies ? speed(rows[r], links_[node.link], *solver_bodies) + bias[r] : bias[r]);
       if (!node.leaf) node.wanted[i] -= dot6(node.weight[i], node.load);
     }
     if (node.parent == kNone) continue;

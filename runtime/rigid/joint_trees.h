@@ -3,8 +3,8 @@
 #pragma once
 #include "feder/error.h"
 #include "rigid/solver.h"
-#include "state/movers.h"
 #include "state/rows.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -15,7 +15,7 @@ class JointTrees {
         count_(&arena), visited_(&arena), direct_(&arena), queue_(&arena), response_(&arena) {}
 
   // Which blocks belong to trees; once per step, as rows keep their number.
-  void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
+  void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
   void clear() { nodes_.clear(); }
   bool empty() const { return nodes_.empty(); }
   bool knows(std::size_t blocks) const { return direct_.size() == blocks; }  // as many as when trees were found
@@ -24,11 +24,13 @@ class JointTrees {
     return direct_[block] != 0;
   }
 
-  // Once per substep. `inv_inertia`: of even bodies now, world, by mover; uneven ones are solved in principal axes.
+  // Once per substep. `inv_inertia`: of even bodies now, world, by solver index; uneven ones are solved in principal
+  // axes.
   void factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
-  // Impulses that make J v = -bias for all rows of the trees together, written to `step` by row. Without movers v is
-  // taken as 0: impulses that change J v by -bias.
-  void solve(std::span<const Row> rows, const Movers* movers, std::span<const Real> bias, std::span<Real> step);
+  // Impulses that make J v = -bias for all rows of the trees together, written to `step` by row. Without solver bodies
+  // v is taken as 0: impulses that change J v by -bias.
+  void solve(std::span<const Row> rows, const SolverBodies* solver_bodies, std::span<const Real> bias,
+             std::span<Real> step);
 
  private:
   static constexpr int kMaxRows = 6;
@@ -36,7 +38,7 @@ class JointTrees {
 
   // The stiff rows of a joint.
   struct Link {
-    std::uint32_t mover_a = 0, mover_b = 0;  // 0: a side that does not move
+    std::uint32_t index_a = 0, index_b = 0;  // 0: a side that does not move
     std::uint32_t state_a = 0, state_b = 0;  // the same with kinematic bodies
     std::uint32_t row[kMaxRows];
     int rows = 0;
@@ -45,7 +47,7 @@ class JointTrees {
   };
   // A body and the link to its parent (or to the world).
   struct Node {
-    std::uint32_t mover = 0, parent = kNone;  // place of the parent node
+    std::uint32_t solver_index = 0, parent = kNone;  // place of the parent node
     std::uint32_t link = kNone;
     bool body_is_a = false;
     bool leaf = false;  // a second link of the parent to the world: no body of its own
@@ -57,19 +59,19 @@ class JointTrees {
     double load[6];                            // what the children ask for
     double wanted[kMaxRows];
   };
-  static Real speed(const Row& row, const Link& link, const Movers& movers);
+  static Real speed(const Row& row, const Link& link, const SolverBodies& solver_bodies);
   std::uint32_t find_root(std::uint32_t i);
-  void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const Movers& movers);
+  void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
   void accept_trees();
-  void order_nodes(std::size_t mover_count);
+  void order_nodes(std::size_t body_count);
   void check_nodes() const;
-  void grow(std::uint32_t mover, std::uint32_t parent, std::uint32_t link);
+  void grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link);
   void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
 
   Array<Link> links_;
   Array<Node> nodes_;                        // parents before children
-  Array<std::uint32_t> edges_, first_edge_;  // links by mover
-  Array<std::uint32_t> parent_;              // union-find over movers
+  Array<std::uint32_t> edges_, first_edge_;  // links by solver index
+  Array<std::uint32_t> parent_;              // union-find over solver bodies
   Array<std::uint8_t> cyclic_;
   Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "feder/error.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 namespace {
@@ -66,7 +66,7 @@ Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
   return (j.axes * (theta / step)).cast<Real>();
 }
 
-void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s) {
+void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, SolverBody& s) {
   FEDER_ASSERT(j.uneven);
   j.axes = j.free_axes = jointed_axes(j, s.rotation);
   j.momentum = momentum;
@@ -77,7 +77,7 @@ void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s)
   s.angular_velocity = j.given_spin = spin.cast<Real>();
 }
 
-Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s, bool late) {
+Vec3 push_jointed(JointedBody& j, const Vec3d& moment, SolverBody& s, bool late) {
   FEDER_ASSERT(j.uneven && !(j.share.maxCoeff() > 1));
   const Vec3d felt = j.share.cwiseProduct(j.axes.transpose() * moment);
   const Vec3 change = (j.axes * j.inv_moments.cwiseProduct(felt)).cast<Real>();
@@ -90,14 +90,14 @@ Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s, bool late)
 
 Vec3d slender_inv_moments(const Vec3d& inv_moments) { return inv_moments.cwiseMin(10 * inv_moments.minCoeff()); }
 
-Vec3d jointed_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
+Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m) {
   const Vec3 pushed = s.angular_velocity - j.given_spin;
   if (pushed.isZero(0)) return j.momentum;
   const Mat3d axes = jointed_axes(j, j.slender ? s.rotation : m.start_rotation);
   return j.momentum + axes * (axes.transpose() * pushed.cast<double>()).cwiseQuotient(j.inv_moments);
 }
 
-Vec3d carried_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m) {
+Vec3d carried_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m) {
   const Vec3d momentum = jointed_momentum(j, s, m);
   const Mat3d axes = jointed_axes(j, s.rotation);
   const Vec3d fixed = axes.transpose() * momentum;

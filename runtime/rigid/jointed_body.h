@@ -7,7 +7,7 @@
 // much, and what joints believe of a body would not be what it does. Rows for directions do not foresee the turn
 // (Row::bend is 0): the free turn of a body that a joint holds is not what it will do.
 #pragma once
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -24,7 +24,7 @@ struct JointedBody {
   Vec3 mean_spin = Vec3::Zero();      // at the middle of the turn that forces alone would lead to, rad/s
   Vec3 drift_spin = Vec3::Zero();     // the angular velocity that the turn of this substep came from, rad/s
   Vec3 correction = Vec3::Zero();     // turn within that to free_axes that only corrected positions, rad
-  bool uneven = false;                // false: nothing here is used, MoverMass holds all there is
+  bool uneven = false;                // false: nothing here is used, SolverMass holds all there is
   bool slender = false;               // contacts see larger moments than the body has: see slender_inv_moments
 
   Vec3d in_axes(const Vec3& v) const { return axes.transpose() * v.cast<double>(); }
@@ -35,11 +35,11 @@ struct JointedBody {
 Mat3d jointed_axes(const JointedBody& j, const Quat& rotation);
 
 // Begins a substep with the momentum that forces left.
-void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, MoverState& s);
+void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, SolverBody& s);
 
 // Impulse of joints, N m s: joints felt the axes of `j`. Returns the change of the angular velocity. `late`: it comes
 // after the turn, as from a contact.
-Vec3 push_jointed(JointedBody& j, const Vec3d& moment, MoverState& s, bool late = false);
+Vec3 push_jointed(JointedBody& j, const Vec3d& moment, SolverBody& s, bool late = false);
 
 // What a moment of joints would change the angular velocity by.
 inline Vec3 jointed_response(const JointedBody& j, const Vec3& moment) {
@@ -53,10 +53,10 @@ Vec3d slender_inv_moments(const Vec3d& inv_moments);
 
 // The momentum with what contacts and couplings gave: what their change of the velocity amounts to with the inertia
 // they used, that of the start of the step; in slender bodies with that of the body now.
-Vec3d jointed_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m);
+Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m);
 
 // Makes what contacts and couplings gave so far a part of the momentum.
-inline void take_pushes(JointedBody& j, const MoverState& s, const MoverMass& m) {
+inline void take_pushes(JointedBody& j, const SolverBody& s, const SolverMass& m) {
   j.momentum = jointed_momentum(j, s, m);
   j.given_spin = s.angular_velocity;
 }
@@ -64,7 +64,7 @@ inline void take_pushes(JointedBody& j, const MoverState& s, const MoverMass& m)
 // The same after the substep. A turn that only corrected positions would leave the momentum lying otherwise in the
 // body: the spin about an axis with the moment I would gain (turn x L)^2/2I of energy. The momentum goes along with
 // the body, the more the smaller the moment about an axis is.
-Vec3d carried_momentum(const JointedBody& j, const MoverState& s, const MoverMass& m);
+Vec3d carried_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m);
 
 // Turns freely for h seconds; returns the rotation vector, rad.
 Vec3 turn_jointed(JointedBody& j, Real h);

@@ -107,18 +107,18 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
   if (--joint_count == 0) *structure_changed = true;
 }
 
-// Movers and frames for the solver, from the bodies' types and (fixed) poses.
+// Solver slots and frames for the solver, from the bodies' types and (fixed) poses.
 void Rigid::Impl::refresh_joint(std::uint32_t j) {
   const JointRecord& r = records[j];
   SolverJoint& s = joints[j];
   FEDER_ASSERT(is_unit(r.local_a.rotation) && is_unit(r.local_b.rotation));
-  const auto side = [&](std::uint32_t body, const Pose& local, std::uint32_t& mover, Pose& frame) {
+  const auto side = [&](std::uint32_t body, const Pose& local, std::uint32_t& slot, Pose& frame) {
     const bool world = body == kNone || bodies.type[body] == BodyType::fixed;
-    mover = world ? kNone : bodies.mover[body];
+    slot = world ? kNone : bodies.solver_slot[body];
     frame = body != kNone && world ? bodies.com_pose(body) * local : local;
   };
-  side(r.body_a, r.local_a, s.mover_a, s.shape.frame_a);
-  side(r.body_b, r.local_b, s.mover_b, s.shape.frame_b);
+  side(r.body_a, r.local_a, s.slot_a, s.shape.frame_a);
+  side(r.body_b, r.local_b, s.slot_b, s.shape.frame_b);
 }
 
 void Rigid::Impl::refresh_joints_of(std::uint32_t body) {
@@ -143,13 +143,13 @@ void Rigid::Impl::activate_joints(StepContext& c) {
 // The principal moments of an uneven body, for joints whose inertia turns with the body.
 void Rigid::Impl::load_inertia(std::uint32_t body) {
   if (body == kNone || !spins[body] || bodies.type[body] != BodyType::dynamic) return;
-  const std::uint32_t index = movers.solver[bodies.mover[body]];
+  const std::uint32_t index = solver_bodies.index[bodies.solver_slot[body]];
   if (index == 0) return;  // asleep beside one that is awake: it does not move
-  if (jointed.empty()) jointed.assign(movers.state.size(), JointedBody{});
+  if (jointed.empty()) jointed.assign(solver_bodies.state.size(), JointedBody{});
   FEDER_ASSERT(index < jointed.size() && moving[index - 1] == body);
   JointedBody& to = jointed[index];
   if (to.uneven) return;
-  to.given_spin = movers.state[index].angular_velocity;
+  to.given_spin = solver_bodies.state[index].angular_velocity;
   to.momentum = angular_momentum[index - 1].cast<double>();
   const Mat3& inv = bodies.inv_inertia[body];
   to.uneven = true;
@@ -162,11 +162,11 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
     to.inv_moments = values.cast<double>();
     to.principal = from_matrix(axes);
   }
-  to.axes = to.free_axes = jointed_axes(to, movers.state[index].rotation);
+  to.axes = to.free_axes = jointed_axes(to, solver_bodies.state[index].rotation);
   const Vec3d seen = slender_inv_moments(to.inv_moments);
   to.slender = seen != to.inv_moments;
   if (!to.slender) return;
-  movers.mass[index].inv_inertia = (to.axes * seen.asDiagonal() * to.axes.transpose()).cast<Real>();
+  solver_bodies.mass[index].inv_inertia = (to.axes * seen.asDiagonal() * to.axes.transpose()).cast<Real>();
 }
 
 void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
@@ -191,10 +191,10 @@ JointInput Rigid::Impl::joint_input(std::uint32_t j) const {
   const SolverJoint& s = joints[j];
   JointInput in;
   in.joint = &s.shape;
-  in.mover_a = s.mover_a == kNone ? 0 : 1;
-  in.mover_b = s.mover_b == kNone ? 0 : 2;
-  in.a = s.mover_a == kNone ? Pose{} : bodies.com_pose(r.body_a);
-  in.b = s.mover_b == kNone ? Pose{} : bodies.com_pose(r.body_b);
+  in.index_a = s.slot_a == kNone ? 0 : 1;
+  in.index_b = s.slot_b == kNone ? 0 : 2;
+  in.a = s.slot_a == kNone ? Pose{} : bodies.com_pose(r.body_a);
+  in.b = s.slot_b == kNone ? Pose{} : bodies.com_pose(r.body_b);
   return in;
 }
 

@@ -8,7 +8,7 @@
 #include "state/bodies.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 #include "step/watch.h"
 
 namespace feder {
@@ -17,7 +17,7 @@ Rigid::Impl::Impl(SystemSetup& s)
     : store(s.store), watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
       collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
       bodies(s.store.need<Bodies>(kName)), colliders(s.store.need<Colliders>(ContactService::kSystem)),
-      contacts(s.store.need<Contacts>(ContactService::kSystem)), movers(s.store.need<Movers>(kName)),
+      contacts(s.store.need<Contacts>(ContactService::kSystem)), solver_bodies(s.store.need<SolverBodies>(kName)),
       dimension(s.dimension), structure_changed(s.structure_changed),
       solver(rigid_solver(s.options).make(s.store.arena(kName), s.options)), volume(&s.store.arena(kName)),
       area(&s.store.arena(kName)), spins(&s.store.arena(kName)), kept_momentum(&s.store.arena(kName)),
@@ -30,7 +30,7 @@ Rigid::Impl::Impl(SystemSetup& s)
       applied_torque(&s.store.arena(kName)), angular_momentum(&s.store.arena(kName)), given_spin(&s.store.arena(kName)),
       jointed(&s.store.arena(kName)), bad(&s.store.arena(kName)), points(&s.store.arena(kName)),
       point_force(&s.store.arena(kName)), point_place(&s.store.arena(kName)) {
-  if (movers.solver.empty()) movers.reset();
+  if (solver_bodies.index.empty()) solver_bodies.reset();
 }
 
 const SystemDescriptor& Rigid::descriptor() {
@@ -50,8 +50,8 @@ const SystemDescriptor& Rigid::descriptor() {
 Rigid::Rigid(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Rigid::~Rigid() = default;
 
-// Ranks leave room: couplings append their movers between gather (10) and prepare (30), and work before and after
-// solve (20).
+// Ranks leave room: couplings append their solver bodies between gather (10) and prepare (30), and work before and
+// after solve (20).
 void Rigid::add_passes(StepPlan& plan) {
   Impl* s = impl_.get();
   if (s->body_count == 0) return;
@@ -104,7 +104,7 @@ void Rigid::save(Writer& w) const {
   const Impl& s = *impl_;
   FEDER_ASSERT(s.records.size() == s.joints.size());
   s.bodies.save(w);
-  w.list(s.movers.solver), w.list(s.movers.free_list);
+  w.list(s.solver_bodies.index), w.list(s.solver_bodies.free_list);
   w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.kept_momentum), w.list(s.kept_spin), w.list(s.calm),
       w.list(s.next_in_island);
   w.list(s.free_joints);
@@ -124,7 +124,7 @@ void Rigid::save(Writer& w) const {
 void Rigid::load(Reader& r) {
   Impl& s = *impl_;
   s.bodies.load(r);
-  r.list(s.movers.solver), r.list(s.movers.free_list);
+  r.list(s.solver_bodies.index), r.list(s.solver_bodies.free_list);
   r.list(s.volume), r.list(s.area), r.list(s.spins), r.list(s.kept_momentum), r.list(s.kept_spin), r.list(s.calm),
       r.list(s.next_in_island);
   r.list(s.free_joints);

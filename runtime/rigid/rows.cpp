@@ -1,5 +1,5 @@
 // The rows of the rigid system. Bodies that take part are listed once per step (awake dynamic and kinematic ones,
-// ascending); the mover of the body at place p is p + 1, so that all rows run over plain ranges.
+// ascending); the solver body of the body at place p is p + 1, so that all rows run over plain ranges.
 // Free rotation keeps the angular momentum: a substep turns the body with the velocity at the middle of the turn,
 // w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w is added
 // to L through the inertia they were solved with.
@@ -76,8 +76,8 @@ void Rigid::Impl::gather(StepContext& c) {
   last_h = c.h;
   rebuild_list();  // contacts may have woken somebody
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
-  movers.reset();
-  movers.resize(count);
+  solver_bodies.reset();
+  solver_bodies.resize(count);
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), given_spin.resize(count), bad.resize(count);
@@ -90,11 +90,11 @@ void Rigid::Impl::gather(StepContext& c) {
 
 void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
   const std::uint32_t i = moving[p];
-  FEDER_ASSERT(bodies.awake[i] && bodies.mover[i] < movers.solver.size());
-  FEDER_ASSERT(movers.solver[bodies.mover[i]] == 0);  // taken: listed twice, or a slot of two bodies
-  MoverState& s = movers.state[p + 1];
-  MoverMass& m = movers.mass[p + 1];
-  movers.solver[bodies.mover[i]] = p + 1;
+  FEDER_ASSERT(bodies.awake[i] && bodies.solver_slot[i] < solver_bodies.index.size());
+  FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[i]] == 0);  // taken: listed twice, or a slot of two bodies
+  SolverBody& s = solver_bodies.state[p + 1];
+  SolverMass& m = solver_bodies.mass[p + 1];
+  solver_bodies.index[bodies.solver_slot[i]] = p + 1;
   s.velocity = bodies.velocity[i];
   s.angular_velocity = bodies.angular_velocity[i];
   s.moved = s.turned = Vec3::Zero();
@@ -130,9 +130,9 @@ void Rigid::Impl::add_forces(StepContext& c) {
       const std::uint32_t i = moving[p];
       if (bodies.type[i] != BodyType::dynamic || !acts_on(f, bodies.object[i], objects.tags(bodies.object[i])))
         continue;
-      const MoverState& s = movers.state[p + 1];
+      const SolverBody& s = solver_bodies.state[p + 1];
       MassPoint point;
-      point.position = movers.mass[p + 1].center + s.moved;
+      point.position = solver_bodies.mass[p + 1].center + s.moved;
       point.velocity = s.velocity;
       point.mass = bodies.mass[i];
       point.area = area[i];
@@ -148,7 +148,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
 }
 
 void Rigid::Impl::integrate_velocities(StepContext& c) {
-  FEDER_ASSERT(last_h == c.h && given_spin.size() == moving.size() && movers.state.size() > moving.size());
+  FEDER_ASSERT(last_h == c.h && given_spin.size() == moving.size() && solver_bodies.state.size() > moving.size());
   c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
                      [&](std::uint32_t first, std::uint32_t last, int) {
                        for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
@@ -158,8 +158,8 @@ void Rigid::Impl::integrate_velocities(StepContext& c) {
 void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   const std::uint32_t i = moving[p];
   if (bodies.type[i] != BodyType::dynamic) return;
-  MoverState& s = movers.state[p + 1];
-  const MoverMass& m = movers.mass[p + 1];
+  SolverBody& s = solver_bodies.state[p + 1];
+  const SolverMass& m = solver_bodies.mass[p + 1];
   FEDER_ASSERT(m.inv_mass == bodies.inv_mass[i]);
   const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
   const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
@@ -169,7 +169,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
     s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
     for (int k = 0; k < 3; ++k)
       if (bodies.lock[i] & (kLockRx << k)) s.angular_velocity[k] = 0;
-  } else if (JointedBody* j = uneven_mover(p + 1)) {
+  } else if (JointedBody* j = uneven_body(p + 1)) {
     const Vec3d l = carried_momentum(*j, s, m) + (c.h * applied_torque[p]).cast<double>();
     start_jointed(*j, l * static_cast<double>(brake), c.h, s);
   } else {
@@ -190,7 +190,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
 
 SolverInput Rigid::Impl::input() {
   FEDER_ASSERT(jointed.empty() || jointed.size() > moving.size());
-  return {&contacts, &colliders, &movers, {joints.data(), joints.size()}, {jointed.data(), jointed.size()}};
+  return {&contacts, &colliders, &solver_bodies, {joints.data(), joints.size()}, {jointed.data(), jointed.size()}};
 }
 
 void Rigid::Impl::prepare(StepContext& c) {
@@ -218,7 +218,7 @@ void Rigid::Impl::finish_solve(StepContext& c) {
 }
 
 bool Rigid::Impl::commit_finite(std::uint32_t p) const {
-  const MoverState& s = movers.state[p + 1];
+  const SolverBody& s = solver_bodies.state[p + 1];
   const Quat& q = s.rotation;
   return !bad[p] && all_finite(s.velocity) && all_finite(s.angular_velocity) &&
          all_finite(bodies.position[moving[p]] + s.moved) && is_finite(q.x + q.y + q.z + q.w);
@@ -226,7 +226,7 @@ bool Rigid::Impl::commit_finite(std::uint32_t p) const {
 
 void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
   const std::uint32_t i = moving[p];
-  const MoverState& s = movers.state[p + 1];
+  const SolverBody& s = solver_bodies.state[p + 1];
   if (force_count) applied_force[p] = bodies.force[i];  // generators out again, for the watchdog
   bodies.force[i] = bodies.torque[i] = Vec3::Zero();
   if (bodies.type[i] == BodyType::kinematic) {
@@ -248,12 +248,12 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
   bodies.angular_velocity[i] = s.angular_velocity;
   if (!spins[i]) return;
   Vec3& l = kept_momentum[i];
-  if (const JointedBody* j = uneven_mover(p + 1)) {
-    l = carried_momentum(*j, s, movers.mass[p + 1]).cast<Real>();
+  if (const JointedBody* j = uneven_body(p + 1)) {
+    l = carried_momentum(*j, s, solver_bodies.mass[p + 1]).cast<Real>();
   } else {
     const Vec3 pushed = s.angular_velocity - given_spin[p];
     l = angular_momentum[p];
-    if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], movers.mass[p + 1].start_rotation, pushed);
+    if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], solver_bodies.mass[p + 1].start_rotation, pushed);
   }
   bodies.angular_velocity[i] = kept_spin[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
   bad[p] = !all_finite(bodies.angular_velocity[i]);

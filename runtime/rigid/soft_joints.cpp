@@ -10,8 +10,8 @@
 
 #include "constrain/joint.h"
 #include "feder/error.h"
-#include "state/movers.h"
 #include "state/rows.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 namespace {
@@ -38,40 +38,40 @@ bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && 
 // that (and only there: contacts see the body's own) joints see a larger inertia (Andrews et al., "Geometric Stiffness
 // for Real-time Constrained Multibody Dynamics", 2017).
 void SoftJoints::stabilize(const SolverInput& in, Real h) {
-  strain_.assign(in.movers->state.size(), Real(0));
+  strain_.assign(in.solver_bodies->state.size(), Real(0));
   if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
   for (const RowBlock& block : blocks_) {
-    FEDER_ASSERT(block.mover_a < strain_.size() && block.mover_b < strain_.size());
+    FEDER_ASSERT(block.index_a < strain_.size() && block.index_b < strain_.size());
     const SolverJoint& joint = in.joints[block.joint];
     Vec3 pull = Vec3::Zero();
     for (std::uint32_t k = 0; k < block.count; ++k)
       pull += rows_[block.first + k].linear * joint.impulse[block.first_impulse + k];
     const Real size = h * length(pull);
     const Vec3 &arm_a = joint.shape.frame_a.position, &arm_b = joint.shape.frame_b.position;
-    strain_[block.mover_a] += size * length(arm_a);
-    strain_[block.mover_b] += size * length(arm_b);
+    strain_[block.index_a] += size * length(arm_a);
+    strain_[block.index_b] += size * length(arm_b);
     if (!uneven_) continue;
-    add_strain(in, block.mover_a, arm_a, size);
-    add_strain(in, block.mover_b, arm_b, size);
+    add_strain(in, block.index_a, arm_a, size);
+    add_strain(in, block.index_b, arm_b, size);
   }
 }
 
-void SoftJoints::add_strain(const SolverInput& in, std::uint32_t mover, const Vec3& arm, Real pull) {
-  const JointedBody* uneven = in.uneven(mover);
+void SoftJoints::add_strain(const SolverInput& in, std::uint32_t index, const Vec3& arm, Real pull) {
+  const JointedBody* uneven = in.uneven(index);
   const Real size = length(arm);
   if (!uneven || !(size > 0)) return;
   const Vec3d local = rotate_inverse(uneven->principal, arm).cast<double>();
-  strain_axes_[mover] += static_cast<double>(pull / size) * (Vec3d::Constant(local.squaredNorm()) - local.cwiseAbs2());
+  strain_axes_[index] += static_cast<double>(pull / size) * (Vec3d::Constant(local.squaredNorm()) - local.cwiseAbs2());
 }
 
 // Inverse inertias that joints feel in this substep.
 void SoftJoints::turn_inertias(const SolverInput& in) {
-  const Movers& movers = *in.movers;
-  FEDER_ASSERT(strain_.size() == movers.mass.size());
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  FEDER_ASSERT(strain_.size() == solver_bodies.mass.size());
   inv_inertia_.resize(strain_.size());
-  inv_inertia_[0] = movers.mass[0].inv_inertia;
+  inv_inertia_[0] = solver_bodies.mass[0].inv_inertia;
   for (std::uint32_t i = 1; i < strain_.size(); ++i) {
-    const Mat3& start = movers.mass[i].inv_inertia;
+    const Mat3& start = solver_bodies.mass[i].inv_inertia;
     const Real ratio = strain_[i] * start.cwiseAbs().rowwise().sum().maxCoeff();  // (h omega)^2, at most
     inv_inertia_[i] = start;
     if (ratio > kStrain) inv_inertia_[i] *= kStrain / ratio;
@@ -90,20 +90,20 @@ std::uint32_t SoftJoints::find_group(std::uint32_t i) {
 // Bodies that hang by joints on one that a contact touches. What a contact gave a body last turns it in a way that its
 // joints do not allow, and how anchors bend follows from the square of that: nothing is foreseen there.
 void SoftJoints::find_touched(const SolverInput& in) {
-  const Movers& movers = *in.movers;
-  touched_.assign(movers.state.size(), 0);
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  touched_.assign(solver_bodies.state.size(), 0);
   if (in.contacts->active.empty()) return;
-  group_.resize(movers.state.size());
+  group_.resize(solver_bodies.state.size());
   for (std::uint32_t i = 0; i < group_.size(); ++i) group_[i] = i;
   for (const SolverJoint& joint : in.joints) {
-    if (!joint.active || joint.mover_a == kNone || joint.mover_b == kNone) continue;
-    const std::uint32_t a = movers.solver[joint.mover_a], b = movers.solver[joint.mover_b];
-    if (movers.mass[a].inv_mass > 0 && movers.mass[b].inv_mass > 0) group_[find_group(a)] = find_group(b);
+    if (!joint.active || joint.slot_a == kNone || joint.slot_b == kNone) continue;
+    const std::uint32_t a = solver_bodies.index[joint.slot_a], b = solver_bodies.index[joint.slot_b];
+    if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) group_[find_group(a)] = find_group(b);
   }
   const auto touch = [&](std::uint32_t collider) {
-    const std::uint32_t mover = in.colliders->mover[collider];
-    FEDER_ASSERT(mover == kNone || movers.solver[mover] < touched_.size());
-    if (mover != kNone) touched_[find_group(movers.solver[mover])] = 1;
+    const std::uint32_t index = in.solver_index(collider);
+    FEDER_ASSERT(index < touched_.size());
+    if (index != 0) touched_[find_group(index)] = 1;
   };
   for (const std::uint32_t slot : in.contacts->active) {
     touch(in.contacts->slots[slot].collider_a);
@@ -113,12 +113,12 @@ void SoftJoints::find_touched(const SolverInput& in) {
 }
 
 void SoftJoints::load_motions(const SolverInput& in, Real h) {
-  const Movers& movers = *in.movers;
-  FEDER_ASSERT(touched_.size() == movers.state.size());  // found in the first substep
-  motions_.resize(movers.state.size());
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  FEDER_ASSERT(touched_.size() == solver_bodies.state.size());  // found in the first substep
+  motions_.resize(solver_bodies.state.size());
   motions_[0] = BodyMotion{};
   for (std::uint32_t i = 1; i < motions_.size(); ++i) {
-    const MoverState& s = movers.state[i];
+    const SolverBody& s = solver_bodies.state[i];
     const JointedBody* uneven = in.uneven(i);
     const Vec3& mean = uneven ? uneven->mean_spin : s.angular_velocity;
     motions_[i] = {s.velocity, s.angular_velocity, Mat3::Zero()};
@@ -131,8 +131,8 @@ Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, Read
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
-  out.push_a = inv_inertia_[block.mover_a] * row.angular_a;
-  out.push_b = inv_inertia_[block.mover_b] * row.angular_b;
+  out.push_a = inv_inertia_[block.index_a] * row.angular_a;
+  out.push_b = inv_inertia_[block.index_b] * row.angular_b;
   out.lower = row.lower * h;
   out.upper = row.upper * h;
   out.bias = out.relaxed_bias = -row.speed;
@@ -183,7 +183,7 @@ void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
 }
 
 void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
-  const JointedBody *a = in.uneven(block.mover_a), *b = in.uneven(block.mover_b);
+  const JointedBody *a = in.uneven(block.index_a), *b = in.uneven(block.index_b);
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
     ReadyRow& r = ready_[k];
     if (a) r.push_a = jointed_response(*a, r.angular_a);
@@ -191,7 +191,7 @@ void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
   }
 }
 
-void SoftJoints::prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const {
+void SoftJoints::prepare_block(const RowBlock& block, const SolverMass& a, const SolverMass& b, ReadyBlock& out) const {
   FEDER_ASSERT(block.count >= 1 && block.count <= 6);
   const ReadyRow* r = &ready_[block.first];
   const Vec3 inv_mass = a.inv_mass_axes + b.inv_mass_axes;
@@ -223,9 +223,9 @@ void SoftJoints::prepare_block(const RowBlock& block, const MoverMass& a, const 
 }
 
 void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
-  FEDER_ASSERT(block.mover_a != block.mover_b && change);
-  MoverState& sa = in.movers->state[block.mover_a];
-  MoverState& sb = in.movers->state[block.mover_b];
+  FEDER_ASSERT(block.index_a != block.index_b && change);
+  SolverBody& sa = in.solver_bodies->state[block.index_a];
+  SolverBody& sb = in.solver_bodies->state[block.index_b];
   Vec3 push = Vec3::Zero(), turn_a = Vec3::Zero(), turn_b = Vec3::Zero();
   for (int i = 0; i < block.count; ++i) {
     const ReadyRow& r = ready_[block.first + static_cast<std::uint32_t>(i)];
@@ -233,18 +233,18 @@ void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverI
     turn_a += r.push_a * impulse[i];
     turn_b += r.push_b * impulse[i];
   }
-  if (block.mover_a) {
-    const Vec3 v = in.movers->mass[block.mover_a].inv_mass_axes.cwiseProduct(push);
+  if (block.index_a) {
+    const Vec3 v = in.solver_bodies->mass[block.index_a].inv_mass_axes.cwiseProduct(push);
     sa.velocity -= v;
     sa.angular_velocity += turn_a;
-    Real* d = change + 6 * std::size_t(block.mover_a);
+    Real* d = change + 6 * std::size_t(block.index_a);
     for (int k = 0; k < 3; ++k) d[k] -= v[k], d[3 + k] += turn_a[k];
   }
-  if (block.mover_b) {
-    const Vec3 v = in.movers->mass[block.mover_b].inv_mass_axes.cwiseProduct(push);
+  if (block.index_b) {
+    const Vec3 v = in.solver_bodies->mass[block.index_b].inv_mass_axes.cwiseProduct(push);
     sb.velocity += v;
     sb.angular_velocity += turn_b;
-    Real* d = change + 6 * std::size_t(block.mover_b);
+    Real* d = change + 6 * std::size_t(block.index_b);
     for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += turn_b[k];
   }
 }
@@ -260,8 +260,8 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
       push += r.linear * (sign * impulse[k]);
       moment += (r.*angular).cast<double>() * static_cast<double>(impulse[k]);
     }
-    MoverState& s = in.movers->state[i];
-    const Vec3 v = in.movers->mass[i].inv_mass_axes.cwiseProduct(push);
+    SolverBody& s = in.solver_bodies->state[i];
+    const Vec3 v = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
     s.velocity += v;
     if (JointedBody* uneven = in.uneven(i)) {
       turn = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
@@ -272,27 +272,27 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
     Real* d = change + 6 * std::size_t(i);
     for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += turn[k];
   };
-  side(block.mover_a, -1, &ReadyRow::angular_a);
-  side(block.mover_b, 1, &ReadyRow::angular_b);
+  side(block.index_a, -1, &ReadyRow::angular_a);
+  side(block.index_b, 1, &ReadyRow::angular_b);
 }
 
 void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
-  const Movers& movers = *in.movers;
+  const SolverBodies& solver_bodies = *in.solver_bodies;
   load_motions(in, c.h);
   for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
     SolverJoint& joint = in.joints[j];
     if (!joint.active) continue;
     JointInput input;
     input.joint = &joint.shape;
-    input.mover_a = joint.mover_a == kNone ? 0 : movers.solver[joint.mover_a];
-    input.mover_b = joint.mover_b == kNone ? 0 : movers.solver[joint.mover_b];
-    input.a = {movers.mass[input.mover_a].center + movers.state[input.mover_a].moved,
-               movers.state[input.mover_a].rotation};
-    input.b = {movers.mass[input.mover_b].center + movers.state[input.mover_b].moved,
-               movers.state[input.mover_b].rotation};
-    input.motion_a = &motions_[input.mover_a], input.motion_b = &motions_[input.mover_b];
+    input.index_a = solver_bodies.at(joint.slot_a);
+    input.index_b = solver_bodies.at(joint.slot_b);
+    input.a = {solver_bodies.mass[input.index_a].center + solver_bodies.state[input.index_a].moved,
+               solver_bodies.state[input.index_a].rotation};
+    input.b = {solver_bodies.mass[input.index_b].center + solver_bodies.state[input.index_b].moved,
+               solver_bodies.state[input.index_b].rotation};
+    input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
     input.h = c.h;
     writer.start(input, j);
     joint.kind->fill(input, writer);
@@ -310,11 +310,11 @@ void SoftJoints::prepare_rows(const RowBlock& block, const SolverInput& in, Real
 }
 
 void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contacts, Real* change) {
-  const Movers& movers = *in.movers;
+  const SolverBodies& solver_bodies = *in.solver_bodies;
   uneven_ = !in.jointed.empty();
   contacts_ = contacts;
   drifted_ = false;
-  slides_.assign(uneven_ ? movers.state.size() : 0, BodySlide{});
+  slides_.assign(uneven_ ? solver_bodies.state.size() : 0, BodySlide{});
   if (c.substep == 0) find_touched(in);
   fill_rows(in, c);
   ready_.resize(rows_.size());
@@ -329,9 +329,9 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
     const RowBlock& block = blocks_[i];
     prepare_rows(block, in, c.h);
     if (c.substep != 0 && is_direct(i)) continue;
-    prepare_block(block, movers.mass[block.mover_a], movers.mass[block.mover_b], prepared_[i]);
+    prepare_block(block, solver_bodies.mass[block.index_a], solver_bodies.mass[block.index_b], prepared_[i]);
   }
-  if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, movers);
+  if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, solver_bodies);
   if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
   FEDER_ASSERT(!use_trees_ || trees_.knows(blocks_.size()));
   for (const std::uint32_t i : torn_)
@@ -345,8 +345,8 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
   const RowBlock& block = blocks_[index];
   const ReadyRow* rows = &ready_[block.first];
   const ReadyBlock& ready = prepared_[index];
-  const MoverState& a = in.movers->state[block.mover_a];
-  const MoverState& b = in.movers->state[block.mover_b];
+  const SolverBody& a = in.solver_bodies->state[block.index_a];
+  const SolverBody& b = in.solver_bodies->state[block.index_b];
   const Vec3 v = b.velocity - a.velocity;
   const int n = block.count;
   Real x[6], step[6];
@@ -379,7 +379,7 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
 // Positions are corrected by velocities that no momentum comes to know of: what a biased impulse does in one pose would
 // not be taken back by the relax pass in another.
 void SoftJoints::slide_trees(const SolverInput& in) {
-  FEDER_ASSERT(slides_.size() == in.movers->state.size());
+  FEDER_ASSERT(slides_.size() == in.solver_bodies->state.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = ready_[i].bias - ready_[i].relaxed_bias;
   trees_.solve(rows_, nullptr, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -390,14 +390,14 @@ void SoftJoints::slide_trees(const SolverInput& in) {
       push += step_[k] * rows_[k].linear;
       moment_a += step_[k] * rows_[k].angular_a, moment_b += step_[k] * rows_[k].angular_b;
     }
-    const auto side = [&](std::uint32_t mover, const Vec3& linear, const Vec3& moment) {
-      if (!mover) return;
-      const JointedBody* uneven = in.uneven(mover);
-      slides_[mover].velocity += in.movers->mass[mover].inv_mass_axes.cwiseProduct(linear);
-      slides_[mover].spin += uneven ? jointed_response(*uneven, moment) : Vec3(inv_inertia_[mover] * moment);
+    const auto side = [&](std::uint32_t index, const Vec3& linear, const Vec3& moment) {
+      if (!index) return;
+      const JointedBody* uneven = in.uneven(index);
+      slides_[index].velocity += in.solver_bodies->mass[index].inv_mass_axes.cwiseProduct(linear);
+      slides_[index].spin += uneven ? jointed_response(*uneven, moment) : Vec3(inv_inertia_[index] * moment);
     };
-    side(block.mover_a, -push, moment_a);
-    side(block.mover_b, push, moment_b);
+    side(block.index_a, -push, moment_a);
+    side(block.index_b, push, moment_b);
   }
 }
 
@@ -410,7 +410,7 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
 }
 
 void SoftJoints::solve_directly(const SolverInput& in, Real* change) {
-  trees_.solve(rows_, in.movers, bias_, step_);
+  trees_.solve(rows_, in.solver_bodies, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;
     const RowBlock& block = blocks_[i];

@@ -24,12 +24,12 @@ class SoftJoints {
 
   bool empty() const { return blocks_.empty(); }
   // Rows at the poses now, effective masses, and last impulses applied. `change` collects what joints do to each
-  // mover's velocity (6 numbers per mover); `contacts`: there are some.
+  // solver body's velocity (6 numbers per solver body); `contacts`: there are some.
   void start(const SolverInput& in, const StepContext& c, bool contacts, Real* change);
   void clear() { rows_.clear(), blocks_.clear(), trees_.clear(); }
   void solve(const SolverInput& in, bool biased, Real* change);
 
-  // Velocities that only correct positions, by mover; empty where there are none.
+  // Velocities that only correct positions, by solver index; empty where there are none.
   std::span<const BodySlide> slides() const { return {slides_.data(), slides_.size()}; }
   // All joints are solved together: none needs a biased impulse.
   bool all_direct() const { return all_direct_; }
@@ -50,7 +50,7 @@ class SoftJoints {
     Real inv_pivot[6];
   };
   bool is_direct(std::size_t block) const;
-  void add_strain(const SolverInput& in, std::uint32_t mover, const Vec3& arm, Real pull);
+  void add_strain(const SolverInput& in, std::uint32_t index, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
   void turn_inertias(const SolverInput& in);
   std::uint32_t find_group(std::uint32_t i);
@@ -60,7 +60,7 @@ class SoftJoints {
   Real prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
   void bound_bias(const RowBlock& block, Real* impulse);
   void respond_uneven(const RowBlock& block, const SolverInput& in);
-  void prepare_block(const RowBlock& block, const MoverMass& a, const MoverMass& b, ReadyBlock& out) const;
+  void prepare_block(const RowBlock& block, const SolverMass& a, const SolverMass& b, ReadyBlock& out) const;
   void apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
   void apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
   void push(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
@@ -79,14 +79,14 @@ class SoftJoints {
   Array<ReadyBlock> prepared_;
   JointTrees trees_;
   Array<Real> bias_, step_;      // by row, for the trees
-  Array<Real> strain_;           // by mover: h sum |impulse| |arm|, kg m^2
+  Array<Real> strain_;           // by solver index: h sum |impulse| |arm|, kg m^2
   Array<Vec3d> strain_axes_;     // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_;    // by mover
-  Array<std::uint32_t> group_;   // by mover: union-find over joints
-  Array<std::uint8_t> touched_;  // by mover: hangs together with a body that a contact touches
+  Array<BodyMotion> motions_;    // by solver index
+  Array<std::uint32_t> group_;   // by solver index: union-find over joints
+  Array<std::uint8_t> touched_;  // by solver index: hangs together with a body that a contact touches
   Array<std::uint32_t> torn_;    // blocks that ask for more than push_speed
-  Array<BodySlide> slides_;      // by mover
-  Array<Mat3> inv_inertia_;      // by mover, world, that joints feel in this substep
+  Array<BodySlide> slides_;      // by solver index
+  Array<Mat3> inv_inertia_;      // by solver index, world, that joints feel in this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;  // there are contacts

@@ -1,9 +1,9 @@
 // Soft step: substepped sequential impulses with soft constraints (Catto, "Solver2D", 2024; "Soft Constraints", GDC
 // 2011). Per substep: warm start, joints and contacts with bias, positions, the same without bias (friction only
 // here, so that it never reacts to bias velocity), and once per step a restitution pass.
-// Contacts are coloured greedily (no two of a colour push the same mover) and solved eight at a time; those that
+// Contacts are coloured greedily (no two of a colour push the same solver body) and solved eight at a time; those that
 // find no colour are solved alone. Contact rows do not change within a step, so warm starting substeps 2..n is one
-// addition per mover: what contacts did to its velocity in the substep before.
+// addition per solver body: what contacts did to its velocity in the substep before.
 // Kept between steps: impulses, in Contacts and SolverJoint. Weak spot: stiff trees of joints, very high mass ratios
 // with few substeps; simultaneous hits are resolved in colour order.
 #include <algorithm>
@@ -17,7 +17,7 @@
 #include "rigid/solver.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 namespace {
@@ -30,7 +30,7 @@ constexpr int kFixedColor = 48;  // colours from here on hold contacts against w
 // sinks a twentieth deeper.
 constexpr Real kCrowd = 1, kSupport = 0.75;
 // batches and bodies per job
-constexpr JobGrain kSolveGrain{8, 2'500}, kFillGrain{8, 5'000}, kStoreGrain{8, 1'000}, kMoverGrain{512, 3'000};
+constexpr JobGrain kSolveGrain{8, 2'500}, kFillGrain{8, 5'000}, kStoreGrain{8, 1'000}, kBodyGrain{512, 3'000};
 
 static_assert(std::is_same_v<WideReal, Real>);
 static_assert(kBatchPoints == kMaxContactPoints);
@@ -61,7 +61,7 @@ class SoftStep final : public RigidSolver {
  private:
   void color(const SolverInput& in, StepContext& c);
   void check_colors(const SolverInput& in, StepContext& c) const;
-  void fill(const Contacts& contacts, const Colliders& colliders, const Movers& movers, std::uint32_t batch);
+  void fill(const SolverInput& in, std::uint32_t batch);
   void fill_lane(const Contact& contact, std::uint32_t batch, int lane);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;
   void start_velocities(const SolverInput& in, StepContext& c);
@@ -80,44 +80,43 @@ class SoftStep final : public RigidSolver {
   ContactBatch* batches_ = nullptr;
   BatchSide* sides_ = nullptr;
   WideMass* masses_ = nullptr;
-  Real* crowd_ = nullptr;           // by mover: stiffness of its contacts over its mass, 1 in a tower, 2 in a pyramid
+  Real* crowd_ = nullptr;  // by solver index: stiffness of its contacts over its mass, 1 in a tower, 2 in a pyramid
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
-  Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per mover
-  Real* contact_change_ = nullptr;  // what contacts did in the last substep, 6 per mover
+  Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
+  Real* contact_change_ = nullptr;  // what contacts did in the last substep, 6 per solver body
   Real* joint_change_ = nullptr;    // what joints did in this substep; null without joints
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
-  std::size_t mover_count_ = 0, contact_count_ = 0;  // when the step was prepared
-  std::uint32_t color_first_[kColors + 1] = {};      // first batch of each colour; the overflow comes before colour 0
-  JobPool::Stage stages_[kColors];                   // of the pass that runs: its colours
+  std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
+  std::uint32_t color_first_[kColors + 1] = {};     // first batch of each colour; the overflow comes before colour 0
+  JobPool::Stage stages_[kColors];                  // of the pass that runs: its colours
   bool bounces_ = false;
   Vec3 gravity_ = Vec3::Zero();
 };
 
-bool movable(const MoverMass& m) {
+bool movable(const SolverMass& m) {
   return m.inv_mass > 0 || m.inv_inertia(0, 0) > 0 || m.inv_inertia(1, 1) > 0 || m.inv_inertia(2, 2) > 0;
 }
 
 void SoftStep::color(const SolverInput& in, StepContext& c) {
   const Contacts& contacts = *in.contacts;
-  const Movers& movers = *in.movers;
+  const SolverBodies& solver_bodies = *in.solver_bodies;
   const std::uint32_t count = static_cast<std::uint32_t>(contacts.active.size());
-  const std::size_t mover_count = movers.state.size();
-  std::uint64_t* taken = c.scratch->take<std::uint64_t>(mover_count);
+  const std::size_t body_count = solver_bodies.state.size();
+  std::uint64_t* taken = c.scratch->take<std::uint64_t>(body_count);
   std::uint8_t* color_of = c.scratch->take<std::uint8_t>(count);
-  // the world and kinematic movers never conflict
+  // the world and kinematic solver bodies never conflict
   const std::uint64_t kFixedMask = ~std::uint64_t(0) << kFixedColor;
-  crowd_ = c.scratch->take<Real>(mover_count);
-  for (std::size_t i = 0; i < mover_count; ++i) taken[i] = 0, crowd_[i] = 0;
+  crowd_ = c.scratch->take<Real>(body_count);
+  for (std::size_t i = 0; i < body_count; ++i) taken[i] = 0, crowd_[i] = 0;
   std::uint32_t of_color[kColors + 1] = {};
   for (std::uint32_t i = 0; i < count; ++i) {
     const Contact& contact = contacts.slots[contacts.active[i]];
-    const std::uint32_t ca = in.colliders->mover[contact.collider_a], cb = in.colliders->mover[contact.collider_b];
-    const std::uint32_t a = ca == kNone ? 0 : movers.solver[ca], b = cb == kNone ? 0 : movers.solver[cb];
-    const bool moves_a = masses_[a].pad[0] > 0, moves_b = masses_[b].pad[0] > 0;
+    const std::uint32_t a = in.solver_index(contact.collider_a), b = in.solver_index(contact.collider_b);
+    const bool moves_a = masses_[a].movable > 0, moves_b = masses_[b].movable > 0;
     std::uint64_t used = (moves_a ? taken[a] : 0) | (moves_b ? taken[b] : 0);
     used |= moves_a && moves_b ? kFixedMask : ~kFixedMask;
-    FEDER_ASSERT(a < mover_count && b < mover_count);
-    const Real wa = movers.mass[a].inv_mass, wb = movers.mass[b].inv_mass;
+    FEDER_ASSERT(a < body_count && b < body_count);
+    const Real wa = solver_bodies.mass[a].inv_mass, wb = solver_bodies.mass[b].inv_mass;
     const bool both = wa > 0 && wb > 0;
     crowd_[a] += both ? wa / (wa + wb) : kSupport;
     crowd_[b] += both ? wb / (wa + wb) : kSupport;
@@ -151,10 +150,12 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
   if constexpr (kAsserts) check_colors(in, c);
 }
 
-// Each active contact lies in one lane; lanes of a colour, and those of an overflow batch, push different movers.
+// Each active contact lies in one lane; lanes of a colour, and those of an overflow batch, push different solver
+// bodies.
 void SoftStep::check_colors(const SolverInput& in, StepContext& c) const {
-  std::uint32_t* last = c.scratch->take<std::uint32_t>(in.movers->state.size());  // by mover: the colour it was met in
-  std::fill(last, last + in.movers->state.size(), kNone);
+  std::uint32_t* last =
+      c.scratch->take<std::uint32_t>(in.solver_bodies->state.size());  // by solver index: the colour it was met in
+  std::fill(last, last + in.solver_bodies->state.size(), kNone);
   MultisetHash active, listed;
   for (const std::uint32_t slot : in.contacts->active) active.add(slot);
   FEDER_ASSERT(color_first_[0] == overflow_count_ && color_first_[kColors] == batch_count_);
@@ -168,9 +169,8 @@ void SoftStep::check_colors(const SolverInput& in, StepContext& c) const {
       listed.add(slot);
       const Contact& contact = in.contacts->slots[slot];
       for (const std::uint32_t collider : {contact.collider_a, contact.collider_b}) {
-        const std::uint32_t mover = in.colliders->mover[collider];
-        const std::uint32_t i = mover == kNone ? 0 : in.movers->solver[mover];
-        if (!(masses_[i].pad[0] > 0)) continue;
+        const std::uint32_t i = in.solver_index(collider);
+        if (!(masses_[i].movable > 0)) continue;
         FEDER_ASSERT(last[i] != name);
         last[i] = name;
       }
@@ -218,19 +218,18 @@ void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) 
   put(side.rolling_impulse, contact.rolling_impulse);
 }
 
-void SoftStep::fill(const Contacts& contacts, const Colliders& colliders, const Movers& movers, std::uint32_t batch) {
+void SoftStep::fill(const SolverInput& in, std::uint32_t batch) {
   ContactBatch& c = batches_[batch];
   std::memset(static_cast<void*>(&c), 0, sizeof c);
   std::memset(static_cast<void*>(&sides_[batch]), 0, sizeof(BatchSide));
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
     if (slot == kNone) continue;
-    FEDER_ASSERT(slot < contacts.slots.size());
-    const Contact& contact = contacts.slots[slot];
-    const std::uint32_t ca = colliders.mover[contact.collider_a], cb = colliders.mover[contact.collider_b];
-    const std::uint32_t a = ca == kNone ? 0 : movers.solver[ca], b = cb == kNone ? 0 : movers.solver[cb];
-    const bool moves_a = masses_[a].pad[0] > 0, moves_b = masses_[b].pad[0] > 0;
-    c.mover_a[lane] = a, c.mover_b[lane] = b;
+    FEDER_ASSERT(slot < in.contacts->slots.size());
+    const Contact& contact = in.contacts->slots[slot];
+    const std::uint32_t a = in.solver_index(contact.collider_a), b = in.solver_index(contact.collider_b);
+    const bool moves_a = masses_[a].movable > 0, moves_b = masses_[b].movable > 0;
+    c.index_a[lane] = a, c.index_b[lane] = b;
     if (moves_a) c.writes_a |= 1u << lane;
     if (moves_b) c.writes_b |= 1u << lane;
     c.against_fixed.v[lane] = moves_a && moves_b ? 0 : 1;
@@ -240,11 +239,12 @@ void SoftStep::fill(const Contacts& contacts, const Colliders& colliders, const 
 }
 
 ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
-  FEDER_ASSERT(in.movers->state.size() == mover_count_);  // masses and batches are those of the movers of prepare
+  FEDER_ASSERT(in.solver_bodies->state.size() ==
+               body_count_);  // masses and batches are those of the solver bodies of prepare
   ContactPass p{};
   p.batches = batches_;
   p.sides = sides_;
-  p.movers = reinterpret_cast<Real*>(in.movers->state.data());
+  p.bodies = reinterpret_cast<Real*>(in.solver_bodies->state.data());
   p.masses = masses_;
   p.h = c.h;
   p.inv_h = 1 / c.h;
@@ -279,32 +279,33 @@ void SoftStep::run(void (*kernel)(const ContactPass&), const SolverInput& in, St
 }
 
 void SoftStep::prepare(const SolverInput& in, StepContext& c) {
-  const Movers& movers = *in.movers;
-  const std::uint32_t mover_count = static_cast<std::uint32_t>(movers.state.size());
-  FEDER_ASSERT(mover_count >= 1 && movers.mass.size() == mover_count);
-  mover_count_ = mover_count, contact_count_ = in.contacts->active.size();
-  before_ = c.scratch->take<Real>(std::size_t(mover_count) * 6);
-  contact_change_ = c.scratch->take<Real>(std::size_t(mover_count) * 6);
-  joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(mover_count) * 6);
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  const std::uint32_t body_count = static_cast<std::uint32_t>(solver_bodies.state.size());
+  FEDER_ASSERT(body_count >= 1 && solver_bodies.mass.size() == body_count);
+  body_count_ = body_count, contact_count_ = in.contacts->active.size();
+  before_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
+  contact_change_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
+  joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(body_count) * 6);
   joints_.clear();
   batch_count_ = overflow_count_ = 0;
   bounces_ = false;
   gravity_ = c.gravity;
   if (in.contacts->active.empty()) return;
-  masses_ = c.scratch->take<WideMass>(mover_count);
-  for (std::uint32_t i = 0; i < mover_count; ++i) {
-    const MoverMass& m = movers.mass[i];
+  masses_ = c.scratch->take<WideMass>(body_count);
+  for (std::uint32_t i = 0; i < body_count; ++i) {
+    const SolverMass& m = solver_bodies.mass[i];
     const Mat3& j = m.inv_inertia;
     masses_[i] = {{m.inv_mass_axes[0], m.inv_mass_axes[1], m.inv_mass_axes[2]},
                   {j(0, 0), j(1, 1), j(2, 2), j(0, 1), j(0, 2), j(1, 2)},
-                  {Real(movable(m) ? 1 : 0), 0, 0, 0, 0, 0, 0}};
+                  Real(movable(m) ? 1 : 0),
+                  {}};
   }
   color(in, c);
   batches_ = c.scratch->take<ContactBatch>(batch_count_);
   sides_ = c.scratch->take<BatchSide>(batch_count_);
   const ContactPass p = pass(in, c);
   c.jobs->for_blocks(batch_count_, kFillGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) fill(*in.contacts, *in.colliders, movers, i);
+    for (std::uint32_t i = first; i < last; ++i) fill(in, i);
     ContactPass part = p;
     part.first = first, part.last = last;
     kernels_->prepare(part);
@@ -313,11 +314,11 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
 }
 
 void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
-  FEDER_ASSERT(before_ && in.movers->state.size() == mover_count_);
-  MoverState* state = in.movers->state.data();
+  FEDER_ASSERT(before_ && in.solver_bodies->state.size() == body_count_);
+  SolverBody* state = in.solver_bodies->state.data();
   const bool again = c.substep > 0 && batch_count_ > 0;
-  const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
-  c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
+  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
       Real* before = before_ + std::size_t(i) * 6;
       const Real* change = contact_change_ + std::size_t(i) * 6;
@@ -334,9 +335,9 @@ void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
 }
 
 void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
-  const MoverState* state = in.movers->state.data();
-  const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
-  c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  const SolverBody* state = in.solver_bodies->state.data();
+  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
+  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
       const Real* before = before_ + std::size_t(i) * 6;
       const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
@@ -350,26 +351,26 @@ void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
 }
 
 // Of an uneven jointed body: contacts have pushed, and it turns freely for h seconds; rad.
-Vec3 drift_turn(JointedBody& j, const MoverState& s, const MoverMass& m, Real h) {
+Vec3 drift_turn(JointedBody& j, const SolverBody& s, const SolverMass& m, Real h) {
   j.drift_spin = s.angular_velocity;
   take_pushes(j, s, m);
   return turn_jointed(j, h);
 }
 
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
-  MoverState* state = in.movers->state.data();
+  SolverBody* state = in.solver_bodies->state.data();
   const Real h = c.h;
-  const std::uint32_t count = static_cast<std::uint32_t>(in.movers->state.size());
+  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
   const std::span<const BodySlide> slides = joint_change_ ? joints_.slides() : std::span<const BodySlide>();
   FEDER_ASSERT(slides.empty() || slides.size() == count);
-  c.jobs->for_blocks(count, kMoverGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      MoverState& s = state[i];
+      SolverBody& s = state[i];
       s.moved += h * s.velocity;
       Vec3 turn = h * s.angular_velocity;
       if (!slides.empty()) {
         s.moved += h * slides[i].velocity;
-        if (JointedBody* j = in.uneven(i)) turn = drift_turn(*j, s, in.movers->mass[i], h);
+        if (JointedBody* j = in.uneven(i)) turn = drift_turn(*j, s, in.solver_bodies->mass[i], h);
         turn += h * slides[i].spin;
       }
       if (turn[0] == 0 && turn[1] == 0 && turn[2] == 0) continue;
@@ -382,7 +383,8 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
 // What bias velocities turned, which the relax pass took back.
 void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
   for (std::uint32_t i = 1; i < in.jointed.size(); ++i)
-    if (JointedBody* j = in.uneven(i)) j->correction = c.h * (j->drift_spin - in.movers->state[i].angular_velocity);
+    if (JointedBody* j = in.uneven(i))
+      j->correction = c.h * (j->drift_spin - in.solver_bodies->state[i].angular_velocity);
 }
 
 void SoftStep::solve(const SolverInput& in, StepContext& c) {

@@ -1,5 +1,5 @@
-// Rigid solvers: contacts and joint rows in, velocities and displacements of movers out. Know no joint kinds, shapes
-// or bodies. One file per solver, one feder_variant(rigid <solver>) line. Contract, checked for every row by
+// Rigid solvers: contacts and joint rows in, velocities and displacements of solver bodies out. Know no joint kinds,
+// shapes or bodies. One file per solver, one feder_variant(rigid <solver>) line. Contract, checked for every row by
 // tests/rigid/test_solver_contract.cpp: free fall, momentum with contacts and joints, friction, stacking, bounce,
 // determinism over threads.
 #pragma once
@@ -12,7 +12,7 @@
 #include "rigid/jointed_body.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -20,33 +20,37 @@ namespace feder {
 struct SolverJoint {
   const JointKind* kind = nullptr;
   JointShape shape;
-  std::uint32_t mover_a = kNone, mover_b = kNone;  // mover slots; kNone = world
-  Real impulse[kMaxJointRows] = {};                // of the last substep, by row; warm start
+  std::uint32_t slot_a = kNone, slot_b = kNone;  // solver slot; kNone = world
+  Real impulse[kMaxJointRows] = {};              // of the last substep, by row; warm start
   std::uint8_t rows = 0;
   std::uint8_t active = 0;  // this step: at least one awake side
 };
 
 struct SolverInput {
-  // Null unless the mover is a body on a joint with uneven moments of inertia.
-  JointedBody* uneven(std::uint32_t mover) const {
-    return mover < jointed.size() && jointed[mover].uneven ? &jointed[mover] : nullptr;
+  // Solver index of what owns the collider; 0: the world.
+  std::uint32_t solver_index(std::uint32_t collider) const {
+    return solver_bodies->at(colliders->solver_slot[collider]);
+  }
+  // Null unless the solver body is a body on a joint with uneven moments of inertia.
+  JointedBody* uneven(std::uint32_t index) const {
+    return index < jointed.size() && jointed[index].uneven ? &jointed[index] : nullptr;
   }
 
   Contacts* contacts = nullptr;  // active ones are solved; impulses are read and written
   const Colliders* colliders = nullptr;
-  Movers* movers = nullptr;
+  SolverBodies* solver_bodies = nullptr;
   std::span<SolverJoint> joints;
   std::span<JointedBody> jointed;  // by solver index, of bodies; empty without joints
 };
 
-// Called by the rigid system's rows. Movers [1, free_movers) are rigid bodies; those beyond were advanced by their
-// owners (net points): their velocity is already integrated, and `moved` is where they were before this substep.
+// Called by the rigid system's passes. Rigid bodies come first; solver bodies behind them were advanced by their owners
+// (net points): their velocity is already integrated, and delta_position is where they were before this substep.
 class RigidSolver {
  public:
   virtual ~RigidSolver() = default;
   virtual void prepare(const SolverInput& in, StepContext& c) = 0;  // once, before the first substep
-  virtual void solve(const SolverInput& in,
-                     StepContext& c) = 0;  // each substep: velocities in, velocities and moved/rotation out
+  // Each substep: velocities in; velocities, displacements and rotations out.
+  virtual void solve(const SolverInput& in, StepContext& c) = 0;
   virtual void finish(const SolverInput& in, StepContext& c) = 0;  // once: restitution, impulses stored
   virtual std::uint64_t capped() const { return 0; }  // times an iteration limit was reached in the last step
 };

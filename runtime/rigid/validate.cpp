@@ -1,34 +1,34 @@
 // What holds of bodies and joints after each step, asserted where asserts are on (feder/error.h): bodies, colliders and
-// objects know each other, sleeping islands are rings whose members sleep, joints follow their bodies' types, movers
-// lie where their bodies look for them, and the numbers of bodies that the solver moves are finite.
+// objects know each other, sleeping islands are rings whose members sleep, joints follow their bodies' types, solver
+// bodies lie where their bodies look for them, and the numbers of bodies that the solver moves are finite.
 #include "base/hash.h"
 #include "rigid/impl.h"
 
 namespace feder {
 
-// Between gather and commit: the mover of the body at place p is p + 1, and what couplings appended lies behind.
+// Between gather and commit: the solver body of the body at place p is p + 1, and what couplings appended lies behind.
 void Rigid::Impl::check_gathered() const {
-  FEDER_ASSERT(movers.state.size() == movers.mass.size() && movers.state.size() > moving.size());
+  FEDER_ASSERT(solver_bodies.state.size() == solver_bodies.mass.size() && solver_bodies.state.size() > moving.size());
   for (std::uint32_t p = 0; p < moving.size(); ++p) {
     FEDER_ASSERT(p == 0 || moving[p - 1] < moving[p]);
-    FEDER_ASSERT(movers.solver[bodies.mover[moving[p]]] == p + 1);
-    FEDER_ASSERT(is_unit(movers.state[p + 1].rotation));
+    FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[moving[p]]] == p + 1);
+    FEDER_ASSERT(is_unit(solver_bodies.state[p + 1].rotation));
   }
-  for (const std::uint32_t index : movers.solver) FEDER_ASSERT(index < movers.state.size());
-  const MoverMass& world = movers.mass[0];
+  for (const std::uint32_t index : solver_bodies.index) FEDER_ASSERT(index < solver_bodies.state.size());
+  const SolverMass& world = solver_bodies.mass[0];
   FEDER_ASSERT(world.inv_mass == 0 && world.inv_inertia.isZero(0));
   for (const SolverJoint& j : joints) {
     if (!j.active) continue;
-    FEDER_ASSERT(j.kind && (j.mover_a != kNone || j.mover_b != kNone) && j.mover_a != j.mover_b);
-    FEDER_ASSERT(j.mover_a == kNone || j.mover_a < movers.solver.size());
-    FEDER_ASSERT(j.mover_b == kNone || j.mover_b < movers.solver.size());
+    FEDER_ASSERT(j.kind && (j.slot_a != kNone || j.slot_b != kNone) && j.slot_a != j.slot_b);
+    FEDER_ASSERT(j.slot_a == kNone || j.slot_a < solver_bodies.index.size());
+    FEDER_ASSERT(j.slot_b == kNone || j.slot_b < solver_bodies.index.size());
   }
 }
 
 void Rigid::Impl::check_body(std::uint32_t i) const {
   FEDER_ASSERT(objects.alive(bodies.object[i]) && objects.kind(bodies.object[i]) == kBodyKind);
   FEDER_ASSERT(objects.index(bodies.object[i]) == i);
-  FEDER_ASSERT(bodies.mover[i] < movers.solver.size());
+  FEDER_ASSERT(bodies.solver_slot[i] < solver_bodies.index.size());
   FEDER_ASSERT(is_unit(bodies.rotation[i]));
   const bool dynamic = bodies.type[i] == BodyType::dynamic;
   FEDER_ASSERT(dynamic == (bodies.inv_mass[i] > 0));
@@ -61,7 +61,7 @@ std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
     FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion);
     FEDER_ASSERT(colliders.owner[k] == ColliderOwner::body && colliders.owner_index[k] == i);
     FEDER_ASSERT(colliders.object[k] == bodies.object[i]);
-    FEDER_ASSERT(colliders.mover[k] == (fixed ? kNone : bodies.mover[i]));
+    FEDER_ASSERT(colliders.solver_slot[k] == (fixed ? kNone : bodies.solver_slot[i]));
     FEDER_ASSERT(!dynamic || colliders.awake[k] == bodies.awake[i]);
     ++count;
     FEDER_ASSERT(count <= colliders.size());  // the list ends
@@ -90,17 +90,17 @@ void Rigid::Impl::check_joint(std::uint32_t j) const {
   FEDER_ASSERT(objects.alive(r.object) && objects.index(r.object) == j);
   FEDER_ASSERT(s.kind == &joint_kinds()[r.kind] && s.rows <= kMaxJointRows);
   FEDER_ASSERT(r.body_a != r.body_b && !(r.break_force <= 0));
-  const auto side = [&](ObjectId object, std::uint32_t body, std::uint32_t mover) {
+  const auto side = [&](ObjectId object, std::uint32_t body, std::uint32_t slot) {
     FEDER_ASSERT((body == kNone) == !object);
     if (body == kNone) {
-      FEDER_ASSERT(mover == kNone);
+      FEDER_ASSERT(slot == kNone);
       return;
     }
     FEDER_ASSERT(body < bodies.size() && bodies.object[body] == object);
-    FEDER_ASSERT(mover == (bodies.type[body] == BodyType::fixed ? kNone : bodies.mover[body]));
+    FEDER_ASSERT(slot == (bodies.type[body] == BodyType::fixed ? kNone : bodies.solver_slot[body]));
   };
-  side(r.a, r.body_a, s.mover_a);
-  side(r.b, r.body_b, s.mover_b);
+  side(r.a, r.body_a, s.slot_a);
+  side(r.b, r.body_b, s.slot_b);
 }
 
 // Lists and counts that follow from bodies and joints.

@@ -45,9 +45,9 @@ void Rigid::Impl::measure_pace(const StepContext& c) {
 
 // Weight, scripts and generators: J, at most, on one body in this step.
 double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
-  const std::uint32_t p = movers.solver[bodies.mover[i]] - 1;
+  const std::uint32_t p = solver_bodies.index[bodies.solver_slot[i]] - 1;
   FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
-  const MoverState& s = movers.state[p + 1];
+  const SolverBody& s = solver_bodies.state[p + 1];
   const double way = number(length(s.moved)), dt = number(c.dt);
   const double turn = dt * number(length(bodies.angular_velocity[i])) +
                       dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
@@ -59,8 +59,8 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
     if (!acts_on(f, bodies.object[i], objects.tags(bodies.object[i]))) continue;
     double potential[2], push = 0;
     for (int end = 0; end < 2; ++end) {
-      MassPoint point{movers.mass[p + 1].center, colliders.velocity[bodies.first_collider[i]], bodies.mass[i], area[i],
-                      volume[i]};
+      MassPoint point{solver_bodies.mass[p + 1].center, colliders.velocity[bodies.first_collider[i]], bodies.mass[i],
+                      area[i], volume[i]};
       if (end) point.position = bodies.position[i], point.velocity = bodies.velocity[i];
       Vec3 force = Vec3::Zero();
       potential[end] = f.force->potential(&point, 1);
@@ -131,13 +131,13 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
 // J
 double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext& c) {
   const JointRecord& r = records[j];
-  const auto start = [&](std::uint32_t i, std::uint32_t mover) {
-    if (mover == kNone || i == kNone) return Pose{};
-    const MoverMass& m = movers.mass[movers.solver[mover]];
-    return movers.solver[mover] == 0 ? bodies.com_pose(i) : Pose{m.center, m.start_rotation};
+  const auto start = [&](std::uint32_t i, std::uint32_t slot) {
+    if (slot == kNone || i == kNone) return Pose{};
+    const SolverMass& m = solver_bodies.mass[solver_bodies.index[slot]];
+    return solver_bodies.index[slot] == 0 ? bodies.com_pose(i) : Pose{m.center, m.start_rotation};
   };
   JointInput in = joint_input(j);
-  in.a = start(r.body_a, joints[j].mover_a), in.b = start(r.body_b, joints[j].mover_b);
+  in.a = start(r.body_a, joints[j].slot_a), in.b = start(r.body_b, joints[j].slot_b);
   rows.clear(), blocks.clear();
   RowWriter writer(rows, blocks);
   writer.start(in, j);
@@ -193,9 +193,9 @@ void Rigid::Impl::account(const StepContext& c) {
   for (const std::uint32_t i : moving)
     island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
   for (const std::uint32_t i : moving) {
-    if (bodies.type[i] != BodyType::dynamic || movers.solver[bodies.mover[i]] == 0) continue;
+    if (bodies.type[i] != BodyType::dynamic || solver_bodies.index[bodies.solver_slot[i]] == 0) continue;
     const std::uint32_t at = root(i), k = bodies.first_collider[i];
-    const MoverMass& m = movers.mass[movers.solver[bodies.mover[i]]];
+    const SolverMass& m = solver_bodies.mass[solver_bodies.index[bodies.solver_slot[i]]];
     island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
     island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
     island_given[at] += work_on(i, c);

@@ -110,7 +110,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
     p.radius[at] = desc.radius;
     p.net[at] = n->object;
     p.script_force[at] = Vec3::Zero();
-    p.collider[at] = p.mover[at] = kNone;
+    p.collider[at] = p.solver_slot[at] = kNone;
   }
   n->list_edges();
   m.nets.push_back(std::move(n));
@@ -124,8 +124,8 @@ void Springs::destroy_net(ObjectId id, std::string where) {
   const std::uint32_t place = m.objects.index(id);
   const std::uint32_t first = m.nets[place]->first, count = m.nets[place]->points;
   for (std::uint32_t i = first; i < first + count; ++i)
-    if (m.particles.collider[i] != kNone || m.particles.mover[i] != kNone)
-      m.removed.push_back({m.particles.collider[i], m.particles.mover[i]});
+    if (m.particles.collider[i] != kNone || m.particles.solver_slot[i] != kNone)
+      m.removed.push_back({m.particles.collider[i], m.particles.solver_slot[i]});
 
   // later points, nets and attachments move down
   Particles::each_array(m.particles,

@@ -3,7 +3,7 @@
 // numbers of nets that are not quarantined are finite. The kernels' layout is checked when it is built.
 #include "springs/impl.h"
 #include "state/colliders.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -48,13 +48,13 @@ void Springs::Impl::check_points(const Net& n) const {
 
 void Springs::Impl::check_colliders() const {
   const Colliders* c = store.find<Colliders>();
-  const Movers* m = store.find<Movers>();
+  const SolverBodies* m = store.find<SolverBodies>();
   for (std::uint32_t i = 0; i < particles.size(); ++i) {
-    const std::uint32_t k = particles.collider[i], mover = particles.mover[i];
-    FEDER_ASSERT(mover == kNone || (m && mover < m->solver.size()));
+    const std::uint32_t k = particles.collider[i], slot = particles.solver_slot[i];
+    FEDER_ASSERT(slot == kNone || (m && slot < m->index.size()));
     if (k == kNone) continue;
     FEDER_ASSERT(c && k < c->size() && c->motion[k] != ColliderMotion::none);
-    FEDER_ASSERT(c->owner[k] == ColliderOwner::point && c->owner_index[k] == i && c->mover[k] == mover);
+    FEDER_ASSERT(c->owner[k] == ColliderOwner::point && c->owner_index[k] == i && c->solver_slot[k] == slot);
     FEDER_ASSERT(c->object[k] == particles.net[i]);
   }
 }

@@ -13,7 +13,7 @@ void each_array(B& b, F&& f) {
   f(b.type), f(b.awake), f(b.can_sleep), f(b.bullet), f(b.lock), f(b.object), f(b.position), f(b.rotation);
   f(b.velocity), f(b.angular_velocity), f(b.local_com), f(b.mass), f(b.inv_mass), f(b.inertia), f(b.inv_inertia);
   f(b.force), f(b.torque), f(b.gravity_scale), f(b.linear_damping), f(b.angular_damping), f(b.extent), f(b.target);
-  f(b.has_target), f(b.sleep_energy), f(b.island), f(b.first_collider), f(b.mover);
+  f(b.has_target), f(b.sleep_energy), f(b.island), f(b.first_collider), f(b.solver_slot);
 }
 
 }  // namespace
@@ -22,7 +22,7 @@ Bodies::Bodies(Arena& a)
     : type(&a), awake(&a), can_sleep(&a), bullet(&a), lock(&a), object(&a), position(&a), rotation(&a), velocity(&a),
       angular_velocity(&a), local_com(&a), mass(&a), inv_mass(&a), inertia(&a), inv_inertia(&a), force(&a), torque(&a),
       gravity_scale(&a), linear_damping(&a), angular_damping(&a), extent(&a), target(&a), has_target(&a),
-      sleep_energy(&a), island(&a), first_collider(&a), mover(&a), free_list(&a) {}
+      sleep_energy(&a), island(&a), first_collider(&a), solver_slot(&a), free_list(&a) {}
 
 std::uint32_t Bodies::add() {
   std::uint32_t i;
@@ -44,7 +44,7 @@ std::uint32_t Bodies::add() {
   inertia[i] = inv_inertia[i] = Mat3::Zero();
   gravity_scale[i] = 1;
   target[i] = Pose{};
-  island[i] = first_collider[i] = mover[i] = kNone;
+  island[i] = first_collider[i] = solver_slot[i] = kNone;
   return i;
 }
 

@@ -35,7 +35,7 @@ struct Bodies {
   Array<Real> sleep_energy;             // moving average of kinetic energy per mass, m^2/s^2
   Array<std::uint32_t> island;          // island of a sleeping body (kNone when awake)
   Array<std::uint32_t> first_collider;  // head of the list through Colliders::next_of_body
-  Array<std::uint32_t> mover;           // place in Movers
+  Array<std::uint32_t> solver_slot;     // slot in SolverBodies
   Array<std::uint32_t> free_list;
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(type.size()); }

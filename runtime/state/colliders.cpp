@@ -10,7 +10,8 @@ namespace {
 // Every plain array of the block, in one place, for add, save and load.
 template <class C, class F>
 void each_array(C& c, F&& f) {
-  f(c.motion), f(c.awake), f(c.sensor), f(c.bullet), f(c.owner), f(c.owner_index), f(c.mover), f(c.object), f(c.sub);
+  f(c.motion), f(c.awake), f(c.sensor), f(c.bullet), f(c.owner), f(c.owner_index), f(c.solver_slot), f(c.object),
+      f(c.sub);
   f(c.next_of_body), f(c.local), f(c.pose), f(c.box), f(c.center), f(c.velocity), f(c.angular_velocity);
   f(c.friction_static), f(c.friction_dynamic), f(c.restitution), f(c.rolling_friction), f(c.surface_velocity);
   f(c.material), f(c.group), f(c.mask);
@@ -34,7 +35,7 @@ std::uint32_t Colliders::add() {
   awake[i] = sensor[i] = bullet[i] = 0;
   shape[i] = nullptr;
   owner[i] = ColliderOwner::body;
-  owner_index[i] = mover[i] = next_of_body[i] = kNone;
+  owner_index[i] = solver_slot[i] = next_of_body[i] = kNone;
   object[i] = {};
   sub[i] = 0;
   local[i] = pose[i] = Pose{};

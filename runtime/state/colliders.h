@@ -17,10 +17,10 @@ enum class ColliderMotion : std::uint8_t { none, fixed, kinematic, dynamic };  /
 
 struct Colliders {
   explicit Colliders(Arena& a)
-      : motion(&a), awake(&a), sensor(&a), bullet(&a), shape(&a), owner(&a), owner_index(&a), mover(&a), object(&a),
-        sub(&a), next_of_body(&a), local(&a), pose(&a), box(&a), center(&a), velocity(&a), angular_velocity(&a),
-        friction_static(&a), friction_dynamic(&a), restitution(&a), rolling_friction(&a), surface_velocity(&a),
-        material(&a), group(&a), mask(&a), free_list(&a), changed(&a), shapes(&a) {}
+      : motion(&a), awake(&a), sensor(&a), bullet(&a), shape(&a), owner(&a), owner_index(&a), solver_slot(&a),
+        object(&a), sub(&a), next_of_body(&a), local(&a), pose(&a), box(&a), center(&a), velocity(&a),
+        angular_velocity(&a), friction_static(&a), friction_dynamic(&a), restitution(&a), rolling_friction(&a),
+        surface_velocity(&a), material(&a), group(&a), mask(&a), free_list(&a), changed(&a), shapes(&a) {}
 
   Array<ColliderMotion> motion;
   Array<std::uint8_t> awake;  // owner awake (kinematic: moving)
@@ -29,7 +29,7 @@ struct Colliders {
   Array<const Shape*> shape;  // kept alive by `shapes`
   Array<ColliderOwner> owner;
   Array<std::uint32_t> owner_index;   // body index, or particle index
-  Array<std::uint32_t> mover;         // place in Movers; kNone for fixed
+  Array<std::uint32_t> solver_slot;   // slot in SolverBodies; kNone for fixed
   Array<ObjectId> object;             // reported in events
   Array<std::uint32_t> sub;           // point number within the object (nets), else 0
   Array<std::uint32_t> next_of_body;  // next collider of the same body

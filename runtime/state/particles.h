@@ -10,20 +10,20 @@ namespace feder {
 struct Particles {
   explicit Particles(Arena& a)
       : position(&a), position_low(&a), velocity(&a), start(&a), mass(&a), inertia(&a), inv_mass(&a), radius(&a),
-        net(&a), script_force(&a), collider(&a), mover(&a) {}
+        net(&a), script_force(&a), collider(&a), solver_slot(&a) {}
 
-  Array<Vec3> position;           // m, world
-  Array<Vec3> position_low;       // what rounding left of it (base/compensated.h), m
-  Array<Vec3> velocity;           // m/s
-  Array<Vec3> start;              // position at the start of the step, m
-  Array<Real> mass;               // kg
-  Array<Real> inertia;            // kg; mass, plus what the point carries while couple lets the integrators run
-  Array<Real> inv_mass;           // 1/inertia, 1/kg; 0 = pinned
-  Array<Real> radius;             // m; 0 = does not collide
-  Array<ObjectId> net;            // owner
-  Array<Vec3> script_force;       // N
-  Array<std::uint32_t> collider;  // in Colliders, kNone while nothing collides; kept by couple
-  Array<std::uint32_t> mover;     // in Movers, likewise
+  Array<Vec3> position;              // m, world
+  Array<Vec3> position_low;          // what rounding left of it (base/compensated.h), m
+  Array<Vec3> velocity;              // m/s
+  Array<Vec3> start;                 // position at the start of the step, m
+  Array<Real> mass;                  // kg
+  Array<Real> inertia;               // kg; mass, plus what the point carries while couple lets the integrators run
+  Array<Real> inv_mass;              // 1/inertia, 1/kg; 0 = pinned
+  Array<Real> radius;                // m; 0 = does not collide
+  Array<ObjectId> net;               // owner
+  Array<Vec3> script_force;          // N
+  Array<std::uint32_t> collider;     // in Colliders, kNone while nothing collides; kept by couple
+  Array<std::uint32_t> solver_slot;  // in SolverBodies, likewise
   std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
 
   // Whoever changes a position does it by one of these.
@@ -35,7 +35,7 @@ struct Particles {
   static void each_array(P& p, F&& f) {
     f(p.position), f(p.position_low), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius),
         f(p.net), f(p.script_force);
-    f(p.collider), f(p.mover);
+    f(p.collider), f(p.solver_slot);
   }
 };
 

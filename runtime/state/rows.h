@@ -1,12 +1,12 @@
 // Constraint rows: the contract between joints (who fill them) and solvers (who read them). A block is up to six
-// rows between two movers that are solved together; a row with bounds that can become active must stand alone.
+// rows between two solver bodies that are solved together; a row with bounds that can become active must stand alone.
 #pragma once
 #include "feder/memory.h"
 #include "feder/types.h"
 
 namespace feder {
 
-// One scalar constraint C(x) between mover a and mover b.
+// One scalar constraint C(x) between solver body a and solver body b.
 //   dC/dt = linear . (v_b - v_a) + angular_b . w_b + angular_a . w_a
 struct Row {
   Vec3 linear = Vec3::Zero();
@@ -23,7 +23,7 @@ struct Row {
 };
 
 struct RowBlock {
-  std::uint32_t mover_a = 0, mover_b = 0;  // solver indices (0 = world)
+  std::uint32_t index_a = 0, index_b = 0;  // solver indices (0 = world)
   std::uint32_t first = 0;                 // in Rows::rows
   std::uint16_t count = 0;                 // rows solved together, at most 6
   std::uint32_t joint = kNone;

@@ -13,7 +13,7 @@
 #include "feder/object.h"
 #include "feder/types.h"
 #include "state/bodies.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 
 namespace feder {
 
@@ -55,17 +55,17 @@ struct Surface {
   std::uint32_t loop = 0;  // its group, in Surfaces::groups
 };
 
-// What one row of contact or closeness pushes: up to four points by weight, and a mover.
-//   C = offset + normal . (sum weight d - displacement of the mover's point)  >= 0
+// What one row of contact or closeness pushes: up to four points by weight, and a solver body.
+//   C = offset + normal . (sum weight d - displacement of the solver body's point)  >= 0
 // with d the displacement of a point since the start of the step.
 struct SurfaceRow {
   std::uint32_t vertex[4] = {};
-  Real weight[4] = {};         // 0: unused
-  Vec3 normal = Vec3::Zero();  // unit; from the mover, or from the negative weights, to the positive ones
-  Real offset = 0;             // m
-  std::uint32_t mover = 0;     // solver index; 0: nothing that moves
-  Vec3 arm = Vec3::Zero();     // from the mover's centre of mass to the point, m
-  Vec3 slide = Vec3::Zero();   // velocity of the surface beside that of the mover (conveyor), m/s
+  Real weight[4] = {};             // 0: unused
+  Vec3 normal = Vec3::Zero();      // unit; from the solver body, or from the negative weights, to the positive ones
+  Real offset = 0;                 // m
+  std::uint32_t solver_index = 0;  // solver index; 0: nothing that moves
+  Vec3 arm = Vec3::Zero();         // from the solver body's centre of mass to the point, m
+  Vec3 slide = Vec3::Zero();       // velocity of the surface beside that of the solver body (conveyor), m/s
   Real friction = 0;
   Real relaxation = 1;          // of the correction
   std::uint32_t touch = kNone;  // who owns it, for its maker
@@ -76,10 +76,10 @@ struct SurfaceRow {
   Real approach = 0;  // closing speed before the first push of the substep, m/s
 };
 
-// A point held at a point of a mover: all three components.
+// A point held at a point of a solver body: all three components.
 struct SurfaceHold {
   std::uint32_t vertex = 0;
-  std::uint32_t mover = 0;
+  std::uint32_t solver_index = 0;
   Vec3 arm = Vec3::Zero();    // m
   Vec3 error = Vec3::Zero();  // vertex minus point at the start of the substep, less d then, m
 };
@@ -97,7 +97,7 @@ struct SurfacePair {
 // Surfaces that share their solver substeps: what one of them does in a substep may reach the others within it. Each
 // group runs its whole loop before the next.
 struct SurfaceGroup {
-  explicit SurfaceGroup(Arena& a) : members(&a), rows(&a), near_rows(&a), holds(&a), named(&a), movers(&a) {}
+  explicit SurfaceGroup(Arena& a) : members(&a), rows(&a), near_rows(&a), holds(&a), named(&a), solver_indices(&a) {}
 
   // of a step
   Array<std::uint32_t> members;  // in Surfaces::list, ascending; the first names the group
@@ -107,24 +107,24 @@ struct SurfaceGroup {
   Array<SurfaceRow> rows;       // of couplings
   Array<SurfaceRow> near_rows;  // of surface against surface
   Array<SurfaceHold> holds;
-  Array<std::uint32_t> named;   // solver indices of what they may touch or hang on, by couplings
-  Array<std::uint32_t> movers;  // the same, each once
-  bool crowded = false;         // surface touches surface in this substep
+  Array<std::uint32_t> named;           // solver indices of what they may touch or hang on, by couplings
+  Array<std::uint32_t> solver_indices;  // the same, each once
+  bool crowded = false;                 // surface touches surface in this substep
 
   void begin() {  // of a step
     members.clear(), rows.clear(), near_rows.clear(), holds.clear(), named.clear();
     steps = 0, step = 0, crowded = false;
   }
   bool touches() const { return !rows.empty() || !holds.empty() || !near_rows.empty(); }
-  void use_mover(std::uint32_t solver) {  // its rows may name it in this substep; 0: nothing
-    if (solver != 0) named.push_back(solver);
+  void use_body(std::uint32_t solver_index) {  // its rows may name it in this substep; 0: nothing
+    if (solver_index != 0) named.push_back(solver_index);
   }
 };
 
 struct Surfaces {
   explicit Surfaces(Arena& a)
       : arena(a), list(&a), position(&a), mass(&a), moved(&a), before(&a), speed(&a), pairs(&a), connections(&a),
-        wakes(&a), anchors(&a), carried(&a), mover_shift(&a), mover_turn(&a) {}
+        wakes(&a), anchors(&a), carried(&a), body_delta_position(&a), body_delta_rotation(&a) {}
 
   Arena& arena;
   Array<Surface> list;  // of this step
@@ -138,9 +138,9 @@ struct Surfaces {
   std::vector<std::unique_ptr<SurfaceGroup>> groups;
   std::size_t group_count = 0;
   // What connects surfaces beside closeness, told by couplings before Rank::surface_groups: a surface and a dynamic
-  // mover, or, with mover 0, two surfaces.
+  // solver body, or, with solver body 0, two surfaces.
   struct Connection {
-    std::uint32_t a = 0, b = 0, mover = 0;
+    std::uint32_t a = 0, b = 0, solver_index = 0;
   };
   Array<Connection> connections;
   // Sleepers that contact wants awake; their owners read it behind Rank::surface_events, and before the plan.
@@ -163,9 +163,9 @@ struct Surfaces {
   Array<Carried> carried;
   std::uint64_t row_updates = 0;  // of the last step: elements, contacts and holds by solver substeps
 
-  // By mover: what it has done since the start of the substep, as the running group sees it.
-  Movers* movers = nullptr;             // null: nothing moves beside surfaces
-  Array<Vec3> mover_shift, mover_turn;  // m, rad
+  // By solver index: what it has done since the start of the substep, as the running group sees it.
+  SolverBodies* solver_bodies = nullptr;                 // null: nothing moves beside surfaces
+  Array<Vec3> body_delta_position, body_delta_rotation;  // m, rad
 
   // Who has surfaces, told when that changes: contact has passes where two things may meet, where one of them takes
   // its substeps in the loop (cloth) or touches itself, and where one has faces that a body may meet.
@@ -226,27 +226,27 @@ struct Surfaces {
   void clear_rows() {  // and holds, of all groups
     for (auto& g : groups) g->rows.clear(), g->holds.clear();
   }
-  Vec3 mover_displacement(std::uint32_t m, const Vec3& arm) const {
-    FEDER_ASSERT(m < mover_shift.size());
-    return mover_shift[m] + cross(mover_turn[m], arm);
+  Vec3 body_displacement(std::uint32_t m, const Vec3& arm) const {
+    FEDER_ASSERT(m < body_delta_position.size());
+    return body_delta_position[m] + cross(body_delta_rotation[m], arm);
   }
   // Change of velocity along n at `arm` per impulse there, 1/kg.
-  Real mover_response(std::uint32_t m, const Vec3& arm, const Vec3& n) const {
+  Real body_response(std::uint32_t m, const Vec3& arm, const Vec3& n) const {
     if (m == 0) return 0;
-    FEDER_ASSERT(movers && m < movers->mass.size());
-    const MoverMass& mm = movers->mass[m];
+    FEDER_ASSERT(solver_bodies && m < solver_bodies->mass.size());
+    const SolverMass& mm = solver_bodies->mass[m];
     const Vec3 turn = cross(arm, n);
     return dot(n, mm.inv_mass_axes.cwiseProduct(n)) + dot(turn, mm.inv_inertia * turn);
   }
   // By displacement: correction in kg m, within a solver substep of h.
-  void push_mover(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
+  void push_body(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
     if (m == 0) return;
     FEDER_ASSERT(h > 0);
-    const MoverMass& mm = movers->mass[m];
-    MoverState& state = movers->state[m];
+    const SolverMass& mm = solver_bodies->mass[m];
+    SolverBody& state = solver_bodies->state[m];
     const Vec3 shift = mm.inv_mass_axes.cwiseProduct(correction), turn = mm.inv_inertia * cross(arm, correction);
-    mover_shift[m] += shift;
-    mover_turn[m] += turn;
+    body_delta_position[m] += shift;
+    body_delta_rotation[m] += turn;
     state.velocity += shift / h;
     state.angular_velocity += turn / h;
   }

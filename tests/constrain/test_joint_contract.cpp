@@ -51,8 +51,8 @@ void random_case(Rng& rng, Real error, Case& c) {
   c.shape.frame_b = {random_vector(rng, 1), turned({}, random_vector(rng, 3))};
   c.in.joint = &c.shape;
   c.in.a = {random_vector(rng, 2), turned({}, random_vector(rng, 3))};
-  c.in.mover_a = 3;
-  c.in.mover_b = 5;
+  c.in.index_a = 3;
+  c.in.index_b = 5;
   const Pose frame = c.in.a * c.shape.frame_a;
   const Quat wanted = turned(frame.rotation, random_vector(rng, error));
   c.in.b.rotation = wanted * conjugate(c.shape.frame_b.rotation);
@@ -159,8 +159,8 @@ TEST_CASE("joint row and block counts depend on the options only", "[constrain][
       CHECK(b.first == next);
       CHECK(b.first_impulse == next);
       CHECK(b.joint == 7);
-      CHECK(b.mover_a == 3);
-      CHECK(b.mover_b == 5);
+      CHECK(b.index_a == 3);
+      CHECK(b.index_b == 5);
       next += b.count;
       // a row with bounds stands alone
       for (std::uint32_t i = 0; b.count > 1 && i < b.count; ++i) {
@@ -235,7 +235,7 @@ TEST_CASE("joints hold to the world", "[constrain][contract]") {
   JointInput in = c.in;
   in.joint = &world_shape;
   in.a = Pose{};
-  in.mover_a = 0;
+  in.index_a = 0;
   const Filled world(kind, in);
   REQUIRE(world.rows.size() == body.rows.size());
   for (std::size_t i = 0; i < body.rows.size(); ++i) {

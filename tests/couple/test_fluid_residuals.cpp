@@ -6,8 +6,8 @@
 #include "couple/fluid_parts.h"
 #include "couple/surface_rigid.h"
 #include "fluid/pool.h"
-#include "state/movers.h"
 #include "state/particles.h"
+#include "state/solver_bodies.h"
 
 using namespace feder;
 
@@ -23,7 +23,7 @@ class Thief final : public System {
     return d;
   }
   explicit Thief(SystemSetup& s)
-      : points(s.store.need<Particles>(Springs::kName)), movers(s.store.need<Movers>(Rigid::kName)) {}
+      : points(s.store.need<Particles>(Springs::kName)), solver_bodies(s.store.need<SolverBodies>(Rigid::kName)) {}
   void add_passes(StepPlan& plan) override {
     plan.add<&Thief::advance>(before(Rank::boundary_weigh), "steal", kName, this);
     plan.add<&Thief::weigh>(after(Rank::boundary_weigh), "steal before faces", kName, this);
@@ -37,7 +37,7 @@ class Thief final : public System {
 
   std::function<void()> in_advance, in_weigh, in_unweigh, in_solve;
   Particles& points;
-  Movers& movers;
+  SolverBodies& solver_bodies;
 
  private:
   void advance(StepContext&) {
@@ -173,7 +173,7 @@ TEST_CASE("an impulse that a sheet gets and the fluid does not is told", "[coupl
   double told = 0;
   const auto run = [&](double by) {
     thief.in_solve = [&thief, by] {
-      if (thief.movers.state.size() > 1) thief.movers.state.back().velocity[0] += static_cast<Real>(by);
+      if (thief.solver_bodies.state.size() > 1) thief.solver_bodies.state.back().velocity[0] += static_cast<Real>(by);
     };
     for (int k = 0; k < 6; ++k) w.step(), told = std::fmax(told, residual(w, "fluid_cloth.impulse_mismatch"));
   };

@@ -8,12 +8,12 @@ using namespace feder;
 
 namespace {
 
-// Bodies and contacts without collision detection: body i is collider i and mover slot i.
+// Bodies and contacts without collision detection: body i is collider i and solver slot i.
 struct Bench {
   Arena arena{"test"};
   Colliders colliders{arena};
   Contacts contacts{arena};
-  Movers movers{arena};
+  SolverBodies solver_bodies{arena};
   StepContext context;
   Params params;
   std::unique_ptr<RigidSolver> solver;
@@ -23,28 +23,28 @@ struct Bench {
 
   explicit Bench(Real h = Real(1) / 240) {
     context.dt = context.h = h;
-    movers.reset();
+    solver_bodies.reset();
   }
   // mass 0: does not move
   std::uint32_t body(Real mass, Real inertia, const Vec3& position, const Vec3& velocity) {
-    const std::uint32_t slot = movers.add(), collider = colliders.add();
-    colliders.mover[collider] = slot;
-    MoverState s;
+    const std::uint32_t slot = solver_bodies.add(), collider = colliders.add();
+    colliders.solver_slot[collider] = slot;
+    SolverBody s;
     s.velocity = velocity;
-    MoverMass m;
+    SolverMass m;
     if (mass > 0) {
       m.inv_mass = 1 / mass;
       m.inv_mass_axes = Vec3::Constant(1 / mass);
       m.inv_inertia = Mat3::Identity() / inertia;
     }
     m.center = position;
-    movers.append(slot, s, m);
+    solver_bodies.append(slot, s, m);
     masses.push_back(mass);
     inertias.push_back(inertia);
     return collider;
   }
-  MoverState& state(std::uint32_t body) { return movers.state[body + 1]; }
-  Vec3 center(std::uint32_t body) { return movers.mass[body + 1].center + state(body).moved; }
+  SolverBody& state(std::uint32_t body) { return solver_bodies.state[body + 1]; }
+  Vec3 center(std::uint32_t body) { return solver_bodies.mass[body + 1].center + state(body).moved; }
   Contact& contact(std::uint32_t a, std::uint32_t b, const Vec3& normal) {
     Contact c;
     c.collider_a = a;
@@ -64,15 +64,15 @@ struct Bench {
   // One step of one substep.
   void step() {
     if (!solver) solver = find_variant(rigid_solvers(), "impulse", "rigid solver").make(arena, params);
-    const SolverInput in{&contacts, &colliders, &movers, {}, {}};
-    for (std::size_t i = 1; i < movers.state.size(); ++i) {
-      movers.mass[i].center += movers.state[i].moved;
-      movers.mass[i].start_rotation = movers.state[i].rotation;
-      movers.state[i].moved = movers.state[i].turned = Vec3::Zero();
+    const SolverInput in{&contacts, &colliders, &solver_bodies, {}, {}};
+    for (std::size_t i = 1; i < solver_bodies.state.size(); ++i) {
+      solver_bodies.mass[i].center += solver_bodies.state[i].moved;
+      solver_bodies.mass[i].start_rotation = solver_bodies.state[i].rotation;
+      solver_bodies.state[i].moved = solver_bodies.state[i].turned = Vec3::Zero();
     }
     solver->prepare(in, context);
-    for (std::size_t i = 1; i < movers.state.size(); ++i)
-      if (movers.mass[i].inv_mass > 0) movers.state[i].velocity += context.h * gravity;
+    for (std::size_t i = 1; i < solver_bodies.state.size(); ++i)
+      if (solver_bodies.mass[i].inv_mass > 0) solver_bodies.state[i].velocity += context.h * gravity;
     solver->solve(in, context);
     solver->finish(in, context);
   }
@@ -140,7 +140,7 @@ TEST_CASE("corner impact with static and dynamic friction follows the closed for
       jy = (1 + e) * 2 / (kyy - mu * kxy);
       jx = -mu * jy;
     }
-    const MoverState& s = bench.state(rod);
+    const SolverBody& s = bench.state(rod);
     CHECK(near(s.velocity, Vec3(Real(1 + jx / m), Real(-2 + jy / m), 0), 20 * kTight));
     CHECK(s.angular_velocity[2] == Approx((rx * jy - ry * jx) / inertia).epsilon(40 * kTight));
   }

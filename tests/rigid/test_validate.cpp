@@ -6,7 +6,7 @@
 #include "feder/world.h"
 #include "state/bodies.h"
 #include "state/colliders.h"
-#include "state/movers.h"
+#include "state/solver_bodies.h"
 #include "support/aborts.h"
 #include "support/catch.h"
 
@@ -64,7 +64,7 @@ TEST_CASE("validate finds bodies that went wrong", "[rigid][validate]") {
   CHECK(found(s.with([&] { s.b().awake[s.low] = 1; })));                 // and so do not all of its island
   CHECK(found(s.with([&] { s.b().island[s.high] = s.high; })));
   CHECK(found(s.with([&] { s.b().type[s.left] = BodyType::kinematic; })));
-  CHECK(found(s.with([&] { s.b().mover[s.left] = 99; })));
+  CHECK(found(s.with([&] { s.b().solver_slot[s.left] = 99; })));
   CHECK(found(s.with([&] { s.b().free_list.push_back(s.left); })));
   CHECK(found(s.with([&] { s.b().mass.pop_back(); })));
   CHECK(found(s.with([&] { s.b().first_collider[s.left] = s.b().first_collider[s.right]; })));
@@ -75,17 +75,17 @@ TEST_CASE("validate finds bodies that went wrong", "[rigid][validate]") {
 }
 
 // The next step finds these before it uses them.
-TEST_CASE("a step finds bodies that share a mover", "[rigid][validate]") {
+TEST_CASE("a step finds bodies that share a solver slot", "[rigid][validate]") {
   if constexpr (!kAsserts) return;
   Scene s;
   CHECK(failed_assert([&] { s.world.step(); }).empty());
-  CHECK_THAT(failed_assert([&] { s.b().mover[s.left] = s.b().mover[s.right], s.world.step(); }),
+  CHECK_THAT(failed_assert([&] { s.b().solver_slot[s.left] = s.b().solver_slot[s.right], s.world.step(); }),
              Catch::Contains("rigid/rows.cpp"));
   CHECK_THAT(failed_assert([&] {
-               s.world.store().get<Movers>().free_list.push_back(s.b().mover[s.left]);
+               s.world.store().get<SolverBodies>().free_list.push_back(s.b().solver_slot[s.left]);
                BodyDesc d;
                d.shape = make_box(1, 1, 1), d.position = Vec3(0, 20, 0);
                s.rigid.add_body(d);
              }),
-             Catch::Contains("state/movers.h"));
+             Catch::Contains("state/solver_bodies.h"));
 }

@@ -129,11 +129,12 @@ class Springs final : public System {
   // What points that are gone had in the arrays of others. The coupling that gave it takes it back, and empties the
   // list, before the next plan.
   struct Removed {
-    std::uint32_t collider, mover;  // kNone: had none
+    std::uint32_t collider, solver_slot;  // kNone: had none
   };
   std::vector<Removed>& removed();
 
-  // Point `i` is held at `local` of a mover (a body); used by couple and the binding. Kept by couple/springs_rigid.
+  // Point `i` is held at `local` of a solver body (a body); used by couple and the binding. Kept by
+  // couple/springs_rigid.
   struct Attachment {
     ObjectId net, body;
     std::uint32_t point = 0;    // particle index in Particles

@@ -61,7 +61,7 @@ enum class Rank : std::uint8_t {
   cloth_particles,
   cloth_forces,
   net_coast,
-  surface_movers,
+  surface_start,
   surface_refresh,  // surface substeps
   surface_near,
   cloth_integrate,
