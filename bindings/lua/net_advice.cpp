@@ -49,7 +49,7 @@ std::string plain_method(const NetAdvice& a, int substeps, int& needed) {
     Arena arena("advice");
     const IntegratorInfo info = v.make(arena, Params())->info();
     if (!info.symplectic || info.implicit || info.evals_per_step != 1) continue;
-    const double count = std::ceil(a.h * a.frequency * substeps / (NetAdvice::kSafeReach * info.stability_limit));
+    const double count = std::ceil(a.h * a.frequency * substeps / (NetAdvice::kSafeShare * info.stability_limit));
     needed = count <= kMostSubsteps ? std::max(1, static_cast<int>(count)) : 0;
     return needed > 0 ? v.name : "";
   }
@@ -85,7 +85,7 @@ std::string remedy(const AdviceRow& row, int substeps) {
 std::string sentence(const AdviceRow& row, int substeps) {
   const NetAdvice& a = row.numbers;
   const IntegratorInfo& m = a.method;
-  const std::string who = row.object + " with " + a.integrator, hw = "h w up to " + number(a.reach);
+  const std::string who = row.object + " with " + a.integrator, hw = "h w up to " + number(a.stability_number);
   if (a.never_stable)
     return who + " blows up where nothing damps: the method has no stable step; " + remedy(row, substeps);
   if (!a.stable)
@@ -129,7 +129,7 @@ std::vector<Advice> advise_nets(World& world) {
                      {"error_class", error},
                      {"limit", a.method.stability_limit},
                      {"h", a.h},
-                     {"hw", a.reach},
+                     {"hw", a.stability_number},
                      {"frequency", a.frequency},
                      {"decay", a.decay},
                      {"error", a.error},

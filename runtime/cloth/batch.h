@@ -44,9 +44,9 @@ struct ClothPass {
   HingeBatch* hinges;
   HingeDamping* damping;
   TieBatch* ties;
-  unsigned first, last;    // range of batches
-  WideReal* moved;         // Row4 as four numbers each
-  const WideReal* before;  // likewise, where the small step began
+  unsigned first, last;      // range of batches
+  WideReal* delta_position;  // Row4 as four numbers each
+  const WideReal* before;    // likewise, where the small step began
   WideReal* speed;
   WideReal inv_h2;        // 1/h^2 of the small step
   WideReal h;             // s, of the small step

@@ -152,7 +152,7 @@ ClothPass ClothBatches::pass(const ClothView& v, Real h) {
   FEDER_ASSERT(h > 0);
   ClothPass p{};
   p.links = links_.data(), p.hinges = hinges_.data();
-  p.moved = &v.moved->x, p.before = &v.before->x, p.speed = &v.speed->x;
+  p.delta_position = &v.delta_position->x, p.before = &v.before->x, p.speed = &v.speed->x;
   p.h = h;
   return p;
 }

@@ -102,7 +102,7 @@ Cloth::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), vertices(s.store.need<ClothVertices>(kName)), store(s.store),
       watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
       structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
-      surfaces(s.store.need<Surfaces>("contact")), moved(surfaces.moved), before(surfaces.before),
+      surfaces(s.store.need<Surfaces>("contact")), delta_position(surfaces.delta_position), before(surfaces.before),
       speed(surfaces.speed), acceleration(&arena), force(&arena), points(&arena), marks(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {

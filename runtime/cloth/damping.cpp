@@ -55,7 +55,7 @@ DampingStage DampingStages::next() {
 int DampingStages::needed(double z, int most) {
   int s = std::max(1, static_cast<int>(std::sqrt(std::fmin(z, 1e12) / 1.4)));  // reach is 1.33 s^2 for 1, less after
   FEDER_ASSERT(s >= 1 && most >= 1);
-  while (s < most && DampingStages(s).reach() < z) ++s;
+  while (s < most && DampingStages(s).stability_limit() < z) ++s;
   return std::min(s, most);
 }
 
@@ -88,7 +88,7 @@ void ClothBatches::prepare_stages(const ClothView& v) {
 
 double ClothBatches::longest_damping(Real h) const {
   const double rate = bending_ * static_cast<double>(h);
-  return rate > 0 ? DampingStages(kMaxStages).reach() / rate : double(kInfinity);
+  return rate > 0 ? DampingStages(kMaxStages).stability_limit() / rate : double(kInfinity);
 }
 
 void ClothBatches::damp_links(const ClothView& v, Real h, StepContext& c) {
@@ -112,7 +112,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
   FEDER_ASSERT(pushes_.size() == v.total && stage_.size() == v.total && damping_.size() == hinges_.size());
   ClothPass p = pass(v, h);
   p.damping = damping_.data();
-  p.damping_time = static_cast<Real>(double(v.damping) * double(h) * std::fmin(1, stages.reach() / z));
+  p.damping_time = static_cast<Real>(double(v.damping) * double(h) * std::fmin(1, stages.stability_limit() / z));
   p.rates = &v.speed->x, p.pushes = &pushes_[0].x;
   run(kernels_->damp_begin, hinge_colors_, p, c);
   for (int k = 0; k < count; ++k) {
@@ -125,7 +125,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
     const Real mu = static_cast<Real>(s.mu), nu = static_cast<Real>(s.nu), rate = static_cast<Real>(s.rate);
     c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
-        const Vec3 push = v.moved[i].w * pushes_[i].vec();
+        const Vec3 push = v.delta_position[i].w * pushes_[i].vec();
         if (k == 0) {
           first_rate_[i].set(push), last_stage_[i] = Row4{}, stage_[i].set(rate * push);
           continue;

@@ -8,14 +8,14 @@ struct DampingStage {
   double mu = 0, nu = 0, rate = 0;
 };
 
-// The stages one after another, first order, for eigenvalues of A up to `reach`; modes there are left with a third of
-// their size at most.
+// The stages one after another, first order, for eigenvalues of A up to `stability_limit`; modes there are left with a
+// third of their size at most.
 class DampingStages {
  public:
   explicit DampingStages(int count);
-  double reach() const { return (w0_ + 1) / w1_; }
+  double stability_limit() const { return (w0_ + 1) / w1_; }
   DampingStage next();
-  // The fewest stages whose reach is at least z, but no more than `most`.
+  // The fewest stages whose limit is at least z, but no more than `most`.
   static int needed(double z, int most);
 
  private:

@@ -196,13 +196,13 @@ Cloth::Info Cloth::info(std::size_t n) const {
           s.settings.group,
           s.settings.mask,
           !s.active(),
-          s.active() && s.state.calm_steps == 0};
+          s.active() && s.state.sleep_steps == 0};
 }
 
 const ClothVertices& Cloth::vertices() const { return impl_->vertices; }
 void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
   FEDER_ASSERT(!(acceleration < 0 || speed < 0));
-  impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->strike = speed;
+  impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->approach_speed = speed;
 }
 void Cloth::set_load(std::size_t n, Real mass) {
   FEDER_ASSERT(n < impl_->sheets.size() && !(mass < 0));
@@ -210,8 +210,8 @@ void Cloth::set_load(std::size_t n, Real mass) {
 }
 Real Cloth::load(std::size_t n) const { return impl_->sheets[n]->state.load; }
 void Cloth::push(std::uint32_t i, const Vec3& p) {
-  FEDER_ASSERT(impl_->sheet_of(i).active() || impl_->moved[i].w == 0);
-  impl_->speed[i].add(impl_->moved[i].w * p);
+  FEDER_ASSERT(impl_->sheet_of(i).active() || impl_->delta_position[i].w == 0);
+  impl_->speed[i].add(impl_->delta_position[i].w * p);
 }
 
 }  // namespace feder

@@ -33,7 +33,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
         if (points.empty())
           for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
             const Real area = vertices.mass[i] / s.settings.area_density;
-            points.push_back({vertices.position[i] + moved[i].vec(), speed[i].vec(), vertices.mass[i], area,
+            points.push_back({vertices.position[i] + delta_position[i].vec(), speed[i].vec(), vertices.mass[i], area,
                               area * s.settings.thickness, share * vertices.mass[i]});
           }
         FEDER_ASSERT(points.size() == s.points);  // work memory that wind uses, too
@@ -44,7 +44,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
     if (!blown && s.settings.wind && air_density > 0) add_still_air(s, c.h);
     Vec3 sum = g * s.mass;
     for (std::uint32_t i = 0; i < s.points; ++i) {
-      acceleration[s.first + i] = g + force[i] * moved[s.first + i].w;
+      acceleration[s.first + i] = g + force[i] * delta_position[s.first + i].w;
       sum += force[i];
     }
     // as large as lately, so that gusts do not make the number of small steps jump
@@ -82,7 +82,7 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
     for (std::size_t t = 0; t < count; ++t) {
       const std::uint32_t* v = &s.mesh.triangles[3 * t];
       Vec3 x[3], full = Vec3::Zero();
-      for (int k = 0; k < 3; ++k) x[k] = vertices.position[s.first + v[k]] + moved[s.first + v[k]].vec();
+      for (int k = 0; k < 3; ++k) x[k] = vertices.position[s.first + v[k]] + delta_position[s.first + v[k]].vec();
       f.force->add(&points[t], 1, time, &full);
       const Vec3 third = area_force(full, cross(x[1] - x[0], x[2] - x[0]), shares) / 3;
       for (int k = 0; k < 3; ++k) force[v[k]] += third;
@@ -97,9 +97,10 @@ void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
     const std::uint32_t* v = &s.mesh.triangles[t];
     const Vec3 x = place(s.first + v[0]), a = place(s.first + v[1]), b = place(s.first + v[2]);
     const Vec3 u = (speed[s.first + v[0]].vec() + speed[s.first + v[1]].vec() + speed[s.first + v[2]].vec()) / 3;
-    const Real weight = std::max({moved[s.first + v[0]].w, moved[s.first + v[1]].w, moved[s.first + v[2]].w});
+    const Real weight = std::max(
+        {delta_position[s.first + v[0]].w, delta_position[s.first + v[1]].w, delta_position[s.first + v[2]].w});
     if (!(weight > 0)) continue;
-    const Real most = kMostOfMass / (weight * h);
+    const Real most = kMaxOfMass / (weight * h);
     const Vec3 third = still_air(u, cross(a - x, b - x), air_density, most, shares) / 3;
     for (int k = 0; k < 3; ++k) force[v[k]] += third;
   }

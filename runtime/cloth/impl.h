@@ -28,9 +28,9 @@ struct Cloth::Impl {
 
   // of a step, by vertex
   Surfaces& surfaces;
-  Array<Row4>&moved, &before, &speed;  // of surfaces
-  Array<Vec3> acceleration;            // gravity, script, wind
-  Array<Vec3> force;                   // work of forces.cpp, N
+  Array<Row4>&delta_position, &before, &speed;  // of surfaces
+  Array<Vec3> acceleration;                     // gravity, script, wind
+  Array<Vec3> force;                            // work of forces.cpp, N
   Array<MassPoint> points;
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
@@ -77,8 +77,8 @@ struct Cloth::Impl {
   }
 
   void drain_wakes();
-  void weigh_spin(Sheet& s, Real h);
-  void take_out_spin(Sheet& s);
+  void measure_gained_momentum(Sheet& s, Real h);
+  void remove_gained_momentum(Sheet& s);
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
   void check_damping(Sheet& s, StepContext& c);
@@ -105,7 +105,7 @@ struct Cloth::Impl {
   void validate_mesh(const Sheet& s) const;
   void validate_motion(const Sheet& s) const;
   void validate_ties(const Sheet& s) const;
-  Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + moved[vertex].vec(); }
+  Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + delta_position[vertex].vec(); }
   Sheet& sheet_of(std::uint32_t vertex) const {
     FEDER_ASSERT(vertex < vertices.size());
     return *sheets[objects.index(vertices.cloth[vertex])];

@@ -78,7 +78,7 @@ void solve_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
   for (unsigned i = p.first; i < p.last; ++i) {
     LinkBatch& c = p.links[i];
-    Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
+    Rows8 a = gather(p.delta_position, c.a), b = gather(p.delta_position, c.b);
     const Lanes3 e = load(c.base) + (b.v - a.v);
     const Lanes size = square_root(dot(e, e)), alpha = load(c.compliance) * inv_h2;
     const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
@@ -96,15 +96,15 @@ void solve_links(const ClothPass& p) {
     const Lanes3 push = e * (change * reciprocal_or_zero(size));
     a.v = a.v - push * a.w;
     b.v = b.v + push * b.w;
-    scatter(p.moved, c.a, a);
-    scatter(p.moved, c.b, b);
+    scatter(p.delta_position, c.a, a);
+    scatter(p.delta_position, c.b, b);
   }
 }
 
 void limit_links(const ClothPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     LinkBatch& c = p.links[i];
-    Rows8 a = gather(p.moved, c.a), b = gather(p.moved, c.b);
+    Rows8 a = gather(p.delta_position, c.a), b = gather(p.delta_position, c.b);
     const Lanes3 e = load(c.base) + (b.v - a.v);
     const Lanes size = square_root(dot(e, e)), longest = load(c.rest) * all_lanes(p.stretched);
     if (!any(longest < size)) continue;
@@ -112,8 +112,8 @@ void limit_links(const ClothPass& p) {
     const Lanes3 push = e * (over * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size));
     a.v = a.v - push * a.w;
     b.v = b.v + push * b.w;
-    scatter(p.moved, c.a, a);
-    scatter(p.moved, c.b, b);
+    scatter(p.delta_position, c.a, a);
+    scatter(p.delta_position, c.b, b);
   }
 }
 
@@ -121,14 +121,14 @@ void limit_links(const ClothPass& p) {
 void solve_ties(const ClothPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const TieBatch& c = p.ties[i];
-    Rows8 a = gather(p.moved, c.a);
+    Rows8 a = gather(p.delta_position, c.a);
     const Lanes3 e = load(c.base) + a.v;
     const Lanes square = dot(e, e), limit = load(c.limit);
     if (!any(square > limit * limit)) continue;
     const Lanes bound = allowed(p, limit, load(c.base) + gather(p.before, c.a).v);
     const Lanes back = select(square > bound * bound, bound / square_root(square) - all_lanes(1), zero_lanes());
     a.v = a.v + e * back;
-    scatter(p.moved, c.a, a);
+    scatter(p.delta_position, c.a, a);
   }
 }
 
@@ -153,7 +153,7 @@ struct HingeRows {
 
 [[gnu::always_inline]] inline HingeRows gather_hinge(const ClothPass& p, const HingeBatch& c) {
   HingeRows r;
-  for (int k = 0; k < 4; ++k) r.v[k] = gather(p.moved, c.v[k]);
+  for (int k = 0; k < 4; ++k) r.v[k] = gather(p.delta_position, c.v[k]);
   for (int k = 0; k < 3; ++k) r.e[k] = load(c.base[k]) + (r.v[k + 1].v - r.v[0].v);
   return r;
 }
@@ -207,7 +207,7 @@ void solve_hinges(const ClothPass& p) {
     store(c.multiplier, old + change);
     for (int k = 0; k < 4; ++k) {
       r.v[k].v = r.v[k].v + s.gradient[k] * (change * r.v[k].w);
-      scatter(p.moved, c.v[k], r.v[k]);
+      scatter(p.delta_position, c.v[k], r.v[k]);
     }
   }
 }
@@ -235,7 +235,7 @@ void damp_links(const ClothPass& p) {
   const Lanes time = all_lanes(p.damping_time);
   for (unsigned i = p.first; i < p.last; ++i) {
     const LinkBatch& c = p.links[i];
-    const Rows8 xa = gather(p.moved, c.a), xb = gather(p.moved, c.b);
+    const Rows8 xa = gather(p.delta_position, c.a), xb = gather(p.delta_position, c.b);
     Rows8 a = gather(p.speed, c.a), b = gather(p.speed, c.b);
     Lanes3 e = load(c.base) + (xb.v - xa.v);
     e = e * reciprocal_or_zero(square_root(dot(e, e)));

@@ -18,10 +18,10 @@
 namespace feder {
 namespace {
 
-constexpr double kReach = 0.5;  // of the stability limit
+constexpr double kLimitShare = 0.5;  // of the stability limit
 // h w for methods without one: Heun grows by e^(z^4/8) a step, which weak damping does not shed at larger z
-constexpr double kGrowingReach = 0.1;
-constexpr double kLeastCap = 256;
+constexpr double kGrowingLimit = 0.1;
+constexpr double kMinCap = 256;
 constexpr double kSlack = 1.001;   // for rounding of the chosen number of small steps
 constexpr double kStiffSteps = 4;  // small steps of the one that takes over: contacts want some
 constexpr const char* kStiffMethod = "implicit_euler";
@@ -88,8 +88,8 @@ class MassSpring final : public ClothSolver, private ForceField {
     same = same && inv_mass_.size() == v.points;
     inv_mass_.resize(v.points);
     for (std::uint32_t i = 0; i < v.points; ++i) {
-      same = same && inv_mass_[i] == v.moved[i].w;
-      inv_mass_[i] = v.moved[i].w;
+      same = same && inv_mass_[i] == v.delta_position[i].w;
+      inv_mass_[i] = v.delta_position[i].w;
     }
     if (!same) fastest_ = fastest(v);
     overstretched_ = stiff_.integrator && overstretched(v);
@@ -100,11 +100,11 @@ class MassSpring final : public ClothSolver, private ForceField {
     view_ = v;
     Method& method = at(h);
     x_.resize(v.points), v_.resize(v.points);
-    for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.moved[i].vec(), v_[i] = v.speed[i].vec();
+    for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.delta_position[i].vec(), v_[i] = v.speed[i].vec();
     method.integrator->step(*this, t, h, {x_.data(), v.points}, {v_.data(), v.points});
     for (std::uint32_t i = 0; i < v.total; ++i) {
-      v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 1};
-      if (i < v.points && v.moved[i].w != 0) v.moved[i].set(x_[i]), v.speed[i].set(v_[i]);
+      v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 1};
+      if (i < v.points && v.delta_position[i].w != 0) v.delta_position[i].set(x_[i]), v.speed[i].set(v_[i]);
     }
     batches_.limit(v, h, c);
     batches_.tie(v, h, c);
@@ -124,7 +124,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   }
 
   double wanted_substeps(const ClothView& v, Real h) const override {
-    return std::sqrt(fastest(v)) * double(h) / reach();
+    return std::sqrt(fastest(v)) * double(h) / stability_limit();
   }
   double substeps_beyond(double cap) const override { return stiff_.integrator ? kStiffSteps : cap; }
 
@@ -139,9 +139,9 @@ class MassSpring final : public ClothSolver, private ForceField {
   Real lead(Real h) const override { return takes_over(h) ? stiff_.lead : explicit_.lead; }
   Real relaxation() const override { return Real(0.25); }
   bool sheds_strain() const override { return false; }
-  double least_cap() const override { return kLeastCap; }
+  double least_cap() const override { return kMinCap; }
   const char* beyond_cap() const override {
-    return stiff_.integrator ? "is moved by implicit_euler, which damps fast motion; soften it, or take xpbd"
+    return stiff_.integrator ? "is delta_position by implicit_euler, which damps fast motion; soften it, or take xpbd"
                              : "may be unstable; soften it, or take implicit_euler or xpbd";
   }
 
@@ -157,12 +157,12 @@ class MassSpring final : public ClothSolver, private ForceField {
     method.integrator = row.make(a, none);
   }
   // The largest h times the fastest angular frequency at which the method is used.
-  double reach() const {
+  double stability_limit() const {
     const double limit = explicit_.integrator->info().stability_limit;
-    return limit > 0 ? kReach * limit : kGrowingReach;
+    return limit > 0 ? kLimitShare * limit : kGrowingLimit;
   }
   bool takes_over(Real h) const {
-    return overstretched_ || (stiff_.integrator && std::sqrt(fastest_) * double(h) > kSlack * reach());
+    return overstretched_ || (stiff_.integrator && std::sqrt(fastest_) * double(h) > kSlack * stability_limit());
   }
   Method& at(Real h) { return takes_over(h) ? stiff_ : explicit_; }
 
@@ -171,10 +171,10 @@ class MassSpring final : public ClothSolver, private ForceField {
     std::vector<double> stiff(v.points, 0);
     double most = 0;
     each_spring(v, [&](const Spring& s) {
-      stiff[s.i] += double(s.stiffness) * (v.moved[s.j].w != 0 ? 2 : 1);
-      stiff[s.j] += double(s.stiffness) * (v.moved[s.i].w != 0 ? 2 : 1);
+      stiff[s.i] += double(s.stiffness) * (v.delta_position[s.j].w != 0 ? 2 : 1);
+      stiff[s.j] += double(s.stiffness) * (v.delta_position[s.i].w != 0 ? 2 : 1);
     });
-    for (std::uint32_t i = 0; i < v.points; ++i) most = std::max(most, stiff[i] * double(v.moved[i].w));
+    for (std::uint32_t i = 0; i < v.points; ++i) most = std::max(most, stiff[i] * double(v.delta_position[i].w));
     return most;
   }
 

@@ -31,7 +31,7 @@ std::string three(const std::uint32_t* t) {
 // One side of a triangle; sorted, equal edges lie together.
 struct Side {
   std::uint32_t a, b, triangle, opposite;
-  bool turned;  // runs from b to a
+  bool reversed;  // runs from b to a
   bool operator<(const Side& o) const { return a != o.a ? a < o.a : b != o.b ? b < o.b : triangle < o.triangle; }
 };
 
@@ -118,7 +118,7 @@ void check_mesh(std::span<const Vec3> x, std::span<const std::uint32_t> triangle
     if (k + 2 < sides.size() && sides[k + 2].a == s.a && sides[k + 2].b == s.b)
       fail("triangles: " + edge + " belongs to more than two triangles (" + both + ", " +
            std::to_string(sides[k + 2].triangle + 1) + ")");
-    if (s.turned == n.turned)
+    if (s.reversed == n.reversed)
       fail("triangles: " + edge + " is run the same way by triangles " + both + "; expected one winding for all");
   }
 }

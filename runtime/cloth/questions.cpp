@@ -23,9 +23,9 @@ Energy Cloth::energy(const Vec3& gravity) const {
       e.elastic += 0.5 * static_cast<double>(l.stiffness) * stretch * stretch;
     }
     for (const ClothHinge& h : s->mesh.hinges) {
-      double turn = static_cast<double>(hinge_angle(x[h.v[0]], x[h.v[1]], x[h.v[2]], x[h.v[3]]) - h.angle);
-      turn = std::remainder(turn, 6.283185307179586);
-      e.elastic += 0.5 * static_cast<double>(h.stiffness) * turn * turn;
+      double bend = static_cast<double>(hinge_angle(x[h.v[0]], x[h.v[1]], x[h.v[2]], x[h.v[3]]) - h.angle);
+      bend = std::remainder(bend, 6.283185307179586);
+      e.elastic += 0.5 * static_cast<double>(h.stiffness) * bend * bend;
     }
     if (const Forces* forces = impl_->store.find<Forces>())
       for (const ForceEntry& f : forces->list) {

@@ -29,8 +29,8 @@ struct ClothSettings {
 struct ClothState {
   Real flight[3] = {0, 0,
                     0};  // m/s^2: gravity, while the last step was free fall; velocities then are read half a step on
-  Real calm_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
-  std::uint32_t calm_steps = 0;
+  Real sleep_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
+  std::uint32_t sleep_steps = 0;
   std::uint32_t fresh = 1;   // not stepped yet
   std::uint32_t frozen = 0;  // quarantined
   std::uint32_t asleep = 0;
@@ -70,16 +70,16 @@ struct Sheet {
   std::string solver_name;
   Params solver_options;
   std::unique_ptr<ClothSolver> solver;
-  std::uint64_t version = 1;    // of mesh and indices
-  bool paths_stale = true;      // pins changed
-  Real rows = 1, path = 1;      // links from the pins (or the middle) to the farthest vertex, and their length, m
-  Real impact = 0, strike = 0;  // m/s^2 and m/s, of this step: what bodies that come at it do to it
+  std::uint64_t version = 1;  // of mesh and indices
+  bool paths_stale = true;    // pins changed
+  Real rows = 1, path = 1;    // links from the pins (or the middle) to the farthest vertex, and their length, m
+  Real impact = 0, approach_speed = 0;  // m/s^2 and m/s, of this step: what bodies that come at it do to it
   ClothTies ties;
   double bend_substeps = 1;  // for the solver's sake, when last asked
   Real bend_step = -1;       // s, of that question
   std::uint32_t bad_vertex = kNone;
-  Real mass = 0;             // kg
-  Vec3 spun = Vec3::Zero();  // kg m^2/s, angular momentum that its solver made up in this substep
+  Real mass = 0;                        // kg
+  Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum that its solver made up in this substep
   bool any_pin = false;
   bool prepared = false;      // its solver, for this step
   double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity

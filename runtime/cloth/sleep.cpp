@@ -7,19 +7,19 @@
 
 namespace feder {
 namespace {
-constexpr Real kCalmSpeed = Real(0.025);  // m/s, root mean square
-constexpr Real kCalmTime = 1;             // s
-constexpr Real kMemory = Real(0.5);       // s, of the average: about a swing, so that no turning point counts alone
+constexpr Real kSleepSpeed = Real(0.025);  // m/s, root mean square
+constexpr Real kSleepTime = 1;             // s
+constexpr Real kMemory = Real(0.5);        // s, of the average: about a swing, so that no turning point counts alone
 }  // namespace
 
 void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {
-  s.state.calm_steps = 0;
-  s.state.calm_energy = kCalmSpeed * kCalmSpeed * 25;
+  s.state.sleep_steps = 0;
+  s.state.sleep_energy = kSleepSpeed * kSleepSpeed * 25;
   const bool slept = s.state.asleep != 0;
   s.state.asleep = 0;
   const std::uint32_t n = objects.index(s.object);
   if (n < surfaces.list.size() && surfaces.list[n].object == s.object)
-    surfaces.list[n].active = s.active(), surfaces.list[n].calm = false;
+    surfaces.list[n].active = s.active(), surfaces.list[n].sleep_candidate = false;
   if (!slept) return;
   Event e;
   e.kind = EventKind::wake;
@@ -51,17 +51,17 @@ void Cloth::Impl::update_sleep(StepContext& c) {
     for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
       energy += vertices.mass[i] * dot(vertices.velocity[i], vertices.velocity[i]);
     energy = Real(0.5) * energy / s.mass;
-    const Real cap = kCalmSpeed * kCalmSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
-    s.state.calm_energy = std::min(energy + (std::min(s.state.calm_energy, cap) - energy) * keep, cap);
+    const Real cap = kSleepSpeed * kSleepSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
+    s.state.sleep_energy = std::min(energy + (std::min(s.state.sleep_energy, cap) - energy) * keep, cap);
     bool steady = true;  // wind and its like may gust
     if (forces)
       for (const ForceEntry& f : forces->list)
         if (acts_on(f, s.object, objects.tags(s.object))) steady = steady && !f.force->on_area();
-    if (!steady || s.state.calm_energy > Real(0.5) * kCalmSpeed * kCalmSpeed) {
-      s.state.calm_steps = 0;
+    if (!steady || s.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
+      s.state.sleep_steps = 0;
       continue;
     }
-    if (static_cast<Real>(++s.state.calm_steps) * c.dt > kCalmTime) put_to_sleep(s);
+    if (static_cast<Real>(++s.state.sleep_steps) * c.dt > kSleepTime) put_to_sleep(s);
   }
 }
 

@@ -9,7 +9,7 @@ void Cloth::hash(Hash& h) const {
     h.add(p.mass[i]), h.add(p.inv_mass[i]);
   }
   for (const auto& s : impl_->sheets) {
-    h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.calm_energy);
+    h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.sleep_energy);
     h.add(s->flight()), h.add(s->state.load), h.add(s->state.substeps);
     h.bytes(s->solver_name.data(), s->solver_name.size());
     for (const std::uint32_t v : s->mesh.triangles) h.add(v);

@@ -26,7 +26,7 @@ struct ClothView {
   bool crowded = false;                // its group touches cloth in this substep
   const Vec3* position = nullptr;      // at the start of the step, m
   const Vec3* rest = nullptr;          // unstrained, m
-  Row4* moved = nullptr;               // displacement since then, m; w: inverse mass
+  Row4* delta_position = nullptr;      // displacement since then, m; w: inverse mass
   Row4* before = nullptr;              // the same at the start of the small step
   Row4* speed = nullptr;               // m/s; w: inverse mass
   const Vec3* acceleration = nullptr;  // of gravity, wind and scripts, m/s^2
@@ -38,9 +38,9 @@ class ClothSolver {
   virtual ~ClothSolver() = default;
   // Once per step, before the first substep.
   virtual void prepare(const ClothView& cloth, StepContext& c) = 0;
-  // One small step of h from time t: writes `moved`, and `before`: where the small step began (its w 0; velocities
-  // will be taken from the difference), or, with w 1, where it ended, `speed` being the velocity already. Contacts then
-  // push `moved`.
+  // One small step of h from time t: writes `delta_position`, and `before`: where the small step began (its w 0;
+  // velocities will be taken from the difference), or, with w 1, where it ended, `speed` being the velocity already.
+  // Contacts then push `delta_position`.
   virtual void advance(const ClothView& cloth, double t, Real h, StepContext& c) = 0;
   // Once per substep, after the last small step: takes strain rate out of `speed`.
   virtual void damp(const ClothView& cloth, Real h, StepContext& c) = 0;

@@ -12,12 +12,12 @@
 
 namespace feder {
 namespace {
-constexpr Real kLeastGravity = 1;  // m/s^2: weightless cloth is pulled by something else
-constexpr double kStay = 0.9;      // of a count of substeps, down to which a smaller one leaves it as it is
+constexpr Real kMinGravity = 1;  // m/s^2: weightless cloth is pulled by something else
+constexpr double kStay = 0.9;    // of a count of substeps, down to which a smaller one leaves it as it is
 }  // namespace
 
 ClothView Cloth::Impl::view(Sheet& s) {
-  FEDER_ASSERT(moved.size() >= vertices.size() && before.size() >= vertices.size());
+  FEDER_ASSERT(delta_position.size() >= vertices.size() && before.size() >= vertices.size());
   ClothView v;
   v.mesh = &s.mesh;
   v.points = s.points, v.total = s.total;
@@ -27,7 +27,7 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.ties = s.ties.batches, v.tie_layers = s.ties.layers;
   v.position = vertices.position.data() + s.first;
   v.rest = vertices.rest.data() + s.first;
-  v.moved = moved.data() + s.first;
+  v.delta_position = delta_position.data() + s.first;
   v.before = before.data() + s.first;
   v.speed = speed.data() + s.first;
   v.acceleration = acceleration.data() + s.first;
@@ -108,7 +108,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       double wanted = s.bend_substeps;
       if (s.solver->sheds_strain()) {
         const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
-        const double g = double(std::max({weight, s.state.pull, kLeastGravity})) * (1 + double(s.state.load / s.mass)) +
+        const double g = double(std::max({weight, s.state.pull, kMinGravity})) * (1 + double(s.state.load / s.mass)) +
                          double(s.impact) + swing(s);
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
@@ -152,11 +152,11 @@ void Cloth::Impl::prepare_solver(Sheet& s, StepContext& c) {
 
 // Work arrays of the step. A sleeping or frozen cloth cannot be moved.
 void Cloth::Impl::gather(Sheet& s, Real h) {
-  const Vec3 ahead = s.solver->lead(h) * h * s.flight();
+  const Vec3 lead = s.solver->lead(h) * h * s.flight();
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
     const Real w = s.active() ? vertices.inv_mass[i] : Real(0);
-    const Vec3 u = w != 0 ? Vec3(vertices.velocity[i] - ahead) : Vec3(0, 0, 0);
-    moved[i] = {0, 0, 0, w};
+    const Vec3 u = w != 0 ? Vec3(vertices.velocity[i] - lead) : Vec3(0, 0, 0);
+    delta_position[i] = {0, 0, 0, w};
     speed[i] = {u[0], u[1], u[2], w};
   }
 }
@@ -186,7 +186,7 @@ void Cloth::Impl::prepare(StepContext& c) {
       x[g.vertex] = x[g.clamped] + offset;
     }
     for (std::uint32_t i = s->first; i < s->first + s->total; ++i)
-      moved[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
+      delta_position[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
   }
   std::copy(vertices.position.begin(), vertices.position.end(), surfaces.position.begin());
   std::copy(vertices.mass.begin(), vertices.mass.end(), surfaces.mass.begin());
@@ -229,10 +229,10 @@ void Cloth::Impl::show(const Sheet& s) {
   Real fastest = 0;
   for (std::uint32_t i = s.first; s.active() && i < s.first + s.points; ++i)
     fastest = std::max(fastest, dot(vertices.velocity[i], vertices.velocity[i]));
-  f.fastest = std::sqrt(fastest), f.strike = s.strike;
+  f.fastest = std::sqrt(fastest), f.approach_speed = s.approach_speed;
   f.steps = s.state.substeps;
   f.self = s.settings.self_collision != 0;
-  f.active = s.active(), f.calm = s.state.calm_steps != 0, f.pinned = s.any_pin;
+  f.active = s.active(), f.sleep_candidate = s.state.sleep_steps != 0, f.pinned = s.any_pin;
   surfaces.list.push_back(f);
 }
 
@@ -253,20 +253,20 @@ void Cloth::Impl::begin_substep(StepContext& c) {
 // A link pushes along its direction at the end of the small step, a torque about where the step began: a free sheet
 // that is bent fast would start to turn. Displacements d become velocities d/h, so a sweep changes the angular momentum
 // by sum m x0 cross d/h, x0 where the small step began. It is summed up here, and taken out once per substep.
-void Cloth::Impl::weigh_spin(Sheet& s, Real h) {
+void Cloth::Impl::measure_gained_momentum(Sheet& s, Real h) {
   Vec3 gained = Vec3::Zero();                                            // kg m^2
   const Vec3 near = vertices.position[s.first] + before[s.first].vec();  // any point: a sweep keeps linear momentum
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
     const Vec3 r = vertices.position[i] + before[i].vec() - near;
-    gained += vertices.mass[i] * cross(r, moved[i].vec() - before[i].vec() - h * speed[i].vec());
+    gained += vertices.mass[i] * cross(r, delta_position[i].vec() - before[i].vec() - h * speed[i].vec());
   }
-  s.spun += gained / h;
+  s.gained_momentum += gained / h;
 }
 
 // As a rotation of the whole about its centre of mass.
-void Cloth::Impl::take_out_spin(Sheet& s) {
-  const Vec3 spun = s.spun;
-  s.spun = Vec3::Zero();
+void Cloth::Impl::remove_gained_momentum(Sheet& s) {
+  const Vec3 gained_momentum = s.gained_momentum;
+  s.gained_momentum = Vec3::Zero();
   const Vec3 near = place(s.first);
   Vec3 middle = Vec3::Zero();  // from there
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) middle += vertices.mass[i] * (place(i) - near);
@@ -277,9 +277,10 @@ void Cloth::Impl::take_out_spin(Sheet& s) {
     inertia -= vertices.mass[i] * (r * r.transpose());
   }
   inertia.diagonal().array() -= inertia.trace();
-  const Vec3 turn = inverse(inertia) * spun;  // rad/s
-  if (!is_finite(turn)) return;               // a sheet without extent, or one that has gone bad
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) speed[i].add(-cross(turn, place(i) - near - middle));
+  const Vec3 angular_velocity = inverse(inertia) * gained_momentum;  // rad/s
+  if (!is_finite(angular_velocity)) return;                          // a sheet without extent, or one that has gone bad
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+    speed[i].add(-cross(angular_velocity, place(i) - near - middle));
 }
 
 void Cloth::Impl::advance(StepContext& c) {
@@ -291,17 +292,17 @@ void Cloth::Impl::advance(StepContext& c) {
     ClothView v = view(s);
     v.crowded = g.crowded;
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
-    if (!s.any_pin && before[s.first].w == 0) weigh_spin(s, g.step);
+    if (!s.any_pin && before[s.first].w == 0) measure_gained_momentum(s, g.step);
   });
 }
 
 void Cloth::Impl::read_velocities(StepContext& c) {
   const SurfaceGroup& g = group(c);
   each_active(g, [&](const Sheet& s) {
-    FEDER_ASSERT(moved[s.first + s.total - 1].vec().isZero(0));  // what empty lanes push
+    FEDER_ASSERT(delta_position[s.first + s.total - 1].vec().isZero(0));  // what empty lanes push
     for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
       FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
-      const Vec3 u = (moved[i].vec() - before[i].vec()) / g.step;
+      const Vec3 u = (delta_position[i].vec() - before[i].vec()) / g.step;
       before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
     }
   });
@@ -310,7 +311,7 @@ void Cloth::Impl::read_velocities(StepContext& c) {
 void Cloth::Impl::damp(StepContext& c) {
   if (!c.inner.last()) return;
   each_active(group(c), [&](Sheet& s) {
-    if (!s.spun.isZero(0)) take_out_spin(s);
+    if (!s.gained_momentum.isZero(0)) remove_gained_momentum(s);
     s.solver->damp(view(s), c.h, c);
   });
 }
@@ -333,16 +334,16 @@ void Cloth::Impl::wake_touched(StepContext&) {
 void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {
     for (auto& s : sheets) {
-      s->impact = s->strike = 0;
+      s->impact = s->approach_speed = 0;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
     }
     for (auto& s : sheets) {
       if (!s->active()) continue;
       const Real h = group_of(*s).step;
-      const Vec3 ahead = s->solver->lead(h) * h * s->flight();
+      const Vec3 lead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;
-        const Vec3 x = vertices.position[i] + moved[i].vec(), v = speed[i].vec() + ahead;
+        const Vec3 x = vertices.position[i] + delta_position[i].vec(), v = speed[i].vec() + lead;
         if (!is_finite(x) || !is_finite(v)) {
           s->bad_vertex = i - s->first;
           break;
@@ -351,8 +352,8 @@ void Cloth::Impl::commit(StepContext& c) {
       if (s->bad_vertex != kNone) continue;
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;
-        vertices.position[i] += moved[i].vec();
-        vertices.velocity[i] = speed[i].vec() + ahead;
+        vertices.position[i] += delta_position[i].vec();
+        vertices.velocity[i] = speed[i].vec() + lead;
       }
     }
     watch(c);

@@ -181,45 +181,45 @@ void Cloth::Impl::place_ties(Sheet& s) {
 // Vertices to the point of a body where the cloth is attached, and that point to the pin that the cloth hangs from.
 void Cloth::Impl::solve_body_ties(StepContext& c) {
   const SurfaceGroup& g = group(c);
-  if (g.holds.empty()) return;
+  if (g.attachments.empty()) return;
   const Real h = g.step;
-  const Array<SurfaceHold>& holds = g.holds;
+  const Array<SurfaceAttachment>& held = g.attachments;
   const SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (const std::uint32_t member : g.members) {
     if (member >= sheets.size()) break;
     Sheet& s = *sheets[member];
     if (!s.active() || s.ties.to_body.empty()) continue;
     const Real longest = 1 + s.settings.max_strain;
-    const SurfaceHold* hold = nullptr;
+    const SurfaceAttachment* attachment = nullptr;
     for (const ClothTies::ToBody& t : s.ties.to_body) {
       const std::uint32_t anchor = s.first + t.anchor, i = s.first + t.vertex;
-      if (!hold || hold->vertex != anchor) {
-        const auto held =
-            std::find_if(holds.begin(), holds.end(), [&](const SurfaceHold& k) { return k.vertex == anchor; });
-        if (held == holds.end()) continue;
-        hold = &*held;
+      if (!attachment || attachment->vertex != anchor) {
+        const auto at =
+            std::find_if(held.begin(), held.end(), [&](const SurfaceAttachment& k) { return k.vertex == anchor; });
+        if (at == held.end()) continue;
+        attachment = &*at;
       }
       FEDER_ASSERT(t.vertex < s.points && t.anchor < s.points);
-      Row4& x = moved[i];
-      const Vec3 point =
-          vertices.position[anchor] - hold->error + surfaces.body_displacement(hold->solver_index, hold->arm);
+      Row4& x = delta_position[i];
+      const Vec3 point = vertices.position[anchor] - attachment->error +
+                         surfaces.body_displacement(attachment->solver_index, attachment->arm);
       const Vec3 e = vertices.position[i] + x.vec() - point;
       const Real far = std::min(length(e) - t.rest * longest, t.rest * s.settings.max_strain);
       if (!(far > 0)) continue;
       const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
-      const Real response = x.w + surfaces.body_response(hold->solver_index, hold->arm, n);
+      const Real response = x.w + surfaces.body_response(attachment->solver_index, attachment->arm, n);
       if (!(response > 0)) continue;
       Vec3 change = x.vec() - before[i].vec();
       if (before[i].w != 0) change += h * speed[i].vec();
-      if (hold->solver_index != 0) {
-        const SolverBody& m = solver_bodies->state[hold->solver_index];
-        change -= h * (m.velocity + cross(m.angular_velocity, hold->arm));
+      if (attachment->solver_index != 0) {
+        const SolverBody& m = solver_bodies->state[attachment->solver_index];
+        change -= h * (m.velocity + cross(m.angular_velocity, attachment->arm));
       }
       const Real need = far - std::max(far - dot(n, change) - kTieSpeed * h, Real(0));
       if (!(need > 0)) continue;
       const Vec3 push = (need / response) * n;  // kg m
       x.add(-x.w * push);
-      surfaces.push_body(hold->solver_index, hold->arm, push, h);
+      surfaces.push_body(attachment->solver_index, attachment->arm, push, h);
     }
   }
 }

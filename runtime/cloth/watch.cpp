@@ -28,7 +28,7 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
   double all = 0;
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
     if (vertices.inv_mass[i] != 0)
-      all += number(vertices.mass[i]) * number(length(acceleration[i])) * number(length(moved[i].vec()));
+      all += number(vertices.mass[i]) * number(length(acceleration[i])) * number(length(delta_position[i].vec()));
   const Forces* forces = store.find<Forces>();
   double fall = 0, rest = 0;
   bool held = false, area = false;
@@ -43,11 +43,11 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
       Vec3 force_before = Vec3::Zero(), force_after = Vec3::Zero();
       potential[1] += f.force->potential(&point, 1);
       f.force->add(&point, 1, c.time + number(c.dt), &force_after);
-      if (vertices.inv_mass[i] != 0) point.position -= moved[i].vec();
+      if (vertices.inv_mass[i] != 0) point.position -= delta_position[i].vec();
       potential[0] += f.force->potential(&point, 1);
       f.force->add(&point, 1, c.time, &force_before);
       if (vertices.inv_mass[i] != 0)
-        push += number(std::max(length(force_before), length(force_after))) * number(length(moved[i].vec()));
+        push += number(std::max(length(force_before), length(force_after))) * number(length(delta_position[i].vec()));
     }
     const bool conserves = potential[0] != 0 || potential[1] != 0;
     held = held || conserves;
@@ -61,7 +61,7 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
     if (vertices.inv_mass[i] == 0) continue;
     const double weight =
         number(vertices.mass[i]) * number(length(gravity)) * std::fabs(number(s.settings.gravity_scale));
-    rest += (weight + number(length(vertices.script_force[i]))) * number(length(moved[i].vec()));
+    rest += (weight + number(length(vertices.script_force[i]))) * number(length(delta_position[i].vec()));
   }
   return std::fmin(all, fall + rest);
 }
@@ -71,7 +71,7 @@ double Cloth::Impl::given(const Sheet& s, const StepContext& c) const {
   const double rate = std::max(group_of(s).steps, 1) / number(c.h);
   const auto start = [&](std::uint32_t i) {
     const Vec3& x = vertices.position[s.first + i];
-    return vertices.inv_mass[s.first + i] == 0 ? x : Vec3(x - moved[s.first + i].vec());
+    return vertices.inv_mass[s.first + i] == 0 ? x : Vec3(x - delta_position[s.first + i].vec());
   };
   double sum = work(s, c);
   for (const ClothLink& l : s.mesh.links) {
@@ -82,8 +82,8 @@ double Cloth::Impl::given(const Sheet& s, const StepContext& c) const {
   }
   for (const ClothHinge& h : s.mesh.hinges) {
     if (std::max({h.v[0], h.v[1], h.v[2], h.v[3]}) >= s.points) continue;
-    const double turn = number(hinge_angle(start(h.v[0]), start(h.v[1]), start(h.v[2]), start(h.v[3])) - h.angle);
-    const double least = std::remainder(turn, 6.283185307179586);
+    const double bend = number(hinge_angle(start(h.v[0]), start(h.v[1]), start(h.v[2]), start(h.v[3])) - h.angle);
+    const double least = std::remainder(bend, 6.283185307179586);
     sum += 0.5 * number(h.stiffness) * least * least;
   }
   return sum;
@@ -115,7 +115,7 @@ double Cloth::held(const StepContext& c) {
   double sum = 0;
   for (const auto& s : impl_->sheets) {
     sum += s->kinetic_before;
-    if (s->active() && impl_->moved.size() >= impl_->vertices.size()) sum += impl_->given(*s, c);
+    if (s->active() && impl_->delta_position.size() >= impl_->vertices.size()) sum += impl_->given(*s, c);
   }
   return sum;
 }

@@ -45,9 +45,9 @@ class Xpbd final : public ClothSolver {
     if (together > 0) push_hinges(v, h * static_cast<Real>(together), c);
     c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
-        v.before[i] = {v.moved[i].x, v.moved[i].y, v.moved[i].z, 0};
-        if (v.moved[i].w != 0) v.speed[i].add(h * v.acceleration[i]);
-        v.moved[i].add(h * v.speed[i].vec());
+        v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 0};
+        if (v.delta_position[i].w != 0) v.speed[i].add(h * v.acceleration[i]);
+        v.delta_position[i].add(h * v.speed[i].vec());
       }
     });
     for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, k > 0, c);

@@ -35,7 +35,7 @@ void Collide::add_passes(StepPlan& plan) {
   plan.add<&Impl::find_pairs>(Rank::broad, "find pairs", kName, impl_.get());
   plan.add<&Impl::collide>(Rank::narrow, "collide", kName, impl_.get());
   plan.add<&Impl::list_active>(Rank::contact_list, "list contacts", kName, impl_.get());
-  plan.add<&Impl::report_touches>(Rank::contact_events, "touches", kName, impl_.get());
+  plan.add<&Impl::report_contact_states>(Rank::contact_events, "contact states", kName, impl_.get());
 }
 
 std::size_t Collide::count() const { return impl_->colliders->size() - impl_->colliders->free_list.size(); }

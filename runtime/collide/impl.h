@@ -21,15 +21,15 @@ namespace feder {
 //  - a contact is recycled while the relative motion since its manifold was made stays below an eighth of the margin:
 //    then a feature that was outside the margin cannot have come near the surface.
 inline constexpr Real kSpeculative = Real(0.02);       // m
-inline constexpr Real kSpeculativePart = Real(0.1);    // of the smaller shape's reach
-inline constexpr Real kTouchBegin = Real(1) / 40;      // of the margin
-inline constexpr Real kTouchEnd = Real(1) / 10;        // of the margin
+inline constexpr Real kSpeculativeShare = Real(0.1);   // of the smaller shape's reach
+inline constexpr Real kContactBegin = Real(1) / 40;    // of the margin
+inline constexpr Real kContactEnd = Real(1) / 10;      // of the margin
 inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
 // Arms stay as they were in the world, so a pair that turns together must be tested again: 0.01 rad shifts what a
 // point carries by a hundredth. The normal turns along from a smaller angle on: it decides who slides on a slope, and
 // 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
 inline constexpr Real kRecycleAngle = Real(0.01);  // rad
-inline constexpr Real kTurnNormal = Real(1e-4);    // rad
+inline constexpr Real kRotateNormal = Real(1e-4);  // rad
 
 // One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
 struct ContactEntry {
@@ -56,7 +56,7 @@ struct ContactMemory {
   PairCache cache;
   std::uint32_t valid = 0;      // may be recycled
   std::uint32_t about_a = 0;    // a is the smaller one
-  Real reach = 0;               // of the smaller one from its centre of mass, m
+  Real extent = 0;              // of the smaller one from its centre of mass, m
   Real margin = 0;              // m
   Vec3 between = Vec3::Zero();  // from centre of mass a to b, m
   Quat rotation_a, rotation_b;
@@ -73,7 +73,7 @@ struct SeenCollider {
   ObjectId object;
   std::uint32_t bits = 0;
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
-  Real reach = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
+  Real extent = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
 };
 enum SeenBits : std::uint32_t {
   kChanged = 1,         // pairs are looked at again
@@ -99,7 +99,7 @@ struct Collide::Impl {
   // Rows.
   void find_pairs(StepContext& c);
   void collide(StepContext& c);
-  void report_touches(StepContext& c);
+  void report_contact_states(StepContext& c);
 
   // pairs.cpp
   void look_at_colliders();

@@ -39,7 +39,7 @@ void Collide::Impl::look_at_colliders() {
       s.bits |= kSurfaceChanged;
     if (s.bits & kChanged) {
       s.motion = c.motion[i], s.sensor = c.sensor[i], s.group = c.group[i], s.mask = c.mask[i], s.object = c.object[i];
-      s.reach = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
+      s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
     }
     if (s.bits & kSurfaceChanged) {
       s.friction_static = c.friction_static[i], s.friction_dynamic = c.friction_dynamic[i];
@@ -90,12 +90,12 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   FEDER_ASSERT(a < b && c.motion[a] != ColliderMotion::none && c.motion[b] != ColliderMotion::none);
   const bool sensor = c.sensor[a] || c.sensor[b];
   // only shapes that are neither convex nor a half-space can touch in several places
-  const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].reach < kInfinity; };
+  const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].extent < kInfinity; };
   const bool many = !sensor && (meshlike(a) || meshlike(b));
   ContactMemory fresh;
-  fresh.about_a = seen[a].reach <= seen[b].reach;
-  fresh.reach = std::min(seen[a].reach, seen[b].reach);
-  fresh.margin = std::min(kSpeculative, kSpeculativePart * fresh.reach);
+  fresh.about_a = seen[a].extent <= seen[b].extent;
+  fresh.extent = std::min(seen[a].extent, seen[b].extent);
+  fresh.margin = std::min(kSpeculative, kSpeculativeShare * fresh.extent);
   const std::uint32_t count = many ? kMaxManifolds : 1;
   for (std::uint32_t sub = 0; sub < count; ++sub) {
     std::uint32_t slot;

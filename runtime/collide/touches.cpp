@@ -1,6 +1,6 @@
 // Which contacts count as touching, told to the contact book (per pair of objects; sensors: per net point).
 // A contact touches once a point is closer than kTouchBegin of the margin, or took an impulse in this step (a
-// speculative point that stopped a body); it ends when all points are farther than kTouchEnd and none took an
+// speculative point that stopped a body); it ends when all points are farther than kContactEnd and none took an
 // impulse. The gap between the two keeps resting contacts from flickering. Impulses are known after the solve, so
 // contacts that depend on them are judged here, in the last row.
 // Changes go to the contact book, which sums them per pair of objects: what leaves (forget) and comes back before the
@@ -65,10 +65,10 @@ void Collide::Impl::judge_watched() {
       nearest = std::min(nearest, contact.points[k].separation);
       impulse += contact.points[k].total_impulse;
     }
-    // a reported one is watched only when it is farther than kTouchEnd
-    const bool touches_now = (!reported && nearest <= kTouchBegin * margin) || impulse > 0;
-    if (touches_now == reported) continue;
-    count(e, touches_now ? 1 : -1);
+    // a reported one is watched only when it is farther than kContactEnd
+    const bool in_contact = (!reported && nearest <= kContactBegin * margin) || impulse > 0;
+    if (in_contact == reported) continue;
+    count(e, in_contact ? 1 : -1);
     e.bits ^= kReported;
   }
 }
@@ -90,7 +90,7 @@ void Collide::Impl::report_stay() {
   }
 }
 
-void Collide::Impl::report_touches(StepContext& c) {
+void Collide::Impl::report_contact_states(StepContext& c) {
   judge_watched();
   watched.clear();
   if (c.events->wanted(EventKind::contact_stay)) report_stay();

@@ -20,7 +20,7 @@ Vec3 small_rotation(const Quat& from, const Quat& to) {
 }
 
 // The rotation that two bodies share: nothing beside one that did not turn.
-Vec3 common_turn(const Vec3& a, const Vec3& b) {
+Vec3 common_rotation(const Vec3& a, const Vec3& b) {
   Vec3 out = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
     if (a[k] * b[k] > 0) out[k] = std::fabs(a[k]) < std::fabs(b[k]) ? a[k] : b[k];
@@ -36,10 +36,10 @@ void carry_friction(const Contact& from, Contact& to) {
   to.tangent_impulse[0] = dot(friction, t1), to.tangent_impulse[1] = dot(friction, t2);
 }
 
-// `base` turned by `turn`, right to second order.
-void turn_normal(Contact& contact, const Vec3& base, const Vec3& turn) {
+// `base` rotated by `rotation`, right to second order.
+void rotate_normal(Contact& contact, const Vec3& base, const Vec3& rotation) {
   const Contact before = contact;
-  contact.normal = normalized_or(base + cross(turn, base), base);
+  contact.normal = normalized_or(base + cross(rotation, base), base);
   carry_friction(before, contact);
 }
 
@@ -98,14 +98,14 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   ContactMemory& m = memory[group[0].slot];
   if (seen_bits & kChanged) {
     m.valid = 0;
-    m.about_a = seen[a].reach <= seen[b].reach;
-    m.reach = std::min(seen[a].reach, seen[b].reach);
-    m.margin = std::min(kSpeculative, kSpeculativePart * m.reach);
+    m.about_a = seen[a].extent <= seen[b].extent;
+    m.extent = std::min(seen[a].extent, seen[b].extent);
+    m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
   }
   // a bullet looks ahead as far as it may come in this step, afresh each time
   const bool bullet = c.bullet[a] || c.bullet[b];
-  const Real ahead = bullet ? length(c.velocity[b] - c.velocity[a]) * dt : Real(0);
-  if (ahead > 0 || !recycle(group)) test_fresh(group, m.margin + ahead);
+  const Real speculative_distance = bullet ? length(c.velocity[b] - c.velocity[a]) * dt : Real(0);
+  if (speculative_distance > 0 || !recycle(group)) test_fresh(group, m.margin + speculative_distance);
   for (ContactEntry& e : group) {
     Contact& contact = contacts->slots[e.slot];
     if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);
@@ -136,27 +136,27 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const ContactMemory& m = memory[group[0].slot];
   if (!m.valid) return false;
   const std::uint32_t a = group[0].a, b = group[0].b;
-  const Vec3 turn_a = small_rotation(m.rotation_a, c.pose[a].rotation);
-  const Vec3 turn_b = small_rotation(m.rotation_b, c.pose[b].rotation);
+  const Vec3 rotation_a = small_rotation(m.rotation_a, c.pose[a].rotation);
+  const Vec3 rotation_b = small_rotation(m.rotation_b, c.pose[b].rotation);
   constexpr Real limit = kRecycleAngle * kRecycleAngle;
-  if (!(dot(turn_a, turn_a) < limit && dot(turn_b, turn_b) < limit)) return false;
+  if (!(dot(rotation_a, rotation_a) < limit && dot(rotation_b, rotation_b) < limit)) return false;
   // relative displacement at the centre of the smaller one, and what relative rotation adds at its far end
   const Vec3 between = c.center[b] - c.center[a];
   const Vec3 apart = between - m.between;
-  const Vec3 shift = m.about_a ? Vec3(apart - cross(turn_b, between)) : Vec3(apart - cross(turn_a, between));
-  const Real moved = length(shift) + length(turn_b - turn_a) * m.reach;
-  if (!(moved < kRecycleDistance * m.margin)) return false;
+  const Vec3 shift = m.about_a ? Vec3(apart - cross(rotation_b, between)) : Vec3(apart - cross(rotation_a, between));
+  const Real drift = length(shift) + length(rotation_b - rotation_a) * m.extent;
+  if (!(drift < kRecycleDistance * m.margin)) return false;
 
-  const Vec3 common = common_turn(turn_a, turn_b);
-  const bool turned = dot(common, common) > kTurnNormal * kTurnNormal;
+  const Vec3 common = common_rotation(rotation_a, rotation_b);
+  const bool rotated = dot(common, common) > kRotateNormal * kRotateNormal;
   for (const ContactEntry& e : group) {
     Contact& contact = contacts->slots[e.slot];
     const Real* base = memory[e.slot].base;
     contact.fresh = 0;
-    if (turned && contact.point_count) turn_normal(contact, memory[e.slot].normal, common);
+    if (rotated && contact.point_count) rotate_normal(contact, memory[e.slot].normal, common);
     for (int k = 0; k < contact.point_count; ++k) {
       ContactPoint& p = contact.points[k];
-      const Vec3 slip = apart + cross(turn_b, p.arm_b) - cross(turn_a, p.arm_a);
+      const Vec3 slip = apart + cross(rotation_b, p.arm_b) - cross(rotation_a, p.arm_a);
       p.separation = base[k] + dot(slip, contact.normal);
       p.total_impulse = 0;
     }
@@ -179,7 +179,7 @@ void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin)
   for (std::size_t k = 0; k < group.size(); ++k) {
     const Manifold none;
     // a point that moved by more than a tenth of the smaller shape is another point
-    write_manifold(group[k], static_cast<int>(k) < count ? found[k] : none, {old, group.size()}, m.reach / 10);
+    write_manifold(group[k], static_cast<int>(k) < count ? found[k] : none, {old, group.size()}, m.extent / 10);
   }
 }
 
@@ -260,8 +260,8 @@ void Collide::Impl::judge(ContactEntry& e, Real margin, Real dt) {
   }
   contact.touching = contact.point_count > 0;
   const bool reported = e.bits & kReported, was_near = e.bits & kNear;
-  const bool near = predicted <= (was_near ? kTouchEnd : kTouchBegin) * margin;
-  const bool watch = reported ? !(nearest <= kTouchEnd * margin) : contact.touching != 0;
+  const bool near = predicted <= (was_near ? kContactEnd : kContactBegin) * margin;
+  const bool watch = reported ? !(nearest <= kContactEnd * margin) : contact.touching != 0;
   int bits = e.bits & ~(kTouching | kNear);
   bits |= kTested | (contact.touching ? kTouching : 0) | (near ? kNear : 0);
   bits |= (near && !was_near ? kArrived : 0) | (watch ? kWatch : 0);

@@ -12,7 +12,8 @@ namespace {
 // (|gap + h rate| - |gap|)/h - line . rate, with the rate of straight motion in the last term.
 Real bend_of_length(const WorldAnchors& f, const JointInput& in, Real now, const Vec3& line) {
   const BodyMotion &a = *in.motion_a, &b = *in.motion_b;
-  const Vec3 straight = b.velocity + cross(b.spin, f.arm_b) - a.velocity - cross(a.spin, f.arm_a);
+  const Vec3 straight =
+      b.velocity + cross(b.angular_velocity, f.arm_b) - a.velocity - cross(a.angular_velocity, f.arm_a);
   const Vec3 step = in.h * (straight + bend_of_gap(f, in));
   const Real sum = now + length(Vec3(f.gap + step));
   return sum > 0 ? (2 * dot(f.gap, step) + dot(step, step)) / (sum * in.h) - dot(line, straight) : 0;

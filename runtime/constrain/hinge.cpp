@@ -17,8 +17,8 @@ Real angle_of(const WorldFrames& f, Vec3& gradient) {
     gradient = f.axes_a.col(0);
     return 0;
   }
-  const Vec3 turn = (c * z_a - s * y_a) / norm2;
-  gradient = cross(y_b, turn);
+  const Vec3 gradient_b = (c * z_a - s * y_a) / norm2;
+  gradient = cross(y_b, gradient_b);
   return arc_tan2(s, c);
 }
 

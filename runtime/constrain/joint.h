@@ -25,8 +25,8 @@ struct JointShape {
 
 // Motion of a body in the coming substep, for Row::bend.
 struct BodyMotion {
-  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s, rad/s
-  Mat3 bend = Mat3::Zero();                           // m/s of an anchor, by its arm in m: see bend_matrix
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  // m/s, rad/s
+  Mat3 bend = Mat3::Zero();                                       // m/s of an anchor, by its arm in m: see bend_matrix
 };
 
 // What the turn of an arm by h w adds to the straight motion with angular velocity `start` for a time h, over h:

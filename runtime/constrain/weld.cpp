@@ -34,9 +34,9 @@ Mat3 rate_matrix(const Vec3& theta) {
 
 void fill(const JointInput& in, RowWriter& out) {
   const WorldFrames f = world_frames(in);
-  const Quat turn =
+  const Quat rotation =
       conjugate(in.a.rotation * in.joint->frame_a.rotation) * (in.b.rotation * in.joint->frame_b.rotation);
-  const Vec3 theta = rotation_vector(turn);
+  const Vec3 theta = rotation_vector(rotation);
   const Mat3 rate = rate_matrix(theta) * f.axes_a.transpose();
 
   Row* rows = out.block(6);

@@ -32,7 +32,7 @@ struct SurfaceContact::Impl {
   Array<Surface>& list;
   Array<Vec3>& position;
   Array<Real>& mass;
-  Array<Row4>&moved, &before, &speed;
+  Array<Row4>&delta_position, &before, &speed;
   Array<SurfacePair>& between;
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
 
@@ -45,13 +45,13 @@ struct SurfaceContact::Impl {
   Array<Vec3> found_place, found_speed;  // by point, when the boxes were made
   Array<Real> stray;                     // by point: what it may depart from that motion, m
   Array<std::uint32_t> found;
-  Array<Row4> guard_start;                 // displacements at the start of the part
-  Array<std::uint32_t> held_with;          // by point: one of its zone, or kNone: not held
-  Array<Zone> zones;                       // by lowest point
-  Array<Row4> wished;                      // displacements before the zones were made
-  Array<Row4> swapped;                     // speeds while the guard searches
-  Array<std::uint32_t> near_surface;       // by point: its surface
-  std::uint64_t guarded = 0, widened = 0;  // corrections and second searches of the last step
+  Array<Row4> projection_start;              // displacements at the start of the part
+  Array<std::uint32_t> zone_of;              // by point: one of its zone, or kNone: not held
+  Array<Zone> zones;                         // by lowest point
+  Array<Row4> wished;                        // displacements before the zones were made
+  Array<Row4> swapped;                       // speeds while the guard searches
+  Array<std::uint32_t> near_surface;         // by point: its surface
+  std::uint64_t projected = 0, widened = 0;  // corrections and second searches of the last step
 
   Array<Aabb> others_box;          // by surface: of those that it may touch
   Array<Aabb> box;                 // by surface
@@ -66,7 +66,7 @@ struct SurfaceContact::Impl {
   void find_near(StepContext& c);
   void coast(StepContext& c);
   void advance_bodies(StepContext& c);
-  void solve_holds(StepContext& c);
+  void solve_attachments(StepContext& c);
   void solve(StepContext& c);
   void read_velocities(StepContext& c);
   void rebound(StepContext& c);
@@ -88,7 +88,7 @@ struct SurfaceContact::Impl {
   // near.cpp: pairs that may come close in this step, and their rows
   bool near_wanted(const SurfaceGroup& g) const;
   std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
-  Vec3 place(std::uint32_t vertex) const { return position[vertex] + moved[vertex].vec(); }
+  Vec3 place(std::uint32_t vertex) const { return position[vertex] + delta_position[vertex].vec(); }
   // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: points may stay
   // behind.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
@@ -106,16 +106,16 @@ struct SurfaceContact::Impl {
   Vec3 astray(const NearSearch& near, std::uint32_t vertex) const;  // beside the motion foreseen at the search, m
   bool near_path(NearSearch& near, Real part);
   bool separate(NearPair& p, Real h, bool push);
-  void hold_back(NearSearch& near, Real part);
+  void project_out(NearSearch& near, Real part);
   void move_zones(const NearSearch& near, Real part);
   Real freedom(const NearPair& p);
   void widen(const SurfaceGroup& g, NearSearch& near, Real part);
-  std::uint32_t held_root(std::uint32_t vertex);
+  std::uint32_t zone_root(std::uint32_t vertex);
 
   // surface_contact.cpp
   void wake_left();
   const Surface* surface_of(ObjectId object) const;
-  Aabb reach(const Surface& s, StepContext& c) const;
+  Aabb swept_bounds(const Surface& s, StepContext& c) const;
   void gather(const SurfacePair& k);
   void wake(ObjectId sleeper, ObjectId other);
   // validate.cpp

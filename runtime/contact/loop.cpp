@@ -48,8 +48,8 @@ void SurfaceContact::Impl::coast(StepContext& c) {
     const Surface& s = list[n];
     if (!s.coasts || !s.active) continue;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
-      if (moved[i].w != 0) moved[i].add(g.step * speed[i].vec());
-      before[i] = {moved[i].x, moved[i].y, moved[i].z, 1};
+      if (delta_position[i].w != 0) delta_position[i].add(g.step * speed[i].vec());
+      before[i] = {delta_position[i].x, delta_position[i].y, delta_position[i].z, 1};
     }
   }
 }
@@ -61,7 +61,7 @@ void SurfaceContact::Impl::read_velocities(StepContext& c) {
     const Surface& s = list[n];
     if (!s.coasts || !s.active) continue;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
-      speed[i].add((moved[i].vec() - before[i].vec()) / g.step);
+      speed[i].add((delta_position[i].vec() - before[i].vec()) / g.step);
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, where that is below the thickness
 constexpr Real kNear = Real(1.1);       // thicknesses, from which on a pair matters
-constexpr int kMostParts = 64;
+constexpr int kMaxParts = 64;
 constexpr Real kFreeShare = Real(0.05);  // of the weights, up to which a pair is its pinned vertices' own
 
 // Along a segment; 0 where its ends coincide.
@@ -143,10 +143,10 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
       near.near_vertex.push_back(i);
       near_surface[i] = n;
       found_place[i] = place(i);
-      found_speed[i] = moved[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
+      found_speed[i] = delta_position[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
       const Vec3 beside = found_speed[i] - near.drift, far = found_place[i] + time * beside;
       // what the guard holds back to the drift strays by all of its way
-      stray[i] = moved[i].w == 0 ? Real(0) : kStray * s.thickness + (held ? time * length(beside) : Real(0));
+      stray[i] = delta_position[i].w == 0 ? Real(0) : kStray * s.thickness + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
       b.grow(stray[i] + Real(1.1) * half);
@@ -278,17 +278,17 @@ int SurfaceContact::Impl::near_parts(const SurfaceGroup& g, StepContext& c) cons
   Real most = 1;
   for (const std::uint32_t n : g.members)
     if (const Surface& s = list[n]; s.active)
-      most = std::max(most, std::min(c.h * s.strike / (Real(0.5) * s.thickness), Real(kMostParts)));
-  FEDER_ASSERT(most >= 1 && most <= kMostParts);
+      most = std::max(most, std::min(c.h * s.approach_speed / (Real(0.5) * s.thickness), Real(kMaxParts)));
+  FEDER_ASSERT(most >= 1 && most <= kMaxParts);
   return std::min(static_cast<int>(std::ceil(most)), g.steps);
 }
 
 void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part) {
   g.near_rows.clear();
-  guard_start.resize(moved.size());
+  projection_start.resize(delta_position.size());
   for (const std::uint32_t n : g.members) {
-    const auto first = moved.begin() + list[n].first;
-    std::copy(first, first + list[n].total, guard_start.begin() + list[n].first);
+    const auto first = delta_position.begin() + list[n].first;
+    std::copy(first, first + list[n].total, projection_start.begin() + list[n].first);
   }
   if (near.pairs_stale) find_pairs(g, near, time, false);
   for (NearPair& p : near.pairs) {
@@ -299,7 +299,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     Vec3 u = Vec3::Zero(), d = Vec3::Zero();
     Real held = 0;
     for (int k = 0; k < 4; ++k) {
-      const Row4& x = moved[p.v[k]];
+      const Row4& x = delta_position[p.v[k]];
       u += weight[k] * speed[p.v[k]].vec(), d += weight[k] * x.vec();
       if (x.w == 0) held += std::abs(weight[k]);
     }
@@ -313,7 +313,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     r.offset = p.distance - p.thickness - dot(p.normal, d);
     const Surface &a = list[near_surface[p.v[0]]], &b = list[near_surface[p.v[3]]];
     FEDER_ASSERT((p.between == kNone) == (&a == &b) && (p.between == kNone || p.between < between.size()));
-    r.touch = p.between, r.edges = p.edges;
+    r.contact_state = p.between, r.edges = p.edges;
     r.friction = std::sqrt(a.friction * b.friction);
     r.relaxation = std::min(a.relaxation, b.relaxation);
     g.near_rows.push_back(r);
@@ -323,29 +323,29 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
 // What the rows between two surfaces did. Self-contact has no events.
 void SurfaceContact::Impl::collect_near(const SurfaceGroup& g) {
   for (const SurfaceRow& r : g.near_rows) {
-    if (r.touch == kNone || r.impulse == 0) continue;
-    SurfacePair& k = between[r.touch];
+    if (r.contact_state == kNone || r.impulse == 0) continue;
+    SurfacePair& k = between[r.contact_state];
     k.impulse += r.impulse;
     if (!(r.impulse > k.strongest)) continue;
     k.strongest = r.impulse, k.speed = r.approach;
     Vec3 u = Vec3::Zero();
     for (int i = 0; i < 4; ++i) u += r.weight[i] * speed[r.vertex[i]].vec();
     k.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
-    const bool turned = near_surface[r.vertex[0]] != k.a;
-    const std::uint32_t at = r.vertex[turned ? 3 : 0];
-    FEDER_ASSERT(near_surface[at] == k.a && near_surface[r.vertex[turned ? 0 : 3]] == k.b);
-    k.index = at - list[k.a].first, k.point = place(at), k.normal = turned ? r.normal : Vec3(-r.normal);
+    const bool reversed = near_surface[r.vertex[0]] != k.a;
+    const std::uint32_t at = r.vertex[reversed ? 3 : 0];
+    FEDER_ASSERT(near_surface[at] == k.a && near_surface[r.vertex[reversed ? 0 : 3]] == k.b);
+    k.index = at - list[k.a].first, k.point = place(at), k.normal = reversed ? r.normal : Vec3(-r.normal);
   }
 }
 
 // Momentum that vertex k of a row between two surfaces got: by what it really changed, or, when held, by what the pin
 // took.
 void SurfaceContact::Impl::account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h) {
-  SurfacePair& pair = between[r.touch];
+  SurfacePair& pair = between[r.contact_state];
   const std::uint32_t i = r.vertex[k];
   FEDER_ASSERT(h > 0 && (near_surface[i] == pair.a || near_surface[i] == pair.b));
   double(&to)[3] = pair.given[near_surface[i] == pair.a ? 0 : 1];
-  const bool held = moved[i].w == 0;
+  const bool held = delta_position[i].w == 0;
   const double scale = (held ? 1.0 : static_cast<double>(mass[i])) / static_cast<double>(h);
   for (int j = 0; j < 3; ++j) to[j] += scale * static_cast<double>(held ? wanted[j] : change[j]);
 }

@@ -35,24 +35,24 @@ struct RowResponse {
 // Bodies go on with the velocity they have. Each group begins where they stood when the substep did.
 void SurfaceContact::Impl::advance_bodies(StepContext& c) {
   const SurfaceGroup& g = group(c);
-  Array<Vec3>&shift = surfaces.body_delta_position, &turn = surfaces.body_delta_rotation;
+  Array<Vec3>&shift = surfaces.body_delta_position, &rotation = surfaces.body_delta_rotation;
   const SolverBodies* solver_bodies = surfaces.solver_bodies;
   FEDER_ASSERT(g.solver_indices.empty() ||
                shift.size() == solver_bodies->state.size());  // nobody joins within a substep
   for (const std::uint32_t m : g.solver_indices) {
-    if (c.inner.index == 0) shift[m] = turn[m] = Vec3::Zero();
+    if (c.inner.index == 0) shift[m] = rotation[m] = Vec3::Zero();
     shift[m] += g.step * solver_bodies->state[m].velocity;
-    turn[m] += g.step * solver_bodies->state[m].angular_velocity;
+    rotation[m] += g.step * solver_bodies->state[m].angular_velocity;
   }
 }
 
-void SurfaceContact::Impl::solve_holds(StepContext& c) {
+void SurfaceContact::Impl::solve_attachments(StepContext& c) {
   const SurfaceGroup& g = group(c);
   const SolverBodies* solver_bodies = surfaces.solver_bodies;
   const Real h = g.step;
-  for (const SurfaceHold& k : g.holds) {
-    FEDER_ASSERT(k.vertex < moved.size());
-    Row4& x = moved[k.vertex];
+  for (const SurfaceAttachment& k : g.attachments) {
+    FEDER_ASSERT(k.vertex < delta_position.size());
+    Row4& x = delta_position[k.vertex];
     Mat3 response = Mat3::Zero();
     if (k.solver_index != 0) {
       const Mat3 arm = skew(k.arm);
@@ -84,8 +84,8 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
-      FEDER_ASSERT(r.vertex[k] < moved.size());
-      const Row4& x = moved[r.vertex[k]];
+      FEDER_ASSERT(r.vertex[k] < delta_position.size());
+      const Row4& x = delta_position[r.vertex[k]];
       d += r.weight[k] * x.vec();
       change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
       if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * speed[r.vertex[k]].vec();
@@ -94,7 +94,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
-    FEDER_ASSERT(!near || r.touch == kNone || r.touch < between.size());
+    FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < between.size());
     if (r.solver_index != 0) {
       const SolverBody& m = solver_bodies->state[r.solver_index];
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
@@ -124,10 +124,10 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     }
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0 && tilt[k] == 0) continue;
-      Row4& x = moved[r.vertex[k]];
+      Row4& x = delta_position[r.vertex[k]];
       const Vec3 was = x.vec(), to = r.weight[k] * total + tilt[k] * r.normal;
       x.add(x.w * to);
-      if (near && r.touch != kNone) account(r, k, x.vec() - was, to, h);
+      if (near && r.contact_state != kNone) account(r, k, x.vec() - was, to, h);
     }
     surfaces.push_body(r.solver_index, r.arm, -total, h);
   }
@@ -178,9 +178,9 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
-      d += r.weight[k] * moved[r.vertex[k]].vec();
+      d += r.weight[k] * delta_position[r.vertex[k]].vec();
       u += r.weight[k] * speed[r.vertex[k]].vec();
-      response.add(moved[r.vertex[k]].w, r.weight[k]);
+      response.add(delta_position[r.vertex[k]].w, r.weight[k]);
     }
     if (r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h) continue;
     if (r.solver_index != 0) {
@@ -202,8 +202,8 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
       if (r.weight[k] == 0 && tilt[k] == 0) continue;
       Row4& v = speed[r.vertex[k]];
       const Vec3 was = v.vec(), push = (-r.weight[k] * impulse - tilt[k]) * r.normal;
-      v.add(moved[r.vertex[k]].w * push);
-      if (near && r.touch != kNone) account(r, k, v.vec() - was, push, 1);
+      v.add(delta_position[r.vertex[k]].w * push);
+      if (near && r.contact_state != kNone) account(r, k, v.vec() - was, push, 1);
     }
     if (r.solver_index == 0) continue;
     // velocities only: the displacement stands
@@ -216,7 +216,7 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
 
 void SurfaceContact::Impl::solve(StepContext& c) {
   SurfaceGroup& g = group(c);
-  surfaces.row_updates += g.holds.size() + g.near_rows.size() + g.rows.size();
+  surfaces.row_updates += g.attachments.size() + g.near_rows.size() + g.rows.size();
   solve_rows(g.near_rows, true, g.step);
   solve_rows(g.rows, false, g.step);
 }

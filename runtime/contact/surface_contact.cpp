@@ -28,10 +28,11 @@ SurfaceContact::~SurfaceContact() = default;
 SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
-      position(surfaces.position), mass(surfaces.mass), moved(surfaces.moved), before(surfaces.before),
-      speed(surfaces.speed), between(surfaces.pairs), surface_of_body(&arena), joined_to(&arena), vertex_box(&arena),
-      found_place(&arena), found_speed(&arena), stray(&arena), found(&arena), guard_start(&arena), held_with(&arena),
-      zones(&arena), wished(&arena), swapped(&arena), near_surface(&arena), others_box(&arena), box(&arena) {}
+      position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
+      before(surfaces.before), speed(surfaces.speed), between(surfaces.pairs), surface_of_body(&arena),
+      joined_to(&arena), vertex_box(&arena), found_place(&arena), found_speed(&arena), stray(&arena), found(&arena),
+      projection_start(&arena), zone_of(&arena), zones(&arena), wished(&arena), swapped(&arena), near_surface(&arena),
+      others_box(&arena), box(&arena) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
@@ -44,19 +45,19 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   const bool coasts = m->surfaces.any_owner([](const Surfaces::Owner& o) { return !o.loops; });
   const bool solver_bodies = m->surfaces.solver_bodies != nullptr;
   plan.add<&Impl::begin_step>(Rank::surface_begin, "begin", kName, m);
-  if (pairs) plan.add<&Impl::list_pairs>(Rank::surface_pairs, "who may touch", kName, m);
+  if (pairs) plan.add<&Impl::list_pairs>(Rank::surface_pairs, "surface pairs", kName, m);
   plan.add<&Impl::form_groups>(Rank::surface_groups, "groups", kName, m);
   plan.add<&Impl::begin_substep>(Rank::surface_start, "begin substep", kName, m);
   if (near) plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
   if (coasts) plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);
   if (solver_bodies) plan.add<&Impl::advance_bodies>(Rank::surface_bodies, "bodies", kName, m);
-  if (solver_bodies) plan.add<&Impl::solve_holds>(Rank::surface_holds, "attachments", kName, m);
+  if (solver_bodies) plan.add<&Impl::solve_attachments>(Rank::surface_attachments, "attachments", kName, m);
   if (near || solver_bodies) plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
   if (coasts) plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
   if (near || solver_bodies) plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
   if (near) plan.add<&Impl::project>(Rank::surface_project, "non-penetration", kName, m);
   if (pairs) m->contacts.use();
-  if (pairs) plan.add<&Impl::finish>(Rank::surface_events, "touches", kName, m);
+  if (pairs) plan.add<&Impl::finish>(Rank::surface_events, "contact states", kName, m);
 }
 
 std::size_t SurfaceContact::count() const {
@@ -68,7 +69,7 @@ std::size_t SurfaceContact::count() const {
 void SurfaceContact::Impl::begin_step(StepContext&) {
   surfaces.begin();
   surfaces.row_updates = 0;
-  guarded = widened = 0;
+  projected = widened = 0;
   mismatch = given = 0;
   pairs_seen = 0;
 }
@@ -93,11 +94,11 @@ void SurfaceContact::Impl::wake_left() {
 }
 
 // Where a surface may be in this step, whatever strikes it.
-Aabb SurfaceContact::Impl::reach(const Surface& s, StepContext& c) const {
+Aabb SurfaceContact::Impl::swept_bounds(const Surface& s, StepContext& c) const {
   FEDER_ASSERT(s.count > 0 && s.first + s.total <= surfaces.size());
   Aabb all;
   for (std::uint32_t i = s.first; i < s.first + s.count; ++i) all.include(position[i]);
-  const Real haste = kHaste * s.fastest + s.strike + (s.active ? c.dt * length(c.gravity) : Real(0));
+  const Real haste = kHaste * s.fastest + s.approach_speed + (s.active ? c.dt * length(c.gravity) : Real(0));
   all.grow(s.thickness + c.dt * haste);
   return all;
 }
@@ -107,7 +108,7 @@ void SurfaceContact::Impl::list_pairs(StepContext& c) {
   const auto count = static_cast<std::uint32_t>(list.size());
   if (count < 2) return;
   box.resize(count);
-  for (std::uint32_t n = 0; n < count; ++n) box[n] = reach(list[n], c);
+  for (std::uint32_t n = 0; n < count; ++n) box[n] = swept_bounds(list[n], c);
   for (std::uint32_t i = 0; i < count; ++i)
     for (std::uint32_t j = i + 1; j < count; ++j) {
       const Surface &a = list[i], &b = list[j];
@@ -133,8 +134,8 @@ void SurfaceContact::Impl::gather(const SurfacePair& k) {
   n.index = k.index, n.point = k.point, n.normal = k.normal;
   n.speed = k.speed, n.slip = k.slip, n.impulse = k.impulse;
   contacts.see(finder, n);
-  if (!a.active && b.active && !b.calm) wake(a.object, b.object);
-  if (!b.active && a.active && !a.calm) wake(b.object, a.object);
+  if (!a.active && b.active && !b.sleep_candidate) wake(a.object, b.object);
+  if (!b.active && a.active && !a.sleep_candidate) wake(b.object, a.object);
 }
 
 void SurfaceContact::Impl::finish(StepContext&) {
@@ -156,7 +157,7 @@ void SurfaceContact::load(Reader&) {
 
 void SurfaceContact::residuals(std::vector<Residual>& out) const {
   const Impl& m = *impl_;
-  out.push_back({"contact.guarded", static_cast<double>(m.guarded)});
+  out.push_back({"contact.projected", static_cast<double>(m.projected)});
   out.push_back({"contact.widened", static_cast<double>(m.widened)});
   out.push_back({"contact.impulse_mismatch", m.given > 0 ? m.mismatch / m.given : 0});
   out.push_back({"contact.impulse_ns", m.given});

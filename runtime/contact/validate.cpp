@@ -17,7 +17,7 @@ void SurfaceContact::Impl::validate_group(std::size_t k) const {
   }
   FEDER_ASSERT(g.steps <= most);
   const std::uint32_t size = surfaces.size();
-  for (const SurfaceHold& hold : g.holds) FEDER_ASSERT(hold.vertex < size);
+  for (const SurfaceAttachment& a : g.attachments) FEDER_ASSERT(a.vertex < size);
   for (const SurfaceRow& r : g.rows)
     for (const std::uint32_t i : r.vertex) FEDER_ASSERT(i < size);
   for (std::size_t i = 1; i < near.near_vertex.size(); ++i)
@@ -40,7 +40,7 @@ void SurfaceContact::validate() const {
     FEDER_ASSERT(s.loop < m.surfaces.group_count);
     next += s.total;
   }
-  FEDER_ASSERT(next == m.surfaces.size() && m.moved.size() == next && m.speed.size() == next);
+  FEDER_ASSERT(next == m.surfaces.size() && m.delta_position.size() == next && m.speed.size() == next);
   for (std::size_t k = 0; k < m.between.size(); ++k) {
     const SurfacePair& b = m.between[k];
     FEDER_ASSERT(b.a < m.list.size() && b.b < m.list.size() && m.list[b.a].object < m.list[b.b].object);

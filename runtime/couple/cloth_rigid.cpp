@@ -27,8 +27,9 @@ void ClothRigid::add_passes(StepPlan& plan) {
   sync();
   if (cloth_.cloth_count() == 0 || rigid_.count() == 0) return;
   using S = ClothRigid;
-  plan.add<&S::look_ahead>(Rank::cloth_approach, "look ahead", kName, this);
-  if (!cloth_.attachments().empty()) plan.add<&S::make_holds>(Rank::cloth_holds, "attachments", kName, this);
+  plan.add<&S::find_approach>(Rank::cloth_approach, "approach speeds", kName, this);
+  if (!cloth_.attachments().empty())
+    plan.add<&S::make_attachments>(Rank::cloth_attachments, "attachments", kName, this);
   plan.add<&S::weigh>(Rank::keep_awake, "loads", kName, this);
 }
 
@@ -55,7 +56,7 @@ Real ClothRigid::attachments_of(ObjectId body, ObjectId cloth) const {
 }
 
 // What would pass through a sleeper between two looks wakes it before it strikes.
-void ClothRigid::wake_ahead(const Cloth::Info& cloth, StepContext& c) {
+void ClothRigid::wake_approached(const Cloth::Info& cloth, StepContext& c) {
   if (c.dt * fastest_ <= cloth.thickness) return;
   Aabb all;
   for (std::uint32_t i = cloth.first; i < cloth.first + cloth.count; ++i) all.include(cloth_.vertices().position[i]);
@@ -77,12 +78,12 @@ void ClothRigid::list_near(Aabb box, StepContext& c) {
 }
 
 // What comes at a cloth has to be stopped within a quarter of its size: that takes small steps, from the first touch.
-void ClothRigid::look_ahead(StepContext& c) {
+void ClothRigid::find_approach(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const Bodies& b = rigid_.bodies();
   fastest_ = colliders_.fastest();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
-    if (cloth_.info(n).asleep) wake_ahead(cloth_.info(n), c);
+    if (cloth_.info(n).asleep) wake_approached(cloth_.info(n), c);
     const Cloth::Info info = cloth_.info(n);
     if (info.asleep) continue;
     Aabb all, now;
@@ -103,7 +104,7 @@ void ClothRigid::look_ahead(StepContext& c) {
           !colliders_.awake[k] || !overlaps(all, colliders_.swept(k, c.dt)))
         continue;
       const std::uint32_t body = colliders_.owner_index[k];
-      const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, Cloth::kMostLoad) : Real(1);
+      const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, Cloth::kMaxLoad) : Real(1);
       const Vec3 u = colliders_.velocity[k] - mean / mass;
       impact = std::max(impact, 2 * dot(u, u) / size * share);
       speed = std::max(speed, length(u));
@@ -112,7 +113,7 @@ void ClothRigid::look_ahead(StepContext& c) {
   }
 }
 
-void ClothRigid::make_holds(StepContext&) {
+void ClothRigid::make_attachments(StepContext&) {
   const Bodies& b = rigid_.bodies();
   for (const Cloth::Attachment& a : cloth_.attachments()) {
     if (!objects_.alive(a.body)) {
@@ -121,19 +122,20 @@ void ClothRigid::make_holds(StepContext&) {
     }
     const std::uint32_t body = rigid_.index(a.body);
     FEDER_ASSERT(cloth_.vertices().cloth[a.vertex] == a.cloth && b.object[body] == a.body);
-    SurfaceHold k;
+    SurfaceAttachment k;
     k.vertex = a.vertex;
     k.solver_index = solver_bodies_.index[b.solver_slot[body]];
     FEDER_ASSERT(k.solver_index < solver_bodies_.state.size());
     const Vec3 local = a.local - b.local_com[body];
     const Vec3 center =
-        k.solver_index ? Vec3(solver_bodies_.mass[k.solver_index].center + solver_bodies_.state[k.solver_index].moved)
-                       : b.position[body];
+        k.solver_index
+            ? Vec3(solver_bodies_.mass[k.solver_index].center + solver_bodies_.state[k.solver_index].delta_position)
+            : b.position[body];
     k.arm = rotate(k.solver_index ? solver_bodies_.state[k.solver_index].rotation : b.rotation[body], local);
     k.error = cloth_.vertices().position[a.vertex] - center - k.arm;
     const std::size_t group = surfaces_.group_of(objects_.index(a.cloth));
     surfaces_.groups[group]->use_body(k.solver_index);
-    surfaces_.groups[group]->holds.push_back(k);
+    surfaces_.groups[group]->attachments.push_back(k);
   }
 }
 
@@ -158,7 +160,7 @@ void ClothRigid::weigh(StepContext&) {
       hung += b.mass[body] / attachments_of(a.body, a.cloth);
       if (info.moving && !b.awake[body]) rigid_.wake(a.body, kClothCause, a.cloth);
     }
-    cloth_.set_load(n, std::min(load, Cloth::kMostLoad * own) + hung);
+    cloth_.set_load(n, std::min(load, Cloth::kMaxLoad * own) + hung);
   }
 }
 

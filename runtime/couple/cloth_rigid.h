@@ -26,12 +26,12 @@ class ClothRigid final : public System {
 
  private:
   // Passes.
-  void look_ahead(StepContext& c);
-  void make_holds(StepContext& c);
+  void find_approach(StepContext& c);
+  void make_attachments(StepContext& c);
   void weigh(StepContext& c);
 
   void sync();
-  void wake_ahead(const Cloth::Info& cloth, StepContext& c);
+  void wake_approached(const Cloth::Info& cloth, StepContext& c);
   void list_near(Aabb box, StepContext& c);
   Real penetration(const Cloth::Info& cloth, std::uint32_t collider, const Pose& pose) const;
   Real attachments_of(ObjectId body, ObjectId cloth) const;

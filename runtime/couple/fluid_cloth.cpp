@@ -1,10 +1,10 @@
 // Per substep: sheets screen the particles near them; the fluid moves; particles that lie on a sheet or would pass it
-// in this substep become guests among the solver bodies, so that the cloth's small steps solve their contacts together
-// with its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles
-// are read back, and none may be on the other side of a triangle it was before. Sheets do not hold fluid back along
-// their surface (no friction, no wetting). Kept between calls: what pressed on whom, for waking. Weak spot: a pool of N
-// layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out again; a cloth far
-// lighter than a single particle follows single drops in jerks.
+// in this substep become boundary samples among the solver bodies, so that the cloth's small steps solve their contacts
+// together with its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the
+// particles are read back, and none may be on the other side of a triangle it was before. Sheets do not hold fluid back
+// along their surface (no friction, no wetting). Kept between calls: what pressed on whom, for waking. Weak spot: a
+// pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out again; a
+// cloth far lighter than a single particle follows single drops in jerks.
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>
@@ -31,16 +31,16 @@ FluidCloth::FluidCloth(SystemSetup& s)
       cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
       solver_bodies_(s.store.need<SolverBodies>(kName)), objects_(s.objects),
       contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)),
-      guests_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)) {
+      samples_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
+      contact_states_(&s.store.arena(kName)) {
   if (solver_bodies_.state.empty()) solver_bodies_.reset();  // no bodies: only the world
 }
 
-std::size_t FluidCloth::count() const { return guests_.size(); }
+std::size_t FluidCloth::count() const { return samples_.size(); }
 
 void FluidCloth::add_passes(StepPlan& plan) {
   drop_rows();
-  guests_.clear();  // their fluid may be gone, and with it the rows that would list them anew
+  samples_.clear();  // their fluid may be gone, and with it the rows that would list them anew
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   contacts_.use();
   using F = FluidCloth;
@@ -48,14 +48,14 @@ void FluidCloth::add_passes(StepPlan& plan) {
   if (cloth_.cloth_count() > 1) plan.add<&F::connect>(Rank::surface_candidates, "connect sheets", kName, this);
   plan.add<&F::begin>(Rank::face_screen, "screen by sheets", kName, this);
   plan.add<&F::make_rows>(Rank::cloth_particles, "particles on sheets", kName, this);
-  plan.add<&F::read_back>(Rank::cloth_read_back, "read back and guard", kName, this);
+  plan.add<&F::read_back>(Rank::cloth_read_back, "read back and project", kName, this);
   plan.add<&F::finish>(Rank::cloth_load, "loads", kName, this);
 }
 
 // Rows of an earlier substep; those of bodies have an owner.
 void FluidCloth::drop_rows() {
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
-    std::erase_if(surfaces_.groups[k]->rows, [](const SurfaceRow& r) { return r.touch == kNone; });
+    std::erase_if(surfaces_.groups[k]->rows, [](const SurfaceRow& r) { return r.contact_state == kNone; });
 }
 
 void FluidCloth::list_surfaces() {
@@ -76,20 +76,20 @@ void FluidCloth::wake(StepContext& c) {
   faces_.start.assign(v.position.begin(), v.position.end());
   for (FaceSurface& s : faces_.surfaces) {
     const Cloth::Info info = cloth_.info(s.place);
-    bool touched = false;
-    for (const Pressed& p : pressed_) touched = touched || (p.cloth == s.object && p.all > 0);
-    if (!touched && info.asleep) {
+    bool loaded = false;
+    for (const Pressed& p : pressed_) loaded = loaded || (p.cloth == s.object && p.all > 0);
+    if (!loaded && info.asleep) {
       Real fastest = 0;
       for (std::size_t n = 0; n < fluid_.pool_count(); ++n) fastest = std::max(fastest, fluid_.pool_at(n).max_speed());
-      touched = faces_.near(fluid_, s, c.dt * (fastest + c.dt * length(c.gravity)));
+      loaded = faces_.near(fluid_, s, c.dt * (fastest + c.dt * length(c.gravity)));
     }
-    if (touched) cloth_.wake(s.object, kFluidCause, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
+    if (loaded) cloth_.wake(s.object, kFluidCause, fluid_.pool_count() ? fluid_of(0) : ObjectId{});
   }
-  touches_.clear();
+  contact_states_.clear();
   pressed_.clear();
   for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0});
   mismatch_ = given_ = force_ = 0;
-  guarded_ = 0;
+  projected_ = 0;
 }
 
 // Sheets that particles may reach in this step act on each other through them: one group.
@@ -116,20 +116,20 @@ void FluidCloth::connect(StepContext& c) {
 bool FluidCloth::wet(const Aabb& box, Real seconds) const {
   for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
     const FluidPool& p = fluid_.pool_at(n);
-    Aabb reach = box;
-    reach.grow(p.desc.spacing + seconds * p.max_speed());
+    Aabb swept = box;
+    swept.grow(p.desc.spacing + seconds * p.max_speed());
     for (std::uint32_t i = 0; i < p.count; ++i)
-      if (overlaps(reach, Aabb{p.x[i].vec(), p.x[i].vec()})) return true;
+      if (overlaps(swept, Aabb{p.x[i].vec(), p.x[i].vec()})) return true;
   }
   return false;
 }
 
 void FluidCloth::place_vertices() {
   const ClothVertices& v = cloth_.vertices();
-  const std::span<const Row4> moved = surfaces_.moved;
-  FEDER_ASSERT(moved.size() >= v.size());
+  const std::span<const Row4> delta_position = surfaces_.delta_position;
+  FEDER_ASSERT(delta_position.size() >= v.size());
   faces_.start.resize(v.size()), faces_.end.resize(v.size());
-  for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + moved[i].vec();
+  for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + delta_position[i].vec();
 }
 
 void FluidCloth::begin(StepContext& c) {
@@ -139,7 +139,7 @@ void FluidCloth::begin(StepContext& c) {
 
 void FluidCloth::make_rows(StepContext& c) {
   drop_rows();
-  guests_.clear();
+  samples_.clear();
   const std::span<const Row4> speed = surfaces_.speed;
   const ClothVertices& v = cloth_.vertices();
   // where the vertices would go without fluid, roughly: the contacts follow what they do
@@ -147,12 +147,12 @@ void FluidCloth::make_rows(StepContext& c) {
   faces_.find(fluid_);
   own_bodies_ = static_cast<std::uint32_t>(solver_bodies_.state.size());
   FEDER_ASSERT(own_bodies_ > 0 && solver_bodies_.mass.size() == own_bodies_);  // the world is one
-  const std::span<const Row4> moved = surfaces_.moved;
+  const std::span<const Row4> delta_position = surfaces_.delta_position;
   for (const FaceContact& k : faces_.contacts) {
     const FluidPool& p = fluid_.pool_at(k.pool);
-    if (guests_.empty() || guests_.back().pool != k.pool || guests_.back().particle != k.particle) {
+    if (samples_.empty() || samples_.back().pool != k.pool || samples_.back().particle != k.particle) {
       FEDER_ASSERT(k.particle < p.count && p.origin.size() > k.particle);
-      Guest g;
+      BoundarySample g;
       g.pool = k.pool, g.particle = k.particle;
       g.solver_index = static_cast<std::uint32_t>(solver_bodies_.state.size());
       g.given = (p.x[k.particle].vec() - p.origin[k.particle].vec()) / c.h;
@@ -162,18 +162,18 @@ void FluidCloth::make_rows(StepContext& c) {
       m.inv_mass = 1 / p.mass, m.inv_mass_axes = Vec3::Constant(1 / p.mass);
       m.center = p.origin[k.particle].vec();
       solver_bodies_.state.push_back(s), solver_bodies_.mass.push_back(m);
-      guests_.push_back(g);
+      samples_.push_back(g);
     }
     SurfaceRow r;
     Vec3 d = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
       r.vertex[i] = k.vertex[i], r.weight[i] = k.weight[i];
-      d += k.weight[i] * moved[k.vertex[i]].vec();
+      d += k.weight[i] * delta_position[k.vertex[i]].vec();
     }
     FEDER_ASSERT(r.vertex[0] < v.size() && v.cloth[r.vertex[0]] == faces_.surfaces[k.surface].object);
     r.vertex[3] = k.vertex[0];
     r.normal = -k.normal;
-    r.solver_index = guests_.back().solver_index;
+    r.solver_index = samples_.back().solver_index;
     r.offset = k.distance - k.rest - dot(r.normal, d);
     const std::size_t cloth = faces_.surfaces[k.surface].place, group = surfaces_.group_of(cloth);
     r.relaxation = cloth_.info(cloth).relaxation;
@@ -191,24 +191,24 @@ void FluidCloth::read_back(StepContext& c) {
     const std::size_t group = surfaces_.group_of(faces_.surfaces[k.surface].place);
     const Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
     std::uint32_t& next = next_row_[group];
-    while (next < rows.size() && rows[next].touch != kNone) ++next;
+    while (next < rows.size() && rows[next].contact_state != kNone) ++next;
     FEDER_ASSERT(next < rows.size());  // no row is lost on the way, and with it its impulse
     const SurfaceRow& r = rows[next++];
-    while (guests_[at].solver_index != r.solver_index) {
+    while (samples_[at].solver_index != r.solver_index) {
       ++at;
-      FEDER_ASSERT(at < guests_.size());
+      FEDER_ASSERT(at < samples_.size());
     }
     const Real net = r.impulse - r.returned;
-    guests_[at].pushed -= net * r.normal;
-    FEDER_ASSERT(k.pool == guests_[at].pool && k.particle == guests_[at].particle);
+    samples_[at].pushed -= net * r.normal;
+    FEDER_ASSERT(k.pool == samples_[at].pool && k.particle == samples_[at].particle);
     if (net > 0) note(k, net, r.approach, -r.normal);
     Pressed& to = pressed_[faces_.surfaces[k.surface].place];
     to.all += std::abs(net);
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
   }
-  FEDER_ASSERT(solver_bodies_.state.size() == own_bodies_ + guests_.size());
-  for (const Guest& k : guests_) {
+  FEDER_ASSERT(solver_bodies_.state.size() == own_bodies_ + samples_.size());
+  for (const BoundarySample& k : samples_) {
     FluidPool& p = fluid_.pool_at(k.pool);
     const Vec3 gain = solver_bodies_.state[k.solver_index].velocity - k.given;
     if (k.solver_index >= own_bodies_ && !gain.isZero(0)) {
@@ -220,23 +220,25 @@ void FluidCloth::read_back(StepContext& c) {
   }
   solver_bodies_.state.resize(own_bodies_), solver_bodies_.mass.resize(own_bodies_);
   drop_rows();
-  const auto now = [&](std::uint32_t i) { return Vec3(cloth_.vertices().position[i] + surfaces_.moved[i].vec()); };
+  const auto now = [&](std::uint32_t i) {
+    return Vec3(cloth_.vertices().position[i] + surfaces_.delta_position[i].vec());
+  };
   faces_.follow(fluid_, now);
-  faces_.guard(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { hold_back(k, hit, c); });
+  faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
   end_substep();
 }
 
 // A particle that passed a face, or is too near to it, goes back to where it was caught; the velocities towards each
 // other end.
-void FluidCloth::hold_back(const FaceContact& k, const FaceHit& hit, StepContext& c) {
+void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepContext& c) {
   FluidPool& p = fluid_.pool_at(k.pool);
-  ++guarded_;
+  ++projected_;
   p.x[k.particle].set(hit.place);
   Vec3 u = p.v[k.particle].vec();
   Real response = 1 / p.mass;
   for (int i = 0; i < 3; ++i) {
     u -= hit.weight[i] * surfaces_.speed[k.vertex[i]].vec();
-    response += hit.weight[i] * hit.weight[i] * surfaces_.moved[k.vertex[i]].w;
+    response += hit.weight[i] * hit.weight[i] * surfaces_.delta_position[k.vertex[i]].w;
   }
   const Real closing = -dot(hit.normal, u);
   if (!(closing > 0)) return;
@@ -263,7 +265,7 @@ void FluidCloth::finish(StepContext& c) {
     force_ += static_cast<double>(p.along / c.dt);
     if (info.asleep || !(g > 0)) continue;
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
-    cloth_.set_load(n, std::min(cloth_.load(n) + on, Cloth::kMostLoad * own));
+    cloth_.set_load(n, std::min(cloth_.load(n) + on, Cloth::kMaxLoad * own));
   }
   report();
 }
@@ -273,17 +275,18 @@ void FluidCloth::note(const FaceContact& k, Real impulse, Real speed, const Vec3
   const ObjectId cloth = faces_.surfaces[k.surface].object, fluid = fluid_of(k.pool);
   FEDER_ASSERT(!(impulse < 0 || speed < 0));
   std::size_t at = 0;
-  while (at < touches_.size() && (touches_[at].cloth != cloth || touches_[at].fluid != fluid)) ++at;
-  if (at == touches_.size()) {
-    Touch fresh;
+  while (at < contact_states_.size() && (contact_states_[at].cloth != cloth || contact_states_[at].fluid != fluid))
+    ++at;
+  if (at == contact_states_.size()) {
+    ContactState fresh;
     fresh.cloth = cloth, fresh.fluid = fluid;
     at = 0;
-    while (at < touches_.size() &&
-           (touches_[at].cloth != cloth ? touches_[at].cloth < cloth : touches_[at].fluid < fluid))
+    while (at < contact_states_.size() &&
+           (contact_states_[at].cloth != cloth ? contact_states_[at].cloth < cloth : contact_states_[at].fluid < fluid))
       ++at;
-    touches_.insert(touches_.begin() + static_cast<std::ptrdiff_t>(at), fresh);
+    contact_states_.insert(contact_states_.begin() + static_cast<std::ptrdiff_t>(at), fresh);
   }
-  Touch& t = touches_[at];
+  ContactState& t = contact_states_[at];
   if (t.last != k.particle) t.last = k.particle, ++t.now;
   t.impulse += impulse;
   t.speed = std::max(t.speed, speed);
@@ -293,12 +296,12 @@ void FluidCloth::note(const FaceContact& k, Real impulse, Real speed, const Vec3
 }
 
 void FluidCloth::end_substep() {
-  for (Touch& t : touches_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
+  for (ContactState& t : contact_states_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
 }
 
 // A fluid touches a cloth from its first particle that pushes to its last; the event tells how many there are.
 void FluidCloth::report() {
-  for (const Touch& t : touches_) {
+  for (const ContactState& t : contact_states_) {
     FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0 && t.count > 0);
     ContactNote n;
     n.key = {t.cloth, t.fluid};
@@ -307,21 +310,22 @@ void FluidCloth::report() {
     n.speed = t.speed, n.impulse = t.impulse;
     contacts_.see(finder_, n);
   }
-  touches_.clear();
+  contact_states_.clear();
 }
 
 void FluidCloth::residuals(std::vector<Residual>& out) const {
   out.push_back({"fluid_cloth.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
   out.push_back({"fluid_cloth.force_n", force_});
-  out.push_back({"fluid_cloth.guarded", static_cast<double>(guarded_)});
+  out.push_back({"fluid_cloth.guarded", static_cast<double>(projected_)});
 }
 
 void FluidCloth::validate() const {
-  FEDER_ASSERT(touches_.empty());  // told
+  FEDER_ASSERT(contact_states_.empty());  // told
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
-    for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch != kNone);  // theirs live in a substep
-  for (std::size_t k = 0; k < guests_.size(); ++k)
-    FEDER_ASSERT(guests_[k].solver_index == own_bodies_ + k && guests_[k].pool < fluid_.pool_count());
+    for (const SurfaceRow& r : surfaces_.groups[k]->rows)
+      FEDER_ASSERT(r.contact_state != kNone);  // theirs live in a substep
+  for (std::size_t k = 0; k < samples_.size(); ++k)
+    FEDER_ASSERT(samples_[k].solver_index == own_bodies_ + k && samples_[k].pool < fluid_.pool_count());
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   FEDER_ASSERT(pressed_.size() == cloth_.cloth_count());
   faces_.validate();

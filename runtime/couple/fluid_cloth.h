@@ -19,7 +19,7 @@ class FluidCloth final : public System {
   std::size_t count() const override;  // particles that touch cloth
   void hash(Hash&) const override {}   // what it keeps follows from the two systems
   void save(Writer& w) const override { w.list(pressed_); }
-  void load(Reader& r) override { r.list(pressed_), touches_.clear(); }
+  void load(Reader& r) override { r.list(pressed_), contact_states_.clear(); }
   void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_cloth.impulse_mismatch, .force_n
 
@@ -31,7 +31,7 @@ class FluidCloth final : public System {
     Real all = 0;    // sum of the sizes of the impulses, N s
   };
   // A cloth and a fluid that meet in this step.
-  struct Touch {
+  struct ContactState {
     ObjectId cloth, fluid;
     std::uint32_t count = 0;                           // particles that pushed, at most in a substep
     std::uint32_t now = 0, last = kNone;               // in this substep; the particle that was counted last
@@ -41,7 +41,7 @@ class FluidCloth final : public System {
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
   // A particle that stands among the solver bodies for the length of the cloth's row.
-  struct Guest {
+  struct BoundarySample {
     std::uint32_t pool = 0, particle = 0, solver_index = 0;
     Vec3 given = Vec3::Zero();   // velocity, m/s
     Vec3 pushed = Vec3::Zero();  // by the rows, N s
@@ -59,7 +59,7 @@ class FluidCloth final : public System {
   void list_surfaces();
   void place_vertices();
   void drop_rows();
-  void hold_back(const FaceContact& k, const FaceHit& hit, StepContext& c);
+  void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
   void note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
   void end_substep();
@@ -73,14 +73,14 @@ class FluidCloth final : public System {
   ContactBook& contacts_;
   const std::uint32_t finder_;
   FluidFaces faces_;
-  Array<Guest> guests_;
-  Array<std::uint32_t> next_row_;    // by group of cloths
-  Array<Pressed> pressed_;           // by cloth
-  Array<Touch> touches_;             // in the order of the objects
-  std::uint32_t own_bodies_ = 0;     // how many there were without the guests
-  double mismatch_ = 0, given_ = 0;  // N s, of the last step
-  double force_ = 0;                 // N, of the last step, along gravity
-  std::uint64_t guarded_ = 0;        // corrections of the last step
+  Array<BoundarySample> samples_;
+  Array<std::uint32_t> next_row_;       // by group of cloths
+  Array<Pressed> pressed_;              // by cloth
+  Array<ContactState> contact_states_;  // in the order of the objects
+  std::uint32_t own_bodies_ = 0;        // how many there were without the samples
+  double mismatch_ = 0, given_ = 0;     // N s, of the last step
+  double force_ = 0;                    // N, of the last step, along gravity
+  std::uint64_t projected_ = 0;         // corrections of the last step
 };
 
 }  // namespace feder

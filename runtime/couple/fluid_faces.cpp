@@ -10,8 +10,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kSlack = Real(0.1);  // of the spacing: contacts are listed from here on
-constexpr Real kGuard = Real(0.3);  // of the distance at rest: no particle ends nearer
+constexpr Real kSlack = Real(0.1);      // of the spacing: contacts are listed from here on
+constexpr Real kClearance = Real(0.3);  // of the distance at rest: no particle ends nearer
 // Of a triangle's weights: beyond its edges still counts, by less than a particle's own size; ways are straight to
 // second order only.
 constexpr Real kInside = Real(0.1);
@@ -145,17 +145,17 @@ void FluidFaces::find(Fluid& fluid) {
   }
 }
 
-bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real reach) const {
+bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {
   Aabb all;
   for (const std::uint32_t v : s.triangles) all.include(start[s.first + v]);
-  all.grow(s.half + reach);
+  all.grow(s.half + margin);
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     const FluidPool& p = fluid.pool_at(n);
     if (!meets(p, s)) continue;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       const Vec3 x = p.x[i].vec();
       if (!overlaps(all, Aabb{x, x})) continue;
-      const Real far = s.half + reach + p.desc.spacing / 2;
+      const Real far = s.half + margin + p.desc.spacing / 2;
       for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
         const std::uint32_t* v = &s.triangles[t];
         const Vec3 q = closest_on_triangle(x, start[s.first + v[0]], start[s.first + v[1]], start[s.first + v[2]]);
@@ -174,7 +174,7 @@ bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, 
   const Vec3 up0 = normalized_or(cross(Vec3(b - a), Vec3(e - a)), k.normal);
   const Vec3 up1 = normalized_or(cross(Vec3(now[1] - now[0]), Vec3(now[2] - now[0])), k.normal);
   const Real before = dot(up0, Vec3(from - a)), after = dot(up1, Vec3(to - now[0]));
-  const Real side = before < 0 ? Real(-1) : Real(1), keep = kGuard * k.rest;
+  const Real side = before < 0 ? Real(-1) : Real(1), keep = kClearance * k.rest;
   Real w0[3], w1[3];
   plane_weights(from, a, b, e, w0), plane_weights(to, now[0], now[1], now[2], w1);
   const bool passed = after * side < 0;

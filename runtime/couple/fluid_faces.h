@@ -74,7 +74,7 @@ class FluidFaces {
   // Calls hit(contact, FaceHit) for particles that ended beyond a face or too near, once each: the first face they
   // passed. `point(i)`: where points are now.
   template <class Point, class F>
-  void guard(Fluid& fluid, Point&& point, F&& hit) const {
+  void project(Fluid& fluid, Point&& point, F&& hit) const {
     for (std::size_t n = 0; n < contacts.size();) {
       const FaceContact& first = contacts[n];
       FEDER_ASSERT(n == 0 || contacts[n - 1].pool < first.pool || contacts[n - 1].particle < first.particle);
@@ -91,8 +91,8 @@ class FluidFaces {
       if (by) hit(*by, best);
     }
   }
-  // Is any particle within `reach` of a face of this thing, where `start` is?
-  bool near(Fluid& fluid, const FaceSurface& s, Real reach) const;
+  // Is any particle within `margin` of a face of this thing, where `start` is?
+  bool near(Fluid& fluid, const FaceSurface& s, Real margin) const;
   // Did the particle, going from its origin to `to` while the face went from `start` to `now`, pass it, or does it end
   // too near to it? Then `when` (0 to 1, 2: did not pass) and where it has to be.
   bool caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3], FaceHit& hit) const;

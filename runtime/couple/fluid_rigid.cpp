@@ -20,7 +20,8 @@ constexpr Real kWakeImpulse = Real(1e-7);  // N s per kg of the body: anything t
 
 const SystemDescriptor& FluidRigid::descriptor() {
   static const char* const joins[] = {Fluid::kName, Rigid::kName};
-  static const SystemDescriptor d = {.name = kName, .units = "walls", .joins = joins, .make = &make_system<FluidRigid>};
+  static const SystemDescriptor d = {
+      .name = kName, .units = "boundary shapes", .joins = joins, .make = &make_system<FluidRigid>};
   return d;
 }
 
@@ -28,38 +29,38 @@ FluidRigid::FluidRigid(SystemSetup& s)
     : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
       rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
       colliders_(s.store.need<Colliders>(ContactService::kSystem)),
-      solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), walls_(fluid_.walls()), objects_(s.objects),
+      solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), boundary_(fluid_.boundary()), objects_(s.objects),
       contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)),
       collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)), place_(&s.store.arena(kName)),
-      inside_(&s.store.arena(kName)), touching_(&s.store.arena(kName)) {}
+      inside_(&s.store.arena(kName)), fluid_contacts_(&s.store.arena(kName)) {}
 
-FluidRigid::~FluidRigid() { walls_.list.clear(), walls_.bodies.clear(); }
+FluidRigid::~FluidRigid() { boundary_.shapes.clear(), boundary_.bodies.clear(); }
 
-std::size_t FluidRigid::count() const { return walls_.list.size(); }
+std::size_t FluidRigid::count() const { return boundary_.shapes.size(); }
 
 void FluidRigid::add_passes(StepPlan& plan) {
-  walls_.list.clear(), walls_.bodies.clear();
+  boundary_.shapes.clear(), boundary_.bodies.clear();
   if (fluid_.pool_count() == 0 || rigid_.count() == 0) return;
   contacts_.use();
   using F = FluidRigid;
-  plan.add<&F::collect>(Rank::boundary_list, "list walls", kName, this);
-  plan.add<&F::set_walls>(Rank::boundary_place, "place walls", kName, this);
+  plan.add<&F::collect>(Rank::boundary_list, "list boundary", kName, this);
+  plan.add<&F::set_boundary>(Rank::boundary_place, "place boundary", kName, this);
   plan.add<&F::weigh>(Rank::boundary_weigh, "weigh impulses", kName, this);
   plan.add<&F::push_bodies>(Rank::boundary_push, "push bodies", kName, this);
-  plan.add<&F::move_walls>(Rank::boundary_follow, "move walls", kName, this);
-  plan.add<&F::push_again>(Rank::boundary_return, "push bodies after guard", kName, this);
+  plan.add<&F::move_boundary>(Rank::boundary_follow, "move boundary", kName, this);
+  plan.add<&F::push_again>(Rank::boundary_return, "push bodies after projection", kName, this);
   plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
   plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
-  plan.add<&F::place_for_queries>(Rank::query_boundary, "place walls for queries", kName, this);
+  plan.add<&F::place_for_queries>(Rank::query_boundary, "place boundary for queries", kName, this);
   bool sensors = false;
   for (std::uint32_t k = 0; k < colliders_.size(); ++k)
     sensors = sensors || (colliders_.sensor[k] && colliders_.motion[k] != ColliderMotion::none);
   if (sensors) plan.add<&F::report_sensors>(Rank::fluid_events, "sensors", kName, this);
 }
 
-void FluidRigid::list_walls() {
+void FluidRigid::list_boundary() {
   const Bodies& b = rigid_.bodies();
-  walls_.list.clear(), walls_.bodies.clear();
+  boundary_.shapes.clear(), boundary_.bodies.clear();
   collider_.clear(), body_.clear();
   place_.assign(b.size(), kNone);
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
@@ -68,81 +69,81 @@ void FluidRigid::list_walls() {
       continue;
     const std::uint32_t i = colliders_.owner_index[k];
     if (place_[i] == kNone) {
-      FEDER_ASSERT(body_.size() == walls_.bodies.size());
-      place_[i] = static_cast<std::uint32_t>(walls_.bodies.size());
-      WallBody body;
+      FEDER_ASSERT(body_.size() == boundary_.bodies.size());
+      place_[i] = static_cast<std::uint32_t>(boundary_.bodies.size());
+      BoundaryBody body;
       body.object = b.object[i];
       body.dynamic = b.type[i] == BodyType::dynamic;
-      walls_.bodies.push_back(body);
+      boundary_.bodies.push_back(body);
       body_.push_back(i);
     }
-    Wall w;
+    BoundaryShape w;
     w.shape = colliders_.shape[k];
     w.body = place_[i];
     w.group = colliders_.group[k], w.mask = colliders_.mask[k];
     w.local = colliders_.local[k];
-    walls_.list.push_back(w);
+    boundary_.shapes.push_back(w);
     collider_.push_back(k);
   }
 }
 
-void FluidRigid::place_walls(bool between_steps) {
+void FluidRigid::place_boundary(bool between_steps) {
   const Bodies& b = rigid_.bodies();
-  walls_.weighed = false;
-  for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
-    WallBody& w = walls_.bodies[n];
+  boundary_.weighed = false;
+  for (std::size_t n = 0; n < boundary_.bodies.size(); ++n) {
+    BoundaryBody& w = boundary_.bodies[n];
     const std::uint32_t i = body_[n];
     const std::uint32_t at = between_steps ? 0 : solver_bodies_.index[b.solver_slot[i]];
     FEDER_ASSERT(b.object[i] == w.object && (at == 0 || at < solver_bodies_.state.size()));
     // what the fluid gave to a body that moves has been handed over: the velocity is read anew below
     FEDER_ASSERT(w.solver_index == 0 || !w.dynamic || w.impulse.isZero(0));
     w.solver_index = at;
-    w.touching = 0;
+    w.contact_weight = 0;
     w.impulse = Vec3::Zero();
     if (at == 0) {
       w.center = b.position[i];
-      w.velocity = w.spin = w.inv_mass = Vec3::Zero();
+      w.velocity = w.angular_velocity = w.inv_mass = Vec3::Zero();
       w.inv_inertia = Mat3::Zero();
       continue;
     }
     const SolverBody& s = solver_bodies_.state[at];
     const SolverMass& m = solver_bodies_.mass[at];
-    w.center = m.center + s.moved;
-    w.velocity = s.velocity, w.spin = s.angular_velocity;
+    w.center = m.center + s.delta_position;
+    w.velocity = s.velocity, w.angular_velocity = s.angular_velocity;
     w.inv_mass = m.inv_mass_axes, w.inv_inertia = m.inv_inertia;
-    walls_.weighed = walls_.weighed || w.dynamic;
+    boundary_.weighed = boundary_.weighed || w.dynamic;
   }
-  for (Wall& w : walls_.list) {
-    const std::uint32_t i = body_[w.body], at = walls_.bodies[w.body].solver_index;
-    const Quat turn = at == 0 ? b.rotation[i] : solver_bodies_.state[at].rotation;
-    w.pose = Pose{walls_.bodies[w.body].center, turn} * w.local;
+  for (BoundaryShape& w : boundary_.shapes) {
+    const std::uint32_t i = body_[w.body], at = boundary_.bodies[w.body].solver_index;
+    const Quat rotation = at == 0 ? b.rotation[i] : solver_bodies_.state[at].rotation;
+    w.pose = Pose{boundary_.bodies[w.body].center, rotation} * w.local;
     w.box = w.shape->bounds(w.pose);
   }
 }
 
 void FluidRigid::give_velocities() {
-  for (WallBody& w : walls_.bodies) {
+  for (BoundaryBody& w : boundary_.bodies) {
     if (w.solver_index == 0 || !w.dynamic) continue;
     SolverBody& s = solver_bodies_.state[w.solver_index];
-    s.velocity = w.velocity, s.angular_velocity = w.spin;
+    s.velocity = w.velocity, s.angular_velocity = w.angular_velocity;
     w.impulse = Vec3::Zero();  // handed over
   }
 }
 
 void FluidRigid::collect(StepContext&) {
-  list_walls();
+  list_boundary();
   mismatch_ = given_ = pushed_ = 0;
-  fluid_.clear_touches();
+  fluid_.clear_contact_states();
 }
 
 void FluidRigid::place_for_queries(StepContext&) {
-  list_walls();
-  place_walls(true);
+  list_boundary();
+  place_boundary(true);
 }
 
-void FluidRigid::set_walls(StepContext&) {
-  place_walls(false);
-  if (walls_.weighed) weigh_fluids(before_);
+void FluidRigid::set_boundary(StepContext&) {
+  place_boundary(false);
+  if (boundary_.weighed) weigh_fluids(before_);
 }
 
 void FluidRigid::weigh_fluids(double (&sum)[3]) const {
@@ -162,10 +163,10 @@ void FluidRigid::weigh_fluids(double (&sum)[3]) const {
 // Two states against each other: the velocities of all particles before and after, and those of the bodies. What stands
 // fast, or is held along an axis, has no velocity to tell: there it is the sum of the impulses it took.
 void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
-  if (!walls_.weighed) return;
+  if (!boundary_.weighed) return;
   double after[3], gained[3] = {0, 0, 0};
   weigh_fluids(after);
-  for (const WallBody& w : walls_.bodies) {
+  for (const BoundaryBody& w : boundary_.bodies) {
     const bool moves = w.dynamic && w.solver_index != 0;
     for (int k = 0; k < 3; ++k) {
       const Real inv_mass = moves ? solver_bodies_.mass[w.solver_index].inv_mass_axes[k] : Real(0);
@@ -196,9 +197,9 @@ void FluidRigid::weigh(StepContext& c) { compare_impulses(c.h * c.gravity); }
 
 void FluidRigid::push_bodies(StepContext&) { give_velocities(); }
 
-void FluidRigid::move_walls(StepContext&) {
-  place_walls(false);
-  if (walls_.weighed) weigh_fluids(before_);
+void FluidRigid::move_boundary(StepContext&) {
+  place_boundary(false);
+  if (boundary_.weighed) weigh_fluids(before_);
 }
 void FluidRigid::push_again(StepContext&) {
   compare_impulses(Vec3::Zero());
@@ -207,15 +208,15 @@ void FluidRigid::push_again(StepContext&) {
 
 void FluidRigid::keep_awake(StepContext&) {
   const Bodies& b = rigid_.bodies();
-  touching_.clear();
-  fluid_.list_touches(touching_);
-  for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
-    WallBody& w = walls_.bodies[n];
+  fluid_contacts_.clear();
+  fluid_.list_contact_states(fluid_contacts_);
+  for (std::size_t n = 0; n < boundary_.bodies.size(); ++n) {
+    BoundaryBody& w = boundary_.bodies[n];
     const std::uint32_t i = body_[n];
     FEDER_ASSERT(!(w.pressed < 0));
     if (!w.dynamic || w.pressed <= kWakeImpulse * b.mass[i]) continue;
     ObjectId fluid;
-    for (const FluidTouch& t : touching_)
+    for (const FluidContactState& t : fluid_contacts_)
       if (!fluid && t.body == w.object) fluid = t.fluid;
     objects_.for_each(kFluidKind, [&](ObjectId id) {  // pressed in passing: no particle is beside it now
       if (!fluid) fluid = id;
@@ -226,9 +227,9 @@ void FluidRigid::keep_awake(StepContext&) {
 
 // A fluid touches a body from its first particle beside it to its last; the event tells how many there are.
 void FluidRigid::report_contacts(StepContext&) {
-  touching_.clear();
-  fluid_.list_touches(touching_);
-  for (const FluidTouch& t : touching_) {
+  fluid_contacts_.clear();
+  fluid_.list_contact_states(fluid_contacts_);
+  for (const FluidContactState& t : fluid_contacts_) {
     ContactNote n;
     n.key = {t.body, t.fluid};
     n.index = t.count, n.number = 1;
@@ -239,7 +240,7 @@ void FluidRigid::report_contacts(StepContext&) {
 }
 
 Real FluidRigid::pressed_on(ObjectId body) const {
-  for (const WallBody& w : walls_.bodies)
+  for (const BoundaryBody& w : boundary_.bodies)
     if (w.object == body) return w.pressed;
   return 0;
 }
@@ -284,14 +285,15 @@ void FluidRigid::residuals(std::vector<Residual>& out) const {
 
 void FluidRigid::validate() const {
   const Bodies& b = rigid_.bodies();
-  FEDER_ASSERT(walls_.list.empty() || (walls_.list.size() == collider_.size() && walls_.bodies.size() == body_.size()));
-  for (std::size_t n = 0; n < walls_.bodies.size(); ++n) {
-    FEDER_ASSERT(body_[n] < b.size() && place_[body_[n]] == n && b.object[body_[n]] == walls_.bodies[n].object);
+  FEDER_ASSERT(boundary_.shapes.empty() ||
+               (boundary_.shapes.size() == collider_.size() && boundary_.bodies.size() == body_.size()));
+  for (std::size_t n = 0; n < boundary_.bodies.size(); ++n) {
+    FEDER_ASSERT(body_[n] < b.size() && place_[body_[n]] == n && b.object[body_[n]] == boundary_.bodies[n].object);
     // a body that went bad within the step is fixed since then
-    FEDER_ASSERT(walls_.bodies[n].dynamic || b.type[body_[n]] != BodyType::dynamic);
+    FEDER_ASSERT(boundary_.bodies[n].dynamic || b.type[body_[n]] != BodyType::dynamic);
   }
-  for (std::size_t n = 0; n < walls_.list.size(); ++n) {
-    const Wall& w = walls_.list[n];
+  for (std::size_t n = 0; n < boundary_.shapes.size(); ++n) {
+    const BoundaryShape& w = boundary_.shapes[n];
     FEDER_ASSERT(colliders_.shape[collider_[n]] == w.shape && colliders_.owner_index[collider_[n]] == body_[w.body]);
   }
 }

@@ -4,7 +4,7 @@
 #include "feder/fluid.h"
 #include "feder/rigid.h"
 #include "feder/system.h"
-#include "fluid/walls.h"
+#include "fluid/boundary.h"
 #include "state/colliders.h"
 #include "state/contact_book.h"
 #include "state/solver_bodies.h"
@@ -22,7 +22,7 @@ class FluidRigid final : public System {
   std::size_t count() const override;  // walls
   void hash(Hash& h) const override;
   void save(Writer&) const override {}
-  void load(Reader&) override { inside_.clear(), touching_.clear(); }
+  void load(Reader&) override { inside_.clear(), fluid_contacts_.clear(); }
   void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_rigid.impulse_mismatch, .impulse_ns
 
@@ -32,8 +32,8 @@ class FluidRigid final : public System {
     ObjectId sensor, fluid;
     std::uint32_t count = 0;
   };
-  void list_walls();                          // all colliders of bodies that fluids may meet
-  void place_walls(bool before_step);         // poses and velocities as the solver bodies have them
+  void list_boundary();                       // all colliders of bodies that fluids may meet
+  void place_boundary(bool before_step);      // poses and velocities as the solver bodies have them
   void give_velocities();                     // back to the solver bodies
   void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
   // What the fluids lost since `before_`, aside from what gravity gave in g h m/s, against what the bodies gained.
@@ -42,10 +42,10 @@ class FluidRigid final : public System {
   // Rows.
   void collect(StepContext& c);
   void place_for_queries(StepContext& c);
-  void set_walls(StepContext& c);
+  void set_boundary(StepContext& c);
   void weigh(StepContext& c);
   void push_bodies(StepContext& c);
-  void move_walls(StepContext& c);
+  void move_boundary(StepContext& c);
   void push_again(StepContext& c);
   void keep_awake(StepContext& c);
   Real pressed_on(ObjectId body) const;  // N s in this step
@@ -56,18 +56,18 @@ class FluidRigid final : public System {
   Rigid& rigid_;
   Colliders& colliders_;
   SolverBodies& solver_bodies_;
-  Walls& walls_;
+  Boundary& boundary_;
   Objects& objects_;
   ContactBook& contacts_;
-  const std::uint32_t finder_;       // of contacts and of what is in sensors
-  Array<std::uint32_t> collider_;    // of a wall
-  Array<std::uint32_t> body_;        // index in Bodies, of a wall body
-  Array<std::uint32_t> place_;       // of a body in Walls::bodies, kNone
-  Array<Inside> inside_;             // of this step
-  Array<FluidTouch> touching_;       // of this step, by fluid, then body
-  double before_[3] = {0, 0, 0};     // momentum of the fluids when the walls were placed, kg m/s
-  double mismatch_ = 0, given_ = 0;  // N s, of the last step: largest of a substep, and sum
-  double pushed_ = 0;                // N s, on bodies that move
+  const std::uint32_t finder_;               // of contacts and of what is in sensors
+  Array<std::uint32_t> collider_;            // of a wall
+  Array<std::uint32_t> body_;                // index in Bodies, of a wall body
+  Array<std::uint32_t> place_;               // of a body in Walls::bodies, kNone
+  Array<Inside> inside_;                     // of this step
+  Array<FluidContactState> fluid_contacts_;  // of this step, by fluid, then body
+  double before_[3] = {0, 0, 0};             // momentum of the fluids when the walls were placed, kg m/s
+  double mismatch_ = 0, given_ = 0;          // N s, of the last step: largest of a substep, and sum
+  double pushed_ = 0;                        // N s, on bodies that move
 };
 
 }  // namespace feder

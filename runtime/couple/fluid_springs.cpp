@@ -58,7 +58,7 @@ void FluidSprings::remember(StepContext& c) {
   if (c.substep == 0) {
     list_surfaces();
     mismatch_ = given_ = 0;
-    guarded_ = 0;
+    projected_ = 0;
   }
   faces_.start.assign(points_.position.begin(), points_.position.end());
 }
@@ -74,8 +74,8 @@ void FluidSprings::solve(StepContext&) {
     for (const FaceContact& k : faces_.contacts) push_apart(k);
   const auto now = [&](std::uint32_t i) { return points_.position[i]; };
   faces_.follow(fluid_, now);
-  faces_.guard(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) {
-    ++guarded_;
+  faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) {
+    ++projected_;
     fluid_.pool_at(k.pool).x[k.particle].set(hit.place);
     exchange(k, hit.weight, hit.normal);
   });
@@ -148,7 +148,7 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
 void FluidSprings::residuals(std::vector<Residual>& out) const {
   out.push_back({"fluid_springs.impulse_mismatch", given_ > 0 ? mismatch_ / given_ : 0});
   out.push_back({"fluid_springs.impulse_ns", given_});
-  out.push_back({"fluid_springs.guarded", static_cast<double>(guarded_)});
+  out.push_back({"fluid_springs.guarded", static_cast<double>(projected_)});
 }
 
 void FluidSprings::validate() const {

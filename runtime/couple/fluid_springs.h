@@ -37,7 +37,7 @@ class FluidSprings final : public System {
   Particles& points_;
   FluidFaces faces_;
   double mismatch_ = 0, given_ = 0;  // N s, of the last step
-  std::uint64_t guarded_ = 0;
+  std::uint64_t projected_ = 0;
 };
 
 }  // namespace feder

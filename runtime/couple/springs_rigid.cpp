@@ -23,7 +23,7 @@ SpringsRigid::SpringsRigid(SystemSetup& s)
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
       objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
-      holds_(&s.store.arena(kName)), held_(&s.store.arena(kName)) {}
+      attachments_(&s.store.arena(kName)), attached_to_(&s.store.arena(kName)) {}
 
 std::size_t SpringsRigid::count() const { return coupled_.size(); }
 
@@ -33,7 +33,7 @@ void SpringsRigid::add_passes(StepPlan& plan) {
   using S = SpringsRigid;
   plan.add<&S::update_boxes>(Rank::point_bounds, "point boxes", kName, this);
   plan.add<&S::append>(Rank::append_points, "append points", kName, this);
-  plan.add<&S::before_integrate>(Rank::net_hold, "before integrate", kName, this);
+  plan.add<&S::before_integrate>(Rank::net_prepare, "before integrate", kName, this);
   plan.add<&S::after_integrate>(Rank::net_release, "after integrate", kName, this);
   plan.add<&S::hand_over>(Rank::net_hand_over, "hand over", kName, this);
   plan.add<&S::read_back>(Rank::net_read_back, "read back", kName, this);
@@ -61,7 +61,7 @@ void SpringsRigid::sync() {
   std::vector<std::uint8_t> attached(particles_.size(), 0);
   for (const Springs::Attachment& a : springs_.attachments()) attached[a.point] = 1;
   coupled_.clear();
-  holds_.clear();  // they name places in that list
+  attachments_.clear();  // they name places in that list
   for (std::size_t n = 0; n < springs_.net_count(); ++n) {
     const Springs::NetInfo net = springs_.net_info(n);
     for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
@@ -159,7 +159,7 @@ void SpringsRigid::validate() const {
     const std::uint32_t place = find_coupled(a.point);
     FEDER_ASSERT(place != kNone && coupled_[place].attached && particles_.net[a.point] == a.net);
   }
-  for (const Hold& k : holds_) FEDER_ASSERT(k.coupled < coupled_.size() && k.body < rigid_.bodies().size());
+  for (const Attachment& k : attachments_) FEDER_ASSERT(k.coupled < coupled_.size() && k.body < rigid_.bodies().size());
 }
 
 }  // namespace feder

@@ -32,13 +32,13 @@ class SpringsRigid final : public System {
     std::uint32_t solver_index = 0;  // in SolverBodies this step; 0 = pinned
     Vec3 before = Vec3::Zero();      // position before the substep, m
     Vec3 given = Vec3::Zero();       // velocity the solver got, m/s
-    Vec3 given_moved = Vec3::Zero();
+    Vec3 given_delta_position = Vec3::Zero();
     Real added = 0;         // inertia carried this step, kg
     bool implicit = false;  // net's integrator
     bool attached = false;
   };
   // An attachment this step.
-  struct Hold {
+  struct Attachment {
     std::uint32_t coupled = 0;       // place in coupled_
     std::uint32_t body = 0;          // index in Bodies
     std::uint32_t solver_index = 0;  // body's slot in SolverBodies; 0 = does not move
@@ -63,14 +63,14 @@ class SpringsRigid final : public System {
   void read_back_velocities(StepContext& c);
   void keep_awake(StepContext& c);
 
-  void find_holds();
+  void find_attachments();
   void add_carried_mass();
   void center_contacts(StepContext& c);
   void warn_soft_contact(std::uint32_t collider, StepContext& c);
   // Velocity projection of all attachments; `rate` times the position error is taken out as velocity (1/s).
-  void hold(int rounds, Real rate);
-  Vec3 hold_error(const Hold& k) const;     // point minus anchor, m
-  Mat3 body_response(const Hold& k) const;  // velocity of the anchor per impulse on it, 1/kg
+  void solve_attachments(int rounds, Real rate);
+  Vec3 attachment_error(const Attachment& k) const;  // point minus anchor, m
+  Mat3 body_response(const Attachment& k) const;     // velocity of the anchor per impulse on it, 1/kg
 
   Springs& springs_;
   Rigid& rigid_;
@@ -81,9 +81,9 @@ class SpringsRigid final : public System {
   Objects& objects_;
   bool* structure_changed_;
   Array<Coupled> coupled_;  // ascending by particle
-  Array<Hold> holds_;
-  Array<std::uint32_t> held_;  // attachments by body
-  bool warned_ = false;        // "implicit_contact"
+  Array<Attachment> attachments_;
+  Array<std::uint32_t> attached_to_;  // attachments by body
+  bool warned_ = false;               // "implicit_contact"
 };
 
 }  // namespace feder

@@ -18,8 +18,8 @@ namespace feder {
 namespace {
 
 constexpr Real kBoxMargin = Real(0.02);  // m, as bodies have it
-constexpr int kHoldRounds = 10;
-constexpr Real kHoldShare = Real(0.5);  // of the position error taken out in a substep
+constexpr int kAttachmentRounds = 10;
+constexpr Real kAttachmentShare = Real(0.5);  // of the position error taken out in a substep
 
 constexpr Real kPullSpeed = 3;  // m/s, at which an attachment is closed at most
 
@@ -39,7 +39,7 @@ void SpringsRigid::update_boxes(StepContext& c) {
     if (collider == kNone) continue;
     const bool pinned = particles_.inv_mass[i] == 0;
     const Vec3 x = particles_.position[i], v = particles_.velocity[i];
-    const Vec3 reach = pinned ? Vec3(0, 0, 0) : Vec3(v * c.dt + c.gravity * (c.dt * c.dt));
+    const Vec3 travel = pinned ? Vec3(0, 0, 0) : Vec3(v * c.dt + c.gravity * (c.dt * c.dt));
     const Vec3 size = Vec3::Constant(particles_.radius[i] + kBoxMargin);
     colliders_.motion[collider] = pinned ? ColliderMotion::fixed : ColliderMotion::dynamic;
     colliders_.awake[collider] = !pinned;
@@ -47,8 +47,8 @@ void SpringsRigid::update_boxes(StepContext& c) {
     colliders_.pose[collider] = {x, Quat::identity()};
     colliders_.center[collider] = x;
     colliders_.velocity[collider] = v;
-    colliders_.box[collider].lo = x + reach.cwiseMin(Real(0)) - size;
-    colliders_.box[collider].hi = x + reach.cwiseMax(Real(0)) + size;
+    colliders_.box[collider].lo = x + travel.cwiseMin(Real(0)) - size;
+    colliders_.box[collider].hi = x + travel.cwiseMax(Real(0)) + size;
   }
 }
 
@@ -68,31 +68,31 @@ void SpringsRigid::append(StepContext& c) {
     m.center = particles_.position[i];
     k.solver_index = solver_bodies_.append(particles_.solver_slot[i], s, m);
   }
-  find_holds();
+  find_attachments();
   add_carried_mass();
   center_contacts(c);
 }
 
-void SpringsRigid::find_holds() {
+void SpringsRigid::find_attachments() {
   const Bodies& b = rigid_.bodies();
-  holds_.clear();
+  attachments_.clear();
   for (const Springs::Attachment& a : springs_.attachments()) {
     if (!objects_.alive(a.body)) {
       *structure_changed_ = true;  // the next sync drops it
       continue;
     }
-    Hold k;
+    Attachment k;
     k.coupled = find_coupled(a.point);
     FEDER_ASSERT(k.coupled != kNone && coupled_[k.coupled].attached);
     k.body = rigid_.index(a.body);
     k.solver_index = solver_bodies_.index[b.solver_slot[k.body]];
     k.local = a.local - b.local_com[k.body];
     k.arm = rotate(b.rotation[k.body], k.local);
-    holds_.push_back(k);
+    attachments_.push_back(k);
   }
 }
 
-Mat3 SpringsRigid::body_response(const Hold& k) const {
+Mat3 SpringsRigid::body_response(const Attachment& k) const {
   FEDER_ASSERT(k.solver_index < solver_bodies_.mass.size());
   const SolverMass& m = solver_bodies_.mass[k.solver_index];
   const Mat3 arm = skew(k.arm);
@@ -102,12 +102,12 @@ Mat3 SpringsRigid::body_response(const Hold& k) const {
 }
 
 void SpringsRigid::add_carried_mass() {
-  held_.assign(rigid_.bodies().size(), 0);
-  for (const Hold& k : holds_) ++held_[k.body];
-  for (const Hold& k : holds_) {
+  attached_to_.assign(rigid_.bodies().size(), 0);
+  for (const Attachment& k : attachments_) ++attached_to_[k.body];
+  for (const Attachment& k : attachments_) {
     const Real trace = body_response(k).trace();
-    FEDER_ASSERT(held_[k.body] > 0);
-    if (trace > 0) coupled_[k.coupled].added += 3 / (trace * static_cast<Real>(held_[k.body]));
+    FEDER_ASSERT(attached_to_[k.body] > 0);
+    if (trace > 0) coupled_[k.coupled].added += 3 / (trace * static_cast<Real>(attached_to_[k.body]));
   }
 }
 
@@ -145,30 +145,31 @@ void SpringsRigid::warn_soft_contact(std::uint32_t collider, StepContext& c) {
                  net);
 }
 
-Vec3 SpringsRigid::hold_error(const Hold& k) const {
+Vec3 SpringsRigid::attachment_error(const Attachment& k) const {
   const Coupled& p = coupled_[k.coupled];
   const Bodies& b = rigid_.bodies();
-  const Vec3 x = p.solver_index != 0
-                     ? Vec3(solver_bodies_.mass[p.solver_index].center + solver_bodies_.state[p.solver_index].moved)
-                     : particles_.position[p.particle];
+  const Vec3 x =
+      p.solver_index != 0
+          ? Vec3(solver_bodies_.mass[p.solver_index].center + solver_bodies_.state[p.solver_index].delta_position)
+          : particles_.position[p.particle];
   const Vec3 center =
-      b.position[k.body] + (k.solver_index != 0 ? solver_bodies_.state[k.solver_index].moved : Vec3(0, 0, 0));
+      b.position[k.body] + (k.solver_index != 0 ? solver_bodies_.state[k.solver_index].delta_position : Vec3(0, 0, 0));
   return x - center - k.arm;
 }
 
-void SpringsRigid::hold(int rounds, Real rate) {
-  for (Hold& k : holds_) {
+void SpringsRigid::solve_attachments(int rounds, Real rate) {
+  for (Attachment& k : attachments_) {
     if (k.solver_index != 0) k.arm = rotate(solver_bodies_.state[k.solver_index].rotation, k.local);
     Mat3 response = body_response(k);
     response.diagonal().array() += solver_bodies_.mass[coupled_[k.coupled].solver_index].inv_mass;
     k.mass = inverse(response);  // zero when neither can move
   }
   for (int round = 0; round < rounds; ++round)
-    for (const Hold& k : holds_) {
+    for (const Attachment& k : attachments_) {
       SolverBody& point = solver_bodies_.state[coupled_[k.coupled].solver_index];
       SolverBody& body = solver_bodies_.state[k.solver_index];
       Vec3 speed = point.velocity - velocity_at(body, k.arm);
-      if (rate > 0) speed += closing_velocity(hold_error(k), rate);
+      if (rate > 0) speed += closing_velocity(attachment_error(k), rate);
       const Vec3 impulse = -(k.mass * speed);
       const SolverMass& pm = solver_bodies_.mass[coupled_[k.coupled].solver_index];
       const SolverMass& bm = solver_bodies_.mass[k.solver_index];
@@ -183,7 +184,7 @@ void SpringsRigid::before_integrate(StepContext&) {
     k.before = particles_.position[k.particle];
     if (k.solver_index != 0) solver_bodies_.state[k.solver_index].velocity = particles_.velocity[k.particle];
   }
-  if (!holds_.empty()) hold(kHoldRounds, 0);  // forces have moved the bodies' velocities since
+  if (!attachments_.empty()) solve_attachments(kAttachmentRounds, 0);  // forces have moved the bodies' velocities since
   for (Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
     if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;  // quarantined in the substep before: stays held
@@ -214,19 +215,19 @@ void SpringsRigid::hand_over(StepContext& c) {
     if (k.solver_index == 0) continue;
     SolverBody& s = solver_bodies_.state[k.solver_index];
     s.velocity = particles_.velocity[k.particle];
-    s.moved = k.before - solver_bodies_.mass[k.solver_index].center;
+    s.delta_position = k.before - solver_bodies_.mass[k.solver_index].center;
   }
   FEDER_ASSERT(c.h > 0);
-  if (!holds_.empty()) hold(kHoldRounds, kHoldShare / c.h);
+  if (!attachments_.empty()) solve_attachments(kAttachmentRounds, kAttachmentShare / c.h);
   for (Coupled& k : coupled_) {
     if (k.solver_index == 0) continue;
     k.given = solver_bodies_.state[k.solver_index].velocity;
-    k.given_moved = solver_bodies_.state[k.solver_index].moved;
+    k.given_delta_position = solver_bodies_.state[k.solver_index].delta_position;
   }
 }
 
 void SpringsRigid::read_back(StepContext& c) {
-  if (!holds_.empty()) hold(kHoldRounds, 0);
+  if (!attachments_.empty()) solve_attachments(kAttachmentRounds, 0);
   for (const Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
     if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;
@@ -235,14 +236,14 @@ void SpringsRigid::read_back(StepContext& c) {
     if (!held && s.velocity == k.given) continue;  // untouched: what the net did stays, to the bit
     particles_.velocity[i] = s.velocity;
     FEDER_ASSERT(solver_bodies_.index[particles_.solver_slot[i]] == k.solver_index);
-    const Vec3 pushed = s.moved - k.given_moved - c.h * k.given;
+    const Vec3 pushed = s.delta_position - k.given_delta_position - c.h * k.given;
     if (held) particles_.place(i, solver_bodies_.mass[k.solver_index].center);
-    particles_.move(i, held ? s.moved : pushed);
+    particles_.move(i, held ? s.delta_position : pushed);
   }
 }
 
 void SpringsRigid::read_back_velocities(StepContext&) {
-  if (!holds_.empty()) hold(kHoldRounds, 0);
+  if (!attachments_.empty()) solve_attachments(kAttachmentRounds, 0);
   for (const Coupled& k : coupled_)
     if (k.solver_index != 0 && particles_.inv_mass[k.particle] != 0)
       particles_.velocity[k.particle] = solver_bodies_.state[k.solver_index].velocity;
@@ -252,7 +253,7 @@ void SpringsRigid::read_back_velocities(StepContext&) {
 // points stays awake.
 void SpringsRigid::keep_awake(StepContext&) {
   const Bodies& b = rigid_.bodies();
-  for (const Hold& k : holds_)
+  for (const Attachment& k : attachments_)
     if (coupled_[k.coupled].solver_index != 0 && b.type[k.body] == BodyType::dynamic)
       rigid_.wake(b.object[k.body], WakeCause::joint, particles_.net[coupled_[k.coupled].particle]);
   const Contacts& contacts = collide_.contacts();

@@ -10,11 +10,11 @@
 namespace feder {
 namespace {
 
-constexpr Real kReach = Real(1.6);  // thicknesses about the way of a point: rows are made up to 1.5 of them away
-constexpr Real kReachCoasting = Real(0.75);  // the same of what goes straight on in a substep
-constexpr Real kAside = Real(0.3);           // of its way in a step: a fast body draws cloth in from beside its path
-constexpr Real kSupport = Real(0.3);         // cosine to gravity, from which on a contact carries
-constexpr Real kInside = Real(0.1);          // thicknesses: pins less deep inside a shape lie on its surface
+constexpr Real kMargin = Real(1.6);  // thicknesses about the way of a point: rows are made up to 1.5 of them away
+constexpr Real kMarginCoasting = Real(0.75);  // the same of what goes straight on in a substep
+constexpr Real kAside = Real(0.3);            // of its way in a step: a fast body draws cloth in from beside its path
+constexpr Real kSupport = Real(0.3);          // cosine to gravity, from which on a contact carries
+constexpr Real kInside = Real(0.1);           // thicknesses: pins less deep inside a shape lie on its surface
 
 }  // namespace
 
@@ -30,9 +30,9 @@ SurfaceRigid::SurfaceRigid(SystemSetup& s)
       collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
       contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)),
-      touches_(&s.store.arena(kName)), box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)),
+      contact_states_(&s.store.arena(kName)), box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)),
       near_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)),
-      hurry_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+      cfl_number_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
   surfaces_.bodies = &rigid_.bodies();
 }
 
@@ -41,7 +41,7 @@ SurfaceRigid::~SurfaceRigid() { surfaces_.bodies = nullptr; }
 void SurfaceRigid::add_passes(StepPlan& plan) {
   wake_left();
   candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
-  hurry_.clear();
+  cfl_number_.clear();
   if (!surfaces_.wanted() || rigid_.count() == 0) return;
   contacts_.use();
   using S = SurfaceRigid;
@@ -50,7 +50,7 @@ void SurfaceRigid::add_passes(StepPlan& plan) {
   plan.add<&S::make_rows>(Rank::surface_contact, "contacts", kName, this);
   plan.add<&S::refresh_rows>(Rank::surface_refresh, "refresh contacts", kName, this);
   plan.add<&S::collect>(Rank::surface_collect, "collect", kName, this);
-  plan.add<&S::finish>(Rank::surface_events, "bodies touched", kName, this);
+  plan.add<&S::finish>(Rank::surface_events, "bodies loaded", kName, this);
 }
 
 std::size_t SurfaceRigid::count() const {
@@ -82,8 +82,8 @@ SurfaceRigid::Place SurfaceRigid::place(std::uint32_t k) const {
   }
   FEDER_ASSERT(p.solver_index < solver_bodies_.state.size() && p.solver_index < solver_bodies_.mass.size());
   const SolverBody& s = solver_bodies_.state[p.solver_index];
-  p.center = solver_bodies_.mass[p.solver_index].center + s.moved;
-  p.velocity = s.velocity, p.spin = s.angular_velocity;
+  p.center = solver_bodies_.mass[p.solver_index].center + s.delta_position;
+  p.velocity = s.velocity, p.angular_velocity = s.angular_velocity;
   Quat rotation = s.rotation;
   if (refreshing()) {
     p.center += surfaces_.body_delta_position[p.solver_index];
@@ -102,23 +102,23 @@ bool SurfaceRigid::anchored(std::uint32_t point, ObjectId body) const {
 
 // It is held in this step and moves from the next.
 void SurfaceRigid::wake(Surface& surface, ObjectId by) {
-  surface.active = true, surface.calm = false;
+  surface.active = true, surface.sleep_candidate = false;
   surfaces_.wakes.push_back({surface.object, by, WakeCause::contact});
 }
 
-std::uint32_t SurfaceRigid::touch_of(const Surface& surface, ObjectId body) {
-  for (std::uint32_t k = 0; k < touches_.size(); ++k)
-    if (touches_[k].surface == surface.object && touches_[k].body == body) return k;
+std::uint32_t SurfaceRigid::state_of(const Surface& surface, ObjectId body) {
+  for (std::uint32_t k = 0; k < contact_states_.size(); ++k)
+    if (contact_states_[k].surface == surface.object && contact_states_[k].body == body) return k;
   FEDER_ASSERT(objects_.alive(surface.object) && objects_.kind(body) == kBodyKind);
-  Touch t;
+  ContactState t;
   t.surface = surface.object, t.body = body;
-  touches_.push_back(t);
-  return static_cast<std::uint32_t>(touches_.size() - 1);
+  contact_states_.push_back(t);
+  return static_cast<std::uint32_t>(contact_states_.size() - 1);
 }
 
 void SurfaceRigid::begin(StepContext&) {
   wake_left();  // a body may go without a new plan
-  touches_.clear();
+  contact_states_.clear();
 }
 
 void SurfaceRigid::find_candidates(StepContext& c) {
@@ -154,7 +154,7 @@ void SurfaceRigid::warn_of_pins(const Surface& s, std::uint32_t k, StepContext& 
   int count = 0;
   std::uint32_t point = 0;
   for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
-    if (surfaces_.moved[i].w != 0 || !overlaps(box_[i], colliders_.box[k]) || anchored(i, body)) continue;
+    if (surfaces_.delta_position[i].w != 0 || !overlaps(box_[i], colliders_.box[k]) || anchored(i, body)) continue;
     Vec3 normal;
     const Real depth =
         -colliders_.shape[k]->distance(to_local(colliders_.pose[k], surfaces_.position[i]), s.thickness, normal);
@@ -181,9 +181,9 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
   for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
     const Vec3 x = surfaces_.position[i], u = surfaces_.speed[i].vec();
     Aabb& b = box_[i];
-    const Vec3 far = surfaces_.moved[i].w == 0 ? x : Vec3(x + c.dt * u + fall);
+    const Vec3 far = surfaces_.delta_position[i].w == 0 ? x : Vec3(x + c.dt * u + fall);
     b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
-    b.grow((s.coasts ? kReachCoasting : kReach) * s.thickness);
+    b.grow((s.coasts ? kMarginCoasting : kMargin) * s.thickness);
     all.include(b);
   }
   Aabb wide = all;
@@ -229,9 +229,9 @@ void SurfaceRigid::collect(StepContext& c) {
 void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
   const Real g = length(c.gravity);
   for (const SurfaceRow& r : surfaces_.groups[group]->rows) {
-    if (r.touch == kNone) continue;
-    FEDER_ASSERT(r.touch < touches_.size());
-    Touch& t = touches_[r.touch];
+    if (r.contact_state == kNone) continue;
+    FEDER_ASSERT(r.contact_state < contact_states_.size());
+    ContactState& t = contact_states_[r.contact_state];
     if (!(r.impulse > 0)) continue;
     t.impulse += r.impulse;
     if (g > 0 && dot(r.normal, c.gravity) > kSupport * g) t.support += r.impulse;
@@ -262,10 +262,10 @@ const Surface* SurfaceRigid::surface_of(ObjectId object) const {
 
 // In the order of the objects.
 void SurfaceRigid::finish(StepContext&) {
-  std::sort(touches_.begin(), touches_.end(), [](const Touch& x, const Touch& y) {
+  std::sort(contact_states_.begin(), contact_states_.end(), [](const ContactState& x, const ContactState& y) {
     return x.surface != y.surface ? x.surface < y.surface : x.body < y.body;
   });
-  for (const Touch& t : touches_) {
+  for (const ContactState& t : contact_states_) {
     const Surface* s = surface_of(t.surface);
     FEDER_ASSERT(s && objects_.alive(t.body));
     if (t.impulse > 0 && s->active) report(t, *s);
@@ -278,12 +278,13 @@ void SurfaceRigid::finish(StepContext&) {
 }
 
 // Points of nets are told of by collide, in the order of the objects: so are their faces.
-void SurfaceRigid::report(const Touch& t, const Surface& s) {
+void SurfaceRigid::report(const ContactState& t, const Surface& s) {
   FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // a part of it
   surfaces_.carried.push_back({t.surface, t.body, t.impulse, t.support});
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = rigid_.index(t.body);
-  if (!s.calm && b.type[body] == BodyType::dynamic && !b.awake[body]) rigid_.wake(t.body, s.wakes, t.surface);
+  if (!s.sleep_candidate && b.type[body] == BodyType::dynamic && !b.awake[body])
+    rigid_.wake(t.body, s.wakes, t.surface);
   ContactNote n;
   const bool flipped = s.balls && t.body < t.surface;
   n.key = {flipped ? t.body : t.surface, flipped ? t.surface : t.body};
@@ -300,15 +301,16 @@ void SurfaceRigid::save(Writer& w) const { w.list(warned_); }
 
 void SurfaceRigid::load(Reader& r) {
   r.list(warned_);
-  touches_.clear();
+  contact_states_.clear();
   candidates_.clear();
-  hurry_.clear();
+  cfl_number_.clear();
 }
 
 void SurfaceRigid::validate() const {
   for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.surface) && objects_.alive(w.body));
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
-    for (const SurfaceRow& r : surfaces_.groups[k]->rows) FEDER_ASSERT(r.touch == kNone);  // they live in a substep
+    for (const SurfaceRow& r : surfaces_.groups[k]->rows)
+      FEDER_ASSERT(r.contact_state == kNone);  // they live in a substep
   FEDER_ASSERT(!refreshing());
 }
 

@@ -35,7 +35,7 @@ class SurfaceRigid final : public System {
     std::uint32_t triangle = 0;  // 1: the latter
   };
   // What a surface and a body did to each other in this step.
-  struct Touch {
+  struct ContactState {
     ObjectId surface, body;
     Real impulse = 0;                                  // N s; 0: they were only near
     Real support = 0;                                  // the part of it against gravity, N s
@@ -49,7 +49,7 @@ class SurfaceRigid final : public System {
   struct Place {
     Pose pose;
     Vec3 center = Vec3::Zero();  // of mass, m
-    Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
+    Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
     std::uint32_t solver_index = 0;  // in SolverBodies; 0 = does not move
     Aabb box;                        // of the shape there
   };
@@ -76,10 +76,10 @@ class SurfaceRigid final : public System {
   void triangle_rows(const Candidate& k, const Place& at, StepContext& c);
   void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                const Vec3& normal, Real gap, const Vec3& point);
-  std::uint32_t touch_of(const Surface& surface, ObjectId body);
-  void report(const Touch& t, const Surface& surface);
+  std::uint32_t state_of(const Surface& surface, ObjectId body);
+  void report(const ContactState& t, const Surface& surface);
   const Surface* surface_of(ObjectId object) const;
-  Vec3 place_of(std::uint32_t point) const { return surfaces_.position[point] + surfaces_.moved[point].vec(); }
+  Vec3 place_of(std::uint32_t point) const { return surfaces_.position[point] + surfaces_.delta_position[point].vec(); }
 
   Surfaces& surfaces_;
   Rigid& rigid_;
@@ -90,16 +90,16 @@ class SurfaceRigid final : public System {
   ContactBook& contacts_;
   const std::uint32_t finder_;
   Array<Candidate> candidates_;
-  Array<Touch> touches_;
+  Array<ContactState> contact_states_;
   Array<Aabb> box_;                     // by point: swept over the step
   Array<Real> smallest_;                // by collider: half of its least size, m
   Array<std::uint32_t> near_;           // colliders near a surface
   Real farthest_ = 0;                   // m, beyond its box that a collider may be looked for in this step
   std::vector<ShapePtr> point_shapes_;  // by surface: a sphere of half the thickness
-  Real horizon_ = 0;                    // s, for which rows are made
+  Real speculative_time_ = 0;           // s, for which rows are made
   Array<Real> pin_depth_;               // by point: of pins in the collider whose rows are being made, m
   Array<std::uint32_t> deep_pins_;      // those where it is not 0
-  Array<Real> hurry_;                   // by group: the largest travel in a substep over what a row stands
+  Array<Real> cfl_number_;              // by group: the largest travel in a substep over what a row stands
   std::uint32_t refreshing_ = kNone;    // the group whose rows are made between solver substeps
   bool refreshing() const { return refreshing_ != kNone; }
   // Pairs whose warning of pins inside was sent.

@@ -39,8 +39,8 @@ void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) 
 void SurfaceRigid::make_rows(StepContext& c) {
   surfaces_.clear_rows();
   refreshing_ = kNone;
-  horizon_ = c.h;
-  hurry_.assign(surfaces_.group_count, 0);
+  speculative_time_ = c.h;
+  cfl_number_.assign(surfaces_.group_count, 0);
   fill_rows(c);
 }
 
@@ -48,17 +48,17 @@ void SurfaceRigid::make_rows(StepContext& c) {
 void SurfaceRigid::refresh_rows(StepContext& c) {
   const int done = c.inner.index, count = c.inner.count;
   const std::size_t group = static_cast<std::size_t>(c.inner.group);
-  if (done == 0 || hurry_.size() != surfaces_.group_count || !(hurry_[group] > 1)) return;
+  if (done == 0 || cfl_number_.size() != surfaces_.group_count || !(cfl_number_[group] > 1)) return;
   // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
-  const int hurried = static_cast<int>(std::min(static_cast<Real>(count), 2 * hurry_[group]));
+  const int wanted = static_cast<int>(std::min(static_cast<Real>(count), 2 * cfl_number_[group]));
   FEDER_ASSERT(done > 0 && done < count);
-  const int parts = std::min(count, hurried + 1), every = count / parts;
+  const int parts = std::min(count, wanted + 1), every = count / parts;
   if (done % every != 0) return;
   collect_group(group, c);
   Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
-  std::erase_if(rows, [](const SurfaceRow& r) { return r.touch != kNone; });  // those of fluids stay
+  std::erase_if(rows, [](const SurfaceRow& r) { return r.contact_state != kNone; });  // those of fluids stay
   refreshing_ = static_cast<std::uint32_t>(group);
-  horizon_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
+  speculative_time_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
   fill_rows(c);
   refreshing_ = kNone;
 }
@@ -107,7 +107,7 @@ void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint3
   Real free = 0;
   for (int i = 0; i < 3; ++i) {
     FEDER_ASSERT(v[i] - info.first < info.count);
-    const Row4& x = surfaces_.moved[v[i]];
+    const Row4& x = surfaces_.delta_position[v[i]];
     r.vertex[i] = v[i], r.weight[i] = weight[i];
     d += weight[i] * x.vec();
     if (x.w != 0) free += weight[i];
@@ -116,7 +116,7 @@ void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint3
   if (free < kFreeShare) {
     if (at.solver_index == 0) return;  // nothing here can move
     for (int i = 0; i < 3; ++i)
-      if (surfaces_.moved[v[i]].w != 0) r.weight[i] = 0;
+      if (surfaces_.delta_position[v[i]].w != 0) r.weight[i] = 0;
   }
   r.vertex[3] = v[0];
   r.normal = normal;
@@ -130,7 +130,7 @@ void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint3
   if (!slide.isZero(0))
     r.slide = rotate(at.pose.rotation, rotate_inverse(colliders_.local[k.collider].rotation, slide));
   r.relaxation = info.relaxation;
-  r.touch = touch_of(info, colliders_.object[k.collider]);
+  r.contact_state = state_of(info, colliders_.object[k.collider]);
   surfaces_.groups[surfaces_.group_of(k.surface)]->rows.push_back(r);
 }
 
@@ -140,19 +140,20 @@ void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& 
   const Shape& ball = *point_shapes_[k.surface];
   FEDER_ASSERT(ball.radius() == radius);
   const Vec3 x = place_of(k.index);
-  if (info.active && surfaces_.moved[k.index].w == 0 && colliders_.motion[k.collider] != ColliderMotion::dynamic)
+  if (info.active && surfaces_.delta_position[k.index].w == 0 &&
+      colliders_.motion[k.collider] != ColliderMotion::dynamic)
     return measure_pin(k, at, radius);
-  const Vec3 u = surfaces_.speed[k.index].vec() - at.velocity - cross(at.spin, x - at.center);
-  const Vec3 travel = horizon_ * u + (horizon_ * horizon_) * c.gravity;
-  const Real reach = length(travel);
+  const Vec3 u = surfaces_.speed[k.index].vec() - at.velocity - cross(at.angular_velocity, x - at.center);
+  const Vec3 travel = speculative_time_ * u + (speculative_time_ * speculative_time_) * c.gravity;
+  const Real nearest_travel = length(travel);
   if (!refreshing()) {
-    Real& hurry = hurry_[surfaces_.group_of(k.surface)];
-    hurry = std::max(hurry, reach / (radius + kCastShare * smallest_[k.collider]));
+    Real& cfl_number = cfl_number_[surfaces_.group_of(k.surface)];
+    cfl_number = std::max(cfl_number, nearest_travel / (radius + kCastShare * smallest_[k.collider]));
   }
   const std::uint32_t v[3] = {k.index, k.index, k.index};
   const Real weight[3] = {1, 0, 0};
   const Shape& shape = *colliders_.shape[k.collider];
-  if (reach > radius + kCastShare * smallest_[k.collider]) {
+  if (nearest_travel > radius + kCastShare * smallest_[k.collider]) {
     CastHit hit;
     if (shape_cast(ball, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
@@ -163,7 +164,7 @@ void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& 
   }
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin = std::min(reach, radius + kCastShare * smallest_[k.collider]) + kWatch * info.thickness;
+  const Real margin = std::min(nearest_travel, radius + kCastShare * smallest_[k.collider]) + kWatch * info.thickness;
   Aabb near{x, x};
   near.grow(radius + margin);
   if (!overlaps(near, at.box)) return;
@@ -172,7 +173,7 @@ void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& 
     if (m[i].count == 0) continue;
     if (!info.active) {
       // something moves against a sleeper
-      if (m[i].points[0].separation < Real(0.1) * info.thickness && reach > Real(0.05) * horizon_)
+      if (m[i].points[0].separation < Real(0.1) * info.thickness && nearest_travel > Real(0.05) * speculative_time_)
         wake(info, colliders_.object[k.collider]);
       return;
     }
@@ -187,21 +188,22 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const Place& at, StepContex
   const std::uint32_t v[3] = {info.first + q[0], info.first + q[1], info.first + q[2]};
   const Vec3 a = place_of(v[0]), b = place_of(v[1]) - a, e = place_of(v[2]) - a;
   const Vec3 middle = a + (b + e) / 3;
-  const Vec3 body_speed = at.velocity + cross(at.spin, middle - at.center), fall = (horizon_ * horizon_) * c.gravity;
+  const Vec3 body_speed = at.velocity + cross(at.angular_velocity, middle - at.center),
+             fall = (speculative_time_ * speculative_time_) * c.gravity;
   Vec3 travel = fall;
   // a corner that goes with the body is near it now: only what comes as a whole is cast
-  Real reach = kInfinity, farthest = 0;
+  Real nearest_travel = kInfinity, farthest = 0;
   for (int i = 0; i < 3; ++i) {
     const Vec3 u = surfaces_.speed[v[i]].vec() - body_speed;
-    travel += horizon_ / 3 * u;
-    const Real far = length(Vec3(horizon_ * u + fall));
-    reach = std::min(reach, far), farthest = std::max(farthest, far);
+    travel += speculative_time_ / 3 * u;
+    const Real far = length(Vec3(speculative_time_ * u + fall));
+    nearest_travel = std::min(nearest_travel, far), farthest = std::max(farthest, far);
   }
   const Real radius = Real(0.5) * info.thickness;
   const SurfaceTriangle shape(b, e, radius);
   const Shape& body = *colliders_.shape[k.collider];
   Real weight[3];
-  if (reach > radius + kCastShare * smallest_[k.collider]) {
+  if (nearest_travel > radius + kCastShare * smallest_[k.collider]) {
     CastHit hit;
     if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);

@@ -31,14 +31,14 @@ struct Component {
   Real low = kInfinity, high = -kInfinity;  // of g . x, m^2/s^2
   Real speed2 = 0;                          // largest in the frame of the world, m^2/s^2
   std::uint32_t count = 0, parent = 0;
-  bool meets_wall = false, meets_fluid = false;
+  bool meets_shape = false, meets_fluid = false;
 
   // Its frame, m/s: the middle of its velocities where that is faster than it moves within itself.
   Vec3 velocity() const { return moves() ? middle() : Vec3(Vec3::Zero()); }
   // In this frame, m^2/s^2; from the middle no corner of the box is farther than half its diagonal.
   Real frame_speed2() const { return moves() ? spread2() : speed2; }
   Real frame_speed() const { return std::sqrt(frame_speed2()); }
-  bool moves() const { return !meets_wall && dot(middle(), middle()) > spread2(); }
+  bool moves() const { return !meets_shape && dot(middle(), middle()) > spread2(); }
   Vec3 middle() const { return (velocities.lo + velocities.hi) / 2; }
   Real spread2() const {
     const Vec3 half = (velocities.hi - velocities.lo) / 2;
@@ -56,7 +56,7 @@ struct Component {
     low = std::min(low, c.low), high = std::max(high, c.high);
     speed2 = std::max(speed2, c.speed2);
     count += c.count;
-    meets_wall = meets_wall || c.meets_wall;
+    meets_shape = meets_shape || c.meets_shape;
     meets_fluid = true;
   }
 };
@@ -124,37 +124,38 @@ void join_runs(const CellGrid& g, CellRun* runs, const std::uint32_t* row_first)
 // Does a box that moves by `way` come nearer than `margin` to a wall? The plane through the nearest point of a convex
 // shape has it all behind; else a ball about the box is traced along the way in steps of the distance, like a ray in a
 // distance field (Hart 1996). A wall beside the way is not met.
-bool meets_wall(const Aabb& box, const Vec3& way, Real margin, const Wall& w) {
+bool meets_shape(const Aabb& box, const Vec3& way, Real margin, const BoundaryShape& w) {
   const Vec3 middle = (box.lo + box.hi) / 2, half = (box.hi - box.lo) / 2;
-  const Real reach = length(half) + margin, whole = length(way);
+  const Real margin_to_center = length(half) + margin, whole = length(way);
   Aabb swept{middle, middle};
   swept.include(Vec3(middle + way));
-  swept.grow(reach);
+  swept.grow(margin_to_center);
   if (!overlaps(swept, w.box)) return false;
   Real gone = 0;
   for (int step = 0;; ++step) {
     const Vec3 at = whole > 0 ? Vec3(middle + (gone / whole) * way) : middle;
     Vec3 normal = Vec3::Zero();
-    const Real d = w.shape->distance(to_local(w.pose, at), reach + whole, normal);
-    if (d >= reach + whole) return false;
+    const Real d = w.shape->distance(to_local(w.pose, at), margin_to_center + whole, normal);
+    if (d >= margin_to_center + whole) return false;
     if (step == 0 && w.shape->convex()) {
       const Vec3 n = rotate(w.pose.rotation, normal);
       if (d + std::min(Real(0), dot(n, way)) > dot(n.cwiseAbs(), half) + margin) return false;
     }
-    if (!(d > reach) || step == kMaxTraceSteps) return true;
-    gone += d - reach;
+    if (!(d > margin_to_center) || step == kMaxTraceSteps) return true;
+    gone += d - margin_to_center;
     if (gone >= whole) return false;
   }
 }
 
-bool meets_walls(const Component& c, const FluidPool& p, const Walls& walls, Real h, Real fall) {
+bool meets_boundary(const Component& c, const FluidPool& p, const Boundary& boundary, Real h, Real fall) {
   const Vec3 velocity = c.velocity();
   const Real margin = p.support + h * c.frame_speed() + fall;
-  for (const Wall& w : walls.list) {
+  for (const BoundaryShape& w : boundary.shapes) {
     if (!p.meets(w)) continue;
-    const WallBody& b = walls.bodies[w.body];
-    const Real turn = b.spin.isZero(0) ? Real(0) : h * length(b.spin) * w.shape->extent(Vec3::Zero());
-    if (meets_wall(c.box, h * (velocity - b.velocity), margin + turn, w)) return true;
+    const BoundaryBody& b = boundary.bodies[w.body];
+    const Real arc =
+        b.angular_velocity.isZero(0) ? Real(0) : h * length(b.angular_velocity) * w.shape->extent(Vec3::Zero());
+    if (meets_shape(c.box, h * (velocity - b.velocity), margin + arc, w)) return true;
   }
   return false;
 }
@@ -200,7 +201,7 @@ void unite_meeting(Component* list, std::uint32_t n, Real support, const StepCon
 
 }  // namespace
 
-FlowScales flow_scales(FluidPool& p, const Walls& walls, const StepContext& c) {
+FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext& c) {
   FEDER_ASSERT(p.count > 0 && c.h > 0);
   p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, p.order);
   const std::size_t rows = static_cast<std::size_t>(p.grid.cells(1)) * static_cast<std::size_t>(p.grid.cells(2));
@@ -229,7 +230,7 @@ FlowScales flow_scales(FluidPool& p, const Walls& walls, const StepContext& c) {
 
   const Real fall = length(gravity) * c.h * c.h;
   for (std::uint32_t k = 0; k < components; ++k)
-    list[k].meets_wall = list[k].count > 1 && meets_walls(list[k], p, walls, c.h, fall);
+    list[k].meets_shape = list[k].count > 1 && meets_boundary(list[k], p, boundary, c.h, fall);
   if (components > 1) unite_meeting(list, components, p.support, c, fall);
 
   const auto alone = [](const Component& one) { return one.count == 1 && !one.meets_fluid; };

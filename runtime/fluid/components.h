@@ -13,6 +13,6 @@ struct FlowScales {
 // Of positions and velocities alone, so that a restored fluid gets the same. Sorts `grid` and `order` of the pool and
 // writes `apart`; the particles stay where they are. Walls as they start the substep of c.h seconds.
 // tests/fluid/test_lone_drop.cpp.
-FlowScales flow_scales(FluidPool& p, const Walls& walls, const StepContext& c);
+FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext& c);
 
 }  // namespace feder

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/rng.h"
+#include "fluid/boundary.h"
 #include "fluid/impl.h"
-#include "fluid/walls.h"
 #include "step/watch.h"
 
 namespace feder {
@@ -39,8 +39,8 @@ void check_desc(const FluidDesc& d) {
 
 Fluid::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), objects(s.objects), watched(s.store.need<Watch>("watch")),
-      walls(s.store.need<Walls>(kName)), dimension(s.dimension), structure_changed(s.structure_changed), gone(&arena),
-      reach(&arena), group_number(&arena) {}
+      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed),
+      gone(&arena), swept(&arena), group_number(&arena) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
@@ -65,7 +65,7 @@ FluidSolver& Fluid::Impl::solver_of(const FluidPool& p) {
   for (std::size_t k = 0; k < table.size(); ++k) {
     if (p.desc.solver != table[k].name) continue;
     if (!solvers[k]) solvers[k] = table[k].make(arena, Params());
-    solvers[k]->walls = &walls;
+    solvers[k]->boundary = &boundary;
     return *solvers[k];
   }
   find_variant(table, p.desc.solver, "fluid solver");  // throws, naming the known ones
@@ -92,7 +92,7 @@ void Fluid::add_passes(StepPlan& plan) {
   plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
   for (auto& s : m->solvers)
     if (s && !s->pools.empty()) s->add_passes(plan);
-  plan.add<&Impl::guard>(Rank::boundary_project, "guard walls", kName, m);
+  plan.add<&Impl::project>(Rank::boundary_project, "non-penetration", kName, m);
   if (!m->drains.empty()) plan.add<&Impl::drain>(Rank::fluid_drain, "drain", kName, m);
   plan.add<&Impl::check>(Rank::check, "check fluids", kName, m);
 }
@@ -196,7 +196,7 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
 std::size_t Fluid::particle_count(ObjectId id) const { return impl_->pool(id).count; }
 Real Fluid::particle_mass(ObjectId id) const { return impl_->pool(id).mass; }
 FluidDesc Fluid::desc(ObjectId id) const { return impl_->pool(id).desc; }
-Walls& Fluid::walls() { return impl_->walls; }
+Boundary& Fluid::boundary() { return impl_->boundary; }
 
 std::size_t Fluid::pool_count() const { return impl_->pools.size(); }
 

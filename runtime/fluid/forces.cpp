@@ -18,11 +18,13 @@ namespace feder {
 namespace {
 
 constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2 over nu, in a step; 0.125 in Morris 1997
-constexpr int kMostRounds = 64;
+constexpr int kMaxRounds = 64;
 
-Real wall_distance(const FluidPool& p, const WallContact& k) { return dot(k.normal, p.x[k.particle].vec()) - k.offset; }
+Real boundary_distance(const FluidPool& p, const BoundaryContact& k) {
+  return dot(k.normal, p.x[k.particle].vec()) - k.offset;
+}
 
-void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
+void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   FEDER_ASSERT(h > 0 && p.desc.viscosity > 0);
   const int d = p.dimension;
   const Real nu = p.viscous_scale * p.desc.viscosity / p.desc.density;
@@ -40,11 +42,11 @@ void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
   });
   for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + p.extra[i].vec());
   for (std::uint32_t i = 0; i < p.count; ++i)
-    for (const WallContact& k : p.contacts_of(i)) {
-      const Real s = wall_distance(p, k) / p.support;
+    for (const BoundaryContact& k : p.contacts_of(i)) {
+      const Real s = boundary_distance(p, k) / p.support;
       if (s >= 1) continue;
-      FEDER_ASSERT(k.particle == i && k.wall < walls.list.size());
-      WallBody& b = walls.bodies[walls.list[k.wall].body];
+      FEDER_ASSERT(k.particle == i && k.shape < boundary.shapes.size());
+      BoundaryBody& b = boundary.bodies[boundary.shapes[k.shape].body];
       const Vec3 at = p.x[i].vec(), slip = p.v[i].vec() - b.velocity_at(at);
       const Vec3 along = slip - dot(slip, k.normal) * k.normal;
       const Real rate = h * nu * p.table->at(std::max(s, Real(0))).friction / (std::max(s, Real(0.05)) * r2);
@@ -60,24 +62,24 @@ void viscous_round(FluidPool& p, Walls& walls, Real h, StepContext& c) {
 
 }  // namespace
 
-void add_viscosity(FluidPool& p, Walls& walls, Real h, StepContext& c) {
+void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   const Real nu = p.desc.viscosity / p.desc.density, unit = p.support / 2;
   const Real wanted = std::ceil(h * nu / (kViscousLimit * unit * unit));
-  const int rounds = static_cast<int>(std::min(std::max(wanted, Real(1)), static_cast<Real>(kMostRounds)));
-  if (wanted > kMostRounds && !p.warned_viscosity) {
+  const int rounds = static_cast<int>(std::min(std::max(wanted, Real(1)), static_cast<Real>(kMaxRounds)));
+  if (wanted > kMaxRounds && !p.warned_viscosity) {
     p.warned_viscosity = true;
     c.events->warn("fluid_viscosity",
                    "viscosity " + std::to_string(p.desc.viscosity) + " Pa s needs " +
-                       std::to_string(whole_count(wanted)) + " rounds in a step, " + std::to_string(kMostRounds) +
+                       std::to_string(whole_count(wanted)) + " rounds in a step, " + std::to_string(kMaxRounds) +
                        " are done: the fluid is thinner than asked for; take a larger spacing or more substeps",
                    p.object);
   }
   // too much for the rounds: as much as they carry
-  const Real each = wanted > kMostRounds ? kViscousLimit * unit * unit / nu : h / static_cast<Real>(rounds);
-  for (int k = 0; k < rounds; ++k) viscous_round(p, walls, each, c);
+  const Real each = wanted > kMaxRounds ? kViscousLimit * unit * unit / nu : h / static_cast<Real>(rounds);
+  for (int k = 0; k < rounds; ++k) viscous_round(p, boundary, each, c);
 }
 
-void add_tension(FluidPool& p, Walls&, Real h, StepContext& c) {
+void add_tension(FluidPool& p, Boundary&, Real h, StepContext& c) {
   const SweepInput in = p.sweep_input();
   const Real pull = h * p.cohesion / (p.mass * p.support);
   FEDER_ASSERT(!(pull < 0));

@@ -12,7 +12,7 @@ namespace feder {
 namespace {
 
 // Where its particles may be in the coming substep, and feel something.
-Aabb reach_of(const FluidPool& p, const StepContext& c) {
+Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
   Aabb box;
   Real speed2 = 0;
   for (std::uint32_t i = 0; i < p.count; ++i) {
@@ -24,10 +24,10 @@ Aabb reach_of(const FluidPool& p, const StepContext& c) {
 }
 
 // Where a wall may be then.
-Aabb reach_of(const Wall& w, const WallBody& b, Real h) {
+Aabb swept_bounds(const BoundaryShape& w, const BoundaryBody& b, Real h) {
   Aabb box = w.box;
-  const Real turn = b.spin.isZero(0) ? Real(0) : length(b.spin) * w.shape->extent(Vec3::Zero());
-  box.grow(h * (length(b.velocity) + turn));
+  const Real arc = b.angular_velocity.isZero(0) ? Real(0) : length(b.angular_velocity) * w.shape->extent(Vec3::Zero());
+  box.grow(h * (length(b.velocity) + arc));
   return box;
 }
 
@@ -40,16 +40,16 @@ std::uint32_t first_of(const std::vector<FluidPool*>& pools, std::uint32_t k) {
 }  // namespace
 
 void Fluid::Impl::join_pools(const std::vector<FluidPool*>& members, StepContext& c) {
-  reach.clear();
-  for (const FluidPool* p : members) reach.push_back(reach_of(*p, c));
-  for (std::uint32_t b = 0; b < walls.bodies.size(); ++b) {
-    if (!walls.bodies[b].dynamic) continue;
+  swept.clear();
+  for (const FluidPool* p : members) swept.push_back(swept_bounds(*p, c));
+  for (std::uint32_t b = 0; b < boundary.bodies.size(); ++b) {
+    if (!boundary.bodies[b].dynamic) continue;
     std::uint32_t first = kNone;
-    for (const Wall& w : walls.list) {
+    for (const BoundaryShape& w : boundary.shapes) {
       if (w.body != b) continue;
-      const Aabb box = reach_of(w, walls.bodies[b], c.h);
+      const Aabb box = swept_bounds(w, boundary.bodies[b], c.h);
       for (std::uint32_t k = 0; k < members.size(); ++k) {
-        if (members[k]->count == 0 || !members[k]->meets(w) || !overlaps(reach[k], box)) continue;
+        if (members[k]->count == 0 || !members[k]->meets(w) || !overlaps(swept[k], box)) continue;
         const std::uint32_t one = first_of(members, k), other = first == kNone ? one : first_of(members, first);
         members[std::max(one, other)]->group = std::min(one, other);
         first = std::min(one, other);
@@ -78,7 +78,7 @@ void Fluid::Impl::make_groups(StepContext& c) {
     }
     for (std::uint32_t k = 0; k < members.size(); ++k) members[k]->group = group_number[k];
   }
-  walls.start();
+  boundary.start();
 }
 
 }  // namespace feder

@@ -32,7 +32,7 @@ struct Fluid::Impl {
   Arena& arena;
   Objects& objects;
   Watch& watched;
-  Walls& walls;
+  Boundary& boundary;
   int dimension;
   bool* structure_changed;
   std::vector<std::unique_ptr<FluidPool>> pools;      // the object's index is the place here
@@ -41,7 +41,7 @@ struct Fluid::Impl {
   std::vector<FluidDrain> drains;
   std::vector<ShapePtr> shapes;       // of drains, for good: a snapshot may need them
   Array<std::uint8_t> gone;           // work
-  Array<Aabb> reach;                  // work: by pool of a solver
+  Array<Aabb> swept;                  // work: by pool of a solver
   Array<std::uint32_t> group_number;  // likewise
   std::uint64_t lost = 0;             // particles taken away because they went non-finite
 
@@ -61,7 +61,7 @@ struct Fluid::Impl {
   void join_pools(const std::vector<FluidPool*>& members, StepContext& c);
   void emit(StepContext& c);
   void relax(StepContext& c);
-  void guard(StepContext& c);
+  void project(StepContext& c);
   void drain(StepContext& c);
   void check(StepContext& c);
   // watch.cpp

@@ -9,7 +9,7 @@
 //  - lambda is clamped to pressure (p >= 0): the fluid does not pull, so it neither hangs on walls nor holds suction;
 //    and to what pushes a particle by a few spacings in a substep, which bounds the speed that a correction leaves. A
 //    bound on the multiplier acts on both sides of each pair, so that momentum is kept;
-//  - walls enter by a function of the distance (sph/wall_table.h), and bodies move with the iterations.
+//  - walls enter by a function of the distance (sph/boundary_table.h), and bodies move with the iterations.
 // All particles move at once from the same positions, so order and threads do not matter. A body that is shared by
 // many particles is given to each of them in part (Tonge, Benevolenski & Voroshilov, "Mass Splitting", TOG 2012).
 // A substep of the world is taken in several own steps where particles would pass each other or a column would be
@@ -32,16 +32,16 @@ namespace feder {
 namespace {
 
 constexpr double kSpectrum = 4.8;        // largest eigenvalue of the scaled system: 3.9 to 4.6 in columns at rest
-constexpr Real kMostExcess = Real(0.5);  // of particles over each other that one iteration answers to: bounds their way
-constexpr Real kMostWall = 1;            // of walls; likewise
-constexpr Real kMostWay = 1;             // spacings that particles or walls move in an own step
-constexpr Real kMostStrain = Real(0.03);  // compression at the ground of a column at rest that an own step may leave
-constexpr Real kMostLoad = Real(0.08);    // Q by iterations: half of what stands
-constexpr Real kLattice = 5;              // squared gradients on a lattice over FluidPool::least_squares
-constexpr double kMostGrowth = 1.5;       // of the residual over its least, before the rounds go on as plain steps
-constexpr Real kMostPush = 2;             // Q of a single particle: above a load of 1, below what throws fountains
-constexpr Real kCompany = Real(0.2);      // that neighbours add to density over density at rest of who is not alone
-constexpr Real kPatience = Real(0.25);    // s for which the fluid is too dense before a warning: splashes pass
+constexpr Real kMaxExcess = Real(0.5);   // of particles over each other that one iteration answers to: bounds their way
+constexpr Real kMaxWall = 1;             // of walls; likewise
+constexpr Real kMaxTravel = 1;           // spacings that particles or walls move in an own step
+constexpr Real kMaxStrain = Real(0.03);  // compression at the ground of a column at rest that an own step may leave
+constexpr Real kMaxLoad = Real(0.08);    // Q by iterations: half of what stands
+constexpr Real kLattice = 5;             // squared gradients on a lattice over FluidPool::least_squares
+constexpr double kMaxGrowth = 1.5;       // of the residual over its least, before the rounds go on as plain steps
+constexpr Real kMaxPush = 2;             // Q of a single particle: above a load of 1, below what throws fountains
+constexpr Real kCompany = Real(0.2);     // that neighbours add to density over density at rest of who is not alone
+constexpr Real kPatience = Real(0.25);   // s for which the fluid is too dense before a warning: splashes pass
 
 // The coefficients of Chebyshev's semi-iteration: the next change of the multipliers is `step` times the residual plus
 // `carry` times the last change. After n rounds a mode of eigenvalue e is left with P(e), |P| <= 1/cosh(kDecay) between
@@ -86,10 +86,10 @@ class Pbf final : public FluidSolver {
     plan.add<&Pbf::choose_steps>(Rank::fluid_choose, "choose substeps", Fluid::kName, this);
     plan.add<&Pbf::predict>(Rank::fluid_predict, "predict and sort", Fluid::kName, this);
     plan.add<&Pbf::search>(Rank::fluid_neighbors, "neighbors", Fluid::kName, this);
-    plan.add<&Pbf::meet_walls>(Rank::fluid_boundary, "wall contacts", Fluid::kName, this);
+    plan.add<&Pbf::boundary_contacts>(Rank::fluid_boundary, "boundary contacts", Fluid::kName, this);
     plan.add<&Pbf::solve>(Rank::fluid_pressure, "density", Fluid::kName, this);
-    plan.add<&Pbf::rub>(Rank::fluid_friction, "friction and tension", Fluid::kName, this);
-    plan.add<&Pbf::project>(Rank::fluid_project, "guard walls within", Fluid::kName, this);
+    plan.add<&Pbf::apply_viscosity>(Rank::fluid_friction, "friction and tension", Fluid::kName, this);
+    plan.add<&Pbf::project>(Rank::fluid_project, "non-penetration within", Fluid::kName, this);
     plan.add<&Pbf::judge>(Rank::fluid_check, "compression", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override {
@@ -109,14 +109,14 @@ class Pbf final : public FluidSolver {
   void warn_budget(FluidPool& p, Real wanted, StepContext& c) const;
   void predict(StepContext& c);
   void search(StepContext& c);
-  void meet_walls(StepContext& c);
+  void boundary_contacts(StepContext& c);
   void solve(StepContext& c);
-  void rub(StepContext& c);
+  void apply_viscosity(StepContext& c);
   void project(StepContext& c);
   void judge(StepContext& c);
   double correct(FluidPool& p, bool first_round, const SemiIteration& scheme, StepContext& c);
   void displace(FluidPool& p, StepContext& c);
-  Real distance(const FluidPool& p, const WallContact& k) const;
+  Real distance(const FluidPool& p, const BoundaryContact& k) const;
   Real h_ = 0;  // s, of a fluid substep
 };
 
@@ -138,24 +138,24 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   }
   Wanted wanted;
   // who meets whom matters only where somebody goes farther than a single step carries
-  if (c.h * std::sqrt(speed2) > kMostWay * d) speed2 = flow_scales(p, *walls, c).speed2;
+  if (c.h * std::sqrt(speed2) > kMaxTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
   Real speed = std::sqrt(speed2);
-  wanted.way = c.h * speed / (kMostWay * d);
+  wanted.way = c.h * speed / (kMaxTravel * d);
   if (n == 0) return wanted;
   box.grow(p.support);
-  for (const Wall& w : walls->list) {
-    const WallBody& b = walls->bodies[w.body];
-    Aabb reach = w.box;
-    reach.grow(c.h * length(b.velocity));
-    if (overlaps(reach, box)) speed = std::max(speed, length(b.velocity));
+  for (const BoundaryShape& w : boundary->shapes) {
+    const BoundaryBody& b = boundary->bodies[w.body];
+    Aabb swept = w.box;
+    swept.grow(c.h * length(b.velocity));
+    if (overlaps(swept, box)) speed = std::max(speed, length(b.velocity));
   }
-  wanted.way = c.h * speed / (kMostWay * d);
+  wanted.way = c.h * speed / (kMaxTravel * d);
   if (!(g > 0)) return wanted;
   // a column twice as high as the mean lies above the lowest
   const Real height = 2 * (static_cast<Real>(sum / n) - low) / g + d;
   const Real load = g * c.h * c.h * height / (d * d), iterations = static_cast<Real>(p.desc.iterations);
   const Real strain = 5 * kLattice * p.least_squares * d * d * load / (iterations * iterations);
-  wanted.load = std::sqrt(std::max(load / std::min(kMostLoad * iterations, Real(1)), strain / kMostStrain));
+  wanted.load = std::sqrt(std::max(load / std::min(kMaxLoad * iterations, Real(1)), strain / kMaxStrain));
   return wanted;
 }
 
@@ -173,9 +173,9 @@ void Pbf::choose_steps(StepContext& c) {
 // After the last substep bodies are placed anew, and guarded then.
 void Pbf::project(StepContext& c) {
   if (c.inner.last()) return;
-  walls->move_to(h_ * static_cast<Real>(c.inner.index + 1));
-  each(c, [&](FluidPool& p) { p.guard_walls(*walls); });
-  for (WallBody& b : walls->bodies) b.touching = 0;
+  boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
+  each(c, [&](FluidPool& p) { p.project_out(*boundary); });
+  for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
 }
 
 // Before it bursts.
@@ -215,8 +215,8 @@ void Pbf::predict(StepContext& c) {
   h_ = c.h / static_cast<Real>(c.inner.count);
   FEDER_ASSERT(h_ > 0 && h_ <= c.h);
   if (c.inner.index == 0) {
-    walls->move_to(0);
-    for (WallBody& b : walls->bodies) b.touching = 0;  // by the group before
+    boundary->move_to(0);
+    for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;  // by the group before
   }
   each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
@@ -236,19 +236,19 @@ void Pbf::search(StepContext& c) {
   each(c, [&](FluidPool& p) { p.find_neighbors(*c.jobs, 0); });
 }
 
-void Pbf::meet_walls(StepContext& c) {
+void Pbf::boundary_contacts(StepContext& c) {
   each(c, [&](FluidPool& p) {
-    p.find_contacts(*c.jobs, *walls, h_, c.gravity, true);
-    p.share_bodies(*walls);
+    p.find_contacts(*c.jobs, *boundary, h_, c.gravity, true);
+    p.share_bodies(*boundary);
   });
 }
 
 // From the plane, which has gone with its body since the start of the substep.
-Real Pbf::distance(const FluidPool& p, const WallContact& k) const {
-  FEDER_ASSERT(k.particle < p.count && k.wall < walls->list.size());
+Real Pbf::distance(const FluidPool& p, const BoundaryContact& k) const {
+  FEDER_ASSERT(k.particle < p.count && k.shape < boundary->shapes.size());
   const Vec3 x = p.x[k.particle].vec();
   const Real d = dot(k.normal, x) - k.offset;
-  const WallBody& b = walls->bodies[walls->list[k.wall].body];
+  const BoundaryBody& b = boundary->bodies[boundary->shapes[k.shape].body];
   return d - h_ * dot(k.normal, b.velocity_at(x));
 }
 
@@ -261,7 +261,7 @@ void Pbf::solve(StepContext& c) {
       scheme.next();
       const double residual = correct(p, k == 0, scheme, c);
       least = std::min(least, residual);
-      if (residual > kMostGrowth * least) scheme.stop();
+      if (residual > kMaxGrowth * least) scheme.stop();
       displace(p, c);
     }
     p.last_h = h_;
@@ -275,7 +275,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
   const SweepInput in = p.sweep_input();
   const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
   const Real step = scheme.step(), carry = first_round ? Real(0) : scheme.carry();
-  const Real least = -kMostPush * p.mass * p.desc.spacing * p.desc.spacing;
+  const Real least = -kMaxPush * p.mass * p.desc.spacing * p.desc.spacing;
   const Real compliance = p.desc.stiffness > 0 ? 1 / (p.desc.stiffness * p.volume * h_ * h_) : Real(0);
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     if (first_round)
@@ -286,16 +286,16 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       const Real crowd = p.value_factor * (first_round ? p.move[i].w : p.sum[i]) + p.own_value + p.screen[i];
       Real walled = 0, shared = 0, opposed = 0;
       Vec3 wall = Vec3::Zero();
-      for (const WallContact& k : p.contacts_of(i)) {
+      for (const BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i);
-        const WallSample s = p.table->at(distance(p, k) / p.support);
+        const BoundaryTerms s = p.table->at(distance(p, k) / p.support);
         walled += s.value;
         if (!first_round) continue;
         const Real slope = s.slope / p.support;
         wall -= slope * k.normal;
         opposed += slope * slope;
-        const WallBody& b = walls->bodies[walls->list[k.wall].body];
-        if (b.dynamic) shared += slope * std::max(b.touching, slope) * b.response(p.x[i].vec(), k.normal);
+        const BoundaryBody& b = boundary->bodies[boundary->shapes[k.shape].body];
+        if (b.dynamic) shared += slope * std::max(b.contact_weight, slope) * b.response(p.x[i].vec(), k.normal);
       }
       if (first_round) {
         const Vec3 pair = p.slope_factor * p.move[i].vec();
@@ -305,7 +305,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
             inv_mass * std::max(p.least_squares, (pair + wall).squaredNorm() + opposed + rs * p.squares[i]) + shared;
       }
       p.ratio[i] = crowd + walled;
-      const Real excess = std::min(crowd - 1, kMostExcess) + std::min(walled, kMostWall), before = p.lambda[i];
+      const Real excess = std::min(crowd - 1, kMaxExcess) + std::min(walled, kMaxWall), before = p.lambda[i];
       const Real stiff = p.diagonal[i] / step + compliance, carried = carry * p.x[i].w;
       const Real wanted = stiff > 0 ? before + carried - (excess + compliance * before) / stiff : Real(0);
       const Real after = clamp(wanted, least, Real(0));
@@ -338,7 +338,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
     push_apart(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
-      for (WallContact& k : p.contacts_of(i)) {
+      for (BoundaryContact& k : p.contacts_of(i)) {
         const Real push = -p.x[i].w * p.table->at(distance(p, k) / p.support).slope / p.support;
         move += push * k.normal;
         k.impulse = push / h_;
@@ -356,17 +356,17 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
   });
   for (const std::uint32_t at : p.dynamic_contacts) {
     FEDER_ASSERT(at < p.contact_first[p.count]);
-    const WallContact& k = p.contacts[at];
-    walls->bodies[walls->list[k.wall].body].push(p.start[k.particle].vec(), -k.impulse * k.normal);
+    const BoundaryContact& k = p.contacts[at];
+    boundary->bodies[boundary->shapes[k.shape].body].push(p.start[k.particle].vec(), -k.impulse * k.normal);
   }
-  if (walls->weighed) p.weigh_fixed(*walls);
+  if (boundary->weighed) p.weigh_fixed(*boundary);
 }
 
-void Pbf::rub(StepContext& c) {
+void Pbf::apply_viscosity(StepContext& c) {
   each(c, [&](FluidPool& p) {
     for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = 0;
-    if (p.desc.viscosity > 0) add_viscosity(p, *walls, h_, c);
-    if (p.desc.surface_tension > 0) add_tension(p, *walls, h_, c);
+    if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
+    if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
   });
 }
 

@@ -20,7 +20,7 @@ Real power(Real x, int n) {
 FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
     : desc(from), dimension(dim), x(&a), v(&a), lambda(&a), id(&a), screen(&a), origin(&a), start(&a), move(&a),
       extra(&a), sum(&a), squares(&a), diagonal(&a), ratio(&a), apart(&a), order(&a), swap4(&a), swap1(&a), swap_id(&a),
-      grid(a), lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a), touches(&a) {
+      grid(a), lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a), contact_states(&a) {
   FEDER_ASSERT(dim == 2 || dim == 3);
   std::string known;
   kernel = nullptr;
@@ -51,8 +51,8 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
   FEDER_ASSERT(lattice.whole > 0 && lattice.squares > 0 && lattice.viscosity > 0);
   viscous_scale = static_cast<Real>(std::pow(lattice.viscosity, -0.85));
   find_cohesion();
-  guard = Real(0.1) * desc.spacing;
-  table = std::make_unique<WallTable>(*kernel, dim, in_spacings);
+  clearance = Real(0.1) * desc.spacing;
+  table = std::make_unique<BoundaryTable>(*kernel, dim, in_spacings);
   search = find_variant(neighbor_searches(), desc.neighbors, "neighbor search").make(a, Params());
   put_sentinel();
 }
@@ -181,7 +181,7 @@ void FluidPool::find_ratios(JobPool& jobs) {
     sweeps->values(in, first, last, sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
       Real r = value_factor * sum[i] + own_value + screen[i];
-      for (const WallContact& c : contacts_of(i))
+      for (const BoundaryContact& c : contacts_of(i))
         r += table->at((dot(c.normal, x[i].vec()) - c.offset) / support).value;
       ratio[i] = r;
     }

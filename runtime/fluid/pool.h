@@ -4,11 +4,11 @@
 #include "base/jobs.h"
 #include "feder/fluid.h"
 #include "feder/plan.h"
-#include "fluid/walls.h"
+#include "fluid/boundary.h"
 #include "neighbors/cell_grid.h"
 #include "neighbors/neighbor_search.h"
+#include "sph/boundary_table.h"
 #include "sph/kernel.h"
-#include "sph/wall_table.h"
 
 namespace feder {
 
@@ -38,10 +38,10 @@ struct FluidPool {
   Real viscous_scale;  // of viscosity, see pool.cpp
   Real cohesion;       // largest force between two particles that gives the surface tension, N
   Real inward;         // pressure inside that balances it, Pa
-  Real guard;          // least distance from a wall, m
+  Real clearance;      // least distance from a wall, m
   const Kernel* kernel;
   const Sweeps* sweeps;
-  std::unique_ptr<WallTable> table;
+  std::unique_ptr<BoundaryTable> table;
   std::unique_ptr<NeighborSearch> search;
 
   // State.
@@ -85,13 +85,13 @@ struct FluidPool {
   Array<std::uint32_t> swap_id;
   CellGrid grid;
   NeighborLists lists;
-  bool lists_stale = true;                // wcsph: in a substep
-  Array<WallContact> contacts;            // by particle
-  Array<std::uint32_t> contact_first;     // of a particle; one more than particles
-  Array<std::uint32_t> dynamic_contacts;  // places of contacts with bodies that the fluid moves
-  Array<FluidTouch> touches;              // by body of the walls, sums in point and normal
-  std::uint32_t worst = 0;                // bit 0: something is not finite
-  std::uint64_t ids_there = 0;            // of validate(): sum of id_key over the particles added and not removed
+  bool lists_stale = true;                  // wcsph: in a substep
+  Array<BoundaryContact> contacts;          // by particle
+  Array<std::uint32_t> contact_first;       // of a particle; one more than particles
+  Array<std::uint32_t> dynamic_contacts;    // places of contacts with bodies that the fluid moves
+  Array<FluidContactState> contact_states;  // by body of the walls, sums in point and normal
+  std::uint32_t worst = 0;                  // bit 0: something is not finite
+  std::uint64_t ids_there = 0;              // of validate(): sum of id_key over the particles added and not removed
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   void grow(std::uint32_t wanted);                       // outside steps; all arrays by particle
@@ -111,10 +111,10 @@ struct FluidPool {
   void sort_by_cell(Real skin = 0);
   void find_neighbors(JobPool& jobs, Real skin);
   SweepInput sweep_input() const;
-  std::span<const WallContact> contacts_of(std::uint32_t i) const {
+  std::span<const BoundaryContact> contacts_of(std::uint32_t i) const {
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
   }
-  std::span<WallContact> contacts_of(std::uint32_t i) {
+  std::span<BoundaryContact> contacts_of(std::uint32_t i) {
     FEDER_ASSERT(i < count && contact_first[i] <= contact_first[i + 1] && contact_first[i + 1] <= contacts.size());
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
   }
@@ -123,15 +123,17 @@ struct FluidPool {
   Real max_speed() const;
   double kinetic_energy() const;  // J; watch.cpp
 
-  // walls.cpp. `ahead`: how far particles and walls may come nearer until the contacts are made again, in seconds.
-  void find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out);
-  void note_touches(const Walls& walls);
-  void share_bodies(Walls& walls);       // counts the particles that touch each body
-  void weigh_fixed(Walls& walls) const;  // adds the impulses of this iteration to the walls that do not move
+  // walls.cpp. `speculative_time`: how far particles and walls may come nearer until the contacts are made again, in
+  // seconds.
+  void find_contacts(JobPool& jobs, const Boundary& boundary, Real speculative_time, const Vec3& gravity,
+                     bool push_out);
+  void record_contact_states(const Boundary& boundary);
+  void share_bodies(Boundary& boundary);       // counts the particles that touch each body
+  void weigh_fixed(Boundary& boundary) const;  // adds the impulses of this iteration to the walls that do not move
   // Keeps every particle outside every wall: swept from where its contact was made. Velocities towards the wall end.
-  void guard_walls(Walls& walls);
+  void project_out(Boundary& boundary);
 
-  bool meets(const Wall& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
+  bool meets(const BoundaryShape& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
 };
 
 // particles per job, where each looks at its neighbours and where not

@@ -13,7 +13,7 @@ void Fluid::Impl::refresh(FluidPool& p) {
   std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
   p.put_sentinel();
   p.find_neighbors(one_thread, 0);
-  p.find_contacts(one_thread, walls, 0, Vec3::Zero(), false);
+  p.find_contacts(one_thread, boundary, 0, Vec3::Zero(), false);
   p.find_ratios(one_thread);
 }
 
@@ -98,7 +98,7 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
     auto q = std::partition_point(column.begin(), column.end(), [&](const Vec3& c) { return c[1] > at + support; });
     for (; q != column.end() && static_cast<double>((*q)[1]) > at - support; ++q)
       fluid += factor * p.kernel->density.value(p.dimension, static_cast<double>(length(Vec3(*q - here))) / support);
-    for (const Wall& w : impl_->walls.list) {
+    for (const BoundaryShape& w : impl_->boundary.shapes) {
       Vec3 n;
       const Real d = w.shape->distance(to_local(w.pose, here), p.support, n);
       if (p.meets(w) && d < p.support) wall += static_cast<double>(p.table->at(d / p.support).share);
@@ -146,7 +146,7 @@ void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& n
   p.sweeps->slopes(p.sweep_input(), 0, p.count, &p.move[0].x, p.squares.data());
   for (const std::uint32_t i : impl_->by_id(p)) {
     Vec3 n = p.slope_factor * p.move[i].vec();
-    for (const WallContact& k : p.contacts_of(i))
+    for (const BoundaryContact& k : p.contacts_of(i))
       n -= p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support).colour / p.support * k.normal;
     if (length(n) * p.support < kSurface) continue;
     points.push_back(p.x[i].vec());
@@ -154,13 +154,13 @@ void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& n
   }
 }
 
-void Fluid::clear_touches() {
-  for (auto& p : impl_->pools) std::fill(p->touches.begin(), p->touches.end(), FluidTouch{});
+void Fluid::clear_contact_states() {
+  for (auto& p : impl_->pools) std::fill(p->contact_states.begin(), p->contact_states.end(), FluidContactState{});
 }
 
-void Fluid::list_touches(Array<FluidTouch>& out) const {
+void Fluid::list_contact_states(Array<FluidContactState>& out) const {
   for (const auto& p : impl_->pools)
-    for (const FluidTouch& t : p->touches) {
+    for (const FluidContactState& t : p->contact_states) {
       if (t.count == 0) continue;
       FEDER_ASSERT(t.body && !(t.speed < 0));
       out.push_back(t);

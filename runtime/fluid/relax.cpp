@@ -13,14 +13,14 @@
 namespace feder {
 namespace {
 
-constexpr int kMostRounds = 300;
+constexpr int kMaxRounds = 300;
 constexpr int kPatience = 40;          // rounds in which it must get better
 constexpr Real kCarry = Real(0.85);    // of the last move into the next (Polyak's heavy ball): room spreads far sooner
 constexpr Real kAllowed = Real(0.02);  // excess of density that nobody minds
 constexpr Real kHopeless = 5;          // a crowd that rounds of a fifth of a spacing would not part
 constexpr Real kRelax = Real(0.5);     // 2 over the largest eigenvalue, see pbf.cpp
-constexpr Real kMostExcess = Real(0.5);
-constexpr Real kMostMove = Real(0.2);  // spacings in a round
+constexpr Real kMaxExcess = Real(0.5);
+constexpr Real kMaxMove = Real(0.2);  // spacings in a round
 
 // Multipliers, in m^2, into the weights of the particles; the largest excess.
 Real excess_of(FluidPool& p, JobPool& jobs) {
@@ -31,13 +31,13 @@ Real excess_of(FluidPool& p, JobPool& jobs) {
     for (std::uint32_t i = first; i < last; ++i) {
       const Real crowd = p.value_factor * p.move[i].w + p.own_value;
       Real walled = 0, steep = 0;
-      for (const WallContact& k : p.contacts_of(i)) {
-        const WallSample s = p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support);
+      for (const BoundaryContact& k : p.contacts_of(i)) {
+        const BoundaryTerms s = p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support);
         walled += s.value;
         steep += s.slope * s.slope / (p.support * p.support);
       }
       const Real slope = (p.slope_factor * p.move[i].vec()).squaredNorm() + steep + rs * p.squares[i];
-      const Real excess = std::min(crowd + walled - 1, kMostExcess);
+      const Real excess = std::min(crowd + walled - 1, kMaxExcess);
       p.ratio[i] = crowd + walled;
       p.sum[i] = excess > 0 ? -kRelax * excess / std::max(p.least_squares, slope) : Real(0);
     }
@@ -47,17 +47,17 @@ Real excess_of(FluidPool& p, JobPool& jobs) {
   return most;
 }
 
-void make_way(FluidPool& p, JobPool& jobs) {
+void push_apart(FluidPool& p, JobPool& jobs) {
   for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = p.sum[i];
   const SweepInput in = p.sweep_input();
-  const Real longest = kMostMove * p.desc.spacing;
+  const Real longest = kMaxMove * p.desc.spacing;
   if constexpr (kAsserts)
     for (std::uint32_t i = 0; i < p.count; ++i) FEDER_ASSERT(!(p.x[i].w > 0));  // room is made, never taken
   jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->push(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
-      for (const WallContact& k : p.contacts_of(i)) {
+      for (const BoundaryContact& k : p.contacts_of(i)) {
         const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
         move -= p.x[i].w * p.table->at(d / p.support).slope / p.support * k.normal;
       }
@@ -83,10 +83,10 @@ void Fluid::Impl::relax(StepContext& c) {
     std::fill(p.extra.begin(), p.extra.begin() + p.count, Row4Real{});
     p.sort_by_cell();
     Real best = kInfinity;
-    for (int round = 0, since = 0; round < kMostRounds && since < kPatience; ++round, ++since) {
+    for (int round = 0, since = 0; round < kMaxRounds && since < kPatience; ++round, ++since) {
       p.find_neighbors(*c.jobs, 0);
       std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
-      p.find_contacts(*c.jobs, walls, 0, c.gravity, true);
+      p.find_contacts(*c.jobs, boundary, 0, c.gravity, true);
       const Real most = excess_of(p, *c.jobs);
       if (round == 0 && most > kHopeless)
         c.events->warn("fluid_crowded",
@@ -95,7 +95,7 @@ void Fluid::Impl::relax(StepContext& c) {
                        p.object);
       if (most <= kAllowed || (round == 0 && most > kHopeless)) break;
       if (most < Real(0.95) * best) best = most, since = 0;
-      make_way(p, *c.jobs);
+      push_apart(p, *c.jobs);
     }
   }
 }

@@ -7,8 +7,8 @@
 
 #include "base/registry.h"
 #include "feder/plan.h"
+#include "fluid/boundary.h"
 #include "fluid/pool.h"
-#include "fluid/walls.h"
 
 namespace feder {
 
@@ -26,7 +26,7 @@ class FluidSolver {
   virtual bool iterates() const { return false; }
 
   std::vector<FluidPool*> pools;
-  Walls* walls = nullptr;
+  Boundary* boundary = nullptr;
 
  protected:
   // At Rank::fluid_choose. A pool that asks for none is left out.
@@ -46,7 +46,7 @@ std::span<const Variant<FluidSolver>> fluid_solvers();
 
 // Friction between particles and at walls, and surface tension, applied to velocities for h seconds; bodies get what
 // the fluid loses. In substeps of their own where stability asks for them.
-void add_viscosity(FluidPool& p, Walls& walls, Real h, StepContext& c);
-void add_tension(FluidPool& p, Walls& walls, Real h, StepContext& c);
+void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
+void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 
 }  // namespace feder

@@ -7,9 +7,9 @@
 namespace feder {
 
 // After the rigid solve: bodies are where they will be, and no particle may be inside one.
-void Fluid::Impl::guard(StepContext&) {
+void Fluid::Impl::project(StepContext&) {
   for (auto& p : pools)
-    if (p->count > 0 && !p->frozen) p->guard_walls(walls);
+    if (p->count > 0 && !p->frozen) p->project_out(boundary);
 }
 
 void Fluid::Impl::drain(StepContext& c) {

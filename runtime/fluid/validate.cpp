@@ -98,7 +98,7 @@ void Fluid::Impl::validate_sources() const {
 
 void Fluid::validate() const {
   const Impl& m = *impl_;
-  for (const Wall& w : m.walls.list) FEDER_ASSERT(w.shape && w.body < m.walls.bodies.size());
+  for (const BoundaryShape& w : m.boundary.shapes) FEDER_ASSERT(w.shape && w.body < m.boundary.bodies.size());
   // each pool is moved by the solver it asks for, and by no other
   std::size_t moved = 0;
   for (std::size_t k = 0; k < m.solvers.size(); ++k) {

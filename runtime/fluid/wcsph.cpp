@@ -26,7 +26,7 @@ constexpr Real kForceLimit = Real(0.25);  // of sqrt(smoothing length over accel
 constexpr Real kSkin = Real(0.08);        // of the support: lists are kept until somebody moved by half of it
 
 // Where particles lie on each other, pressure grows no further: bounded forces, and a fluid that comes apart.
-constexpr Real kMostRatio = Real(1.5);
+constexpr Real kMaxRatio = Real(1.5);
 
 // A wall throws nothing back faster than a pressure wave of the wanted compression moves the fluid, times this. What
 // hits a wall faster than steps resolve is stopped by the guard deep in the wall's pressure, as if it were compressed:
@@ -43,7 +43,7 @@ class Wcsph final : public FluidSolver {
     plan.add<&Wcsph::find_neighbors>(Rank::fluid_neighbors, "wcsph neighbors", Fluid::kName, this);
     plan.add<&Wcsph::press>(Rank::fluid_pressure, "wcsph pressure", Fluid::kName, this);
     plan.add<&Wcsph::move>(Rank::fluid_move, "wcsph move", Fluid::kName, this);
-    plan.add<&Wcsph::project>(Rank::fluid_project, "wcsph guard walls", Fluid::kName, this);
+    plan.add<&Wcsph::project>(Rank::fluid_project, "wcsph non-penetration", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override {
     return std::max(Real(0), tait(p.desc.density, p.sound, p.ratio[i]) + p.lambda[i]) - p.inward;
@@ -58,11 +58,11 @@ class Wcsph final : public FluidSolver {
   void move(StepContext& c);
   void project(StepContext& c);
   void refresh(FluidPool& p, StepContext& c);
-  void touch(FluidPool& p, StepContext& c);
+  void find_contacts(FluidPool& p, StepContext& c);
   void accelerate(FluidPool& p, StepContext& c);
   Real h_ = 0;  // s, of a fluid substep
   static Real tait(Real density, Real sound, Real ratio) {
-    ratio = std::min(ratio, kMostRatio);
+    ratio = std::min(ratio, kMaxRatio);
     const Real r2 = ratio * ratio, r7 = r2 * r2 * r2 * ratio;
     return std::max(Real(0), density * sound * sound / 7 * (r7 - 1));
   }
@@ -77,7 +77,7 @@ void Wcsph::begin(StepContext& c) {
   FEDER_ASSERT(c.inner.index < c.inner.count);
   h_ = c.h / static_cast<Real>(c.inner.count);
   if (c.inner.index > 0) return;
-  walls->move_to(0);
+  boundary->move_to(0);
   each(c, [&](FluidPool& p) { p.lists_stale = true; });
 }
 
@@ -93,8 +93,8 @@ void Wcsph::project(StepContext& c) {
   bool any = false;
   each(c, [&](FluidPool&) { any = true; });
   if (!any) return;
-  walls->move_to(h_ * static_cast<Real>(c.inner.index + 1));
-  each(c, [&](FluidPool& p) { p.guard_walls(*walls); });
+  boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
+  each(c, [&](FluidPool& p) { p.project_out(*boundary); });
 }
 
 int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
@@ -109,13 +109,13 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
     low = std::min(low, s), high = std::max(high, s);
   }
   flow.head = high - low;
-  Real wall_speed = 0;
-  for (const WallBody& b : walls->bodies) wall_speed = std::max(wall_speed, length(b.velocity));
+  Real boundary_speed = 0;
+  for (const BoundaryBody& b : boundary->bodies) boundary_speed = std::max(boundary_speed, length(b.velocity));
   const Real tension = p.inward / p.desc.density;
-  const Real held = std::max({wall_speed * wall_speed, g * p.desc.spacing, tension});
+  const Real held = std::max({boundary_speed * boundary_speed, g * p.desc.spacing, tension});
   p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: who is apart keeps its place
   if (std::max(flow.speed2, flow.head) > held)
-    flow = flow_scales(p, *walls, c);
+    flow = flow_scales(p, *boundary, c);
   else
     std::fill(p.apart.begin(), p.apart.begin() + p.count, std::uint8_t(0));
   // the bodies' pressure counts like a column of the same weight: what they press on is not known before
@@ -127,11 +127,11 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   // a body lighter than the particles that press on it swings faster than they do
   Real light = 1;
   bool any = false;
-  for (const WallBody& b : walls->bodies) any = any || (b.dynamic && !b.inv_mass.isZero(0));
-  if (any) touch(p, c);
-  for (const WallBody& b : walls->bodies)
-    if (b.dynamic) light = std::max(light, Real(0.1) * p.mass * b.inv_mass.maxCoeff() * b.touching * p.support);
-  const Real others = std::max(speed, wall_speed);
+  for (const BoundaryBody& b : boundary->bodies) any = any || (b.dynamic && !b.inv_mass.isZero(0));
+  if (any) find_contacts(p, c);
+  for (const BoundaryBody& b : boundary->bodies)
+    if (b.dynamic) light = std::max(light, Real(0.1) * p.mass * b.inv_mass.maxCoeff() * b.contact_weight * p.support);
+  const Real others = std::max(speed, boundary_speed);
   Real step = kCourant * length_unit / (std::sqrt(light) * sound + others);
   step = std::min(step, g > 0 ? kForceLimit * std::sqrt(length_unit / g) : step);
   if (p.desc.surface_tension > 0)
@@ -173,7 +173,8 @@ void Wcsph::refresh(FluidPool& p, StepContext& c) {
     p.lists_stale = far > skin * skin / 4;
   }
   bool moving = p.lists_stale;  // planes of walls at rest hold as long as the lists
-  for (const WallBody& b : walls->bodies) moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.spin.isZero(0);
+  for (const BoundaryBody& b : boundary->bodies)
+    moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
   if (p.lists_stale) {
     if (c.inner.index > 0) {
       p.sort_by_cell(skin);
@@ -183,15 +184,15 @@ void Wcsph::refresh(FluidPool& p, StepContext& c) {
     std::copy(p.x.begin(), p.x.begin() + p.count, p.swap4.begin());
     p.lists_stale = false;
   }
-  if (moving) touch(p, c);
+  if (moving) find_contacts(p, c);
 }
 
 // Wall contacts where the particles are, good for the rest of the substep of the world.
-void Wcsph::touch(FluidPool& p, StepContext& c) {
+void Wcsph::find_contacts(FluidPool& p, StepContext& c) {
   std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
-  p.find_contacts(*c.jobs, *walls, c.h, c.gravity, true);
-  for (WallBody& b : walls->bodies) b.touching = 0;
-  p.share_bodies(*walls);
+  p.find_contacts(*c.jobs, *boundary, c.h, c.gravity, true);
+  for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
+  p.share_bodies(*boundary);
 }
 
 void Wcsph::accelerate(FluidPool& p, StepContext& c) {
@@ -201,7 +202,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
   const bool risen = c.inner.index == 0 && p.sound_before > 0 && p.sound > p.sound_before;
   const Real stay = p.settling / (p.settling + h);
   for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Real r = std::min(p.ratio[i], kMostRatio), full = tait(p.desc.density, p.sound, r);
+    const Real r = std::min(p.ratio[i], kMaxRatio), full = tait(p.desc.density, p.sound, r);
     Real& less = p.lambda[i];
     if (risen) less += tait(p.desc.density, p.sound_before, r) - full;
     less = full > 0 ? stay * less : Real(0);
@@ -218,10 +219,11 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
     (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 a = factor * p.move[i].vec() + gravity;
-      for (WallContact& k : p.contacts_of(i)) {
+      for (BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i && h > 0);
         const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
-        const Vec3 off = p.v[i].vec() - walls->bodies[walls->list[k.wall].body].velocity_at(p.x[i].vec()) + h * a;
+        const Vec3 off =
+            p.v[i].vec() - boundary->bodies[boundary->shapes[k.shape].body].velocity_at(p.x[i].vec()) + h * a;
         const Real most = std::max(Real(0), (leave - dot(k.normal, off)) / h);
         const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * density));
         a += push * k.normal;
@@ -231,17 +233,17 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
     }
   });
   for (const std::uint32_t at : p.dynamic_contacts) {
-    const WallContact& k = p.contacts[at];
-    walls->bodies[walls->list[k.wall].body].push(p.x[k.particle].vec(), -k.impulse * k.normal);
+    const BoundaryContact& k = p.contacts[at];
+    boundary->bodies[boundary->shapes[k.shape].body].push(p.x[k.particle].vec(), -k.impulse * k.normal);
   }
-  if (walls->weighed) p.weigh_fixed(*walls);
+  if (boundary->weighed) p.weigh_fixed(*boundary);
 }
 
 void Wcsph::move(StepContext& c) {
   each(c, [&](FluidPool& p) {
     for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + h_ * p.move[i].vec());
-    if (p.desc.viscosity > 0) add_viscosity(p, *walls, h_, c);
-    if (p.desc.surface_tension > 0) add_tension(p, *walls, h_, c);
+    if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
+    if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
     for (std::uint32_t i = 0; i < p.count; ++i) {
       p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
       p.x[i].w = 0;

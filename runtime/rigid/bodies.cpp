@@ -96,7 +96,7 @@ void Rigid::Impl::set_mass(std::uint32_t i) {
   } else {
     bodies.inv_inertia[i] = inverse(bodies.inertia[i]);
   }
-  spins[i] = dimension == 3 && !(bodies.lock[i] & (kLockRx | kLockRy | kLockRz)) && uneven(bodies.inertia[i]);
+  asymmetric[i] = dimension == 3 && !(bodies.lock[i] & (kLockRx | kLockRy | kLockRz)) && uneven(bodies.inertia[i]);
 }
 
 ObjectId Rigid::Impl::add(const BodyDesc& desc) {
@@ -133,9 +133,9 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   // from here on nothing fails
   const std::uint32_t i = bodies.add();
   if (volume.size() < bodies.size()) {
-    volume.resize(bodies.size()), area.resize(bodies.size()), spins.resize(bodies.size()),
-        kept_momentum.resize(bodies.size(), Vec3::Zero()), kept_spin.resize(bodies.size(), Vec3::Zero()),
-        calm.resize(bodies.size());
+    volume.resize(bodies.size()), area.resize(bodies.size()), asymmetric.resize(bodies.size()),
+        kept_momentum.resize(bodies.size(), Vec3::Zero()), kept_angular_velocity.resize(bodies.size(), Vec3::Zero()),
+        sleep_candidate.resize(bodies.size());
     next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
     resize_watch();
   }
@@ -164,8 +164,8 @@ ObjectId Rigid::Impl::add(const BodyDesc& desc) {
   volume[i] = whole;
   const double radius = cube_root(static_cast<double>(whole) * 3 / (4 * static_cast<double>(kPi)));
   area[i] = kPi * static_cast<Real>(radius * radius);
-  calm[i] = spins[i] = 0;
-  kept_momentum[i] = kept_spin[i] = Vec3::Zero();
+  sleep_candidate[i] = asymmetric[i] = 0;
+  kept_momentum[i] = kept_angular_velocity[i] = Vec3::Zero();
   next_in_island[i] = kNone;
   bodies.solver_slot[i] = solver_bodies.add();
   bodies.object[i] = objects.add(kBodyKind, i, d.name, d.tags);
@@ -225,7 +225,7 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
   const Real pull = dynamic ? bodies.gravity_scale[i] * dt * dt : 0;
   const Vec3 step = v * dt + gravity * pull;
   const Pose com = bodies.com_pose(i);
-  const Real turn = length(w) * dt;
+  const Real angle = length(w) * dt;
   const bool moves =
       dynamic ? bodies.awake[i] != 0 : bodies.type[i] == BodyType::kinematic && (!v.isZero(0) || !w.isZero(0));
   each_collider(i, [&](std::uint32_t k) {
@@ -240,8 +240,8 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
     Aabb box = shape.bounds(pose);
     FEDER_ASSERT(!(box.lo[0] > box.hi[0] || box.lo[1] > box.hi[1] || box.lo[2] > box.hi[2]));
     // a turning shape leaves its box by at most the arc of its farthest point, and by its whole extent
-    const Real reach = bodies.extent[i];
-    const Real arc = turn > 0 && is_finite(reach) ? std::min(turn * reach, 2 * reach) : Real(0);
+    const Real extent = bodies.extent[i];
+    const Real arc = angle > 0 && is_finite(extent) ? std::min(angle * extent, 2 * extent) : Real(0);
     box.lo += step.cwiseMin(Real(0)) - Vec3::Constant(kContactMargin + arc);
     box.hi += step.cwiseMax(Real(0)) + Vec3::Constant(kContactMargin + arc);
     colliders.box[k] = box;
@@ -262,7 +262,7 @@ void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
   bodies.rotation[i] = normalized(origin.rotation);
   bodies.position[i] = origin.position + rotate(bodies.rotation[i], bodies.local_com[i]);
   bodies.has_target[i] = 0;
-  kept_spin[i] = kept_momentum[i] = Vec3::Zero();
+  kept_angular_velocity[i] = kept_momentum[i] = Vec3::Zero();
   changed(i);
   edited(i);
   place_colliders(i, 0, Vec3::Zero());

@@ -8,10 +8,10 @@ namespace feder {
 inline constexpr int kBatchPoints = 4;
 
 struct BatchPoint {
-  Lane8x3 turn_a, turn_b;  // arm x normal, m; the arms themselves until `prepare`
-  Lane8 separation;        // at the start of the step, m
-  Lane8 mass;              // effective along the normal, kg; 1 or 0 (no such point) until `prepare`
-  Lane8 impulse;           // N s
+  Lane8x3 angular_a, angular_b;  // arm x normal, m; the arms themselves until `prepare`
+  Lane8 separation;              // at the start of the step, m
+  Lane8 mass;                    // effective along the normal, kg; 1 or 0 (no such point) until `prepare`
+  Lane8 impulse;                 // N s
 };
 
 struct ContactBatch {

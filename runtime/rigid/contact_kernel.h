@@ -2,10 +2,11 @@
 // compiler flags only and give the same bits.
 //
 // Rows are linear in the step: the normal and arm x normal stay as they were at its start, so the speed and the
-// separation of a point use the same numbers (v, w) and (moved, turned). Within a manifold the points are solved one
-// after another, there and back, in impulse space: their coupling is known, so the bodies are read and written once per
-// pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at the manifold's
-// centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x distance).
+// separation of a point use the same numbers (v, w) and (delta_position, delta_rotation). Within a manifold the points
+// are solved one after another, there and back, in impulse space: their coupling is known, so the bodies are read and
+// written once per pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at
+// the manifold's centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x
+// distance).
 #pragma once
 #include "feder/error.h"
 #include "rigid/contact_batch.h"
@@ -52,7 +53,7 @@ constexpr WideReal kTilt = 1.75f;        // compliance against tilting over that
 // Both sides of a batch: velocities now, and the rows they came in (to be written back).
 struct Sides {
   Lanes a[kLanes], b[kLanes];
-  Lanes3 moved, turned_a, turned_b;  // moved: b minus a
+  Lanes3 delta_position, delta_rotation_a, delta_rotation_b;  // b minus a
 };
 
 [[gnu::always_inline]] inline void gather_velocity(const ContactPass& p, const ContactBatch& c, Sides& s) {
@@ -64,9 +65,9 @@ struct Sides {
   Lanes a[kLanes], b[kLanes];
   gather(p.bodies, c.index_a, 1, a);
   gather(p.bodies, c.index_b, 1, b);
-  s.moved = {s.b[6] - s.a[6], s.b[7] - s.a[7], b[0] - a[0]};
-  s.turned_a = {a[1], a[2], a[3]};
-  s.turned_b = {b[1], b[2], b[3]};
+  s.delta_position = {s.b[6] - s.a[6], s.b[7] - s.a[7], b[0] - a[0]};
+  s.delta_rotation_a = {a[1], a[2], a[3]};
+  s.delta_rotation_b = {b[1], b[2], b[3]};
 }
 
 [[gnu::always_inline]] inline void put(Lanes (&rows)[kLanes], const Lanes3& v, const Lanes3& w) {
@@ -76,10 +77,10 @@ struct Sides {
 [[gnu::always_inline]] inline Lanes3 angular(const Lanes (&rows)[kLanes]) { return {rows[3], rows[4], rows[5]}; }
 
 // Velocities changed by the linear impulse `l` and the angular impulses (on b; the opposite signs on a).
-[[gnu::always_inline]] inline void push(const ContactBatch& c, Sides& s, const Lanes3& l, const Lanes3& turn_a,
-                                        const Lanes3& turn_b) {
-  put(s.a, linear(s.a) - times(load(c.inv_mass_a), l), angular(s.a) - times(c.inv_inertia_a, turn_a));
-  put(s.b, linear(s.b) + times(load(c.inv_mass_b), l), angular(s.b) + times(c.inv_inertia_b, turn_b));
+[[gnu::always_inline]] inline void push(const ContactBatch& c, Sides& s, const Lanes3& l, const Lanes3& angular_a,
+                                        const Lanes3& angular_b) {
+  put(s.a, linear(s.a) - times(load(c.inv_mass_a), l), angular(s.a) - times(c.inv_inertia_a, angular_a));
+  put(s.b, linear(s.b) + times(load(c.inv_mass_b), l), angular(s.b) + times(c.inv_inertia_b, angular_b));
 }
 
 [[gnu::always_inline]] inline void write_back(const ContactPass& p, const ContactBatch& c, Sides& s) {
@@ -95,7 +96,7 @@ struct Sides {
 constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4, 5, -1}};
 
 [[gnu::always_inline]] inline Lanes point_speed(const BatchPoint& q, Lanes along, const Lanes3& wa, const Lanes3& wb) {
-  return along + dot(load(q.turn_b), wb) - dot(load(q.turn_a), wa);
+  return along + dot(load(q.angular_b), wb) - dot(load(q.angular_a), wa);
 }
 
 // Masses into the batch, and the effective masses and couplings of its points.
@@ -117,12 +118,12 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
   for (int j = 0; j < kBatchPoints; ++j) {
     BatchPoint& q = c.point[j];
     const Lanes valid = load(q.mass);
-    const Lanes3 a = cross(load(q.turn_a), n) * valid, b = cross(load(q.turn_b), n) * valid;
-    store(q.turn_a, a);
-    store(q.turn_b, b);
+    const Lanes3 a = cross(load(q.angular_a), n) * valid, b = cross(load(q.angular_b), n) * valid;
+    store(q.angular_a, a);
+    store(q.angular_b, b);
     const Lanes3 ia = times(c.inv_inertia_a, a), ib = times(c.inv_inertia_b, b);
     for (int k = 0; k < j; ++k)
-      store(c.coupling[kPair[j][k]], along + dot(load(c.point[k].turn_a), ia) + dot(load(c.point[k].turn_b), ib));
+      store(c.coupling[kPair[j][k]], along + dot(load(c.point[k].angular_a), ia) + dot(load(c.point[k].angular_b), ib));
     const Lanes mass = reciprocal_or_zero(along + dot(a, ia) + dot(b, ib)) * valid;
     store(q.mass, mass);
     sum += mass;
@@ -146,15 +147,15 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
   for (int j = 0; j < kBatchPoints; ++j) {
     const Lanes valid = load(c.point[j].mass);
     count += valid;
-    a = a + load(c.point[j].turn_a) * valid;
-    b = b + load(c.point[j].turn_b) * valid;
+    a = a + load(c.point[j].angular_a) * valid;
+    b = b + load(c.point[j].angular_b) * valid;
   }
   const Lanes weight = all_lanes(1) / max(count, all_lanes(1));
   a = a * weight, b = b * weight;
   store(c.center_a, a);
   store(c.center_b, b);
   for (int j = 0; j < kBatchPoints; ++j) {
-    const Lanes3 d = load(c.point[j].turn_a) - a;
+    const Lanes3 d = load(c.point[j].angular_a) - a;
     store(c.radius[j], square_root(dot(d, d)) * load(c.point[j].mass));
   }
 }
@@ -244,17 +245,17 @@ void prepare_batches(const ContactPass& p) {
 [[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchSide& side, Lanes scale, Sides& s) {
   const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
   Lanes sum = zero_lanes();
-  Lanes3 turn_a = n * load(c.twist_impulse), turn_b = turn_a;
-  if (side.rolls) turn_a = turn_a + load(side.rolling_impulse), turn_b = turn_a;
+  Lanes3 angular_a = n * load(c.twist_impulse), angular_b = angular_a;
+  if (side.rolls) angular_a = angular_a + load(side.rolling_impulse), angular_b = angular_a;
   for (unsigned j = 0; j < c.points; ++j) {
     const Lanes impulse = load(c.point[j].impulse);
     sum += impulse;
-    turn_a = turn_a + load(c.point[j].turn_a) * impulse;
-    turn_b = turn_b + load(c.point[j].turn_b) * impulse;
+    angular_a = angular_a + load(c.point[j].angular_a) * impulse;
+    angular_b = angular_b + load(c.point[j].angular_b) * impulse;
   }
   const Lanes3 t = t1 * load(c.tangent_impulse[0]) + t2 * load(c.tangent_impulse[1]);
-  push(c, s, (n * sum + t) * scale, (turn_a + cross(load(c.center_a), t)) * scale,
-       (turn_b + cross(load(c.center_b), t)) * scale);
+  push(c, s, (n * sum + t) * scale, (angular_a + cross(load(c.center_a), t)) * scale,
+       (angular_b + cross(load(c.center_b), t)) * scale);
 }
 
 void warm_start_batches(const ContactPass& p) {
@@ -296,7 +297,7 @@ template <bool kBiased>
 [[gnu::always_inline]] inline Lanes solve_normals(const ContactPass& p, ContactBatch& c, Sides& s) {
   const Lanes3 n = load(c.normal);
   const Lanes along = dot(n, linear(s.b) - linear(s.a));
-  const Lanes moved = dot(n, s.moved);
+  const Lanes apart_by = dot(n, s.delta_position);
   const Lanes zero = zero_lanes(), inv_h = all_lanes(p.inv_h);
   const LaneMask fixed = load(c.against_fixed) > zero;
   const Lanes rate = select(fixed, all_lanes(p.soft_fixed.bias_rate), all_lanes(p.soft.bias_rate));
@@ -307,7 +308,7 @@ template <bool kBiased>
   for (unsigned j = 0; j < count; ++j) {
     const BatchPoint& q = c.point[j];
     speed[j] = point_speed(q, along, angular(s.a), angular(s.b));
-    apart[j] = point_speed(q, load(q.separation) + moved, s.turned_a, s.turned_b);
+    apart[j] = point_speed(q, load(q.separation) + apart_by, s.delta_rotation_a, s.delta_rotation_b);
     before[j] = load(q.impulse);
     all += before[j];
   }
@@ -348,7 +349,7 @@ template <bool kBiased>
     sweep(count);
   }
   Lanes sum = zero, held = zero;
-  Lanes3 turn_a{}, turn_b{};
+  Lanes3 angular_a{}, angular_b{};
   for (unsigned j = count; j-- > 0;) {
     BatchPoint& q = c.point[j];
     Lanes now = load(q.impulse);
@@ -359,10 +360,10 @@ template <bool kBiased>
     const Lanes change = now - before[j];
     held += now;
     sum += change;
-    turn_a = turn_a + load(q.turn_a) * change;
-    turn_b = turn_b + load(q.turn_b) * change;
+    angular_a = angular_a + load(q.angular_a) * change;
+    angular_b = angular_b + load(q.angular_b) * change;
   }
-  push(c, s, n * sum, turn_a, turn_b);
+  push(c, s, n * sum, angular_a, angular_b);
   return held;
 }
 
@@ -465,7 +466,7 @@ void restitution_batches(const ContactPass& p) {
     Lanes speed[kBatchPoints];
     for (unsigned j = 0; j < c.points; ++j) speed[j] = point_speed(c.point[j], along, angular(s.a), angular(s.b));
     Lanes sum = zero;
-    Lanes3 turn_a{}, turn_b{};
+    Lanes3 angular_a{}, angular_b{};
     for (unsigned j = 0; j < c.points; ++j) {
       BatchPoint& q = c.point[j];
       const Lanes approach = load(side.approach[j]), e = load(side.restitution);
@@ -478,11 +479,11 @@ void restitution_batches(const ContactPass& p) {
       store(q.impulse, old + change);
       store(side.total[j], load(side.total[j]) + change);
       sum += change;
-      turn_a = turn_a + load(q.turn_a) * change;
-      turn_b = turn_b + load(q.turn_b) * change;
+      angular_a = angular_a + load(q.angular_a) * change;
+      angular_b = angular_b + load(q.angular_b) * change;
       for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
     }
-    push(c, s, n * sum, turn_a, turn_b);
+    push(c, s, n * sum, angular_a, angular_b);
     write_back(p, c, s);
   }
 }

@@ -79,7 +79,7 @@ struct Rigid::Impl {
   void join(std::uint32_t a, std::uint32_t b);
 
   // watch.cpp
-  double kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& spin) const;
+  double kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& angular_velocity) const;
   bool jumps(std::uint32_t i, Real energy, Real least) {  // energy: kinetic, per mass, m^2/s^2
     const bool yes = !(energy <= Real(kDiverged) * pace[i] + least);
     pace[i] = energy;
@@ -139,12 +139,12 @@ struct Rigid::Impl {
   std::unique_ptr<RigidSolver> solver;
 
   // per body, beside Bodies
-  Array<Real> volume;         // m^3
-  Array<Real> area;           // cross-section of the sphere of that volume, m^2
-  Array<std::uint8_t> spins;  // moments of inertia differ: angular momentum is integrated
-  Array<Vec3> kept_momentum;  // angular momentum at the end of the last step, N m s, and the velocity it gave:
-  Array<Vec3> kept_spin;      // while nobody changed that, the momentum goes on without rounding
-  Array<std::uint8_t> calm;   // slow enough to sleep (two thresholds)
+  Array<Real> volume;                 // m^3
+  Array<Real> area;                   // cross-section of the sphere of that volume, m^2
+  Array<std::uint8_t> asymmetric;     // moments of inertia differ: angular momentum is integrated
+  Array<Vec3> kept_momentum;          // angular momentum at the end of the last step, N m s, and the velocity it gave:
+  Array<Vec3> kept_angular_velocity;  // while nobody changed that, the momentum goes on without rounding
+  Array<std::uint8_t> sleep_candidate;  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island;  // ring of a sleeping island
   Array<std::uint32_t> parent;          // union-find
   Array<Real> pace;                     // kinetic energy per mass at the end of the last step, m^2/s^2
@@ -165,7 +165,7 @@ struct Rigid::Impl {
   bool list_stale = true;
   Array<Vec3> applied_force, applied_torque;  // by place, N and N m
   Array<Vec3> angular_momentum;               // by place, of bodies that spin, N m s
-  Array<Vec3> given_spin;                     // what the velocity row left there, rad/s
+  Array<Vec3> given_angular_velocity;         // what the velocity row left there, rad/s
   Array<JointedBody> jointed;                 // by solver index; empty without joints
   Array<std::uint8_t> bad;                    // by place: not finite
   Array<MassPoint> points;                    // for force generators
@@ -175,7 +175,7 @@ struct Rigid::Impl {
   std::size_t force_count = 0;  // forces known when the rows were made
   bool cap_warned = false;      // the warning about the iteration limit was raised
   bool poses_stale = false;     // collider poses are those of the start of the last step
-  bool any_calm = false;
+  bool any_candidate = false;
   bool any_jump = false;    // a body is faster than the watchdog lets pass unseen
   std::uint64_t now = 0;    // the step that comes
   bool warned_far = false;  // that motion gets lost far from the origin was said

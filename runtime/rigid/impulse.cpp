@@ -44,7 +44,7 @@ class ImpulseSolver final : public RigidSolver {
 
   ImpulseScene scene(const SolverInput& in, const StepContext& c);
   void load_bodies(const SolverInput& in);
-  void turn_inertias(const ImpulseScene& s);
+  void rotate_inertias(const ImpulseScene& s);
   void load_contacts(const SolverInput& in, const ImpulseScene& s);
   void load_joints(const SolverInput& in);
   void find_islands();
@@ -114,7 +114,7 @@ void ImpulseSolver::load_bodies(const SolverInput& in) {
     b.uneven = in.uneven(static_cast<std::uint32_t>(i));
     b.movable = i > 0 && (m.inv_mass > 0 || m.inv_inertia.trace() > 0);
     b.last_velocity = solver_bodies.state[i].velocity;
-    b.last_spin = solver_bodies.state[i].angular_velocity;
+    b.last_angular_velocity = solver_bodies.state[i].angular_velocity;
   }
 }
 
@@ -258,7 +258,7 @@ void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
 
 Pose ImpulseSolver::body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const {
   if (slot == kNone) return {};
-  return {s.mass[body].center + s.state[body].moved, s.state[body].rotation};
+  return {s.mass[body].center + s.state[body].delta_position, s.state[body].rotation};
 }
 
 void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s,
@@ -294,11 +294,11 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
 }
 
 // What joints feel of uneven bodies, at the rotations now; the turns of this substep count from here.
-void ImpulseSolver::turn_inertias(const ImpulseScene& s) {
+void ImpulseSolver::rotate_inertias(const ImpulseScene& s) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
     b.substep_rotation = s.state[i].rotation;
-    b.substep_turn = Vec3::Zero();
+    b.substep_delta_rotation = Vec3::Zero();
     if (b.uneven) b.uneven->axes = b.uneven->free_axes = jointed_axes(*b.uneven, s.state[i].rotation);
   }
 }
@@ -307,10 +307,10 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
     b.force_velocity = s.state[i].velocity - b.last_velocity;
-    b.force_spin = s.state[i].angular_velocity - b.last_spin;
-    b.late_move = b.late_turn = Vec3::Zero();
+    b.force_angular_velocity = s.state[i].angular_velocity - b.last_angular_velocity;
+    b.late_delta_position = b.late_delta_rotation = Vec3::Zero();
   }
-  if (!joints_.empty()) turn_inertias(s);
+  if (!joints_.empty()) rotate_inertias(s);
   for (ImpulseContact& c : contacts_) start_contact(c, s);
   start_joints(in, s);
 }
@@ -321,11 +321,11 @@ void ImpulseSolver::travel(const SolverBodies& solver_bodies, const ImpulseScene
     SolverBody& m = s.state[i];
     ImpulseBody& b = bodies_[i];
     if (b.uneven) take_pushes(*b.uneven, m, s.mass[i]);
-    const Vec3 turn = free_turn(s, static_cast<std::uint32_t>(i));
-    b.substep_turn = turn;
-    m.moved += s.h * m.velocity + b.late_move;
-    m.turned += turn;
-    m.rotation = integrate_rotation(m.rotation, turn);
+    const Vec3 rotation = free_delta_rotation(s, static_cast<std::uint32_t>(i));
+    b.substep_delta_rotation = rotation;
+    m.delta_position += s.h * m.velocity + b.late_delta_position;
+    m.delta_rotation += rotation;
+    m.rotation = integrate_rotation(m.rotation, rotation);
   }
 }
 
@@ -503,13 +503,13 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
     if (!trees_.empty()) close_tree_drift(in, s);
     for (const Island& island : islands_)
       worst_first<&ImpulseSolver::drift_error, &ImpulseSolver::correct_drift>(in, s, island, kDriftTolerance);
-    turn_inertias(s);
+    rotate_inertias(s);
   }
   for (const Island& island : islands_)
     worst_first<&ImpulseSolver::position_error, &ImpulseSolver::correct_position>(in, s, island, slop_ / 10);
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     bodies_[i].last_velocity = s.state[i].velocity;
-    bodies_[i].last_spin = s.state[i].angular_velocity;
+    bodies_[i].last_angular_velocity = s.state[i].angular_velocity;
   }
   for (const ImpulseContact& contact : contacts_) {
     Contact& to = in.contacts->slots[contact.slot];

@@ -79,8 +79,8 @@ Vec3 wanted_rolling(const ImpulseContact& c, const ImpulseScene& s) {
   Real pressure = 0;
   for (int i = 0; i < c.count; ++i) pressure += dot(c.normal, c.points[i].impulse) + c.points[i].bounced;
   const Real limit = c.rolling_friction * std::max(pressure, Real(0));
-  const Vec3 spin = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity;
-  const Vec3 roll = spin - dot(spin, c.normal) * c.normal;
+  const Vec3 relative = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity;
+  const Vec3 roll = relative - dot(relative, c.normal) * c.normal;
   Vec3 wanted = c.rolling;
   const Vec3 axis = normalized_or(roll, Vec3::Zero());
   const Real k = dot(axis, s.body[c.a].inv_inertia * axis) + dot(axis, s.body[c.b].inv_inertia * axis);
@@ -99,7 +99,7 @@ void push_rolling(const ImpulseContact& c, const Vec3& impulse, const ImpulseSce
   push(s, c.b, Vec3::Zero(), impulse);
 }
 
-Real rolling_reach(const ImpulseContact& c) { return std::max(length(c.points[0].arm_a), length(c.points[0].arm_b)); }
+Real rolling_arm(const ImpulseContact& c) { return std::max(length(c.points[0].arm_a), length(c.points[0].arm_b)); }
 
 // How fast velocities are known to this precision, m/s: smaller errors are rounding.
 Real rounding(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
@@ -168,11 +168,11 @@ void sweep_points(ImpulseContact& c, const ImpulseScene& s, Real tolerance) {
     }
     if (c.rolling_friction > 0) {
       const Vec3 wanted = wanted_rolling(c, s);
-      const Vec3 spin = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity;
+      const Vec3 relative = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity;
       push_rolling(c, wanted - c.rolling, s);
       c.rolling = wanted;
-      const Vec3 turned = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity - spin;
-      change = std::max(change, length(turned) * rolling_reach(c) - rounding(c, c.points[0], s));
+      const Vec3 change_of_rate = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity - relative;
+      change = std::max(change, length(change_of_rate) * rolling_arm(c) - rounding(c, c.points[0], s));
     }
     if (change <= tolerance) return;
   }
@@ -194,15 +194,16 @@ void settle(ImpulseContact& c, const ImpulseScene& s) {
 // it is taken off again. Against immovable partners alone, since between two solver bodies it would not keep angular
 // momentum.
 void act_late(std::uint32_t i, const SolverBody& before, Real late, const ImpulseScene& s) {
-  s.body[i].late_move -= late * (s.state[i].velocity - before.velocity);
-  s.body[i].late_turn -= late * (s.state[i].angular_velocity - before.angular_velocity);
+  s.body[i].late_delta_position -= late * (s.state[i].velocity - before.velocity);
+  s.body[i].late_delta_rotation -= late * (s.state[i].angular_velocity - before.angular_velocity);
 }
 
 // Arms and normal keep their directions within a step, and separations follow the turning to first order: a ball that
 // rolls stays where it touches.
 Real separation_now(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
   const SolverBody &a = s.state[c.a], &b = s.state[c.b];
-  return p.start_separation + dot(c.normal, b.moved + cross(b.turned, p.arm_b) - a.moved - cross(a.turned, p.arm_a));
+  return p.start_separation + dot(c.normal, b.delta_position + cross(b.delta_rotation, p.arm_b) - a.delta_position -
+                                                cross(a.delta_rotation, p.arm_a));
 }
 
 }  // namespace
@@ -256,8 +257,8 @@ void start_contact(ImpulseContact& c, const ImpulseScene& s) {
     ImpulsePoint& p = c.points[i];
     p.separation = separation_now(c, p, s);
     p.target = resting_target(p, s);
-    const Vec3 gained =
-        b.force_velocity + cross(b.force_spin, p.arm_b) - a.force_velocity - cross(a.force_spin, p.arm_a);
+    const Vec3 gained = b.force_velocity + cross(b.force_angular_velocity, p.arm_b) - a.force_velocity -
+                        cross(a.force_angular_velocity, p.arm_a);
     p.force_speed = std::max(-dot(c.normal, gained), Real(0));
     p.bounced = 0;
     push_point(c, p, p.impulse, s);
@@ -274,8 +275,8 @@ Real contact_speed_error(const ImpulseContact& c, const ImpulseScene& s) {
   }
   if (c.rolling_friction > 0) {
     const Vec3 delta = wanted_rolling(c, s) - c.rolling;
-    const Vec3 turned = s.body[c.a].inv_inertia * delta + s.body[c.b].inv_inertia * delta;
-    worst = std::max(worst, length(turned) * rolling_reach(c) - rounding(c, c.points[0], s));
+    const Vec3 change_of_rate = s.body[c.a].inv_inertia * delta + s.body[c.b].inv_inertia * delta;
+    worst = std::max(worst, length(change_of_rate) * rolling_arm(c) - rounding(c, c.points[0], s));
   }
   return worst;
 }

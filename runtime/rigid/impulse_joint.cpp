@@ -12,7 +12,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kMaxTurn = Real(0.3);  // rad or m per correction: rows are linear in small motions only
+constexpr Real kMaxCorrection = Real(0.3);  // rad or m per correction: rows are linear in small motions only
 
 Real row_speed(const Row& r, const SolverBody& a, const SolverBody& b) {
   return dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.angular_velocity) +
@@ -189,7 +189,7 @@ void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b,
   Real m[6][6], inv_d[6], move[6];
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j <= i; ++j) m[i][j] = response(rows[i], rows[j], a, b, s);
-    move[i] = clamp(-rows[i].value, -kMaxTurn, kMaxTurn);
+    move[i] = clamp(-rows[i].value, -kMaxCorrection, kMaxCorrection);
   }
   factor(m, count, inv_d);
   solve(m, inv_d, count, move);
@@ -206,7 +206,7 @@ void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a,
                    const ImpulseBlock& block, Real* impulse, const ImpulseScene& s) {
   if (!(block_drift(start, now, count) > 0)) return;
   Real move[6];
-  for (int i = 0; i < count; ++i) move[i] = clamp(-drift(start[i], now[i]), -kMaxTurn, kMaxTurn);
+  for (int i = 0; i < count; ++i) move[i] = clamp(-drift(start[i], now[i]), -kMaxCorrection, kMaxCorrection);
   solve(block.factor, block.inv_d, count, move);
   for (int i = 0; i < count; ++i) {
     move[i] /= s.h;

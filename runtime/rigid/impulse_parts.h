@@ -10,13 +10,14 @@ namespace feder {
 
 // Per solver body, beside SolverBody and SolverMass.
 struct ImpulseBody {
-  Mat3 inv_inertia = Mat3::Zero();                                // world, at the start of the step: contacts
-  JointedBody* uneven = nullptr;                                  // for joints, whose inertia turns with the body
-  Vec3 last_velocity = Vec3::Zero(), last_spin = Vec3::Zero();    // when the last substep ended
-  Vec3 force_velocity = Vec3::Zero(), force_spin = Vec3::Zero();  // gained from forces in this substep
-  Vec3 late_move = Vec3::Zero(), late_turn = Vec3::Zero();        // of impacts inside the substep, m and rad
-  Quat substep_rotation;                                          // when the substep began, and by how much joints
-  Vec3 substep_turn = Vec3::Zero();                               // and motion have turned it since, rad
+  Mat3 inv_inertia = Mat3::Zero();  // world, at the start of the step: contacts
+  JointedBody* uneven = nullptr;    // for joints, whose inertia turns with the body
+  Vec3 last_velocity = Vec3::Zero(), last_angular_velocity = Vec3::Zero();    // when the last substep ended
+  Vec3 force_velocity = Vec3::Zero(), force_angular_velocity = Vec3::Zero();  // gained from forces in this substep
+  Vec3 late_delta_position = Vec3::Zero(),
+       late_delta_rotation = Vec3::Zero();     // of impacts inside the substep, m and rad
+  Quat substep_rotation;                       // when the substep began, and by how much joints
+  Vec3 substep_delta_rotation = Vec3::Zero();  // and motion have turned it since, rad
   bool movable = false;
 };
 
@@ -53,45 +54,45 @@ inline void push_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& linea
 }
 
 // The turn of the substep so far, rad: uneven bodies turn freely with the momentum they have.
-inline Vec3 free_turn(const ImpulseScene& s, std::uint32_t i) {
+inline Vec3 free_delta_rotation(const ImpulseScene& s, std::uint32_t i) {
   const ImpulseBody& b = s.body[i];
-  const Vec3 spin = b.uneven ? jointed_mean_spin(*b.uneven, b.uneven->momentum, s.h) : s.state[i].angular_velocity;
-  return s.h * spin + b.late_turn;
+  const Vec3 w = b.uneven ? mean_angular_velocity(*b.uneven, b.uneven->momentum, s.h) : s.state[i].angular_velocity;
+  return s.h * w + b.late_delta_rotation;
 }
 
 // The same for positions: `linear` in kg m, `moment` in kg m^2.
 inline void shift(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3& moment) {
   ImpulseBody& b = s.body[i];
   if (!b.movable) return;
-  const Vec3 turn = b.inv_inertia * moment;
-  s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
-  s.state[i].turned += turn;
-  b.substep_rotation = s.state[i].rotation = integrate_rotation(s.state[i].rotation, turn);
-  b.substep_turn = Vec3::Zero();
+  const Vec3 rotation = b.inv_inertia * moment;
+  s.state[i].delta_position += s.mass[i].inv_mass_axes.cwiseProduct(linear);
+  s.state[i].delta_rotation += rotation;
+  b.substep_rotation = s.state[i].rotation = integrate_rotation(s.state[i].rotation, rotation);
+  b.substep_delta_rotation = Vec3::Zero();
 }
 
 // The same for joints: one turn from the start of the substep, because turns one after another do not add up.
-inline void turn_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& turn) {
+inline void rotate_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& rotation) {
   ImpulseBody& b = s.body[i];
-  s.state[i].turned += turn - b.substep_turn;
-  b.substep_turn = turn;
-  s.state[i].rotation = integrate_rotation(b.substep_rotation, turn);
+  s.state[i].delta_rotation += rotation - b.substep_delta_rotation;
+  b.substep_delta_rotation = rotation;
+  s.state[i].rotation = integrate_rotation(b.substep_rotation, rotation);
 }
 
 inline void shift_joint(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3& moment) {
   ImpulseBody& b = s.body[i];
   if (!b.movable) return;
-  const Vec3 turn = joint_response(b, moment);
-  s.state[i].moved += s.mass[i].inv_mass_axes.cwiseProduct(linear);
-  turn_joint(s, i, b.substep_turn + turn);
+  const Vec3 rotation = joint_response(b, moment);
+  s.state[i].delta_position += s.mass[i].inv_mass_axes.cwiseProduct(linear);
+  rotate_joint(s, i, b.substep_delta_rotation + rotation);
 }
 
 // Impulse of a joint after bodies have travelled, as if it had been there before.
 inline void push_back(const ImpulseScene& s, std::uint32_t i, const Vec3& linear, const Vec3d& moment) {
   if (!s.body[i].movable) return;
   push_joint(s, i, linear, moment);
-  s.state[i].moved += s.h * s.mass[i].inv_mass_axes.cwiseProduct(linear);
-  turn_joint(s, i, free_turn(s, i));
+  s.state[i].delta_position += s.h * s.mass[i].inv_mass_axes.cwiseProduct(linear);
+  rotate_joint(s, i, free_delta_rotation(s, i));
 }
 
 struct ImpulsePoint {

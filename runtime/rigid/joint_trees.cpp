@@ -85,8 +85,8 @@ void mass_matrix(const SolverMass& m, const JointedBody* uneven, const Mat3& inv
 
 // In the world, or for an uneven body with the turn in its principal axes.
 void jacobian(const Row& row, bool side_a, const JointedBody* uneven, double* out) {
-  const Vec3& turn = side_a ? row.angular_a : row.angular_b;
-  const Vec3d local = uneven ? uneven->in_axes(turn) : Vec3d(turn.cast<double>());
+  const Vec3& moment = side_a ? row.angular_a : row.angular_b;
+  const Vec3d local = uneven ? uneven->in_axes(moment) : Vec3d(moment.cast<double>());
   const double sign = side_a ? -1 : 1;
   for (int k = 0; k < 3; ++k) {
     out[k] = sign * static_cast<double>(row.linear[k]);
@@ -95,11 +95,11 @@ void jacobian(const Row& row, bool side_a, const JointedBody* uneven, double* ou
 }
 
 // A row's compliance through one body alone.
-double compliance(const Row& row, const Vec3& turn, const SolverMass& m, const JointedBody* uneven,
+double compliance(const Row& row, const Vec3& moment, const SolverMass& m, const JointedBody* uneven,
                   const Mat3& inv_inertia) {
   const double straight = static_cast<double>(dot(row.linear, Vec3(m.inv_mass_axes.cwiseProduct(row.linear))));
-  if (!uneven) return straight + static_cast<double>(dot(turn, Vec3(inv_inertia * turn)));
-  const Vec3d local = uneven->in_axes(turn);
+  if (!uneven) return straight + static_cast<double>(dot(moment, Vec3(inv_inertia * moment)));
+  const Vec3d local = uneven->in_axes(moment);
   return straight + local.dot(uneven->felt().cwiseProduct(local));
 }
 

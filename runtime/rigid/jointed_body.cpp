@@ -13,7 +13,7 @@ Vec3d crossed(const Vec3d& a, const Vec3d& b) {
 }
 
 // exp(-[t]x) v, by Rodrigues.
-Vec3d turned_back(const Vec3d& t, const Vec3d& v) {
+Vec3d rotated_back(const Vec3d& t, const Vec3d& v) {
   const double x2 = t.squaredNorm();
   double straight, bent;  // sin x / x, (1 - cos x) / x^2
   if (x2 < 1e-4) {
@@ -48,7 +48,7 @@ Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
 //   F = I theta/h - exp(-theta/2) L = 0,  dF = I/h - [exp(-theta/2) L]x / 2,
 // by Newton's method; (D + [s]x)^-1 = (adj D + s s^T - [D s]x) / (det D + s^T D s). Fixed-point rounds multiply the
 // error by (I_t/I_l) (h w)^2/4 each: they throw slender bodies (I_t >> I_l) about their long axis.
-Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
+Vec3 mean_angular_velocity(const JointedBody& j, const Vec3d& momentum, Real h) {
   constexpr int kRounds = 8;
   constexpr double kConverged = 1e-12;  // rad; what is left acts on the smallest moment
   FEDER_ASSERT(h > 0);
@@ -57,7 +57,7 @@ Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h) {
   const Vec3d adjugate(d[1] * d[2], d[2] * d[0], d[0] * d[1]);
   Vec3d theta = j.inv_moments.cwiseProduct(local) * step;
   for (int round = 0; round < kRounds; ++round) {
-    const Vec3d middle = turned_back(theta / 2, local);
+    const Vec3d middle = rotated_back(theta / 2, local);
     const Vec3d f = d.cwiseProduct(theta) - middle, s = -0.5 * middle, ds = d.cwiseProduct(s);
     const Vec3d off = (adjugate.cwiseProduct(f) + s * s.dot(f) - crossed(ds, f)) / (adjugate[0] * d[0] + s.dot(ds));
     theta -= off;
@@ -71,10 +71,10 @@ void start_jointed(JointedBody& j, const Vec3d& momentum, Real h, SolverBody& s)
   j.axes = j.free_axes = jointed_axes(j, s.rotation);
   j.momentum = momentum;
   j.share = Vec3d::Ones();
-  j.mean_spin = jointed_mean_spin(j, momentum, h);
+  j.mean_angular_velocity = mean_angular_velocity(j, momentum, h);
   j.correction = Vec3::Zero();
-  const Vec3d spin = j.axes * j.inv_moments.cwiseProduct(j.axes.transpose() * momentum);
-  s.angular_velocity = j.given_spin = spin.cast<Real>();
+  const Vec3d w = j.axes * j.inv_moments.cwiseProduct(j.axes.transpose() * momentum);
+  s.angular_velocity = j.given_angular_velocity = w.cast<Real>();
 }
 
 Vec3 push_jointed(JointedBody& j, const Vec3d& moment, SolverBody& s, bool late) {
@@ -84,14 +84,14 @@ Vec3 push_jointed(JointedBody& j, const Vec3d& moment, SolverBody& s, bool late)
   s.angular_velocity += change;
   if (late) return change;
   j.momentum += j.axes * felt;
-  j.given_spin += change;
+  j.given_angular_velocity += change;
   return change;
 }
 
 Vec3d slender_inv_moments(const Vec3d& inv_moments) { return inv_moments.cwiseMin(10 * inv_moments.minCoeff()); }
 
 Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m) {
-  const Vec3 pushed = s.angular_velocity - j.given_spin;
+  const Vec3 pushed = s.angular_velocity - j.given_angular_velocity;
   if (pushed.isZero(0)) return j.momentum;
   const Mat3d axes = jointed_axes(j, j.slender ? s.rotation : m.start_rotation);
   return j.momentum + axes * (axes.transpose() * pushed.cast<double>()).cwiseQuotient(j.inv_moments);
@@ -101,15 +101,15 @@ Vec3d carried_momentum(const JointedBody& j, const SolverBody& s, const SolverMa
   const Vec3d momentum = jointed_momentum(j, s, m);
   const Mat3d axes = jointed_axes(j, s.rotation);
   const Vec3d fixed = axes.transpose() * momentum;
-  const Vec3d along = j.free_axes.transpose() * turned_back(-j.correction.cast<double>(), momentum);
+  const Vec3d along = j.free_axes.transpose() * rotated_back(-j.correction.cast<double>(), momentum);
   const Vec3d weight = Vec3d::Ones() - j.inv_moments.minCoeff() * j.inv_moments.cwiseInverse();
   return axes * (fixed + weight.cwiseProduct(along - fixed));
 }
 
-Vec3 turn_jointed(JointedBody& j, Real h) {
-  const Vec3 turn = h * jointed_mean_spin(j, j.momentum, h);
-  for (int k = 0; k < 3; ++k) j.free_axes.col(k) = turned_back(-turn.cast<double>(), j.axes.col(k));
-  return turn;
+Vec3 rotate_jointed(JointedBody& j, Real h) {
+  const Vec3 rotation = h * mean_angular_velocity(j, j.momentum, h);
+  for (int k = 0; k < 3; ++k) j.free_axes.col(k) = rotated_back(-rotation.cast<double>(), j.axes.col(k));
+  return rotation;
 }
 
 }  // namespace feder

@@ -19,13 +19,13 @@ struct JointedBody {
   Mat3d axes = Mat3d::Zero();         // columns: the principal axes in the world when the substep began
   Mat3d free_axes = Mat3d::Zero();    // the same after the turn that is motion, without what corrected positions
   Vec3d momentum = Vec3d::Zero();     // angular, of forces and joints so far, N m s
-  Vec3 given_spin = Vec3::Zero();     // the angular velocity that stands for it, rad/s: what is more came from
-                                      // contacts and couplings
-  Vec3 mean_spin = Vec3::Zero();      // at the middle of the turn that forces alone would lead to, rad/s
-  Vec3 drift_spin = Vec3::Zero();     // the angular velocity that the turn of this substep came from, rad/s
-  Vec3 correction = Vec3::Zero();     // turn within that to free_axes that only corrected positions, rad
-  bool uneven = false;                // false: nothing here is used, SolverMass holds all there is
-  bool slender = false;               // contacts see larger moments than the body has: see slender_inv_moments
+  Vec3 given_angular_velocity = Vec3::Zero();  // the angular velocity that stands for it, rad/s: what is more came from
+                                               // contacts and couplings
+  Vec3 mean_angular_velocity = Vec3::Zero();   // at the middle of the turn that forces alone would lead to, rad/s
+  Vec3 drift_angular_velocity = Vec3::Zero();  // the angular velocity that the turn of this substep came from, rad/s
+  Vec3 correction = Vec3::Zero();              // turn within that to free_axes that only corrected positions, rad
+  bool uneven = false;                         // false: nothing here is used, SolverMass holds all there is
+  bool slender = false;                        // contacts see larger moments than the body has: see slender_inv_moments
 
   Vec3d in_axes(const Vec3& v) const { return axes.transpose() * v.cast<double>(); }
   Vec3d felt() const { return inv_moments.cwiseProduct(share); }
@@ -58,7 +58,7 @@ Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s, const SolverMa
 // Makes what contacts and couplings gave so far a part of the momentum.
 inline void take_pushes(JointedBody& j, const SolverBody& s, const SolverMass& m) {
   j.momentum = jointed_momentum(j, s, m);
-  j.given_spin = s.angular_velocity;
+  j.given_angular_velocity = s.angular_velocity;
 }
 
 // The same after the substep. A turn that only corrected positions would leave the momentum lying otherwise in the
@@ -67,9 +67,9 @@ inline void take_pushes(JointedBody& j, const SolverBody& s, const SolverMass& m
 Vec3d carried_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m);
 
 // Turns freely for h seconds; returns the rotation vector, rad.
-Vec3 turn_jointed(JointedBody& j, Real h);
+Vec3 rotate_jointed(JointedBody& j, Real h);
 
 // The angular velocity at the middle of the free turn of h seconds from the axes of `j`, rad/s.
-Vec3 jointed_mean_spin(const JointedBody& j, const Vec3d& momentum, Real h);
+Vec3 mean_angular_velocity(const JointedBody& j, const Vec3d& momentum, Real h);
 
 }  // namespace feder

@@ -53,15 +53,15 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   if (d.a == d.b) throw SceneError("joint: expected two different bodies");
   const std::uint32_t a = d.a ? index(d.a) : kNone, b = d.b ? index(d.b) : kNone;
   const Vec3 axis = d.axis / length(d.axis);
-  const Quat turn = rotation_from_to(Vec3(1, 0, 0), axis);
+  const Quat rotation = rotation_from_to(Vec3(1, 0, 0), axis);
   const Pose com_a = a == kNone ? Pose{} : bodies.com_pose(a), com_b = b == kNone ? Pose{} : bodies.com_pose(b);
   const Vec3& anchor_b = kind.uses & kUsesTwoAnchors ? d.anchor_b : d.anchor_a;
   JointRecord r;
   r.a = d.a, r.b = d.b;
   r.body_a = a, r.body_b = b;
   r.kind = static_cast<std::uint32_t>(&kind - kinds.data());
-  r.local_a = {to_local(com_a, d.anchor_a), conjugate(com_a.rotation) * turn};
-  r.local_b = {to_local(com_b, anchor_b), conjugate(com_b.rotation) * turn};
+  r.local_a = {to_local(com_a, d.anchor_a), conjugate(com_a.rotation) * rotation};
+  r.local_b = {to_local(com_b, anchor_b), conjugate(com_b.rotation) * rotation};
   r.break_force = d.break_force;
   r.alive = 1;
   r.collide = d.collide;
@@ -142,14 +142,14 @@ void Rigid::Impl::activate_joints(StepContext& c) {
 
 // The principal moments of an uneven body, for joints whose inertia turns with the body.
 void Rigid::Impl::load_inertia(std::uint32_t body) {
-  if (body == kNone || !spins[body] || bodies.type[body] != BodyType::dynamic) return;
+  if (body == kNone || !asymmetric[body] || bodies.type[body] != BodyType::dynamic) return;
   const std::uint32_t index = solver_bodies.index[bodies.solver_slot[body]];
   if (index == 0) return;  // asleep beside one that is awake: it does not move
   if (jointed.empty()) jointed.assign(solver_bodies.state.size(), JointedBody{});
   FEDER_ASSERT(index < jointed.size() && moving[index - 1] == body);
   JointedBody& to = jointed[index];
   if (to.uneven) return;
-  to.given_spin = solver_bodies.state[index].angular_velocity;
+  to.given_angular_velocity = solver_bodies.state[index].angular_velocity;
   to.momentum = angular_momentum[index - 1].cast<double>();
   const Mat3& inv = bodies.inv_inertia[body];
   to.uneven = true;

@@ -20,14 +20,15 @@ Rigid::Impl::Impl(SystemSetup& s)
       contacts(s.store.need<Contacts>(ContactService::kSystem)), solver_bodies(s.store.need<SolverBodies>(kName)),
       dimension(s.dimension), structure_changed(s.structure_changed),
       solver(rigid_solver(s.options).make(s.store.arena(kName), s.options)), volume(&s.store.arena(kName)),
-      area(&s.store.arena(kName)), spins(&s.store.arena(kName)), kept_momentum(&s.store.arena(kName)),
-      kept_spin(&s.store.arena(kName)), calm(&s.store.arena(kName)), next_in_island(&s.store.arena(kName)),
-      parent(&s.store.arena(kName)), pace(&s.store.arena(kName)), edited_step(&s.store.arena(kName)),
-      island_before(&s.store.arena(kName)), island_after(&s.store.arena(kName)), island_given(&s.store.arena(kName)),
-      island_mass(&s.store.arena(kName)), island_drive(&s.store.arena(kName)), joints(&s.store.arena(kName)),
-      records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)), rows(&s.store.arena(kName)),
-      blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)), applied_force(&s.store.arena(kName)),
-      applied_torque(&s.store.arena(kName)), angular_momentum(&s.store.arena(kName)), given_spin(&s.store.arena(kName)),
+      area(&s.store.arena(kName)), asymmetric(&s.store.arena(kName)), kept_momentum(&s.store.arena(kName)),
+      kept_angular_velocity(&s.store.arena(kName)), sleep_candidate(&s.store.arena(kName)),
+      next_in_island(&s.store.arena(kName)), parent(&s.store.arena(kName)), pace(&s.store.arena(kName)),
+      edited_step(&s.store.arena(kName)), island_before(&s.store.arena(kName)), island_after(&s.store.arena(kName)),
+      island_given(&s.store.arena(kName)), island_mass(&s.store.arena(kName)), island_drive(&s.store.arena(kName)),
+      joints(&s.store.arena(kName)), records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)),
+      rows(&s.store.arena(kName)), blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)),
+      applied_force(&s.store.arena(kName)), applied_torque(&s.store.arena(kName)),
+      angular_momentum(&s.store.arena(kName)), given_angular_velocity(&s.store.arena(kName)),
       jointed(&s.store.arena(kName)), bad(&s.store.arena(kName)), points(&s.store.arena(kName)),
       point_force(&s.store.arena(kName)), point_place(&s.store.arena(kName)) {
   if (solver_bodies.index.empty()) solver_bodies.reset();
@@ -82,7 +83,7 @@ void Rigid::hash(Hash& h) const {
     if (b.type[i] == BodyType::free) continue;
     h.add(b.position[i]), h.add(b.velocity[i]), h.add(b.angular_velocity[i]);
     h.add(b.rotation[i].vec()), h.add(b.rotation[i].w), h.add(b.sleep_energy[i]);
-    if (impl_->spins[i]) h.add(impl_->kept_momentum[i]);
+    if (impl_->asymmetric[i]) h.add(impl_->kept_momentum[i]);
   }
   for (const SolverJoint& j : impl_->joints)
     for (int k = 0; k < j.rows; ++k) h.add(j.impulse[k]);
@@ -105,8 +106,8 @@ void Rigid::save(Writer& w) const {
   FEDER_ASSERT(s.records.size() == s.joints.size());
   s.bodies.save(w);
   w.list(s.solver_bodies.index), w.list(s.solver_bodies.free_list);
-  w.list(s.volume), w.list(s.area), w.list(s.spins), w.list(s.kept_momentum), w.list(s.kept_spin), w.list(s.calm),
-      w.list(s.next_in_island);
+  w.list(s.volume), w.list(s.area), w.list(s.asymmetric), w.list(s.kept_momentum), w.list(s.kept_angular_velocity),
+      w.list(s.sleep_candidate), w.list(s.next_in_island);
   w.list(s.free_joints);
   std::vector<SavedJoint> saved(s.joints.size());
   for (std::size_t j = 0; j < saved.size(); ++j) {
@@ -125,8 +126,8 @@ void Rigid::load(Reader& r) {
   Impl& s = *impl_;
   s.bodies.load(r);
   r.list(s.solver_bodies.index), r.list(s.solver_bodies.free_list);
-  r.list(s.volume), r.list(s.area), r.list(s.spins), r.list(s.kept_momentum), r.list(s.kept_spin), r.list(s.calm),
-      r.list(s.next_in_island);
+  r.list(s.volume), r.list(s.area), r.list(s.asymmetric), r.list(s.kept_momentum), r.list(s.kept_angular_velocity),
+      r.list(s.sleep_candidate), r.list(s.next_in_island);
   r.list(s.free_joints);
   std::vector<SavedJoint> saved;
   r.list(saved);
@@ -183,7 +184,7 @@ Momentum Rigid::momentum() const {
   Momentum m;
   for (std::uint32_t i = 0; i < b.size(); ++i) {
     if (b.type[i] != BodyType::dynamic) continue;
-    const Vec3 spin = rotate(b.rotation[i], Vec3(b.inertia[i] * rotate_inverse(b.rotation[i], b.angular_velocity[i])));
+    const Vec3 own = rotate(b.rotation[i], Vec3(b.inertia[i] * rotate_inverse(b.rotation[i], b.angular_velocity[i])));
     double p[3], x[3];
     for (int k = 0; k < 3; ++k) {
       p[k] = static_cast<double>(b.mass[i]) * static_cast<double>(b.velocity[i][k]);
@@ -192,7 +193,7 @@ Momentum Rigid::momentum() const {
     }
     for (int k = 0; k < 3; ++k) {
       const int u = (k + 1) % 3, v = (k + 2) % 3;
-      m.angular[k] += static_cast<double>(spin[k]) + x[u] * p[v] - x[v] * p[u];
+      m.angular[k] += static_cast<double>(own[k]) + x[u] * p[v] - x[v] * p[u];
     }
   }
   return m;

@@ -15,12 +15,12 @@ namespace {
 constexpr JobGrain kGrain{256, 8'000};  // bodies per job
 constexpr int kSpinRounds = 3;
 
-Vec3 spin_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {
+Vec3 angular_velocity_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {
   return rotate(rotation, Vec3(inv_inertia * rotate_inverse(rotation, momentum)));
 }
 
-Vec3 momentum_of(const Mat3& inertia, const Quat& rotation, const Vec3& spin) {
-  return rotate(rotation, Vec3(inertia * rotate_inverse(rotation, spin)));
+Vec3 momentum_of(const Mat3& inertia, const Quat& rotation, const Vec3& angular_velocity) {
+  return rotate(rotation, Vec3(inertia * rotate_inverse(rotation, angular_velocity)));
 }
 
 bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
@@ -80,7 +80,7 @@ void Rigid::Impl::gather(StepContext& c) {
   solver_bodies.resize(count);
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
-  angular_momentum.resize(count), given_spin.resize(count), bad.resize(count);
+  angular_momentum.resize(count), given_angular_velocity.resize(count), bad.resize(count);
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t p = first; p < last; ++p) gather_body(p, c);
   });
@@ -97,7 +97,7 @@ void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
   solver_bodies.index[bodies.solver_slot[i]] = p + 1;
   s.velocity = bodies.velocity[i];
   s.angular_velocity = bodies.angular_velocity[i];
-  s.moved = s.turned = Vec3::Zero();
+  s.delta_position = s.delta_rotation = Vec3::Zero();
   s.rotation = m.start_rotation = bodies.rotation[i];
   m.center = bodies.position[i];
   m.inv_mass = bodies.inv_mass[i];
@@ -106,11 +106,11 @@ void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
   applied_force[p] = bodies.force[i];
   applied_torque[p] = bodies.torque[i];
   bad[p] = 0;
-  if (spins[i] && bodies.type[i] == BodyType::dynamic) {
-    angular_momentum[p] = bodies.angular_velocity[i] == kept_spin[i]
+  if (asymmetric[i] && bodies.type[i] == BodyType::dynamic) {
+    angular_momentum[p] = bodies.angular_velocity[i] == kept_angular_velocity[i]
                               ? kept_momentum[i]
                               : momentum_of(bodies.inertia[i], bodies.rotation[i], bodies.angular_velocity[i]);
-    given_spin[p] = bodies.angular_velocity[i];
+    given_angular_velocity[p] = bodies.angular_velocity[i];
   }
 }
 
@@ -132,7 +132,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
         continue;
       const SolverBody& s = solver_bodies.state[p + 1];
       MassPoint point;
-      point.position = solver_bodies.mass[p + 1].center + s.moved;
+      point.position = solver_bodies.mass[p + 1].center + s.delta_position;
       point.velocity = s.velocity;
       point.mass = bodies.mass[i];
       point.area = area[i];
@@ -148,7 +148,8 @@ void Rigid::Impl::add_forces(StepContext& c) {
 }
 
 void Rigid::Impl::integrate_velocities(StepContext& c) {
-  FEDER_ASSERT(last_h == c.h && given_spin.size() == moving.size() && solver_bodies.state.size() > moving.size());
+  FEDER_ASSERT(last_h == c.h && given_angular_velocity.size() == moving.size() &&
+               solver_bodies.state.size() > moving.size());
   c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
                      [&](std::uint32_t first, std::uint32_t last, int) {
                        for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
@@ -165,7 +166,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
   for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
   const Real brake = 1 / (1 + c.h * bodies.angular_damping[i]);
-  if (!spins[i]) {
+  if (!asymmetric[i]) {
     s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
     for (int k = 0; k < 3; ++k)
       if (bodies.lock[i] & (kLockRx << k)) s.angular_velocity[k] = 0;
@@ -173,19 +174,19 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
     const Vec3d l = carried_momentum(*j, s, m) + (c.h * applied_torque[p]).cast<double>();
     start_jointed(*j, l * static_cast<double>(brake), c.h, s);
   } else {
-    const Vec3 pushed = s.angular_velocity - given_spin[p];
+    const Vec3 pushed = s.angular_velocity - given_angular_velocity[p];
     Vec3& l = angular_momentum[p];
     if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], m.start_rotation, pushed);
     l = (l + c.h * applied_torque[p]) * brake;
-    Vec3 w = spin_of(bodies.inv_inertia[i], s.rotation, l);
+    Vec3 w = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);
     for (int round = 0; round < kSpinRounds; ++round)
-      w = spin_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
-    s.angular_velocity = given_spin[p] = w;
+      w = angular_velocity_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
+    s.angular_velocity = given_angular_velocity[p] = w;
   }
   // a body gone bad must not reach the others through its contacts
   if (all_finite(s.velocity) && all_finite(s.angular_velocity)) return;
   bad[p] = 1;
-  s.velocity = s.angular_velocity = given_spin[p] = angular_momentum[p] = Vec3::Zero();
+  s.velocity = s.angular_velocity = given_angular_velocity[p] = angular_momentum[p] = Vec3::Zero();
 }
 
 SolverInput Rigid::Impl::input() {
@@ -221,7 +222,7 @@ bool Rigid::Impl::commit_finite(std::uint32_t p) const {
   const SolverBody& s = solver_bodies.state[p + 1];
   const Quat& q = s.rotation;
   return !bad[p] && all_finite(s.velocity) && all_finite(s.angular_velocity) &&
-         all_finite(bodies.position[moving[p]] + s.moved) && is_finite(q.x + q.y + q.z + q.w);
+         all_finite(bodies.position[moving[p]] + s.delta_position) && is_finite(q.x + q.y + q.z + q.w);
 }
 
 void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
@@ -235,27 +236,27 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
       bodies.position[i] = bodies.target[i].position + rotate(bodies.rotation[i], bodies.local_com[i]);
       bodies.has_target[i] = 2;
     } else {
-      bodies.position[i] += s.moved;
+      bodies.position[i] += s.delta_position;
       bodies.rotation[i] = s.rotation;
     }
     return;
   }
   bad[p] = !commit_finite(p);
   if (bad[p]) return;
-  bodies.position[i] += s.moved;
+  bodies.position[i] += s.delta_position;
   bodies.rotation[i] = s.rotation;
   bodies.velocity[i] = s.velocity;
   bodies.angular_velocity[i] = s.angular_velocity;
-  if (!spins[i]) return;
+  if (!asymmetric[i]) return;
   Vec3& l = kept_momentum[i];
   if (const JointedBody* j = uneven_body(p + 1)) {
     l = carried_momentum(*j, s, solver_bodies.mass[p + 1]).cast<Real>();
   } else {
-    const Vec3 pushed = s.angular_velocity - given_spin[p];
+    const Vec3 pushed = s.angular_velocity - given_angular_velocity[p];
     l = angular_momentum[p];
     if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], solver_bodies.mass[p + 1].start_rotation, pushed);
   }
-  bodies.angular_velocity[i] = kept_spin[i] = spin_of(bodies.inv_inertia[i], s.rotation, l);
+  bodies.angular_velocity[i] = kept_angular_velocity[i] = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);
   bad[p] = !all_finite(bodies.angular_velocity[i]);
 }
 

@@ -1,17 +1,18 @@
 // Sleep. Each body keeps an exponential average of its kinetic energy per mass, capped so that it falls below the
 // lower threshold about half a second after the body has come to rest; two thresholds keep it from flickering. Islands
-// are found by union-find over active contacts and joints, only when somebody is calm; an island sleeps when all its
-// members are calm and nothing in it touches a moving kinematic body. A thrown body is not calm at its apex, because
-// the average remembers the flight. Sleeping islands are rings through next_in_island; waking one member wakes all.
+// are found by union-find over active contacts and joints, only when there is a sleep candidate; an island sleeps when
+// all its members are sleep candidates and nothing in it touches a moving kinematic body. A thrown body is none at its
+// apex, because the average remembers the flight. Sleeping islands are rings through next_in_island; waking one member
+// wakes all.
 #include "rigid/impl.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kCalm = Real(0.5) * Real(0.04) * Real(0.04);  // m^2/s^2: 4 cm/s
+constexpr Real kSleepEnergy = Real(0.5) * Real(0.04) * Real(0.04);  // m^2/s^2: 4 cm/s
 constexpr Real kRestless = Real(0.5) * Real(0.08) * Real(0.08);
-constexpr Real kCap = 25 * kCalm;     // decays to kCalm in log(25) = 3.2 time constants
-constexpr Real kMemory = Real(0.15);  // s, time constant
+constexpr Real kCap = 25 * kSleepEnergy;  // decays to kCalm in log(25) = 3.2 time constants
+constexpr Real kMemory = Real(0.15);      // s, time constant
 
 }  // namespace
 
@@ -20,7 +21,7 @@ void Rigid::Impl::wake_one(std::uint32_t i, WakeCause cause, ObjectId other) {
   bodies.awake[i] = 1;
   bodies.sleep_energy[i] = kCap;
   bodies.island[i] = kNone;
-  calm[i] = 0;
+  sleep_candidate[i] = 0;
   each_collider(i, [&](std::uint32_t k) { colliders.awake[k] = 1; });
   list_stale = true;
   if (cause == WakeCause::none) return;  // newly made
@@ -36,7 +37,7 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
   if (bodies.type[i] != BodyType::dynamic) return;
   if (bodies.awake[i]) {
     bodies.sleep_energy[i] = kCap;
-    calm[i] = 0;
+    sleep_candidate[i] = 0;
     return;
   }
   FEDER_ASSERT(sleeping_count > 0 && next_in_island[i] != kNone);
@@ -109,7 +110,7 @@ void Rigid::Impl::put_to_sleep(std::uint32_t i) {
 void Rigid::Impl::measure_motion(StepContext& c) {
   const Real keep = 1 / (1 + c.dt / kMemory);
   const Real least = static_cast<Real>(quiet_energy(c));
-  any_calm = false;
+  any_candidate = false;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
     FEDER_ASSERT(is_finite(bodies.velocity[i]) && is_finite(bodies.angular_velocity[i]));  // commit saw to it
@@ -120,9 +121,9 @@ void Rigid::Impl::measure_motion(StepContext& c) {
     any_jump |= jumps(i, energy, least);
     const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
     bodies.sleep_energy[i] = mean < kCap ? mean : kCap;
-    if (bodies.sleep_energy[i] < kCalm && energy < kRestless) calm[i] = 1;
-    if (bodies.sleep_energy[i] > kRestless || energy > kCap || !bodies.can_sleep[i]) calm[i] = 0;
-    any_calm = any_calm || calm[i];
+    if (bodies.sleep_energy[i] < kSleepEnergy && energy < kRestless) sleep_candidate[i] = 1;
+    if (bodies.sleep_energy[i] > kRestless || energy > kCap || !bodies.can_sleep[i]) sleep_candidate[i] = 0;
+    any_candidate = any_candidate || sleep_candidate[i];
   }
 }
 
@@ -141,7 +142,7 @@ void Rigid::Impl::join(std::uint32_t a, std::uint32_t b) {
 
 void Rigid::Impl::join_islands() {
   for (const std::uint32_t i : moving) parent[i] = i;
-  // what keeps a body awake is written into `calm`: a moving kinematic partner
+  // what keeps a body awake is written into `sleep_candidate`: a moving kinematic partner
   const auto link = [&](std::uint32_t a, std::uint32_t b) {
     const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic && bodies.awake[a];
     const bool moves_b = b != kNone && bodies.type[b] == BodyType::dynamic && bodies.awake[b];
@@ -150,8 +151,8 @@ void Rigid::Impl::join_islands() {
       return k != kNone && bodies.type[k] == BodyType::kinematic &&
              (!bodies.velocity[k].isZero(0) || !bodies.angular_velocity[k].isZero(0));
     };
-    if (moves_a && carries(b)) calm[a] = 0;
-    if (moves_b && carries(a)) calm[b] = 0;
+    if (moves_a && carries(b)) sleep_candidate[a] = 0;
+    if (moves_b && carries(a)) sleep_candidate[b] = 0;
   };
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
@@ -169,12 +170,12 @@ void Rigid::Impl::sleep_islands() {
   for (const std::uint32_t i : moving)
     if (bodies.type[i] == BodyType::dynamic) bodies.island[i] = kNone;
   for (const std::uint32_t i : moving)
-    if (bodies.type[i] == BodyType::dynamic && !calm[i]) bodies.island[root(i)] = i;
+    if (bodies.type[i] == BodyType::dynamic && !sleep_candidate[i]) bodies.island[root(i)] = i;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
     const std::uint32_t r = root(i);
     if (bodies.island[r] != kNone && bodies.island[r] != r) continue;
-    if (bodies.island[r] == r && !calm[r]) continue;
+    if (bodies.island[r] == r && !sleep_candidate[r]) continue;
     put_to_sleep(i);
     // members come in ascending order, the root first: insert behind the root
     bodies.island[i] = r;
@@ -195,7 +196,7 @@ void Rigid::Impl::update_sleep(StepContext& c) {
   if (any_jump) watch(c);
   if (!warned_far) check_far(c);
   if (!c.sleeping) return;
-  if (!any_calm) return;
+  if (!any_candidate) return;
   join_islands();
   sleep_islands();
 }

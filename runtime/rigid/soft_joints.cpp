@@ -89,9 +89,9 @@ std::uint32_t SoftJoints::find_group(std::uint32_t i) {
 
 // Bodies that hang by joints on one that a contact touches. What a contact gave a body last turns it in a way that its
 // joints do not allow, and how anchors bend follows from the square of that: nothing is foreseen there.
-void SoftJoints::find_touched(const SolverInput& in) {
+void SoftJoints::find_in_contact(const SolverInput& in) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
-  touched_.assign(solver_bodies.state.size(), 0);
+  in_contact_.assign(solver_bodies.state.size(), 0);
   if (in.contacts->active.empty()) return;
   group_.resize(solver_bodies.state.size());
   for (std::uint32_t i = 0; i < group_.size(); ++i) group_[i] = i;
@@ -100,29 +100,29 @@ void SoftJoints::find_touched(const SolverInput& in) {
     const std::uint32_t a = solver_bodies.index[joint.slot_a], b = solver_bodies.index[joint.slot_b];
     if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) group_[find_group(a)] = find_group(b);
   }
-  const auto touch = [&](std::uint32_t collider) {
+  const auto mark = [&](std::uint32_t collider) {
     const std::uint32_t index = in.solver_index(collider);
-    FEDER_ASSERT(index < touched_.size());
-    if (index != 0) touched_[find_group(index)] = 1;
+    FEDER_ASSERT(index < in_contact_.size());
+    if (index != 0) in_contact_[find_group(index)] = 1;
   };
   for (const std::uint32_t slot : in.contacts->active) {
-    touch(in.contacts->slots[slot].collider_a);
-    touch(in.contacts->slots[slot].collider_b);
+    mark(in.contacts->slots[slot].collider_a);
+    mark(in.contacts->slots[slot].collider_b);
   }
-  for (std::uint32_t i = 0; i < touched_.size(); ++i) touched_[i] = touched_[find_group(i)];
+  for (std::uint32_t i = 0; i < in_contact_.size(); ++i) in_contact_[i] = in_contact_[find_group(i)];
 }
 
 void SoftJoints::load_motions(const SolverInput& in, Real h) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
-  FEDER_ASSERT(touched_.size() == solver_bodies.state.size());  // found in the first substep
+  FEDER_ASSERT(in_contact_.size() == solver_bodies.state.size());  // found in the first substep
   motions_.resize(solver_bodies.state.size());
   motions_[0] = BodyMotion{};
   for (std::uint32_t i = 1; i < motions_.size(); ++i) {
     const SolverBody& s = solver_bodies.state[i];
     const JointedBody* uneven = in.uneven(i);
-    const Vec3& mean = uneven ? uneven->mean_spin : s.angular_velocity;
+    const Vec3& mean = uneven ? uneven->mean_angular_velocity : s.angular_velocity;
     motions_[i] = {s.velocity, s.angular_velocity, Mat3::Zero()};
-    if (!touched_[i]) motions_[i].bend = bend_matrix(s.angular_velocity, mean, h);
+    if (!in_contact_[i]) motions_[i].bend = bend_matrix(s.angular_velocity, mean, h);
   }
 }
 
@@ -226,26 +226,26 @@ void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverI
   FEDER_ASSERT(block.index_a != block.index_b && change);
   SolverBody& sa = in.solver_bodies->state[block.index_a];
   SolverBody& sb = in.solver_bodies->state[block.index_b];
-  Vec3 push = Vec3::Zero(), turn_a = Vec3::Zero(), turn_b = Vec3::Zero();
+  Vec3 push = Vec3::Zero(), angular_change_a = Vec3::Zero(), angular_change_b = Vec3::Zero();
   for (int i = 0; i < block.count; ++i) {
     const ReadyRow& r = ready_[block.first + static_cast<std::uint32_t>(i)];
     push += r.linear * impulse[i];
-    turn_a += r.push_a * impulse[i];
-    turn_b += r.push_b * impulse[i];
+    angular_change_a += r.push_a * impulse[i];
+    angular_change_b += r.push_b * impulse[i];
   }
   if (block.index_a) {
     const Vec3 v = in.solver_bodies->mass[block.index_a].inv_mass_axes.cwiseProduct(push);
     sa.velocity -= v;
-    sa.angular_velocity += turn_a;
+    sa.angular_velocity += angular_change_a;
     Real* d = change + 6 * std::size_t(block.index_a);
-    for (int k = 0; k < 3; ++k) d[k] -= v[k], d[3 + k] += turn_a[k];
+    for (int k = 0; k < 3; ++k) d[k] -= v[k], d[3 + k] += angular_change_a[k];
   }
   if (block.index_b) {
     const Vec3 v = in.solver_bodies->mass[block.index_b].inv_mass_axes.cwiseProduct(push);
     sb.velocity += v;
-    sb.angular_velocity += turn_b;
+    sb.angular_velocity += angular_change_b;
     Real* d = change + 6 * std::size_t(block.index_b);
-    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += turn_b[k];
+    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += angular_change_b[k];
   }
 }
 
@@ -253,7 +253,7 @@ void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverI
 void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
   const auto side = [&](std::uint32_t i, Real sign, Vec3 ReadyRow::*angular) {
     if (!i) return;
-    Vec3 push = Vec3::Zero(), turn = Vec3::Zero();
+    Vec3 push = Vec3::Zero(), angular_change = Vec3::Zero();
     Vec3d moment = Vec3d::Zero();
     for (std::uint32_t k = 0; k < block.count; ++k) {
       const ReadyRow& r = ready_[block.first + k];
@@ -264,13 +264,13 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
     const Vec3 v = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
     s.velocity += v;
     if (JointedBody* uneven = in.uneven(i)) {
-      turn = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
+      angular_change = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
     } else {
-      turn = inv_inertia_[i] * moment.cast<Real>();
-      s.angular_velocity += turn;
+      angular_change = inv_inertia_[i] * moment.cast<Real>();
+      s.angular_velocity += angular_change;
     }
     Real* d = change + 6 * std::size_t(i);
-    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += turn[k];
+    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += angular_change[k];
   };
   side(block.index_a, -1, &ReadyRow::angular_a);
   side(block.index_b, 1, &ReadyRow::angular_b);
@@ -288,9 +288,9 @@ void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
     input.joint = &joint.shape;
     input.index_a = solver_bodies.at(joint.slot_a);
     input.index_b = solver_bodies.at(joint.slot_b);
-    input.a = {solver_bodies.mass[input.index_a].center + solver_bodies.state[input.index_a].moved,
+    input.a = {solver_bodies.mass[input.index_a].center + solver_bodies.state[input.index_a].delta_position,
                solver_bodies.state[input.index_a].rotation};
-    input.b = {solver_bodies.mass[input.index_b].center + solver_bodies.state[input.index_b].moved,
+    input.b = {solver_bodies.mass[input.index_b].center + solver_bodies.state[input.index_b].delta_position,
                solver_bodies.state[input.index_b].rotation};
     input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
     input.h = c.h;
@@ -315,7 +315,7 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
   contacts_ = contacts;
   drifted_ = false;
   slides_.assign(uneven_ ? solver_bodies.state.size() : 0, BodySlide{});
-  if (c.substep == 0) find_touched(in);
+  if (c.substep == 0) find_in_contact(in);
   fill_rows(in, c);
   ready_.resize(rows_.size());
   prepared_.resize(blocks_.size());
@@ -394,7 +394,8 @@ void SoftJoints::slide_trees(const SolverInput& in) {
       if (!index) return;
       const JointedBody* uneven = in.uneven(index);
       slides_[index].velocity += in.solver_bodies->mass[index].inv_mass_axes.cwiseProduct(linear);
-      slides_[index].spin += uneven ? jointed_response(*uneven, moment) : Vec3(inv_inertia_[index] * moment);
+      slides_[index].angular_velocity +=
+          uneven ? jointed_response(*uneven, moment) : Vec3(inv_inertia_[index] * moment);
     };
     side(block.index_a, -push, moment_a);
     side(block.index_b, push, moment_b);

@@ -10,7 +10,7 @@ namespace feder {
 SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h);
 
 struct BodySlide {
-  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s, rad/s
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  // m/s, rad/s
 };
 
 class SoftJoints {
@@ -18,7 +18,7 @@ class SoftJoints {
   // `push_speed`, m/s: at which an open joint of a loop is closed at most.
   SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees)
       : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), trees_(arena), bias_(&arena), step_(&arena),
-        strain_(&arena), strain_axes_(&arena), motions_(&arena), group_(&arena), touched_(&arena), torn_(&arena),
+        strain_(&arena), strain_axes_(&arena), motions_(&arena), group_(&arena), in_contact_(&arena), torn_(&arena),
         slides_(&arena), inv_inertia_(&arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed),
         use_trees_(use_trees) {}
 
@@ -54,7 +54,7 @@ class SoftJoints {
   void stabilize(const SolverInput& in, Real h);
   void turn_inertias(const SolverInput& in);
   std::uint32_t find_group(std::uint32_t i);
-  void find_touched(const SolverInput& in);
+  void find_in_contact(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
   // Returns the speed at which an equality is to be closed, m/s or rad/s.
   Real prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
@@ -78,15 +78,15 @@ class SoftJoints {
   Array<ReadyRow> ready_;
   Array<ReadyBlock> prepared_;
   JointTrees trees_;
-  Array<Real> bias_, step_;      // by row, for the trees
-  Array<Real> strain_;           // by solver index: h sum |impulse| |arm|, kg m^2
-  Array<Vec3d> strain_axes_;     // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_;    // by solver index
-  Array<std::uint32_t> group_;   // by solver index: union-find over joints
-  Array<std::uint8_t> touched_;  // by solver index: hangs together with a body that a contact touches
-  Array<std::uint32_t> torn_;    // blocks that ask for more than push_speed
-  Array<BodySlide> slides_;      // by solver index
-  Array<Mat3> inv_inertia_;      // by solver index, world, that joints feel in this substep
+  Array<Real> bias_, step_;         // by row, for the trees
+  Array<Real> strain_;              // by solver index: h sum |impulse| |arm|, kg m^2
+  Array<Vec3d> strain_axes_;        // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_;       // by solver index
+  Array<std::uint32_t> group_;      // by solver index: union-find over joints
+  Array<std::uint8_t> in_contact_;  // by solver index: hangs together with a body that a contact touches
+  Array<std::uint32_t> torn_;       // blocks that ask for more than push_speed
+  Array<BodySlide> slides_;         // by solver index
+  Array<Mat3> inv_inertia_;         // by solver index, world, that joints feel in this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;  // there are contacts

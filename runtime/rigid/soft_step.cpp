@@ -191,8 +191,8 @@ void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) 
   for (int j = 0; j < contact.point_count; ++j) {
     const ContactPoint& from = contact.points[j];
     BatchPoint& q = c.point[j];
-    put(q.turn_a, from.arm_a);
-    put(q.turn_b, from.arm_b);
+    put(q.angular_a, from.arm_a);
+    put(q.angular_b, from.arm_b);
     q.separation.v[lane] = from.separation;
     q.impulse.v[lane] = from.normal_impulse;
     q.mass.v[lane] = 1;
@@ -351,10 +351,10 @@ void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
 }
 
 // Of an uneven jointed body: contacts have pushed, and it turns freely for h seconds; rad.
-Vec3 drift_turn(JointedBody& j, const SolverBody& s, const SolverMass& m, Real h) {
-  j.drift_spin = s.angular_velocity;
+Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass& m, Real h) {
+  j.drift_angular_velocity = s.angular_velocity;
   take_pushes(j, s, m);
-  return turn_jointed(j, h);
+  return rotate_jointed(j, h);
 }
 
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
@@ -366,16 +366,16 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
       SolverBody& s = state[i];
-      s.moved += h * s.velocity;
-      Vec3 turn = h * s.angular_velocity;
+      s.delta_position += h * s.velocity;
+      Vec3 rotation = h * s.angular_velocity;
       if (!slides.empty()) {
-        s.moved += h * slides[i].velocity;
-        if (JointedBody* j = in.uneven(i)) turn = drift_turn(*j, s, in.solver_bodies->mass[i], h);
-        turn += h * slides[i].spin;
+        s.delta_position += h * slides[i].velocity;
+        if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
+        rotation += h * slides[i].angular_velocity;
       }
-      if (turn[0] == 0 && turn[1] == 0 && turn[2] == 0) continue;
-      s.turned += turn;
-      s.rotation = integrate_rotation(s.rotation, turn);
+      if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) continue;
+      s.delta_rotation += rotation;
+      s.rotation = integrate_rotation(s.rotation, rotation);
     }
   });
 }
@@ -384,7 +384,7 @@ void SoftStep::integrate(const SolverInput& in, StepContext& c) {
 void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
   for (std::uint32_t i = 1; i < in.jointed.size(); ++i)
     if (JointedBody* j = in.uneven(i))
-      j->correction = c.h * (j->drift_spin - in.solver_bodies->state[i].angular_velocity);
+      j->correction = c.h * (j->drift_angular_velocity - in.solver_bodies->state[i].angular_velocity);
 }
 
 void SoftStep::solve(const SolverInput& in, StepContext& c) {

@@ -105,8 +105,9 @@ void Rigid::Impl::check_joint(std::uint32_t j) const {
 
 // Lists and counts that follow from bodies and joints.
 void Rigid::Impl::check_lists() const {
-  for (const std::size_t size : {volume.size(), area.size(), spins.size(), kept_momentum.size(), kept_spin.size(),
-                                 calm.size(), next_in_island.size(), parent.size(), pace.size(), edited_step.size()})
+  for (const std::size_t size :
+       {volume.size(), area.size(), asymmetric.size(), kept_momentum.size(), kept_angular_velocity.size(),
+        sleep_candidate.size(), next_in_island.size(), parent.size(), pace.size(), edited_step.size()})
     FEDER_ASSERT(size == bodies.size());
   std::uint32_t alive = 0, asleep = 0, awake = 0;
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {

@@ -18,8 +18,9 @@ double number(Real x) { return static_cast<double>(x); }
 }  // namespace
 
 // J
-double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& spin) const {
-  const Vec3 w = rotate_inverse(rotation, spin);
+double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v,
+                                   const Vec3& angular_velocity) const {
+  const Vec3 w = rotate_inverse(rotation, angular_velocity);
   return 0.5 * (number(bodies.mass[i]) * number(dot(v, v)) + number(dot(w, Vec3(bodies.inertia[i] * w))));
 }
 
@@ -37,8 +38,8 @@ void Rigid::Impl::measure_pace(const StepContext& c) {
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
     const Vec3 &v = bodies.velocity[i], &w = bodies.angular_velocity[i];
-    const Real reach = bodies.extent[i];
-    any |= jumps(i, Real(0.5) * (dot(v, v) + reach * reach * dot(w, w)), least);
+    const Real extent = bodies.extent[i];
+    any |= jumps(i, Real(0.5) * (dot(v, v) + extent * extent * dot(w, w)), least);
   }
   any_jump = any_jump || any;
 }
@@ -48,11 +49,11 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
   const std::uint32_t p = solver_bodies.index[bodies.solver_slot[i]] - 1;
   FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
   const SolverBody& s = solver_bodies.state[p + 1];
-  const double way = number(length(s.moved)), dt = number(c.dt);
-  const double turn = dt * number(length(bodies.angular_velocity[i])) +
-                      dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
+  const double way = number(length(s.delta_position)), dt = number(c.dt);
+  const double angle = dt * number(length(bodies.angular_velocity[i])) +
+                       dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
   double sum = number(bodies.mass[i]) * number(length(c.gravity)) * std::fabs(number(bodies.gravity_scale[i])) * way;
-  sum += number(length(applied_torque[p])) * turn + number(length(applied_force[p])) * way;
+  sum += number(length(applied_torque[p])) * angle + number(length(applied_force[p])) * way;
   const Forces* forces = store.find<Forces>();
   if (force_count == 0 || !forces) return sum;
   for (const ForceEntry& f : forces->list) {
@@ -101,10 +102,10 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
 double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
   if (bodies.type[i] != BodyType::kinematic) return 0;
   const std::uint32_t k = bodies.first_collider[i];
-  const double reach = other == kNone
-                           ? number(bodies.extent[i])
-                           : number(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
-  return number(length(colliders.velocity[k])) + number(length(colliders.angular_velocity[k])) * reach;
+  const double extent = other == kNone
+                            ? number(bodies.extent[i])
+                            : number(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
+  return number(length(colliders.velocity[k])) + number(length(colliders.angular_velocity[k])) * extent;
 }
 
 // Springs, motors, and the misfit that a script left.

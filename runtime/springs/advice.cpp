@@ -33,7 +33,7 @@ double period_error(const IntegratorInfo& m, double z) {
 }
 
 // The z at which the error reaches `error`.
-double resolved_reach(const IntegratorInfo& m, double error) {
+double resolved_number(const IntegratorInfo& m, double error) {
   double lo = 0, hi = 10;
   for (int k = 0; k < 60; ++k) {
     const double middle = (lo + hi) / 2;
@@ -45,12 +45,12 @@ double resolved_reach(const IntegratorInfo& m, double error) {
 }  // namespace
 
 // Damping shrinks the step of methods that are not symplectic; those take stiff damping implicitly.
-double reach_of(const IntegratorInfo& m, double h, double frequency, double decay) {
+double stability_number(const IntegratorInfo& m, double h, double frequency, double decay) {
   return h * (m.symplectic ? frequency : std::max(frequency, decay));
 }
 
-bool beyond_limit(const IntegratorInfo& m, double reach) {
-  return !m.adaptive && reach > 0 && reach > m.stability_limit;
+bool beyond_limit(const IntegratorInfo& m, double number) {
+  return !m.adaptive && number > 0 && number > m.stability_limit;
 }
 
 NetAdvice Springs::advice(ObjectId id, double dt, int substeps) const {
@@ -63,17 +63,17 @@ NetAdvice Springs::advice(ObjectId id, double dt, int substeps) const {
   a.h = dt / substeps;
   n.prepare(Vec3(0, 0, 0), impl_->air_density, impl_->store.find<Forces>(), impl_->objects.tags(id));
   n.bounds(a.frequency, a.decay, true);
-  a.reach = reach_of(a.method, a.h, a.frequency, a.decay);
+  a.stability_number = stability_number(a.method, a.h, a.frequency, a.decay);
   const double limit = a.method.stability_limit;
-  a.stable = !beyond_limit(a.method, a.reach);
-  a.never_stable = limit == 0 && a.reach > 0;
-  if (a.method.adaptive) a.parts = std::max(1, static_cast<int>(std::min(1e9, std::ceil(a.reach / limit))));
+  a.stable = !beyond_limit(a.method, a.stability_number);
+  a.never_stable = limit == 0 && a.stability_number > 0;
+  if (a.method.adaptive) a.parts = std::max(1, static_cast<int>(std::min(1e9, std::ceil(a.stability_number / limit))));
   if (limit > 0 && !std::isinf(limit)) {
-    const double needed = std::ceil(a.reach * substeps / (NetAdvice::kSafeReach * limit));
+    const double needed = std::ceil(a.stability_number * substeps / (NetAdvice::kSafeShare * limit));
     a.substeps = needed <= kMaxSubsteps ? std::max(1, static_cast<int>(needed)) : 0;
   }
   a.error = period_error(a.method, a.h * a.frequency);
-  a.resolved = resolved_reach(a.method, NetAdvice::kResolvedError) / a.h;
+  a.resolved = resolved_number(a.method, NetAdvice::kResolvedError) / a.h;
   return a;
 }
 

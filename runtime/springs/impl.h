@@ -25,8 +25,8 @@ Real rest_length_of(const SpringDesc& spring, const Vec3& a, const Vec3& b, std:
 const SpringKernels& pick_kernels(bool wide);
 
 // h times the frequency or decay that the stability limit of a method is held against.
-double reach_of(const IntegratorInfo& method, double h, double frequency, double decay);
-bool beyond_limit(const IntegratorInfo& method, double reach);
+double stability_number(const IntegratorInfo& method, double h, double frequency, double decay);
+bool beyond_limit(const IntegratorInfo& method, double number);
 
 struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
@@ -78,7 +78,7 @@ struct Springs::Impl {
   void check_colliders() const;
 
   void check_stiffness(StepContext& c);
-  void warn_held_forces(const Forces& forces, Events& events);
+  void warn_frozen_forces(const Forces& forces, Events& events);
   void break_springs(Net& n, Events& events);
   void warn_coincident(Net& n, Events& events);
   void quarantine(StepContext& c);

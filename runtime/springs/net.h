@@ -79,7 +79,7 @@ class Net final : public ForceField {
   bool can_break = false;     // some spring has a finite break strain
   bool has_power = false;     // some spring is not linear
   bool frozen = false;        // quarantined
-  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false, warned_held = false;
+  bool warned_stiff = false, warned_unconverged = false, warned_coincident = false, warned_frozen = false;
   std::uint64_t coincident = 0;     // times a spring's ends were at one spot, so that a rule gave its direction
   Real checked_step = 0;            // s, substep the stiffness was checked for; 0: has to be
   Real frequency = 0, decay = 0;    // bounds() when the step was checked

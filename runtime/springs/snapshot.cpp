@@ -29,7 +29,7 @@ void Springs::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(impl_->nets.size()));
   for (const auto& n : impl_->nets) {
     w.add(n->object), w.add(n->first), w.add(n->points), w.add(n->settings);
-    w.add(n->can_break), w.add(n->has_power), w.add(n->warned_held);
+    w.add(n->can_break), w.add(n->has_power), w.add(n->warned_frozen);
     w.add(n->frozen), w.add(n->warned_stiff), w.add(n->warned_unconverged);
     w.add(n->warned_coincident), w.add(n->coincident), w.add(n->checked_step), w.add(n->frequency), w.add(n->decay);
     w.text(n->integrator_name);
@@ -50,7 +50,7 @@ void Springs::load(Reader& r) {
   for (std::uint64_t k = 0; k < count; ++k) {
     auto n = m.make_net();
     r.get(n->object), r.get(n->first), r.get(n->points), r.get(n->settings);
-    r.get(n->can_break), r.get(n->has_power), r.get(n->warned_held);
+    r.get(n->can_break), r.get(n->has_power), r.get(n->warned_frozen);
     r.get(n->frozen), r.get(n->warned_stiff), r.get(n->warned_unconverged);
     r.get(n->warned_coincident), r.get(n->coincident), r.get(n->checked_step), r.get(n->frequency), r.get(n->decay);
     std::string name;

@@ -32,7 +32,7 @@ void Springs::add_passes(StepPlan& plan) {
   const Surfaces* surfaces = impl_->store.find<Surfaces>();
   if (!surfaces || !surfaces->shows(kName)) return;
   plan.add<&Impl::show_surfaces>(Rank::net_surface, "surfaces", kName, impl_.get());
-  plan.add<&Impl::mark_surfaces>(before(Rank::net_hold), "mark", kName, impl_.get());
+  plan.add<&Impl::mark_surfaces>(before(Rank::net_prepare), "mark", kName, impl_.get());
   plan.add<&Impl::coast_surfaces>(Rank::net_coast, "coast", kName, impl_.get());
   plan.add<&Impl::follow_surfaces>(Rank::net_follow, "follow contacts", kName, impl_.get());
 }

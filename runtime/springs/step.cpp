@@ -23,20 +23,20 @@ void Springs::Impl::remember(StepContext& c) {
   for (auto& n : nets) n->squares_before = n->squares < 0 ? n->squared_speeds() : n->squares;
   const Forces* forces = store.find<Forces>();
   for (auto& n : nets) n->prepare(c.gravity, air_density, forces, objects.tags(n->object));
-  if (forces) warn_held_forces(*forces, *c.events);
+  if (forces) warn_frozen_forces(*forces, *c.events);
   check_stiffness(c);
 }
 
 // A force that a script gives once per step is constant in it: a method of higher order has order 1 then, and an
 // implicit one does not see the force's stiffness.
-void Springs::Impl::warn_held_forces(const Forces& forces, Events& events) {
+void Springs::Impl::warn_frozen_forces(const Forces& forces, Events& events) {
   for (auto& n : nets) {
-    if (n->warned_held) continue;
+    if (n->warned_frozen) continue;
     const IntegratorInfo info = n->integrator->info();
     if (info.order == 1 && !info.implicit) continue;
     for (const ForceEntry& f : forces.list) {
       if (f.force || !aims_at(f, n->object, objects.tags(n->object))) continue;
-      n->warned_held = true;
+      n->warned_frozen = true;
       std::string message = objects.describe(f.object) +
                             " is asked once before each step and held through it: with it " +
                             objects.describe(n->object) + " moves with order 1";
@@ -58,16 +58,16 @@ void Springs::Impl::check_stiffness(StepContext& c) {
     n->frequency = static_cast<Real>(frequency), n->decay = static_cast<Real>(decay);
     const IntegratorInfo info = n->integrator->info();
     if (n->warned_stiff) continue;
-    const double reach = reach_of(info, static_cast<double>(c.h), frequency, decay);
-    if (!beyond_limit(info, reach)) continue;
+    const double number = stability_number(info, static_cast<double>(c.h), frequency, decay);
+    if (!beyond_limit(info, number)) continue;
     n->warned_stiff = true;
     message += (message.empty() ? "" : "; ") + objects.describe(n->object) + " with " + n->integrator_name;
     if (info.stability_limit == 0) {
       message += " is never stable without damping: take another integrator";
       continue;
     }
-    const double needed = std::ceil(reach * c.substeps / info.stability_limit);
-    message += " may be unstable: h w reaches " + std::to_string(reach) + ", its limit is " +
+    const double needed = std::ceil(number * c.substeps / info.stability_limit);
+    message += " may be unstable: h w reaches " + std::to_string(number) + ", its limit is " +
                std::to_string(info.stability_limit) + "; " + std::to_string(whole_count(needed)) +
                " substeps or implicit_euler are safe";
   }

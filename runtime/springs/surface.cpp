@@ -62,7 +62,7 @@ void Springs::Impl::show_surfaces(StepContext& c) {
     for (std::uint32_t i = 0; i < n->points; ++i) {
       const std::uint32_t from = n->first + i, to = s.first + i;
       all.position[to] = particles.start[from], all.mass[to] = particles.mass[from];
-      all.moved[to] = {0, 0, 0, particles.inv_mass[from]};
+      all.delta_position[to] = {0, 0, 0, particles.inv_mass[from]};
       s.pinned = s.pinned || particles.inv_mass[from] == 0;
       const Vec3 v = particles.inv_mass[from] != 0 ? particles.velocity[from] : Vec3(0, 0, 0);
       all.speed[to] = {v[0], v[1], v[2], particles.inv_mass[from]};
@@ -106,7 +106,7 @@ void Springs::Impl::coast_surfaces(StepContext& c) {
       surface_end[to] = end, surface_speed[to] = v;
       // what is held is where it ends: it may have gone into quarantine in this substep
       const Vec3 from_here = w != 0 ? all.before[to].vec() : end;
-      all.moved[to] = {from_here[0], from_here[1], from_here[2], w};
+      all.delta_position[to] = {from_here[0], from_here[1], from_here[2], w};
       all.speed[to] = {v[0], v[1], v[2], w};
     }
   });
@@ -120,7 +120,7 @@ void Springs::Impl::follow_surfaces(StepContext&) {
       const Vec3 gain = all.speed[from].vec() - surface_speed[from];
       if (particles.inv_mass[to] == 0 || gain.isZero(0)) continue;
       particles.velocity[to] += gain;
-      particles.move(to, all.moved[from].vec() - surface_end[from]);
+      particles.move(to, all.delta_position[from].vec() - surface_end[from]);
     }
   });
 }

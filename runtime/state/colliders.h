@@ -67,8 +67,8 @@ struct Colliders {
   Aabb swept(std::uint32_t i, Real seconds) const {
     Aabb all = box[i];
     if (motion[i] == ColliderMotion::fixed) return all;
-    const Vec3 ahead = seconds * velocity[i];
-    all.include(Aabb{box[i].lo + ahead, box[i].hi + ahead});
+    const Vec3 travel = seconds * velocity[i];
+    all.include(Aabb{box[i].lo + travel, box[i].hi + travel});
     return all;
   }
 

@@ -13,8 +13,8 @@ namespace feder {
 struct alignas(64) SolverBody {
   Vec3 velocity = Vec3::Zero();          // m/s
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
-  Vec3 moved = Vec3::Zero();             // displacement of the centre of mass since the start of the step, m
-  Vec3 turned = Vec3::Zero();            // sum of h * angular_velocity since the start of the step, rad
+  Vec3 delta_position = Vec3::Zero();    // displacement of the centre of mass since the start of the step, m
+  Vec3 delta_rotation = Vec3::Zero();    // sum of h * angular_velocity since the start of the step, rad
   Quat rotation;                         // now
 };
 static_assert(sizeof(SolverBody) == 16 * sizeof(Real));

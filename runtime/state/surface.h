@@ -43,12 +43,12 @@ struct Surface {
   Real relaxation = 1;  // of contact corrections, as its solver wants it
   std::uint32_t group = 1, mask = 0xffffffffu;
   Real fastest = 0;                      // m/s, of its points at the start of the step
-  Real strike = 0;                       // m/s, of bodies that come at it in this step
+  Real approach_speed = 0;               // m/s, of bodies that come at it in this step
   std::int32_t steps = 1;                // solver substeps in a substep that it asks for
   WakeCause wakes = WakeCause::contact;  // why what it touches wakes
   bool self = false;                     // may touch itself
   bool active = true;                    // moves: neither asleep nor held by quarantine
-  bool calm = false;                     // about to fall asleep
+  bool sleep_candidate = false;          // about to fall asleep
   bool pinned = false;                   // a point of it is held
   bool balls = false;                    // its points meet bodies as colliders of their own
   bool coasts = false;     // its own solver runs once per substep: between contacts its points go straight on
@@ -67,9 +67,9 @@ struct SurfaceRow {
   Vec3 arm = Vec3::Zero();         // from the solver body's centre of mass to the point, m
   Vec3 slide = Vec3::Zero();       // velocity of the surface beside that of the solver body (conveyor), m/s
   Real friction = 0;
-  Real relaxation = 1;          // of the correction
-  std::uint32_t touch = kNone;  // who owns it, for its maker
-  std::uint32_t edges = 0;      // of surface against surface: 1: two ends and two; else one point and three
+  Real relaxation = 1;                  // of the correction
+  std::uint32_t contact_state = kNone;  // who owns it, for its maker
+  std::uint32_t edges = 0;              // of surface against surface: 1: two ends and two; else one point and three
   // written by the solver
   Real impulse = 0;   // along the normal in this substep, N s
   Real returned = 0;  // the part of it that was taken out again as rebound, N s
@@ -77,7 +77,7 @@ struct SurfaceRow {
 };
 
 // A point held at a point of a solver body: all three components.
-struct SurfaceHold {
+struct SurfaceAttachment {
   std::uint32_t vertex = 0;
   std::uint32_t solver_index = 0;
   Vec3 arm = Vec3::Zero();    // m
@@ -97,7 +97,8 @@ struct SurfacePair {
 // Surfaces that share their solver substeps: what one of them does in a substep may reach the others within it. Each
 // group runs its whole loop before the next.
 struct SurfaceGroup {
-  explicit SurfaceGroup(Arena& a) : members(&a), rows(&a), near_rows(&a), holds(&a), named(&a), solver_indices(&a) {}
+  explicit SurfaceGroup(Arena& a)
+      : members(&a), rows(&a), near_rows(&a), attachments(&a), named(&a), solver_indices(&a) {}
 
   // of a step
   Array<std::uint32_t> members;  // in Surfaces::list, ascending; the first names the group
@@ -106,16 +107,16 @@ struct SurfaceGroup {
   // of a substep
   Array<SurfaceRow> rows;       // of couplings
   Array<SurfaceRow> near_rows;  // of surface against surface
-  Array<SurfaceHold> holds;
+  Array<SurfaceAttachment> attachments;
   Array<std::uint32_t> named;           // solver indices of what they may touch or hang on, by couplings
   Array<std::uint32_t> solver_indices;  // the same, each once
   bool crowded = false;                 // surface touches surface in this substep
 
   void begin() {  // of a step
-    members.clear(), rows.clear(), near_rows.clear(), holds.clear(), named.clear();
+    members.clear(), rows.clear(), near_rows.clear(), attachments.clear(), named.clear();
     steps = 0, step = 0, crowded = false;
   }
-  bool touches() const { return !rows.empty() || !holds.empty() || !near_rows.empty(); }
+  bool touches() const { return !rows.empty() || !attachments.empty() || !near_rows.empty(); }
   void use_body(std::uint32_t solver_index) {  // its rows may name it in this substep; 0: nothing
     if (solver_index != 0) named.push_back(solver_index);
   }
@@ -123,15 +124,16 @@ struct SurfaceGroup {
 
 struct Surfaces {
   explicit Surfaces(Arena& a)
-      : arena(a), list(&a), position(&a), mass(&a), moved(&a), before(&a), speed(&a), pairs(&a), connections(&a),
-        wakes(&a), anchors(&a), carried(&a), body_delta_position(&a), body_delta_rotation(&a) {}
+      : arena(a), list(&a), position(&a), mass(&a), delta_position(&a), before(&a), speed(&a), pairs(&a),
+        connections(&a), wakes(&a), anchors(&a), carried(&a), body_delta_position(&a), body_delta_rotation(&a) {}
 
   Arena& arena;
   Array<Surface> list;  // of this step
   // By point. Solvers and contact work on these; the first owner's points have the numbers that it gives them.
-  Array<Vec3> position;              // at the start of the step, m
-  Array<Real> mass;                  // kg
-  Array<Row4> moved, before, speed;  // displacement since then, at the start of the solver substep; velocity; w: 1/kg
+  Array<Vec3> position;  // at the start of the step, m
+  Array<Real> mass;      // kg
+  Array<Row4> delta_position, before,
+      speed;  // displacement since then, at the start of the solver substep; velocity; w: 1/kg
   Array<SurfacePair> pairs;
 
   // Groups of this step, in the order of their first members; records behind the last are kept for their memory.
@@ -210,12 +212,12 @@ struct Surfaces {
   // A run of `count` more points.
   std::uint32_t claim(std::uint32_t count) {
     const std::uint32_t first = size(), end = first + count;
-    position.resize(end), mass.resize(end), moved.resize(end), before.resize(end), speed.resize(end);
+    position.resize(end), mass.resize(end), delta_position.resize(end), before.resize(end), speed.resize(end);
     return first;
   }
   void begin() {  // of a step
     list.clear(), pairs.clear(), connections.clear(), anchors.clear(), carried.clear();
-    position.clear(), mass.clear(), moved.clear(), before.clear(), speed.clear();
+    position.clear(), mass.clear(), delta_position.clear(), before.clear(), speed.clear();
   }
   // What it names is no more.
   void forget() {
@@ -224,7 +226,7 @@ struct Surfaces {
     group_count = 0;
   }
   void clear_rows() {  // and holds, of all groups
-    for (auto& g : groups) g->rows.clear(), g->holds.clear();
+    for (auto& g : groups) g->rows.clear(), g->attachments.clear();
   }
   Vec3 body_displacement(std::uint32_t m, const Vec3& arm) const {
     FEDER_ASSERT(m < body_delta_position.size());
@@ -235,8 +237,8 @@ struct Surfaces {
     if (m == 0) return 0;
     FEDER_ASSERT(solver_bodies && m < solver_bodies->mass.size());
     const SolverMass& mm = solver_bodies->mass[m];
-    const Vec3 turn = cross(arm, n);
-    return dot(n, mm.inv_mass_axes.cwiseProduct(n)) + dot(turn, mm.inv_inertia * turn);
+    const Vec3 rotation = cross(arm, n);
+    return dot(n, mm.inv_mass_axes.cwiseProduct(n)) + dot(rotation, mm.inv_inertia * rotation);
   }
   // By displacement: correction in kg m, within a solver substep of h.
   void push_body(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
@@ -244,11 +246,11 @@ struct Surfaces {
     FEDER_ASSERT(h > 0);
     const SolverMass& mm = solver_bodies->mass[m];
     SolverBody& state = solver_bodies->state[m];
-    const Vec3 shift = mm.inv_mass_axes.cwiseProduct(correction), turn = mm.inv_inertia * cross(arm, correction);
+    const Vec3 shift = mm.inv_mass_axes.cwiseProduct(correction), rotation = mm.inv_inertia * cross(arm, correction);
     body_delta_position[m] += shift;
-    body_delta_rotation[m] += turn;
+    body_delta_rotation[m] += rotation;
     state.velocity += shift / h;
-    state.angular_velocity += turn / h;
+    state.angular_velocity += rotation / h;
   }
 };
 

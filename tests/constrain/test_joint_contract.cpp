@@ -115,9 +115,10 @@ TEST_CASE("stiff joint rows know how their values bend", "[constrain][contract]"
     now.h = Real(0.02);
     BodyMotion a, b;
     a.velocity = random_vector(rng, 3), b.velocity = random_vector(rng, 3);
-    a.spin = random_vector(rng, 3), b.spin = random_vector(rng, 3);
-    const Vec3 mean_a = a.spin + random_vector(rng, Real(0.1)), mean_b = b.spin + random_vector(rng, Real(0.1));
-    a.bend = bend_matrix(a.spin, mean_a, now.h), b.bend = bend_matrix(b.spin, mean_b, now.h);
+    a.angular_velocity = random_vector(rng, 3), b.angular_velocity = random_vector(rng, 3);
+    const Vec3 mean_a = a.angular_velocity + random_vector(rng, Real(0.1)),
+               mean_b = b.angular_velocity + random_vector(rng, Real(0.1));
+    a.bend = bend_matrix(a.angular_velocity, mean_a, now.h), b.bend = bend_matrix(b.angular_velocity, mean_b, now.h);
     now.motion_a = &a, now.motion_b = &b;
     JointInput after = now;
     after.a = moved(now.a, a.velocity, mean_a, now.h);
@@ -130,7 +131,8 @@ TEST_CASE("stiff joint rows know how their values bend", "[constrain][contract]"
         continue;
       }
       CAPTURE(trial, i);
-      const Real rate = dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.spin) + dot(r.angular_b, b.spin);
+      const Real rate = dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.angular_velocity) +
+                        dot(r.angular_b, b.angular_velocity);
       // third order of angles up to 0.1: 0.1^3/6/h, and as much again from two bodies
       CHECK(r.bend == Approx((next.rows[i].value - r.value) / now.h - rate).margin(0.02));
     }

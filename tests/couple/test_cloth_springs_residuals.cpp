@@ -64,7 +64,7 @@ TEST_CASE("cloth.small_steps and cloth.row_updates count the work of a step", "[
   CHECK(updates[1] == 7 * updates[0]);
 }
 
-TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more where cloth strikes cloth",
+TEST_CASE("contact.projected and contact.widened: 0 where nothing meets, more where cloth strikes cloth",
           "[couple][residuals]") {
   const bool strikes = GENERATE(false, true);
   World w(weightless(), kCatalog);
@@ -76,13 +76,13 @@ TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more wher
     if (k) d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), Real(0.4)), d.velocity = Vec3(0, strikes ? -60 : 0, 0);
     cloth.add_cloth(d);
   }
-  double guarded = 0, widened = 0;
+  double projected = 0, widened = 0;
   for (int k = 0; k < 10; ++k) {
     w.step();
-    guarded += residual(w, "contact.guarded"), widened += residual(w, "contact.widened");
+    projected += residual(w, "contact.projected"), widened += residual(w, "contact.widened");
   }
-  CAPTURE(guarded, widened);
-  CHECK((guarded > 0) == strikes);
+  CAPTURE(projected, widened);
+  CHECK((projected > 0) == strikes);
   CHECK((widened > 0) == strikes);
 }
 

@@ -100,7 +100,7 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
   Store& store = m.w.store();
   auto& vertices = store.get<ClothVertices>();
   auto& points = store.get<Particles>();
-  auto& walls = m.fluid.walls();
+  auto& boundary = m.fluid.boundary();
   auto& surfaces = store.get<Surfaces>();
   FluidPool& pool = m.fluid.pool_at(0);
   const auto validate = [&] {
@@ -136,8 +136,8 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
       {"a fluid that is no object", [&] { m.w.objects().remove(m.water, ""); }},
       {"an emitter in the wrong place", [&] { m.w.objects().set_index(m.jet, 1); }},
       // couplings
-      {"a wall of another body", [&] { std::swap(walls.list.front().body, walls.list.back().body); }},
-      {"a wall that is gone", [&] { walls.list.pop_back(); }},
+      {"a wall of another body", [&] { std::swap(boundary.shapes.front().body, boundary.shapes.back().body); }},
+      {"a wall that is gone", [&] { boundary.shapes.pop_back(); }},
       {"a contact with a body that is gone", [&] { m.w.objects().remove(m.ball, ""); }},
       {"a point that still has what it carried", [&] { points.inertia[24] *= 2; }},
       {"a point whose collider is another's", [&] { points.collider[10] = points.collider[11]; }},

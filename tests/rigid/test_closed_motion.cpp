@@ -54,7 +54,7 @@ TEST_CASE("inertia of a box and of its hull", "[rigid][closed]") {
 namespace {
 
 // Kinetic energy and angular momentum of one spinning body, in double.
-void spin_of(ClosedScene& s, ObjectId b, double& energy, double& momentum) {
+void angular_velocity_of(ClosedScene& s, ObjectId b, double& energy, double& momentum) {
   const Mat3 inertia = s.rigid().inertia(b);
   const Vec3 w = rotate_inverse(s.rotation(b), s.spin(b));
   const Vec3 l = inertia * w;
@@ -82,7 +82,7 @@ TEST_CASE("a free top keeps energy and angular momentum, and flips on time", "[r
   d.angular_velocity = top.spin;
   const ObjectId b = s.rigid().add_body(d);
   double energy0, momentum0;
-  spin_of(s, b, energy0, momentum0);
+  angular_velocity_of(s, b, energy0, momentum0);
   const Vec3 direction0 = rotate(s.rotation(b), Vec3(s.rigid().inertia(b) * top.spin)) / Real(momentum0);
   int axis = 0;
   top.spin.cwiseAbs().maxCoeff(&axis);
@@ -95,7 +95,7 @@ TEST_CASE("a free top keeps energy and angular momentum, and flips on time", "[r
     if (before * now < 0) flips.push_back((k - 1 + before / (before - now)) * 0.005);
     before = now;
     double energy, momentum;
-    spin_of(s, b, energy, momentum);
+    angular_velocity_of(s, b, energy, momentum);
     worst_energy = std::max(worst_energy, std::abs(energy / energy0 - 1));
     worst_momentum = std::max(worst_momentum, std::abs(momentum / momentum0 - 1));
     const Vec3 l = rotate(s.rotation(b), Vec3(s.rigid().inertia(b) * w));

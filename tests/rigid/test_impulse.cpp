@@ -44,7 +44,7 @@ struct Bench {
     return collider;
   }
   SolverBody& state(std::uint32_t body) { return solver_bodies.state[body + 1]; }
-  Vec3 center(std::uint32_t body) { return solver_bodies.mass[body + 1].center + state(body).moved; }
+  Vec3 center(std::uint32_t body) { return solver_bodies.mass[body + 1].center + state(body).delta_position; }
   Contact& contact(std::uint32_t a, std::uint32_t b, const Vec3& normal) {
     Contact c;
     c.collider_a = a;
@@ -66,9 +66,9 @@ struct Bench {
     if (!solver) solver = find_variant(rigid_solvers(), "impulse", "rigid solver").make(arena, params);
     const SolverInput in{&contacts, &colliders, &solver_bodies, {}, {}};
     for (std::size_t i = 1; i < solver_bodies.state.size(); ++i) {
-      solver_bodies.mass[i].center += solver_bodies.state[i].moved;
+      solver_bodies.mass[i].center += solver_bodies.state[i].delta_position;
       solver_bodies.mass[i].start_rotation = solver_bodies.state[i].rotation;
-      solver_bodies.state[i].moved = solver_bodies.state[i].turned = Vec3::Zero();
+      solver_bodies.state[i].delta_position = solver_bodies.state[i].delta_rotation = Vec3::Zero();
     }
     solver->prepare(in, context);
     for (std::size_t i = 1; i < solver_bodies.state.size(); ++i)

@@ -4,8 +4,8 @@
 
 #include "base/rng.h"
 #include "feder/types.h"
+#include "sph/boundary_table.h"
 #include "sph/kernel.h"
-#include "sph/wall_table.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -111,7 +111,7 @@ TEST_CASE("a lattice beside a wall is at rest: density and force of the first la
   CAPTURE(k.name, d);
   const double support = k.support[d - 2];
   const LatticeSums l = lattice_sums(k, d, support);
-  const WallTable table(k, d, support);
+  const BoundaryTable table(k, d, support);
   const auto at = [&](double spacings) { return table.at(WideReal(spacings / support)); };
   CHECK((l.whole - l.missing) / l.whole + at(0.5).value == Approx(1).margin(2e-3));
   // pressure on both sides of a pair, on one side at the wall

@@ -67,7 +67,7 @@ TEST_CASE("a net within the advised substeps stays bounded, one beyond its limit
   const ObjectId asked = probe.need<Springs>().add_net(d);
   const NetAdvice a = probe.need<Springs>().advice(asked, dt, 1);
   CHECK(a.frequency == Approx(200));
-  CHECK(a.reach == Approx(20));
+  CHECK(a.stability_number == Approx(20));
   const bool limited = !std::isinf(a.method.stability_limit) && !a.method.adaptive;
   CHECK(a.stable != limited);
   CHECK(a.never_stable == (a.method.stability_limit == 0));

@@ -128,15 +128,15 @@ class Cloth final : public System {
     Real relaxation = 1;  // of contacts, as its solver wants it
     std::uint32_t group = 1, mask = 0xffffffffu;
     bool asleep = false;
-    bool moving = false;  // awake, and not calm
+    bool moving = false;  // awake, and no sleep candidate
   };
   std::size_t cloth_count() const;
   Info info(std::size_t n) const;  // 0 .. cloth_count()-1, in the order the cloths were made
   const ClothVertices& vertices() const;
   // The mass that rests on a cloth, kg: smaller steps are chosen for it. Forgotten at the end of each step while the
-  // cloth is awake, then said anew. Callers stop at kMostLoad times the cloth's own mass: what is heavier is carried by
+  // cloth is awake, then said anew. Callers stop at kMaxLoad times the cloth's own mass: what is heavier is carried by
   // something below.
-  static constexpr Real kMostLoad = 50;
+  static constexpr Real kMaxLoad = 50;
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;
   // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its

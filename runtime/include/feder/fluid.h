@@ -21,8 +21,8 @@ inline constexpr EventKind kEmitterDone{"emitter_done", EventKind::kOther | Even
     kDrained{"drained", EventKind::kOther | EventKind::kAmount};
 
 struct FluidPool;
-struct FluidTouch;
-struct Walls;
+struct FluidContactState;
+struct Boundary;
 
 // pbf, cubic and grid, or the first of this build where they are left out.
 std::string default_fluid_solver();
@@ -121,10 +121,10 @@ class Fluid final : public System {
   ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
   // For couplings: the walls of the coming substep, filled before the fluid's rows, and before questions.
-  Walls& walls();
-  // Which bodies of the walls particles were beside since clear_touches: appended, by fluid, then body.
-  void clear_touches();
-  void list_touches(Array<FluidTouch>& out) const;
+  Boundary& boundary();
+  // Which bodies of the walls particles were beside since clear_contact_states: appended, by fluid, then body.
+  void clear_contact_states();
+  void list_contact_states(Array<FluidContactState>& out) const;
   std::size_t pool_count() const;
   FluidPool& pool_at(std::size_t n);  // in the order the fluids were made
 

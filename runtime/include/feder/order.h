@@ -34,7 +34,7 @@ enum class Rank : std::uint8_t {
   body_forces,
   body_velocities,
   net_faces,
-  net_hold,
+  net_prepare,
   net_integrate,
   net_release,
   // substep: fluids
@@ -57,7 +57,7 @@ enum class Rank : std::uint8_t {
   boundary_push,
   // substep: surfaces, cloth and nets
   surface_contact,
-  cloth_holds,
+  cloth_attachments,
   cloth_particles,
   cloth_forces,
   net_coast,
@@ -67,7 +67,7 @@ enum class Rank : std::uint8_t {
   cloth_integrate,
   surface_coast,
   surface_bodies,
-  surface_holds,
+  surface_attachments,
   cloth_ties,
   surface_rows,
   cloth_velocities,

@@ -13,7 +13,7 @@
 
 namespace feder {
 
-struct WallSample {
+struct BoundaryTerms {
   WideReal value = 0;   // added to density over density at rest
   WideReal slope = 0;   // -d value / d s
   WideReal share = 0;   // of the kernel that lies in the solid
@@ -23,24 +23,24 @@ struct WallSample {
   WideReal friction = 0;
 };
 
-class WallTable {
+class BoundaryTable {
  public:
   static constexpr int kCells = 256;
   // Of a fluid whose kernel reaches `support` spacings.
-  WallTable(const Kernel& kernel, int dimension, double support);
+  BoundaryTable(const Kernel& kernel, int dimension, double support);
   // s in [-1, 1]; beyond 1 nothing, below -1 as at -1.
-  WallSample at(WideReal s) const {
+  BoundaryTerms at(WideReal s) const {
     constexpr int half = kCells / 2;
     const WideReal t = (s + 1) * half;
     const int i = !(t > 0) ? 0 : t >= kCells - 1 ? kCells - 1 : static_cast<int>(t);  // NaN: the first
     const WideReal f = t <= 0 ? 0 : t >= kCells ? 1 : t - static_cast<WideReal>(i);
-    const WallSample &a = samples_[i], &b = samples_[i + 1];
+    const BoundaryTerms &a = samples_[i], &b = samples_[i + 1];
     return {a.value + f * (b.value - a.value), a.slope + f * (b.slope - a.slope), a.share + f * (b.share - a.share),
             a.colour + f * (b.colour - a.colour), a.friction + f * (b.friction - a.friction)};
   }
 
  private:
-  WallSample samples_[kCells + 1];
+  BoundaryTerms samples_[kCells + 1];
 };
 
 // Of a particle on a lattice of spacing 1 with the kernel's support in spacings: the kernel's sum over the whole

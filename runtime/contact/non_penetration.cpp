@@ -27,7 +27,7 @@ bool SurfaceContact::Impl::near_path(NearSearch& near, Real part) {
   bool good = true;
   for (const std::uint32_t i : near.near_vertex) {
     FEDER_ASSERT(near_surface[i] < list.size() && !(stray[i] < 0));
-    if (moved[i].w == 0) continue;
+    if (delta_position[i].w == 0) continue;
     const Real far = length(astray(near, i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
     const Real most = Real(0.75) * kStray * list[near_surface[i]].thickness;
     near.pairs_stale = near.pairs_stale || far > most || part * faster > most;
@@ -51,24 +51,24 @@ bool SurfaceContact::Impl::separate(NearPair& p, Real h, bool push) {
       if (gap >= wanted) continue;
       if (p.edges && ((i == 1 && p.v[1] == p.v[0]) || (j == 3 && p.v[3] == p.v[2]))) continue;  // a point: once
       good = false;
-      Row4 &a = moved[p.v[i]], &b = moved[p.v[j]];
+      Row4 &a = delta_position[p.v[i]], &b = delta_position[p.v[j]];
       const Real w = a.w + b.w;
       if (!push || !(w > 0)) continue;
       const Real share = Real(1.01) * (wanted - gap) / w;
       a.add((a.w * share) * p.normal), b.add((-b.w * share) * p.normal);
       speed[p.v[i]].add((a.w * share / h) * p.normal), speed[p.v[j]].add((-b.w * share / h) * p.normal);
       along[i] += a.w * share, along[j] -= b.w * share;
-      ++guarded;
+      ++projected;
     }
   return good;
 }
 
 // The first vertex of the group that `i` is held with.
-std::uint32_t SurfaceContact::Impl::held_root(std::uint32_t i) {
-  FEDER_ASSERT(held_with[i] != kNone);
-  while (held_with[i] != i) {
-    FEDER_ASSERT(held_with[i] < i);  // the first of a group is its root
-    i = held_with[i] = held_with[held_with[i]];
+std::uint32_t SurfaceContact::Impl::zone_root(std::uint32_t i) {
+  FEDER_ASSERT(zone_of[i] != kNone);
+  while (zone_of[i] != i) {
+    FEDER_ASSERT(zone_of[i] < i);  // the first of a group is its root
+    i = zone_of[i] = zone_of[zone_of[i]];
   }
   return i;
 }
@@ -78,21 +78,21 @@ std::uint32_t SurfaceContact::Impl::held_root(std::uint32_t i) {
 // of their motion beside it as leaves all of them apart; the same share for all, so that momentum is kept. Without that
 // share they are as far apart as they were, so growing the zones until no pair is left ends. A zone with a held vertex
 // in it has no common velocity.
-void SurfaceContact::Impl::hold_back(NearSearch& near, Real part) {
-  held_with.resize(moved.size()), wished.resize(moved.size());
-  for (const std::uint32_t i : near.near_vertex) held_with[i] = kNone, wished[i] = moved[i];
+void SurfaceContact::Impl::project_out(NearSearch& near, Real part) {
+  zone_of.resize(delta_position.size()), wished.resize(delta_position.size());
+  for (const std::uint32_t i : near.near_vertex) zone_of[i] = kNone, wished[i] = delta_position[i];
   const auto join = [&](std::uint32_t& root, std::uint32_t i) {
-    const bool fresh = held_with[i] == kNone;
-    if (fresh) held_with[i] = i, ++guarded;
-    const std::uint32_t other = held_root(i);
+    const bool fresh = zone_of[i] == kNone;
+    if (fresh) zone_of[i] = i, ++projected;
+    const std::uint32_t other = zone_root(i);
     const bool merged = root != kNone && root != other;
-    if (merged) held_with[std::max(root, other)] = std::min(root, other);
+    if (merged) zone_of[std::max(root, other)] = std::min(root, other);
     root = std::min(root, other);
     return fresh || merged;
   };
   for (const std::uint32_t i : near.near_vertex) {
     std::uint32_t root = kNone;
-    if (moved[i].w != 0 && length(astray(near, i)) > stray[i]) join(root, i);
+    if (delta_position[i].w != 0 && length(astray(near, i)) > stray[i]) join(root, i);
   }
   for (bool grown = true; grown;) {
     move_zones(near, part);
@@ -104,8 +104,8 @@ void SurfaceContact::Impl::hold_back(NearSearch& near, Real part) {
     }
   }
   for (const std::uint32_t i : near.near_vertex) {
-    if (held_with[i] == kNone || moved[i].w == 0) continue;
-    const Zone& z = zones[held_root(i)];
+    if (zone_of[i] == kNone || delta_position[i].w == 0) continue;
+    const Zone& z = zones[zone_root(i)];
     speed[i].set(z.velocity + z.freedom * (speed[i].vec() - z.velocity));
   }
 }
@@ -119,50 +119,50 @@ Real share_within(const Vec3& a, const Vec3& b, Real r) {
 
 // Velocities of the zones, and their vertices moved by them, as far as the search allows.
 void SurfaceContact::Impl::move_zones(const NearSearch& near, Real part) {
-  FEDER_ASSERT(wished.size() == moved.size() && guard_start.size() == moved.size());
-  zones.resize(moved.size());
+  FEDER_ASSERT(wished.size() == delta_position.size() && projection_start.size() == delta_position.size());
+  zones.resize(delta_position.size());
   for (const std::uint32_t i : near.near_vertex) zones[i] = Zone();
   const auto each = [&](auto&& f) {
     for (const std::uint32_t i : near.near_vertex)
-      if (held_with[i] != kNone) f(i, zones[held_root(i)]);
+      if (zone_of[i] != kNone) f(i, zones[zone_root(i)]);
   };
   each([&](std::uint32_t i, Zone& z) {
-    z.held = z.held || moved[i].w == 0;
+    z.held = z.held || delta_position[i].w == 0;
     z.velocity += mass[i] * speed[i].vec(), z.mass += mass[i];
   });
   for (const std::uint32_t i : near.near_vertex)
-    if (held_with[i] == i) zones[i].velocity = zones[i].held ? Vec3(0, 0, 0) : Vec3(zones[i].velocity / zones[i].mass);
+    if (zone_of[i] == i) zones[i].velocity = zones[i].held ? Vec3(0, 0, 0) : Vec3(zones[i].velocity / zones[i].mass);
   each([&](std::uint32_t i, Zone& z) {
-    if (moved[i].w == 0) return;
-    moved[i].set(guard_start[i].vec() + part * near.drift);
+    if (delta_position[i].w == 0) return;
+    delta_position[i].set(projection_start[i].vec() + part * near.drift);
     if (!z.held)
       z.share =
           std::min(z.share, share_within(astray(near, i), part * (z.velocity - near.drift), kSearched * stray[i]));
   });
   each([&](std::uint32_t i, Zone& z) {
-    if (moved[i].w == 0) return;
-    if (!z.held) moved[i].add((part * z.share) * (z.velocity - near.drift));
-    z.freedom =
-        std::min(z.freedom, share_within(astray(near, i), wished[i].vec() - moved[i].vec(), kSearched * stray[i]));
+    if (delta_position[i].w == 0) return;
+    if (!z.held) delta_position[i].add((part * z.share) * (z.velocity - near.drift));
+    z.freedom = std::min(
+        z.freedom, share_within(astray(near, i), wished[i].vec() - delta_position[i].vec(), kSearched * stray[i]));
   });
   for (const NearPair& p : near.pairs)
-    if (p.live && held_with[p.v[0]] != kNone) {
-      Zone& z = zones[held_root(p.v[0])];
+    if (p.live && zone_of[p.v[0]] != kNone) {
+      Zone& z = zones[zone_root(p.v[0])];
       z.freedom = std::min(z.freedom, freedom(p));
     }
   each([&](std::uint32_t i, Zone& z) {
-    if (moved[i].w != 0) moved[i].add(z.freedom * (wished[i].vec() - moved[i].vec()));
+    if (delta_position[i].w != 0) delta_position[i].add(z.freedom * (wished[i].vec() - delta_position[i].vec()));
   });
 }
 
-// Which share of the way from `moved` to `wished` keeps the pair apart, if it is within one zone.
+// Which share of the way from `delta_position` to `wished` keeps the pair apart, if it is within one zone.
 Real SurfaceContact::Impl::freedom(const NearPair& p) {
-  const std::uint32_t root = held_root(p.v[0]), split = p.edges ? 2 : 1;
+  const std::uint32_t root = zone_root(p.v[0]), split = p.edges ? 2 : 1;
   Real now[4], wish[4], share = 1;
   for (int k = 0; k < 4; ++k) {
-    if (held_with[p.v[k]] == kNone || held_root(p.v[k]) != root) return 1;
+    if (zone_of[p.v[k]] == kNone || zone_root(p.v[k]) != root) return 1;
     now[k] = dot(p.normal, place(p.v[k]) - place(p.v[0]));
-    wish[k] = now[k] + dot(p.normal, wished[p.v[k]].vec() - moved[p.v[k]].vec());
+    wish[k] = now[k] + dot(p.normal, wished[p.v[k]].vec() - delta_position[p.v[k]].vec());
   }
   const Real kept = kKeptInZone * p.distance;
   for (std::uint32_t i = 0; i < split; ++i)
@@ -178,13 +178,13 @@ Real SurfaceContact::Impl::freedom(const NearPair& p) {
 // search ahead foresaw, or are to be held back, which asks for more pairs.
 void SurfaceContact::Impl::widen(const SurfaceGroup& g, NearSearch& near, Real part) {
   FEDER_ASSERT(swapped.empty());
-  wished.resize(moved.size());
-  for (const std::uint32_t i : near.near_vertex) wished[i] = moved[i];
+  wished.resize(delta_position.size());
+  for (const std::uint32_t i : near.near_vertex) wished[i] = delta_position[i];
   for (const std::uint32_t i : near.near_vertex) {
-    if (moved[i].w == 0) continue;
+    if (delta_position[i].w == 0) continue;
     swapped.push_back(speed[i]);
-    speed[i].set((moved[i].vec() - guard_start[i].vec()) / part);
-    moved[i].set(guard_start[i].vec());
+    speed[i].set((delta_position[i].vec() - projection_start[i].vec()) / part);
+    delta_position[i].set(projection_start[i].vec());
   }
   find_pairs(g, near, part, true);
   for (NearPair& p : near.pairs) {
@@ -194,7 +194,7 @@ void SurfaceContact::Impl::widen(const SurfaceGroup& g, NearSearch& near, Real p
   }
   std::size_t n = 0;
   for (const std::uint32_t i : near.near_vertex)
-    if (moved[i].w != 0) moved[i] = wished[i], speed[i] = swapped[n++];
+    if (delta_position[i].w != 0) delta_position[i] = wished[i], speed[i] = swapped[n++];
   FEDER_ASSERT(n == swapped.size());  // the search lists the same vertices again
   swapped.clear();
   near.since_found = part;
@@ -214,7 +214,7 @@ void SurfaceContact::Impl::guard(const SurfaceGroup& g, NearSearch& near, Real p
   }
   if (good && near_path(near, part)) return;
   if (!wide) widen(g, near, part);
-  hold_back(near, part);
+  project_out(near, part);
 }
 
 }  // namespace feder

@@ -11,97 +11,99 @@
 namespace feder {
 namespace {
 
-constexpr int kMostWalls = 64;   // near a run of particles, before all are asked
-constexpr int kGuardRounds = 4;  // corners of several walls
+constexpr int kMaxShapes = 64;        // near a run of particles, before all are asked
+constexpr int kProjectionRounds = 4;  // corners of several walls
 
-struct NearWalls {
-  std::uint32_t list[kMostWalls];
+struct NearShapes {
+  std::uint32_t list[kMaxShapes];
   int count = 0;
   bool all = false;
 };
 
-Vec3 wall_speed(const WallBody& b, const Vec3& x) { return b.velocity_at(x); }
+Vec3 boundary_speed(const BoundaryBody& b, const Vec3& x) { return b.velocity_at(x); }
 
 // Swept against a mesh: it has no inside, so only the way tells.
-bool crosses(const Wall& w, const Vec3& from, const Vec3& to, RayHit& hit) {
+bool crosses(const BoundaryShape& w, const Vec3& from, const Vec3& to, RayHit& hit) {
   return w.shape->raycast(from, to - from, hit) && hit.fraction < 1;
 }
 
 }  // namespace
 
-void Walls::start() {
+void Boundary::start() {
   away = false;
-  for (Wall& w : list) w.start = w.pose, w.away = false;
-  for (WallBody& b : bodies) b.start = b.center;
+  for (BoundaryShape& w : shapes) w.start = w.pose, w.away = false;
+  for (BoundaryBody& b : bodies) b.start = b.center;
 }
 
-void Walls::move_to(Real seconds) {
+void Boundary::move_to(Real seconds) {
   if (seconds == 0 && !away) return;
   away = seconds != 0;
-  for (Wall& w : list) {
+  for (BoundaryShape& w : shapes) {
     FEDER_ASSERT(w.body < bodies.size());
-    const WallBody& b = bodies[w.body];
-    const bool rests = b.velocity.isZero(0) && b.spin.isZero(0);
+    const BoundaryBody& b = bodies[w.body];
+    const bool rests = b.velocity.isZero(0) && b.angular_velocity.isZero(0);
     if (rests && !w.away) continue;
     w.away = !rests;
-    const Quat turn = integrate_rotation(Quat::identity(), seconds * b.spin);
-    w.pose.position = b.start + rotate(turn, Vec3(w.start.position - b.start)) + seconds * b.velocity;
-    w.pose.rotation = integrate_rotation(w.start.rotation, seconds * b.spin);
+    const Quat rotation = integrate_rotation(Quat::identity(), seconds * b.angular_velocity);
+    w.pose.position = b.start + rotate(rotation, Vec3(w.start.position - b.start)) + seconds * b.velocity;
+    w.pose.rotation = integrate_rotation(w.start.rotation, seconds * b.angular_velocity);
     w.box = w.shape->bounds(w.pose);
   }
-  for (WallBody& b : bodies) b.center = b.start + seconds * b.velocity;
+  for (BoundaryBody& b : bodies) b.center = b.start + seconds * b.velocity;
 }
 
-void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, const Vec3& gravity, bool push_out) {
-  FEDER_ASSERT(ahead >= 0 && contact_first.size() > count);
-  const Real fall = length(gravity) * ahead * ahead;
-  const auto reach_of = [&](std::uint32_t i, const WallBody& b) {
-    return support + fall + ahead * length(Vec3(v[i].vec() - wall_speed(b, start[i].vec())));
+void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real speculative_time, const Vec3& gravity,
+                              bool push_out) {
+  FEDER_ASSERT(speculative_time >= 0 && contact_first.size() > count);
+  const Real fall = length(gravity) * speculative_time * speculative_time;
+  const auto swept_bounds = [&](std::uint32_t i, const BoundaryBody& b) {
+    return support + fall + speculative_time * length(Vec3(v[i].vec() - boundary_speed(b, start[i].vec())));
   };
-  const auto near_walls = [&](std::uint32_t first, std::uint32_t last, NearWalls& near) {
+  const auto near_shapes = [&](std::uint32_t first, std::uint32_t last, NearShapes& near) {
     Aabb box;
     Real speed = 0;
     for (std::uint32_t i = first; i < last; ++i) {
       box.include(start[i].vec());
       speed = std::max(speed, length(v[i].vec()));
     }
-    for (std::uint32_t w = 0; w < walls.list.size(); ++w) {
-      const Wall& wall = walls.list[w];
-      const WallBody& b = walls.bodies[wall.body];
-      if (!meets(wall)) continue;
-      Aabb wide = wall.box;
-      const Real turn = b.spin.isZero(0) ? 0 : length(b.spin) * wall.shape->extent(Vec3::Zero());
-      wide.grow(support + fall + ahead * (speed + length(b.velocity) + turn));
+    for (std::uint32_t w = 0; w < boundary.shapes.size(); ++w) {
+      const BoundaryShape& solid = boundary.shapes[w];
+      const BoundaryBody& b = boundary.bodies[solid.body];
+      if (!meets(solid)) continue;
+      Aabb wide = solid.box;
+      const Real arc =
+          b.angular_velocity.isZero(0) ? 0 : length(b.angular_velocity) * solid.shape->extent(Vec3::Zero());
+      wide.grow(support + fall + speculative_time * (speed + length(b.velocity) + arc));
       if (!overlaps(wide, box)) continue;
-      if (near.count == kMostWalls) {
+      if (near.count == kMaxShapes) {
         near.all = true;
         return;
       }
       near.list[near.count++] = w;
     }
   };
-  const auto visit = [&](std::uint32_t i, const NearWalls& near, auto&& f) {
-    const int n = near.all ? static_cast<int>(walls.list.size()) : near.count;
+  const auto visit = [&](std::uint32_t i, const NearShapes& near, auto&& f) {
+    const int n = near.all ? static_cast<int>(boundary.shapes.size()) : near.count;
     for (int k = 0; k < n; ++k) {
       const std::uint32_t w = near.all ? static_cast<std::uint32_t>(k) : near.list[k];
-      const Wall& wall = walls.list[w];
-      if (!meets(wall)) continue;
-      const Real reach = reach_of(i, walls.bodies[wall.body]);
+      const BoundaryShape& solid = boundary.shapes[w];
+      if (!meets(solid)) continue;
+      const Real margin = swept_bounds(i, boundary.bodies[solid.body]);
       const Vec3 at = start[i].vec();
       Aabb box{at, at};
-      box.grow(reach);
-      if (!overlaps(box, wall.box)) continue;
+      box.grow(margin);
+      if (!overlaps(box, solid.box)) continue;
       Vec3 n_local;
-      const Vec3 local = to_local(wall.pose, at);
-      const Real d = wall.shape->distance(local, reach, n_local);
-      if (d < reach) f(w, d, local, n_local);
+      const Vec3 local = to_local(solid.pose, at);
+      const Real d = solid.shape->distance(local, margin, n_local);
+      if (d < margin) f(w, d, local, n_local);
     }
   };
   constexpr JobGrain kRun{64, 3'000};  // particles that share a list of walls
 
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
-    NearWalls near;
-    near_walls(first, last, near);
+    NearShapes near;
+    near_shapes(first, last, near);
     for (std::uint32_t i = first; i < last; ++i) {
       std::uint32_t n = 0;
       if (near.count > 0) visit(i, near, [&](std::uint32_t, Real, const Vec3&, const Vec3&) { ++n; });
@@ -118,25 +120,25 @@ void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, con
   if (contacts.size() < total) contacts.resize(total + total / 4);
 
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
-    NearWalls near;
-    near_walls(first, last, near);
+    NearShapes near;
+    near_shapes(first, last, near);
     if (near.count == 0) return;
     for (std::uint32_t i = first; i < last; ++i) {
       if (contact_first[i + 1] == contact_first[i]) continue;
       std::uint32_t at = contact_first[i];
       Vec3 out = Vec3::Zero();
       visit(i, near, [&](std::uint32_t w, Real d, const Vec3& local, const Vec3& n_local) {
-        const Wall& wall = walls.list[w];
-        WallContact& c = contacts[at++];
-        c.wall = w, c.particle = i;
+        const BoundaryShape& solid = boundary.shapes[w];
+        BoundaryContact& c = contacts[at++];
+        c.shape = w, c.particle = i;
         FEDER_ASSERT(at <= contact_first[i + 1] && is_direction(n_local));
-        c.normal = rotate(wall.pose.rotation, n_local);
+        c.normal = rotate(solid.pose.rotation, n_local);
         c.offset = dot(c.normal, start[i].vec()) - d;
         c.local_normal = n_local;
         c.local_offset = dot(n_local, local) - d;
-        c.from = d < guard ? Vec3(local + (guard - d) * n_local) : local;
+        c.from = d < clearance ? Vec3(local + (clearance - d) * n_local) : local;
         c.impulse = 0;
-        if (d < guard) out += (guard - d) * c.normal;
+        if (d < clearance) out += (clearance - d) * c.normal;
       });
       FEDER_ASSERT(at == contact_first[i + 1]);  // as many as were counted
       if (!push_out || out.isZero(0)) continue;
@@ -147,63 +149,65 @@ void FluidPool::find_contacts(JobPool& jobs, const Walls& walls, Real ahead, con
   });
   dynamic_contacts.clear();
   for (std::uint32_t k = 0; k < total; ++k)
-    if (walls.bodies[walls.list[contacts[k].wall].body].dynamic) dynamic_contacts.push_back(k);
-  note_touches(walls);
+    if (boundary.bodies[boundary.shapes[contacts[k].shape].body].dynamic) dynamic_contacts.push_back(k);
+  record_contact_states(boundary);
 }
 
 // A particle at rest beside a wall lies half a spacing from it.
-void FluidPool::note_touches(const Walls& walls) {
-  if (touches.size() < walls.bodies.size()) touches.resize(walls.bodies.size());
-  const auto at = [&](const WallContact& c) -> FluidTouch& { return touches[walls.list[c.wall].body]; };
+void FluidPool::record_contact_states(const Boundary& boundary) {
+  if (contact_states.size() < boundary.bodies.size()) contact_states.resize(boundary.bodies.size());
+  const auto at = [&](const BoundaryContact& c) -> FluidContactState& {
+    return contact_states[boundary.shapes[c.shape].body];
+  };
   const std::uint32_t total = contact_first[count];
   const Real near = Real(0.75) * desc.spacing;
-  for (FluidTouch& t : touches) t.count = 0, t.point = t.normal = Vec3::Zero();
+  for (FluidContactState& t : contact_states) t.count = 0, t.point = t.normal = Vec3::Zero();
   for (std::uint32_t k = 0; k < total; ++k) {
-    const WallContact& c = contacts[k];
+    const BoundaryContact& c = contacts[k];
     const Vec3 place = x[c.particle].vec();
     if (dot(c.normal, place) - c.offset > near) continue;
-    FEDER_ASSERT(c.particle < count && c.wall < walls.list.size());
-    FluidTouch& t = at(c);
-    t.body = walls.bodies[walls.list[c.wall].body].object;
+    FEDER_ASSERT(c.particle < count && c.shape < boundary.shapes.size());
+    FluidContactState& t = at(c);
+    t.body = boundary.bodies[boundary.shapes[c.shape].body].object;
     ++t.count;
     t.point += place, t.normal += c.normal;
     const Real closing =
-        dot(c.normal, Vec3(walls.bodies[walls.list[c.wall].body].velocity_at(place) - v[c.particle].vec()));
+        dot(c.normal, Vec3(boundary.bodies[boundary.shapes[c.shape].body].velocity_at(place) - v[c.particle].vec()));
     t.speed = std::max(t.speed, closing);
   }
 }
 
-void FluidPool::weigh_fixed(Walls& walls) const {
+void FluidPool::weigh_fixed(Boundary& boundary) const {
   for (std::uint32_t k = 0; k < contact_first[count]; ++k) {
-    const WallContact& c = contacts[k];
-    WallBody& b = walls.bodies[walls.list[c.wall].body];
+    const BoundaryContact& c = contacts[k];
+    BoundaryBody& b = boundary.bodies[boundary.shapes[c.shape].body];
     if (!b.dynamic) b.impulse -= c.impulse * c.normal;
   }
 }
 
-void FluidPool::share_bodies(Walls& walls) {
+void FluidPool::share_bodies(Boundary& boundary) {
   for (const std::uint32_t k : dynamic_contacts) {
     FEDER_ASSERT(k < contact_first[count]);
-    const WallContact& c = contacts[k];
+    const BoundaryContact& c = contacts[k];
     const Real d = dot(c.normal, x[c.particle].vec()) - c.offset;
-    walls.bodies[walls.list[c.wall].body].touching += table->at(d / support).slope / support;
-    FEDER_ASSERT(!(walls.bodies[walls.list[c.wall].body].touching < 0));
+    boundary.bodies[boundary.shapes[c.shape].body].contact_weight += table->at(d / support).slope / support;
+    FEDER_ASSERT(!(boundary.bodies[boundary.shapes[c.shape].body].contact_weight < 0));
   }
 }
 
-void FluidPool::guard_walls(Walls& walls) {
+void FluidPool::project_out(Boundary& boundary) {
   for (std::uint32_t i = 0; i < count; ++i) {
     if (contact_first[i] == contact_first[i + 1]) continue;
     bool moved = true;
-    for (int round = 0; round < kGuardRounds && moved; ++round) {
+    for (int round = 0; round < kProjectionRounds && moved; ++round) {
       moved = false;
-      for (const WallContact& c : contacts_of(i)) {
-        FEDER_ASSERT(c.particle == i && c.wall < walls.list.size());
-        const Wall& w = walls.list[c.wall];
+      for (const BoundaryContact& c : contacts_of(i)) {
+        FEDER_ASSERT(c.particle == i && c.shape < boundary.shapes.size());
+        const BoundaryShape& w = boundary.shapes[c.shape];
         Vec3 at = x[i].vec(), n = rotate(w.pose.rotation, c.local_normal);
         Real d = dot(n, at - w.pose.position) - c.local_offset;
         const bool one_sided = w.shape->convex() || w.shape->extent(Vec3::Zero()) == kInfinity;
-        if (one_sided && d >= guard) continue;
+        if (one_sided && d >= clearance) continue;
         const Vec3 local = to_local(w.pose, at);
         Vec3 exact;
         const Real near = w.shape->distance(local, support, exact);
@@ -216,15 +220,15 @@ void FluidPool::guard_walls(Walls& walls) {
             d = dot(side, at - to_world(w.pose, Vec3(c.from + hit.fraction * (local - c.from))));
           }
         } else {
-          if (near >= guard) continue;
+          if (near >= clearance) continue;
           // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, and
           // behind that one another wall
           if (!one_sided) n = rotate(w.pose.rotation, exact), d = near;
         }
-        if (d >= guard) continue;
-        x[i].set(at + (guard - d) * n);
+        if (d >= clearance) continue;
+        x[i].set(at + (clearance - d) * n);
         moved = true;
-        WallBody& b = walls.bodies[w.body];
+        BoundaryBody& b = boundary.bodies[w.body];
         const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
         if (closing >= 0) continue;
         // fully plastic, the pair's own masses: what the particle loses the body gains

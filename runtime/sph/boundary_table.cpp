@@ -1,7 +1,7 @@
 // Integrals as sums over rings (3D) or pairs (2D) at height z above the particle: dV = 2 pi q dq dz or 2 dq dz,
 // u^2 = z^2 + q^2. Of the friction, the part of the offset along the wall counts: q^2/2 on average over a ring, q^2 in
 // 2D.
-#include "sph/wall_table.h"
+#include "sph/boundary_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +81,7 @@ double cohesion_moment(int power) {
   return sum;
 }
 
-WallTable::WallTable(const Kernel& kernel, int d, double support) {
+BoundaryTable::BoundaryTable(const Kernel& kernel, int d, double support) {
   const LatticeSums l = lattice_sums(kernel, d, support);
   const double first = 0.5 / support, value = l.missing / l.whole;
   const double steep = -2 * l.missing_slope * support / l.missing;  // per support
@@ -92,7 +92,7 @@ WallTable::WallTable(const Kernel& kernel, int d, double support) {
   for (int i = kCells; i >= 0; --i) {
     const double s = 2.0 * i / kCells - 1;
     const double at = std::exp(-steep * (std::max(s, 0.0) - first));
-    WallSample& out = samples_[i];
+    BoundaryTerms& out = samples_[i];
     out.value = static_cast<WideReal>(value * std::max(0.0, (at - end) + steep * at * std::max(0.0, -s)));
     out.slope = static_cast<WideReal>(i == kCells ? 0 : value * steep * at);
     out.colour = static_cast<WideReal>(layer(kernel, d, s).colour);
