@@ -92,7 +92,7 @@ std::string sentence(const AdviceRow& row, int substeps) {
     return who + " may blow up: " + hw + ", the limit is " + number(m.stability_limit) + "; " + remedy(row, substeps);
   if (a.frequency == 0) return who + " has no springs that could be too stiff";
   if (m.adaptive)
-    return who + " chooses its own steps, " + std::to_string(a.parts) +
+    return who + " chooses its own steps, " + std::to_string(a.solver_substeps) +
            " or more per substep: its tolerance is the error";
   std::string out =
       who + " is stable: " + hw + (std::isinf(m.stability_limit) ? ", no limit" : " of " + number(m.stability_limit));

@@ -11,7 +11,7 @@ struct LinkBatch {
   Lane8x3 base;      // b minus a at the start of the step, m
   Lane8 rest;        // m
   Lane8 compliance;  // m/N
-  Lane8 multiplier;  // of this small step, N s^2
+  Lane8 multiplier;  // of this solver substep, N s^2
 };
 
 struct HingeBatch {
@@ -46,15 +46,15 @@ struct ClothPass {
   TieBatch* ties;
   unsigned first, last;      // range of batches
   WideReal* delta_position;  // Row4 as four numbers each
-  const WideReal* before;    // likewise, where the small step began
-  WideReal* speed;
-  WideReal inv_h2;        // 1/h^2 of the small step
-  WideReal h;             // s, of the small step
+  const WideReal* before;    // likewise, where the solver substep began
+  WideReal* velocity;
+  WideReal inv_h2;        // 1/h^2 of the solver substep
+  WideReal h;             // s, of the solver substep
   WideReal damping_time;  // damping x h of the substep, s^2
   WideReal* rates;        // Row4: velocities that `damp_stage` reads, m/s
   WideReal* pushes;       // Row4: impulses that it adds, N s
   WideReal stretched;     // 1 + the largest strain of a link
-  bool again;             // a further sweep of this small step: multipliers go on; else they begin at zero
+  bool again;             // a further sweep of this solver substep: multipliers go on; else they begin at zero
 };
 
 struct ClothKernels {

@@ -115,7 +115,7 @@ void ClothBatches::build(const ClothView& v) {
   measure_hinges(v);
 }
 
-void ClothBatches::place(const ClothView& v) {
+void ClothBatches::current_position(const ClothView& v) {
   const auto put = [](Lane8x3& to, int i, const Vec3& d) { to.x.v[i] = d[0], to.y.v[i] = d[1], to.z.v[i] = d[2]; };
   for (LinkBatch& b : links_)
     for (int i = 0; i < kLanes; ++i) put(b.base, i, v.position[b.b[i]] - v.position[b.a[i]]);
@@ -152,7 +152,7 @@ ClothPass ClothBatches::pass(const ClothView& v, Real h) {
   FEDER_ASSERT(h > 0);
   ClothPass p{};
   p.links = links_.data(), p.hinges = hinges_.data();
-  p.delta_position = &v.delta_position->x, p.before = &v.before->x, p.speed = &v.speed->x;
+  p.delta_position = &v.delta_position->x, p.before = &v.before->x, p.velocity = &v.velocity->x;
   p.h = h;
   return p;
 }

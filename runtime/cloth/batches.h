@@ -20,12 +20,12 @@ class ClothBatches {
   void pick(bool wide);
   // Colours and batches for this mesh; nothing when its version is known.
   void build(const ClothView& v);
-  void place(const ClothView& v);                                                   // edges at the start of the step
-  void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a small step
-  void bend(const ClothView& v, Real h, StepContext& c);   // forces of hinges over h into `speed`
+  void current_position(const ClothView& v);                                        // edges at the start of the step
+  void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a solver substep
+  void bend(const ClothView& v, Real h, StepContext& c);   // forces of hinges over h into `velocity`
   void limit(const ClothView& v, Real h, StepContext& c);  // links without their force, to v.max_strain
   void tie(const ClothView& v, Real h, StepContext& c);    // vertices to their anchors
-  // Strain rate out of `speed` over h, see damping.cpp.
+  // Strain rate out of `velocity` over h, see damping.cpp.
   void damp_links(const ClothView& v, Real h, StepContext& c);
   void damp_hinges(const ClothView& v, Real h, StepContext& c);
   // Is that more than a sweep? Then it wants velocities of the same moment as the positions.

@@ -103,7 +103,7 @@ Cloth::Impl::Impl(SystemSetup& s)
       watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
       structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
       surfaces(s.store.need<Surfaces>("contact")), delta_position(surfaces.delta_position), before(surfaces.before),
-      speed(surfaces.speed), acceleration(&arena), force(&arena), points(&arena), marks(&arena) {}
+      velocity(surfaces.velocity), acceleration(&arena), force(&arena), points(&arena), marks(&arena) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const char* const needs[] = {"contact"};
@@ -250,17 +250,17 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
 
 void Cloth::destroy_cloth(ObjectId id, std::string where) {
   Impl& m = *impl_;
-  const std::uint32_t place = m.objects.index(id);
-  FEDER_ASSERT(place < m.sheets.size() && m.sheets[place]->object == id);
-  const std::uint32_t first = m.sheets[place]->first, count = m.sheets[place]->total;
+  const std::uint32_t index = m.objects.index(id);
+  FEDER_ASSERT(index < m.sheets.size() && m.sheets[index]->object == id);
+  const std::uint32_t first = m.sheets[index]->first, count = m.sheets[index]->total;
   // later vertices, sheets and attachments move down
   ClothVertices::each_array(m.vertices,
                             [&](auto& array) { array.erase(array.begin() + first, array.begin() + first + count); });
   std::erase_if(m.attachments, [&](const Attachment& a) { return a.cloth == id; });
   for (Attachment& a : m.attachments)
     if (a.vertex > first) a.vertex -= count;
-  m.sheets.erase(m.sheets.begin() + place);
-  for (std::uint32_t k = place; k < m.sheets.size(); ++k) {
+  m.sheets.erase(m.sheets.begin() + index);
+  for (std::uint32_t k = index; k < m.sheets.size(); ++k) {
     FEDER_ASSERT(m.sheets[k]->first >= first + count);
     m.sheets[k]->first -= count;
     m.objects.set_index(m.sheets[k]->object, k);

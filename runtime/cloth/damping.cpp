@@ -6,10 +6,10 @@
 // Hundsdorfer and Sommeijer 1990, eq. 2.3 ff., first order): s stages reach h tau w^2 = 1.07 s^2, all hinges push at
 // once in each, so that momentum and angular momentum are kept. Implicit Euler with conjugate gradients asks for as
 // many products, and in float for more: its residual is lost in rounding at w^2 ratios of 10^6.
-// Velocities that lag positions by half a small step would pump modes whose phase returns with the substeps (trace of
-// the map of a mode above 1 + P, P what damping leaves of its velocity): xpbd therefore damps between two half kicks.
-// Links get the sweep alone: what they lose to it is below what XPBD takes from them anyway.
-// Weak spot: the time is bounded by kMaxStages (longest_damping), with a warning.
+// Velocities that lag positions by half a solver substep would pump modes whose phase returns with the substeps (trace
+// of the map of a mode above 1 + P, P what damping leaves of its velocity): xpbd therefore damps between two half
+// kicks. Links get the sweep alone: what they lose to it is below what XPBD takes from them anyway. Weak spot: the time
+// is bounded by kMaxStages (longest_damping), with a warning.
 #include <algorithm>
 #include <cmath>
 
@@ -113,7 +113,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
   ClothPass p = pass(v, h);
   p.damping = damping_.data();
   p.damping_time = static_cast<Real>(double(v.damping) * double(h) * std::fmin(1, stages.stability_limit() / z));
-  p.rates = &v.speed->x, p.pushes = &pushes_[0].x;
+  p.rates = &v.velocity->x, p.pushes = &pushes_[0].x;
   run(kernels_->damp_begin, hinge_colors_, p, c);
   for (int k = 0; k < count; ++k) {
     const DampingStage s = stages.next();
@@ -137,7 +137,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
     });
   }
   c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) v.speed[i].add(stage_[i].vec());
+    for (std::uint32_t i = first; i < last; ++i) v.velocity[i].add(stage_[i].vec());
   });
 }
 

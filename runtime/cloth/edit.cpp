@@ -211,7 +211,7 @@ void Cloth::set_load(std::size_t n, Real mass) {
 Real Cloth::load(std::size_t n) const { return impl_->sheets[n]->state.load; }
 void Cloth::push(std::uint32_t i, const Vec3& p) {
   FEDER_ASSERT(impl_->sheet_of(i).active() || impl_->delta_position[i].w == 0);
-  impl_->speed[i].add(impl_->delta_position[i].w * p);
+  impl_->velocity[i].add(impl_->delta_position[i].w * p);
 }
 
 }  // namespace feder

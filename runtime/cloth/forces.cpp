@@ -33,7 +33,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
         if (points.empty())
           for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
             const Real area = vertices.mass[i] / s.settings.area_density;
-            points.push_back({vertices.position[i] + delta_position[i].vec(), speed[i].vec(), vertices.mass[i], area,
+            points.push_back({vertices.position[i] + delta_position[i].vec(), velocity[i].vec(), vertices.mass[i], area,
                               area * s.settings.thickness, share * vertices.mass[i]});
           }
         FEDER_ASSERT(points.size() == s.points);  // work memory that wind uses, too
@@ -47,7 +47,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
       acceleration[s.first + i] = g + force[i] * delta_position[s.first + i].w;
       sum += force[i];
     }
-    // as large as lately, so that gusts do not make the number of small steps jump
+    // as large as lately, so that gusts do not make the number of solver substeps jump
     s.state.pull = std::max(length(sum) / s.mass, Real(0.95) * s.state.pull);
     for (std::uint32_t i = s.points; i < s.total; ++i) acceleration[s.first + i] = Vec3::Zero();
   }
@@ -67,9 +67,9 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
     Vec3 x[3], rest[3];
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t i = s.first + v[k];
-      x[k] = place(i), rest[k] = vertices.rest[i];
+      x[k] = current_position(i), rest[k] = vertices.rest[i];
       p.position += x[k] / 3;
-      p.velocity += speed[i].vec() / 3;
+      p.velocity += velocity[i].vec() / 3;
     }
     p.mass = s.settings.area_density;
     p.area = 1;
@@ -95,8 +95,10 @@ void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
   const AreaShares shares{s.settings.drag, s.settings.lift};
   for (std::size_t t = 0; t < s.mesh.triangles.size(); t += 3) {
     const std::uint32_t* v = &s.mesh.triangles[t];
-    const Vec3 x = place(s.first + v[0]), a = place(s.first + v[1]), b = place(s.first + v[2]);
-    const Vec3 u = (speed[s.first + v[0]].vec() + speed[s.first + v[1]].vec() + speed[s.first + v[2]].vec()) / 3;
+    const Vec3 x = current_position(s.first + v[0]), a = current_position(s.first + v[1]),
+               b = current_position(s.first + v[2]);
+    const Vec3 u =
+        (velocity[s.first + v[0]].vec() + velocity[s.first + v[1]].vec() + velocity[s.first + v[2]].vec()) / 3;
     const Real weight = std::max(
         {delta_position[s.first + v[0]].w, delta_position[s.first + v[1]].w, delta_position[s.first + v[2]].w});
     if (!(weight > 0)) continue;

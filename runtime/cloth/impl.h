@@ -28,9 +28,9 @@ struct Cloth::Impl {
 
   // of a step, by vertex
   Surfaces& surfaces;
-  Array<Row4>&delta_position, &before, &speed;  // of surfaces
-  Array<Vec3> acceleration;                     // gravity, script, wind
-  Array<Vec3> force;                            // work of forces.cpp, N
+  Array<Row4>&delta_position, &before, &velocity;  // of surfaces
+  Array<Vec3> acceleration;                        // gravity, script, wind
+  Array<Vec3> force;                               // work of forces.cpp, N
   Array<MassPoint> points;
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
@@ -55,7 +55,7 @@ struct Cloth::Impl {
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);
 
-  // Passes: of the step, of the substep, of the loop of small steps, of the step.
+  // Passes: of the step, of the substep, of the loop of solver substeps, of the step.
   void prepare(StepContext& c);
   void gather_again(StepContext& c);
   void begin_substep(StepContext& c);
@@ -105,7 +105,7 @@ struct Cloth::Impl {
   void validate_mesh(const Sheet& s) const;
   void validate_motion(const Sheet& s) const;
   void validate_ties(const Sheet& s) const;
-  Vec3 place(std::uint32_t vertex) const { return vertices.position[vertex] + delta_position[vertex].vec(); }
+  Vec3 current_position(std::uint32_t vertex) const { return vertices.position[vertex] + delta_position[vertex].vec(); }
   Sheet& sheet_of(std::uint32_t vertex) const {
     FEDER_ASSERT(vertex < vertices.size());
     return *sheets[objects.index(vertices.cloth[vertex])];

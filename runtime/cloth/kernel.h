@@ -3,7 +3,7 @@
 // XPBD (Macklin et al. 2016, eq. 18): with alpha = compliance/h^2 and multiplier L,
 //   dL = (-C - alpha L)/(sum w |grad C|^2 + alpha),  x += w grad C dL.
 // Hinges use the angle itself (Bridson 2003; Tamstorf and Grinspun 2013 for the gradients), not the distance across.
-// Positions are the state at the start of the step plus a displacement: what a small step adds is far below the
+// Positions are the state at the start of the step plus a displacement: what a solver substep adds is far below the
 // rounding of a position, but not of a displacement.
 #pragma once
 #include "cloth/batch.h"
@@ -62,8 +62,8 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return select(good, all_lanes(1) / select(good, x, all_lanes(1)), zero_lanes());
 }
 
-// What is longer than `longest` may be so long in this small step: what was too long before comes back at kShedSpeed.
-// An edge without compliance would give any energy to a vertex that a script carried off.
+// What is longer than `longest` may be so long in this solver substep: what was too long before comes back at
+// kShedSpeed. An edge without compliance would give any energy to a vertex that a script carried off.
 [[gnu::always_inline]] inline Lanes allowed(const ClothPass& p, Lanes longest, const Lanes3& before) {
   return max(longest, square_root(dot(before, before)) - all_lanes(kShedSpeed * p.h));
 }
@@ -223,9 +223,9 @@ void bend_hinges(const ClothPass& p) {
     const Lanes torque = h / load(c.compliance), most = all_lanes(0.15f) * reciprocal_or_zero(s.weight * h);
     const Lanes impulse = (zero - bent(c, s)) * min(torque, most);
     for (int k = 0; k < 4; ++k) {
-      Rows8 u = gather(p.speed, c.v[k]);
+      Rows8 u = gather(p.velocity, c.v[k]);
       u.v = u.v + s.gradient[k] * (impulse * u.w);
-      scatter(p.speed, c.v[k], u);
+      scatter(p.velocity, c.v[k], u);
     }
   }
 }
@@ -236,15 +236,15 @@ void damp_links(const ClothPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const LinkBatch& c = p.links[i];
     const Rows8 xa = gather(p.delta_position, c.a), xb = gather(p.delta_position, c.b);
-    Rows8 a = gather(p.speed, c.a), b = gather(p.speed, c.b);
+    Rows8 a = gather(p.velocity, c.a), b = gather(p.velocity, c.b);
     Lanes3 e = load(c.base) + (xb.v - xa.v);
     e = e * reciprocal_or_zero(square_root(dot(e, e)));
     const Lanes rate = dot(b.v - a.v, e);
     const Lanes impulse = (zero_lanes() - rate) * time * reciprocal_or_zero(load(c.compliance) + time * (a.w + b.w));
     a.v = a.v - e * (impulse * a.w);
     b.v = b.v + e * (impulse * b.w);
-    scatter(p.speed, c.a, a);
-    scatter(p.speed, c.b, b);
+    scatter(p.velocity, c.a, a);
+    scatter(p.velocity, c.b, b);
   }
 }
 
@@ -257,13 +257,13 @@ void damp_hinges(const ClothPass& p) {
     Rows8 u[4];
     Lanes rate = zero_lanes();
     for (int k = 0; k < 4; ++k) {
-      u[k] = gather(p.speed, c.v[k]);
+      u[k] = gather(p.velocity, c.v[k]);
       rate += dot(s.gradient[k], u[k].v);
     }
     const Lanes impulse = (zero_lanes() - rate) * time * reciprocal_or_zero(load(c.compliance) + time * s.weight);
     for (int k = 0; k < 4; ++k) {
       u[k].v = u[k].v + s.gradient[k] * (impulse * u[k].w);
-      scatter(p.speed, c.v[k], u[k]);
+      scatter(p.velocity, c.v[k], u[k]);
     }
   }
 }

@@ -5,9 +5,9 @@
 // k = 4 bend_hinge (a + b)^2/(a b)^2. Weak spot: its energy grows with the fourth power of the fold, so a flat sheet
 // has no bending stiffness at all: the tip of a clamped strip of 10 segments drops by 0.82, 7.2, 47 m per load for
 // loads of 1, 0.1, 0.01 (hinges: 0.42, 0.50, 0.50; tests/cloth/test_mass_spring.cpp); and explicit integrators need
-// small steps below a part of 1/w of the stiffest link. Heun is unstable for any undamped oscillator, by (h w)^4/8 per
-// step: it lives on the damping. Where nobody named an integrator, one that no stiffness makes unstable takes over
-// where the default would need more than kLeastCap small steps. Kept between steps: springs of the mesh.
+// solver substeps below a part of 1/w of the stiffest link. Heun is unstable for any undamped oscillator, by (h w)^4/8
+// per step: it lives on the damping. Where nobody named an integrator, one that no stiffness makes unstable takes over
+// where the default would need more than kLeastCap solver substeps. Kept between steps: springs of the mesh.
 #include <algorithm>
 #include <cmath>
 
@@ -22,8 +22,8 @@ constexpr double kLimitShare = 0.5;  // of the stability limit
 // h w for methods without one: Heun grows by e^(z^4/8) a step, which weak damping does not shed at larger z
 constexpr double kGrowingLimit = 0.1;
 constexpr double kMinCap = 256;
-constexpr double kSlack = 1.001;   // for rounding of the chosen number of small steps
-constexpr double kStiffSteps = 4;  // small steps of the one that takes over: contacts want some
+constexpr double kSlack = 1.001;   // for rounding of the chosen number of solver substeps
+constexpr double kStiffSteps = 4;  // solver substeps of the one that takes over: contacts want some
 constexpr const char* kStiffMethod = "implicit_euler";
 const Vec3 kNoDirection = Vec3(1, 0, 0);
 
@@ -84,7 +84,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   void prepare(const ClothView& v, StepContext&) override {
     bool same = !build(v);
     batches_.build(v);
-    batches_.place(v);
+    batches_.current_position(v);
     same = same && inv_mass_.size() == v.points;
     inv_mass_.resize(v.points);
     for (std::uint32_t i = 0; i < v.points; ++i) {
@@ -100,11 +100,11 @@ class MassSpring final : public ClothSolver, private ForceField {
     view_ = v;
     Method& method = at(h);
     x_.resize(v.points), v_.resize(v.points);
-    for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.delta_position[i].vec(), v_[i] = v.speed[i].vec();
+    for (std::uint32_t i = 0; i < v.points; ++i) x_[i] = v.delta_position[i].vec(), v_[i] = v.velocity[i].vec();
     method.integrator->step(*this, t, h, {x_.data(), v.points}, {v_.data(), v.points});
     for (std::uint32_t i = 0; i < v.total; ++i) {
       v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 1};
-      if (i < v.points && v.delta_position[i].w != 0) v.delta_position[i].set(x_[i]), v.speed[i].set(v_[i]);
+      if (i < v.points && v.delta_position[i].w != 0) v.delta_position[i].set(x_[i]), v.velocity[i].set(v_[i]);
     }
     batches_.limit(v, h, c);
     batches_.tie(v, h, c);

@@ -35,7 +35,7 @@ struct ClothState {
   std::uint32_t frozen = 0;  // quarantined
   std::uint32_t asleep = 0;
   std::int32_t substeps = 1;         // as last chosen for it; its group takes the most of its members
-  std::uint32_t warned = 0;          // the cap of small steps was reported
+  std::uint32_t warned = 0;          // the cap of solver substeps was reported
   std::uint32_t warned_damping = 0;  // so was a damping that is too long
   Real load = 0;                     // kg that rests on it
   Real pull = 0;                     // m/s^2: mean acceleration by gravity, wind and scripts in the last step

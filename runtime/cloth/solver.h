@@ -1,4 +1,4 @@
-// How the inside of a cloth moves: from forces and elements to displacements in one small step. Knows no contacts.
+// How the inside of a cloth moves: from forces and elements to displacements in one solver substep. Knows no contacts.
 // One file per solver, one feder_variant(cloth <solver>) line. Contract, checked for every row by
 // tests/cloth/test_closed_forms.cpp and test_system.cpp: free fall is exact, momentum is kept, pinned vertices stay, a
 // hanging sheet takes the stretch of its material, no allocation after the first step, the same bits for any thread
@@ -27,8 +27,8 @@ struct ClothView {
   const Vec3* position = nullptr;      // at the start of the step, m
   const Vec3* rest = nullptr;          // unstrained, m
   Row4* delta_position = nullptr;      // displacement since then, m; w: inverse mass
-  Row4* before = nullptr;              // the same at the start of the small step
-  Row4* speed = nullptr;               // m/s; w: inverse mass
+  Row4* before = nullptr;              // the same at the start of the solver substep
+  Row4* velocity = nullptr;            // m/s; w: inverse mass
   const Vec3* acceleration = nullptr;  // of gravity, wind and scripts, m/s^2
   const Real* mass = nullptr;          // kg
 };
@@ -38,17 +38,17 @@ class ClothSolver {
   virtual ~ClothSolver() = default;
   // Once per step, before the first substep.
   virtual void prepare(const ClothView& cloth, StepContext& c) = 0;
-  // One small step of h from time t: writes `delta_position`, and `before`: where the small step began (its w 0;
-  // velocities will be taken from the difference), or, with w 1, where it ended, `speed` being the velocity already.
-  // Contacts then push `delta_position`.
+  // One solver substep of h from time t: writes `delta_position`, and `before`: where the solver substep began (its w
+  // 0; velocities will be taken from the difference), or, with w 1, where it ended, `velocity` being the velocity
+  // already. Contacts then push `delta_position`.
   virtual void advance(const ClothView& cloth, double t, Real h, StepContext& c) = 0;
-  // Once per substep, after the last small step: takes strain rate out of `speed`.
+  // Once per substep, after the last solver substep: takes strain rate out of `velocity`.
   virtual void damp(const ClothView& cloth, Real h, StepContext& c) = 0;
-  // Small steps that a substep of h needs for what this solver can hold; 1 when it does not matter. From the rest
+  // Solver substeps that a substep of h needs for what this solver can hold; 1 when it does not matter. From the rest
   // shape and the pins alone, so that a restored cloth gets the same answer.
   virtual double wanted_substeps(const ClothView& cloth, Real h) const = 0;
-  // By how many small steps the velocity it works with leads the true one in free fall: x after n small steps h is
-  // x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it. After prepare.
+  // By how many solver substeps the velocity it works with leads the true one in free fall: x after n solver substeps h
+  // is x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it. After prepare.
   virtual Real lead(Real /*h*/) const { return Real(0.5); }
   // s: longer damping acts as this one in a substep of h. After prepare().
   virtual double longest_damping(Real) const { return double(kInfinity); }
@@ -59,8 +59,8 @@ class ClothSolver {
   virtual void validate(const ClothView&) const {}
   virtual Real relaxation() const { return 1; }                     // of contact corrections
   virtual bool sheds_strain() const { return true; }                // the stretch law of step.cpp applies
-  virtual double least_cap() const { return 1; }                    // small steps that `max_substeps` cannot forbid
-  virtual double substeps_beyond(double cap) const { return cap; }  // small steps where it wants more than the cap
+  virtual double least_cap() const { return 1; }                    // solver substeps that `max_substeps` cannot forbid
+  virtual double substeps_beyond(double cap) const { return cap; }  // solver substeps where it wants more than the cap
   virtual const char* beyond_cap() const { return "stretches or bends more than its stiffness says"; }
 };
 

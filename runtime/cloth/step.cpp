@@ -1,9 +1,9 @@
-// The passes of the cloth system. A substep of the world is cut into small steps, the same number for the surfaces of a
-// group (contact/groups.cpp). What one sweep per small step h leaves of strain in a sheet of n rows and length L under
-// g is at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of small steps
-// is chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a free sheet; the
-// mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration counts; what a
-// body that comes at it, or its own swing, takes to be stopped is added.
+// The passes of the cloth system. A substep of the world is cut into solver substeps, the same number for the surfaces
+// of a group (contact/groups.cpp). What one sweep per solver substep h leaves of strain in a sheet of n rows and length
+// L under g is at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of
+// solver substeps is chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a
+// free sheet; the mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration
+// counts; what a body that comes at it, or its own swing, takes to be stopped is added.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -29,7 +29,7 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.rest = vertices.rest.data() + s.first;
   v.delta_position = delta_position.data() + s.first;
   v.before = before.data() + s.first;
-  v.speed = speed.data() + s.first;
+  v.velocity = velocity.data() + s.first;
   v.acceleration = acceleration.data() + s.first;
   v.mass = vertices.mass.data() + s.first;
   return v;
@@ -119,8 +119,8 @@ void Cloth::Impl::choose_steps(StepContext& c) {
         c.events->warn("substep_cap",
                        objects.describe(s.object) + " would need " +
                            std::to_string(static_cast<long long>(std::ceil(std::fmin(wanted, 1e15)))) +
-                           " small steps per substep, its max_substeps is " + std::to_string(static_cast<int>(cap)) +
-                           ": it " + s.solver->beyond_cap(),
+                           " solver substeps per substep, its max_substeps is " +
+                           std::to_string(static_cast<int>(cap)) + ": it " + s.solver->beyond_cap(),
                        s.object);
       }
       if (wanted > cap) wanted = s.solver->substeps_beyond(cap);
@@ -157,7 +157,7 @@ void Cloth::Impl::gather(Sheet& s, Real h) {
     const Real w = s.active() ? vertices.inv_mass[i] : Real(0);
     const Vec3 u = w != 0 ? Vec3(vertices.velocity[i] - lead) : Vec3(0, 0, 0);
     delta_position[i] = {0, 0, 0, w};
-    speed[i] = {u[0], u[1], u[2], w};
+    velocity[i] = {u[0], u[1], u[2], w};
   }
 }
 
@@ -250,15 +250,15 @@ void Cloth::Impl::begin_substep(StepContext& c) {
   if (any_active) add_forces(c);
 }
 
-// A link pushes along its direction at the end of the small step, a torque about where the step began: a free sheet
+// A link pushes along its direction at the end of the solver substep, a torque about where the step began: a free sheet
 // that is bent fast would start to turn. Displacements d become velocities d/h, so a sweep changes the angular momentum
-// by sum m x0 cross d/h, x0 where the small step began. It is summed up here, and taken out once per substep.
+// by sum m x0 cross d/h, x0 where the solver substep began. It is summed up here, and taken out once per substep.
 void Cloth::Impl::measure_gained_momentum(Sheet& s, Real h) {
   Vec3 gained = Vec3::Zero();                                            // kg m^2
   const Vec3 near = vertices.position[s.first] + before[s.first].vec();  // any point: a sweep keeps linear momentum
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
     const Vec3 r = vertices.position[i] + before[i].vec() - near;
-    gained += vertices.mass[i] * cross(r, delta_position[i].vec() - before[i].vec() - h * speed[i].vec());
+    gained += vertices.mass[i] * cross(r, delta_position[i].vec() - before[i].vec() - h * velocity[i].vec());
   }
   s.gained_momentum += gained / h;
 }
@@ -267,20 +267,21 @@ void Cloth::Impl::measure_gained_momentum(Sheet& s, Real h) {
 void Cloth::Impl::remove_gained_momentum(Sheet& s) {
   const Vec3 gained_momentum = s.gained_momentum;
   s.gained_momentum = Vec3::Zero();
-  const Vec3 near = place(s.first);
+  const Vec3 near = current_position(s.first);
   Vec3 middle = Vec3::Zero();  // from there
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) middle += vertices.mass[i] * (place(i) - near);
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+    middle += vertices.mass[i] * (current_position(i) - near);
   middle /= s.mass;
   Mat3 inertia = Mat3::Zero();
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
-    const Vec3 r = place(i) - near - middle;
+    const Vec3 r = current_position(i) - near - middle;
     inertia -= vertices.mass[i] * (r * r.transpose());
   }
   inertia.diagonal().array() -= inertia.trace();
   const Vec3 angular_velocity = inverse(inertia) * gained_momentum;  // rad/s
   if (!is_finite(angular_velocity)) return;                          // a sheet without extent, or one that has gone bad
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
-    speed[i].add(-cross(angular_velocity, place(i) - near - middle));
+    velocity[i].add(-cross(angular_velocity, current_position(i) - near - middle));
 }
 
 void Cloth::Impl::advance(StepContext& c) {
@@ -303,7 +304,7 @@ void Cloth::Impl::read_velocities(StepContext& c) {
     for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
       FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
       const Vec3 u = (delta_position[i].vec() - before[i].vec()) / g.step;
-      before[i].w != 0 ? speed[i].add(u) : speed[i].set(u);
+      before[i].w != 0 ? velocity[i].add(u) : velocity[i].set(u);
     }
   });
 }
@@ -343,7 +344,7 @@ void Cloth::Impl::commit(StepContext& c) {
       const Vec3 lead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;
-        const Vec3 x = vertices.position[i] + delta_position[i].vec(), v = speed[i].vec() + lead;
+        const Vec3 x = vertices.position[i] + delta_position[i].vec(), v = velocity[i].vec() + lead;
         if (!is_finite(x) || !is_finite(v)) {
           s->bad_vertex = i - s->first;
           break;
@@ -353,7 +354,7 @@ void Cloth::Impl::commit(StepContext& c) {
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         if (vertices.inv_mass[i] == 0) continue;
         vertices.position[i] += delta_position[i].vec();
-        vertices.velocity[i] = speed[i].vec() + lead;
+        vertices.velocity[i] = velocity[i].vec() + lead;
       }
     }
     watch(c);

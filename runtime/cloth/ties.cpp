@@ -1,13 +1,14 @@
 // Ties to what holds a cloth ("long range attachments", Kim, Chentanez and Mueller-Fischer 2012): no vertex may be
-// farther from an anchor than along the cloth, times one and the largest strain. One sweep per small step carries a
+// farther from an anchor than along the cloth, times one and the largest strain. One sweep per solver substep carries a
 // load across few links; a tie carries it at once, so what hangs from a pin does not stretch the links next to it.
 // Anchors are pinned and attached vertices. Each vertex is tied to the two nearest pins (a sheet between two corners
 // hangs from both) and to the nearest attached vertex; what an attached vertex is tied to, holds its body.
 // Distances are geodesic on the rest shape: labels spread from anchors over triangles, with the anchor unfolded into
 // the plane of each (Novotni and Klein 2002), exact on a flat sheet; tears and holes are gone round.
-// Pins act in batches at the end of a solver's small step, attached vertices after the rows that hold them (a body gets
-// the opposite impulse). Where pins have been moved apart by more than the cloth allows, all ties to pins give way in
-// proportion. Made anew when pins, attachments or the mesh change. Weak spot: cloth that nothing holds has links only.
+// Pins act in batches at the end of a solver's solver substep, attached vertices after the rows that hold them (a body
+// gets the opposite impulse). Where pins have been moved apart by more than the cloth allows, all ties to pins give way
+// in proportion. Made anew when pins, attachments or the mesh change. Weak spot: cloth that nothing holds has links
+// only.
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -121,13 +122,13 @@ void Cloth::Impl::make_ties(Sheet& s) {
     if (a.vertex >= s.first && a.vertex < s.first + s.points && vertices.inv_mass[a.vertex] != 0)
       held.push_back(a.vertex - s.first);
   if (pins.size() < s.points && !pins.empty()) {
-    Geodesic ways(s.mesh, rest, s.points, kNearest);
-    ways.spread(pins);
+    Geodesic distances(s.mesh, rest, s.points, kNearest);
+    distances.spread(pins);
     pick_far(pins, rest, t.pins);
     for (std::size_t n = 0; n < kNearest; ++n) {
       int lane = kLanes;
       for (std::uint32_t i = 0; i < s.points; ++i) {
-        const Label l = ways.of(i)[n];
+        const Label l = distances.of(i)[n];
         if (l.anchor == kNone || vertices.inv_mass[s.first + i] == 0) continue;
         if (lane == kLanes) {
           TieBatch empty{};
@@ -143,14 +144,14 @@ void Cloth::Impl::make_ties(Sheet& s) {
       t.layers.push_back(static_cast<std::uint32_t>(t.batches.size()));
     }
     for (const std::uint32_t a : held)
-      if (const Label l = ways.of(a)[0]; l.anchor != kNone)
+      if (const Label l = distances.of(a)[0]; l.anchor != kNone)
         t.to_body.push_back({l.anchor, a, static_cast<Real>(l.distance), true});
   }
   if (held.empty()) return;
-  Geodesic ways(s.mesh, rest, s.points, 1);
-  ways.spread(held);
+  Geodesic distances(s.mesh, rest, s.points, 1);
+  distances.spread(held);
   for (std::uint32_t i = 0; i < s.points; ++i)
-    if (const Label l = ways.of(i)[0]; l.anchor != kNone && l.anchor != i && vertices.inv_mass[s.first + i] != 0)
+    if (const Label l = distances.of(i)[0]; l.anchor != kNone && l.anchor != i && vertices.inv_mass[s.first + i] != 0)
       t.to_body.push_back({i, l.anchor, static_cast<Real>(l.distance), false});
 }
 
@@ -210,7 +211,7 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
       const Real response = x.w + surfaces.body_response(attachment->solver_index, attachment->arm, n);
       if (!(response > 0)) continue;
       Vec3 change = x.vec() - before[i].vec();
-      if (before[i].w != 0) change += h * speed[i].vec();
+      if (before[i].w != 0) change += h * velocity[i].vec();
       if (attachment->solver_index != 0) {
         const SolverBody& m = solver_bodies->state[attachment->solver_index];
         change -= h * (m.velocity + cross(m.angular_velocity, attachment->arm));

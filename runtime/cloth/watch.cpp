@@ -1,5 +1,5 @@
 // The watchdog's part in cloths, see step/watch.h. Strain counts as stored energy, but a link gives its two ends no
-// more than the velocity that takes the strain back within one small step.
+// more than the velocity that takes the strain back within one solver substep.
 #include <algorithm>
 #include <cmath>
 

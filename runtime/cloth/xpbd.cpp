@@ -1,15 +1,15 @@
-// Position-based dynamics with compliance in small steps: predict, one sweep over all links and hinges in colour
+// Position-based dynamics with compliance in solver substeps: predict, one sweep over all links and hinges in colour
 // order, velocities from what was moved (Macklin, Mueller and Chentanez, "XPBD", MIG 2016; Macklin et al., "Small
-// Steps in Physics Simulation", SCA 2019). A multiplier lives through the iterations of a small step, so stiffness
+// Steps in Physics Simulation", SCA 2019). A multiplier lives through the iterations of a solver substep, so stiffness
 // does not depend on their number. Hinges push before the sweep, at the state it started from, which leaves no error
-// at rest; only those too stiff for that (more than the small steps were chosen for) are swept like links. Soft hinges
-// push once for a group of small steps, before the middle one: a drift, a kick and a drift (Tuckerman, Berne and
-// Martyna 1992), so cloth that hinges carry is still at the group's ends, g H^2/8 above its place for groups of H.
+// at rest; only those too stiff for that (more than the solver substeps were chosen for) are swept like links. Soft
+// hinges push once for a group of solver substeps, before the middle one: a drift, a kick and a drift (Tuckerman, Berne
+// and Martyna 1992), so cloth that hinges carry is still at the group's ends, g H^2/8 above its place for groups of H.
 // Not where cloth lies on cloth: shreds in a tangle have hinges that turn over within a group.
 // Kept between steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is
-// left over, 2 g n^2 h^2/L for n rows, decides the number of small steps (see step.cpp), light cloth under heavy
+// left over, 2 g n^2 h^2/L for n rows, decides the number of solver substeps (see step.cpp), light cloth under heavy
 // bodies stretches more than its material; and a spinning cloth loses angular momentum in proportion to its strain and
-// to the small step, as with implicit methods (gradients are those of the new positions).
+// to the solver substep, as with implicit methods (gradients are those of the new positions).
 #include <cmath>
 
 #include "base/jobs.h"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kBendShare = 0.1;       // wanted h^2 k sum w |gradient|^2 of the stiffest hinge
 constexpr double kSoftHinge = 0.12;      // the largest at which hinges may push all at once
-constexpr int kTogether = 9;             // small steps that one push of soft hinges may stand for, odd
+constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
 
 class Xpbd final : public ClothSolver {
@@ -31,12 +31,12 @@ class Xpbd final : public ClothSolver {
 
   void prepare(const ClothView& v, StepContext&) override {
     batches_.build(v);
-    batches_.place(v);
+    batches_.current_position(v);
     if (version_ != v.version) version_ = v.version, stiffest_ = stiffest_hinge(v);
   }
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
-    // soft hinges push at the state that the last small step left, all at once: exact at rest, where a sweep is not
+    // soft hinges push at the state that the last solver substep left, all at once: exact at rest, where a sweep is not
     FEDER_ASSERT(version_ == v.version);
     soft_ = stiffest_ * double(h) * double(h) <= kSoftHinge;
     const int now = static_cast<int>(std::lround((t - c.time - c.substep * double(c.h)) / double(h)));
@@ -46,8 +46,8 @@ class Xpbd final : public ClothSolver {
     c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
         v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 0};
-        if (v.delta_position[i].w != 0) v.speed[i].add(h * v.acceleration[i]);
-        v.delta_position[i].add(h * v.speed[i].vec());
+        if (v.delta_position[i].w != 0) v.velocity[i].add(h * v.acceleration[i]);
+        v.delta_position[i].add(h * v.velocity[i].vec());
       }
     });
     for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, k > 0, c);
@@ -83,7 +83,8 @@ class Xpbd final : public ClothSolver {
     if (damped) batches_.damp_hinges(v, c.h, c), batches_.bend(v, time / 2, c);
     pushed_ = true;
   }
-  // For how many small steps soft hinges push before this one; 0: not now. Groups are odd, so that they have a middle.
+  // For how many solver substeps soft hinges push before this one; 0: not now. Groups are odd, so that they have a
+  // middle.
   int pushed_now(int now, Real h, const StepContext& c) const {
     const int count = static_cast<int>(std::lround(c.h / h));
     const auto odd = [](int n) { return n - 1 + n % 2; };
@@ -106,7 +107,7 @@ class Xpbd final : public ClothSolver {
 }  // namespace
 
 Variant<ClothSolver> cloth_xpbd() {
-  return {"xpbd", "small steps with compliance, coloured sweeps: stable at any stiffness",
+  return {"xpbd", "solver substeps with compliance, coloured sweeps: stable at any stiffness",
           [](Arena& a, const Params& p) -> std::unique_ptr<ClothSolver> { return std::make_unique<Xpbd>(a, p); }};
 }
 

@@ -51,7 +51,7 @@ void Collide::residuals(std::vector<Residual>& out) const {
 
 namespace {
 
-auto place_of(auto& list, ObjectId a, ObjectId b) {
+auto index_of(auto& list, ObjectId a, ObjectId b) {
   return std::lower_bound(list.begin(), list.end(), ordered(a, b), [](const Exclusion& e, const auto& pair) {
     return std::pair{e.a, e.b} < pair;
   });
@@ -60,13 +60,13 @@ auto place_of(auto& list, ObjectId a, ObjectId b) {
 }  // namespace
 
 bool Collide::Impl::excluded(ObjectId a, ObjectId b) const {
-  const auto it = place_of(exclusions, a, b);
+  const auto it = index_of(exclusions, a, b);
   return it != exclusions.end() && std::pair{it->a, it->b} == ordered(a, b);
 }
 
 void Collide::exclude(ObjectId a, ObjectId b) {
   Array<Exclusion>& list = impl_->exclusions;
-  const auto it = place_of(list, a, b);
+  const auto it = index_of(list, a, b);
   if (it != list.end() && std::pair{it->a, it->b} == ordered(a, b)) {
     ++it->count;
     return;
@@ -77,7 +77,7 @@ void Collide::exclude(ObjectId a, ObjectId b) {
 
 void Collide::include(ObjectId a, ObjectId b) {
   Array<Exclusion>& list = impl_->exclusions;
-  const auto it = place_of(list, a, b);
+  const auto it = index_of(list, a, b);
   if (it == list.end() || std::pair{it->a, it->b} != ordered(a, b)) return;
   FEDER_ASSERT(it->count > 0);
   if (--it->count > 0) return;

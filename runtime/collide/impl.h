@@ -118,16 +118,16 @@ struct Collide::Impl {
   void test_fresh(std::span<const ContactEntry> group, Real margin);
   void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
   void mix(Contact& contact) const;
-  void judge(ContactEntry& e, Real margin, Real dt);
+  void check_contact(ContactEntry& e, Real margin, Real dt);
   void list_arrivals();
   void list_active(StepContext& c);
 
   // touches.cpp
   ContactKey key(const ContactEntry& e, bool& flipped) const;
   std::uint32_t net_point(const ContactEntry& e) const;
-  ContactNote note(const ContactEntry& e) const;
+  ContactFinding finding(const ContactEntry& e) const;
   void count(const ContactEntry& e, int change);
-  void judge_watched();
+  void check_watched();
   void report_stay();
 
   // validate.cpp

@@ -2,7 +2,7 @@
 // A contact touches once a point is closer than kTouchBegin of the margin, or took an impulse in this step (a
 // speculative point that stopped a body); it ends when all points are farther than kContactEnd and none took an
 // impulse. The gap between the two keeps resting contacts from flickering. Impulses are known after the solve, so
-// contacts that depend on them are judged here, in the last row.
+// contacts that depend on them are checked here, in the last pass.
 // Changes go to the contact book, which sums them per pair of objects: what leaves (forget) and comes back before the
 // step's end cancels out.
 // Weak spot: a pair that touches in one place and hits in a second one reports no hit.
@@ -27,8 +27,8 @@ ContactKey Collide::Impl::key(const ContactEntry& e, bool& flipped) const {
 }
 
 // Where it is deepest, and what it did in this step.
-ContactNote Collide::Impl::note(const ContactEntry& e) const {
-  ContactNote n;
+ContactFinding Collide::Impl::finding(const ContactEntry& e) const {
+  ContactFinding n;
   bool flipped;
   n.key = key(e, flipped);
   n.index = net_point(e);
@@ -48,12 +48,12 @@ ContactNote Collide::Impl::note(const ContactEntry& e) const {
 
 void Collide::Impl::count(const ContactEntry& e, int change) {
   FEDER_ASSERT(((e.bits & kReported) != 0) == (change < 0));
-  ContactNote n = note(e);
+  ContactFinding n = finding(e);
   n.change = change;
   book->count(n);
 }
 
-void Collide::Impl::judge_watched() {
+void Collide::Impl::check_watched() {
   for (const std::uint32_t i : watched) {
     FEDER_ASSERT(i < entries.size() && (entries[i].bits & kWatch));
     ContactEntry& e = entries[i];
@@ -79,7 +79,7 @@ void Collide::Impl::report_stay() {
     if ((e.bits & (kTested | kReported | kSensorPair)) != (kTested | kReported)) continue;
     const Contact& contact = contacts->slots[e.slot];
     if (contact.point_count == 0 || (!colliders->awake[e.a] && !colliders->awake[e.b])) continue;
-    ContactNote n = note(e);
+    ContactFinding n = finding(e);
     const Vec3 va =
         colliders->velocity[e.a] + cross(colliders->angular_velocity[e.a], n.point - colliders->center[e.a]);
     const Vec3 vb =
@@ -91,7 +91,7 @@ void Collide::Impl::report_stay() {
 }
 
 void Collide::Impl::report_contact_states(StepContext& c) {
-  judge_watched();
+  check_watched();
   watched.clear();
   if (c.events->wanted(EventKind::contact_stay)) report_stay();
 }

@@ -109,7 +109,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   for (ContactEntry& e : group) {
     Contact& contact = contacts->slots[e.slot];
     if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);
-    judge(e, m.margin, dt);
+    check_contact(e, m.margin, dt);
   }
 }
 
@@ -246,7 +246,7 @@ void Collide::Impl::mix(Contact& contact) const {
 }
 
 // Speeds, and what the contact means for waking and for events (see touches.cpp for the rule of touching).
-void Collide::Impl::judge(ContactEntry& e, Real margin, Real dt) {
+void Collide::Impl::check_contact(ContactEntry& e, Real margin, Real dt) {
   const Colliders& c = *colliders;
   Contact& contact = contacts->slots[e.slot];
   const Vec3 between = c.velocity[e.b] - c.velocity[e.a];

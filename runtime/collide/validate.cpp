@@ -53,7 +53,7 @@ void Collide::Impl::check_entries() const {
 }
 
 void Collide::Impl::check_book() const {
-  FEDER_ASSERT(watched.empty());  // judged in the step's last row
+  FEDER_ASSERT(watched.empty());  // checked in the step's last pass
   MultisetHash on_record, reported;
   for (const ContactRecord& r : book->records())
     if (r.count > 0) on_record.add(hash_of(r.key), r.count);

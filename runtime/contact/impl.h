@@ -32,7 +32,7 @@ struct SurfaceContact::Impl {
   Array<Surface>& list;
   Array<Vec3>& position;
   Array<Real>& mass;
-  Array<Row4>&delta_position, &before, &speed;
+  Array<Row4>&delta_position, &before, &velocity;
   Array<SurfacePair>& between;
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
 
@@ -41,9 +41,9 @@ struct SurfaceContact::Impl {
   Array<std::uint32_t> joined_to;        // by surface: an earlier one of its group, or itself
 
   // closeness, by point; each group writes those of its own
-  Array<Aabb> vertex_box;                // swept over the rest of the step, beside the drift
-  Array<Vec3> found_place, found_speed;  // by point, when the boxes were made
-  Array<Real> stray;                     // by point: what it may depart from that motion, m
+  Array<Aabb> vertex_box;                      // swept over the rest of the step, beside the drift
+  Array<Vec3> found_position, found_velocity;  // by point, when the boxes were made
+  Array<Real> stray;                           // by point: what it may depart from that motion, m
   Array<std::uint32_t> found;
   Array<Row4> projection_start;              // displacements at the start of the part
   Array<std::uint32_t> zone_of;              // by point: one of its zone, or kNone: not held
@@ -88,7 +88,7 @@ struct SurfaceContact::Impl {
   // near.cpp: pairs that may come close in this step, and their rows
   bool near_wanted(const SurfaceGroup& g) const;
   std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
-  Vec3 place(std::uint32_t vertex) const { return position[vertex] + delta_position[vertex].vec(); }
+  Vec3 current_position(std::uint32_t vertex) const { return position[vertex] + delta_position[vertex].vec(); }
   // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: points may stay
   // behind.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
@@ -98,7 +98,7 @@ struct SurfaceContact::Impl {
   void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;
   void make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part);
-  int near_parts(const SurfaceGroup& g, StepContext& c) const;  // of a substep
+  int search_count(const SurfaceGroup& g, StepContext& c) const;  // of a substep
   void collect_near(const SurfaceGroup& g);
   void account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
   // guard.cpp: no pair crosses within a part

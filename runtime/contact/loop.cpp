@@ -26,7 +26,7 @@ void SurfaceContact::Impl::begin_substep(StepContext& c) {
     if (g.steps == 0) continue;
     NearSearch& near = *searches[k];
     near.near = near_wanted(g);
-    const int parts = near.near ? near_parts(g, c) : 1;
+    const int parts = near.near ? search_count(g, c) : 1;
     near.near_every = (g.steps + parts - 1) / parts;
   }
 }
@@ -48,7 +48,7 @@ void SurfaceContact::Impl::coast(StepContext& c) {
     const Surface& s = list[n];
     if (!s.coasts || !s.active) continue;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
-      if (delta_position[i].w != 0) delta_position[i].add(g.step * speed[i].vec());
+      if (delta_position[i].w != 0) delta_position[i].add(g.step * velocity[i].vec());
       before[i] = {delta_position[i].x, delta_position[i].y, delta_position[i].z, 1};
     }
   }
@@ -61,7 +61,7 @@ void SurfaceContact::Impl::read_velocities(StepContext& c) {
     const Surface& s = list[n];
     if (!s.coasts || !s.active) continue;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
-      speed[i].add((delta_position[i].vec() - before[i].vec()) / g.step);
+      velocity[i].add((delta_position[i].vec() - before[i].vec()) / g.step);
   }
 }
 

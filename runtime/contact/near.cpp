@@ -15,7 +15,7 @@ namespace {
 
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, where that is below the thickness
 constexpr Real kNear = Real(1.1);       // thicknesses, from which on a pair matters
-constexpr int kMaxParts = 64;
+constexpr int kMaxSearches = 64;
 constexpr Real kFreeShare = Real(0.05);  // of the weights, up to which a pair is its pinned vertices' own
 
 // Along a segment; 0 where its ends coincide.
@@ -58,9 +58,9 @@ void closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
   FEDER_ASSERT(!(s < 0 || s > 1 || t < 0 || t > 1));
 }
 
-template <class Place>
-Vec3 gap_vector(const std::uint32_t* v, bool edges, Place&& place, Real (&weight)[4]) {
-  const Vec3 x0 = place(v[0]), x1 = place(v[1]), x2 = place(v[2]), x3 = place(v[3]);
+template <class Position>
+Vec3 gap_vector(const std::uint32_t* v, bool edges, Position&& position_of, Real (&weight)[4]) {
+  const Vec3 x0 = position_of(v[0]), x1 = position_of(v[1]), x2 = position_of(v[2]), x3 = position_of(v[3]);
   if (edges) {
     Real s = 0, t = 0;
     closest_on_segments(x0, x1, x2, x3, s, t);
@@ -127,11 +127,12 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     free = free && !s.pinned && s.active;
-    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) near.drift += mass[i] * speed[i].vec(), sum += mass[i];
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
+      near.drift += mass[i] * velocity[i].vec(), sum += mass[i];
   }
   near.drift = free ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
   const std::uint32_t size = surfaces.size();
-  vertex_box.resize(size), found_place.resize(size), found_speed.resize(size), stray.resize(size);
+  vertex_box.resize(size), found_position.resize(size), found_velocity.resize(size), stray.resize(size);
   near_surface.resize(size);
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
@@ -142,13 +143,13 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
       near.near_vertex.push_back(i);
       near_surface[i] = n;
-      found_place[i] = place(i);
-      found_speed[i] = delta_position[i].w != 0 ? speed[i].vec() : Vec3(0, 0, 0);
-      const Vec3 beside = found_speed[i] - near.drift, far = found_place[i] + time * beside;
+      found_position[i] = current_position(i);
+      found_velocity[i] = delta_position[i].w != 0 ? velocity[i].vec() : Vec3(0, 0, 0);
+      const Vec3 beside = found_velocity[i] - near.drift, far = found_position[i] + time * beside;
       // what the guard holds back to the drift strays by all of its way
       stray[i] = delta_position[i].w == 0 ? Real(0) : kStray * s.thickness + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
-      b.lo = found_place[i].cwiseMin(far), b.hi = found_place[i].cwiseMax(far);
+      b.lo = found_position[i].cwiseMin(far), b.hi = found_position[i].cwiseMax(far);
       b.grow(stray[i] + Real(1.1) * half);
     }
   }
@@ -199,14 +200,14 @@ void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4
   if (place_a == place_b ? !a.active || !a.self : both == kNone) return;
   Real weight[4];
   const Vec3 gap = gap_vector(
-      v, edges, [&](std::uint32_t i) { return found_place[i]; }, weight);
+      v, edges, [&](std::uint32_t i) { return found_position[i]; }, weight);
   const Real distance = length(gap), wanted = Real(0.5) * (a.thickness + b.thickness);
   const std::uint32_t split = edges ? 2 : 1;
   Real closing = 0, own[2] = {0, 0};
   for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], stray[v[i]]);
   for (std::uint32_t i = 0; i < split; ++i)
     for (std::uint32_t j = split; j < 4; ++j) {
-      const Vec3 u = found_speed[v[i]] - found_speed[v[j]];
+      const Vec3 u = found_velocity[v[i]] - found_velocity[v[j]];
       closing = std::max(closing, dot(u, u));
     }
   closing = std::sqrt(closing);
@@ -268,18 +269,18 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
 // Normal, distance and weights now.
 void SurfaceContact::Impl::measure(NearPair& p, Real (&weight)[4]) const {
   const Vec3 gap = gap_vector(
-      p.v, p.edges, [&](std::uint32_t i) { return place(i); }, weight);
+      p.v, p.edges, [&](std::uint32_t i) { return current_position(i); }, weight);
   p.distance = length(gap);
   p.normal = normalized_or(gap, Vec3(0, 1, 0));
 }
 
 // Where something strikes faster than the candidates foresee, a substep is searched and guarded in parts.
-int SurfaceContact::Impl::near_parts(const SurfaceGroup& g, StepContext& c) const {
+int SurfaceContact::Impl::search_count(const SurfaceGroup& g, StepContext& c) const {
   Real most = 1;
   for (const std::uint32_t n : g.members)
     if (const Surface& s = list[n]; s.active)
-      most = std::max(most, std::min(c.h * s.approach_speed / (Real(0.5) * s.thickness), Real(kMaxParts)));
-  FEDER_ASSERT(most >= 1 && most <= kMaxParts);
+      most = std::max(most, std::min(c.h * s.approach_speed / (Real(0.5) * s.thickness), Real(kMaxSearches)));
+  FEDER_ASSERT(most >= 1 && most <= kMaxSearches);
   return std::min(static_cast<int>(std::ceil(most)), g.steps);
 }
 
@@ -300,7 +301,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     Real held = 0;
     for (int k = 0; k < 4; ++k) {
       const Row4& x = delta_position[p.v[k]];
-      u += weight[k] * speed[p.v[k]].vec(), d += weight[k] * x.vec();
+      u += weight[k] * velocity[p.v[k]].vec(), d += weight[k] * x.vec();
       if (x.w == 0) held += std::abs(weight[k]);
     }
     if (held > 2 * (1 - kFreeShare)) continue;
@@ -329,12 +330,12 @@ void SurfaceContact::Impl::collect_near(const SurfaceGroup& g) {
     if (!(r.impulse > k.strongest)) continue;
     k.strongest = r.impulse, k.speed = r.approach;
     Vec3 u = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) u += r.weight[i] * speed[r.vertex[i]].vec();
+    for (int i = 0; i < 4; ++i) u += r.weight[i] * velocity[r.vertex[i]].vec();
     k.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
     const bool reversed = near_surface[r.vertex[0]] != k.a;
     const std::uint32_t at = r.vertex[reversed ? 3 : 0];
     FEDER_ASSERT(near_surface[at] == k.a && near_surface[r.vertex[reversed ? 0 : 3]] == k.b);
-    k.index = at - list[k.a].first, k.point = place(at), k.normal = reversed ? r.normal : Vec3(-r.normal);
+    k.index = at - list[k.a].first, k.point = current_position(at), k.normal = reversed ? r.normal : Vec3(-r.normal);
   }
 }
 

@@ -18,7 +18,7 @@ constexpr Real kSearched = Real(0.999);  // of the way that the search allows
 
 // Where a vertex is, beside where it was foreseen to be.
 Vec3 SurfaceContact::Impl::astray(const NearSearch& near, std::uint32_t i) const {
-  return place(i) - found_place[i] - near.since_found * found_speed[i];
+  return current_position(i) - found_position[i] - near.since_found * found_velocity[i];
 }
 
 // Is every vertex where the search allowed it to be? The search is made anew for the next part when one has used most
@@ -28,7 +28,7 @@ bool SurfaceContact::Impl::near_path(NearSearch& near, Real part) {
   for (const std::uint32_t i : near.near_vertex) {
     FEDER_ASSERT(near_surface[i] < list.size() && !(stray[i] < 0));
     if (delta_position[i].w == 0) continue;
-    const Real far = length(astray(near, i)), faster = length(Vec3(speed[i].vec() - found_speed[i]));
+    const Real far = length(astray(near, i)), faster = length(Vec3(velocity[i].vec() - found_velocity[i]));
     const Real most = Real(0.75) * kStray * list[near_surface[i]].thickness;
     near.pairs_stale = near.pairs_stale || far > most || part * faster > most;
     good = good && !(far > stray[i]);
@@ -43,7 +43,7 @@ bool SurfaceContact::Impl::separate(NearPair& p, Real h, bool push) {
   const std::uint32_t split = p.edges ? 2 : 1;
   const Real wanted = kKept * p.distance;
   Real along[4];
-  for (int k = 0; k < 4; ++k) along[k] = dot(p.normal, place(p.v[k]) - place(p.v[0]));
+  for (int k = 0; k < 4; ++k) along[k] = dot(p.normal, current_position(p.v[k]) - current_position(p.v[0]));
   bool good = true;
   for (std::uint32_t i = 0; i < split; ++i)
     for (std::uint32_t j = split; j < 4; ++j) {
@@ -56,7 +56,7 @@ bool SurfaceContact::Impl::separate(NearPair& p, Real h, bool push) {
       if (!push || !(w > 0)) continue;
       const Real share = Real(1.01) * (wanted - gap) / w;
       a.add((a.w * share) * p.normal), b.add((-b.w * share) * p.normal);
-      speed[p.v[i]].add((a.w * share / h) * p.normal), speed[p.v[j]].add((-b.w * share / h) * p.normal);
+      velocity[p.v[i]].add((a.w * share / h) * p.normal), velocity[p.v[j]].add((-b.w * share / h) * p.normal);
       along[i] += a.w * share, along[j] -= b.w * share;
       ++projected;
     }
@@ -106,7 +106,7 @@ void SurfaceContact::Impl::project_out(NearSearch& near, Real part) {
   for (const std::uint32_t i : near.near_vertex) {
     if (zone_of[i] == kNone || delta_position[i].w == 0) continue;
     const Zone& z = zones[zone_root(i)];
-    speed[i].set(z.velocity + z.freedom * (speed[i].vec() - z.velocity));
+    velocity[i].set(z.velocity + z.freedom * (velocity[i].vec() - z.velocity));
   }
 }
 
@@ -128,7 +128,7 @@ void SurfaceContact::Impl::move_zones(const NearSearch& near, Real part) {
   };
   each([&](std::uint32_t i, Zone& z) {
     z.held = z.held || delta_position[i].w == 0;
-    z.velocity += mass[i] * speed[i].vec(), z.mass += mass[i];
+    z.velocity += mass[i] * velocity[i].vec(), z.mass += mass[i];
   });
   for (const std::uint32_t i : near.near_vertex)
     if (zone_of[i] == i) zones[i].velocity = zones[i].held ? Vec3(0, 0, 0) : Vec3(zones[i].velocity / zones[i].mass);
@@ -161,7 +161,7 @@ Real SurfaceContact::Impl::freedom(const NearPair& p) {
   Real now[4], wish[4], share = 1;
   for (int k = 0; k < 4; ++k) {
     if (zone_of[p.v[k]] == kNone || zone_root(p.v[k]) != root) return 1;
-    now[k] = dot(p.normal, place(p.v[k]) - place(p.v[0]));
+    now[k] = dot(p.normal, current_position(p.v[k]) - current_position(p.v[0]));
     wish[k] = now[k] + dot(p.normal, wished[p.v[k]].vec() - delta_position[p.v[k]].vec());
   }
   const Real kept = kKeptInZone * p.distance;
@@ -182,8 +182,8 @@ void SurfaceContact::Impl::widen(const SurfaceGroup& g, NearSearch& near, Real p
   for (const std::uint32_t i : near.near_vertex) wished[i] = delta_position[i];
   for (const std::uint32_t i : near.near_vertex) {
     if (delta_position[i].w == 0) continue;
-    swapped.push_back(speed[i]);
-    speed[i].set((delta_position[i].vec() - projection_start[i].vec()) / part);
+    swapped.push_back(velocity[i]);
+    velocity[i].set((delta_position[i].vec() - projection_start[i].vec()) / part);
     delta_position[i].set(projection_start[i].vec());
   }
   find_pairs(g, near, part, true);
@@ -194,7 +194,7 @@ void SurfaceContact::Impl::widen(const SurfaceGroup& g, NearSearch& near, Real p
   }
   std::size_t n = 0;
   for (const std::uint32_t i : near.near_vertex)
-    if (delta_position[i].w != 0) delta_position[i] = wished[i], speed[i] = swapped[n++];
+    if (delta_position[i].w != 0) delta_position[i] = wished[i], velocity[i] = swapped[n++];
   FEDER_ASSERT(n == swapped.size());  // the search lists the same vertices again
   swapped.clear();
   near.since_found = part;

@@ -1,4 +1,4 @@
-// Contact rows and holds, one after another in each small step, between the solvers' own sweeps. A row pushes its
+// Contact rows and holds, one after another in each solver substep, between the solvers' own sweeps. A row pushes its
 // vertices apart, or off a solver body, which gets the opposite impulse at the same moment; friction likewise (a cone,
 // by displacement). Collisions are fully plastic: what a push would throw back is taken out again. Overlap that was
 // there before is undone at kPushSpeed at most, so it cannot explode. A row near pinned vertices has little hold on the
@@ -63,7 +63,7 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
     Vec3 error = k.error + x.vec() - surfaces.body_displacement(k.solver_index, k.arm);
     // what was open before closes at kPullSpeed: a vertex attached far from its place must not throw the body
     Vec3 change = x.vec() - before[k.vertex].vec();
-    if (before[k.vertex].w != 0) change += h * speed[k.vertex].vec();
+    if (before[k.vertex].w != 0) change += h * velocity[k.vertex].vec();
     if (k.solver_index != 0) {
       const SolverBody& m = solver_bodies->state[k.solver_index];
       change -= h * (m.velocity + cross(m.angular_velocity, k.arm));
@@ -88,7 +88,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
       const Row4& x = delta_position[r.vertex[k]];
       d += r.weight[k] * x.vec();
       change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
-      if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * speed[r.vertex[k]].vec();
+      if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * velocity[r.vertex[k]].vec();
       response.add(x.w, r.weight[k]);
     }
     const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
@@ -108,7 +108,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     r.impulse += push / h;
     FEDER_ASSERT(!(push < 0));  // contacts do not pull
 
-    // friction takes what it can of the sliding of this small step
+    // friction takes what it can of the sliding of this solver substep
     Vec3 total = push * r.normal;
     const Vec3 sliding = change - closing * r.normal - h * r.slide;
     const Real slid = length(sliding);
@@ -135,7 +135,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
 
 Vec3 SurfaceContact::Impl::start(std::uint32_t i, Real h) const {
   const Vec3 x = position[i] + before[i].vec();
-  return before[i].w != 0 ? Vec3(x - h * speed[i].vec()) : x;
+  return before[i].w != 0 ? Vec3(x - h * velocity[i].vec()) : x;
 }
 
 // A row pushes two points that lie apart, so friction, and motion along the surface since the normal was found, would
@@ -179,7 +179,7 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0) continue;
       d += r.weight[k] * delta_position[r.vertex[k]].vec();
-      u += r.weight[k] * speed[r.vertex[k]].vec();
+      u += r.weight[k] * velocity[r.vertex[k]].vec();
       response.add(delta_position[r.vertex[k]].w, r.weight[k]);
     }
     if (r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h) continue;
@@ -195,12 +195,13 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
     FEDER_ASSERT(!(impulse < 0 || impulse > r.impulse));
     Real tilt[4] = {0, 0, 0, 0};
     if (near) {
-      const Vec3 x[4] = {place(r.vertex[0]), place(r.vertex[1]), place(r.vertex[2]), place(r.vertex[3])};
+      const Vec3 x[4] = {current_position(r.vertex[0]), current_position(r.vertex[1]), current_position(r.vertex[2]),
+                         current_position(r.vertex[3])};
       balance(r, x, impulse * r.normal, impulse, tilt);
     }
     for (int k = 0; k < 4; ++k) {
       if (r.weight[k] == 0 && tilt[k] == 0) continue;
-      Row4& v = speed[r.vertex[k]];
+      Row4& v = velocity[r.vertex[k]];
       const Vec3 was = v.vec(), push = (-r.weight[k] * impulse - tilt[k]) * r.normal;
       v.add(delta_position[r.vertex[k]].w * push);
       if (near && r.contact_state != kNone) account(r, k, v.vec() - was, push, 1);

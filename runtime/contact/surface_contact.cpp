@@ -29,10 +29,10 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
       position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
-      before(surfaces.before), speed(surfaces.speed), between(surfaces.pairs), surface_of_body(&arena),
-      joined_to(&arena), vertex_box(&arena), found_place(&arena), found_speed(&arena), stray(&arena), found(&arena),
-      projection_start(&arena), zone_of(&arena), zones(&arena), wished(&arena), swapped(&arena), near_surface(&arena),
-      others_box(&arena), box(&arena) {}
+      before(surfaces.before), velocity(surfaces.velocity), between(surfaces.pairs), surface_of_body(&arena),
+      joined_to(&arena), vertex_box(&arena), found_position(&arena), found_velocity(&arena), stray(&arena),
+      found(&arena), projection_start(&arena), zone_of(&arena), zones(&arena), wished(&arena), swapped(&arena),
+      near_surface(&arena), others_box(&arena), box(&arena) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
@@ -129,7 +129,7 @@ void SurfaceContact::Impl::gather(const SurfacePair& k) {
   const Surface &a = list[k.a], &b = list[k.b];
   FEDER_ASSERT(a.object < b.object && k.index < a.count);
   FEDER_ASSERT(is_direction(k.normal) && !(k.strongest > Real(1.001) * k.impulse));
-  ContactNote n;
+  ContactFinding n;
   n.key = {a.object, b.object};
   n.index = k.index, n.point = k.point, n.normal = k.normal;
   n.speed = k.speed, n.slip = k.slip, n.impulse = k.impulse;

@@ -40,7 +40,7 @@ void SurfaceContact::validate() const {
     FEDER_ASSERT(s.loop < m.surfaces.group_count);
     next += s.total;
   }
-  FEDER_ASSERT(next == m.surfaces.size() && m.delta_position.size() == next && m.speed.size() == next);
+  FEDER_ASSERT(next == m.surfaces.size() && m.delta_position.size() == next && m.velocity.size() == next);
   for (std::size_t k = 0; k < m.between.size(); ++k) {
     const SurfacePair& b = m.between[k];
     FEDER_ASSERT(b.a < m.list.size() && b.b < m.list.size() && m.list[b.a].object < m.list[b.b].object);

@@ -77,7 +77,8 @@ void ClothRigid::list_near(Aabb box, StepContext& c) {
   collide_.near(box, near_);
 }
 
-// What comes at a cloth has to be stopped within a quarter of its size: that takes small steps, from the first touch.
+// What comes at a cloth has to be stopped within a quarter of its size: that takes solver substeps, from the first
+// touch.
 void ClothRigid::find_approach(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const Bodies& b = rigid_.bodies();

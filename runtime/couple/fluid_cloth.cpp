@@ -1,10 +1,10 @@
 // Per substep: sheets screen the particles near them; the fluid moves; particles that lie on a sheet or would pass it
-// in this substep become boundary samples among the solver bodies, so that the cloth's small steps solve their contacts
-// together with its own stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the
-// particles are read back, and none may be on the other side of a triangle it was before. Sheets do not hold fluid back
-// along their surface (no friction, no wetting). Kept between calls: what pressed on whom, for waking. Weak spot: a
-// pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out again; a
-// cloth far lighter than a single particle follows single drops in jerks.
+// in this substep become boundary samples among the solver bodies, so that the cloth's solver substeps solve their
+// contacts together with its own stretch and with bodies: the weight of a pool reaches the pins within the substep.
+// Then the particles are read back, and none may be on the other side of a triangle it was before. Sheets do not hold
+// fluid back along their surface (no friction, no wetting). Kept between calls: what pressed on whom, for waking. Weak
+// spot: a pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out
+// again; a cloth far lighter than a single particle follows single drops in jerks.
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>
@@ -75,7 +75,7 @@ void FluidCloth::wake(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   faces_.start.assign(v.position.begin(), v.position.end());
   for (FaceSurface& s : faces_.surfaces) {
-    const Cloth::Info info = cloth_.info(s.place);
+    const Cloth::Info info = cloth_.info(s.index);
     bool loaded = false;
     for (const Pressed& p : pressed_) loaded = loaded || (p.cloth == s.object && p.all > 0);
     if (!loaded && info.asleep) {
@@ -105,8 +105,8 @@ void FluidCloth::connect(StepContext& c) {
       box.include(v.position[i]);
       fastest = std::max(fastest, dot(v.velocity[i], v.velocity[i]));
     }
-    const Real way = c.dt * (std::sqrt(fastest) + 2 * c.dt * length(c.gravity));
-    box.grow(info.thickness + way);
+    const Real travel = c.dt * (std::sqrt(fastest) + 2 * c.dt * length(c.gravity));
+    box.grow(info.thickness + travel);
     if (!wet(box, c.dt)) continue;
     if (first < n) surfaces_.connections.push_back({first, n, 0});
     first = std::min(first, n);
@@ -140,10 +140,10 @@ void FluidCloth::begin(StepContext& c) {
 void FluidCloth::make_rows(StepContext& c) {
   drop_rows();
   samples_.clear();
-  const std::span<const Row4> speed = surfaces_.speed;
+  const std::span<const Row4> velocity = surfaces_.velocity;
   const ClothVertices& v = cloth_.vertices();
   // where the vertices would go without fluid, roughly: the contacts follow what they do
-  for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * speed[i].vec();
+  for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * velocity[i].vec();
   faces_.find(fluid_);
   own_bodies_ = static_cast<std::uint32_t>(solver_bodies_.state.size());
   FEDER_ASSERT(own_bodies_ > 0 && solver_bodies_.mass.size() == own_bodies_);  // the world is one
@@ -175,7 +175,7 @@ void FluidCloth::make_rows(StepContext& c) {
     r.normal = -k.normal;
     r.solver_index = samples_.back().solver_index;
     r.offset = k.distance - k.rest - dot(r.normal, d);
-    const std::size_t cloth = faces_.surfaces[k.surface].place, group = surfaces_.group_of(cloth);
+    const std::size_t cloth = faces_.surfaces[k.surface].index, group = surfaces_.group_of(cloth);
     r.relaxation = cloth_.info(cloth).relaxation;
     surfaces_.groups[group]->use_body(r.solver_index);
     surfaces_.groups[group]->rows.push_back(r);
@@ -188,7 +188,7 @@ void FluidCloth::read_back(StepContext& c) {
   next_row_.assign(surfaces_.group_count, 0);
   for (const FaceContact& k : faces_.contacts) {
     // its row: they are in the order of the contacts, with those of bodies before or after
-    const std::size_t group = surfaces_.group_of(faces_.surfaces[k.surface].place);
+    const std::size_t group = surfaces_.group_of(faces_.surfaces[k.surface].index);
     const Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
     std::uint32_t& next = next_row_[group];
     while (next < rows.size() && rows[next].contact_state != kNone) ++next;
@@ -201,8 +201,8 @@ void FluidCloth::read_back(StepContext& c) {
     const Real net = r.impulse - r.returned;
     samples_[at].pushed -= net * r.normal;
     FEDER_ASSERT(k.pool == samples_[at].pool && k.particle == samples_[at].particle);
-    if (net > 0) note(k, net, r.approach, -r.normal);
-    Pressed& to = pressed_[faces_.surfaces[k.surface].place];
+    if (net > 0) record(k, net, r.approach, -r.normal);
+    Pressed& to = pressed_[faces_.surfaces[k.surface].index];
     to.all += std::abs(net);
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
@@ -233,11 +233,11 @@ void FluidCloth::read_back(StepContext& c) {
 void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepContext& c) {
   FluidPool& p = fluid_.pool_at(k.pool);
   ++projected_;
-  p.x[k.particle].set(hit.place);
+  p.x[k.particle].set(hit.position);
   Vec3 u = p.v[k.particle].vec();
   Real response = 1 / p.mass;
   for (int i = 0; i < 3; ++i) {
-    u -= hit.weight[i] * surfaces_.speed[k.vertex[i]].vec();
+    u -= hit.weight[i] * surfaces_.velocity[k.vertex[i]].vec();
     response += hit.weight[i] * hit.weight[i] * surfaces_.delta_position[k.vertex[i]].w;
   }
   const Real closing = -dot(hit.normal, u);
@@ -246,8 +246,8 @@ void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepConte
   const Vec3 impulse = (closing / response) * hit.normal;
   p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
   for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -hit.weight[i] * impulse);
-  note(k, length(impulse), closing, hit.normal);
-  Pressed& to = pressed_[faces_.surfaces[k.surface].place];
+  record(k, length(impulse), closing, hit.normal);
+  Pressed& to = pressed_[faces_.surfaces[k.surface].index];
   to.all += length(impulse);
   if (length(c.gravity) > 0) to.along -= dot(impulse, c.gravity) / length(c.gravity);
 }
@@ -271,7 +271,7 @@ void FluidCloth::finish(StepContext& c) {
 }
 
 // A particle pushed a cloth. Contacts come by pool and particle.
-void FluidCloth::note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal) {
+void FluidCloth::record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal) {
   const ObjectId cloth = faces_.surfaces[k.surface].object, fluid = fluid_of(k.pool);
   FEDER_ASSERT(!(impulse < 0 || speed < 0));
   std::size_t at = 0;
@@ -303,7 +303,7 @@ void FluidCloth::end_substep() {
 void FluidCloth::report() {
   for (const ContactState& t : contact_states_) {
     FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0 && t.count > 0);
-    ContactNote n;
+    ContactFinding n;
     n.key = {t.cloth, t.fluid};
     n.index = t.count, n.number = 1;
     n.point = t.point, n.normal = t.normal;

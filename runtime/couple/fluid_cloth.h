@@ -40,7 +40,7 @@ class FluidCloth final : public System {
     Real strongest = 0;                                // N s
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
-  // A particle that stands among the solver bodies for the length of the cloth's row.
+  // A particle that stands among the solver bodies for the surface substeps of a substep.
   struct BoundarySample {
     std::uint32_t pool = 0, particle = 0, solver_index = 0;
     Vec3 given = Vec3::Zero();   // velocity, m/s
@@ -61,7 +61,7 @@ class FluidCloth final : public System {
   void drop_rows();
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
-  void note(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
+  void record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
   void end_substep();
   void report();
 

@@ -118,12 +118,12 @@ void FluidFaces::find(Fluid& fluid) {
         if (!meets(p, s)) return;
         FaceContact k;
         const Vec3 a = start[f.v[0]], b = start[f.v[1]], e = start[f.v[2]];
-        Vec3 q, way = to - from;
+        Vec3 q, path = to - from;
         nearest_weights(from, a, b, e, q, k.weight);
         // who comes nearer than this pushes others, which may come as near
         Real fastest = 0;
         for (int j = 0; j < 3; ++j) fastest = std::max(fastest, length(Vec3(end[f.v[j]] - start[f.v[j]])));
-        fastest += length(way);
+        fastest += length(path);
         k.distance = length(Vec3(from - q));
         k.rest = half + s.half;
         if (k.distance > k.rest + slack + fastest) return;
@@ -131,7 +131,7 @@ void FluidFaces::find(Fluid& fluid) {
         for (int j = 0; j < 3; ++j) k.vertex[j] = f.v[j];
         const Vec3 up = normalized_or(cross(Vec3(b - a), Vec3(e - a)), Vec3(0, 1, 0));
         // on the face itself: it goes back where it came from
-        const Vec3 back = dot(up, way) > 0 ? Vec3(-up) : up;
+        const Vec3 back = dot(up, path) > 0 ? Vec3(-up) : up;
         k.normal = k.distance > Real(1e-4) * p.desc.spacing ? Vec3((from - q) / k.distance) : back;
         FEDER_ASSERT(is_direction(k.normal) && sums_to(k.weight, 1) && k.rest > 0);
         contacts.push_back(k);
@@ -187,8 +187,8 @@ bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, 
   if (!passed && (after * side >= keep || before * side < keep / 2)) return false;
   hit.when = passed ? s : Real(2);
   hit.normal = side * up1;
-  hit.place = keep * hit.normal;
-  for (int i = 0; i < 3; ++i) hit.place += hit.weight[i] * now[i];
+  hit.position = keep * hit.normal;
+  for (int i = 0; i < 3; ++i) hit.position += hit.weight[i] * now[i];
   return true;
 }
 

@@ -26,7 +26,7 @@ struct FaceSurface {
   std::span<const std::uint32_t> triangles;  // three each
   Real half = 0;                             // of the thickness, m
   std::uint32_t group = 1, mask = 0xffffffffu;
-  std::uint32_t place = 0;  // of the thing, for the coupling
+  std::uint32_t index = 0;  // of the thing, for the coupling
 };
 
 // A particle that may touch a face in this substep.
@@ -42,9 +42,9 @@ struct FaceContact {
 // Where a particle was caught.
 struct FaceHit {
   Real when = 2;
-  Real weight[3] = {};         // of the face's points
-  Vec3 normal = Vec3::Zero();  // to the side it began on
-  Vec3 place = Vec3::Zero();   // where it may be, m
+  Real weight[3] = {};           // of the face's points
+  Vec3 normal = Vec3::Zero();    // to the side it began on
+  Vec3 position = Vec3::Zero();  // where it may be, m
 };
 
 class FluidFaces {

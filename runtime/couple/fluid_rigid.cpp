@@ -31,7 +31,7 @@ FluidRigid::FluidRigid(SystemSetup& s)
       colliders_(s.store.need<Colliders>(ContactService::kSystem)),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), boundary_(fluid_.boundary()), objects_(s.objects),
       contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)),
-      collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)), place_(&s.store.arena(kName)),
+      collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)), index_of_body_(&s.store.arena(kName)),
       inside_(&s.store.arena(kName)), fluid_contacts_(&s.store.arena(kName)) {}
 
 FluidRigid::~FluidRigid() { boundary_.shapes.clear(), boundary_.bodies.clear(); }
@@ -62,15 +62,15 @@ void FluidRigid::list_boundary() {
   const Bodies& b = rigid_.bodies();
   boundary_.shapes.clear(), boundary_.bodies.clear();
   collider_.clear(), body_.clear();
-  place_.assign(b.size(), kNone);
+  index_of_body_.assign(b.size(), kNone);
   for (std::uint32_t k = 0; k < colliders_.size(); ++k) {
     if (colliders_.motion[k] == ColliderMotion::none || colliders_.sensor[k] ||
         colliders_.owner[k] != ColliderOwner::body)
       continue;
     const std::uint32_t i = colliders_.owner_index[k];
-    if (place_[i] == kNone) {
+    if (index_of_body_[i] == kNone) {
       FEDER_ASSERT(body_.size() == boundary_.bodies.size());
-      place_[i] = static_cast<std::uint32_t>(boundary_.bodies.size());
+      index_of_body_[i] = static_cast<std::uint32_t>(boundary_.bodies.size());
       BoundaryBody body;
       body.object = b.object[i];
       body.dynamic = b.type[i] == BodyType::dynamic;
@@ -79,7 +79,7 @@ void FluidRigid::list_boundary() {
     }
     BoundaryShape w;
     w.shape = colliders_.shape[k];
-    w.body = place_[i];
+    w.body = index_of_body_[i];
     w.group = colliders_.group[k], w.mask = colliders_.mask[k];
     w.local = colliders_.local[k];
     boundary_.shapes.push_back(w);
@@ -230,7 +230,7 @@ void FluidRigid::report_contacts(StepContext&) {
   fluid_contacts_.clear();
   fluid_.list_contact_states(fluid_contacts_);
   for (const FluidContactState& t : fluid_contacts_) {
-    ContactNote n;
+    ContactFinding n;
     n.key = {t.body, t.fluid};
     n.index = t.count, n.number = 1;
     n.point = t.point, n.normal = t.normal;
@@ -267,7 +267,7 @@ void FluidRigid::report_sensors(StepContext&) {
     });
   }
   for (const Inside& i : inside_) {
-    ContactNote n;
+    ContactFinding n;
     n.key = {i.sensor, i.fluid, 0, 1};
     n.index = i.count, n.number = 1;
     contacts_.see(finder_, n);
@@ -288,7 +288,8 @@ void FluidRigid::validate() const {
   FEDER_ASSERT(boundary_.shapes.empty() ||
                (boundary_.shapes.size() == collider_.size() && boundary_.bodies.size() == body_.size()));
   for (std::size_t n = 0; n < boundary_.bodies.size(); ++n) {
-    FEDER_ASSERT(body_[n] < b.size() && place_[body_[n]] == n && b.object[body_[n]] == boundary_.bodies[n].object);
+    FEDER_ASSERT(body_[n] < b.size() && index_of_body_[body_[n]] == n &&
+                 b.object[body_[n]] == boundary_.bodies[n].object);
     // a body that went bad within the step is fixed since then
     FEDER_ASSERT(boundary_.bodies[n].dynamic || b.type[body_[n]] != BodyType::dynamic);
   }

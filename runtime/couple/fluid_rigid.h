@@ -62,7 +62,7 @@ class FluidRigid final : public System {
   const std::uint32_t finder_;               // of contacts and of what is in sensors
   Array<std::uint32_t> collider_;            // of a wall
   Array<std::uint32_t> body_;                // index in Bodies, of a wall body
-  Array<std::uint32_t> place_;               // of a body in Walls::bodies, kNone
+  Array<std::uint32_t> index_of_body_;       // of a body in Walls::bodies, kNone
   Array<Inside> inside_;                     // of this step
   Array<FluidContactState> fluid_contacts_;  // of this step, by fluid, then body
   double before_[3] = {0, 0, 0};             // momentum of the fluids when the walls were placed, kg m/s

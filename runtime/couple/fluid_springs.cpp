@@ -76,7 +76,7 @@ void FluidSprings::solve(StepContext&) {
   faces_.follow(fluid_, now);
   faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) {
     ++projected_;
-    fluid_.pool_at(k.pool).x[k.particle].set(hit.place);
+    fluid_.pool_at(k.pool).x[k.particle].set(hit.position);
     exchange(k, hit.weight, hit.normal);
   });
 }
@@ -154,7 +154,7 @@ void FluidSprings::residuals(std::vector<Residual>& out) const {
 void FluidSprings::validate() const {
   if (fluid_.pool_count() == 0 || count() == 0) return;  // what is listed is of an earlier step
   faces_.validate();
-  for (const FaceSurface& s : faces_.surfaces) FEDER_ASSERT(s.first < points_.size() && s.place < springs_.net_count());
+  for (const FaceSurface& s : faces_.surfaces) FEDER_ASSERT(s.first < points_.size() && s.index < springs_.net_count());
 }
 
 }  // namespace feder

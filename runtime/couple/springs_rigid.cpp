@@ -1,4 +1,4 @@
-// Structure of the coupling: which points have a collider and a solver body, the plan's rows, and what is asked from
+// Structure of the coupling: which points have a collider and a solver body, the plan's passes, and what is asked from
 // outside. The rows themselves are in springs_rigid_step.cpp.
 // Everything here follows from the nets: colliders and solver bodies live in their blocks, their numbers in Particles,
 // so a snapshot needs nothing from this system.
@@ -156,8 +156,8 @@ void SpringsRigid::validate() const {
     last = k.solver_index;
   }
   for (const Springs::Attachment& a : springs_.attachments()) {
-    const std::uint32_t place = find_coupled(a.point);
-    FEDER_ASSERT(place != kNone && coupled_[place].attached && particles_.net[a.point] == a.net);
+    const std::uint32_t index = find_coupled(a.point);
+    FEDER_ASSERT(index != kNone && coupled_[index].attached && particles_.net[a.point] == a.net);
   }
   for (const Attachment& k : attachments_) FEDER_ASSERT(k.coupled < coupled_.size() && k.body < rigid_.bodies().size());
 }

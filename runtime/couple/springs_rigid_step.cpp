@@ -1,4 +1,4 @@
-// The rows of the coupling. Per substep: the net's integrator has moved its points; their velocities are handed to
+// The passes of the coupling. Per substep: the net's integrator has moved its points; their velocities are handed to
 // the rigid solver as solver bodies of their own, contacts push both sides, and what changed is read back. A point
 // without a contact keeps its integrator's result. Attachments are ball joints between body and point: three rows
 // solved together, with the position error taken out as bias velocity before the rigid solve and the velocity projected
@@ -168,9 +168,9 @@ void SpringsRigid::solve_attachments(int rounds, Real rate) {
     for (const Attachment& k : attachments_) {
       SolverBody& point = solver_bodies_.state[coupled_[k.coupled].solver_index];
       SolverBody& body = solver_bodies_.state[k.solver_index];
-      Vec3 speed = point.velocity - velocity_at(body, k.arm);
-      if (rate > 0) speed += closing_velocity(attachment_error(k), rate);
-      const Vec3 impulse = -(k.mass * speed);
+      Vec3 velocity = point.velocity - velocity_at(body, k.arm);
+      if (rate > 0) velocity += closing_velocity(attachment_error(k), rate);
+      const Vec3 impulse = -(k.mass * velocity);
       const SolverMass& pm = solver_bodies_.mass[coupled_[k.coupled].solver_index];
       const SolverMass& bm = solver_bodies_.mass[k.solver_index];
       point.velocity += pm.inv_mass * impulse;

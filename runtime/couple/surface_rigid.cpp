@@ -69,8 +69,8 @@ void SurfaceRigid::wake_left() {
   std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.surface); });
 }
 
-SurfaceRigid::Place SurfaceRigid::place(std::uint32_t k) const {
-  Place p;
+SurfaceRigid::BodyPose SurfaceRigid::body_pose(std::uint32_t k) const {
+  BodyPose p;
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = colliders_.owner_index[k];
   FEDER_ASSERT(colliders_.owner[k] == ColliderOwner::body && b.object[body] == colliders_.object[k]);
@@ -179,7 +179,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
   const Vec3 fall = c.gravity * (c.dt * c.dt);
   Aabb all;
   for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
-    const Vec3 x = surfaces_.position[i], u = surfaces_.speed[i].vec();
+    const Vec3 x = surfaces_.position[i], u = surfaces_.velocity[i].vec();
     Aabb& b = box_[i];
     const Vec3 far = surfaces_.delta_position[i].w == 0 ? x : Vec3(x + c.dt * u + fall);
     b.lo = x.cwiseMin(far), b.hi = x.cwiseMax(far);
@@ -243,10 +243,10 @@ void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
       if (r.weight[k] > r.weight[heaviest]) heaviest = k;
     for (const Surface& s : surfaces_.list)
       if (s.object == t.surface) t.index = r.vertex[heaviest] - s.first;
-    t.point = place_of(r.vertex[heaviest]);
+    t.point = current_position(r.vertex[heaviest]);
     t.normal = -r.normal;
     Vec3 u = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) u += r.weight[k] * surfaces_.speed[r.vertex[k]].vec();
+    for (int k = 0; k < 3; ++k) u += r.weight[k] * surfaces_.velocity[r.vertex[k]].vec();
     if (r.solver_index)
       u -= solver_bodies_.state[r.solver_index].velocity +
            cross(solver_bodies_.state[r.solver_index].angular_velocity, r.arm);
@@ -285,7 +285,7 @@ void SurfaceRigid::report(const ContactState& t, const Surface& s) {
   const std::uint32_t body = rigid_.index(t.body);
   if (!s.sleep_candidate && b.type[body] == BodyType::dynamic && !b.awake[body])
     rigid_.wake(t.body, s.wakes, t.surface);
-  ContactNote n;
+  ContactFinding n;
   const bool flipped = s.balls && t.body < t.surface;
   n.key = {flipped ? t.body : t.surface, flipped ? t.surface : t.body};
   n.index = t.index, n.point = t.point, n.normal = flipped ? Vec3(-t.normal) : t.normal;

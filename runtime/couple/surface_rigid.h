@@ -46,7 +46,7 @@ class SurfaceRigid final : public System {
     Real strongest = 0;
   };
   // A collider as it is now.
-  struct Place {
+  struct BodyPose {
     Pose pose;
     Vec3 center = Vec3::Zero();  // of mass, m
     Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
@@ -67,19 +67,21 @@ class SurfaceRigid final : public System {
   void wake_left();
   void candidates_of(std::uint32_t surface, StepContext& c);
   void connect(std::uint32_t surface, std::uint32_t body);
-  void measure_pin(const Candidate& k, const Place& at, Real radius);
+  void measure_pin(const Candidate& k, const BodyPose& at, Real radius);
   void warn_of_pins(const Surface& surface, std::uint32_t collider, StepContext& c);
   bool anchored(std::uint32_t point, ObjectId body) const;
   void wake(Surface& surface, ObjectId by);
-  Place place(std::uint32_t collider) const;
-  void point_rows(const Candidate& k, const Place& at, StepContext& c);
-  void triangle_rows(const Candidate& k, const Place& at, StepContext& c);
-  void add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
+  BodyPose body_pose(std::uint32_t collider) const;
+  void point_rows(const Candidate& k, const BodyPose& at, StepContext& c);
+  void triangle_rows(const Candidate& k, const BodyPose& at, StepContext& c);
+  void add_row(const Candidate& k, const BodyPose& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                const Vec3& normal, Real gap, const Vec3& point);
   std::uint32_t state_of(const Surface& surface, ObjectId body);
   void report(const ContactState& t, const Surface& surface);
   const Surface* surface_of(ObjectId object) const;
-  Vec3 place_of(std::uint32_t point) const { return surfaces_.position[point] + surfaces_.delta_position[point].vec(); }
+  Vec3 current_position(std::uint32_t point) const {
+    return surfaces_.position[point] + surfaces_.delta_position[point].vec();
+  }
 
   Surfaces& surfaces_;
   Rigid& rigid_;

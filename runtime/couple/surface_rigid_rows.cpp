@@ -52,7 +52,7 @@ void SurfaceRigid::refresh_rows(StepContext& c) {
   // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
   const int wanted = static_cast<int>(std::min(static_cast<Real>(count), 2 * cfl_number_[group]));
   FEDER_ASSERT(done > 0 && done < count);
-  const int parts = std::min(count, wanted + 1), every = count / parts;
+  const int refreshes = std::min(count, wanted + 1), every = count / refreshes;
   if (done % every != 0) return;
   collect_group(group, c);
   Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
@@ -66,7 +66,7 @@ void SurfaceRigid::refresh_rows(StepContext& c) {
 void SurfaceRigid::fill_rows(StepContext& c) {
   std::uint32_t collider = kNone, surface = kNone;
   bool wanted = true;
-  Place at;
+  BodyPose at;
   pin_depth_.assign(surfaces_.size(), 0);
   deep_pins_.clear();
   for (const Candidate& k : candidates_) {
@@ -75,7 +75,7 @@ void SurfaceRigid::fill_rows(StepContext& c) {
       collider = k.collider, surface = k.surface;
       const std::size_t group = surfaces_.group_of(surface);
       wanted = !refreshing() || refreshing_ == group;
-      if (wanted) at = place(collider), at.box = colliders_.shape[collider]->bounds(at.pose);
+      if (wanted) at = body_pose(collider), at.box = colliders_.shape[collider]->bounds(at.pose);
       if (!refreshing()) surfaces_.groups[group]->use_body(at.solver_index);
       for (const std::uint32_t v : deep_pins_) pin_depth_[v] = 0;
       deep_pins_.clear();
@@ -86,9 +86,9 @@ void SurfaceRigid::fill_rows(StepContext& c) {
 }
 
 // How deep a pin is in what does not give way either, half the thickness included. Its triangles come after it.
-void SurfaceRigid::measure_pin(const Candidate& k, const Place& at, Real radius) {
+void SurfaceRigid::measure_pin(const Candidate& k, const BodyPose& at, Real radius) {
   Vec3 normal;
-  const Vec3 x = to_local(at.pose, place_of(k.index));
+  const Vec3 x = to_local(at.pose, current_position(k.index));
   const Real depth = radius - colliders_.shape[k.collider]->distance(x, radius, normal);
   if (!(depth > 0)) return;
   FEDER_ASSERT(pin_depth_[k.index] == 0);  // once for a collider
@@ -97,7 +97,7 @@ void SurfaceRigid::measure_pin(const Candidate& k, const Place& at, Real radius)
 }
 
 // `normal` from the body to the cloth; `gap` beyond the thickness now; `point` on the cloth.
-void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
+void SurfaceRigid::add_row(const Candidate& k, const BodyPose& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                            const Vec3& normal, Real gap, const Vec3& point) {
   const Surface& info = surfaces_.list[k.surface];
   FEDER_ASSERT(info.active);  // it is woken instead
@@ -134,16 +134,16 @@ void SurfaceRigid::add_row(const Candidate& k, const Place& at, const std::uint3
   surfaces_.groups[surfaces_.group_of(k.surface)]->rows.push_back(r);
 }
 
-void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& c) {
+void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContext& c) {
   Surface& info = surfaces_.list[k.surface];
   const Real radius = Real(0.5) * info.thickness;
   const Shape& ball = *point_shapes_[k.surface];
   FEDER_ASSERT(ball.radius() == radius);
-  const Vec3 x = place_of(k.index);
+  const Vec3 x = current_position(k.index);
   if (info.active && surfaces_.delta_position[k.index].w == 0 &&
       colliders_.motion[k.collider] != ColliderMotion::dynamic)
     return measure_pin(k, at, radius);
-  const Vec3 u = surfaces_.speed[k.index].vec() - at.velocity - cross(at.angular_velocity, x - at.center);
+  const Vec3 u = surfaces_.velocity[k.index].vec() - at.velocity - cross(at.angular_velocity, x - at.center);
   const Vec3 travel = speculative_time_ * u + (speculative_time_ * speculative_time_) * c.gravity;
   const Real nearest_travel = length(travel);
   if (!refreshing()) {
@@ -181,20 +181,20 @@ void SurfaceRigid::point_rows(const Candidate& k, const Place& at, StepContext& 
   }
 }
 
-void SurfaceRigid::triangle_rows(const Candidate& k, const Place& at, StepContext& c) {
+void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepContext& c) {
   const Surface& info = surfaces_.list[k.surface];
   FEDER_ASSERT(3 * k.index + 2 < info.triangles.size());
   const std::uint32_t* q = &info.triangles[3 * k.index];
   const std::uint32_t v[3] = {info.first + q[0], info.first + q[1], info.first + q[2]};
-  const Vec3 a = place_of(v[0]), b = place_of(v[1]) - a, e = place_of(v[2]) - a;
+  const Vec3 a = current_position(v[0]), b = current_position(v[1]) - a, e = current_position(v[2]) - a;
   const Vec3 middle = a + (b + e) / 3;
-  const Vec3 body_speed = at.velocity + cross(at.angular_velocity, middle - at.center),
+  const Vec3 body_velocity = at.velocity + cross(at.angular_velocity, middle - at.center),
              fall = (speculative_time_ * speculative_time_) * c.gravity;
   Vec3 travel = fall;
   // a corner that goes with the body is near it now: only what comes as a whole is cast
   Real nearest_travel = kInfinity, farthest = 0;
   for (int i = 0; i < 3; ++i) {
-    const Vec3 u = surfaces_.speed[v[i]].vec() - body_speed;
+    const Vec3 u = surfaces_.velocity[v[i]].vec() - body_velocity;
     travel += speculative_time_ / 3 * u;
     const Real far = length(Vec3(speculative_time_ * u + fall));
     nearest_travel = std::min(nearest_travel, far), farthest = std::max(farthest, far);

@@ -20,7 +20,7 @@ struct NearShapes {
   bool all = false;
 };
 
-Vec3 boundary_speed(const BoundaryBody& b, const Vec3& x) { return b.velocity_at(x); }
+Vec3 boundary_velocity(const BoundaryBody& b, const Vec3& x) { return b.velocity_at(x); }
 
 // Swept against a mesh: it has no inside, so only the way tells.
 bool crosses(const BoundaryShape& w, const Vec3& from, const Vec3& to, RayHit& hit) {
@@ -57,7 +57,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   FEDER_ASSERT(speculative_time >= 0 && contact_first.size() > count);
   const Real fall = length(gravity) * speculative_time * speculative_time;
   const auto swept_bounds = [&](std::uint32_t i, const BoundaryBody& b) {
-    return support + fall + speculative_time * length(Vec3(v[i].vec() - boundary_speed(b, start[i].vec())));
+    return support + fall + speculative_time * length(Vec3(v[i].vec() - boundary_velocity(b, start[i].vec())));
   };
   const auto near_shapes = [&](std::uint32_t first, std::uint32_t last, NearShapes& near) {
     Aabb box;
@@ -164,15 +164,15 @@ void FluidPool::record_contact_states(const Boundary& boundary) {
   for (FluidContactState& t : contact_states) t.count = 0, t.point = t.normal = Vec3::Zero();
   for (std::uint32_t k = 0; k < total; ++k) {
     const BoundaryContact& c = contacts[k];
-    const Vec3 place = x[c.particle].vec();
-    if (dot(c.normal, place) - c.offset > near) continue;
+    const Vec3 position = x[c.particle].vec();
+    if (dot(c.normal, position) - c.offset > near) continue;
     FEDER_ASSERT(c.particle < count && c.shape < boundary.shapes.size());
     FluidContactState& t = at(c);
     t.body = boundary.bodies[boundary.shapes[c.shape].body].object;
     ++t.count;
-    t.point += place, t.normal += c.normal;
+    t.point += position, t.normal += c.normal;
     const Real closing =
-        dot(c.normal, Vec3(boundary.bodies[boundary.shapes[c.shape].body].velocity_at(place) - v[c.particle].vec()));
+        dot(c.normal, Vec3(boundary.bodies[boundary.shapes[c.shape].body].velocity_at(position) - v[c.particle].vec()));
     t.speed = std::max(t.speed, closing);
   }
 }

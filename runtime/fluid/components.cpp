@@ -121,25 +121,25 @@ void join_runs(const CellGrid& g, CellRun* runs, const std::uint32_t* row_first)
     }
 }
 
-// Does a box that moves by `way` come nearer than `margin` to a wall? The plane through the nearest point of a convex
-// shape has it all behind; else a ball about the box is traced along the way in steps of the distance, like a ray in a
-// distance field (Hart 1996). A wall beside the way is not met.
-bool meets_shape(const Aabb& box, const Vec3& way, Real margin, const BoundaryShape& w) {
+// Does a box that moves by `travel` come nearer than `margin` to a wall? The plane through the nearest point of a
+// convex shape has it all behind; else a ball about the box is traced along the way in steps of the distance, like a
+// ray in a distance field (Hart 1996). A wall beside the way is not met.
+bool meets_shape(const Aabb& box, const Vec3& travel, Real margin, const BoundaryShape& w) {
   const Vec3 middle = (box.lo + box.hi) / 2, half = (box.hi - box.lo) / 2;
-  const Real margin_to_center = length(half) + margin, whole = length(way);
+  const Real margin_to_center = length(half) + margin, whole = length(travel);
   Aabb swept{middle, middle};
-  swept.include(Vec3(middle + way));
+  swept.include(Vec3(middle + travel));
   swept.grow(margin_to_center);
   if (!overlaps(swept, w.box)) return false;
   Real gone = 0;
   for (int step = 0;; ++step) {
-    const Vec3 at = whole > 0 ? Vec3(middle + (gone / whole) * way) : middle;
+    const Vec3 at = whole > 0 ? Vec3(middle + (gone / whole) * travel) : middle;
     Vec3 normal = Vec3::Zero();
     const Real d = w.shape->distance(to_local(w.pose, at), margin_to_center + whole, normal);
     if (d >= margin_to_center + whole) return false;
     if (step == 0 && w.shape->convex()) {
       const Vec3 n = rotate(w.pose.rotation, normal);
-      if (d + std::min(Real(0), dot(n, way)) > dot(n.cwiseAbs(), half) + margin) return false;
+      if (d + std::min(Real(0), dot(n, travel)) > dot(n.cwiseAbs(), half) + margin) return false;
     }
     if (!(d > margin_to_center) || step == kMaxTraceSteps) return true;
     gone += d - margin_to_center;
@@ -163,8 +163,8 @@ bool meets_boundary(const Component& c, const FluidPool& p, const Boundary& boun
 // Do they come nearer than the support within h? Of the two what moves within each counts in all directions.
 bool meet(const Component& a, const Component& b, Real support, Real h, Real fall) {
   Aabb swept = a.box;
-  const Vec3 way = h * (a.velocity() - b.velocity());
-  swept.include(Aabb{a.box.lo + way, a.box.hi + way});
+  const Vec3 travel = h * (a.velocity() - b.velocity());
+  swept.include(Aabb{a.box.lo + travel, a.box.hi + travel});
   swept.grow(support + h * (a.frame_speed() + b.frame_speed()) + fall);
   return overlaps(swept, b.box);
 }
@@ -177,9 +177,9 @@ void unite_meeting(Component* list, std::uint32_t n, Real support, const StepCon
   };
   Entry* entries = c.scratch->take<Entry>(n);
   for (std::uint32_t k = 0; k < n; ++k) {
-    const Vec3 way = c.h * list[k].velocity();
+    const Vec3 travel = c.h * list[k].velocity();
     Aabb swept = list[k].box;
-    swept.include(Aabb{swept.lo + way, swept.hi + way});
+    swept.include(Aabb{swept.lo + travel, swept.hi + travel});
     swept.grow(support / 2 + c.h * list[k].frame_speed() + fall);
     entries[k] = {swept, k};
   }

@@ -1,4 +1,4 @@
-// The fluid system: pools, what is asked of them, and the plan's rows. Particles live in arrays that grow outside
+// The fluid system: pools, what is asked of them, and the plan's passes. Particles live in arrays that grow outside
 // steps only.
 #include "feder/fluid.h"
 
@@ -123,13 +123,13 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
     if (d.fluid == id) drains.push_back(d.object);
   for (const ObjectId e : emitters) destroy_emitter(e, where);
   for (const ObjectId d : drains) destroy_drain(d, where);
-  const std::uint32_t place = m.objects.index(id);
-  FEDER_ASSERT(place < m.pools.size() && m.pools[place]->object == id);
+  const std::uint32_t index = m.objects.index(id);
+  FEDER_ASSERT(index < m.pools.size() && m.pools[index]->object == id);
   FEDER_ASSERT(
       std::none_of(m.emitters.begin(), m.emitters.end(), [&](const FluidEmitter& e) { return e.fluid == id; }));
   FEDER_ASSERT(std::none_of(m.drains.begin(), m.drains.end(), [&](const FluidDrain& d) { return d.fluid == id; }));
-  m.pools.erase(m.pools.begin() + place);
-  for (std::uint32_t k = place; k < m.pools.size(); ++k) m.objects.set_index(m.pools[k]->object, k);
+  m.pools.erase(m.pools.begin() + index);
+  for (std::uint32_t k = index; k < m.pools.size(); ++k) m.objects.set_index(m.pools[k]->object, k);
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;
 }

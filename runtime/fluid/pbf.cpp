@@ -12,7 +12,7 @@
 //  - walls enter by a function of the distance (sph/boundary_table.h), and bodies move with the iterations.
 // All particles move at once from the same positions, so order and threads do not matter. A body that is shared by
 // many particles is given to each of them in part (Tonge, Benevolenski & Voroshilov, "Mass Splitting", TOG 2012).
-// A substep of the world is taken in several own steps where particles would pass each other or a column would be
+// A substep of the world is taken in several solver substeps where particles would pass each other or a column would be
 // crushed, which no number of iterations stands: by how far the fluid and the walls near it move, and by the load
 // Q = g h^2 H / d^2 of a column, which is its pressure as the way, in spacings, that it pushes a particle in a step. n
 // iterations make of a residual that they hardly change a multiplier of n^2 / 5 times it, over the diagonal: they leave
@@ -31,17 +31,18 @@
 namespace feder {
 namespace {
 
-constexpr double kSpectrum = 4.8;        // largest eigenvalue of the scaled system: 3.9 to 4.6 in columns at rest
-constexpr Real kMaxExcess = Real(0.5);   // of particles over each other that one iteration answers to: bounds their way
-constexpr Real kMaxWall = 1;             // of walls; likewise
-constexpr Real kMaxTravel = 1;           // spacings that particles or walls move in an own step
-constexpr Real kMaxStrain = Real(0.03);  // compression at the ground of a column at rest that an own step may leave
-constexpr Real kMaxLoad = Real(0.08);    // Q by iterations: half of what stands
-constexpr Real kLattice = 5;             // squared gradients on a lattice over FluidPool::least_squares
-constexpr double kMaxGrowth = 1.5;       // of the residual over its least, before the rounds go on as plain steps
-constexpr Real kMaxPush = 2;             // Q of a single particle: above a load of 1, below what throws fountains
-constexpr Real kCompany = Real(0.2);     // that neighbours add to density over density at rest of who is not alone
-constexpr Real kPatience = Real(0.25);   // s for which the fluid is too dense before a warning: splashes pass
+constexpr double kSpectrum = 4.8;       // largest eigenvalue of the scaled system: 3.9 to 4.6 in columns at rest
+constexpr Real kMaxExcess = Real(0.5);  // of particles over each other that one iteration answers to: bounds their way
+constexpr Real kMaxWall = 1;            // of walls; likewise
+constexpr Real kMaxTravel = 1;          // spacings that particles or walls move in an solver substep
+constexpr Real kMaxStrain =
+    Real(0.03);                        // compression at the ground of a column at rest that an solver substep may leave
+constexpr Real kMaxLoad = Real(0.08);  // Q by iterations: half of what stands
+constexpr Real kLattice = 5;           // squared gradients on a lattice over FluidPool::least_squares
+constexpr double kMaxGrowth = 1.5;     // of the residual over its least, before the rounds go on as plain steps
+constexpr Real kMaxPush = 2;           // Q of a single particle: above a load of 1, below what throws fountains
+constexpr Real kCompany = Real(0.2);   // that neighbours add to density over density at rest of who is not alone
+constexpr Real kPatience = Real(0.25);  // s for which the fluid is too dense before a warning: splashes pass
 
 // The coefficients of Chebyshev's semi-iteration: the next change of the multipliers is `step` times the residual plus
 // `carry` times the last change. After n rounds a mode of eigenvalue e is left with P(e), |P| <= 1/cosh(kDecay) between
@@ -90,7 +91,7 @@ class Pbf final : public FluidSolver {
     plan.add<&Pbf::solve>(Rank::fluid_pressure, "density", Fluid::kName, this);
     plan.add<&Pbf::apply_viscosity>(Rank::fluid_friction, "friction and tension", Fluid::kName, this);
     plan.add<&Pbf::project>(Rank::fluid_project, "non-penetration within", Fluid::kName, this);
-    plan.add<&Pbf::judge>(Rank::fluid_check, "compression", Fluid::kName, this);
+    plan.add<&Pbf::check_compression>(Rank::fluid_check, "compression", Fluid::kName, this);
   }
   Real pressure(const FluidPool& p, std::uint32_t i) const override {
     FEDER_ASSERT(i < p.count);
@@ -103,7 +104,7 @@ class Pbf final : public FluidSolver {
  private:
   void choose_steps(StepContext& c);
   struct Wanted {
-    Real way = 1, load = 1;  // steps for what moves, and for the weight of the column
+    Real travel = 1, load = 1;  // steps for what moves, and for the weight of the column
   };
   Wanted wanted_steps(FluidPool& p, const StepContext& c) const;
   void warn_budget(FluidPool& p, Real wanted, StepContext& c) const;
@@ -113,7 +114,7 @@ class Pbf final : public FluidSolver {
   void solve(StepContext& c);
   void apply_viscosity(StepContext& c);
   void project(StepContext& c);
-  void judge(StepContext& c);
+  void check_compression(StepContext& c);
   double correct(FluidPool& p, bool first_round, const SemiIteration& scheme, StepContext& c);
   void displace(FluidPool& p, StepContext& c);
   Real distance(const FluidPool& p, const BoundaryContact& k) const;
@@ -140,7 +141,7 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   // who meets whom matters only where somebody goes farther than a single step carries
   if (c.h * std::sqrt(speed2) > kMaxTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
   Real speed = std::sqrt(speed2);
-  wanted.way = c.h * speed / (kMaxTravel * d);
+  wanted.travel = c.h * speed / (kMaxTravel * d);
   if (n == 0) return wanted;
   box.grow(p.support);
   for (const BoundaryShape& w : boundary->shapes) {
@@ -149,7 +150,7 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
     swept.grow(c.h * length(b.velocity));
     if (overlaps(swept, box)) speed = std::max(speed, length(b.velocity));
   }
-  wanted.way = c.h * speed / (kMaxTravel * d);
+  wanted.travel = c.h * speed / (kMaxTravel * d);
   if (!(g > 0)) return wanted;
   // a column twice as high as the mean lies above the lowest
   const Real height = 2 * (static_cast<Real>(sum / n) - low) / g + d;
@@ -166,7 +167,7 @@ void Pbf::choose_steps(StepContext& c) {
     const Wanted own = wanted_steps(*p, c);
     const Real most = static_cast<Real>(p->desc.max_substeps);
     if (own.load > most) warn_budget(*p, own.load, c);
-    want_steps(*p, static_cast<int>(std::ceil(std::min(std::max({own.way, own.load, Real(1)}), most))), c);
+    want_steps(*p, static_cast<int>(std::ceil(std::min(std::max({own.travel, own.load, Real(1)}), most))), c);
   }
 }
 
@@ -192,7 +193,7 @@ void Pbf::warn_budget(FluidPool& p, Real wanted, StepContext& c) const {
 }
 
 // After the last iteration: says once when the fluid stays denser than wanted.
-void Pbf::judge(StepContext& c) {
+void Pbf::check_compression(StepContext& c) {
   for (FluidPool* pool : pools) {
     FluidPool& p = *pool;
     if (p.count == 0 || p.frozen) continue;

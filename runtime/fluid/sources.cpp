@@ -97,20 +97,20 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
 
 void Fluid::destroy_emitter(ObjectId id, std::string where) {
   Impl& m = *impl_;
-  const std::uint32_t place = m.objects.index(id);
-  FEDER_ASSERT(place < m.emitters.size() && m.emitters[place].object == id);
-  m.emitters.erase(m.emitters.begin() + place);
-  for (std::uint32_t k = place; k < m.emitters.size(); ++k) m.objects.set_index(m.emitters[k].object, k);
+  const std::uint32_t index = m.objects.index(id);
+  FEDER_ASSERT(index < m.emitters.size() && m.emitters[index].object == id);
+  m.emitters.erase(m.emitters.begin() + index);
+  for (std::uint32_t k = index; k < m.emitters.size(); ++k) m.objects.set_index(m.emitters[k].object, k);
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;
 }
 
 void Fluid::destroy_drain(ObjectId id, std::string where) {
   Impl& m = *impl_;
-  const std::uint32_t place = m.objects.index(id);
-  FEDER_ASSERT(place < m.drains.size() && m.drains[place].object == id);
-  m.drains.erase(m.drains.begin() + place);
-  for (std::uint32_t k = place; k < m.drains.size(); ++k) m.objects.set_index(m.drains[k].object, k);
+  const std::uint32_t index = m.objects.index(id);
+  FEDER_ASSERT(index < m.drains.size() && m.drains[index].object == id);
+  m.drains.erase(m.drains.begin() + index);
+  for (std::uint32_t k = index; k < m.drains.size(); ++k) m.objects.set_index(m.drains[k].object, k);
   m.objects.remove(id, std::move(where));
   *m.structure_changed = true;
 }
@@ -125,13 +125,13 @@ void Fluid::set_running(ObjectId id, bool running) {
 bool Fluid::running(ObjectId id) const { return impl_->emitters[impl_->objects.index(id)].running != 0; }
 
 std::uint64_t Fluid::passed(ObjectId id) const {
-  const std::uint32_t place = impl_->objects.index(id);
-  return impl_->objects.kind(id) == kEmitterKind ? impl_->emitters[place].made : impl_->drains[place].taken;
+  const std::uint32_t index = impl_->objects.index(id);
+  return impl_->objects.kind(id) == kEmitterKind ? impl_->emitters[index].made : impl_->drains[index].taken;
 }
 
 ObjectId Fluid::fluid_of(ObjectId id) const {
-  const std::uint32_t place = impl_->objects.index(id);
-  return impl_->objects.kind(id) == kEmitterKind ? impl_->emitters[place].fluid : impl_->drains[place].fluid;
+  const std::uint32_t index = impl_->objects.index(id);
+  return impl_->objects.kind(id) == kEmitterKind ? impl_->emitters[index].fluid : impl_->drains[index].fluid;
 }
 
 void Fluid::aim(ObjectId id, const Vec3& position, const Vec3& direction) {

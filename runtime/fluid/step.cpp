@@ -1,4 +1,4 @@
-// The rows of the fluid system beside those of its solvers, and what it tells about its state.
+// The passes of the fluid system beside those of its solvers, and what it tells about its state.
 #include <algorithm>
 #include <cmath>
 

@@ -83,8 +83,8 @@ void FluidPool::validate() const {
 }
 
 void Fluid::Impl::validate_sources() const {
-  const auto owned = [&](ObjectId object, ObjectKind kind, std::size_t place, ObjectId fluid) {
-    return objects.alive(object) && objects.kind(object) == kind && objects.index(object) == place &&
+  const auto owned = [&](ObjectId object, ObjectKind kind, std::size_t index, ObjectId fluid) {
+    return objects.alive(object) && objects.kind(object) == kind && objects.index(object) == index &&
            objects.alive(fluid) && objects.kind(fluid) == kFluidKind;
   };
   for (std::size_t n = 0; n < emitters.size(); ++n) {

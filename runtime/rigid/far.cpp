@@ -28,7 +28,7 @@ void Rigid::Impl::check_far(StepContext& c) {
   if (found == moving.end()) return;
   warned_far = true;
   const std::uint32_t i = *found;
-  const Real place = largest(bodies.position[i]) * kEpsilon;
+  const Real spacing = largest(bodies.position[i]) * kEpsilon;
   const auto text = [](Real x) {
     char out[32];
     std::snprintf(out, sizeof out, "%.2g", static_cast<double>(x));
@@ -36,8 +36,8 @@ void Rigid::Impl::check_far(StepContext& c) {
   };
   events.warn("far",
               objects.describe(bodies.object[i]) + " is " + text(largest(bodies.position[i])) +
-                  " m from the origin, where numbers are " + text(place) + " m apart: motion below " +
-                  text(place / (2 * c.dt)) + " m/s gets lost; build the scene round the origin" +
+                  " m from the origin, where numbers are " + text(spacing) + " m apart: motion below " +
+                  text(spacing / (2 * c.dt)) + " m/s gets lost; build the scene round the origin" +
                   (sizeof(Real) == 4 ? ", or take the double build" : ""),
               bodies.object[i]);
 }

@@ -55,10 +55,10 @@ struct Rigid::Impl {
   void solve(StepContext& c);
   void finish_solve(StepContext& c);
   void commit(StepContext& c);
-  void gather_body(std::uint32_t place, StepContext& c);
-  void integrate_body(std::uint32_t place, StepContext& c);
-  void commit_body(std::uint32_t place, StepContext& c);
-  bool commit_finite(std::uint32_t place) const;
+  void gather_body(std::uint32_t index, StepContext& c);
+  void integrate_body(std::uint32_t index, StepContext& c);
+  void commit_body(std::uint32_t index, StepContext& c);
+  bool commit_finite(std::uint32_t index) const;
   void quarantine(std::uint32_t i);
   void refresh(StepContext& c);
   void rebuild_list();

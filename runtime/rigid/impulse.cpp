@@ -64,14 +64,14 @@ class ImpulseSolver final : public RigidSolver {
   bool in_tree(const ImpulseJoint& j) const { return !trees_.empty() && trees_.direct(j.first_block); }
 
   // `place` counts in order_, where the nodes of an island follow each other.
-  Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
-  void solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
+  Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
+  void solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint);
-  Real drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
-  void correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
-  Real position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
-  void correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t place);
-  bool judge_slip(const ImpulseScene& s, const Island& island);
+  Real drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
+  void correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
+  Real position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
+  void correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
+  bool check_slip(const ImpulseScene& s, const Island& island);
   template <auto Error, auto Fix>
   void worst_first(const SolverInput& in, const ImpulseScene& s, const Island& island, Real tolerance);
 
@@ -91,7 +91,7 @@ class ImpulseSolver final : public RigidSolver {
   Array<std::uint32_t> parent_, island_of_;   // by solver index
   Array<std::uint32_t> node_island_, order_;  // by node; places -> nodes
   Array<Island> islands_;
-  Array<std::uint32_t> first_place_, body_places_;  // by solver index: places of its nodes
+  Array<std::uint32_t> first_rank_, body_ranks_;  // by solver index: places of its nodes
   WorstFirst heap_;
 };
 
@@ -101,7 +101,7 @@ ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
       pops_per_node_(p.integer({"iterations", "", {1, 100000}}, 30)), bodies_(&a), contacts_(&a), joints_(&a),
       rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a), factors_(&a), trees_(a), tree_bias_(&a),
       tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a),
-      first_place_(&a), body_places_(&a), heap_(a) {}
+      first_rank_(&a), body_ranks_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
@@ -211,10 +211,10 @@ void ImpulseSolver::check_islands() {
     FEDER_ASSERT(island.first == next && island.first < island.last);
     next = island.last;
     const std::uint32_t name = node_island_[order_[island.first]];
-    for (std::uint32_t place = island.first; place < island.last; ++place) {
-      listed.add(order_[place]);
-      FEDER_ASSERT(place == island.first || order_[place - 1] < order_[place]);
-      node_bodies(order_[place], ends[0], ends[1]);
+    for (std::uint32_t rank = island.first; rank < island.last; ++rank) {
+      listed.add(order_[rank]);
+      FEDER_ASSERT(rank == island.first || order_[rank - 1] < order_[rank]);
+      node_bodies(order_[rank], ends[0], ends[1]);
       for (const std::uint32_t body : ends) FEDER_ASSERT(!bodies_[body].movable || island_of_[root(body)] == name);
     }
   }
@@ -223,22 +223,22 @@ void ImpulseSolver::check_islands() {
 
 // The places of the nodes of each movable body.
 void ImpulseSolver::index_nodes() {
-  first_place_.assign(bodies_.size() + 1, 0);
+  first_rank_.assign(bodies_.size() + 1, 0);
   std::uint32_t ends[2];
   const auto each = [&](auto&& visit) {
-    for (std::uint32_t place = 0; place < order_.size(); ++place) {
-      node_bodies(order_[place], ends[0], ends[1]);
+    for (std::uint32_t rank = 0; rank < order_.size(); ++rank) {
+      node_bodies(order_[rank], ends[0], ends[1]);
       for (const std::uint32_t body : ends)
-        if (bodies_[body].movable) visit(body, place);
+        if (bodies_[body].movable) visit(body, rank);
     }
   };
-  each([&](std::uint32_t body, std::uint32_t) { ++first_place_[body + 1]; });
-  for (std::size_t i = 1; i < first_place_.size(); ++i) first_place_[i] += first_place_[i - 1];
-  body_places_.resize(first_place_.back());
+  each([&](std::uint32_t body, std::uint32_t) { ++first_rank_[body + 1]; });
+  for (std::size_t i = 1; i < first_rank_.size(); ++i) first_rank_[i] += first_rank_[i - 1];
+  body_ranks_.resize(first_rank_.back());
   std::uint32_t* next = parent_.data();  // union-find is done with it
-  std::copy(first_place_.begin(), first_place_.end() - 1, next);
-  each([&](std::uint32_t body, std::uint32_t place) { body_places_[next[body]++] = place; });
-  for (std::size_t i = 0; i < bodies_.size(); ++i) FEDER_ASSERT(next[i] == first_place_[i + 1]);
+  std::copy(first_rank_.begin(), first_rank_.end() - 1, next);
+  each([&](std::uint32_t body, std::uint32_t rank) { body_ranks_[next[body]++] = rank; });
+  for (std::size_t i = 0; i < bodies_.size(); ++i) FEDER_ASSERT(next[i] == first_rank_[i + 1]);
 }
 
 ImpulseScene ImpulseSolver::scene(const SolverInput& in, const StepContext& c) {
@@ -384,8 +384,8 @@ void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& 
   }
 }
 
-Real ImpulseSolver::speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
-  const std::uint32_t node = order_[place];
+Real ImpulseSolver::speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+  const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return contact_speed_error(contacts_[node], s);
   const ImpulseJoint& j = joints_[node - contacts_.size()];
   Real worst = 0;
@@ -397,8 +397,8 @@ Real ImpulseSolver::speed_error(const SolverInput& in, const ImpulseScene& s, st
   return worst;
 }
 
-void ImpulseSolver::solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
-  const std::uint32_t node = order_[place];
+void ImpulseSolver::solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+  const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return solve_contact_speed(contacts_[node], s, tolerance_ / 4);
   const ImpulseJoint& j = joints_[node - contacts_.size()];
   for (std::uint32_t i = j.first_block; i < j.first_block + j.block_count; ++i) {
@@ -416,8 +416,8 @@ void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseScene& s, const
   FEDER_ASSERT(spare_blocks_.size() == joint.block_count);
 }
 
-Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
-  const std::uint32_t node = order_[place];
+Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+  const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return 0;
   const ImpulseJoint& j = joints_[node - contacts_.size()];
   fill_now(in, s, j);
@@ -430,8 +430,8 @@ Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, st
   return worst;
 }
 
-void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
-  const ImpulseJoint& j = joints_[order_[place] - contacts_.size()];
+void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+  const ImpulseJoint& j = joints_[order_[rank] - contacts_.size()];
   fill_now(in, s, j);
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
     const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
@@ -440,8 +440,8 @@ void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, 
   }
 }
 
-Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
-  const std::uint32_t node = order_[place];
+Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+  const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return contact_depth(contacts_[node], s);
   fill_now(in, s, joints_[node - contacts_.size()]);
   Real worst = 0;
@@ -449,8 +449,8 @@ Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s,
   return worst;
 }
 
-void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t place) {
-  const std::uint32_t node = order_[place];
+void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+  const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return push_contact_apart(contacts_[node], s);
   fill_now(in, s, joints_[node - contacts_.size()]);
   for (const RowBlock& b : spare_blocks_) correct_block(&spare_rows_[b.first], b.count, b.index_a, b.index_b, s);
@@ -458,29 +458,29 @@ void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& 
 
 template <auto Error, auto Fix>
 void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, const Island& island, Real tolerance) {
-  heap_.build(island.first, island.last, [&](std::uint32_t place) { return (this->*Error)(in, s, place); });
+  heap_.build(island.first, island.last, [&](std::uint32_t rank) { return (this->*Error)(in, s, rank); });
   const std::uint64_t cap = static_cast<std::uint64_t>(pops_per_node_) * (island.last - island.first);
   for (std::uint64_t pop = 0; heap_.top_key() > tolerance; ++pop) {
     if (pop == cap) {
       ++capped_;
       return;
     }
-    const std::uint32_t place = heap_.top();
-    FEDER_ASSERT(place >= island.first && place < island.last);
-    (this->*Fix)(in, s, place);
+    const std::uint32_t rank = heap_.top();
+    FEDER_ASSERT(rank >= island.first && rank < island.last);
+    (this->*Fix)(in, s, rank);
     std::uint32_t ends[2];
-    node_bodies(order_[place], ends[0], ends[1]);
+    node_bodies(order_[rank], ends[0], ends[1]);
     for (const std::uint32_t body : ends)
-      for (std::uint32_t i = first_place_[body]; i < first_place_[body + 1]; ++i)
-        heap_.update(body_places_[i], (this->*Error)(in, s, body_places_[i]));
+      for (std::uint32_t i = first_rank_[body]; i < first_rank_[body + 1]; ++i)
+        heap_.update(body_ranks_[i], (this->*Error)(in, s, body_ranks_[i]));
   }
 }
 
 // Whether contacts of the island begin to slide: then their speeds are not solved yet.
-bool ImpulseSolver::judge_slip(const ImpulseScene& s, const Island& island) {
+bool ImpulseSolver::check_slip(const ImpulseScene& s, const Island& island) {
   bool some = false;
-  for (std::uint32_t place = island.first; place < island.last; ++place) {
-    const std::uint32_t node = order_[place];
+  for (std::uint32_t rank = island.first; rank < island.last; ++rank) {
+    const std::uint32_t node = order_[rank];
     if (node >= contacts_.size() || !begins_to_slide(contacts_[node], s)) continue;
     contacts_[node].slides = some = true;
   }
@@ -496,7 +496,7 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
   for (const Island& island : islands_)
     for (int round = 0;; ++round) {
       worst_first<&ImpulseSolver::speed_error, &ImpulseSolver::solve_speed>(in, s, island, tolerance_);
-      if (round == kSlipRounds || !judge_slip(s, island)) break;
+      if (round == kSlipRounds || !check_slip(s, island)) break;
     }
   travel(*in.solver_bodies, s);
   if (!joints_.empty()) {

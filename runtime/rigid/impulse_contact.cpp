@@ -3,7 +3,7 @@
 // Development", 2nd ed., ch. 15): with K = the relative velocity per impulse, the impulse K^-1 (wanted - v) stops the
 // point fully; inside the friction cone it is used as it is, outside the impulse is p (n + mu d), d against the slip,
 // with p from the wanted normal speed. A manifold's points are swept until they agree, so that a face that lands flat
-// rises flat. Whether mu is static or dynamic is judged for the manifold as a whole and once the speeds are solved
+// rises flat. Whether mu is static or dynamic is decided for the manifold as a whole and once the speeds are solved
 // with the static one: impulses on their way there leave the cone of a contact that will hold. Impacts faster than the
 // rest speed bounce: their impulse is final and acts at the moment of contact inside the substep, which makes a bounce
 // between free flights exact. Slower contacts are at rest: no restitution, and their impulses are kept from substep to

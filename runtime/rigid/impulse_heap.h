@@ -10,10 +10,10 @@ namespace feder {
 
 class WorstFirst {
  public:
-  explicit WorstFirst(Arena& a) : key_(&a), place_(&a), heap_(&a) {}
+  explicit WorstFirst(Arena& a) : key_(&a), position_(&a), heap_(&a) {}
 
   void reserve(std::size_t nodes) {
-    if (key_.size() < nodes) key_.resize(nodes), place_.resize(nodes), heap_.resize(nodes);
+    if (key_.size() < nodes) key_.resize(nodes), position_.resize(nodes), heap_.resize(nodes);
   }
   // Nodes [first, last) with the keys given by key_of(node).
   template <class KeyOf>
@@ -22,7 +22,7 @@ class WorstFirst {
     count_ = last - first;
     for (std::uint32_t i = 0; i < count_; ++i) {
       heap_[i] = first + i;
-      place_[first + i] = i;
+      position_[first + i] = i;
       key_[first + i] = key_of(first + i);
     }
     for (std::uint32_t i = count_ / 2; i-- > 0;) sink(i);
@@ -30,18 +30,18 @@ class WorstFirst {
   std::uint32_t top() const { return heap_[0]; }
   Real top_key() const { return key_[heap_[0]]; }
   void update(std::uint32_t node, Real key) {
-    FEDER_ASSERT(place_[node] < count_ && heap_[place_[node]] == node);  // one of those it was built of
+    FEDER_ASSERT(position_[node] < count_ && heap_[position_[node]] == node);  // one of those it was built of
     key_[node] = key;
-    rise(place_[node]);
-    sink(place_[node]);
+    rise(position_[node]);
+    sink(position_[node]);
   }
 
  private:
   bool before(std::uint32_t a, std::uint32_t b) const { return key_[a] > key_[b] || (key_[a] == key_[b] && a < b); }
   void exchange(std::uint32_t i, std::uint32_t j) {
     std::swap(heap_[i], heap_[j]);
-    place_[heap_[i]] = i;
-    place_[heap_[j]] = j;
+    position_[heap_[i]] = i;
+    position_[heap_[j]] = j;
   }
   void rise(std::uint32_t i) {
     while (i > 0 && before(heap_[i], heap_[(i - 1) / 2])) {
@@ -60,8 +60,8 @@ class WorstFirst {
     }
   }
 
-  Array<Real> key_;             // by node
-  Array<std::uint32_t> place_;  // by node: where it is in the heap
+  Array<Real> key_;                // by node
+  Array<std::uint32_t> position_;  // by node: where it is in the heap
   Array<std::uint32_t> heap_;
   std::uint32_t count_ = 0;
 };

@@ -112,7 +112,7 @@ struct ImpulseContact {
   Vec3 normal = Vec3::Zero();  // a to b
   Vec3 surface_velocity = Vec3::Zero();
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
-  bool slides = false;  // judged: the dynamic cone holds, else the static one
+  bool slides = false;  // decided: the dynamic cone holds, else the static one
   ImpulsePoint points[kMaxContactPoints];
   Vec3 rolling = Vec3::Zero();  // accumulated rolling impulse on b, N m s
 };

@@ -1,4 +1,4 @@
-// The rows of the rigid system. Bodies that take part are listed once per step (awake dynamic and kinematic ones,
+// The passes of the rigid system. Bodies that take part are listed once per step (awake dynamic and kinematic ones,
 // ascending); the solver body of the body at place p is p + 1, so that all rows run over plain ranges.
 // Free rotation keeps the angular momentum: a substep turns the body with the velocity at the middle of the turn,
 // w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w is added

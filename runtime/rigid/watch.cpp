@@ -49,11 +49,11 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
   const std::uint32_t p = solver_bodies.index[bodies.solver_slot[i]] - 1;
   FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
   const SolverBody& s = solver_bodies.state[p + 1];
-  const double way = number(length(s.delta_position)), dt = number(c.dt);
+  const double path = number(length(s.delta_position)), dt = number(c.dt);
   const double angle = dt * number(length(bodies.angular_velocity[i])) +
                        dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
-  double sum = number(bodies.mass[i]) * number(length(c.gravity)) * std::fabs(number(bodies.gravity_scale[i])) * way;
-  sum += number(length(applied_torque[p])) * angle + number(length(applied_force[p])) * way;
+  double sum = number(bodies.mass[i]) * number(length(c.gravity)) * std::fabs(number(bodies.gravity_scale[i])) * path;
+  sum += number(length(applied_torque[p])) * angle + number(length(applied_force[p])) * path;
   const Forces* forces = store.find<Forces>();
   if (force_count == 0 || !forces) return sum;
   for (const ForceEntry& f : forces->list) {
@@ -70,7 +70,7 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
     }
     // the potential it came down, or, where there is none, force times way
     const bool none = potential[0] == 0 && potential[1] == 0;
-    sum += none ? push * way : std::fmax(potential[0] - potential[1], 0.0);
+    sum += none ? push * path : std::fmax(potential[0] - potential[1], 0.0);
   }
   return sum;
 }
@@ -163,9 +163,9 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
       // a motor: its force over the way, and no more than to bring all to its speed
       const double most = std::fmax(std::fabs(number(row.lower)), std::fabs(number(row.upper)));
       const double speed = number(row.speed);
-      double way = 0, all = 0;
+      double path = 0, all = 0;
       for (const std::uint32_t i : {r.body_a, r.body_b})
-        if (i != kNone) way += number(length(bodies.angular_velocity[i])) + number(length(bodies.velocity[i]));
+        if (i != kNone) path += number(length(bodies.angular_velocity[i])) + number(length(bodies.velocity[i]));
       const std::uint32_t at =
           root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
       for (const std::uint32_t i : moving) {
@@ -173,7 +173,7 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
         const Vec3 arm = bodies.position[i] - in.a.position;
         all += number(bodies.mass[i]) * (1 + number(dot(arm, arm))) + number(bodies.inertia[i].trace());
       }
-      sum += std::fmin(most * (way + std::fabs(speed)) * number(c.dt), 2 * all * speed * speed);
+      sum += std::fmin(most * (path + std::fabs(speed)) * number(c.dt), 2 * all * speed * speed);
     } else if (row.hertz > 0) {
       const double omega = 2 * number(kPi * row.hertz);
       sum += 0.5 * omega * omega / yields * value * value;

@@ -67,7 +67,8 @@ NetAdvice Springs::advice(ObjectId id, double dt, int substeps) const {
   const double limit = a.method.stability_limit;
   a.stable = !beyond_limit(a.method, a.stability_number);
   a.never_stable = limit == 0 && a.stability_number > 0;
-  if (a.method.adaptive) a.parts = std::max(1, static_cast<int>(std::min(1e9, std::ceil(a.stability_number / limit))));
+  if (a.method.adaptive)
+    a.solver_substeps = std::max(1, static_cast<int>(std::min(1e9, std::ceil(a.stability_number / limit))));
   if (limit > 0 && !std::isinf(limit)) {
     const double needed = std::ceil(a.stability_number * substeps / (NetAdvice::kSafeShare * limit));
     a.substeps = needed <= kMaxSubsteps ? std::max(1, static_cast<int>(needed)) : 0;

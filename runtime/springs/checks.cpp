@@ -24,7 +24,7 @@ struct Check {
   }
 };
 
-std::string place(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i + 1) + "]"; }
+std::string element(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i + 1) + "]"; }
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void check_spring(const SpringDesc& s, std::size_t points, std::size_t k, const 
                      s.power >= 1 && s.power <= kMaxPower;
   if (plain) return;
   const Check need{owner};
-  const std::string what = place("springs", k);
+  const std::string what = element("springs", k);
   need(s.i < points, what, "point numbers from 1 to the number of points", static_cast<double>(s.i) + 1);
   need(s.j < points, what, "point numbers from 1 to the number of points", static_cast<double>(s.j) + 1);
   need(s.i != s.j, what, "two different points", static_cast<double>(s.i) + 1);
@@ -48,7 +48,7 @@ void check_spring(const SpringDesc& s, std::size_t points, std::size_t k, const 
 Real rest_length_of(const SpringDesc& s, const Vec3& a, const Vec3& b, std::size_t k, const std::string& owner) {
   const Real rest = s.rest_length < 0 ? length(b - a) : s.rest_length;
   if (!(rest > 0) && !std::isinf(s.break_strain))
-    Check{owner}(false, place("springs", k) + ".rest_length", "a length above 0 where break_strain is given", rest);
+    Check{owner}(false, element("springs", k) + ".rest_length", "a length above 0 where break_strain is given", rest);
   return rest;
 }
 
@@ -64,17 +64,17 @@ void check_net(const NetDesc& d, const std::string& owner) {
                        d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]);
     if (plain) continue;
     for (int k = 0; k < 3; ++k) {
-      need(is_finite(d.points[i][k]), place("points", i), "finite numbers", d.points[i][k]);
+      need(is_finite(d.points[i][k]), element("points", i), "finite numbers", d.points[i][k]);
       if (!d.velocities.empty())
-        need(is_finite(d.velocities[i][k]), place("velocities", i), "finite numbers", d.velocities[i][k]);
+        need(is_finite(d.velocities[i][k]), element("velocities", i), "finite numbers", d.velocities[i][k]);
     }
-    need(d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]), place("masses", i),
+    need(d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]), element("masses", i),
          "a finite number above 0", d.masses[i]);
   }
   for (std::size_t k = 0; k < d.springs.size(); ++k) check_spring(d.springs[k], n, k, owner);
   need(d.faces.size() % 3 == 0, "faces", "three point numbers each", static_cast<double>(d.faces.size()));
   for (std::size_t k = 0; k < d.faces.size(); ++k)
-    need(d.faces[k] < n, place("faces", k / 3), "numbers of points", static_cast<double>(d.faces[k]) + 1);
+    need(d.faces[k] < n, element("faces", k / 3), "numbers of points", static_cast<double>(d.faces[k]) + 1);
   need(d.damping >= 0 && is_finite(d.damping), "damping", "a finite number, 0 or more", d.damping);
   need(d.radius >= 0 && is_finite(d.radius), "radius", "a finite number, 0 or more", d.radius);
   need(d.friction >= 0 && is_finite(d.friction), "friction", "a finite number, 0 or more", d.friction);

@@ -33,7 +33,7 @@ struct Springs::Impl {
       : kernels(pick_kernels(wide_kernels(setup.options))), arena(setup.store.arena(kName)),
         particles(setup.store.need<Particles>(kName)), watched(setup.store.need<Watch>("watch")), store(setup.store),
         objects(setup.objects), structure_changed(setup.structure_changed), air_density(still_air_density(setup.world)),
-        surface_end(&arena), surface_speed(&arena) {}
+        surface_end(&arena), surface_velocity(&arena) {}
 
   const SpringKernels& kernels;
   Arena& arena;
@@ -47,7 +47,7 @@ struct Springs::Impl {
   std::vector<Attachment> attachments;     // in the order they were made
   std::vector<Removed> removed;            // since the last plan
   // of a substep, by point of the surfaces: where the integrator ends, and the velocity that leads there
-  Array<Vec3> surface_end, surface_speed;
+  Array<Vec3> surface_end, surface_velocity;
 
   Net& net(ObjectId id) const {
     FEDER_ASSERT(objects.kind(id) == kNetKind && nets[objects.index(id)]->object == id);

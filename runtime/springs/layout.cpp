@@ -16,7 +16,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   position_.back().x = 1;
   force_.assign(slice_count, Lane8x3{});
   snapped_.assign((s.size() + kLanes - 1) / kLanes, 0);
-  place_.assign(std::size_t{2} * s.size(), 0);
+  lane_of_.assign(std::size_t{2} * s.size(), 0);
 
   // springs of each point, then rows of each slice
   bool damped = false, slack = false, power = false;
@@ -52,7 +52,7 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
       if (damped) damping_[row].v[lane] = s.damping[k];
       if (slack) slack_[row].v[lane] = s.tension_only[k];
       if (power) power_[row].v[lane] = s.power[k];
-      place_[std::size_t{2} * k + static_cast<std::size_t>(end)] = row * kLanes + lane;
+      lane_of_[std::size_t{2} * k + static_cast<std::size_t>(end)] = row * kLanes + lane;
     }
   }
   // lanes without a spring look at the last neighbour again, and those without a point at the row behind all: a point
@@ -66,10 +66,10 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
 }
 
 void SpringLayout::remove(std::uint32_t k) {
-  if (std::size_t{2} * k >= place_.size()) return;  // newer than the last build
+  if (std::size_t{2} * k >= lane_of_.size()) return;  // newer than the last build
   for (std::size_t end = 0; end < 2; ++end) {
-    const std::uint64_t place = place_[std::size_t{2} * k + end];
-    const std::size_t row = place / kLanes, lane = place % kLanes;
+    const std::uint64_t at = lane_of_[std::size_t{2} * k + end];
+    const std::size_t row = at / kLanes, lane = at % kLanes;
     FEDER_ASSERT(row < rows_.size());
     rows_[row].stiffness.v[lane] = 0;
     if (!damping_.empty()) damping_[row].v[lane] = 0;

@@ -16,7 +16,7 @@ struct SpringArrays;
 class SpringLayout {
  public:
   explicit SpringLayout(Arena& a)
-      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), power_(&a), place_(&a), position_(&a), velocity_(&a),
+      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), power_(&a), lane_of_(&a), position_(&a), velocity_(&a),
         force_(&a), snapped_(&a) {}
 
   void choose(const SpringKernels& kernels) { kernels_ = &kernels; }
@@ -24,7 +24,7 @@ class SpringLayout {
   void build(const SpringArrays& springs, std::uint32_t points);
   void remove(std::uint32_t k);  // the spring stays in its place without stiffness and damping
 
-  std::size_t spring_count() const { return place_.size() / 2; }
+  std::size_t spring_count() const { return lane_of_.size() / 2; }
   bool damped() const { return !damping_.empty(); }
 
   // force = outside(i) + what the springs do; `jobs` may be null. Returns how many spring ends had no direction.
@@ -61,7 +61,7 @@ class SpringLayout {
   Array<unsigned> row_begin_;  // by slice of eight points, one more than slices
   Array<SpringRow> rows_;
   Array<Lane8> damping_, slack_, power_;  // by row; empty when no spring has such a thing
-  Array<std::uint64_t> place_;            // by spring: row * 8 + lane of either end, two each
+  Array<std::uint64_t> lane_of_;          // by spring: row * 8 + lane of either end, two each
   Array<PointRow> position_, velocity_;
   Array<Lane8x3> force_;         // by slice
   Array<std::uint8_t> snapped_;  // by group of eight springs

@@ -121,8 +121,8 @@ ObjectId Springs::add_net(const NetDesc& desc) {
 
 void Springs::destroy_net(ObjectId id, std::string where) {
   Impl& m = *impl_;
-  const std::uint32_t place = m.objects.index(id);
-  const std::uint32_t first = m.nets[place]->first, count = m.nets[place]->points;
+  const std::uint32_t index = m.objects.index(id);
+  const std::uint32_t first = m.nets[index]->first, count = m.nets[index]->points;
   for (std::uint32_t i = first; i < first + count; ++i)
     if (m.particles.collider[i] != kNone || m.particles.solver_slot[i] != kNone)
       m.removed.push_back({m.particles.collider[i], m.particles.solver_slot[i]});
@@ -135,8 +135,8 @@ void Springs::destroy_net(ObjectId id, std::string where) {
     FEDER_ASSERT(a.point < first || a.point >= first + count);
     if (a.point > first) a.point -= count;
   }
-  m.nets.erase(m.nets.begin() + place);
-  for (std::uint32_t k = place; k < m.nets.size(); ++k) {
+  m.nets.erase(m.nets.begin() + index);
+  for (std::uint32_t k = index; k < m.nets.size(); ++k) {
     m.nets[k]->first -= count;
     m.objects.set_index(m.nets[k]->object, k);
   }

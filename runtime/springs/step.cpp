@@ -1,4 +1,4 @@
-// The rows of the springs system, and what it tells about its state.
+// The passes of the springs system, and what it tells about its state.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace feder {
 namespace {
 constexpr JobGrain kPointGrain{2048, 1'000};  // points per job where little is done to each
-constexpr std::uint32_t kPartWork = 8;        // ns, for a point or spring of a net
+constexpr std::uint32_t kElementWork = 8;     // ns, for a point or spring of a net
 
 JobPool* threads_of(const StepContext& c) { return c.jobs->threads() > 1 ? c.jobs : nullptr; }
 }  // namespace
@@ -86,10 +86,10 @@ void Springs::Impl::integrate(StepContext& c) {
   for (auto& n : nets)
     if (n->wide() || n->on_stepping_thread) run(*n, n->wide() ? threads_of(c) : nullptr);
   const auto count = static_cast<std::uint32_t>(nets.size());
-  std::uint32_t parts = 0;
+  std::uint32_t elements = 0;
   for (auto& n : nets)
-    if (!n->wide() && !n->on_stepping_thread) parts += n->springs.size() + n->points;
-  c.jobs->for_blocks(count, {1, parts / std::max(count, 1u) * kPartWork},
+    if (!n->wide() && !n->on_stepping_thread) elements += n->springs.size() + n->points;
+  c.jobs->for_blocks(count, {1, elements / std::max(count, 1u) * kElementWork},
                      [&](std::uint32_t first, std::uint32_t last, int) {
                        for (std::uint32_t k = first; k < last; ++k)
                          if (!nets[k]->wide() && !nets[k]->on_stepping_thread) run(*nets[k], nullptr);

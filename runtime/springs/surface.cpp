@@ -65,7 +65,7 @@ void Springs::Impl::show_surfaces(StepContext& c) {
       all.delta_position[to] = {0, 0, 0, particles.inv_mass[from]};
       s.pinned = s.pinned || particles.inv_mass[from] == 0;
       const Vec3 v = particles.inv_mass[from] != 0 ? particles.velocity[from] : Vec3(0, 0, 0);
-      all.speed[to] = {v[0], v[1], v[2], particles.inv_mass[from]};
+      all.velocity[to] = {v[0], v[1], v[2], particles.inv_mass[from]};
       fastest = std::max(fastest, dot(v, v));
     }
     s.fastest = std::sqrt(fastest);
@@ -96,18 +96,18 @@ void Springs::Impl::mark_surfaces(StepContext&) {
 
 // After it: the way it found, as a velocity.
 void Springs::Impl::coast_surfaces(StepContext& c) {
-  surface_end.resize(store.get<Surfaces>().size()), surface_speed.resize(surface_end.size());
+  surface_end.resize(store.get<Surfaces>().size()), surface_velocity.resize(surface_end.size());
   each_surface([&](Net& n, const Surface& s, Surfaces& all) {
     for (std::uint32_t i = 0; i < s.count; ++i) {
       const std::uint32_t from = n.first + i, to = s.first + i;
       const Real w = particles.inv_mass[from];
       const Vec3 end = particles.position[from] - particles.start[from];
       const Vec3 v = w != 0 ? Vec3((end - all.before[to].vec()) / c.h) : Vec3(0, 0, 0);
-      surface_end[to] = end, surface_speed[to] = v;
+      surface_end[to] = end, surface_velocity[to] = v;
       // what is held is where it ends: it may have gone into quarantine in this substep
       const Vec3 from_here = w != 0 ? all.before[to].vec() : end;
       all.delta_position[to] = {from_here[0], from_here[1], from_here[2], w};
-      all.speed[to] = {v[0], v[1], v[2], w};
+      all.velocity[to] = {v[0], v[1], v[2], w};
     }
   });
 }
@@ -117,7 +117,7 @@ void Springs::Impl::follow_surfaces(StepContext&) {
   each_surface([&](Net& n, const Surface& s, Surfaces& all) {
     for (std::uint32_t i = 0; i < s.count; ++i) {
       const std::uint32_t to = n.first + i, from = s.first + i;
-      const Vec3 gain = all.speed[from].vec() - surface_speed[from];
+      const Vec3 gain = all.velocity[from].vec() - surface_velocity[from];
       if (particles.inv_mass[to] == 0 || gain.isZero(0)) continue;
       particles.velocity[to] += gain;
       particles.move(to, all.delta_position[from].vec() - surface_end[from]);

@@ -9,13 +9,13 @@ namespace feder {
 
 // Every living spring stands in the rows of both its ends.
 void SpringLayout::check_built(const SpringArrays& s) const {
-  FEDER_ASSERT(place_.size() == std::size_t{2} * s.size() && row_begin_.back() == rows_.size());
+  FEDER_ASSERT(lane_of_.size() == std::size_t{2} * s.size() && row_begin_.back() == rows_.size());
   for (std::uint32_t k = 0; k < s.size(); ++k)
     for (std::uint32_t end = 0; s.alive[k] && end < 2; ++end) {
-      const std::uint64_t place = place_[std::size_t{2} * k + end];
+      const std::uint64_t index = lane_of_[std::size_t{2} * k + end];
       const std::uint32_t self = end ? s.j[k] : s.i[k], other = end ? s.i[k] : s.j[k];
-      const std::size_t row = place / kLanes;
-      FEDER_ASSERT(place % kLanes == self % kLanes);
+      const std::size_t row = index / kLanes;
+      FEDER_ASSERT(index % kLanes == self % kLanes);
       FEDER_ASSERT(row >= row_begin_[self / kLanes] && row < row_begin_[self / kLanes + 1]);
       FEDER_ASSERT(rows_[row].other[self % kLanes] == other);
     }
@@ -64,11 +64,11 @@ void Springs::validate() const {
   const Particles& p = m.particles;
   Particles::each_array(p, [&](const auto& array) { FEDER_ASSERT(array.size() == p.size()); });
   std::uint32_t next = 0;
-  for (std::size_t place = 0; place < m.nets.size(); ++place) {
-    const Net& n = *m.nets[place];
+  for (std::size_t index = 0; index < m.nets.size(); ++index) {
+    const Net& n = *m.nets[index];
     FEDER_ASSERT(n.first == next && n.points > 0 && n.integrator);
     next += n.points;
-    FEDER_ASSERT(m.objects.alive(n.object) && m.objects.index(n.object) == place);
+    FEDER_ASSERT(m.objects.alive(n.object) && m.objects.index(n.object) == index);
     n.validate();
     m.check_points(n);
   }

@@ -10,7 +10,9 @@ namespace {
 
 constexpr Real kSlowestHit = Real(0.05);  // m/s; slower begins are no hits
 
-bool earlier(const ContactNote& x, const ContactNote& y) { return std::tie(x.key, x.order) < std::tie(y.key, y.order); }
+bool earlier(const ContactFinding& x, const ContactFinding& y) {
+  return std::tie(x.key, x.order) < std::tie(y.key, y.order);
+}
 
 // Of a pair; nothing but sensors has both ends told in one way.
 Event event(EventKind kind, const ContactKey& key, std::uint32_t index) {
@@ -30,26 +32,26 @@ std::uint32_t ContactBook::finder(std::string_view name) {
   return 1u << at;
 }
 
-void ContactBook::tell(const ContactNote& note) {
-  FEDER_ASSERT(note.key.a && note.key.b && note.key.a != note.key.b);
-  notes_.push_back(note);
-  notes_.back().order = static_cast<std::uint32_t>(notes_.size());
+void ContactBook::add(const ContactFinding& finding) {
+  FEDER_ASSERT(finding.key.a && finding.key.b && finding.key.a != finding.key.b);
+  findings_.push_back(finding);
+  findings_.back().order = static_cast<std::uint32_t>(findings_.size());
 }
 
-void ContactBook::count(const ContactNote& note) {
-  FEDER_ASSERT((note.change == 1 || note.change == -1) && note.finder == 0);
-  tell(note);
+void ContactBook::count(const ContactFinding& finding) {
+  FEDER_ASSERT((finding.change == 1 || finding.change == -1) && finding.finder == 0);
+  add(finding);
 }
 
-void ContactBook::see(std::uint32_t finder, const ContactNote& note) {
-  FEDER_ASSERT(finder != 0 && (finder & (finder - 1)) == 0 && note.change == 0);
-  tell(note);
-  notes_.back().finder = finder;
+void ContactBook::see(std::uint32_t finder, const ContactFinding& finding) {
+  FEDER_ASSERT(finder != 0 && (finder & (finder - 1)) == 0 && finding.change == 0);
+  add(finding);
+  findings_.back().finder = finder;
 }
 
 void ContactBook::keep(std::uint32_t finder, const ContactRecord& record) {
   FEDER_ASSERT(record.finders & finder);
-  ContactNote n;
+  ContactFinding n;
   n.key = record.key;
   n.index = record.index, n.number = record.number;
   n.point = record.point, n.normal = record.normal;
@@ -59,48 +61,48 @@ void ContactBook::keep(std::uint32_t finder, const ContactRecord& record) {
 
 void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& events) {
   open_ = records_.size();
-  if (notes_.empty() && seen_ == 0) return;
-  std::sort(notes_.begin(), notes_.end(), earlier);
+  if (findings_.empty() && seen_ == 0) return;
+  std::sort(findings_.begin(), findings_.end(), earlier);
   next_.clear();
-  const std::span<const ContactNote> notes(notes_.data(), notes_.size());
+  const std::span<const ContactFinding> findings(findings_.data(), findings_.size());
   std::size_t n = 0;
-  for (std::size_t first = 0; first < notes.size() || n < records_.size();) {
+  for (std::size_t first = 0; first < findings.size() || n < records_.size();) {
     // of most pairs there is nothing to say
     const std::size_t from = n;
     while (n < records_.size() && records_[n].finders == 0 &&
-           (first == notes.size() || records_[n].key < notes[first].key))
+           (first == findings.size() || records_[n].key < findings[first].key))
       ++n;
     next_.insert(next_.end(), records_.begin() + static_cast<std::ptrdiff_t>(from),
                  records_.begin() + static_cast<std::ptrdiff_t>(n));
-    if (first == notes.size() && n == records_.size()) break;
-    const bool known = n < records_.size() && (first == notes.size() || !(notes[first].key < records_[n].key));
+    if (first == findings.size() && n == records_.size()) break;
+    const bool known = n < records_.size() && (first == findings.size() || !(findings[first].key < records_[n].key));
     ContactRecord record;
     if (known)
       record = records_[n++];
     else
-      record.key = notes[first].key, record.begun = step;
+      record.key = findings[first].key, record.begun = step;
     std::size_t last = first;
-    while (last < notes.size() && notes[last].key == record.key) ++last;
-    apply(record, notes.subspan(first, last - first), step, objects, events);
+    while (last < findings.size() && findings[last].key == record.key) ++last;
+    apply(record, findings.subspan(first, last - first), step, objects, events);
     if (record.count || record.finders) next_.push_back(record);
     first = last;
   }
   records_.swap(next_);
   next_.reserve(records_.capacity());
-  notes_.clear();
+  findings_.clear();
   seen_ = 0;
   for (const ContactRecord& r : records_) seen_ += r.finders != 0;
 }
 
 // What was told of one pair: it begins, goes on or ends.
-void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step,
+void ContactBook::apply(ContactRecord& record, std::span<const ContactFinding> findings, std::uint64_t step,
                         const Objects& objects, Events& events) {
   const bool before = record.count || record.finders;
   record.finders = 0;
-  const ContactNote *told = nullptr, *stays = nullptr;  // the first of what comes, goes or is seen; of what goes on
+  const ContactFinding *told = nullptr, *stays = nullptr;  // the first of what comes, goes or is seen; of what goes on
   Real impulse = 0, speed = 0, pressed = 0, slip = 0;
   int count = static_cast<int>(record.count);
-  for (const ContactNote& k : notes) {
+  for (const ContactFinding& k : findings) {
     count += k.change;
     if (k.finder && objects.alive(record.key.a) && objects.alive(record.key.b)) record.finders |= k.finder;
     if (!told && (k.change != 0 || k.finder)) told = &k;
@@ -136,14 +138,14 @@ void ContactBook::apply(ContactRecord& record, std::span<const ContactNote> note
 }
 
 void ContactBook::load(Reader& r) {
-  r.list(records_), r.list(notes_);
+  r.list(records_), r.list(findings_);
   seen_ = 0;
   for (const ContactRecord& k : records_) seen_ += k.finders != 0;
   open_ = records_.size();
 }
 
 void ContactBook::validate(const Objects& objects, const Events& events) const {
-  FEDER_ASSERT(notes_.empty() || used_ || !records_.empty());
+  FEDER_ASSERT(findings_.empty() || used_ || !records_.empty());
   std::size_t open = open_;
   for (const Event& e : events.list()) {
     open += e.kind == EventKind::contact_begin || e.kind == EventKind::sensor_enter;

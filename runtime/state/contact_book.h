@@ -26,7 +26,7 @@ struct ContactKey {
 };
 
 // What is told of a pair in a step.
-struct ContactNote {
+struct ContactFinding {
   ContactKey key;
   std::int32_t change = 0;     // contacts that began or ended, of those that are counted
   std::uint32_t finder = 0;    // its bit, where the pair was seen
@@ -41,7 +41,7 @@ struct ContactNote {
   Real impulse = 0;            // along the normal in this step, N s
 };
 
-static_assert(sizeof(ContactNote) == 48 + 9 * sizeof(Real));
+static_assert(sizeof(ContactFinding) == 48 + 9 * sizeof(Real));
 
 // No padding: written to snapshots as bytes.
 struct ContactRecord {
@@ -56,7 +56,7 @@ static_assert(sizeof(ContactRecord) == 48 + 6 * sizeof(Real));
 
 class ContactBook {
  public:
-  explicit ContactBook(Arena& arena) : records_(&arena), next_(&arena), notes_(&arena) {}
+  explicit ContactBook(Arena& arena) : records_(&arena), next_(&arena), findings_(&arena) {}
 
   // The bit of a finder that sees. Worlds that are made alike give equal bits.
   std::uint32_t finder(std::string_view name);
@@ -64,11 +64,11 @@ class ContactBook {
   void use() { used_ = true; }
 
   // A counted contact of that pair began (change 1) or ended (-1).
-  void count(const ContactNote& note);
+  void count(const ContactFinding& finding);
   // More of a counted pair that goes on, for contact_stay: only where that is wanted.
-  void stay(const ContactNote& note) { tell(note); }
+  void stay(const ContactFinding& finding) { add(finding); }
   // `finder` saw the pair in this step; once per pair and finder.
-  void see(std::uint32_t finder, const ContactNote& note);
+  void see(std::uint32_t finder, const ContactFinding& finding);
   // It would see the pair again, had anything moved.
   void keep(std::uint32_t finder, const ContactRecord& record);
 
@@ -83,21 +83,21 @@ class ContactBook {
 
   // For the world.
   void begin_plan() { used_ = false, open_ = records_.size(); }
-  bool wanted() const { return used_ || !records_.empty() || !notes_.empty(); }
+  bool wanted() const { return used_ || !records_.empty() || !findings_.empty(); }
   void merge(std::uint64_t step, const Objects& objects, Events& events);
-  void save(Writer& w) const { w.list(records_), w.list(notes_); }
+  void save(Writer& w) const { w.list(records_), w.list(findings_); }
   void load(Reader& r);
   // After a step: its records have begun and not ended, in the events that were really sent.
   void validate(const Objects& objects, const Events& events) const;
 
  private:
-  void tell(const ContactNote& note);
-  void apply(ContactRecord& record, std::span<const ContactNote> notes, std::uint64_t step, const Objects& objects,
-             Events& events);
+  void add(const ContactFinding& finding);
+  void apply(ContactRecord& record, std::span<const ContactFinding> findings, std::uint64_t step,
+             const Objects& objects, Events& events);
 
   std::vector<std::string> finders_;  // by bit
   Array<ContactRecord> records_, next_;
-  Array<ContactNote> notes_;
+  Array<ContactFinding> findings_;
   std::size_t seen_ = 0;  // records that a finder sees
   std::size_t open_ = 0;  // records before the merge of this step
   bool used_ = false;

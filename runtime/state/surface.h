@@ -124,16 +124,17 @@ struct SurfaceGroup {
 
 struct Surfaces {
   explicit Surfaces(Arena& a)
-      : arena(a), list(&a), position(&a), mass(&a), delta_position(&a), before(&a), speed(&a), pairs(&a),
+      : arena(a), list(&a), position(&a), mass(&a), delta_position(&a), before(&a), velocity(&a), pairs(&a),
         connections(&a), wakes(&a), anchors(&a), carried(&a), body_delta_position(&a), body_delta_rotation(&a) {}
 
   Arena& arena;
   Array<Surface> list;  // of this step
   // By point. Solvers and contact work on these; the first owner's points have the numbers that it gives them.
-  Array<Vec3> position;  // at the start of the step, m
-  Array<Real> mass;      // kg
-  Array<Row4> delta_position, before,
-      speed;  // displacement since then, at the start of the solver substep; velocity; w: 1/kg
+  Array<Vec3> position;        // at the start of the step, m
+  Array<Real> mass;            // kg
+  Array<Row4> delta_position;  // since then, m; w: 1/kg
+  Array<Row4> before;          // the same at the start of the solver substep
+  Array<Row4> velocity;        // m/s; w: 1/kg
   Array<SurfacePair> pairs;
 
   // Groups of this step, in the order of their first members; records behind the last are kept for their memory.
@@ -212,12 +213,12 @@ struct Surfaces {
   // A run of `count` more points.
   std::uint32_t claim(std::uint32_t count) {
     const std::uint32_t first = size(), end = first + count;
-    position.resize(end), mass.resize(end), delta_position.resize(end), before.resize(end), speed.resize(end);
+    position.resize(end), mass.resize(end), delta_position.resize(end), before.resize(end), velocity.resize(end);
     return first;
   }
   void begin() {  // of a step
     list.clear(), pairs.clear(), connections.clear(), anchors.clear(), carried.clear();
-    position.clear(), mass.clear(), delta_position.clear(), before.clear(), speed.clear();
+    position.clear(), mass.clear(), delta_position.clear(), before.clear(), velocity.clear();
   }
   // What it names is no more.
   void forget() {

@@ -1,6 +1,6 @@
 // Stability maps of cloth, by solver: a sheet hung by its border with a body at the other, a sheet that falls on a
-// ball, and a sail pinned beside, on and inside shapes. Nobody gives small steps: the library chooses them, and says in
-// a warning where its cap ends that (then a wrong answer comes with that warning as the entity).
+// ball, and a sail pinned beside, on and inside shapes. Nobody gives solver substeps: the library chooses them, and
+// says in a warning where its cap ends that (then a wrong answer comes with that warning as the entity).
 #include <algorithm>
 #include <cmath>
 
@@ -56,7 +56,7 @@ ClothDesc square(const std::string& solver, double stiffness) {
 }
 
 // A bar of `y` times the mass of the sheet at its lower border; x = stretch stiffness; `iterations` in each substep of
-// the world, which is a small step then; 0: as the library chooses.
+// the world, which is a solver substep then; 0: as the library chooses.
 ClothCell hang(std::unique_ptr<World> world, const std::string& solver, double x, double y, int iterations) {
   ClothCell c;
   c.world = std::move(world);

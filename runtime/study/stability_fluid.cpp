@@ -171,7 +171,7 @@ const std::vector<FluidMapRow>& rows() {
       {{"water_substeps",
         "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
         {"substeps", "substeps", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
-        {"spent", "iterations, or own steps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
+        {"spent", "iterations, or solver substeps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
         false,
         "fluid"},
        &spent},

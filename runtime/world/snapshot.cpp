@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint64_t kMagic = 0x3130726564656600ull + sizeof(Real);  // "feder01", and the precision
 
 // Tells worlds apart without writing an address into the image.
-std::uint64_t seal(const World* world) {
+std::uint64_t owner_key(const World* world) {
   Hash h;
   h.add(reinterpret_cast<std::uintptr_t>(world));
   return h.value();
@@ -19,7 +19,7 @@ std::string World::snapshot() const {
   std::string image;
   Writer w(image);
   w.add(kMagic);
-  w.add(seal(this));
+  w.add(owner_key(this));
   w.add(time_);
   w.add(steps_);
   w.add(own_->rng);
@@ -40,7 +40,7 @@ void World::load_image(std::string_view image) {
   r.get(magic);
   if (magic != kMagic) throw SceneError("snapshot: not a snapshot of this build");
   r.get(maker);
-  if (maker != seal(this)) throw SceneError("snapshot: made by another world");
+  if (maker != owner_key(this)) throw SceneError("snapshot: made by another world");
   r.get(time_);
   r.get(steps_);
   r.get(own_->rng);

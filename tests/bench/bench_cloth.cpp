@@ -1,4 +1,4 @@
-// Nanoseconds per constraint and small step of a hung sheet, beside a plain loop of distance projections.
+// Nanoseconds per constraint and solver substep of a hung sheet, beside a plain loop of distance projections.
 //   bench_cloth [vertices along a side = 100] [repeats = 60]
 // All rows take turns within a repeat and the least of many repeats counts, because the machine may be shared.
 #include <algorithm>
@@ -17,7 +17,7 @@ using namespace feder;
 
 namespace {
 
-constexpr int kSubsteps = 4, kSmallSteps = 20;
+constexpr int kSubsteps = 4, kSolverSubsteps = 20;
 const SystemDescriptor* const kCloth[] = {&SurfaceContact::descriptor(), &Cloth::descriptor()};
 
 ClothDesc sheet(int n, bool bends, bool self) {
@@ -27,7 +27,7 @@ ClothDesc sheet(int n, bool bends, bool self) {
   d.stretch = 10000;
   d.bend = bends ? Real(1e-6) : Real(0);
   d.damping = 0;
-  d.substeps = kSmallSteps / kSubsteps;
+  d.substeps = kSolverSubsteps / kSubsteps;
   d.self_collision = self;
   d.thickness = Real(0.3) / static_cast<Real>(n);
   d.pin_names = {"top"};
@@ -127,14 +127,15 @@ int main(int argc, char** argv) {
       if (e.whole)
         e.whole->world.step();
       else
-        for (int i = 0; i < kSmallSteps; ++i) plain.step(Real(1) / 60 / kSmallSteps);
+        for (int i = 0; i < kSolverSubsteps; ++i) plain.step(Real(1) / 60 / kSolverSubsteps);
       e.least = std::min(e.least, static_cast<double>(clock_nanoseconds() - start));
     }
-  std::printf("sheet of %d x %d vertices, %.0f links, %.0f hinges, xpbd, %d small steps of 1/60 s, %s, least of %d\n",
-              n, n, links, hinges, kSmallSteps, kRealName, repeats);
+  std::printf(
+      "sheet of %d x %d vertices, %.0f links, %.0f hinges, xpbd, %d solver substeps of 1/60 s, %s, least of %d\n", n, n,
+      links, hinges, kSolverSubsteps, kRealName, repeats);
   for (const Entry& e : rows)
-    std::printf("  %-30s %7.3f ms/step  %7.3f ns per constraint and small step  %5.2f times the plain loop%s\n", e.name,
-                e.least / 1e6, e.least / kSmallSteps / e.constraints,
+    std::printf("  %-30s %7.3f ms/step  %7.3f ns per constraint and solver substep  %5.2f times the plain loop%s\n",
+                e.name, e.least / 1e6, e.least / kSolverSubsteps / e.constraints,
                 rows[0].least / rows[0].constraints / (e.least / e.constraints),
                 e.whole && e.whole->world.allocations() != e.whole->allocations ? ", ALLOCATES" : "");
   std::printf("  largest strain %.4f; hash %s\n",

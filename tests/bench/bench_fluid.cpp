@@ -63,10 +63,10 @@ void bench(const char* solver, Real spacing, int steps) {
   const double count = static_cast<double>(f.particle_count(id));
   double least = 1e9;
   for (int k = 0; k < steps; ++k) {
-    const std::uint64_t before = f.own_steps(id);
+    const std::uint64_t before = f.solver_substeps(id);
     const double t = seconds();
     w.step();
-    least = std::min(least, (seconds() - t) / static_cast<double>(f.own_steps(id) - before) / count * 1e6);
+    least = std::min(least, (seconds() - t) / static_cast<double>(f.solver_substeps(id) - before) / count * 1e6);
   }
   double pairs = 0;
   const double plain = plain_density(places(w, id), spacing, pairs);

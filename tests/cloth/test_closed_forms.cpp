@@ -27,7 +27,8 @@ TEST_CASE("a cloth falls as a point does, without strain, whatever its stiffness
   for (int k = 0; k < steps; ++k) w.step();
   const double t = steps * wd.dt, g = 9.81;
   const Vec3 x = cloth.point(id, 5) - start, v = cloth.velocity(id, 5);
-  // each small step rounds the velocity by half a unit at most, often to the same side: a quarter of that worst case
+  // each solver substep rounds the velocity by half a unit at most, often to the same side: a quarter of that worst
+  // case
   const double small = static_cast<double>(steps * wd.substeps * cloth.substeps(id));
   const double tolerance = static_cast<double>(kEpsilon) * std::max(160.0, small / 8);
   CHECK(component(x, 0) == Approx(t).epsilon(tolerance));
@@ -96,8 +97,9 @@ TEST_CASE("a clamped strip of 40 segments hangs as the elastica", "[cloth]") {
   elastica(gamma, drop, reach);
   const Vec3 tip = cloth.point(id, 40 + 41), root = cloth.point(id, 41);
   CAPTURE(gamma, cloth.substeps(id), w.energy().kinetic);
-  std::printf("cantilever Gamma %g: drop %.4f (elastica %.4f), reach %.4f (%.4f), %d small steps, %d steps to rest\n",
-              gamma, component(root - tip, 1), drop, component(tip - root, 0), reach, cloth.substeps(id), steps);
+  std::printf(
+      "cantilever Gamma %g: drop %.4f (elastica %.4f), reach %.4f (%.4f), %d solver substeps, %d steps to rest\n",
+      gamma, component(root - tip, 1), drop, component(tip - root, 0), reach, cloth.substeps(id), steps);
   CHECK(component(root - tip, 1) == Approx(drop).epsilon(0.05));
   CHECK(component(tip - root, 0) == Approx(reach).epsilon(0.05));
 }
@@ -126,7 +128,7 @@ TEST_CASE("a strip hung at both ends sags as the catenary", "[cloth]") {
         Vec3(static_cast<Real>(s - 0.5), static_cast<Real>(depth * (std::fabs(2 * s - 1) - 1)), cloth.point(id, i)[2]));
   }
   const int steps = relax(w, id, 12);
-  std::printf("catenary length %g: sag %.5f (%.5f), %d small steps, %d steps to rest\n", length,
+  std::printf("catenary length %g: sag %.5f (%.5f), %d solver substeps, %d steps to rest\n", length,
               -component(cloth.point(id, 61 + 30), 1), sag, cloth.substeps(id), steps);
   CHECK(-component(cloth.point(id, 61 + 30), 1) == Approx(sag).epsilon(0.02));
 }

@@ -35,8 +35,8 @@ void hang(std::uint32_t cells, const char* solver, double seconds) {
   for (std::size_t k = 0; k < strain.size(); ++k) strain[k] = static_cast<double>(cloth.strain(id, k));
   std::nth_element(strain.begin(), strain.begin() + strain.size() / 2, strain.end());
   const double median = strain[strain.size() / 2], worst = static_cast<double>(cloth.max_strain(id));
-  std::printf("3 m sheet, %s, %u cells: median %.4f, worst %.4f, %d small steps, %d steps to rest, %.4f J\n", solver,
-              cells, median, worst, cloth.substeps(id), rest, w.energy().kinetic);
+  std::printf("3 m sheet, %s, %u cells: median %.4f, worst %.4f, %d solver substeps, %d steps to rest, %.4f J\n",
+              solver, cells, median, worst, cloth.substeps(id), rest, w.energy().kinetic);
   CHECK(median <= 0.01);
   CHECK(worst <= 0.05);
   CHECK(warned == 0);

@@ -1,4 +1,4 @@
-// What one sweep per small step leaves of strain: the law that chooses the number of small steps.
+// What one sweep per solver substep leaves of strain: the law that chooses the number of solver substeps.
 #include <cmath>
 #include <cstdio>
 
@@ -23,14 +23,14 @@ TEST_CASE("a hanging sheet keeps the strain of the law 2 g n^2 h^2/L, and g n^2 
   d.self_collision = false;
   d.pin_names = {"top"};
   d.substeps = small;
-  d.max_strain = kInfinity;  // what the small steps leave by themselves
+  d.max_strain = kInfinity;  // what the solver substeps leave by themselves
   const ObjectId id = cloth.add_cloth(d);
   relax(w, id, 10);
   const double h = wd.dt / wd.substeps / small, law = 9.81 * rows * rows * h * h;
   const double whole = component(cloth.point(id, 2) - cloth.point(id, 5 * rows + 2), 1) - 1;
   const double worst = static_cast<double>(cloth.max_strain(id));
-  std::printf("hanging n %u, %d small steps: max %.4f (law %.4f), whole %.4f (law %.4f)\n", rows, small * wd.substeps,
-              worst, 2 * law, whole, law / 2);
+  std::printf("hanging n %u, %d solver substeps: max %.4f (law %.4f), whole %.4f (law %.4f)\n", rows,
+              small * wd.substeps, worst, 2 * law, whole, law / 2);
   if (law > 0.3) return;  // beyond its reach
   CAPTURE(rows, small, law, whole, worst);
   CHECK(whole == Approx(law / 2).epsilon(0.1));

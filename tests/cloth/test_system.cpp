@@ -122,7 +122,7 @@ TEST_CASE("a free cloth keeps momentum and angular momentum", "[cloth]") {
   d.solver = solver;
   d.stretch = 300;
   d.max_substeps = 64;
-  if (std::string(solver) == "xpbd") d.substeps = 16;  // rotation is lost in proportion to the small step
+  if (std::string(solver) == "xpbd") d.substeps = 16;  // rotation is lost in proportion to the solver substep
   const ObjectId id = cloth.add_cloth(d);
   for (std::size_t i = 0; i < 81; ++i) {
     const Vec3 x = cloth.point(id, i);

@@ -134,7 +134,7 @@ TEST_CASE("two free cloths that collide exchange momentum and keep the sum", "[c
   World w(wd, kCatalog);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(11, 11, 1, 1);
-  d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the small step
+  d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the solver substep
   d.pose.position = Vec3(Real(0.1), Real(0.05), 0);
   d.velocity = Vec3(0, -2, Real(0.5));
   const ObjectId high = cloth.add_cloth(d);

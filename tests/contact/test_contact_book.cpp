@@ -21,14 +21,14 @@ struct Desk {
   std::uint32_t sheets = book.finder("sheets"), pools = book.finder("pools");
   std::uint64_t step = 0;
 
-  ContactNote note(ObjectId a, ObjectId b, std::uint32_t index = 0, Real impulse = 1) const {
-    ContactNote n;
+  ContactFinding finding(ObjectId a, ObjectId b, std::uint32_t index = 0, Real impulse = 1) const {
+    ContactFinding n;
     n.key = {a, b};
     n.index = index, n.impulse = impulse, n.speed = 2 * impulse, n.slip = 3 * impulse;
     return n;
   }
   void count(ObjectId a, ObjectId b, int change) {
-    ContactNote n = note(a, b);
+    ContactFinding n = finding(a, b);
     n.change = change;
     book.count(n);
   }
@@ -60,10 +60,10 @@ TEST_CASE("a pair touches while one of its contacts is counted, or somebody sees
   d.count(d.one, d.two, 1);
   CHECK(d.only() == kNothing);
   d.count(d.one, d.two, -1);
-  d.book.see(d.sheets, d.note(d.one, d.two));
+  d.book.see(d.sheets, d.finding(d.one, d.two));
   CHECK(d.only() == kNothing);
   d.count(d.one, d.two, -1);
-  d.book.see(d.sheets, d.note(d.one, d.two));
+  d.book.see(d.sheets, d.finding(d.one, d.two));
   CHECK(d.only() == kNothing);
   CHECK(d.book.records().size() == 1);
   CHECK(d.only() == EventKind::contact_end);  // nobody sees it any more
@@ -74,14 +74,14 @@ TEST_CASE("a pair touches while one of its contacts is counted, or somebody sees
 
 TEST_CASE("what two finders see is one contact, and lasts until both have lost it", "[contact][events]") {
   Desk d;
-  d.book.see(d.pools, d.note(d.cloth, d.two));
-  d.book.see(d.sheets, d.note(d.cloth, d.two));
-  d.book.see(d.sheets, d.note(d.cloth, d.one));
+  d.book.see(d.pools, d.finding(d.cloth, d.two));
+  d.book.see(d.sheets, d.finding(d.cloth, d.two));
+  d.book.see(d.sheets, d.finding(d.cloth, d.one));
   CHECK(d.merge().size() == 2);
   int seen = 0;
   d.book.each(d.sheets, [&](const ContactRecord&) { ++seen; });
   CHECK(seen == 2);
-  d.book.see(d.pools, d.note(d.cloth, d.two));
+  d.book.see(d.pools, d.finding(d.cloth, d.two));
   d.book.each(d.sheets, [&](const ContactRecord& r) {
     if (r.key.b == d.one) d.book.keep(d.sheets, r);  // neither moves
   });
@@ -94,7 +94,7 @@ TEST_CASE("what two finders see is one contact, and lasts until both have lost i
 TEST_CASE("events of a pair tell where, how hard and how many", "[contact][events]") {
   Desk d;
   d.events.set_wanted(EventKind::hit, true), d.events.set_wanted(EventKind::contact_stay, true);
-  ContactNote wet = d.note(d.one, d.water, 7);
+  ContactFinding wet = d.finding(d.one, d.water, 7);
   wet.number = 1, wet.point = Vec3(1, 2, 3), wet.normal = Vec3(0, 1, 0);
   d.book.see(d.pools, wet);
   std::vector<Event> all = d.merge();
@@ -106,7 +106,7 @@ TEST_CASE("events of a pair tell where, how hard and how many", "[contact][event
   CHECK(all[1].speed == 2);
   CHECK(all[1].impulse == 1);
   d.book.see(d.pools, wet);
-  d.book.see(d.sheets, d.note(d.one, d.water, 4, Real(0.5)));
+  d.book.see(d.sheets, d.finding(d.one, d.water, 4, Real(0.5)));
   all = d.merge();
   REQUIRE(all.size() == 1);
   CHECK(all[0].kind == EventKind::contact_stay);
@@ -119,23 +119,23 @@ TEST_CASE("events of a pair tell where, how hard and how many", "[contact][event
   CHECK(all[0].kind == EventKind::contact_end);
   CHECK(all[0].index == 0);  // particles: none
   CHECK(all[0].point == Vec3(1, 2, 3));
-  d.book.see(d.sheets, d.note(d.cloth, d.one, 4, Real(0.01)));
+  d.book.see(d.sheets, d.finding(d.cloth, d.one, 4, Real(0.01)));
   CHECK(d.only() == EventKind::contact_begin);  // too slow for a hit
 }
 
 TEST_CASE("contacts of the dead end, sensors enter and leave", "[contact][events]") {
   Desk d;
-  ContactNote inside = d.note(d.one, d.water, 3);
+  ContactFinding inside = d.finding(d.one, d.water, 3);
   inside.key.sensor = 1, inside.number = 1;
   d.book.see(d.pools, inside);
-  d.book.see(d.sheets, d.note(d.cloth, d.one));
+  d.book.see(d.sheets, d.finding(d.cloth, d.one));
   std::vector<Event> all = d.merge();
   REQUIRE(all.size() == 2);
   CHECK(all[0].kind == EventKind::contact_begin);
   CHECK(all[1].kind == EventKind::sensor_enter);
   CHECK(all[1].index == 3);
   d.objects.remove(d.one, "");
-  d.book.see(d.sheets, d.note(d.cloth, d.one));  // its finder has not noticed
+  d.book.see(d.sheets, d.finding(d.cloth, d.one));  // its finder has not noticed
   all = d.merge();
   REQUIRE(all.size() == 2);
   CHECK(all[0].kind == EventKind::contact_end);
@@ -145,7 +145,7 @@ TEST_CASE("contacts of the dead end, sensors enter and leave", "[contact][events
 
 TEST_CASE("the contact book goes on from an image", "[contact][snapshot]") {
   Desk d;
-  d.book.see(d.sheets, d.note(d.cloth, d.one));
+  d.book.see(d.sheets, d.finding(d.cloth, d.one));
   d.count(d.one, d.two, 1);
   CHECK(d.merge().size() == 2);
   d.count(d.one, d.two, -1);  // waits for the next merge
@@ -170,7 +170,7 @@ TEST_CASE("what the contact book cannot be told stops where asserts are on", "[c
   }));
   CHECK(aborts([] {
     Desk d;
-    d.book.see(3, d.note(d.one, d.two));
+    d.book.see(3, d.finding(d.one, d.two));
   }));
   CHECK(aborts([] {
     Desk d;
@@ -178,14 +178,14 @@ TEST_CASE("what the contact book cannot be told stops where asserts are on", "[c
   }));
   CHECK(aborts([] {
     Desk d;
-    d.book.see(d.sheets, d.note(d.cloth, d.one));
+    d.book.see(d.sheets, d.finding(d.cloth, d.one));
     d.book.merge(0, d.objects, d.events);
     d.events.clear();  // its begin was lost
     d.book.validate(d.objects, d.events);
   }));
   CHECK(aborts([] {
     Desk d;
-    d.book.see(d.sheets, d.note(d.cloth, d.one));
+    d.book.see(d.sheets, d.finding(d.cloth, d.one));
     d.merge();
     d.objects.remove(d.one, "");
     d.book.validate(d.objects, d.events);  // its end was not told

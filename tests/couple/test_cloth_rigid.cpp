@@ -60,7 +60,7 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   hammer.angular_velocity = Vec3(2, 0, 5);
   const ObjectId body = rigid.add_body(hammer);
   ClothDesc d = sheet(13, 1);
-  d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the small step
+  d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the solver substep
   const ObjectId id = cloth.add_cloth(d);
   const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
   int begins = 0;

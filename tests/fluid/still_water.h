@@ -57,7 +57,7 @@ inline StillWaterResult run_still_water(const StillWater& s) {
     for (const Vec3& x : places(w, id)) top = std::max(top, std::isfinite(x[1]) ? static_cast<double>(x[1]) : 1e9);
     f.velocities(id, v);
     for (const Vec3& u : v) speed = std::max(speed, static_cast<double>(length(u)));
-    const std::uint64_t taken = f.own_steps(id) - own;
+    const std::uint64_t taken = f.solver_substeps(id) - own;
     own += taken;
     const double h = desc.dt / static_cast<double>(std::max<std::uint64_t>(taken, 1));
     r.top = std::max(r.top, top / (height + 2 * s.spacing));

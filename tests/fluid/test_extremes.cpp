@@ -217,7 +217,7 @@ TEST_CASE("pbf takes smaller steps where those of the world would crush it", "[f
     REQUIRE(most[0] < Real(0.4) + 2 * std::sqrt(Real(9.81)) * static_cast<Real>(w.time()) + d.spacing);  // Ritter
     REQUIRE(most[1] < 1 + d.spacing);
   }
-  CHECK(w.need<Fluid>().own_steps(id) > (kFull ? 60 : 2));
+  CHECK(w.need<Fluid>().solver_substeps(id) > (kFull ? 60 : 2));
 }
 
 TEST_CASE("the height of a fluid is found past a gap, and far from the origin", "[fluid][extreme]") {

@@ -37,7 +37,7 @@ struct Two {
                                        static_cast<Real>(i / 4 % 4) + Real(0.5)));
     w.need<Fluid>().fill(fast, points, vec3(25, 0, 0));
   }
-  std::uint64_t taken(ObjectId id) { return w.need<Fluid>().own_steps(id); }
+  std::uint64_t taken(ObjectId id) { return w.need<Fluid>().solver_substeps(id); }
   World w;
   ObjectId calm, fast;
 };

@@ -50,7 +50,7 @@ struct Pool {
     for (std::size_t k = x.size() - flying; k < x.size(); ++k) y = std::min(y, x[k][1]);
     return y;
   }
-  std::uint64_t taken() { return w.need<Fluid>().own_steps(id); }
+  std::uint64_t taken() { return w.need<Fluid>().solver_substeps(id); }
   World w;
   ObjectId id;
   std::size_t flying = 0;
@@ -110,7 +110,7 @@ TEST_CASE("what flies alone takes the substeps that it takes at rest", "[fluid][
     const ObjectId id = w.need<Fluid>().add_fluid(d);
     w.need<Fluid>().fill(id, drop(64, vec3(0, 9, 0)), vec3(fast ? 40 : 0, 0, 0));
     run(w, 0.1);
-    taken[fast] = w.need<Fluid>().own_steps(id);
+    taken[fast] = w.need<Fluid>().solver_substeps(id);
   }
   CHECK(taken[1] <= taken[0]);
 }
@@ -157,12 +157,12 @@ TEST_CASE("two drops that fly against each other take more substeps where they m
   w.need<Fluid>().fill(id, drop(count, vec3(-1, 0, 0)), vec3(15, 0, 0));
   w.need<Fluid>().fill(id, drop(count, vec3(1, 0, 0)), vec3(-15, 0, 0));
   run(w, 10.0 / 240);  // 0.5 m apart at least
-  CHECK(w.need<Fluid>().own_steps(id) == 10);
+  CHECK(w.need<Fluid>().solver_substeps(id) == 10);
   std::uint64_t most = 0;
   for (int k = 0; k < 10; ++k) {
-    const std::uint64_t before = w.need<Fluid>().own_steps(id);
+    const std::uint64_t before = w.need<Fluid>().solver_substeps(id);
     w.step();
-    most = std::max(most, w.need<Fluid>().own_steps(id) - before);
+    most = std::max(most, w.need<Fluid>().solver_substeps(id) - before);
   }
   CHECK(most >= 2);
 }

@@ -48,7 +48,7 @@ struct ClothDesc {
   Real max_strain = -1;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
-  // Small steps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
+  // Solver substeps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
   int substeps = 0;
   Real stretch_error = Real(0.01);              // strain that the solver may leave beside the material's
   int max_substeps = 64;                        // where the choice ends, with a warning
@@ -103,7 +103,7 @@ class Cloth final : public System {
   void triangles(ObjectId cloth, std::vector<std::uint32_t>& out) const;
   void set_script_force(ObjectId cloth, std::size_t i, const Vec3& force);  // N, until changed
   void clear_script_forces();
-  int substeps(ObjectId cloth) const;  // small steps per world substep, as last chosen
+  int substeps(ObjectId cloth) const;  // solver substeps per world substep, as last chosen
   bool asleep(ObjectId cloth) const;
   void wake(ObjectId cloth, WakeCause cause = WakeCause::script, ObjectId other = {});
   void sleep(ObjectId cloth);
@@ -142,7 +142,7 @@ class Cloth final : public System {
   // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its
   // speed beside that of the cloth, m/s.
   void set_impact(std::size_t n, Real acceleration, Real speed);
-  void push(std::uint32_t vertex, const Vec3& impulse);  // after the small steps of a substep, N s
+  void push(std::uint32_t vertex, const Vec3& impulse);  // after the solver substeps of a substep, N s
 
  private:
   struct Impl;

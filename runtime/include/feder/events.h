@@ -28,10 +28,10 @@ struct EventKind : Name<EventKind> {
     kText = 1024,   // code and message
     kAlone = 2048,  // no object
   };
-  constexpr EventKind(const char* name, std::uint32_t what) : Name(name), tells(what) {}
-  constexpr bool has(std::uint32_t any) const { return (tells & any) != 0; }
+  constexpr EventKind(const char* name, std::uint32_t what) : Name(name), fields(what) {}
+  constexpr bool has(std::uint32_t any) const { return (fields & any) != 0; }
 
-  std::uint32_t tells;
+  std::uint32_t fields;
   static const EventKind contact_begin, contact_end, contact_stay, hit, sensor_enter, sensor_leave, sleep, wake, step,
       warning;
 };

@@ -44,7 +44,7 @@ struct FluidDesc {
   int iterations = 4;    // pbf, per substep
   Real compression = 0;  // wanted: wcsph at the largest pressure, pbf on average; 0: wcsph 0.01, pbf 0.05
   Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
-  int max_substeps = 60;                  // most of its solver's own steps in a substep of the world
+  int max_substeps = 60;                  // most of its solver substeps in a substep of the world
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
@@ -120,7 +120,7 @@ class Fluid final : public System {
       ObjectId fluid) const;                 // its solver's, since the fluid was made; wcsph takes several in a substep
   ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
-  // For couplings: the walls of the coming substep, filled before the fluid's rows, and before questions.
+  // For couplings: the walls of the coming substep, filled before the fluid's passes, and before questions.
   Boundary& boundary();
   // Which bodies of the walls particles were beside since clear_contact_states: appended, by fluid, then body.
   void clear_contact_states();

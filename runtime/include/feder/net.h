@@ -60,7 +60,7 @@ struct NetAdvice {
   double stability_number = 0;  // h times the larger of the two that matter to the method
   bool stable = true;           // stability_number <= limit of the method
   bool never_stable = false;    // no step would be, short of damping
-  int parts = 1;                // into which an adaptive method cuts h at least, for stability
+  int solver_substeps = 1;      // into which an adaptive method cuts h at least, for stability
   int substeps = 0;     // of the step dt that keep the number below kSafeShare of the limit; 0: any, or none does
   double error = 0;     // predicted, of the fastest mode after one period, relative
   double resolved = 0;  // 1/s, motions up to here come out within kResolvedError per period

@@ -1,6 +1,6 @@
 // The step plan: a tree of loops of passes, built when the scene's structure changes, run every step from top to
 // bottom (feder/order.h). Clocks stand around every loop; inside a loop passes are counted each time and clocked in one
-// iteration of kClockEvery, so that small steps are not made of clocks.
+// iteration of kClockEvery, so that solver substeps are not made of clocks.
 #pragma once
 #include <algorithm>
 #include <span>
