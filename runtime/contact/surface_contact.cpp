@@ -16,7 +16,7 @@ constexpr Real kHaste = Real(1.5);  // of the fastest point: others may be drawn
 }  // namespace
 
 const SystemDescriptor& SurfaceContact::descriptor() {
-  static const char* const joins[] = {"springs"};  // cloth asks for it
+  static const char* const joins[] = {"surface"};
   static const SystemDescriptor d = {
       .name = kName, .units = "touchings", .joins = joins, .make = &make_system<SurfaceContact>};
   return d;

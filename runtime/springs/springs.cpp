@@ -15,6 +15,7 @@ const SystemDescriptor& Springs::descriptor() {
   static const SystemDescriptor d = {.name = kName,
                                      .units = "points",
                                      .unit = "point",
+                                     .shows = "surface",
                                      .kinds = kinds,
                                      .events = events,
                                      .make = &make_system<Springs>};
