@@ -120,7 +120,7 @@ int world_body(lua_State* L) {
   body.record = &r;
   o.read(kBody, body);
   body.tags = tag_option(o, r);
-  const ObjectId id = lua::rigid(r).add_body(body);
+  const ObjectId id = system_of<Rigid>(r).add_body(body);
   if (body.painted) r.look.colors[id] = body.color;
   push_handle(L, r, id);
   return 1;

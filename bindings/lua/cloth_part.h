@@ -1,7 +1,7 @@
 // Cloth in Lua.
 #pragma once
 #include "feder/cloth.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 

@@ -95,8 +95,6 @@ constexpr Option<EmitterDesc> kEmitter[] = {
 
 }  // namespace
 
-Fluid& fluids(WorldRecord& record) { return record.world->need<Fluid>(); }
-
 std::vector<OptionInfo> fluid_rows() { return describe_rows(kFluid); }
 std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
 std::vector<OptionInfo> emitter_rows() { return describe_rows(kEmitter); }
@@ -108,41 +106,36 @@ int world_fluid(lua_State* L) {
   FluidReading fluid;
   o.read(kFluid, fluid);
   fluid.tags = tag_option(o, r);
-  push_handle(L, r, fluids(r).add_fluid(fluid));
+  push_handle(L, r, system_of<Fluid>(r).add_fluid(fluid));
   return 1;
 }
 
-int fluid_fill(lua_State* L) {
-  Self self = check_self(L);
-  Options o(L, 2, function_name(L), self.record.planar());
+std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {
+  Options o(L, 2, function_name(L), f.record.planar());
   Volume v;
   o.read(kFill, v);
-  if (!v.shape) charge(L, v.points.size());
-  const std::size_t made = v.shape ? fluids(self.record).fill(self.id, *v.shape, v.pose, v.velocity)
-                                   : fluids(self.record).fill(self.id, v.points, v.velocity);
-  if (v.shape) charge(L, made);
-  lua_pushinteger(L, static_cast<lua_Integer>(made));
-  return 1;
+  if (!v.shape) {
+    charge(L, v.points.size());
+    return f.system.fill(f.id, v.points, v.velocity);
+  }
+  const std::size_t made = f.system.fill(f.id, *v.shape, v.pose, v.velocity);
+  charge(L, made);
+  return made;
 }
 
-int fluid_emitter(lua_State* L) {
-  Self self = check_self(L);
-  Options o(L, 2, function_name(L), self.record.planar());
+ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L) {
+  Options o(L, 2, function_name(L), f.record.planar());
   EmitterDesc emitter;
   o.read(kEmitter, emitter);
-  emitter.tags = tag_option(o, self.record);
-  push_handle(L, self.record, fluids(self.record).add_emitter(self.id, emitter));
-  return 1;
+  emitter.tags = tag_option(o, f.record);
+  return f.system.add_emitter(f.id, emitter);
 }
 
-int fluid_drain(lua_State* L) {
-  Self self = check_self(L);
-  Options o(L, 2, function_name(L), self.record.planar());
+ObjectId fluid_drain(const Object<Fluid>& f, lua_State* L) {
+  Options o(L, 2, function_name(L), f.record.planar());
   Volume v;
   o.read(kDrain, v);
-  const TagMask tags = tag_option(o, self.record);
-  push_handle(L, self.record, fluids(self.record).add_drain(self.id, v.name, tags, std::move(v.shape), v.pose));
-  return 1;
+  return f.system.add_drain(f.id, v.name, tag_option(o, f.record), std::move(v.shape), v.pose);
 }
 
 }  // namespace feder::lua

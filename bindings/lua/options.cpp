@@ -84,6 +84,15 @@ const char* check_text(lua_State* L, int index, const std::string& what) {
   return lua_tostring(L, index);
 }
 
+bool flag_argument(lua_State* L, int index) {
+  if (lua_type(L, index) != LUA_TBOOLEAN) fail_here(L, "expected true or false, got " + describe(L, index));
+  return lua_toboolean(L, index) != 0;
+}
+
+Real number_argument(lua_State* L, int index, const Range& range) {
+  return static_cast<Real>(check_number(L, index, function_name(L), range));
+}
+
 Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar) {
   index = lua_absindex(L, index);
   const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";

@@ -220,6 +220,9 @@ Quat check_rotation(lua_State* L, int index, const std::string& what);
 // Hot verbs: x, y, z as numbers from `index` on, or one table. `next` is the index after what was read.
 Vec3 vector_argument(lua_State* L, int index, bool planar, int* next = nullptr);
 const char* check_text(lua_State* L, int index, const std::string& what);
+// Arguments of the running API function, under its name in messages.
+bool flag_argument(lua_State* L, int index);
+Real number_argument(lua_State* L, int index, const Range& range);
 void set_param(lua_State* L, int index, const std::string& key, const std::string& what, Params& out);
 
 }  // namespace feder::lua

@@ -43,7 +43,7 @@ int world_max_penetration(lua_State* L) {
 }
 
 std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::string& where) {
-  Rigid& bodies = rigid(record);
+  Rigid& bodies = system_of<Rigid>(record);
   std::vector<ObjectId> joints;  // go with their bodies
   if (bodies.joint_count() > 0) {
     record.world->objects().for_each(kJointKind, [&](ObjectId joint) {
@@ -55,12 +55,7 @@ std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::
   return joints;
 }
 
-std::vector<ObjectId> destroy_joint(WorldRecord& record, ObjectId id, const std::string& where) {
-  rigid(record).destroy_joint(id, where);
-  return {};
-}
-
-Pose body_pose(WorldRecord& record, ObjectId id) { return rigid(record).pose(id); }
+Pose body_pose(WorldRecord& record, ObjectId id) { return system_of<Rigid>(record).pose(id); }
 
 void gravity_changed(World& world) {
   if (Rigid* bodies = world.find<Rigid>()) bodies->wake_all(WakeCause::script);
@@ -188,7 +183,8 @@ const YamlList kYaml[] = {{"bodies", [](lua_State* L, int world) { make_bodies(L
 
 }  // namespace
 
-Rigid& rigid(WorldRecord& record) {
+template <>
+Rigid& system_of<Rigid>(WorldRecord& record) {
   Rigid& r = record.world->need<Rigid>();
   if (record.has_pairs) return r;
   record.has_pairs = true;
@@ -203,7 +199,7 @@ const Part& rigid_part() {
   static const std::vector<Method> world = world_rows();
   static const ObjectClass classes[] = {
       {.name = "body", .methods = body_methods(), .destroy = &destroy_body, .takes_forces = true, .pose = &body_pose},
-      {.name = "joint", .methods = joint_methods(), .destroy = &destroy_joint},
+      {.name = "joint", .methods = joint_methods(), .destroy = destroy_alone<&Rigid::destroy_joint>},
       {.name = "region", .methods = region_methods(), .destroy = &destroy_body}};
   static const Part part = {.name = "rigid",
                             .functions = {},

@@ -2,13 +2,14 @@
 #pragma once
 #include "feder/query.h"
 #include "feder/rigid.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 
 const Part& rigid_part();
 
-Rigid& rigid(WorldRecord& record);  // made on first use, with the material pairs
+template <>
+Rigid& system_of<Rigid>(WorldRecord& record);  // with the material pairs
 
 int world_body(lua_State* L);
 std::vector<OptionInfo> body_rows();

@@ -1,7 +1,7 @@
 // Nets in Lua.
 #pragma once
 #include "feder/net.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 
