@@ -129,9 +129,9 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   const int field = static_cast<int>(lua_tointeger(L, -1));
   if (field == 0) {
     const std::vector<std::string> known(std::begin(kFields), std::end(kFields));
-    const std::string near = lua_type(L, 2) == LUA_TSTRING ? nearest_name(lua_tostring(L, 2), known) : "";
-    fail(L, "event: no field " + describe(L, 2) +
-                (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+    fail(L,
+         "event: no field " + describe(L, 2) +
+             (lua_type(L, 2) == LUA_TSTRING ? did_you_mean_or(lua_tostring(L, 2), known) : "; known: " + join(known)));
   }
   if (field == f_copy) {
     lua_pushvalue(L, lua_upvalueindex(2));
@@ -369,8 +369,7 @@ EventKind check_event_kind(lua_State* L, int index, const WorldRecord& record) {
     known.emplace_back(k.text());
   }
   if (lua_type(L, index) != LUA_TSTRING) fail_here(L, "expected the name of an event, got " + describe(L, index));
-  const std::string near = nearest_name(lua_tostring(L, index), known);
-  fail_here(L, "unknown event " + describe(L, index) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+  fail_here(L, "unknown event " + describe(L, index) + did_you_mean(lua_tostring(L, index), known) +
                    "; known: " + join(known));
 }
 

@@ -25,9 +25,7 @@ void read_kind(Options& o, const OptionRow&, JointReading& j) {
                                       "gear",   "rack", "pulley", "motor",      "mouse"};
   for (const char* name : later)
     if (type == name) o.raise("type", "this build has no joint type '" + type + "'; known: " + join(known));
-  const std::string near = nearest_name(type, known);
-  o.raise("type", "unknown joint type '" + type + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-                      "; known: " + join(known));
+  o.raise("type", "unknown joint type '" + type + "'" + did_you_mean(type, known) + "; known: " + join(known));
 }
 
 ObjectId body_option(Options& o, const char* key, WorldRecord& record) {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "feder/error.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -177,25 +178,30 @@ Options::Options(lua_State* L, int index, std::string owner, bool planar)
   if (lua_type(L, index_) != LUA_TTABLE) wrong_value(L, index_, owner_, "a table of options { ... }");
 }
 
-void Options::raise_at(const std::string& key, const std::string& message) {
-  // tables read from a YAML file remember where their keys stood
+std::string yaml_location(lua_State* L, int table, std::string_view key) {
+  const int top = lua_gettop(L);
+  table = lua_absindex(L, table);
   std::string at;
-  if (lua_getfield(L_, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L_, index_);
-    if (lua_rawget(L_, -2) == LUA_TTABLE) {
-      lua_pushlstring(L_, key.data(), key.size());
-      if (lua_rawget(L_, -2) != LUA_TSTRING) {
-        lua_pop(L_, 1);
-        lua_pushboolean(L_, 1);
-        lua_rawget(L_, -2);
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, table);
+    if (lua_rawget(L, -2) == LUA_TTABLE) {
+      // of the key; else of the table, under true
+      push(L, key);
+      if (lua_rawget(L, -2) != LUA_TSTRING) {
+        push(L, true);
+        lua_rawget(L, top + 2);
       }
-      if (lua_type(L_, -1) == LUA_TSTRING) at = lua_tostring(L_, -1);
+      if (lua_type(L, -1) == LUA_TSTRING) at = lua_tostring(L, -1);
     }
   }
+  lua_settop(L, top);
+  return at;
+}
+
+void Options::raise_at(const std::string& key, const std::string& message) {
+  const std::string at = yaml_location(L_, index_, key);
   if (at.empty()) fail(L_, message);
-  lua_pushstring(L_, (at + ": " + message).c_str());
-  lua_error(L_);
-  std::abort();  // lua_error does not return
+  raise_error(L_, at + ": " + message);
 }
 
 void Options::raise(const char* key, const std::string& message) {
@@ -394,9 +400,7 @@ void Options::finish() {
   }
   if (!found) return;
   const std::vector<std::string> names(known_.begin(), known_.end());
-  const std::string near = nearest_name(unknown, names);
-  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" +
-                        (near.empty() ? "; known: " + join(names) : "; did you mean '" + near + "'?"));
+  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" + did_you_mean_or(unknown, names));
 }
 
 }  // namespace feder::lua

@@ -212,6 +212,9 @@ std::vector<OptionInfo> describe_rows(const Option<T> (&rows)[N]) {
   return out;
 }
 
+// Where a table that was read from a YAML file, or one of its keys, stands there: "scene.yaml:12"; "" when unknown.
+std::string yaml_location(lua_State* L, int table, std::string_view key = {});
+
 // Readers of a single value at `index`; `what` is named in messages.
 double check_number(lua_State* L, int index, const std::string& what, const Range& range = kAny);
 std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi);

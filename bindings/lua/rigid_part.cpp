@@ -121,7 +121,7 @@ void make_bodies(lua_State* L, int world, const char* maker) {
   for (lua_Integer i = 0; i < count; ++i) {
     lua_newtable(L);
     copy_places(L, options, -1);
-    for (lua_pushnil(L); lua_next(L, options);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+    copy_fields(L, options);
     if (count > 1) {
       lua_getfield(L, -1, "name");
       if (lua_type(L, -1) == LUA_TSTRING) {

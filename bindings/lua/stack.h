@@ -62,7 +62,10 @@ template <class Values, class F>
 void push_list(lua_State* L, const Values& all, F&& push_one) {
   lua_newtable(L);
   lua_Integer n = 0;
-  for (const auto& x : all) push_one(x), lua_rawseti(L, -2, ++n);
+  for (const auto& x : all) {
+    push_one(x);
+    lua_rawseti(L, -2, ++n);
+  }
 }
 
 // Calls f(k) for the entries 1, 2 ... of the list at `index`, each on top of the stack meanwhile.
@@ -80,7 +83,11 @@ void each_entry(lua_State* L, int index, F&& f) {
 // Sets the fields of the table at `from` in the table on top.
 inline void copy_fields(lua_State* L, int from) {
   from = lua_absindex(L, from);
-  for (lua_pushnil(L); lua_next(L, from);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+  for (lua_pushnil(L); lua_next(L, from);) {
+    lua_pushvalue(L, -2);
+    lua_insert(L, -2);
+    lua_rawset(L, -4);
+  }
 }
 
 // The string at `index` with its zero bytes; empty when it is none.

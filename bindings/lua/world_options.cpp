@@ -226,9 +226,9 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
   } else if (key == "broad_phase" || key == "narrow_phase") {
     w.desc.options.set(key, value);
   } else {
-    const std::string near = nearest_name(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
-                                                "air_density", "broad_phase", "narrow_phase", "rigid.solver"});
-    throw SceneError(what + ": unknown option '" + key + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    throw SceneError(what + ": unknown option '" + key + "'" +
+                     did_you_mean(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
+                                        "air_density", "broad_phase", "narrow_phase", "rigid.solver"}));
   }
 }
 
