@@ -2,7 +2,8 @@
 // returns; where F returns nothing, the method returns self. F is one of
 //  - a member of a system, with the object's id in front: &Rigid::mass, &Cloth::set_point;
 //  - a member of World without arguments: &World::time;
-//  - a function of self: f(const Object<Rigid>&, ...), f(WorldRecord&, ...), or of the Lua state alone: f(lua_State*).
+//  - a function of self: f(const Object<Rigid>&, ...), f(const Self&, ...), f(WorldRecord&, ...);
+//  - or of the Lua state alone: f(lua_State*).
 // Arguments: Vec3 (numbers or a table, planar as the world is), bool, std::size_t (a point, see SoftPoints), and
 // lua_State* for what no type says. tests/lua call every method of every class with hostile arguments.
 #pragma once
@@ -39,6 +40,14 @@ std::size_t point_argument(lua_State* L, const Object<S>& self, int index) {
 
 inline WorldRecord& record_of_self(WorldRecord& record) { return record; }
 inline WorldRecord& record_of_self(const Self& self) { return self.record; }
+
+template <class This>
+This self_of(lua_State* L) {
+  if constexpr (std::same_as<This, Self>)
+    return check_self(L);
+  else
+    return This(L);
+}
 
 // The argument at `index`, which moves on to the next.
 template <class T, class This>
@@ -84,9 +93,9 @@ int call(lua_State* L, R (World::*f)() const) {
   WorldRecord& record = check_world(L);
   return answer(L, record, [&] { return (record.world.get()->*f)(); });
 }
-template <class R, class S, class... A>
-int call(lua_State* L, R (*f)(const Object<S>&, A...)) {
-  Object<S> self(L);
+template <class R, class This, class... A>
+int call(lua_State* L, R (*f)(const This&, A...)) {
+  const This self = self_of<This>(L);
   return answer<A...>(L, self, [&](const auto&... a) { return f(self, a...); });
 }
 template <class R, class... A>

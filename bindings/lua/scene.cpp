@@ -1,7 +1,6 @@
 // feder.scene{...} and what the host does with it.
 #include "lua/scene.h"
 
-#include "feder/profile.h"
 #include "lua/options.h"
 #include "lua/study.h"
 #include "lua/world_options.h"
@@ -261,11 +260,7 @@ void run_update(lua_State* L, WorldRecord& record) {
   const std::size_t profile = st.profile_slot(L, -1);
   push_world(L, record);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.passed);
-  const std::uint64_t start = clock_nanoseconds();
-  Failure failure;
-  if (!st.call(L, 2, 0, failure)) st.report(failure);
-  st.profile[profile].calls += 1;
-  st.profile[profile].nanoseconds += clock_nanoseconds() - start;
+  st.call_handler(L, profile, 2);
 }
 
 CheckResult run_check(lua_State* L) {

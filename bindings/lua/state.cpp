@@ -10,7 +10,6 @@
 
 #include "base/rng.h"
 #include "feder/params.h"
-#include "feder/profile.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
 
@@ -310,6 +309,11 @@ std::size_t State::profile_slot(lua_State* on, int index) {
     if (profile[i].where == where) return i;
   profile.push_back({where, 0, 0});
   return profile.size() - 1;
+}
+
+void State::call_handler(lua_State* on, std::size_t slot, int args) {
+  Failure failure;
+  if (!profiled(slot, [&] { return call(on, args, 0, failure); })) report(failure);
 }
 
 Rng& State::random() {

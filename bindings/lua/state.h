@@ -18,6 +18,7 @@
 #include "feder/error.h"
 #include "feder/lua.h"
 #include "feder/params.h"
+#include "feder/profile.h"
 
 namespace feder::lua {
 
@@ -104,6 +105,17 @@ struct State {
   static double thread_seconds();  // processor time of this thread
   // The slot of handler_profile for the function at `index`.
   std::size_t profile_slot(lua_State* on, int index);
+  // Runs a call of that function, f() -> did it end well, and counts it.
+  template <class F>
+  bool profiled(std::size_t slot, F&& f) {
+    const std::uint64_t start = clock_nanoseconds();
+    const bool good = f();
+    profile[slot].calls += 1;
+    profile[slot].nanoseconds += clock_nanoseconds() - start;
+    return good;
+  }
+  // Calls a handler, the function below `args` arguments on the stack; an error in it is reported.
+  void call_handler(lua_State* on, std::size_t slot, int args);
   Rng& random();  // of the current world; before the first world, the state's own
 
   HostOptions options;
