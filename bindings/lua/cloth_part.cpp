@@ -8,7 +8,7 @@ namespace {
 void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kClothKind, &Cloth::vertex_count); }
 
 const Method kWorld[] = {
-    {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
+    {"cloth", method<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
      "a sheet or a triangle mesh", cloth_rows},
 };
 const YamlList kYaml[] = {{"cloths", [](lua_State* L, int world) { make_object(L, world, "cloth"); }}};

@@ -47,6 +47,7 @@ constexpr Option<FluidReading> kFluid[] = {
 // What a fluid is filled into, or drained from.
 struct Volume {
   std::string name;
+  TagMask tags = 0;
   std::vector<Vec3> points;
   ShapePtr shape;
   Pose pose;
@@ -61,10 +62,9 @@ void read_volume(Options& o, const OptionRow&, Volume& v) {
 }
 
 void read_points(Options& o, const OptionRow&, Volume& v) {
-  if (!o.push_any("points")) return;
+  if (!o.has("points")) return;
   if (has_volume(o)) o.raise("points", "expected points or a volume, got both");
-  v.points = check_points(o.L(), -1, o.path("points"), o.planar());
-  lua_pop(o.L(), 1);
+  points_option(o, "points", v.points);
 }
 
 constexpr Option<Volume> kFill[] = {
@@ -100,14 +100,9 @@ std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
 std::vector<OptionInfo> emitter_rows() { return describe_rows(kEmitter); }
 std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
 
-int world_fluid(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  FluidReading fluid;
-  o.read(kFluid, fluid);
-  fluid.tags = tag_option(o, r);
-  push_handle(L, r, system_of<Fluid>(r).add_fluid(fluid));
-  return 1;
+ObjectId world_fluid(WorldRecord& r, lua_State* L) {
+  const FluidReading fluid = read_description(L, r, kFluid);
+  return system_of<Fluid>(r).add_fluid(fluid);
 }
 
 std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {
@@ -124,18 +119,12 @@ std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {
 }
 
 ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L) {
-  Options o(L, 2, function_name(L), f.record.planar());
-  EmitterDesc emitter;
-  o.read(kEmitter, emitter);
-  emitter.tags = tag_option(o, f.record);
-  return f.system.add_emitter(f.id, emitter);
+  return f.system.add_emitter(f.id, read_description(L, f.record, kEmitter));
 }
 
 ObjectId fluid_drain(const Object<Fluid>& f, lua_State* L) {
-  Options o(L, 2, function_name(L), f.record.planar());
-  Volume v;
-  o.read(kDrain, v);
-  return f.system.add_drain(f.id, v.name, tag_option(o, f.record), std::move(v.shape), v.pose);
+  Volume v = read_description(L, f.record, kDrain);
+  return f.system.add_drain(f.id, v.name, v.tags, std::move(v.shape), v.pose);
 }
 
 }  // namespace feder::lua

@@ -63,7 +63,7 @@ void make_fluid(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
+    {"fluid", method<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
      "particles of a liquid", fluid_rows},
 };
 const YamlList kYaml[] = {{"fluids", make_fluid}};

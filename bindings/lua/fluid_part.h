@@ -10,7 +10,7 @@ const Part& fluid_part();
 std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L);
 ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L);
 ObjectId fluid_drain(const Object<Fluid>& f, lua_State* L);
-int world_fluid(lua_State* L);
+ObjectId world_fluid(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> fluid_rows();
 std::vector<OptionInfo> fill_rows();
 std::vector<OptionInfo> emitter_rows();

@@ -33,15 +33,11 @@ std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId
     o.raise("points", "expected on = " + classes_text(state(L), [](const ObjectClass& c) {
                         return c.point_count != nullptr;
                       }) + ", whose points these are");
-  const auto last = static_cast<std::int64_t>(row->point_count(record, target));
-  const auto count = static_cast<lua_Integer>(lua_rawlen(L, -1));
-  if (count == 0) o.raise("points", "expected at least one point number, got none");
-  for (lua_Integer k = 1; k <= count; ++k) {
-    lua_rawgeti(L, -1, k);
-    const std::string what = o.path("points") + "[" + std::to_string(k) + "]";
-    points.push_back(static_cast<std::uint32_t>(check_integer(L, -1, what, 1, last) - 1));
-    lua_pop(L, 1);
-  }
+  const std::size_t count = row->point_count(record, target);
+  if (lua_rawlen(L, -1) == 0) o.raise("points", "expected at least one point number, got none");
+  each_entry(L, -1, [&](lua_Integer k) {
+    points.push_back(check_index(L, -1, o.path("points") + "[" + std::to_string(k) + "]", count));
+  });
   lua_pop(L, 1);
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());

@@ -128,9 +128,6 @@ void read_rest_length(Options& o, const OptionRow& row, JointReading& j) {
   if (used(o, *j.kind, kUsesTwoAnchors, "rest_length")) o.real("rest_length", j.options.rest_length, row.range);
 }
 
-std::vector<OptionInfo> spring_rows() { return describe_rows(kSpring); }
-std::vector<OptionInfo> motor_rows() { return describe_rows(kMotor); }
-
 constexpr Option<JointReading> kJoint[] = {
     special("type", "string", read_kind),
     field<&JointDesc::name>("name"),
@@ -141,8 +138,8 @@ constexpr Option<JointReading> kJoint[] = {
     later<JointReading>("anchor_b", "vector", "m"),
     special("axis", "direction", read_axis),
     special("limits", "{lo, hi}", read_limits, "m or rad"),
-    {{.name = "motor"}, "table", read_motor_option, nullptr, motor_rows},
-    {{.name = "spring"}, "table", read_spring_option, nullptr, spring_rows},
+    {{.name = "motor"}, "table", read_motor_option, nullptr, rows_of<kMotor>},
+    {{.name = "spring"}, "table", read_spring_option, nullptr, rows_of<kSpring>},
     {{.name = "rest_length", .unit = "m", .range = kNotNegative}, "number", read_rest_length},
     field<&JointDesc::break_force>("break_force", "N", kPositive),
     field<&JointDesc::collide>("collide"),
@@ -222,15 +219,9 @@ std::span<const Method> joint_methods() { return kJointMethods; }
 
 std::vector<OptionInfo> joint_rows() { return describe_rows(kJoint); }
 
-int world_joint(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  JointReading joint;
-  joint.record = &r;
-  o.read(kJoint, joint);
-  joint.tags = tag_option(o, r);
-  push_handle(L, r, system_of<Rigid>(r).add_joint(joint));
-  return 1;
+ObjectId world_joint(WorldRecord& r, lua_State* L) {
+  const JointReading joint = read_description(L, r, kJoint);
+  return system_of<Rigid>(r).add_joint(joint);
 }
 
 }  // namespace feder::lua

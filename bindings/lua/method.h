@@ -115,6 +115,17 @@ int call_method(lua_State* L) {
 template <auto F>
 inline constexpr lua_CFunction method = guard<call_method<F>>;
 
+// The options of the running maker, the table at 2, with the tags that every object may have.
+template <class Desc, std::size_t N>
+Desc read_description(lua_State* L, WorldRecord& record, const Option<Desc> (&rows)[N]) {
+  Options o(L, 2, function_name(L), record.planar());
+  Desc made;
+  if constexpr (requires { made.record; }) made.record = &record;
+  o.read(rows, made);
+  made.tags = tag_option(o, record);
+  return made;
+}
+
 // Takes an object out of the world, and nothing else with it: &Cloth::destroy_cloth.
 template <auto Destroy>
 std::vector<ObjectId> destroy_alone(WorldRecord& record, ObjectId id, const std::string& where) {

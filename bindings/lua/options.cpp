@@ -80,6 +80,17 @@ std::int64_t check_integer(lua_State* L, int index, const std::string& what, std
   return i;
 }
 
+std::uint32_t check_index(lua_State* L, int index, const std::string& what, std::size_t count) {
+  return static_cast<std::uint32_t>(check_integer(L, index, what, 1, static_cast<std::int64_t>(count)) - 1);
+}
+
+void check_indices(lua_State* L, int index, const std::string& what, const char* expected, std::size_t least,
+                   std::size_t most, std::size_t count, std::vector<std::uint32_t>& out) {
+  if (lua_type(L, index) != LUA_TTABLE || lua_rawlen(L, index) < least || lua_rawlen(L, index) > most)
+    wrong_value(L, index, what, expected);
+  each_entry(L, index, [&](lua_Integer) { out.push_back(check_index(L, -1, what, count)); });
+}
+
 const char* check_text(lua_State* L, int index, const std::string& what) {
   if (lua_type(L, index) != LUA_TSTRING) wrong_value(L, index, what, "a string");
   return lua_tostring(L, index);

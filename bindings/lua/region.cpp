@@ -44,18 +44,13 @@ std::vector<OptionInfo> region_rows() { return describe_rows(kRegion); }
 
 std::span<const Method> region_methods() { return kRegionMethods; }
 
-int world_region(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  BodyDesc desc;
+ObjectId world_region(WorldRecord& r, lua_State* L) {
+  BodyDesc desc = read_description(L, r, kRegion);
   desc.type = BodyType::fixed;
   desc.sensor = true;
-  o.read(kRegion, desc);
-  desc.tags = tag_option(o, r);
   const ObjectId id = system_of<Rigid>(r).add_body(desc);
   r.special[id] = object_class(state(L), "region");
-  push_handle(L, r, id);
-  return 1;
+  return id;
 }
 
 }  // namespace feder::lua

@@ -158,10 +158,10 @@ void make_joint(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
-    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
+    {"body", method<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
+    {"joint", method<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
      "joins two bodies, or one and the world", joint_rows},
-    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
+    {"region", method<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
      "sensor_enter and sensor_leave events", region_rows},
     {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag",
      [] { return describe_rows(kBodiesFilter); }},

@@ -11,11 +11,11 @@ const Part& rigid_part();
 template <>
 Rigid& system_of<Rigid>(WorldRecord& record);  // with the material pairs
 
-int world_body(lua_State* L);
+ObjectId world_body(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> body_rows();
-int world_joint(lua_State* L);
+ObjectId world_joint(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> joint_rows();
-int world_region(lua_State* L);
+ObjectId world_region(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> region_rows();
 std::span<const Method> body_methods();
 std::span<const Method> joint_methods();

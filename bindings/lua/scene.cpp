@@ -20,7 +20,6 @@ constexpr Option<CameraReading> kCamera[] = {
     field<&SceneCamera::yaw>("yaw", "rad").unset(),
     field<&SceneCamera::pitch>("pitch", "rad", {-1.57, 1.57}).unset(),
 };
-std::vector<OptionInfo> camera_rows() { return describe_rows(kCamera); }
 
 // camera = { target = {x, y, z}, distance =, yaw =, pitch = }
 void read_camera(Options& o, const OptionRow&, SceneState& scene) {
@@ -64,7 +63,7 @@ constexpr Option<SceneState> kScene[] = {
     field<&SceneState::title>("title"),
     field<&SceneState::seconds>("seconds", "s", {0, 1e9, true}).unset(),
     field<&SceneState::picture>("picture", "s", {0, 1e9}).unset(),
-    {{.name = "camera"}, "table", read_camera, nullptr, camera_rows},
+    {{.name = "camera"}, "table", read_camera, nullptr, rows_of<kCamera>},
     {{.name = "world"}, "table", read_world, nullptr, world_rows},
     special("build", "function(world, scene)", read_build),
     special("update", "function(world, scene)", read_update),

@@ -10,7 +10,7 @@ std::size_t point_count(WorldRecord& record, ObjectId id) { return record.world-
 void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kNetKind, &Springs::point_count); }
 
 const Method kWorld[] = {
-    {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
+    {"net", method<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
 };
 const YamlList kYaml[] = {{"nets", [](lua_State* L, int world) { make_object(L, world, "net"); }}};
 

@@ -7,7 +7,7 @@ namespace feder::lua {
 
 const Part& springs_part();
 
-int world_net(lua_State* L);
+ObjectId world_net(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> net_rows();
 std::span<const Method> net_methods();
 std::vector<Advice> advise_nets(World& world);
