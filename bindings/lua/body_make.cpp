@@ -113,17 +113,11 @@ BodyType body_type_from_name(lua_State* L, int index) {
   return type_at(found - names.begin());
 }
 
-int world_body(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  BodyReading body;
-  body.record = &r;
-  o.read(kBody, body);
-  body.tags = tag_option(o, r);
-  const ObjectId id = lua::rigid(r).add_body(body);
+ObjectId world_body(WorldRecord& r, lua_State* L) {
+  const BodyReading body = read_description(L, r, kBody);
+  const ObjectId id = system_of<Rigid>(r).add_body(body);
   if (body.painted) r.look.colors[id] = body.color;
-  push_handle(L, r, id);
-  return 1;
+  return id;
 }
 
 }  // namespace feder::lua

@@ -108,17 +108,18 @@ void open_buffer(lua_State* L) {
   lua_pop(L, 1);
 }
 
+std::span<double> push_output(lua_State* L, std::size_t count) {
+  if (lua_isnoneornil(L, 2)) return push_buffer(L, count);
+  const std::span<double> out = test_buffer(L, 2);
+  if (out.size() < count)
+    fail_here(L, "expected a buffer of at least " + std::to_string(count) + " numbers, got " +
+                     (out.data() ? "one of " + std::to_string(out.size()) : describe(L, 2)));
+  lua_settop(L, 2);
+  return out;
+}
+
 int push_vectors(lua_State* L, const std::vector<Vec3>& points) {
-  std::span<double> out;
-  if (lua_isnoneornil(L, 2)) {
-    out = push_buffer(L, points.size() * 3);
-  } else {
-    out = test_buffer(L, 2);
-    if (out.size() < points.size() * 3)
-      fail_here(L, "expected a buffer of at least " + std::to_string(points.size() * 3) + " numbers, got " +
-                       (out.data() ? "one of " + std::to_string(out.size()) : describe(L, 2)));
-    lua_settop(L, 2);
-  }
+  const std::span<double> out = push_output(L, points.size() * 3);
   for (std::size_t i = 0; i < points.size(); ++i)
     for (int k = 0; k < 3; ++k) out[i * 3 + static_cast<std::size_t>(k)] = points[i][k];
   return 1;

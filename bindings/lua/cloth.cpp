@@ -1,7 +1,5 @@
 // The methods of cloth. Vertices and edges count from 1.
 
-#include <algorithm>
-
 #include "lua/cloth_part.h"
 #include "lua/soft.h"
 
@@ -15,95 +13,49 @@ struct SoftPoints<Cloth> {
 
 namespace {
 
-using Sheet = Soft<Cloth>;
+using Sheet = Object<Cloth>;
 
-int cloth_count(lua_State* L) {
-  const Sheet s(L);
-  lua_pushinteger(L, static_cast<lua_Integer>(s.system.vertex_count(s.self.id)));
-  lua_pushinteger(L, static_cast<lua_Integer>(s.system.triangle_count(s.self.id)));
-  lua_pushinteger(L, static_cast<lua_Integer>(s.system.edge_count(s.self.id)));
-  return 3;
+std::array<std::size_t, 3> cloth_count(const Sheet& s) {
+  return {s.system.vertex_count(s.id), s.system.triangle_count(s.id), s.system.edge_count(s.id)};
 }
 
-int cloth_strain(lua_State* L) {
-  const Sheet s(L);
-  if (lua_isnoneornil(L, 2)) {
-    lua_pushnumber(L, s.system.max_strain(s.self.id));
-    return 1;
-  }
-  const auto count = static_cast<std::int64_t>(s.system.edge_count(s.self.id));
+// Of one edge, or the largest.
+Real cloth_strain(const Sheet& s, lua_State* L) {
+  if (lua_isnoneornil(L, 2)) return s.system.max_strain(s.id);
+  const auto count = static_cast<std::int64_t>(s.system.edge_count(s.id));
   const auto k = check_integer(L, 2, std::string(function_name(L)) + ".edge", 1, count) - 1;
-  lua_pushnumber(L, s.system.strain(s.self.id, static_cast<std::size_t>(k)));
-  return 1;
-}
-
-int cloth_stretch(lua_State* L) {
-  const Sheet s(L);
-  lua_pushnumber(L, s.system.max_strain(s.self.id));
-  return 1;
+  return s.system.strain(s.id, static_cast<std::size_t>(k));
 }
 
 int cloth_triangles(lua_State* L) {
   const Sheet s(L);
   std::vector<std::uint32_t> list;
-  s.system.triangles(s.self.id, list);
-  std::span<double> out;
-  if (lua_isnoneornil(L, 2)) {
-    out = push_buffer(L, list.size());
-  } else {
-    out = test_buffer(L, 2);
-    if (out.size() < list.size())
-      fail_here(L, "expected a buffer of at least " + std::to_string(list.size()) + " numbers, got " +
-                       (out.data() ? "one of " + std::to_string(out.size()) : describe(L, 2)));
-    lua_settop(L, 2);
-  }
+  s.system.triangles(s.id, list);
+  const std::span<double> out = push_output(L, list.size());
   for (std::size_t i = 0; i < list.size(); ++i) out[i] = list[i] + 1;
   return 1;
 }
 
-int cloth_substeps(lua_State* L) {
-  const Sheet s(L);
-  lua_pushinteger(L, s.system.substeps(s.self.id));
-  return 1;
-}
-
-int cloth_awake(lua_State* L) {
-  const Sheet s(L);
-  lua_pushboolean(L, !s.system.asleep(s.self.id));
-  return 1;
-}
-
-int cloth_wake(lua_State* L) {
-  const Sheet s(L);
-  s.system.wake(s.self.id);
-  return return_self(L);
-}
-
-int cloth_sleep(lua_State* L) {
-  const Sheet s(L);
-  s.system.sleep(s.self.id);
-  return return_self(L);
-}
+bool cloth_awake(const Sheet& s) { return !s.system.asleep(s.id); }
+void cloth_wake(const Sheet& s) { s.system.wake(s.id); }
 
 const Method kClothMethods[] = {
-    {"count", guard<cloth_count>, "cloth:count() -> vertices, triangles, edges", "more after a tear"},
-    {"point", guard<soft_read<Cloth, &Cloth::point>>, "cloth:point(i) -> x, y, z", "m"},
-    {"set_point", guard<soft_write<Cloth, &Cloth::set_point>>, "cloth:set_point(i, x, y, z) -> self",
-     "puts a vertex there at once"},
-    {"velocity", guard<soft_read<Cloth, &Cloth::velocity>>, "cloth:velocity(i) -> x, y, z", "m/s"},
-    {"set_velocity", guard<soft_write<Cloth, &Cloth::set_velocity>>, "cloth:set_velocity(i, x, y, z) -> self", "m/s"},
-    {"apply_impulse", guard<soft_write<Cloth, &Cloth::apply_impulse>>, "cloth:apply_impulse(i, x, y, z) -> self",
-     "at once, N s"},
-    {"mass", guard<soft_mass<Cloth>>, "cloth:mass([i]) -> number", "of a vertex, or of all, kg"},
-    {"pin", guard<soft_change<Cloth, &Cloth::pin>>, "cloth:pin(i) -> self", "holds a vertex where it is"},
-    {"unpin", guard<soft_change<Cloth, &Cloth::unpin>>, "cloth:unpin(i) -> self", "lets it go"},
-    {"pinned", guard<soft_pinned<Cloth>>, "cloth:pinned(i) -> boolean", "is it held?"},
-    {"attach", guard<soft_attach<Cloth>>, "cloth:attach(i, body, [x, y, z]) -> self",
+    {"count", method<cloth_count>, "cloth:count() -> vertices, triangles, edges", "more after a tear"},
+    {"point", method<&Cloth::point>, "cloth:point(i) -> x, y, z", "m"},
+    {"set_point", method<&Cloth::set_point>, "cloth:set_point(i, x, y, z) -> self", "puts a vertex there at once"},
+    {"velocity", method<&Cloth::velocity>, "cloth:velocity(i) -> x, y, z", "m/s"},
+    {"set_velocity", method<&Cloth::set_velocity>, "cloth:set_velocity(i, x, y, z) -> self", "m/s"},
+    {"apply_impulse", method<&Cloth::apply_impulse>, "cloth:apply_impulse(i, x, y, z) -> self", "at once, N s"},
+    {"mass", method<soft_mass<Cloth>>, "cloth:mass([i]) -> number", "of a vertex, or of all, kg"},
+    {"pin", method<&Cloth::pin>, "cloth:pin(i) -> self", "holds a vertex where it is"},
+    {"unpin", method<&Cloth::unpin>, "cloth:unpin(i) -> self", "lets it go"},
+    {"pinned", method<&Cloth::pinned>, "cloth:pinned(i) -> boolean", "is it held?"},
+    {"attach", method<soft_attach<Cloth>>, "cloth:attach(i, body, [x, y, z]) -> self",
      "to a point of the body frame; to where it is when left out"},
-    {"detach", guard<soft_change<Cloth, &Cloth::detach>>, "cloth:detach(i) -> self", "ends an attachment"},
-    {"strain", guard<cloth_strain>, "cloth:strain([k]) -> number",
+    {"detach", method<&Cloth::detach>, "cloth:detach(i) -> self", "ends an attachment"},
+    {"strain", method<cloth_strain>, "cloth:strain([k]) -> number",
      "elongation / rest length of an edge; the largest when k is left out"},
-    {"stretch", guard<cloth_stretch>, "cloth:stretch() -> number", "largest edge strain now"},
+    {"stretch", method<&Cloth::max_strain>, "cloth:stretch() -> number", "largest edge strain now"},
     {"positions", guard<soft_vectors<Cloth, &Cloth::positions>>, "cloth:positions([buffer]) -> buffer", "as vertices"},
     {"vertices", guard<soft_vectors<Cloth, &Cloth::positions>>, "cloth:vertices([buffer]) -> buffer",
      "x, y, z of all vertices; a new buffer when left out"},
@@ -112,10 +64,10 @@ const Method kClothMethods[] = {
     {"normals", guard<soft_vectors<Cloth, &Cloth::normals>>, "cloth:normals([buffer]) -> buffer",
      "unit, one per vertex"},
     {"triangles", guard<cloth_triangles>, "cloth:triangles([buffer]) -> buffer", "three vertex numbers each"},
-    {"substeps", guard<cloth_substeps>, "cloth:substeps() -> integer", "small steps per substep, as last chosen"},
-    {"awake", guard<cloth_awake>, "cloth:awake() -> boolean", "does it move?"},
-    {"wake", guard<cloth_wake>, "cloth:wake() -> self", "lets it move again"},
-    {"sleep", guard<cloth_sleep>, "cloth:sleep() -> self", "stops it until something moves against it"},
+    {"substeps", method<&Cloth::substeps>, "cloth:substeps() -> integer", "small steps per substep, as last chosen"},
+    {"awake", method<cloth_awake>, "cloth:awake() -> boolean", "does it move?"},
+    {"wake", method<cloth_wake>, "cloth:wake() -> self", "lets it move again"},
+    {"sleep", method<&Cloth::sleep>, "cloth:sleep() -> self", "stops it until something moves against it"},
 };
 
 }  // namespace

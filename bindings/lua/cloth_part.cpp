@@ -5,15 +5,10 @@
 namespace feder::lua {
 namespace {
 
-std::vector<ObjectId> destroy_cloth(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Cloth>().destroy_cloth(id, where);
-  return {};
-}
-
 void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kClothKind, &Cloth::vertex_count); }
 
 const Method kWorld[] = {
-    {"cloth", guard<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
+    {"cloth", method<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
      "a sheet or a triangle mesh", cloth_rows},
 };
 const YamlList kYaml[] = {{"cloths", [](lua_State* L, int world) { make_object(L, world, "cloth"); }}};
@@ -21,8 +16,11 @@ const YamlList kYaml[] = {{"cloths", [](lua_State* L, int world) { make_object(L
 }  // namespace
 
 const Part& cloth_part() {
-  static const ObjectClass classes[] = {
-      {.name = "cloth", .methods = cloth_methods(), .destroy = &destroy_cloth, .place = "index", .takes_forces = true}};
+  static const ObjectClass classes[] = {{.name = "cloth",
+                                         .methods = cloth_methods(),
+                                         .destroy = destroy_alone<&Cloth::destroy_cloth>,
+                                         .place = "index",
+                                         .takes_forces = true}};
   static const Part part = {.name = "cloth",
                             .functions = {},
                             .world = kWorld,

@@ -38,9 +38,9 @@ std::uint32_t parse_word(Options& o, const char* key, const std::string& text) {
     if (text == c.name) return c.rgb;
     known.emplace_back(c.name);
   }
-  const std::string near = nearest_name(text, known);
-  o.raise(key, "unknown colour '" + text + "'; " +
-                   (near.empty() ? "known: " + join(known) + ", or \"#rrggbb\"" : "did you mean '" + near + "'?"));
+  const std::string near = did_you_mean(text, known);
+  o.raise(key,
+          "unknown colour '" + text + "'" + (near.empty() ? "; known: " + join(known) + ", or \"#rrggbb\"" : near));
 }
 
 }  // namespace

@@ -17,16 +17,6 @@ std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std:
   return sources;
 }
 
-std::vector<ObjectId> destroy_emitter(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Fluid>().destroy_emitter(id, where);
-  return {};
-}
-
-std::vector<ObjectId> destroy_drain(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Fluid>().destroy_drain(id, where);
-  return {};
-}
-
 // A fluid with its fill, emitters and drains: each a table or a list of tables of the method of that name.
 void make_fluid(lua_State* L, int world) {
   const int options = lua_gettop(L);
@@ -73,7 +63,7 @@ void make_fluid(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
+    {"fluid", method<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
      "particles of a liquid", fluid_rows},
 };
 const YamlList kYaml[] = {{"fluids", make_fluid}};
@@ -83,8 +73,8 @@ const YamlList kYaml[] = {{"fluids", make_fluid}};
 const Part& fluid_part() {
   static const ObjectClass classes[] = {
       {.name = "fluid", .methods = fluid_methods(), .destroy = &destroy_fluid, .place = "count"},
-      {.name = "emitter", .methods = emitter_methods(), .destroy = &destroy_emitter},
-      {.name = "drain", .methods = drain_methods(), .destroy = &destroy_drain}};
+      {.name = "emitter", .methods = emitter_methods(), .destroy = destroy_alone<&Fluid::destroy_emitter>},
+      {.name = "drain", .methods = drain_methods(), .destroy = destroy_alone<&Fluid::destroy_drain>}};
   static const Part part = {.name = "fluid", .functions = {}, .world = kWorld, .classes = classes, .yaml = kYaml};
   return part;
 }

@@ -72,6 +72,11 @@ void clear_script_forces(World& world) {
   if (System* system = world.find<System>()) system->clear_script_forces();
 }
 
+// One evaluation of a script's force, N. False: the function failed, or answered something else than three finite
+// numbers; `failure` says so, and `out` may be written in part.
+bool ask_force(lua_State* L, WorldRecord& record, int function, std::size_t profile, const MassPoint& p, double time,
+               Vec3& out, Failure& failure);
+
 // Evaluates the functions for every point and body they act on, and hands the sums to the systems.
 void apply_script_forces(lua_State* L, WorldRecord& record);
 

@@ -2,7 +2,6 @@
 // function on the stepping thread, points in order. The world is between two states then and only answers questions.
 // An error ends the force for the step and is raised behind it, because nothing may unwind a step.
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "lua/objects.h"
@@ -41,30 +40,11 @@ class StageForce final : public Force {
 
  private:
   bool ask(lua_State* L, const MassPoint& p, double time, Vec3& out, Failure& failure) const {
-    State& s = state(L);
-    push_data(L, record_);
-    lua_rawgeti(L, -1, function_);
-    lua_remove(L, -2);
-    for (int k = 0; k < 3; ++k) lua_pushnumber(L, p.position[k]);
-    for (int k = 0; k < 3; ++k) lua_pushnumber(L, p.velocity[k]);
-    lua_pushnumber(L, p.mass), lua_pushnumber(L, time);
-    s.profile[profile_].calls += 1;
-    if (!s.call(L, 8, 3, failure)) return false;
+    state(L).profile[profile_].calls += 1;
     Vec3 force = Vec3::Zero();
-    bool good = true;
-    for (int k = 0; k < 3 && good; ++k) {
-      const int at = -3 + k;
-      const double value = lua_isnil(L, at) ? 0 : lua_type(L, at) == LUA_TNUMBER ? lua_tonumber(L, at) : std::nan("");
-      good = std::abs(value) <= kHuge;
-      if (good)
-        force[k] = static_cast<Real>(value);
-      else
-        failure = {s.profile[profile_].where,
-                   "world:force.each: expected three finite numbers, got " + describe(L, at)};
-    }
-    lua_pop(L, 3);
-    if (good) out += force;
-    return good;
+    if (!ask_force(L, record_, function_, profile_, p, time, force, failure)) return false;
+    out += force;
+    return true;
   }
 
   WorldRecord& record_;

@@ -1,7 +1,7 @@
 // Handles and worlds as userdata.
 #include <random>
 
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -28,7 +28,7 @@ void push_name(lua_State* L, int index, const Handle& h) {
 
 std::string describe_handle(lua_State* L, int index, const Handle& h) {
   push_name(L, index, h);
-  const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+  const std::string name(text_at(L, -1));
   lua_pop(L, 1);
   const std::string kind = class_name(state(L), h.kind);
   return name.empty() ? kind + " #" + std::to_string(h.id.slot) : kind + " \"" + name + "\"";
@@ -47,7 +47,7 @@ bool is_alive(lua_State* L, const Handle& h) {
   std::string where;
   if (h.dead) {
     lua_getiuservalue(L, index, 3);
-    where = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+    where = text_at(L, -1);
     lua_pop(L, 1);
   } else {
     where = r->world->objects().destroyed_at(h.id);
@@ -95,15 +95,8 @@ Handle& self_handle(lua_State* L) {
   return *static_cast<Handle*>(block);
 }
 
-int object_alive(lua_State* L) {
-  lua_pushboolean(L, is_alive(L, self_handle(L)));
-  return 1;
-}
-
-int object_kind(lua_State* L) {
-  lua_pushstring(L, class_name(state(L), self_handle(L).kind));
-  return 1;
-}
+bool object_alive(lua_State* L) { return is_alive(L, self_handle(L)); }
+const char* object_kind(lua_State* L) { return class_name(state(L), self_handle(L).kind); }
 
 int object_name(lua_State* L) {
   push_name(L, 1, self_handle(L));
@@ -125,19 +118,16 @@ int object_tags(lua_State* L) {
   Self self = check_self(L);
   const Objects& objects = self.world.objects();
   const TagMask tags = objects.tags(self.id);
-  lua_newtable(L);
-  lua_Integer n = 0;
-  for (std::size_t i = 0; i < objects.tag_names().size(); ++i) {
-    if (!(tags >> i & 1)) continue;
-    lua_pushstring(L, objects.tag_names()[i].c_str());
-    lua_rawseti(L, -2, ++n);
-  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < objects.tag_names().size(); ++i)
+    if (tags >> i & 1) names.push_back(objects.tag_names()[i]);
+  push_list(L, names, [&](const std::string& name) { push(L, name); });
   return 1;
 }
 
 const Method kObjectMethods[] = {
-    {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
-    {"kind", guard<object_kind>, "h:kind() -> string", "the name of its class: \"body\", \"force\" ..."},
+    {"alive", method<object_alive>, "h:alive() -> boolean", "is the object still there?"},
+    {"kind", method<object_kind>, "h:kind() -> string", "the name of its class: \"body\", \"force\" ..."},
     {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
     {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
     {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
@@ -168,23 +158,16 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   record->key.a = word(), record->key.b = word();
   record->world = std::make_unique<World>(settings.desc, s.options.systems);
 
-  auto* block = static_cast<WorldBlock*>(lua_newuserdatauv(L, sizeof(WorldBlock), 1));
-  block->world = 0xffffffffu;
-  push_class(L, Class::world);
-  lua_setmetatable(L, -2);
+  WorldBlock& block = push_userdata(L, Class::world, WorldBlock{kNone}, 1);
   lua_newtable(L);
   lua_setiuservalue(L, -2, 1);
-  lua_newtable(L);
-  lua_newtable(L);
-  lua_pushstring(L, "v");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
+  push_weak_table(L, "v");
   record->cache_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.worlds_ref);
   lua_pushvalue(L, -2);
   lua_rawseti(L, -2, static_cast<lua_Integer>(record->id) + 1);
   lua_pop(L, 1);
-  block->world = record->id;
+  block.world = record->id;
   s.worlds.push_back(std::move(record));
   return *s.worlds.back();
 }
@@ -294,10 +277,8 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
     return;
   }
   lua_pop(L, 1);
-  auto* h = static_cast<Handle*>(lua_newuserdatauv(L, sizeof(Handle), 3));
-  new (h) Handle{record.id, class_of(state(L), record, id), false, id};
-  push_class(L, h->kind);
-  lua_setmetatable(L, -2);
+  const Class kind = class_of(state(L), record, id);
+  push_userdata(L, kind, Handle{record.id, kind, false, id}, 3);
   push_world(L, record);
   lua_setiuservalue(L, -2, 1);
   lua_pushvalue(L, -1);
@@ -360,7 +341,7 @@ void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
     const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
     const ObjectId id = h->id;
     lua_getiuservalue(L, -1, 2);
-    const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+    const std::string name(text_at(L, -1));
     const bool known = h->dead;
     lua_pop(L, 2);
     if (!known) bury(L, record, id, name, where);
@@ -396,18 +377,8 @@ void open_classes(lua_State* L) {
   std::vector<Class> classes = {Class::force, Class::object};
   for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
     classes.push_back(static_cast<Class>(c));
-  for (Class c : classes) {
-    push_class(L, c);
-    lua_pushcfunction(L, guard<handle_tostring>);
-    lua_setfield(L, -2, "__tostring");
-    lua_pop(L, 1);
-  }
-  push_class(L, Class::world);
-  lua_pushcfunction(L, world_tostring);
-  lua_setfield(L, -2, "__tostring");
-  lua_pushcfunction(L, world_collected);
-  lua_setfield(L, -2, "__gc");
-  lua_pop(L, 1);
+  for (Class c : classes) set_metamethods(L, c, {{"__tostring", guard<handle_tostring>}});
+  set_metamethods(L, Class::world, {{"__tostring", world_tostring}, {"__gc", world_collected}});
 }
 
 }  // namespace feder::lua

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "feder/error.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -79,9 +80,29 @@ std::int64_t check_integer(lua_State* L, int index, const std::string& what, std
   return i;
 }
 
+std::uint32_t check_index(lua_State* L, int index, const std::string& what, std::size_t count) {
+  return static_cast<std::uint32_t>(check_integer(L, index, what, 1, static_cast<std::int64_t>(count)) - 1);
+}
+
+void check_indices(lua_State* L, int index, const std::string& what, const char* expected, std::size_t least,
+                   std::size_t most, std::size_t count, std::vector<std::uint32_t>& out) {
+  if (lua_type(L, index) != LUA_TTABLE || lua_rawlen(L, index) < least || lua_rawlen(L, index) > most)
+    wrong_value(L, index, what, expected);
+  each_entry(L, index, [&](lua_Integer) { out.push_back(check_index(L, -1, what, count)); });
+}
+
 const char* check_text(lua_State* L, int index, const std::string& what) {
   if (lua_type(L, index) != LUA_TSTRING) wrong_value(L, index, what, "a string");
   return lua_tostring(L, index);
+}
+
+bool flag_argument(lua_State* L, int index) {
+  if (lua_type(L, index) != LUA_TBOOLEAN) fail_here(L, "expected true or false, got " + describe(L, index));
+  return lua_toboolean(L, index) != 0;
+}
+
+Real number_argument(lua_State* L, int index, const Range& range) {
+  return static_cast<Real>(check_number(L, index, function_name(L), range));
 }
 
 Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar) {
@@ -168,25 +189,30 @@ Options::Options(lua_State* L, int index, std::string owner, bool planar)
   if (lua_type(L, index_) != LUA_TTABLE) wrong_value(L, index_, owner_, "a table of options { ... }");
 }
 
-void Options::raise_at(const std::string& key, const std::string& message) {
-  // tables read from a YAML file remember where their keys stood
+std::string yaml_location(lua_State* L, int table, std::string_view key) {
+  const int top = lua_gettop(L);
+  table = lua_absindex(L, table);
   std::string at;
-  if (lua_getfield(L_, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L_, index_);
-    if (lua_rawget(L_, -2) == LUA_TTABLE) {
-      lua_pushlstring(L_, key.data(), key.size());
-      if (lua_rawget(L_, -2) != LUA_TSTRING) {
-        lua_pop(L_, 1);
-        lua_pushboolean(L_, 1);
-        lua_rawget(L_, -2);
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, table);
+    if (lua_rawget(L, -2) == LUA_TTABLE) {
+      // of the key; else of the table, under true
+      push(L, key);
+      if (lua_rawget(L, -2) != LUA_TSTRING) {
+        push(L, true);
+        lua_rawget(L, top + 2);
       }
-      if (lua_type(L_, -1) == LUA_TSTRING) at = lua_tostring(L_, -1);
+      if (lua_type(L, -1) == LUA_TSTRING) at = lua_tostring(L, -1);
     }
   }
+  lua_settop(L, top);
+  return at;
+}
+
+void Options::raise_at(const std::string& key, const std::string& message) {
+  const std::string at = yaml_location(L_, index_, key);
   if (at.empty()) fail(L_, message);
-  lua_pushstring(L_, (at + ": " + message).c_str());
-  lua_error(L_);
-  std::abort();  // lua_error does not return
+  raise_error(L_, at + ": " + message);
 }
 
 void Options::raise(const char* key, const std::string& message) {
@@ -385,9 +411,7 @@ void Options::finish() {
   }
   if (!found) return;
   const std::vector<std::string> names(known_.begin(), known_.end());
-  const std::string near = nearest_name(unknown, names);
-  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" +
-                        (near.empty() ? "; known: " + join(names) : "; did you mean '" + near + "'?"));
+  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" + did_you_mean_or(unknown, names));
 }
 
 }  // namespace feder::lua

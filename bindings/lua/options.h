@@ -198,7 +198,7 @@ constexpr Option<T> later(const char* name, const char* type, const char* unit =
   return {{.name = name, .unit = unit}, type, [](Options&, const OptionRow&, T&) {}};
 }
 
-// What a reference says of rows.
+// What a reference says of rows: describe_rows(kBody), or as a function: rows_of<kBody>.
 template <class T, std::size_t N>
 std::vector<OptionInfo> describe_rows(const Option<T> (&rows)[N]) {
   std::vector<OptionInfo> out;
@@ -212,14 +212,30 @@ std::vector<OptionInfo> describe_rows(const Option<T> (&rows)[N]) {
   return out;
 }
 
+// Where a table that was read from a YAML file, or one of its keys, stands there: "scene.yaml:12"; "" when unknown.
+std::string yaml_location(lua_State* L, int table, std::string_view key = {});
+
+template <auto& Rows>
+std::vector<OptionInfo> rows_of() {
+  return describe_rows(Rows);
+}
+
 // Readers of a single value at `index`; `what` is named in messages.
 double check_number(lua_State* L, int index, const std::string& what, const Range& range = kAny);
 std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi);
+// A whole number from 1 to `count` as an index from 0.
+std::uint32_t check_index(lua_State* L, int index, const std::string& what, std::size_t count);
+// A list of `least` to `most` of them: their indices behind those in `out`.
+void check_indices(lua_State* L, int index, const std::string& what, const char* expected, std::size_t least,
+                   std::size_t most, std::size_t count, std::vector<std::uint32_t>& out);
 Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar = false);  // a table {x, y, z}
 Quat check_rotation(lua_State* L, int index, const std::string& what);
 // Hot verbs: x, y, z as numbers from `index` on, or one table. `next` is the index after what was read.
 Vec3 vector_argument(lua_State* L, int index, bool planar, int* next = nullptr);
 const char* check_text(lua_State* L, int index, const std::string& what);
+// Arguments of the running API function, under its name in messages.
+bool flag_argument(lua_State* L, int index);
+Real number_argument(lua_State* L, int index, const Range& range);
 void set_param(lua_State* L, int index, const std::string& key, const std::string& what, Params& out);
 
 }  // namespace feder::lua

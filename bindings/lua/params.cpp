@@ -149,9 +149,7 @@ void check_set_names(const State& s) {
   for (const ParamInfo& p : s.params) known.push_back(p.name);
   for (const auto& [name, value] : s.options.set) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::string near = nearest_name(name, known);
-    throw OptionError("--set " + name + "=" + value + ": unknown parameter '" + name + "'" +
-                      (near.empty() ? "" : "; did you mean '" + near + "'?") +
+    throw OptionError("--set " + name + "=" + value + ": unknown parameter '" + name + "'" + did_you_mean(name, known) +
                       (known.empty() ? "; the script has none" : "; known: " + join(known)));
   }
 }

@@ -43,7 +43,7 @@ int world_max_penetration(lua_State* L) {
 }
 
 std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::string& where) {
-  Rigid& bodies = rigid(record);
+  Rigid& bodies = system_of<Rigid>(record);
   std::vector<ObjectId> joints;  // go with their bodies
   if (bodies.joint_count() > 0) {
     record.world->objects().for_each(kJointKind, [&](ObjectId joint) {
@@ -55,12 +55,7 @@ std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::
   return joints;
 }
 
-std::vector<ObjectId> destroy_joint(WorldRecord& record, ObjectId id, const std::string& where) {
-  rigid(record).destroy_joint(id, where);
-  return {};
-}
-
-Pose body_pose(WorldRecord& record, ObjectId id) { return rigid(record).pose(id); }
+Pose body_pose(WorldRecord& record, ObjectId id) { return system_of<Rigid>(record).pose(id); }
 
 void gravity_changed(World& world) {
   if (Rigid* bodies = world.find<Rigid>()) bodies->wake_all(WakeCause::script);
@@ -126,7 +121,7 @@ void make_bodies(lua_State* L, int world, const char* maker) {
   for (lua_Integer i = 0; i < count; ++i) {
     lua_newtable(L);
     copy_places(L, options, -1);
-    for (lua_pushnil(L); lua_next(L, options);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+    copy_fields(L, options);
     if (count > 1) {
       lua_getfield(L, -1, "name");
       if (lua_type(L, -1) == LUA_TSTRING) {
@@ -163,10 +158,10 @@ void make_joint(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
-    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
+    {"body", method<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
+    {"joint", method<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
      "joins two bodies, or one and the world", joint_rows},
-    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
+    {"region", method<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
      "sensor_enter and sensor_leave events", region_rows},
     {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag",
      [] { return describe_rows(kBodiesFilter); }},
@@ -188,7 +183,8 @@ const YamlList kYaml[] = {{"bodies", [](lua_State* L, int world) { make_bodies(L
 
 }  // namespace
 
-Rigid& rigid(WorldRecord& record) {
+template <>
+Rigid& system_of<Rigid>(WorldRecord& record) {
   Rigid& r = record.world->need<Rigid>();
   if (record.has_pairs) return r;
   record.has_pairs = true;
@@ -203,7 +199,7 @@ const Part& rigid_part() {
   static const std::vector<Method> world = world_rows();
   static const ObjectClass classes[] = {
       {.name = "body", .methods = body_methods(), .destroy = &destroy_body, .takes_forces = true, .pose = &body_pose},
-      {.name = "joint", .methods = joint_methods(), .destroy = &destroy_joint},
+      {.name = "joint", .methods = joint_methods(), .destroy = destroy_alone<&Rigid::destroy_joint>},
       {.name = "region", .methods = region_methods(), .destroy = &destroy_body}};
   static const Part part = {.name = "rigid",
                             .functions = {},

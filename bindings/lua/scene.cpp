@@ -1,7 +1,6 @@
 // feder.scene{...} and what the host does with it.
 #include "lua/scene.h"
 
-#include "feder/profile.h"
 #include "lua/options.h"
 #include "lua/study.h"
 #include "lua/world_options.h"
@@ -21,7 +20,6 @@ constexpr Option<CameraReading> kCamera[] = {
     field<&SceneCamera::yaw>("yaw", "rad").unset(),
     field<&SceneCamera::pitch>("pitch", "rad", {-1.57, 1.57}).unset(),
 };
-std::vector<OptionInfo> camera_rows() { return describe_rows(kCamera); }
 
 // camera = { target = {x, y, z}, distance =, yaw =, pitch = }
 void read_camera(Options& o, const OptionRow&, SceneState& scene) {
@@ -65,7 +63,7 @@ constexpr Option<SceneState> kScene[] = {
     field<&SceneState::title>("title"),
     field<&SceneState::seconds>("seconds", "s", {0, 1e9, true}).unset(),
     field<&SceneState::picture>("picture", "s", {0, 1e9}).unset(),
-    {{.name = "camera"}, "table", read_camera, nullptr, camera_rows},
+    {{.name = "camera"}, "table", read_camera, nullptr, rows_of<kCamera>},
     {{.name = "world"}, "table", read_world, nullptr, world_rows},
     special("build", "function(world, scene)", read_build),
     special("update", "function(world, scene)", read_update),
@@ -261,11 +259,7 @@ void run_update(lua_State* L, WorldRecord& record) {
   const std::size_t profile = st.profile_slot(L, -1);
   push_world(L, record);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.passed);
-  const std::uint64_t start = clock_nanoseconds();
-  Failure failure;
-  if (!st.call(L, 2, 0, failure)) st.report(failure);
-  st.profile[profile].calls += 1;
-  st.profile[profile].nanoseconds += clock_nanoseconds() - start;
+  st.call_handler(L, profile, 2);
 }
 
 CheckResult run_check(lua_State* L) {

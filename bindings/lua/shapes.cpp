@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "lua/buffer.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -40,19 +41,9 @@ std::vector<std::uint32_t> check_triangles(lua_State* L, int index, std::size_t 
   if (count > kMaxPoints)
     fail(L, name + ": expected at most " + std::to_string(kMaxPoints) + " triangles, got " + std::to_string(count));
   std::vector<std::uint32_t> out;
-  for (std::size_t t = 1; t <= count; ++t) {
-    lua_rawgeti(L, index, static_cast<lua_Integer>(t));
-    const std::string at = name + "[" + std::to_string(t) + "]";
-    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3)
-      fail(L, at + ": expected {i, j, k}, got " + describe(L, -1));
-    for (int k = 1; k <= 3; ++k) {
-      lua_rawgeti(L, -1, k);
-      out.push_back(
-          static_cast<std::uint32_t>(check_integer(L, -1, at, 1, static_cast<std::int64_t>(vertex_count)) - 1));
-      lua_pop(L, 1);
-    }
-    lua_pop(L, 1);
-  }
+  each_entry(L, index, [&](lua_Integer t) {
+    check_indices(L, -1, name + "[" + std::to_string(t) + "]", "{i, j, k}", 3, 3, vertex_count, out);
+  });
   return out;
 }
 
@@ -75,14 +66,9 @@ std::vector<CompoundPart> check_parts(lua_State* L, int index) {
   const auto count = lua_rawlen(L, index);
   if (count == 0 || count > 4096) fail_here(L, "expected 1 to 4096 parts, got " + std::to_string(count));
   std::vector<CompoundPart> parts;
-  for (std::size_t i = 1; i <= count; ++i) {
-    lua_rawgeti(L, index, static_cast<lua_Integer>(i));
-    Options o(L, -1, name + "[" + std::to_string(i) + "]", true);
-    CompoundPart part;
-    o.read(kPart, part);
-    parts.push_back(std::move(part));
-    lua_pop(L, 1);
-  }
+  each_entry(L, index, [&](lua_Integer i) {
+    Options(L, -1, name + "[" + std::to_string(i) + "]", true).read(kPart, parts.emplace_back());
+  });
   return parts;
 }
 
@@ -103,7 +89,7 @@ int feder_shape(lua_State* L) {
   if (three_sizes(kind) && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
     const Vec3 size = check_vector(L, 1, name);
     lua_settop(L, 0);
-    for (int i = 0; i < 3; ++i) lua_pushnumber(L, size[i]);
+    push(L, size);
   }
   int most = 0;
   for (const ShapeArgument& a : kind.arguments) most += a.type == ShapeArgumentType::direction ? 3 : 1;
@@ -139,15 +125,14 @@ int feder_shape(lua_State* L) {
 
 int feder_left_out_shape(lua_State* L) { fail_here(L, "this build has no such shape"); }
 
-int shape_kind(lua_State* L) {
+const char* shape_kind(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(self_block(L));
   if (!shape) wrong_self(L, "shape");
-  lua_pushstring(L, (*shape)->kind());
-  return 1;
+  return (*shape)->kind();
 }
 
 const Method kShapeMethods[] = {
-    {"kind", guard<shape_kind>, "shape:kind() -> string", "\"box\", \"sphere\" ..."},
+    {"kind", method<shape_kind>, "shape:kind() -> string", "\"box\", \"sphere\" ..."},
 };
 
 }  // namespace
@@ -175,12 +160,7 @@ std::span<const Method> shape_functions() {
 }
 std::span<const Method> shape_methods() { return kShapeMethods; }
 
-void push_shape(lua_State* L, ShapePtr shape) {
-  void* block = lua_newuserdatauv(L, sizeof(ShapePtr), 0);
-  new (block) ShapePtr(std::move(shape));
-  push_class(L, Class::shape);
-  lua_setmetatable(L, -2);
-}
+void push_shape(lua_State* L, ShapePtr shape) { push_userdata(L, Class::shape, std::move(shape)); }
 
 ShapePtr check_shape(lua_State* L, int index, const std::string& what) {
   const auto* shape = static_cast<const ShapePtr*>(test_class(L, index, Class::shape));
@@ -217,21 +197,20 @@ std::vector<Vec3> check_points(lua_State* L, int index, const std::string& what,
     fail(L, what + ": expected at most " + std::to_string(kMaxPoints) + " points, got " + std::to_string(count));
   out.reserve(count);
   charge(L, count);
-  for (std::size_t i = 1; i <= count; ++i) {
-    lua_rawgeti(L, index, static_cast<lua_Integer>(i));
-    out.push_back(check_vector(L, -1, what + "[" + std::to_string(i) + "]", planar));
-    lua_pop(L, 1);
-  }
+  each_entry(L, index,
+             [&](lua_Integer i) { out.push_back(check_vector(L, -1, what + "[" + std::to_string(i) + "]", planar)); });
   return out;
 }
 
+bool points_option(Options& o, const char* key, std::vector<Vec3>& out) {
+  if (!o.push_any(key)) return false;
+  out = check_points(o.L(), -1, o.path(key), o.planar());
+  lua_pop(o.L(), 1);
+  return true;
+}
+
 void open_shapes(lua_State* L) {
-  push_class(L, Class::shape);
-  lua_pushcfunction(L, shape_tostring);
-  lua_setfield(L, -2, "__tostring");
-  lua_pushcfunction(L, shape_collected);
-  lua_setfield(L, -2, "__gc");
-  lua_pop(L, 1);
+  set_metamethods(L, Class::shape, {{"__tostring", shape_tostring}, {"__gc", shape_collected}});
 }
 
 }  // namespace feder::lua

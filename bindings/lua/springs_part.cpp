@@ -5,17 +5,12 @@
 namespace feder::lua {
 namespace {
 
-std::vector<ObjectId> destroy_net(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Springs>().destroy_net(id, where);
-  return {};
-}
-
 std::size_t point_count(WorldRecord& record, ObjectId id) { return record.world->need<Springs>().point_count(id); }
 
 void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kNetKind, &Springs::point_count); }
 
 const Method kWorld[] = {
-    {"net", guard<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
+    {"net", method<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
 };
 const YamlList kYaml[] = {{"nets", [](lua_State* L, int world) { make_object(L, world, "net"); }}};
 
@@ -24,7 +19,7 @@ const YamlList kYaml[] = {{"nets", [](lua_State* L, int world) { make_object(L, 
 const Part& springs_part() {
   static const ObjectClass classes[] = {{.name = "net",
                                          .methods = net_methods(),
-                                         .destroy = &destroy_net,
+                                         .destroy = destroy_alone<&Springs::destroy_net>,
                                          .place = "index",
                                          .takes_forces = true,
                                          .point_count = &point_count}};

@@ -10,7 +10,6 @@
 
 #include "base/rng.h"
 #include "feder/params.h"
-#include "feder/profile.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
 
@@ -116,9 +115,7 @@ int unknown_member(lua_State* L) {  // upvalues: class name, methods
   std::sort(known.begin(), known.end());
   if (lua_type(L, 2) != LUA_TSTRING) fail(L, std::string("a ") + name + " has no member " + describe(L, 2));
   const std::string asked = lua_tostring(L, 2);
-  const std::string near = nearest_name(asked, known);
-  fail(L, std::string("a ") + name + " has no method '" + asked + "'" +
-              (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  fail(L, std::string("a ") + name + " has no method '" + asked + "'" + did_you_mean(asked, known));
 }
 
 int no_fields(lua_State* L) {
@@ -314,6 +311,11 @@ std::size_t State::profile_slot(lua_State* on, int index) {
   return profile.size() - 1;
 }
 
+void State::call_handler(lua_State* on, std::size_t slot, int args) {
+  Failure failure;
+  if (!profiled(slot, [&] { return call(on, args, 0, failure); })) report(failure);
+}
+
 Rng& State::random() {
   if (last_world < worlds.size() && worlds[last_world]->world) return worlds[last_world]->world->rng();
   return rng;
@@ -336,11 +338,15 @@ std::string short_place(lua_State* L) {
   return slash == std::string::npos ? at : at.substr(slash + 1);
 }
 
-void fail(lua_State* L, const std::string& message) {
-  const std::string at = place(L);
-  lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
+void raise_error(lua_State* L, const std::string& message) {
+  lua_pushstring(L, message.c_str());
   lua_error(L);
   std::abort();  // lua_error does not return
+}
+
+void fail(lua_State* L, const std::string& message) {
+  const std::string at = place(L);
+  raise_error(L, at.empty() ? message : at + ": " + message);
 }
 
 void fail_here(lua_State* L, const std::string& message) {
@@ -412,6 +418,16 @@ std::string join(std::span<const std::string> words) {
   return all;
 }
 
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
+  const std::string near = nearest_name(word, known);
+  return near.empty() ? "" : "; did you mean '" + near + "'?";
+}
+
+std::string did_you_mean_or(std::string_view word, const std::vector<std::string>& known) {
+  const std::string near = did_you_mean(word, known);
+  return near.empty() ? "; known: " + join(known) : near;
+}
+
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable) {
   if (metatable) metatable = lua_absindex(L, metatable);
   for (const Method& row : rows) {
@@ -469,6 +485,10 @@ void* test_class(lua_State* L, int index, Class c) {
   const bool same = lua_rawequal(L, -1, -2);
   lua_pop(L, 2);
   return same ? lua_touserdata(L, index) : nullptr;
+}
+
+void check_function(lua_State* L, int index) {
+  if (lua_type(L, index) != LUA_TFUNCTION) fail_here(L, "expected a function, got " + describe(L, index));
 }
 
 void wrong_self(lua_State* L, const char* expected) {

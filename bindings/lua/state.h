@@ -18,6 +18,7 @@
 #include "feder/error.h"
 #include "feder/lua.h"
 #include "feder/params.h"
+#include "feder/profile.h"
 
 namespace feder::lua {
 
@@ -104,6 +105,17 @@ struct State {
   static double thread_seconds();  // processor time of this thread
   // The slot of handler_profile for the function at `index`.
   std::size_t profile_slot(lua_State* on, int index);
+  // Runs a call of that function, f() -> did it end well, and counts it.
+  template <class F>
+  bool profiled(std::size_t slot, F&& f) {
+    const std::uint64_t start = clock_nanoseconds();
+    const bool good = f();
+    profile[slot].calls += 1;
+    profile[slot].nanoseconds += clock_nanoseconds() - start;
+    return good;
+  }
+  // Calls a handler, the function below `args` arguments on the stack; an error in it is reported.
+  void call_handler(lua_State* on, std::size_t slot, int args);
   Rng& random();  // of the current world; before the first world, the state's own
 
   HostOptions options;
@@ -159,6 +171,8 @@ inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextrasp
 std::string place(lua_State* L, int level = 0);
 // The same with the file's name alone: what a destroyed object remembers.
 std::string short_place(lua_State* L);
+// Raises the message as it is.
+[[noreturn]] void raise_error(lua_State* L, const std::string& message);
 // Raises "file:line: message".
 [[noreturn]] void fail(lua_State* L, const std::string& message);
 // Raises "file:line: function: message", with the name of the running API function.
@@ -172,6 +186,10 @@ Failure split_place(std::string_view text);
 // Takes `units` instructions off the budget, for C functions that work long.
 void charge(lua_State* L, std::uint64_t units);
 std::string join(std::span<const std::string> words);
+// "; did you mean 'box'?" when one of the known is near, else "".
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
+// The same, but "; known: a, b" when none is near.
+std::string did_you_mean_or(std::string_view word, const std::vector<std::string>& known);
 
 // A SceneError of the runtime as the error of the running API function: "density: ..." thrown under world:body becomes
 // "world:body.density: ...".
@@ -200,6 +218,8 @@ void push_class(lua_State* L, Class c);
 // The block of the userdata at `index` when it is of the class in upvalue 1 (methods) or `c`; else null.
 void* self_block(lua_State* L);
 void* test_class(lua_State* L, int index, Class c);
+// A function is expected there.
+void check_function(lua_State* L, int index);
 [[noreturn]] void wrong_self(lua_State* L, const char* expected);
 
 }  // namespace feder::lua

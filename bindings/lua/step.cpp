@@ -65,7 +65,7 @@ void run_step(lua_State* L, WorldRecord& record) {
   lua_settop(L, top);
 }
 
-std::string seal_snapshot(const WorldRecord& record) {
+std::string seal_snapshot(WorldRecord& record) {
   std::string body;
   Writer w(body);
   w.add(static_cast<std::uint64_t>(record.special.size()));

@@ -28,7 +28,6 @@ constexpr Option<Axis> kAxis[] = {
     field<&Axis::factor>("factor", "", {1, 1e6, true}).unset(),
     field<&Axis::step>("step", "", kPositive).unset(),
 };
-std::vector<OptionInfo> axis_rows() { return describe_rows(kAxis); }
 
 // { v1, v2, ... } or { from =, to =, factor = | step = }
 std::vector<std::string> read_axis(lua_State* L, int index, const std::string& what) {
@@ -222,11 +221,6 @@ constexpr Option<StudyDeclaration> kCertainty[] = {
 };
 
 template <auto& Rows>
-std::vector<OptionInfo> rows_of() {
-  return describe_rows(Rows);
-}
-
-template <auto& Rows>
 void read_table(Options& o, const OptionRow& row, StudyDeclaration& out) {
   if (!o.push(row.name, LUA_TTABLE, "a table")) return;
   Options(o.L(), lua_gettop(o.L()), o.path(row.name)).read(Rows, out);
@@ -249,7 +243,7 @@ constexpr Option<StudyDeclaration> kStudy[] = {
     field<&StudyDeclaration::methods>("methods"),
     field<&StudyDeclaration::tolerance>("tolerance"),
     field<&StudyDeclaration::seconds>("seconds", "s", kPositive).unset(),
-    {{.name = "axes"}, "table", read_all_axes, nullptr, axis_rows},
+    {{.name = "axes"}, "table", read_all_axes, nullptr, rows_of<kAxis>},
     {{.name = "ladders"}, "list", read_ladders, nullptr, rows_of<kLadder>},
     field<&StudyDeclaration::refined_substeps>("refined_substeps", "", {1, 1e6}).unset(),
     field<&StudyDeclaration::sweeps>("sweeps", "", kPositive),

@@ -58,9 +58,6 @@ constexpr Option<NamedMaterialPair> kMaterialPair[] = {
     field<&NamedMaterialPair::restitution>("restitution", "", kUnitRange).unset(),
 };
 
-std::vector<OptionInfo> material_rows() { return describe_rows(kMaterial); }
-std::vector<OptionInfo> material_pair_rows() { return describe_rows(kMaterialPair); }
-
 // Calls read(key, options of the value) for each entry of a table by name, in the order of the names.
 template <class F>
 void each_named(Options& o, const char* key, F&& read) {
@@ -141,8 +138,8 @@ constexpr Option<WorldSettings> kWorld[] = {
     special("broad_phase", "string", read_world_text),
     special("narrow_phase", "string", read_world_text),
     {kAirDensity, "number", read_air_density},
-    {{.name = "materials"}, "table", read_materials, nullptr, material_rows},
-    {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, material_pair_rows},
+    {{.name = "materials"}, "table", read_materials, nullptr, rows_of<kMaterial>},
+    {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, rows_of<kMaterialPair>},
 };
 
 // "0.25", "1/240".
@@ -226,9 +223,9 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
   } else if (key == "broad_phase" || key == "narrow_phase") {
     w.desc.options.set(key, value);
   } else {
-    const std::string near = nearest_name(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
-                                                "air_density", "broad_phase", "narrow_phase", "rigid.solver"});
-    throw SceneError(what + ": unknown option '" + key + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    throw SceneError(what + ": unknown option '" + key + "'" +
+                     did_you_mean(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
+                                        "air_density", "broad_phase", "narrow_phase", "rigid.solver"}));
   }
 }
 

@@ -12,27 +12,17 @@
 #include "lua/options.h"
 #include "lua/scene.h"
 #include "lua/shapes.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
 
 const char* const kSceneKeys[] = {"title", "seconds", "picture", "camera", "world", "params", "forces", "check"};
 
-// Raises an error at a place in the file, when the table remembers one.
+// Raises an error at the table's line of the file, when it is known.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
-  table = lua_absindex(L, table);
-  std::string at;
-  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L, table);
-    if (lua_rawget(L, -2) == LUA_TTABLE) {
-      lua_pushboolean(L, 1);
-      lua_rawget(L, -2);
-      if (lua_type(L, -1) == LUA_TSTRING) at = lua_tostring(L, -1);
-    }
-  }
-  lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
-  lua_error(L);
-  std::abort();  // lua_error does not return
+  const std::string at = yaml_location(L, table);
+  raise_error(L, at.empty() ? message : at + ": " + message);
 }
 
 // Replaces "$name" by the parameter's value in a deep copy of the value on top. YAML values have no cycles.
@@ -106,7 +96,7 @@ void declare_params(lua_State* L, int scene) {
       if (lua_type(L, -1) == LUA_TTABLE) {
         lua_newtable(L);
         copy_places(L, -2, -1);
-        for (lua_pushnil(L); lua_next(L, -3);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
+        copy_fields(L, -2);
         lua_remove(L, -2);
         lua_getfield(L, -1, "value");
         if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
@@ -131,14 +121,8 @@ void push_check(lua_State* L, int scene, const std::string& file) {
   if (lua_getfield(L, scene, "check") == LUA_TNIL) return;
   if (lua_type(L, -1) != LUA_TSTRING) fail_in(L, scene, "check: expected Lua text, got " + describe(L, -1));
   const std::string text = lua_tostring(L, -1);
-  int line = 0;
-  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L, scene);
-    if (lua_rawget(L, -2) == LUA_TTABLE && lua_getfield(L, -1, "check") == LUA_TSTRING) {
-      const std::string at = lua_tostring(L, -1);
-      line = std::atoi(at.c_str() + at.rfind(':') + 1);
-    }
-  }
+  const std::string at = yaml_location(L, scene, "check");
+  const int line = std::atoi(at.c_str() + at.rfind(':') + 1);
   const bool block = !text.empty() && text.back() == '\n';
   std::string code(static_cast<std::size_t>(std::max(0, block ? line : line - 1)), '\n');
   code += "local world, scene, expect = ... " + text;
@@ -165,11 +149,9 @@ const ShapeKind& shape_kind_of(lua_State* L, int table, const std::string& name)
     if (name == kind.name) return kind;
     known.emplace_back(kind.name);
   }
-  const std::string near = nearest_name(name, known);
   fail_in(L, table,
           name.empty() ? "shape: expected one of " + join(known)
-                       : "shape: unknown shape '" + name + "'" +
-                             (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+                       : "shape: unknown shape '" + name + "'" + did_you_mean_or(name, known));
 }
 
 // Is a list behind the shape's name its one argument, and not the list of them?
