@@ -22,15 +22,15 @@ CameraWish read_camera(const std::string& text);
 // "640x360". SceneError.
 void read_size(const std::string& text, int& width, int& height);
 
-class Studio {
+class RendererHost {
  public:
-  Studio(int width, int height);
+  RendererHost(int width, int height);
 
   // Collects what the script's world looks like now; valid until the next call.
-  const Frame& look_at(lua::Script& script, const Toggles& toggles);
+  const Frame& collect(lua::Script& script, const Toggles& toggles);
   // A camera for a subject: the scene's own wishes, then the caller's.
   Camera aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const;
-  Image shoot(const Camera& camera, const DrawOptions& options);  // of the frame that was collected last
+  Image draw(const Camera& camera, const DrawOptions& options);  // of the frame that was collected last
 
   const std::string& how() const { return headless_.how(); }
   const DrawStats& stats() const { return renderer_.stats(); }

@@ -1,4 +1,4 @@
-#include "view/studio.h"
+#include "view/renderer_host.h"
 
 #include <charconv>
 #include <cmath>
@@ -57,14 +57,14 @@ void read_size(const std::string& text, int& width, int& height) {
     throw SceneError("expected a size in pixels such as 1280x720, got '" + text + "'");
 }
 
-Studio::Studio(int width, int height) : headless_(width, height), renderer_(headless_.loader()) {}
+RendererHost::RendererHost(int width, int height) : headless_(width, height), renderer_(headless_.loader()) {}
 
-const Frame& Studio::look_at(lua::Script& script, const Toggles& toggles) {
+const Frame& RendererHost::collect(lua::Script& script, const Toggles& toggles) {
   collector_.collect(*script.world(), script.look(), toggles, frame_);
   return frame_;
 }
 
-Camera Studio::aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const {
+Camera RendererHost::aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const {
   Camera camera;
   if (planar) camera.yaw = camera.pitch = 0, camera.fov = kPlanarFov;
   const lua::SceneCamera& own = script.camera();
@@ -81,7 +81,7 @@ Camera Studio::aim(const lua::Script& script, const CameraWish& wish, const Boun
   return camera;
 }
 
-Image Studio::shoot(const Camera& camera, const DrawOptions& options) {
+Image RendererHost::draw(const Camera& camera, const DrawOptions& options) {
   renderer_.draw(frame_, camera, options, headless_.target());
   return headless_.read();
 }
