@@ -27,7 +27,7 @@ struct Console {
   void add(ConsoleLine::Kind kind, const std::string& text);
 };
 
-// A slider that is being moved: the scene is made anew when the hand rests, or ten times a second.
+// A slider that is being moved: the scene is made anew when the mouse rests, or ten times a second.
 struct PendingParam {
   std::string name, value;
   double since = 0;  // s
@@ -56,7 +56,7 @@ struct Desk {
   std::string search;
   std::optional<PendingParam> pending;
   bool fit = true;         // frame everything in the next picture
-  bool auto_frame = true;  // and step back as things spread out, until a hand takes the camera
+  bool auto_frame = true;  // and step back as things spread out, until the user takes the camera
   bool save_picture = false, quit = false;
   std::string open_file;  // asked for by the picker
   double now = 0;         // s
@@ -81,7 +81,7 @@ void draw_scene_panel(Desk& desk, const Layout& layout);  // left: parameters, w
 void draw_watch_panel(Desk& desk, const Layout& layout);  // right: inspector, times, curves
 void draw_console(Desk& desk, const Layout& layout);
 void draw_messages(Desk& desk, const Layout& layout);                     // errors over the view
-void draw_hand(Desk& desk, float pixels_per_unit, const Target& target);  // the grip's spring, the selection's name
+void draw_grip(Desk& desk, float pixels_per_unit, const Target& target);  // the grip's spring, the selection's name
 void draw_picker(Desk& desk, const Layout& layout);
 void draw_help(Desk& desk, const Layout& layout);
 void draw_inspector(Desk& desk);

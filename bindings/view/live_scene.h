@@ -13,8 +13,8 @@
 #include <optional>
 
 #include "view/file_watch.h"
-#include "view/hand.h"
 #include "view/history.h"
+#include "view/picking.h"
 #include "view/scene_run.h"
 
 namespace feder::view {

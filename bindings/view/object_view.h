@@ -1,5 +1,5 @@
-// What the hand, the camera and a reload do with the objects of one system. One ObjectView per system that has things
-// to take hold of (hand_<system>.cpp); objects of other systems are only drawn. Reads the world; what it wants done
+// What picking, the camera and a reload do with the objects of one system. One ObjectView per system that has things
+// to take hold of (picking_<system>.cpp); objects of other systems are only drawn. Reads the world; what it wants done
 // comes back as commands.
 #pragma once
 #include <functional>

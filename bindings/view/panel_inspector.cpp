@@ -1,4 +1,4 @@
-// The selected object: what it is, how it moves, and fields that can be edited. Every edit is a deed of the hand.
+// The selected object: what it is, how it moves, and fields that can be edited. Every edit is a Command.
 #include "view/desk.h"
 #include "view/fields.h"
 #include "view/theme.h"

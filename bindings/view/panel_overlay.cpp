@@ -1,4 +1,4 @@
-// What lies over the view: errors, the hand's spring, the scene picker and the help.
+// What lies over the view: errors, the grip's spring, the scene picker and the help.
 #include <algorithm>
 #include <cstdio>
 
@@ -64,7 +64,7 @@ void draw_messages(Desk& desk, const Layout& l) {
   ImGui::PopStyleColor();
 }
 
-void draw_hand(Desk& desk, float scale, const Target& t) {
+void draw_grip(Desk& desk, float scale, const Target& t) {
   if (!desk.live.has_scene()) return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const auto screen = [&](const Vec3& x, ImVec2& out) {

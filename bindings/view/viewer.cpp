@@ -224,7 +224,7 @@ void Viewer::aim_as_scene_says() {
   if (c.has_pitch) desk_.camera.pitch = static_cast<float>(c.pitch);
 }
 
-// A processor that draws in place of a graphics card draws less, so that the hand is not slowed down.
+// A processor that draws in place of a graphics card draws less, so that input is not slowed down.
 DrawOptions Viewer::care() {
   if (options_.detail != Detail::as_fast_as_needed)
     detail_ = options_.detail;
@@ -259,7 +259,7 @@ void Viewer::panels(const Layout& layout) {
     draw_transport(desk_, layout);
   }
   draw_messages(desk_, layout);
-  draw_hand(desk_, window_.pixels_per_unit(), window_.target());
+  draw_grip(desk_, window_.pixels_per_unit(), window_.target());
   draw_picker(desk_, layout);
   draw_help(desk_, layout);
 }

@@ -142,7 +142,7 @@ void ViewerInput::drag(Desk& desk, float dx, float dy) {
       break;
     case Drag::shift: pan(desk.camera, dx, dy, static_cast<float>(target_.height) / scale_); break;
     case Drag::waiting:
-      // in the past the hand takes hold once the scene has been lived again
+      // in the past a grip takes hold once the scene has been lived again
       if (travelled_ < 4 || desk.live.catching_up()) break;
       if (!desk.live.world().objects().alive(pressed_->object)) {
         drag_ = Drag::turn;

@@ -1,4 +1,4 @@
-// Points of nets in the hand: pinned while they are held, and led to the mouse at a bounded speed.
+// Picking points of nets: pinned while they are held, and led to the mouse at a bounded speed.
 #include <algorithm>
 
 #include "feder/net.h"

@@ -1,4 +1,4 @@
-// Bodies in the hand: pulled by a critically damped spring at the point that is held.
+// Picking bodies: pulled by a critically damped spring at the point that is held.
 #include <algorithm>
 
 #include "feder/query.h"
