@@ -119,7 +119,7 @@ void Camera::eye(float out[3]) const {
   for (int i = 0; i < 3; ++i) out[i] = target[i] + distance * back[i];
 }
 
-void Camera::look(const float from[3], const float at[3]) {
+void Camera::look_at(const float from[3], const float at[3]) {
   const float d[3] = {from[0] - at[0], from[1] - at[1], from[2] - at[2]};
   const float n = std::sqrt(dot(d, d));
   for (int i = 0; i < 3; ++i) target[i] = at[i];

@@ -22,7 +22,7 @@ struct Camera {
   void fit(const Bounds& subject, float aspect);
   // The same for subject_of(frame); a 2D frame is seen from the front.
   void fit(const Frame& frame, float aspect);
-  void look(const float eye[3], const float at[3]);
+  void look_at(const float eye[3], const float at[3]);
 
   void eye(float out[3]) const;
   void axes(float right[3], float up[3], float back[3]) const;

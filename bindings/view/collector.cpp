@@ -52,12 +52,12 @@ Collector::Collector(std::span<const Row> sources) {
   for (const Row& row : sources) sources_.push_back(row.make());
 }
 
-void Collector::collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame) {
+void Collector::collect(World& world, const lua::Look* appearance, const Toggles& toggles, Frame& frame) {
   frame.clear();
   frame.time = world.time();
   frame.step = world.step_count();
   frame.dimension = world.desc().dimension;
-  Collecting c{world, look ? *look : no_look_, toggles, geometry_, frame};
+  Collecting c{world, appearance ? *appearance : no_appearance_, toggles, geometry_, frame};
   for (const auto& source : sources_) source->collect(c);
   if (toggles.plots) collect_plots(world, frame);
   if (toggles.marks) collect_marks(world, frame);

@@ -17,7 +17,7 @@ namespace feder::view {
 // What a source works with.
 struct Collecting {
   World& world;
-  const lua::Look& look;  // colours and faces that the script gave
+  const lua::Look& appearance;  // colours and faces that the script gave
   const Toggles& toggles;
   GeometryCache& geometry;
   Frame& frame;
@@ -38,13 +38,13 @@ std::span<const Row> frame_sources();
 class Collector {
  public:
   explicit Collector(std::span<const Row> sources = frame_sources());
-  // `look` may be null.
-  void collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame);
+  // `appearance` may be null.
+  void collect(World& world, const lua::Look* appearance, const Toggles& toggles, Frame& frame);
 
  private:
   GeometryCache geometry_;
   std::vector<std::unique_ptr<FrameSource>> sources_;
-  const lua::Look no_look_;
+  const lua::Look no_appearance_;
 };
 
 // For sources.

@@ -30,9 +30,9 @@ struct Track {
   Instance first;
   std::shared_ptr<const Geometry> geometry;
   std::string name;
-  std::size_t start = 0;      // sample it first appears in
-  std::vector<Float3> place;  // one per sample from `start` on; repeated while it is away
-  std::vector<Float4> turn;
+  std::size_t start = 0;         // sample it first appears in
+  std::vector<Float3> position;  // one per sample from `start` on; repeated while it is away
+  std::vector<Float4> rotation;
   std::vector<std::uint8_t> seen;
 };
 
@@ -137,23 +137,24 @@ void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<co
     t.first = in, t.geometry = geometry, t.name = std::move(name), t.start = times.size() - 1;
     order.push_back(key);
   }
-  t.place.push_back({in.position[0], in.position[1], in.position[2]});
+  t.position.push_back({in.position[0], in.position[1], in.position[2]});
   Float4 q{in.rotation[0], in.rotation[1], in.rotation[2], in.rotation[3]};
   const float n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   for (float& x : q) x = n > 0 ? x / n : 0;
   if (!(n > 0)) q[3] = 1;
   // the nearer of the two quaternions of a rotation, so that what is between samples is the short way
-  if (!t.turn.empty() &&
-      q[0] * t.turn.back()[0] + q[1] * t.turn.back()[1] + q[2] * t.turn.back()[2] + q[3] * t.turn.back()[3] < 0)
+  if (!t.rotation.empty() && q[0] * t.rotation.back()[0] + q[1] * t.rotation.back()[1] + q[2] * t.rotation.back()[2] +
+                                     q[3] * t.rotation.back()[3] <
+                                 0)
     for (float& x : q) x = -x;
-  t.turn.push_back(q);
+  t.rotation.push_back(q);
   t.seen.push_back(1);
 }
 
 void GltfWriter::Impl::pad_tracks() {
   for (auto& [key, t] : tracks)
     while (t.start + t.seen.size() < times.size()) {
-      t.place.push_back(t.place.back()), t.turn.push_back(t.turn.back());
+      t.position.push_back(t.position.back()), t.rotation.push_back(t.rotation.back());
       t.seen.push_back(0);
     }
 }
@@ -231,12 +232,12 @@ int GltfWriter::Impl::mesh(const Geometry& g, float stretch, Color color) {
   auto& shape = shapes[{&g, stretch}];
   if (shape.first[0] == 0) {
     shape.first[0] = 1;
-    std::vector<Float3> places, normals;
+    std::vector<Float3> positions, normals;
     for (const Vertex& v : g.vertices) {
-      places.push_back({v.position[0], v.position[1] + v.side * stretch, v.position[2]});
+      positions.push_back({v.position[0], v.position[1] + v.side * stretch, v.position[2]});
       normals.push_back({v.normal[0], v.normal[1], v.normal[2]});
     }
-    shape.second = {package->vectors(places, TINYGLTF_TARGET_ARRAY_BUFFER, true),
+    shape.second = {package->vectors(positions, TINYGLTF_TARGET_ARRAY_BUFFER, true),
                     package->vectors(normals, TINYGLTF_TARGET_ARRAY_BUFFER, false),
                     package->add(g.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                                  TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false)};
@@ -266,8 +267,8 @@ void GltfWriter::Impl::write_track(const Track& t) {
   tinygltf::Node node;
   node.name = t.name.empty() ? t.geometry->kind : t.name;
   node.mesh = mesh(*t.geometry, sy > 0 ? t.first.stretch / sy : 0, t.first.color);
-  node.translation.assign(t.place[0].begin(), t.place[0].end());
-  node.rotation.assign(t.turn[0].begin(), t.turn[0].end());
+  node.translation.assign(t.position[0].begin(), t.position[0].end());
+  node.rotation.assign(t.rotation[0].begin(), t.rotation[0].end());
   node.scale.assign(t.first.scale, t.first.scale + 3);
   const auto id = static_cast<int>(model.nodes.size());
   model.nodes.push_back(std::move(node));
@@ -276,7 +277,8 @@ void GltfWriter::Impl::write_track(const Track& t) {
 
   bool moves = false, turns = false, blinks = t.start > 0;
   for (std::size_t i = 0; i < t.seen.size(); ++i) {
-    moves = moves || t.place[i] != t.place[0], turns = turns || t.turn[i] != t.turn[0], blinks = blinks || !t.seen[i];
+    moves = moves || t.position[i] != t.position[0], turns = turns || t.rotation[i] != t.rotation[0],
+    blinks = blinks || !t.seen[i];
   }
   // what comes later waits where it will appear
   const auto whole = [&](const auto& list) {
@@ -284,10 +286,10 @@ void GltfWriter::Impl::write_track(const Track& t) {
     all.insert(all.begin(), t.start, list.front());
     return all;
   };
-  if (moves) sampler(id, "translation", time_input, package->vectors(whole(t.place), 0, false), "LINEAR");
+  if (moves) sampler(id, "translation", time_input, package->vectors(whole(t.position), 0, false), "LINEAR");
   if (turns)
     sampler(id, "rotation", time_input,
-            package->add(whole(t.turn), TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, false), "LINEAR");
+            package->add(whole(t.rotation), TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, false), "LINEAR");
   if (!blinks) return;
   std::vector<Float3> scale(t.start, Float3{0, 0, 0});
   for (const std::uint8_t seen : t.seen)

@@ -33,7 +33,7 @@ class ClothSource final : public FrameSource {
 
  private:
   static Color color_of(const Collecting& c, ObjectId object) {
-    if (const auto own = c.look.colors.find(object); own != c.look.colors.end()) return rgb(own->second);
+    if (const auto own = c.appearance.colors.find(object); own != c.appearance.colors.end()) return rgb(own->second);
     const std::string_view stem = name_stem(c.world.objects().name(object));
     return group_color(stem.empty() ? "cloth" : stem, object.slot);
   }

@@ -25,9 +25,9 @@ class FluidSource final : public FrameSource {
     g.first = static_cast<std::uint32_t>(f.points.size());
     g.count = static_cast<std::uint32_t>(x_.size());
     g.object = id;
-    const auto own = c.look.colors.find(id);
-    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0x3b7dbb);
-    if (own == c.look.colors.end())
+    const auto own = c.appearance.colors.find(id);
+    g.color = own != c.appearance.colors.end() ? rgb(own->second) : rgb(0x3b7dbb);
+    if (own == c.appearance.colors.end())
       values(c, fluid, id, g);
     else
       value_.assign(x_.size(), 0);

@@ -1,5 +1,5 @@
-// Rigid bodies as instances, grouped by geometry in two passes (count, place); planes as grounds. What a collider
-// looks like is worked out when it is first seen and kept by collider index.
+// Rigid bodies as instances, grouped by geometry in two passes (count, fill); planes as grounds. What a collider
+// appears as is worked out when it is first seen and kept by collider index.
 #include <algorithm>
 #include <bit>
 
@@ -23,7 +23,7 @@ class RigidSource final : public FrameSource {
     const Bodies& bodies = rigid->bodies();
     const Colliders& colliders = collide->colliders();
     if (c.toggles.shapes) collect_shapes(c, bodies, colliders);
-    if (c.toggles.velocities || c.toggles.axes || c.toggles.labels) collect_notes(c, bodies);
+    if (c.toggles.velocities || c.toggles.axes || c.toggles.labels) collect_records(c, bodies);
     if (c.toggles.bounds)
       for (std::uint32_t k = 0; k < colliders.size(); ++k)
         if (colliders.motion[k] != ColliderMotion::none)
@@ -46,7 +46,7 @@ class RigidSource final : public FrameSource {
   }
 
   void collect_shapes(Collecting& c, const Bodies& bodies, const Colliders& colliders) {
-    if (look_version_ != c.look.version) seen_.clear(), look_version_ = c.look.version;
+    if (appearance_version_ != c.appearance.version) seen_.clear(), appearance_version_ = c.appearance.version;
     seen_.resize(colliders.size());
     std::fill(count_.begin(), count_.end(), 0);
     for (std::uint32_t k = 0; k < colliders.size(); ++k) {
@@ -57,12 +57,12 @@ class RigidSource final : public FrameSource {
         continue;
       }
       const std::size_t key = 2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0);
-      if (key >= count_.size()) count_.resize(key + 1, 0), place_.resize(key + 1, 0);
+      if (key >= count_.size()) count_.resize(key + 1, 0), index_.resize(key + 1, 0);
       ++count_[key];
     }
     make_batches(c.frame);
     for (std::uint32_t k = 0; k < colliders.size(); ++k)
-      if (drawn(c, colliders, k) && seen_[k].fitted.geometry != kNone) place(c.frame, bodies, colliders, k);
+      if (drawn(c, colliders, k) && seen_[k].fitted.geometry != kNone) add_instance(c.frame, bodies, colliders, k);
   }
 
   // Opaque batches first.
@@ -72,7 +72,7 @@ class RigidSource final : public FrameSource {
       for (std::size_t key = translucent; key < count_.size(); key += 2) {
         if (count_[key] == 0) continue;
         f.batches.push_back({static_cast<std::uint32_t>(key / 2), at, count_[key], translucent == 1});
-        place_[key] = at;
+        index_[key] = at;
         at += count_[key];
       }
     f.instances.resize(at);
@@ -94,7 +94,7 @@ class RigidSource final : public FrameSource {
   static Color color_of(Collecting& c, const Seen& s) {
     Color color;
     const Objects& objects = c.world.objects();
-    if (const auto own = c.look.colors.find(s.object); own != c.look.colors.end()) {
+    if (const auto own = c.appearance.colors.find(s.object); own != c.appearance.colors.end()) {
       color = rgb(own->second);
     } else if (s.motion == ColliderMotion::fixed && !s.sensor) {
       color = fixed_color(s.object.slot);
@@ -121,18 +121,18 @@ class RigidSource final : public FrameSource {
     Ground g;
     put(g.normal, n);
     g.distance = static_cast<float>(distance + dot(n, pose.position));
-    const auto own = c.look.colors.find(colliders.object[k]);
-    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0xc2c1bd);
+    const auto own = c.appearance.colors.find(colliders.object[k]);
+    g.color = own != c.appearance.colors.end() ? rgb(own->second) : rgb(0xc2c1bd);
     g.object = colliders.object[k];
     c.frame.grounds.push_back(g);
   }
 
-  void place(Frame& f, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
+  void add_instance(Frame& f, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
     const Seen& s = seen_[k];
     const std::uint32_t body = colliders.owner_index[k];
     const Pose pose = bodies.com_pose(body) * colliders.local[k];
     const bool rests = s.motion == ColliderMotion::dynamic && !bodies.awake[body];
-    Instance& out = f.instances[place_[2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0)]++];
+    Instance& out = f.instances[index_[2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0)]++];
     put(out.position, pose.position);
     out.rotation[0] = static_cast<float>(pose.rotation.x), out.rotation[1] = static_cast<float>(pose.rotation.y);
     out.rotation[2] = static_cast<float>(pose.rotation.z), out.rotation[3] = static_cast<float>(pose.rotation.w);
@@ -148,7 +148,7 @@ class RigidSource final : public FrameSource {
     if (s.motion != ColliderMotion::fixed && !s.sensor) f.moving.include(b);
   }
 
-  static void collect_notes(Collecting& c, const Bodies& bodies) {
+  static void collect_records(Collecting& c, const Bodies& bodies) {
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
       if (bodies.type[i] == BodyType::free) continue;
       const Vec3& x = bodies.position[i];
@@ -171,8 +171,8 @@ class RigidSource final : public FrameSource {
   }
 
   std::vector<Seen> seen_;                    // by collider
-  std::vector<std::uint32_t> count_, place_;  // by 2 * geometry + translucent
-  std::uint64_t look_version_ = 0;
+  std::vector<std::uint32_t> count_, index_;  // by 2 * geometry + translucent
+  std::uint64_t appearance_version_ = 0;
 };
 
 }  // namespace

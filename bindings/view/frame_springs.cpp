@@ -21,8 +21,8 @@ class SpringsSource final : public FrameSource {
     for (std::size_t n = 0; n < springs->net_count(); ++n) {
       const Springs::NetInfo net = springs->net_info(n);
       include_bounds(c.frame, *particles, net);
-      const auto faces = c.look.faces.find(net.object);
-      const bool has_faces = faces != c.look.faces.end() && !faces->second.empty();
+      const auto faces = c.appearance.faces.find(net.object);
+      const bool has_faces = faces != c.appearance.faces.end() && !faces->second.empty();
       if (c.toggles.meshes && has_faces) add_faces(c, *particles, net, faces->second);
       if (c.toggles.springs) add_springs(c, *springs, *particles, net, has_faces ? 1.0f : 2.5f);
       if (c.toggles.points) add_points(c, *springs, *particles, net, has_faces);
@@ -34,7 +34,7 @@ class SpringsSource final : public FrameSource {
 
  private:
   static Color color_of(const Collecting& c, ObjectId net) {
-    if (const auto own = c.look.colors.find(net); own != c.look.colors.end()) return rgb(own->second);
+    if (const auto own = c.appearance.colors.find(net); own != c.appearance.colors.end()) return rgb(own->second);
     const std::string_view stem = name_stem(c.world.objects().name(net));
     return group_color(stem.empty() ? "net" : stem, net.slot);
   }

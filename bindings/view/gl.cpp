@@ -18,7 +18,7 @@ GLuint compile(const Gl& gl, const char* name, GLenum kind, std::string_view tex
   throw GlError(std::string("shader '") + name + "' does not compile: " + log);
 }
 
-const void* place(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
+const void* as_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
 
 }  // namespace
 
@@ -73,13 +73,13 @@ Program::~Program() { gl_.DeleteProgram(id_); }
 
 void VertexArray::floats(GLuint at, int count, std::size_t stride, std::size_t offset, GLuint divisor) const {
   gl_.EnableVertexAttribArray(at);
-  gl_.VertexAttribPointer(at, count, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), place(offset));
+  gl_.VertexAttribPointer(at, count, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), as_pointer(offset));
   gl_.VertexAttribDivisor(at, divisor);
 }
 
 void VertexArray::bytes(GLuint at, std::size_t stride, std::size_t offset, GLuint divisor) const {
   gl_.EnableVertexAttribArray(at);
-  gl_.VertexAttribPointer(at, 4, GL_UNSIGNED_BYTE, GL_TRUE, static_cast<GLsizei>(stride), place(offset));
+  gl_.VertexAttribPointer(at, 4, GL_UNSIGNED_BYTE, GL_TRUE, static_cast<GLsizei>(stride), as_pointer(offset));
   gl_.VertexAttribDivisor(at, divisor);
 }
 

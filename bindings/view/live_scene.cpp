@@ -143,7 +143,7 @@ void LiveScene::one_step() {
     paused_ = true;
   }
   smooth(step_seconds_, wall_seconds() - began, 0.1);
-  note_marks();
+  record_marks();
   record();
 }
 
@@ -156,7 +156,7 @@ void LiveScene::record() {
   smooth(snapshot_seconds_, wall_seconds() - began, 0.1);
 }
 
-void LiveScene::note_marks() {
+void LiveScene::record_marks() {
   World& w = world();
   for (const Event& e : w.events().list()) {
     if (!is_marked(e.kind)) continue;

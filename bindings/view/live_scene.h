@@ -106,7 +106,7 @@ class LiveScene {
   bool drop_refused_param(Recipe& recipe, const std::string& message);
   void one_step();
   void record();
-  void note_marks();
+  void record_marks();
   void play_recording(double seconds);
   void run_live(double seconds);
   void catch_up();

@@ -39,7 +39,7 @@ struct Grip {
 
 // A state that can go on in a new world.
 struct Kept {
-  std::vector<Vec3> place, motion;  // m, m/s; of a body: position; velocity and angular velocity
+  std::vector<Vec3> position, velocity;  // m, m/s (of a body the second velocity is angular, rad/s)
   Quat rotation;
 };
 

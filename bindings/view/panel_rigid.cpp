@@ -42,8 +42,8 @@ void edit_surface(PanelLayout& layout, ObjectId id, const Bodies& b, std::uint32
   if (edit_number("gravity", b.gravity_scale[i], -10, 10, x))
     layout.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_gravity_scale(o, x); }), "gravity scale");
   if (edit_number("damping", b.linear_damping[i], 0, 100, x)) {
-    const Real turn = b.angular_damping[i];
-    layout.live.act(on_body(id, [x, turn](Rigid& r, ObjectId o) { r.set_damping(o, x, turn); }), "damping");
+    const Real angular = b.angular_damping[i];
+    layout.live.act(on_body(id, [x, angular](Rigid& r, ObjectId o) { r.set_damping(o, x, angular); }), "damping");
   }
 }
 
@@ -53,14 +53,16 @@ void inspect_body(PanelLayout& layout, ObjectId id) {
   const std::uint32_t i = rigid.index(id);
   edit_body_type(layout, id, b.type[i]);
   Pose pose = rigid.pose(id);
-  Vec3 velocity = b.velocity[i], spin = b.angular_velocity[i];
+  Vec3 velocity = b.velocity[i], angular_velocity = b.angular_velocity[i];
   if (edit_vector("position", pose.position, 0.02f))
     layout.live.act(on_body(id, [pose](Rigid& r, ObjectId o) { r.set_pose(o, pose); }), "position");
   if (b.type[i] != BodyType::fixed) {
     if (edit_vector("velocity", velocity, 0.05f))
       layout.live.act(on_body(id, [velocity](Rigid& r, ObjectId o) { r.set_velocity(o, velocity); }), "velocity");
-    if (edit_vector("spin", spin, 0.05f))
-      layout.live.act(on_body(id, [spin](Rigid& r, ObjectId o) { r.set_angular_velocity(o, spin); }), "spin");
+    if (edit_vector("spin", angular_velocity, 0.05f))
+      layout.live.act(
+          on_body(id, [angular_velocity](Rigid& r, ObjectId o) { r.set_angular_velocity(o, angular_velocity); }),
+          "spin");
   }
   edit_surface(layout, id, b, i);
   char text[80];

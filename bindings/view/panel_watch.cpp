@@ -8,7 +8,7 @@
 namespace feder::view {
 namespace {
 
-constexpr double kLeastShare = 0.003;  // a pass with less of a step is not listed
+constexpr double kMinShare = 0.003;  // a pass with less of a step is not listed
 
 void draw_times(PanelLayout& layout) {
   // the plan as it runs, loops before their passes, then Lua
@@ -23,7 +23,7 @@ void draw_times(PanelLayout& layout) {
   const float width = ImGui::GetContentRegionAvail().x;
   for (const TimeRow& r : rows) {
     const bool lua = r.detail == "Lua", loop = r.detail.empty();
-    if (r.ms < std::max(0.0005, kLeastShare * sum) && !lua) continue;
+    if (r.ms < std::max(0.0005, kMinShare * sum) && !lua) continue;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float height = ImGui::GetTextLineHeight();
     if (!loop)

@@ -40,7 +40,7 @@ Matrix4 sun_matrix(const Frame& f, const Camera& camera) {
   float towards[3], from[3];
   unit_sun(towards);
   for (int i = 0; i < 3; ++i) from[i] = center[i] + 4 * radius * towards[i];
-  sun.look(from, center);
+  sun.look_at(from, center);
   const float n = 0, far = 8 * radius;
   const Matrix4 orthographic = {
       {1 / radius, 0, 0, 0, 0, 1 / radius, 0, 0, 0, 0, -2 / (far - n), 0, 0, 0, -(far + n) / (far - n), 1}};

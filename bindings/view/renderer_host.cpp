@@ -77,7 +77,7 @@ Camera RendererHost::aim(const lua::Script& script, const CameraWish& wish, cons
     for (int i = 0; i < 3; ++i) camera.target[i] = static_cast<float>(own.target[i]);
   if (own.has_distance) camera.distance = static_cast<float>(own.distance);
   if (wish.distance > 0) camera.distance = wish.distance;
-  if (wish.has_places) camera.look(wish.eye, wish.target);
+  if (wish.has_places) camera.look_at(wish.eye, wish.target);
   return camera;
 }
 
