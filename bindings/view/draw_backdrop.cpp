@@ -9,10 +9,9 @@
 namespace feder::view {
 namespace {
 
-Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
-
 void set(const Gl& gl, GLint at, const Vec3& v) {
-  gl.Uniform3f(at, static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
+  const Float3 f = to_float3(v);
+  gl.Uniform3f(at, f.x, f.y, f.z);
 }
 
 }  // namespace
@@ -34,15 +33,13 @@ void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pas
   array_.bind();
   const bool planar = f.dimension == 2;
   const Real reach = Real(camera.distance) * (planar ? Real(3) : Real(9));
-  const Vec3 target = vec(camera.target);
-  float eye[3];
-  camera.eye(eye);
+  const Vec3 target = to_vec3(camera.target), eye = to_vec3(camera.eye());
   const auto spacing =
       static_cast<float>(std::pow(10.0, std::floor(std::log10(0.25 * static_cast<double>(camera.distance)))));
   for (const Ground& g : f.grounds) {
-    const Vec3 n = vec(g.normal);
+    const Vec3 n = to_vec3(g.normal);
     const Real height = dot(n, target) - Real(g.distance);
-    if (!planar && dot(n, vec(eye)) < Real(g.distance)) continue;  // from inside the ground all is seen
+    if (!planar && dot(n, eye) < Real(g.distance)) continue;  // from inside the ground all is seen
     Vec3 origin = target - height * n, along, over, u = vec3(1, 0, 0), v = vec3(0, 0, 1);
     if (planar) {
       // the cut face, in front of the bodies' middle like their own front faces

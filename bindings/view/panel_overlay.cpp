@@ -69,8 +69,7 @@ void draw_grip(PanelLayout& layout, float scale, const Target& t) {
   if (!layout.live.has_scene()) return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const auto screen = [&](const Vec3& x, ImVec2& out) {
-    const float p[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
-    if (!layout.camera.project(p, t.width, t.height, out.x, out.y)) return false;
+    if (!layout.camera.project(to_float3(x), t.width, t.height, out.x, out.y)) return false;
     out.x /= scale, out.y /= scale;
     return true;
   };

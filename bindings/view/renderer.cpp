@@ -12,35 +12,30 @@
 namespace feder::view {
 namespace {
 
-constexpr float kSun[3] = {-0.42f, 0.80f, 0.48f};  // towards the sun; made unit below
+constexpr Float3 kSun{-0.42f, 0.80f, 0.48f};  // towards the sun; made unit below
+
+struct Float4 {
+  Float3 xyz;
+  float w = 0;
+};
 
 // The uniform block of shaders.cpp, std140.
 struct Shared {
   Matrix4 view_projection, shadow_matrix;
-  float eye[4], sun[4], viewport[4], right[4], up[4], back[4];
+  Float4 eye, sun, viewport, right, up, back;
 };
 
-void unit_sun(float out[3]) {
-  const float n = std::sqrt(kSun[0] * kSun[0] + kSun[1] * kSun[1] + kSun[2] * kSun[2]);
-  for (int i = 0; i < 3; ++i) out[i] = kSun[i] / n;
-}
+Float3 unit_sun() { return kSun / length(kSun); }
 
 // Looks along the sun's rays at a sphere about what moves. Deep enough for casters far above and receivers below.
 Matrix4 sun_matrix(const Frame& f, const Camera& camera) {
   Bounds b = f.moving.empty() ? f.bounds : f.moving;
   if (b.empty()) b.include(camera.target, camera.distance / 2);
-  float center[3], radius2 = 0;
-  for (int i = 0; i < 3; ++i) {
-    center[i] = (b.low[i] + b.high[i]) / 2;
-    radius2 += (b.high[i] - b.low[i]) * (b.high[i] - b.low[i]) / 4;
-  }
+  const Float3 size = b.high - b.low;
   // neither more than the eye can see, nor so little that the surroundings have no shadows
-  const float radius = std::clamp(1.5f * std::sqrt(radius2), 0.05f * camera.distance, 4 * camera.distance);
+  const float radius = std::clamp(1.5f * std::sqrt(dot(size, size) / 4), 0.05f * camera.distance, 4 * camera.distance);
   Camera sun;
-  float towards[3], from[3];
-  unit_sun(towards);
-  for (int i = 0; i < 3; ++i) from[i] = center[i] + 4 * radius * towards[i];
-  sun.look_at(from, center);
+  sun.look_at(b.center() + 4 * radius * unit_sun(), b.center());
   const float n = 0, far = 8 * radius;
   const Matrix4 orthographic = {
       {1 / radius, 0, 0, 0, 0, 1 / radius, 0, 0, 0, 0, -2 / (far - n), 0, 0, 0, -(far + n) / (far - n), 1}};
@@ -151,18 +146,15 @@ void Renderer::Impl::make_shadow(int size) {
 void Renderer::Impl::fill_shared(const Frame& f, const Camera& camera, const DrawOptions& options,
                                  const Target& target) {
   const float aspect = static_cast<float>(target.width) / static_cast<float>(target.height);
-  const Matrix4 sun = sun_matrix(f, camera);
+  const float tall = std::tan(camera.fov / 2), wide = tall * aspect;
+  const auto width = static_cast<float>(target.width), height = static_cast<float>(target.height);
+  const auto [right, up, back] = camera.axes();
   block.view_projection = camera.projection(aspect) * camera.view();
-  block.shadow_matrix = kHalf * sun;
-  camera.eye(block.eye);
-  camera.axes(block.right, block.up, block.back);
-  unit_sun(block.sun);
-  block.eye[3] = f.dimension == 2 ? 1.0f : 0.0f;
-  block.sun[3] = options.shadow_size > 0 ? 1.0f : 0.0f;
-  block.up[3] = std::tan(camera.fov / 2), block.right[3] = block.up[3] * aspect, block.back[3] = camera.distance;
-  block.viewport[0] = static_cast<float>(target.width), block.viewport[1] = static_cast<float>(target.height);
-  block.viewport[2] = options.line_scale;
-  block.viewport[3] = 1.0f / static_cast<float>(std::max(options.shadow_size, 1));
+  block.shadow_matrix = kHalf * sun_matrix(f, camera);
+  block.eye = {camera.eye(), f.dimension == 2 ? 1.0f : 0.0f};
+  block.sun = {unit_sun(), options.shadow_size > 0 ? 1.0f : 0.0f};
+  block.viewport = {{width, height, options.line_scale}, 1.0f / static_cast<float>(std::max(options.shadow_size, 1))};
+  block.right = {right, wide}, block.up = {up, tall}, block.back = {back, camera.distance};
 }
 
 void Renderer::Impl::draw_shadow(const Frame& f) {

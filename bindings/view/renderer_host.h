@@ -15,12 +15,16 @@ struct CameraWish {
   float yaw = 0, pitch = 0;
   float distance = 0;       // m; 0: fitted
   bool has_places = false;  // eye and target instead
-  float eye[3] = {0, 0, 0}, target[3] = {0, 0, 0};
+  Float3 eye, target;
 };
 // "yaw,pitch" or "yaw,pitch,distance" (degrees, m) or "x,y,z,tx,ty,tz" (m). SceneError.
 CameraWish read_camera(const std::string& text);
 // "640x360". SceneError.
 void read_size(const std::string& text, int& width, int& height);
+
+// What a scene says of its camera: before it is fitted to the subject, and after.
+void apply_angles(const lua::SceneCamera& scene, bool planar, Camera& camera);
+void apply_target(const lua::SceneCamera& scene, Camera& camera);
 
 class RendererHost {
  public:

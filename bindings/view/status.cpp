@@ -20,9 +20,8 @@ Json screen_json(PanelLayout& layout, const Target& t, float scale) {
   World& w = layout.live.world();
   Json all = Json::object();
   const auto add = [&](const std::string& name, const Vec3& x) {
-    const float p[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
     float sx = 0, sy = 0;
-    if (name.empty() || all.size() >= kNames || !layout.camera.project(p, t.width, t.height, sx, sy)) return;
+    if (name.empty() || all.size() >= kNames || !layout.camera.project(to_float3(x), t.width, t.height, sx, sy)) return;
     all[name] = {{"screen", {sx / scale, sy / scale}}, {"position", vector_json(x)}};
   };
   for (const ObjectView* view : object_views())

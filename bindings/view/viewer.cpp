@@ -8,6 +8,7 @@
 #include "feder/profile.h"
 #include "view/collector.h"
 #include "view/panel_layout.h"
+#include "view/renderer_host.h"
 #include "view/status.h"
 #include "view/viewer_input.h"
 #include "view/window.h"
@@ -34,7 +35,6 @@ class Viewer {
   void follow();
   void aim(const PanelSizes& sizes);
   void step_back(const PanelSizes& sizes);
-  void aim_as_scene_says();
   DrawOptions care();
   void highlight();
   void panels(const PanelSizes& sizes);
@@ -186,23 +186,18 @@ void fit_between(Camera& camera, const Bounds& subject, const PanelSizes& sizes)
 void Viewer::aim(const PanelSizes& sizes) {
   if (!live_.has_scene()) return;
   const bool fresh = aimed_ != live_.file();
+  const lua::SceneCamera& scene = live_.script().camera();
   if (fresh) {
     layout_.camera = Camera{};
-    aim_as_scene_says();
+    apply_angles(scene, frame_.dimension == 2, layout_.camera);
   }
   aimed_ = live_.file();
   subject_ = subject_of(frame_);
   fit_between(layout_.camera, subject_, sizes);
-  layout_.fit = false;
-  layout_.follow = false;
-  layout_.auto_frame = true;
   fitted_distance_ = layout_.camera.distance;
-  const lua::SceneCamera& c = live_.script().camera();
-  if (!fresh || (!c.has_target && !c.has_distance)) return;
-  if (c.has_target)
-    for (int k = 0; k < 3; ++k) layout_.camera.target[k] = static_cast<float>(c.target[k]);
-  if (c.has_distance) layout_.camera.distance = static_cast<float>(c.distance);
-  layout_.auto_frame = false;
+  if (fresh) apply_target(scene, layout_.camera);
+  layout_.fit = layout_.follow = false;
+  layout_.auto_frame = !fresh || (!scene.has_target && !scene.has_distance);
 }
 
 // What has been seen so far stays in the picture, within reason: who flies away is not followed.
@@ -214,14 +209,7 @@ void Viewer::step_back(const PanelSizes& sizes) {
   if (wanted.distance > kFarthest * fitted_distance_ || wanted.distance < layout_.camera.distance * 1.01f) return;
   const float share = options_.seconds >= 0 ? 1.0f : 1 - std::exp(-0.004f * static_cast<float>(layout_.frame_ms));
   layout_.camera.distance += share * (wanted.distance - layout_.camera.distance);
-  for (int k = 0; k < 3; ++k) layout_.camera.target[k] += share * (wanted.target[k] - layout_.camera.target[k]);
-}
-
-void Viewer::aim_as_scene_says() {
-  if (frame_.dimension == 2) layout_.camera.yaw = layout_.camera.pitch = 0, layout_.camera.fov = kPlanarFov;
-  const lua::SceneCamera& c = live_.script().camera();
-  if (c.has_yaw) layout_.camera.yaw = static_cast<float>(c.yaw);
-  if (c.has_pitch) layout_.camera.pitch = static_cast<float>(c.pitch);
+  layout_.camera.target = layout_.camera.target + share * (wanted.target - layout_.camera.target);
 }
 
 // A processor that draws in place of a graphics card draws less, so that input is not slowed down.
@@ -245,8 +233,7 @@ void Viewer::follow() {
   const ObjectId id = layout_.selected->object;
   const ObjectView* view = view_of(w, id);
   const Vec3 x = view ? view->position(w, id, layout_.selected->point, Vec3::Zero()) : Vec3(Vec3::Zero());
-  if (followed_ && is_finite(x))
-    for (int k = 0; k < 3; ++k) layout_.camera.target[k] += static_cast<float>(x[k] - (*followed_)[k]);
+  if (followed_ && is_finite(x)) layout_.camera.target = layout_.camera.target + to_float3(x - *followed_);
   followed_ = x;
 }
 

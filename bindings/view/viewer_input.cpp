@@ -10,15 +10,10 @@
 namespace feder::view {
 namespace {
 
-Vec3 to_vec(const float p[3]) {
-  return Vec3(static_cast<Real>(p[0]), static_cast<Real>(p[1]), static_cast<Real>(p[2]));
-}
-
 void pan(Camera& camera, float dx, float dy, float height) {
-  float right[3], up[3], back[3];
-  camera.axes(right, up, back);
+  const auto [right, up, back] = camera.axes();
   const float size = 2 * camera.distance * std::tan(camera.fov / 2) / height;
-  for (int k = 0; k < 3; ++k) camera.target[k] += size * (dy * up[k] - dx * right[k]);
+  camera.target = camera.target + size * (dy * up - dx * right);
 }
 
 }  // namespace
@@ -82,9 +77,8 @@ void ViewerInput::shoot(PanelLayout& layout) {
 }
 
 Ray ViewerInput::ray(const PanelLayout& layout, float x, float y) const {
-  float origin[3], direction[3];
-  layout.camera.ray(x * scale_, y * scale_, target_.width, target_.height, origin, direction);
-  return {to_vec(origin), to_vec(direction)};
+  const auto [origin, direction] = layout.camera.ray(x * scale_, y * scale_, target_.width, target_.height);
+  return {to_vec3(origin), to_vec3(direction)};
 }
 
 Vec3 ViewerInput::on_plane(const PanelLayout& layout, float x, float y) const {
@@ -127,10 +121,8 @@ void ViewerInput::press(PanelLayout& layout) {
   pressed_ = pick;
   if (!pick || !pick->movable) return;
   pressed_in_ = layout.live.generation();
-  float right[3], up[3], back[3];
-  layout.camera.axes(right, up, back);
   plane_point_ = pick->position;
-  plane_normal_ = layout.live.world().desc().dimension == 2 ? Vec3(0, 0, 1) : to_vec(back);
+  plane_normal_ = layout.live.world().desc().dimension == 2 ? Vec3(0, 0, 1) : to_vec3(layout.camera.axes().back);
   drag_ = Drag::waiting;
 }
 
