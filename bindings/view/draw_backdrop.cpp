@@ -7,14 +7,6 @@
 #include "view/shaders.h"
 
 namespace feder::view {
-namespace {
-
-void set(const Gl& gl, GLint at, const Vec3& v) {
-  const Float3 f = to_float3(v);
-  gl.Uniform3f(at, f.x, f.y, f.z);
-}
-
-}  // namespace
 
 BackdropLayer::BackdropLayer(const Gl& gl)
     : gl_(gl), sky_(make_program(gl, "sky", kBackgroundVertex, kBackgroundFragment, false)),
@@ -23,8 +15,7 @@ BackdropLayer::BackdropLayer(const Gl& gl)
 void BackdropLayer::draw_sky(const Pass& pass) {
   sky_->use();
   array_.bind();
-  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
-  ++pass.stats.draw_calls;
+  pass.draw_squares(1);
 }
 
 void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pass& pass) {
@@ -50,14 +41,14 @@ void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pas
       if (std::abs(n[1]) < Real(0.999)) tangent_frame(n, u, v);
       along = reach * u, over = -reach * cross(n, u);
     }
-    set(gl_, ground_->uniform("origin"), origin), set(gl_, ground_->uniform("along"), along);
-    set(gl_, ground_->uniform("over"), over), set(gl_, ground_->uniform("plane_normal"), n);
-    set(gl_, ground_->uniform("axis_u"), u), set(gl_, ground_->uniform("axis_v"), v);
-    gl_.Uniform3f(ground_->uniform("albedo"), g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f);
+    const Float3 albedo{g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f};
+    const std::pair<const char*, Float3> vectors[] = {
+        {"origin", to_float3(origin)}, {"along", to_float3(along)}, {"over", to_float3(over)}, {"axis_u", to_float3(u)},
+        {"axis_v", to_float3(v)},      {"plane_normal", g.normal},  {"albedo", albedo}};
+    for (const auto& [name, v3] : vectors) gl_.Uniform3f(ground_->uniform(name), v3.x, v3.y, v3.z);
     gl_.Uniform1f(ground_->uniform("spacing"), spacing);
     gl_.Uniform1f(ground_->uniform("reach"), static_cast<float>(reach));
-    gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
-    ++pass.stats.draw_calls;
+    pass.draw_squares(1);
   }
 }
 

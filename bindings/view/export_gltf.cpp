@@ -100,7 +100,6 @@ struct GltfWriter::Impl {
 
   int material(Color c);
   int mesh(const Geometry& geometry, float stretch, Color color);
-  int solid_mesh(const Solid& s);
   void sampler(int node, const char* path, int input, int output, const char* interpolation);
   void write_track(const Track& track);
   void write_soft(const Soft& soft);

@@ -73,10 +73,7 @@ bool LiveScene::make_anew(Recipe recipe, ReloadMode mode, bool forgiving) {
   const bool catch_up = mode == ReloadMode::catch_up && world_time > 0;
   adopt(std::move(run), std::move(recipe));
   clock_offset_ = recipe_.kept ? recipe_.kept->time : 0;
-  if (catch_up) {
-    catch_up_from_ = 0;
-    catch_up_to_ = static_cast<std::uint64_t>(std::llround(clock / world().desc().dt));
-  }
+  if (catch_up) catch_up_to_ = static_cast<std::uint64_t>(std::llround(clock / world().desc().dt));
   return true;
 }
 

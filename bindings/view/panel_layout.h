@@ -41,7 +41,6 @@ struct PanelLayout {
   Toggles toggles;
   Sampler sampler;
   Console console;
-  DrawStats draw_stats;
   std::vector<SceneEntry> scenes;
 
   std::optional<Pick> selected;
@@ -57,7 +56,7 @@ struct PanelLayout {
   std::optional<PendingParam> pending;
   bool fit = true;         // frame everything in the next picture
   bool auto_frame = true;  // and step back as things spread out, until the user takes the camera
-  bool save_picture = false, quit = false;
+  bool save_picture = false;
   std::string open_file;  // asked for by the picker
   double now = 0;         // s
   int pictures = 0;

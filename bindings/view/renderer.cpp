@@ -3,7 +3,7 @@
 #include "view/renderer.h"
 
 #include <cmath>
-#include <cstring>
+#include <optional>
 
 #include "feder/types.h"
 #include "view/layers.h"
@@ -44,6 +44,46 @@ Matrix4 sun_matrix(const Frame& f, const Camera& camera) {
 
 const Matrix4 kHalf = {{0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1}};
 
+// What is drawn into, before it is resolved into the host's framebuffer.
+struct ColorTarget {
+  ColorTarget(const Gl& gl, int w, int h, int sample_count)
+      : frame(gl.GenFramebuffers, gl.DeleteFramebuffers), color(gl.GenRenderbuffers, gl.DeleteRenderbuffers),
+        depth(gl.GenRenderbuffers, gl.DeleteRenderbuffers), width(w), height(h), samples(sample_count) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, frame.id());
+    attach_renderbuffer(gl, color, GL_RGBA8, GL_COLOR_ATTACHMENT0, w, h, samples > 1 ? samples : 0);
+    attach_renderbuffer(gl, depth, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, w, h, samples > 1 ? samples : 0);
+    gl.BindRenderbuffer(GL_RENDERBUFFER, 0);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+      throw GlError("OpenGL: no framebuffer of " + std::to_string(w) + " x " + std::to_string(h) + " pixels");
+  }
+  GlObject frame, color, depth;
+  int width, height, samples;
+};
+
+// Depths as the sun sees them.
+struct ShadowTarget {
+  ShadowTarget(const Gl& gl, int texels)
+      : frame(gl.GenFramebuffers, gl.DeleteFramebuffers), map(gl.GenTextures, gl.DeleteTextures), size(texels) {
+    gl.BindTexture(GL_TEXTURE_2D, map.id());
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+    const std::pair<GLenum, GLint> parameters[] = {{GL_TEXTURE_MIN_FILTER, GL_LINEAR},
+                                                   {GL_TEXTURE_MAG_FILTER, GL_LINEAR},
+                                                   {GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE},
+                                                   {GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE},
+                                                   {GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE},
+                                                   {GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL}};
+    for (const auto& [name, value] : parameters) gl.TexParameteri(GL_TEXTURE_2D, name, value);
+    gl.BindTexture(GL_TEXTURE_2D, 0);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, frame.id());
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, map.id(), 0);
+    const GLenum none = GL_NONE;
+    gl.DrawBuffers(1, &none), gl.ReadBuffer(GL_NONE);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) throw GlError("OpenGL: no shadow map");
+  }
+  GlObject frame, map;
+  int size;
+};
+
 }  // namespace
 
 std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::string_view vertex,
@@ -60,15 +100,8 @@ struct Renderer::Impl {
       : gl(load), shapes(gl), points(gl), lines(gl), backdrop(gl), text(gl), shared(gl) {
     gl.GetIntegerv(GL_MAX_SAMPLES, &max_samples);
   }
-  ~Impl() {
-    drop_color();
-    drop_shadow();
-  }
 
-  void make_color(int width, int height, int samples);
-  void make_shadow(int size);
-  void drop_color();
-  void drop_shadow();
+  void make_targets(int width, int height, int samples, int shadow_size);
   void fill_shared(const Frame& f, const Camera& camera, const DrawOptions& options, const Target& target);
   void draw_shadow(const Frame& f);
   void draw_color(const Frame& f, const Camera& camera, const DrawOptions& options, const Target& target);
@@ -87,60 +120,20 @@ struct Renderer::Impl {
   Shared block;
   DrawStats stats;
   GLint max_samples = 1;
-  GLuint color_frame = 0, color = 0, depth = 0;
-  int color_width = 0, color_height = 0, color_samples = -1;
-  GLuint shadow_frame = 0, shadow_map = 0;
-  int shadow_size = 0;
+  std::optional<ColorTarget> color;
+  std::optional<ShadowTarget> shadow;
 };
 
-void Renderer::Impl::drop_color() {
-  gl.DeleteFramebuffers(1, &color_frame), gl.DeleteRenderbuffers(1, &color), gl.DeleteRenderbuffers(1, &depth);
-  color_frame = color = depth = 0;
-}
-
-void Renderer::Impl::drop_shadow() {
-  gl.DeleteFramebuffers(1, &shadow_frame), gl.DeleteTextures(1, &shadow_map);
-  shadow_frame = shadow_map = 0;
-}
-
-void Renderer::Impl::make_color(int width, int height, int samples) {
-  if (color_frame && width == color_width && height == color_height && samples == color_samples) return;
-  drop_color();
-  gl.GenFramebuffers(1, &color_frame);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, color_frame);
-  const auto attach = [&](GLuint& buffer, GLenum format, GLenum at) {
-    gl.GenRenderbuffers(1, &buffer);
-    gl.BindRenderbuffer(GL_RENDERBUFFER, buffer);
-    gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples > 1 ? samples : 0, format, width, height);
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, at, GL_RENDERBUFFER, buffer);
-  };
-  attach(color, GL_RGBA8, GL_COLOR_ATTACHMENT0), attach(depth, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
-  gl.BindRenderbuffer(GL_RENDERBUFFER, 0);
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw GlError("OpenGL: no framebuffer of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
-  color_width = width, color_height = height, color_samples = samples;
-}
-
-void Renderer::Impl::make_shadow(int size) {
-  if (shadow_frame && size == shadow_size) return;
-  drop_shadow();
-  gl.GenTextures(1, &shadow_map);
-  gl.BindTexture(GL_TEXTURE_2D, shadow_map);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  gl.BindTexture(GL_TEXTURE_2D, 0);
-  gl.GenFramebuffers(1, &shadow_frame);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, shadow_map, 0);
-  const GLenum none = GL_NONE;
-  gl.DrawBuffers(1, &none), gl.ReadBuffer(GL_NONE);
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) throw GlError("OpenGL: no shadow map");
-  shadow_size = size;
+// Of other sizes than the last picture's they are made anew.
+void Renderer::Impl::make_targets(int width, int height, int samples, int shadow_size) {
+  if (!color || width != color->width || height != color->height || samples != color->samples) {
+    color.reset();
+    color.emplace(gl, width, height, samples);
+  }
+  if (!shadow || shadow_size != shadow->size) {
+    shadow.reset();
+    shadow.emplace(gl, shadow_size);
+  }
 }
 
 void Renderer::Impl::fill_shared(const Frame& f, const Camera& camera, const DrawOptions& options,
@@ -158,8 +151,8 @@ void Renderer::Impl::fill_shared(const Frame& f, const Camera& camera, const Dra
 }
 
 void Renderer::Impl::draw_shadow(const Frame& f) {
-  gl.BindFramebuffer(GL_FRAMEBUFFER, shadow_frame);
-  gl.Viewport(0, 0, shadow_size, shadow_size);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, shadow->frame.id());
+  gl.Viewport(0, 0, shadow->size, shadow->size);
   gl.Enable(GL_DEPTH_TEST), gl.DepthFunc(GL_LESS), gl.DepthMask(GL_TRUE);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.Enable(GL_POLYGON_OFFSET_FILL), gl.PolygonOffset(1.5f, 2);
@@ -174,12 +167,12 @@ void Renderer::Impl::draw_shadow(const Frame& f) {
 
 void Renderer::Impl::draw_color(const Frame& f, const Camera& camera, const DrawOptions& options,
                                 const Target& target) {
-  gl.BindFramebuffer(GL_FRAMEBUFFER, color_frame);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, color->frame.id());
   gl.Viewport(0, 0, target.width, target.height);
   shared.fill(&block, sizeof block, GL_STREAM_DRAW, GL_UNIFORM_BUFFER);
   shared.bind_block(0);
   gl.ActiveTexture(GL_TEXTURE0);
-  gl.BindTexture(GL_TEXTURE_2D, shadow_map);
+  gl.BindTexture(GL_TEXTURE_2D, shadow->map.id());
   gl.DepthMask(GL_TRUE), gl.Disable(GL_DEPTH_TEST);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   const Pass opaque{gl, Stage::opaque, stats}, overlay{gl, Stage::overlay, stats};
@@ -204,15 +197,16 @@ void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions&
   if (target.width <= 0 || target.height <= 0) return;
   r.stats = {};
   r.gl.Disable(GL_SCISSOR_TEST), r.gl.Disable(GL_BLEND), r.gl.Disable(GL_CULL_FACE);
-  r.make_color(target.width, target.height, std::min(options.samples, static_cast<int>(r.max_samples)));
-  r.make_shadow(std::max(options.shadow_size, 1));  // the lit programs sample it in any case
-  r.shapes.upload(frame, r.stats), r.points.upload(frame, r.stats), r.lines.upload(frame, r.stats);
-  if (options.labels) r.text.upload(frame, camera, target, options.line_scale, r.stats);
+  // the lit programs sample the shadow map in any case
+  r.make_targets(target.width, target.height, std::min(options.samples, static_cast<int>(r.max_samples)),
+                 std::max(options.shadow_size, 1));
+  r.shapes.upload(frame), r.points.upload(frame), r.lines.upload(frame);
+  if (options.labels) r.text.upload(frame, camera, target, options.line_scale);
   r.fill_shared(frame, camera, options, target);
   if (options.shadow_size > 0) r.draw_shadow(frame);
   r.draw_color(frame, camera, options, target);
 
-  r.gl.BindFramebuffer(GL_READ_FRAMEBUFFER, r.color_frame);
+  r.gl.BindFramebuffer(GL_READ_FRAMEBUFFER, r.color->frame.id());
   r.gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
   r.gl.BlitFramebuffer(0, 0, target.width, target.height, 0, 0, target.width, target.height, GL_COLOR_BUFFER_BIT,
                        GL_NEAREST);

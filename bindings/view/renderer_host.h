@@ -37,7 +37,6 @@ class RendererHost {
   Image draw(const Camera& camera, const DrawOptions& options);  // of the frame that was collected last
 
   const std::string& how() const { return headless_.how(); }
-  const DrawStats& stats() const { return renderer_.stats(); }
 
  private:
   Headless headless_;

@@ -97,7 +97,7 @@ bool Viewer::is_last() const {
 }
 
 bool Viewer::one_picture() {
-  if (window_.closed() || layout_.quit) return false;
+  if (window_.closed()) return false;
   window_.begin_frame();
   const double begun = clock_seconds();
   open_asked();
@@ -112,7 +112,6 @@ bool Viewer::one_picture() {
   if (layout_.auto_frame) step_back(sizes);
   follow();
   renderer_.draw(frame_, layout_.camera, care(), target);
-  layout_.draw_stats = renderer_.stats();
   panels(sizes);
   const bool last = is_last();
   const bool wanted = !options_.picture.empty() && (options_.picture_at >= 0 ? pictures_ == options_.picture_at : last);

@@ -120,7 +120,6 @@ void ViewerInput::press(PanelLayout& layout) {
   const auto pick = view::pick(layout.live.world(), ray(layout, io.MousePos.x, io.MousePos.y), slack);
   pressed_ = pick;
   if (!pick || !pick->movable) return;
-  pressed_in_ = layout.live.generation();
   plane_point_ = pick->position;
   plane_normal_ = layout.live.world().desc().dimension == 2 ? Vec3(0, 0, 1) : to_vec3(layout.camera.axes().back);
   drag_ = Drag::waiting;

@@ -26,8 +26,7 @@ class ViewerInput {
   Target target_;
   float scale_ = 1;
   Drag drag_ = Drag::none;
-  std::optional<Pick> pressed_;   // movable thing under the mouse when it went down
-  std::uint64_t pressed_in_ = 0;  // generation
+  std::optional<Pick> pressed_;  // movable thing under the mouse when it went down
   Vec3 plane_point_ = Vec3::Zero(), plane_normal_ = Vec3(0, 0, 1);
   float travelled_ = 0;  // mouse units since the press
 };
