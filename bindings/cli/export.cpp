@@ -53,7 +53,7 @@ class Export final : public Command {
 
  private:
   std::size_t write_moment(Session& session, const PictureWish& wish, const std::string& kind) const {
-    run_to(session, wish.at >= 0 ? wish.at : telling_moment(session.script()));
+    run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
     view::Collector collector;
     view::Frame frame;
     collector.collect(*session.world(), session.script().look(), wish.toggles, frame);

@@ -32,7 +32,7 @@ PictureWish read_wish(const PictureOptions& o) {
   return wish;
 }
 
-double telling_moment(const lua::Script& script) {
+double thumbnail_time(const lua::Script& script) {
   if (script.picture() >= 0) return script.picture();
   return script.seconds() > 0 ? script.seconds() / 2 : 1;
 }
@@ -48,10 +48,11 @@ void run_to(Session& session, double seconds) {
   session.need_to_go_on();
 }
 
-view::Image take_picture(view::Studio& studio, Session& session, const PictureWish& wish) {
-  const view::Frame& frame = studio.look_at(session.script(), wish.toggles);
-  const view::Camera camera = studio.aim(session.script(), wish.camera, view::subject_of(frame), frame.dimension == 2);
-  return studio.shoot(camera, {});
+view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish) {
+  const view::Frame& frame = renderer.collect(session.script(), wish.toggles);
+  const view::Camera camera =
+      renderer.aim(session.script(), wish.camera, view::subject_of(frame), frame.dimension == 2);
+  return renderer.draw(camera, {});
 }
 
 }  // namespace feder::cli

@@ -68,12 +68,12 @@ class Render final : public Command {
   }
 
   int still(const std::string& file, const PictureWish& wish, const Options& options) const {
-    view::Studio studio(wish.width, wish.height);
+    view::RendererHost renderer(wish.width, wish.height);
     const auto loaded = load(file, options);
     Session& session = *loaded;
-    run_to(session, wish.at >= 0 ? wish.at : telling_moment(session.script()));
-    view::write_png(take_picture(studio, session, wish), out_);
-    say(options, studio.how(), &session, 1);
+    run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
+    view::write_png(take_picture(renderer, session, wish), out_);
+    say(options, renderer.how(), &session, 1);
     return kPass;
   }
 
@@ -97,14 +97,14 @@ class Render final : public Command {
   }
 
   // The subject of a whole animation, from a run of its own: the camera must not move while things do.
-  static view::Bounds subject(view::Studio& studio, const std::string& file, const PictureWish& wish, double from,
-                              double to, const Options& options) {
+  static view::Bounds subject(view::RendererHost& renderer, const std::string& file, const PictureWish& wish,
+                              double from, double to, const Options& options) {
     const auto probe = load(file, options);
     view::Bounds all;
-    constexpr int kLooks = 12;
-    for (int i = 0; i <= kLooks; ++i) {
-      run_to(*probe, from + (to - from) * i / kLooks);
-      all.include(view::subject_of(studio.look_at(probe->script(), wish.toggles)));
+    constexpr int kSamples = 12;
+    for (int i = 0; i <= kSamples; ++i) {
+      run_to(*probe, from + (to - from) * i / kSamples);
+      all.include(view::subject_of(renderer.collect(probe->script(), wish.toggles)));
     }
     return all;
   }
@@ -117,7 +117,7 @@ class Render final : public Command {
     if (gif && picture_.size.empty()) wish.width = 640, wish.height = 360;
     const double fps = fps_.empty() ? (gif ? 20 : 30) : read_number(fps_, "--fps");
     if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
-    view::Studio studio(wish.width, wish.height);
+    view::RendererHost renderer(wish.width, wish.height);
     const auto loaded = load(file, options);
     Session& session = *loaded;
     if (!session.is_scene())
@@ -125,22 +125,23 @@ class Render final : public Command {
     const double from = std::max(wish.at, 0.0), own = session.script().seconds();
     const double length = !seconds_.empty() ? read_number(seconds_, "--seconds") : own > 0 ? own : 4;
     const auto count = static_cast<int>(std::min(100000.0, std::max(1.0, std::floor(length * fps + 0.5))));
-    const view::Bounds seen = subject(studio, file, wish, from, from + length, options);
-    const view::Camera camera = studio.aim(session.script(), wish.camera, seen, session.world()->desc().dimension == 2);
+    const view::Bounds seen = subject(renderer, file, wish, from, from + length, options);
+    const view::Camera camera =
+        renderer.aim(session.script(), wish.camera, seen, session.world()->desc().dimension == 2);
     std::optional<view::GifWriter> writer;
     if (gif) writer.emplace(out_, wish.width, wish.height, fps);
     if (!gif) fs::create_directories(out_);
     for (int i = 0; i < count; ++i) {
       run_to(session, from + i / fps);
-      studio.look_at(session.script(), wish.toggles);
-      const view::Image image = studio.shoot(camera, {});
+      renderer.collect(session.script(), wish.toggles);
+      const view::Image image = renderer.draw(camera, {});
       if (gif)
         writer->add(image);
       else
         view::write_png(image, fs::path(out_) / fmt::format("frame{:05d}.png", i));
     }
     if (gif) writer->close();
-    say(options, studio.how(), &session, count);
+    say(options, renderer.how(), &session, count);
     return kPass;
   }
 

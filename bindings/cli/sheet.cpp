@@ -49,7 +49,7 @@ view::Image contact_sheet(const std::vector<std::string>& scenes, const Options&
   const int w = wish.width, h = wish.height, cell_w = w + kGap, cell_h = h + kCaption + kGap;
   view::Image sheet(columns * cell_w + kGap, rows * cell_h + kGap);
   fill(sheet, 0, 0, sheet.width, sheet.height, kPaper);
-  view::Studio studio(w, h);
+  view::RendererHost renderer(w, h);
   const view::Font title_font(kTitle), font(kCommand);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const int x = kGap + static_cast<int>(i) % columns * cell_w, y = kGap + static_cast<int>(i) / columns * cell_h;
@@ -60,8 +60,8 @@ view::Image contact_sheet(const std::vector<std::string>& scenes, const Options&
       Session session(std::move(host), nullptr);
       session.load(scenes[i]);
       title = session.title();
-      run_to(session, wish.at >= 0 ? wish.at : telling_moment(session.script()));
-      paste(sheet, take_picture(studio, session, wish), x, y);
+      run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
+      paste(sheet, take_picture(renderer, session, wish), x, y);
     } catch (const Failure& e) {
       error = e.what();
     } catch (const SceneError& e) {

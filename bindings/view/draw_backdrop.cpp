@@ -7,15 +7,6 @@
 #include "view/shaders.h"
 
 namespace feder::view {
-namespace {
-
-Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
-
-void set(const Gl& gl, GLint at, const Vec3& v) {
-  gl.Uniform3f(at, static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
-}
-
-}  // namespace
 
 BackdropLayer::BackdropLayer(const Gl& gl)
     : gl_(gl), sky_(make_program(gl, "sky", kBackgroundVertex, kBackgroundFragment, false)),
@@ -24,8 +15,7 @@ BackdropLayer::BackdropLayer(const Gl& gl)
 void BackdropLayer::draw_sky(const Pass& pass) {
   sky_->use();
   array_.bind();
-  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
-  ++pass.stats.draw_calls;
+  pass.draw_squares(1);
 }
 
 void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pass& pass) {
@@ -34,15 +24,13 @@ void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pas
   array_.bind();
   const bool planar = f.dimension == 2;
   const Real reach = Real(camera.distance) * (planar ? Real(3) : Real(9));
-  const Vec3 target = vec(camera.target);
-  float eye[3];
-  camera.eye(eye);
+  const Vec3 target = to_vec3(camera.target), eye = to_vec3(camera.eye());
   const auto spacing =
       static_cast<float>(std::pow(10.0, std::floor(std::log10(0.25 * static_cast<double>(camera.distance)))));
   for (const Ground& g : f.grounds) {
-    const Vec3 n = vec(g.normal);
+    const Vec3 n = to_vec3(g.normal);
     const Real height = dot(n, target) - Real(g.distance);
-    if (!planar && dot(n, vec(eye)) < Real(g.distance)) continue;  // from inside the ground all is seen
+    if (!planar && dot(n, eye) < Real(g.distance)) continue;  // from inside the ground all is seen
     Vec3 origin = target - height * n, along, over, u = vec3(1, 0, 0), v = vec3(0, 0, 1);
     if (planar) {
       // the cut face, in front of the bodies' middle like their own front faces
@@ -53,14 +41,14 @@ void BackdropLayer::draw_grounds(const Frame& f, const Camera& camera, const Pas
       if (std::abs(n[1]) < Real(0.999)) tangent_frame(n, u, v);
       along = reach * u, over = -reach * cross(n, u);
     }
-    set(gl_, ground_->uniform("origin"), origin), set(gl_, ground_->uniform("along"), along);
-    set(gl_, ground_->uniform("over"), over), set(gl_, ground_->uniform("plane_normal"), n);
-    set(gl_, ground_->uniform("axis_u"), u), set(gl_, ground_->uniform("axis_v"), v);
-    gl_.Uniform3f(ground_->uniform("albedo"), g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f);
+    const Float3 albedo{g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f};
+    const std::pair<const char*, Float3> vectors[] = {
+        {"origin", to_float3(origin)}, {"along", to_float3(along)}, {"over", to_float3(over)}, {"axis_u", to_float3(u)},
+        {"axis_v", to_float3(v)},      {"plane_normal", g.normal},  {"albedo", albedo}};
+    for (const auto& [name, v3] : vectors) gl_.Uniform3f(ground_->uniform(name), v3.x, v3.y, v3.z);
     gl_.Uniform1f(ground_->uniform("spacing"), spacing);
     gl_.Uniform1f(ground_->uniform("reach"), static_cast<float>(reach));
-    gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, 1);
-    ++pass.stats.draw_calls;
+    pass.draw_squares(1);
   }
 }
 

@@ -12,11 +12,7 @@ PointLayer::PointLayer(const Gl& gl)
       plain_(lit_->uniform("plain")), range_(lit_->uniform("range")), orthographic_(depth_->uniform("orthographic")),
       points_(gl), array_(gl) {}
 
-void PointLayer::upload(const Frame& f, DrawStats& stats) {
-  if (f.points.empty()) return;
-  points_.fill(f.points.data(), f.points.size() * sizeof(Point), GL_STREAM_DRAW);
-  stats.bytes_uploaded += f.points.size() * sizeof(Point);
-}
+void PointLayer::upload(const Frame& f) { points_.fill(f.points, GL_STREAM_DRAW); }
 
 void PointLayer::draw(const Frame& f, const Pass& pass) {
   if (f.point_groups.empty() || (pass.stage != Stage::opaque && pass.stage != Stage::shadow)) return;
@@ -25,17 +21,13 @@ void PointLayer::draw(const Frame& f, const Pass& pass) {
   if (shadow) gl_.Uniform1i(orthographic_, 1);
   array_.bind();
   for (const PointGroup& g : f.point_groups) {
-    const std::size_t at = g.first * sizeof(Point);
     points_.bind();
-    array_.floats(0, 4, sizeof(Point), at + offsetof(Point, position), 1);
-    array_.floats(1, 1, sizeof(Point), at + offsetof(Point, value), 1);
+    array_.attributes<Point>({{0, 4, offsetof(Point, position)}, {1, 1, offsetof(Point, value)}}, g.first, 1);
     if (!shadow) {
       gl_.Uniform4f(plain_, g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f, g.scalar ? -1.0f : 1.0f);
       gl_.Uniform2f(range_, g.low, g.high);
     }
-    gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(g.count));
-    ++pass.stats.draw_calls;
-    pass.stats.triangles += std::size_t(2) * g.count;
+    pass.draw_squares(g.count);
   }
 }
 

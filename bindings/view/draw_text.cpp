@@ -20,9 +20,9 @@ const Font& font() {
 }  // namespace
 
 TextLayer::TextLayer(const Gl& gl)
-    : gl_(gl), program_(make_program(gl, "text", kTextVertex, kTextFragment, false)), glyphs_(gl), array_(gl) {
-  gl_.GenTextures(1, &atlas_);
-  gl_.BindTexture(GL_TEXTURE_2D, atlas_);
+    : gl_(gl), program_(make_program(gl, "text", kTextVertex, kTextFragment, false)),
+      atlas_(gl.GenTextures, gl.DeleteTextures), glyphs_(gl), array_(gl) {
+  gl_.BindTexture(GL_TEXTURE_2D, atlas_.id());
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, font().atlas_width(), font().atlas_height(), 0, GL_RED, GL_UNSIGNED_BYTE,
                  font().atlas().data());
@@ -31,8 +31,6 @@ TextLayer::TextLayer(const Gl& gl)
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
   gl_.BindTexture(GL_TEXTURE_2D, 0);
 }
-
-TextLayer::~TextLayer() { gl_.DeleteTextures(1, &atlas_); }
 
 void TextLayer::add(std::string_view text, float x, float y, float scale, Color color) {
   for (const char c : text) {
@@ -44,7 +42,7 @@ void TextLayer::add(std::string_view text, float x, float y, float scale, Color 
   }
 }
 
-void TextLayer::upload(const Frame& f, const Camera& camera, const Target& target, float scale, DrawStats& stats) {
+void TextLayer::upload(const Frame& f, const Camera& camera, const Target& target, float scale) {
   list_.clear();
   for (const Label& label : f.labels) {
     float x = 0, y = 0;
@@ -57,23 +55,19 @@ void TextLayer::upload(const Frame& f, const Camera& camera, const Target& targe
       add(text, x + scale * dx, y + scale * dy, scale, rim);
     add(text, x, y, scale, label.color);
   }
-  if (list_.empty()) return;
-  glyphs_.fill(list_.data(), list_.size() * sizeof(Glyph), GL_STREAM_DRAW);
-  stats.bytes_uploaded += list_.size() * sizeof(Glyph);
+  glyphs_.fill(list_, GL_STREAM_DRAW);
 }
 
 void TextLayer::draw(const Pass& pass) {
   if (list_.empty()) return;
   program_->use();
   gl_.ActiveTexture(GL_TEXTURE0);
-  gl_.BindTexture(GL_TEXTURE_2D, atlas_);
+  gl_.BindTexture(GL_TEXTURE_2D, atlas_.id());
   array_.bind();
   glyphs_.bind();
-  array_.floats(0, 4, sizeof(Glyph), offsetof(Glyph, box), 1);
-  array_.floats(1, 4, sizeof(Glyph), offsetof(Glyph, uv), 1);
-  array_.bytes(2, sizeof(Glyph), offsetof(Glyph, color), 1);
-  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(list_.size()));
-  ++pass.stats.draw_calls;
+  array_.attributes<Glyph>(
+      {{0, 4, offsetof(Glyph, box)}, {1, 4, offsetof(Glyph, uv)}, {2, kColor, offsetof(Glyph, color)}}, 0, 1);
+  pass.draw_squares(list_.size());
   gl_.BindTexture(GL_TEXTURE_2D, 0);
 }
 

@@ -17,7 +17,6 @@
 namespace feder::view {
 namespace {
 
-using Float3 = std::array<float, 3>;
 using Float4 = std::array<float, 4>;
 
 struct TrackKey {
@@ -30,9 +29,9 @@ struct Track {
   Instance first;
   std::shared_ptr<const Geometry> geometry;
   std::string name;
-  std::size_t start = 0;      // sample it first appears in
-  std::vector<Float3> place;  // one per sample from `start` on; repeated while it is away
-  std::vector<Float4> turn;
+  std::size_t start = 0;         // sample it first appears in
+  std::vector<Float3> position;  // one per sample from `start` on; repeated while it is away
+  std::vector<Float4> rotation;
   std::vector<std::uint8_t> seen;
 };
 
@@ -101,7 +100,6 @@ struct GltfWriter::Impl {
 
   int material(Color c);
   int mesh(const Geometry& geometry, float stretch, Color color);
-  int solid_mesh(const Solid& s);
   void sampler(int node, const char* path, int input, int output, const char* interpolation);
   void write_track(const Track& track);
   void write_soft(const Soft& soft);
@@ -137,23 +135,24 @@ void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<co
     t.first = in, t.geometry = geometry, t.name = std::move(name), t.start = times.size() - 1;
     order.push_back(key);
   }
-  t.place.push_back({in.position[0], in.position[1], in.position[2]});
+  t.position.push_back(in.position);
   Float4 q{in.rotation[0], in.rotation[1], in.rotation[2], in.rotation[3]};
   const float n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   for (float& x : q) x = n > 0 ? x / n : 0;
   if (!(n > 0)) q[3] = 1;
   // the nearer of the two quaternions of a rotation, so that what is between samples is the short way
-  if (!t.turn.empty() &&
-      q[0] * t.turn.back()[0] + q[1] * t.turn.back()[1] + q[2] * t.turn.back()[2] + q[3] * t.turn.back()[3] < 0)
+  if (!t.rotation.empty() && q[0] * t.rotation.back()[0] + q[1] * t.rotation.back()[1] + q[2] * t.rotation.back()[2] +
+                                     q[3] * t.rotation.back()[3] <
+                                 0)
     for (float& x : q) x = -x;
-  t.turn.push_back(q);
+  t.rotation.push_back(q);
   t.seen.push_back(1);
 }
 
 void GltfWriter::Impl::pad_tracks() {
   for (auto& [key, t] : tracks)
     while (t.start + t.seen.size() < times.size()) {
-      t.place.push_back(t.place.back()), t.turn.push_back(t.turn.back());
+      t.position.push_back(t.position.back()), t.rotation.push_back(t.rotation.back());
       t.seen.push_back(0);
     }
 }
@@ -202,9 +201,9 @@ void GltfWriter::add(const Frame& f, const Objects& objects) {
   std::vector<MeshVertex> ends;
   std::vector<std::uint32_t> pairs;
   for (const Line& l : f.lines)
-    for (const float* p : {l.a, l.b}) {
+    for (const Float3 p : {l.a, l.b}) {
       pairs.push_back(static_cast<std::uint32_t>(ends.size()));
-      ends.push_back({{p[0], p[1], p[2]}, {0, 1, 0}});
+      ends.push_back({p, {0, 1, 0}});
     }
   w.add_soft(number, true, rgb(0x50555c), "springs", std::move(ends), std::move(pairs));
   if (w.times.size() == 1)
@@ -231,12 +230,13 @@ int GltfWriter::Impl::mesh(const Geometry& g, float stretch, Color color) {
   auto& shape = shapes[{&g, stretch}];
   if (shape.first[0] == 0) {
     shape.first[0] = 1;
-    std::vector<Float3> places, normals;
+    std::vector<Float3> positions, normals;
     for (const Vertex& v : g.vertices) {
-      places.push_back({v.position[0], v.position[1] + v.side * stretch, v.position[2]});
-      normals.push_back({v.normal[0], v.normal[1], v.normal[2]});
+      positions.push_back(v.position);
+      positions.back().y += v.side * stretch;
+      normals.push_back(v.normal);
     }
-    shape.second = {package->vectors(places, TINYGLTF_TARGET_ARRAY_BUFFER, true),
+    shape.second = {package->vectors(positions, TINYGLTF_TARGET_ARRAY_BUFFER, true),
                     package->vectors(normals, TINYGLTF_TARGET_ARRAY_BUFFER, false),
                     package->add(g.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                                  TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false)};
@@ -262,13 +262,13 @@ void GltfWriter::Impl::sampler(int node, const char* path, int input, int output
 }
 
 void GltfWriter::Impl::write_track(const Track& t) {
-  const float sy = t.first.scale[1];
+  const float sy = t.first.scale.y;
   tinygltf::Node node;
   node.name = t.name.empty() ? t.geometry->kind : t.name;
   node.mesh = mesh(*t.geometry, sy > 0 ? t.first.stretch / sy : 0, t.first.color);
-  node.translation.assign(t.place[0].begin(), t.place[0].end());
-  node.rotation.assign(t.turn[0].begin(), t.turn[0].end());
-  node.scale.assign(t.first.scale, t.first.scale + 3);
+  node.translation = {t.position[0].x, t.position[0].y, t.position[0].z};
+  node.rotation.assign(t.rotation[0].begin(), t.rotation[0].end());
+  node.scale = {t.first.scale.x, t.first.scale.y, t.first.scale.z};
   const auto id = static_cast<int>(model.nodes.size());
   model.nodes.push_back(std::move(node));
   model.scenes[0].nodes.push_back(id);
@@ -276,7 +276,8 @@ void GltfWriter::Impl::write_track(const Track& t) {
 
   bool moves = false, turns = false, blinks = t.start > 0;
   for (std::size_t i = 0; i < t.seen.size(); ++i) {
-    moves = moves || t.place[i] != t.place[0], turns = turns || t.turn[i] != t.turn[0], blinks = blinks || !t.seen[i];
+    moves = moves || t.position[i] != t.position[0], turns = turns || t.rotation[i] != t.rotation[0],
+    blinks = blinks || !t.seen[i];
   }
   // what comes later waits where it will appear
   const auto whole = [&](const auto& list) {
@@ -284,31 +285,31 @@ void GltfWriter::Impl::write_track(const Track& t) {
     all.insert(all.begin(), t.start, list.front());
     return all;
   };
-  if (moves) sampler(id, "translation", time_input, package->vectors(whole(t.place), 0, false), "LINEAR");
+  if (moves) sampler(id, "translation", time_input, package->vectors(whole(t.position), 0, false), "LINEAR");
   if (turns)
     sampler(id, "rotation", time_input,
-            package->add(whole(t.turn), TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, false), "LINEAR");
+            package->add(whole(t.rotation), TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, false), "LINEAR");
   if (!blinks) return;
-  std::vector<Float3> scale(t.start, Float3{0, 0, 0});
-  for (const std::uint8_t seen : t.seen)
-    scale.push_back(seen ? Float3{t.first.scale[0], t.first.scale[1], t.first.scale[2]} : Float3{0, 0, 0});
+  std::vector<Float3> scale(t.start);
+  for (const std::uint8_t seen : t.seen) scale.push_back(seen ? t.first.scale : Float3{});
   sampler(id, "scale", time_input, package->vectors(scale, 0, false), "STEP");
 }
 
 void GltfWriter::Impl::write_soft(const Soft& s) {
-  const auto split = [](const std::vector<MeshVertex>& v, const std::vector<MeshVertex>* base, bool normals) {
+  // one attribute of all vertices, itself or as its difference from the first sample
+  const auto split = [](const std::vector<MeshVertex>& v, const std::vector<MeshVertex>* base,
+                        Float3 MeshVertex::*field) {
     std::vector<Float3> out(v.size());
-    for (std::size_t i = 0; i < v.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        out[i][k] = (normals ? v[i].normal[k] : v[i].position[k]) -
-                    (base ? (normals ? (*base)[i].normal[k] : (*base)[i].position[k]) : 0);
+    for (std::size_t i = 0; i < v.size(); ++i) out[i] = base ? v[i].*field - (*base)[i].*field : v[i].*field;
     return out;
   };
   const auto& base = s.samples[0];
   tinygltf::Primitive p;
-  p.attributes["POSITION"] = package->vectors(split(base, nullptr, false), TINYGLTF_TARGET_ARRAY_BUFFER, true);
+  p.attributes["POSITION"] =
+      package->vectors(split(base, nullptr, &MeshVertex::position), TINYGLTF_TARGET_ARRAY_BUFFER, true);
   if (!s.lines)
-    p.attributes["NORMAL"] = package->vectors(split(base, nullptr, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
+    p.attributes["NORMAL"] =
+        package->vectors(split(base, nullptr, &MeshVertex::normal), TINYGLTF_TARGET_ARRAY_BUFFER, false);
   p.indices = package->add(s.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                            TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false);
   p.material = material(s.color), p.mode = s.lines ? TINYGLTF_MODE_LINE : TINYGLTF_MODE_TRIANGLES;
@@ -317,9 +318,11 @@ void GltfWriter::Impl::write_soft(const Soft& s) {
   const std::size_t targets = s.samples.size() - 1;
   for (std::size_t k = 1; k <= targets; ++k) {
     std::map<std::string, int> target;
-    target["POSITION"] = package->vectors(split(s.samples[k], &base, false), TINYGLTF_TARGET_ARRAY_BUFFER, true);
+    target["POSITION"] =
+        package->vectors(split(s.samples[k], &base, &MeshVertex::position), TINYGLTF_TARGET_ARRAY_BUFFER, true);
     if (!s.lines)
-      target["NORMAL"] = package->vectors(split(s.samples[k], &base, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
+      target["NORMAL"] =
+          package->vectors(split(s.samples[k], &base, &MeshVertex::normal), TINYGLTF_TARGET_ARRAY_BUFFER, false);
     p.targets.push_back(std::move(target));
   }
   m.weights.assign(targets, 0.0);

@@ -1,6 +1,6 @@
 // Fields of the inspector, and the part of the panels that each system brings: panel_<system>.cpp.
 #pragma once
-#include "view/desk.h"
+#include "view/panel_layout.h"
 
 namespace feder::view {
 
@@ -12,8 +12,8 @@ bool edit_number(const char* name, Real now, float low, float high, Real& out);
 
 struct SystemPanel {
   const ObjectKind* kind;
-  void (*inspect)(Desk&, ObjectId);  // fields of one object
-  void (*options)(Desk&) = nullptr;  // of the world, when it has the system
+  void (*inspect)(PanelLayout&, ObjectId);  // fields of one object
+  void (*options)(PanelLayout&) = nullptr;  // of the world, when it has the system
 };
 std::span<const SystemPanel> system_panels();
 // A row of the world's options: its name, then a field as wide as there is room.

@@ -101,7 +101,7 @@ bool FileWatch::drain() {
   return any;
 }
 
-bool FileWatch::look_again() {
+bool FileWatch::poll() {
   bool any = false;
   for (auto& [file, known] : files_) {
     std::error_code gone;
@@ -120,7 +120,7 @@ bool FileWatch::changed(double now) {
     touched = drain();
   } else if (now - looked_ >= kPoll) {
     looked_ = now;
-    touched = look_again();
+    touched = poll();
   }
   if (touched) touched_ = now;
   const bool complete = descriptor_ >= 0 && open_.empty();

@@ -15,7 +15,7 @@ namespace {
 // 4 x 4 Bayer matrix, -7.5 .. 7.5: pushes neighbouring pixels apart by less than a palette step.
 constexpr int kBayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
 
-constexpr int kUnchanged = 255;  // the palette's last place
+constexpr int kUnchanged = 255;  // the palette's last index
 
 int append(GifFileType* gif, const GifByteType* bytes, int size) {
   auto& out = *static_cast<std::ofstream*>(gif->UserData);

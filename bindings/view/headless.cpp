@@ -38,27 +38,23 @@ std::unique_ptr<Context> make_context() {
 }  // namespace
 
 struct Headless::Impl {
-  Impl(int w, int h) : context(make_context()), gl(context->load), width(w), height(h) {
+  Impl(int w, int h)
+      : context(make_context()), gl(context->load), width(w), height(h),
+        frame(gl.GenFramebuffers, gl.DeleteFramebuffers), color(gl.GenRenderbuffers, gl.DeleteRenderbuffers) {
     GLint largest = 0;
     gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     if (w < 1 || h < 1 || w > largest || h > largest)
       throw GlError("expected a picture of 1 to " + std::to_string(largest) + " pixels each way, got " +
                     std::to_string(w) + " x " + std::to_string(h));
-    gl.GenFramebuffers(1, &frame);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
-    gl.GenRenderbuffers(1, &color);
-    gl.BindRenderbuffer(GL_RENDERBUFFER, color);
-    gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, 0, GL_RGBA8, w, h);
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, frame.id());
+    attach_renderbuffer(gl, color, GL_RGBA8, GL_COLOR_ATTACHMENT0, w, h, 0);
     if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) throw GlError("OpenGL: no framebuffer");
     how = context->name + ", " + reinterpret_cast<const char*>(gl.GetString(GL_RENDERER));
   }
-  ~Impl() { gl.DeleteFramebuffers(1, &frame), gl.DeleteRenderbuffers(1, &color); }
-
   std::unique_ptr<Context> context;
   Gl gl;
   int width, height;
-  GLuint frame = 0, color = 0;
+  GlObject frame, color;
   std::string how;
 };
 
@@ -66,12 +62,12 @@ Headless::Headless(int width, int height) : impl_(std::make_unique<Impl>(width, 
 Headless::~Headless() = default;
 const GlLoader& Headless::loader() const { return impl_->context->load; }
 const std::string& Headless::how() const { return impl_->how; }
-Target Headless::target() const { return {impl_->frame, impl_->width, impl_->height}; }
+Target Headless::target() const { return {impl_->frame.id(), impl_->width, impl_->height}; }
 
 Image Headless::read() const {
   const Gl& gl = impl_->gl;
   Image image(impl_->width, impl_->height);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, impl_->frame);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, impl_->frame.id());
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
   gl.check("the read back");

@@ -32,14 +32,12 @@ NamedStates named_states(World& world) {
   return s;
 }
 
-int apply_kept(World& world, const KeptState& kept) {
-  int count = 0;
+void apply_kept(World& world, const KeptState& kept) {
   each_named(world, [&](const ObjectView& view, ObjectId id, const std::string& name, std::size_t n) {
     const Kept* start = find_nth(kept.start, &view, name, n);
     const Kept* now = find_nth(kept.now, &view, name, n);
-    if (start && now) count += view.apply(world, id, *start, *now);
+    if (start && now) view.apply(world, id, *start, *now);
   });
-  return count;
 }
 
 }  // namespace feder::view

@@ -18,7 +18,7 @@ struct KeptState {
 };
 
 // `world` has just been built. An object that the old and the new file start in the same way goes on from where it was;
-// where the file says something new, the file is right. Returns how many objects went on.
-int apply_kept(World& world, const KeptState& kept);
+// where the file says something new, the file is right.
+void apply_kept(World& world, const KeptState& kept);
 
 }  // namespace feder::view

@@ -1,5 +1,5 @@
-// What the hand, the camera and a reload do with the objects of one system. One ObjectView per system that has things
-// to take hold of (hand_<system>.cpp); objects of other systems are only drawn. Reads the world; what it wants done
+// What picking, the camera and a reload do with the objects of one system. One ObjectView per system that has things
+// to take hold of (picking_<system>.cpp); objects of other systems are only drawn. Reads the world; what it wants done
 // comes back as commands.
 #pragma once
 #include <functional>
@@ -39,7 +39,7 @@ struct Grip {
 
 // A state that can go on in a new world.
 struct Kept {
-  std::vector<Vec3> place, motion;  // m, m/s; of a body: position; velocity and angular velocity
+  std::vector<Vec3> position, velocity;  // m, m/s (of a body the second velocity is angular, rad/s)
   Quat rotation;
 };
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 
 namespace feder::view {

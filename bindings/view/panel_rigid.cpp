@@ -20,49 +20,51 @@ Command on_body(ObjectId id, F f) {
   };
 }
 
-void edit_body_type(Desk& desk, ObjectId id, BodyType now) {
+void edit_body_type(PanelLayout& layout, ObjectId id, BodyType now) {
   const char* const names[] = {"static", "kinematic", "dynamic"};
   const BodyType types[] = {BodyType::fixed, BodyType::kinematic, BodyType::dynamic};
   int at = now == BodyType::fixed ? 0 : now == BodyType::kinematic ? 1 : 2;
   label("type");
   if (ImGui::Combo("##type", &at, names, 3))
-    desk.live.act(on_body(id, [type = types[at]](Rigid& r, ObjectId b) { r.set_type(b, type); }), "type");
+    layout.live.act(on_body(id, [type = types[at]](Rigid& r, ObjectId b) { r.set_type(b, type); }), "type");
 }
 
-void edit_surface(Desk& desk, ObjectId id, const Bodies& b, std::uint32_t i) {
-  const Colliders& c = desk.live.world().find<Collide>()->colliders();
+void edit_surface(PanelLayout& layout, ObjectId id, const Bodies& b, std::uint32_t i) {
+  const Colliders& c = layout.live.world().find<Collide>()->colliders();
   const std::uint32_t k = b.first_collider[i];
   Real x = 0;
   if (k != kNone) {
     if (edit_number("friction", c.friction_static[k], 0, 10, x))
-      desk.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_friction(o, x, x); }), "friction");
+      layout.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_friction(o, x, x); }), "friction");
     if (edit_number("restitution", c.restitution[k], 0, 1, x))
-      desk.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_restitution(o, x); }), "restitution");
+      layout.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_restitution(o, x); }), "restitution");
   }
   if (edit_number("gravity", b.gravity_scale[i], -10, 10, x))
-    desk.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_gravity_scale(o, x); }), "gravity scale");
+    layout.live.act(on_body(id, [x](Rigid& r, ObjectId o) { r.set_gravity_scale(o, x); }), "gravity scale");
   if (edit_number("damping", b.linear_damping[i], 0, 100, x)) {
-    const Real turn = b.angular_damping[i];
-    desk.live.act(on_body(id, [x, turn](Rigid& r, ObjectId o) { r.set_damping(o, x, turn); }), "damping");
+    const Real angular = b.angular_damping[i];
+    layout.live.act(on_body(id, [x, angular](Rigid& r, ObjectId o) { r.set_damping(o, x, angular); }), "damping");
   }
 }
 
-void inspect_body(Desk& desk, ObjectId id) {
-  Rigid& rigid = *desk.live.world().find<Rigid>();
+void inspect_body(PanelLayout& layout, ObjectId id) {
+  Rigid& rigid = *layout.live.world().find<Rigid>();
   const Bodies& b = rigid.bodies();
   const std::uint32_t i = rigid.index(id);
-  edit_body_type(desk, id, b.type[i]);
+  edit_body_type(layout, id, b.type[i]);
   Pose pose = rigid.pose(id);
-  Vec3 velocity = b.velocity[i], spin = b.angular_velocity[i];
+  Vec3 velocity = b.velocity[i], angular_velocity = b.angular_velocity[i];
   if (edit_vector("position", pose.position, 0.02f))
-    desk.live.act(on_body(id, [pose](Rigid& r, ObjectId o) { r.set_pose(o, pose); }), "position");
+    layout.live.act(on_body(id, [pose](Rigid& r, ObjectId o) { r.set_pose(o, pose); }), "position");
   if (b.type[i] != BodyType::fixed) {
     if (edit_vector("velocity", velocity, 0.05f))
-      desk.live.act(on_body(id, [velocity](Rigid& r, ObjectId o) { r.set_velocity(o, velocity); }), "velocity");
-    if (edit_vector("spin", spin, 0.05f))
-      desk.live.act(on_body(id, [spin](Rigid& r, ObjectId o) { r.set_angular_velocity(o, spin); }), "spin");
+      layout.live.act(on_body(id, [velocity](Rigid& r, ObjectId o) { r.set_velocity(o, velocity); }), "velocity");
+    if (edit_vector("spin", angular_velocity, 0.05f))
+      layout.live.act(
+          on_body(id, [angular_velocity](Rigid& r, ObjectId o) { r.set_angular_velocity(o, angular_velocity); }),
+          "spin");
   }
-  edit_surface(desk, id, b, i);
+  edit_surface(layout, id, b, i);
   char text[80];
   std::snprintf(text, sizeof text, "%.4g kg, %s", static_cast<double>(b.mass[i]),
                 b.type[i] == BodyType::fixed ? "never moves"
@@ -71,8 +73,8 @@ void inspect_body(Desk& desk, ObjectId id) {
   fact("state", text);
 }
 
-void choose_solver(Desk& desk) {
-  LiveScene& live = desk.live;
+void choose_solver(PanelLayout& layout) {
+  LiveScene& live = layout.live;
   if (!live.world().find<Rigid>()) return;
   const WorldDesc& d = live.world().desc();
   const auto options = d.systems.find("rigid");

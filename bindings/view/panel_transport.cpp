@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 
 namespace feder::view {
@@ -53,8 +53,8 @@ ImU32 mark_color(const std::string& kind) {
   return IM_COL32(120, 128, 140, 255);
 }
 
-void draw_buttons(Desk& desk) {
-  LiveScene& live = desk.live;
+void draw_buttons(PanelLayout& layout) {
+  LiveScene& live = layout.live;
   if (icon_button(Icon::start, "start over (R)")) live.restart();
   if (icon_button(Icon::back, "one step back (left arrow)")) live.step_back();
   const bool running = !live.paused();
@@ -74,10 +74,10 @@ void draw_buttons(Desk& desk) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("simulated seconds per second (+ and -; right click: 1x)");
 }
 
-const Mark* mark_near(const Desk& desk, double from, double to, float low, float width) {
+const Mark* mark_near(const PanelLayout& layout, double from, double to, float low, float width) {
   const Mark* best = nullptr;
   float nearest = 5;
-  for (const Mark& m : desk.live.history().marks()) {
+  for (const Mark& m : layout.live.history().marks()) {
     const float x = low + width * static_cast<float>((m.time - from) / (to - from));
     const float away = std::abs(ImGui::GetIO().MousePos.x - x);
     if (away < nearest) nearest = away, best = &m;
@@ -85,8 +85,8 @@ const Mark* mark_near(const Desk& desk, double from, double to, float low, float
   return best;
 }
 
-void draw_timeline(Desk& desk) {
-  LiveScene& live = desk.live;
+void draw_timeline(PanelLayout& layout) {
+  LiveScene& live = layout.live;
   const History& h = live.history();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const float width = std::max(60.0f, ImGui::GetContentRegionAvail().x), height = 28;
@@ -118,7 +118,7 @@ void draw_timeline(Desk& desk) {
     live.scrub(static_cast<std::uint64_t>(std::llround((from + share * (to - from)) / live.world().desc().dt)));
   } else if (ImGui::IsItemHovered()) {
     const double time = from + (ImGui::GetIO().MousePos.x - low.x) / width * (to - from);
-    if (const Mark* m = mark_near(desk, from, to, low.x, width))
+    if (const Mark* m = mark_near(layout, from, to, low.x, width))
       ImGui::SetTooltip("%.3f s, step %llu: %s %s%s", live.clock_of(m->time), static_cast<unsigned long long>(m->step),
                         m->kind.c_str(), m->label.c_str(),
                         m->count > 1 ? (" and " + std::to_string(m->count - 1) + " more").c_str() : "");
@@ -129,17 +129,17 @@ void draw_timeline(Desk& desk) {
 
 }  // namespace
 
-void draw_transport(Desk& desk, const Layout& l) {
-  bar_window("transport", 0, l.height - l.bottom, l.width, l.bottom);
-  if (desk.live.has_scene()) {
-    LiveScene& live = desk.live;
-    ImGui::SetCursorPosY((l.bottom - 28) / 2);
-    draw_buttons(desk);
+void draw_transport(PanelLayout& layout, const PanelSizes& sizes) {
+  bar_window("transport", 0, sizes.height - sizes.bottom, sizes.width, sizes.bottom);
+  if (layout.live.has_scene()) {
+    LiveScene& live = layout.live;
+    ImGui::SetCursorPosY((sizes.bottom - 28) / 2);
+    draw_buttons(layout);
     ImGui::SameLine(0, 14);
     char clock[96];
     std::snprintf(clock, sizeof clock, "%.3f s", live.shown_time());
     ImGui::BeginGroup();
-    const float y = (l.bottom - 36) / 2;
+    const float y = (sizes.bottom - 36) / 2;
     ImGui::SetCursorPosY(y);
     ImGui::TextUnformatted(clock);
     ImGui::SetCursorPosY(y + 18);
@@ -152,20 +152,20 @@ void draw_transport(Desk& desk, const Layout& l) {
                        "%s, step %llu", state, static_cast<unsigned long long>(live.shown_step()));
     ImGui::EndGroup();
     ImGui::SameLine(620);
-    ImGui::SetCursorPosY((l.bottom - 28) / 2);
-    draw_timeline(desk);
+    ImGui::SetCursorPosY((sizes.bottom - 28) / 2);
+    draw_timeline(layout);
   } else {
     ImGui::TextDisabled("no scene");
   }
   ImGui::End();
 }
 
-void draw_top_bar(Desk& desk, const Layout& l) {
-  bar_window("top", 0, 0, l.width, l.top);
-  LiveScene& live = desk.live;
+void draw_top_bar(PanelLayout& layout, const PanelSizes& sizes) {
+  bar_window("top", 0, 0, sizes.width, sizes.top);
+  LiveScene& live = layout.live;
   ImGui::SetCursorPosY(6);
   const std::string name = live.has_scene() ? live.title() : live.file().filename().string();
-  if (ImGui::Button((name + "  ##scene").c_str())) desk.show_picker = true;
+  if (ImGui::Button((name + "  ##scene").c_str())) layout.show_picker = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nclick for other scenes (/)", live.file().string().c_str());
   ImGui::SameLine(0, 14);
   ImGui::AlignTextToFramePadding();
@@ -181,19 +181,19 @@ void draw_top_bar(Desk& desk, const Layout& l) {
         "keep objects: those with the same name stay where they are");
   char text[160];
   std::snprintf(text, sizeof text, "%.2f ms/step   %s%.0f fps   draw %.1f ms", live.step_seconds() * 1000,
-                live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(desk.frame_ms, 1e-3),
-                desk.cpu_ms);
+                live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(layout.frame_ms, 1e-3),
+                layout.cpu_ms);
   const char* const buttons[] = {"console", "panels", "help"};
   float right = ImGui::CalcTextSize(text).x + 24;
   for (const char* b : buttons) right += ImGui::CalcTextSize(b).x + 24;
-  ImGui::SameLine(std::max(ImGui::GetCursorPosX() + 420, l.width - right - 12));
+  ImGui::SameLine(std::max(ImGui::GetCursorPosX() + 420, sizes.width - right - 12));
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(live.slowness() < 0.9 ? ink::kWarn : ink::kDim), "%s", text);
-  ImGui::SameLine(l.width - (right - ImGui::CalcTextSize(text).x - 24) - 8);
-  if (ImGui::Button("console")) desk.show_console = !desk.show_console, desk.console.focus = true;
+  ImGui::SameLine(sizes.width - (right - ImGui::CalcTextSize(text).x - 24) - 8);
+  if (ImGui::Button("console")) layout.show_console = !layout.show_console, layout.console.focus = true;
   ImGui::SameLine();
-  if (ImGui::Button("panels")) desk.show_left = desk.show_right = !(desk.show_left || desk.show_right);
+  if (ImGui::Button("panels")) layout.show_left = layout.show_right = !(layout.show_left || layout.show_right);
   ImGui::SameLine();
-  if (ImGui::Button("help")) desk.show_help = !desk.show_help;
+  if (ImGui::Button("help")) layout.show_help = !layout.show_help;
   ImGui::End();
 }
 

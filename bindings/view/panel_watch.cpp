@@ -2,17 +2,17 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 
 namespace feder::view {
 namespace {
 
-constexpr double kLeastShare = 0.003;  // a pass with less of a step is not listed
+constexpr double kMinShare = 0.003;  // a pass with less of a step is not listed
 
-void draw_times(Desk& desk) {
+void draw_times(PanelLayout& layout) {
   // the plan as it runs, loops before their passes, then Lua
-  const std::vector<TimeRow>& rows = desk.sampler.rows();
+  const std::vector<TimeRow>& rows = layout.sampler.rows();
   double longest = 1e-6, sum = 0;
   for (const TimeRow& r : rows) {
     if (!r.detail.empty()) longest = std::max(longest, r.ms);
@@ -23,7 +23,7 @@ void draw_times(Desk& desk) {
   const float width = ImGui::GetContentRegionAvail().x;
   for (const TimeRow& r : rows) {
     const bool lua = r.detail == "Lua", loop = r.detail.empty();
-    if (r.ms < std::max(0.0005, kLeastShare * sum) && !lua) continue;
+    if (r.ms < std::max(0.0005, kMinShare * sum) && !lua) continue;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float height = ImGui::GetTextLineHeight();
     if (!loop)
@@ -51,33 +51,33 @@ const unsigned kCurveColors[] = {IM_COL32(236, 190, 96, 255), IM_COL32(226, 140,
 const unsigned kScriptColors[] = {IM_COL32(126, 200, 140, 255), IM_COL32(186, 148, 232, 255),
                                   IM_COL32(120, 208, 208, 255), IM_COL32(232, 148, 190, 255)};
 
-void draw_curves(Desk& desk) {
-  const double cursor = desk.live.shown_time();
+void draw_curves(PanelLayout& layout) {
+  const double cursor = layout.live.shown_time();
   std::size_t n = 0;
-  for (const Curve& c : desk.sampler.curves())
+  for (const Curve& c : layout.sampler.curves())
     draw_curve(c.name(), c.unit(), c.points(), cursor, kCurveColors[n++ % 4]);
   n = 0;
   std::vector<CurvePoint> points;
-  for (const lua::PlotSeries& p : desk.live.script().plots()) {
+  for (const lua::PlotSeries& p : layout.live.script().plots()) {
     points.clear();
-    for (const auto& q : p.points) points.push_back({desk.live.clock_of(q.time), q.value});
+    for (const auto& q : p.points) points.push_back({layout.live.clock_of(q.time), q.value});
     draw_curve(p.name, "", points, cursor, kScriptColors[n++ % 4]);
   }
 }
 
 }  // namespace
 
-void draw_watch_panel(Desk& desk, const Layout& l) {
-  if (l.right == 0) return;
-  ImGui::SetNextWindowPos({l.width - l.right, l.top});
-  ImGui::SetNextWindowSize({l.right, l.height - l.top - l.bottom});
+void draw_watch_panel(PanelLayout& layout, const PanelSizes& sizes) {
+  if (sizes.right == 0) return;
+  ImGui::SetNextWindowPos({sizes.width - sizes.right, sizes.top});
+  ImGui::SetNextWindowSize({sizes.right, sizes.height - sizes.top - sizes.bottom});
   ImGui::Begin("watch panel", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
-  if (desk.live.has_scene()) {
-    if (ImGui::CollapsingHeader("Inspector", ImGuiTreeNodeFlags_DefaultOpen)) draw_inspector(desk);
-    if (ImGui::CollapsingHeader("Curves", ImGuiTreeNodeFlags_DefaultOpen)) draw_curves(desk);
-    if (ImGui::CollapsingHeader("Time per step (ms)", ImGuiTreeNodeFlags_DefaultOpen)) draw_times(desk);
+  if (layout.live.has_scene()) {
+    if (ImGui::CollapsingHeader("Inspector", ImGuiTreeNodeFlags_DefaultOpen)) draw_inspector(layout);
+    if (ImGui::CollapsingHeader("Curves", ImGuiTreeNodeFlags_DefaultOpen)) draw_curves(layout);
+    if (ImGui::CollapsingHeader("Time per step (ms)", ImGuiTreeNodeFlags_DefaultOpen)) draw_times(layout);
   }
   ImGui::End();
 }

@@ -53,7 +53,7 @@ TimeRow& Sampler::row(const std::string& label, const std::string& detail) {
 }
 
 void Sampler::sample_times(LiveScene& live) {
-  // ten looks a second of simulated time are enough, and steadier
+  // ten samples a second of simulated time are enough, and steadier
   const std::uint64_t steps = step_ - times_step_;
   if (steps < 6 && times_step_ > 0) return;
   if (steps == 0) return;

@@ -17,7 +17,7 @@ std::unique_ptr<SceneRun> SceneRun::make(const Recipe& recipe, LoadFailure& fail
                              "(return feder.scene { ... })");
     run->script_->build();
     run->start_ = named_states(run->world());
-    if (recipe.kept) run->kept_ = apply_kept(run->world(), *recipe.kept);
+    if (recipe.kept) apply_kept(run->world(), *recipe.kept);
     return run;
   } catch (const std::exception& e) {
     failure.message = e.what();

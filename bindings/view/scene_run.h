@@ -47,7 +47,6 @@ class SceneRun {
   lua::Script& script() { return *script_; }
   World& world() { return *script_->world(); }
   const NamedStates& start() const { return start_; }
-  int kept_objects() const { return kept_; }
 
  private:
   SceneRun() = default;
@@ -55,7 +54,6 @@ class SceneRun {
 
   std::unique_ptr<lua::Script> script_;
   NamedStates start_;
-  int kept_ = 0;
   std::vector<Deed> deeds_, due_;
   std::size_t next_due_ = 0;
 };

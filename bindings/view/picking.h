@@ -1,4 +1,4 @@
-// The mouse in the world: what a ray meets, and how a grip pulls. Nothing here acts unless something is held.
+// Picking: what a ray meets, and how a grip pulls. Nothing here acts unless something is held.
 #pragma once
 #include "view/object_view.h"
 
