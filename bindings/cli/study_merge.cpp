@@ -53,7 +53,7 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
       shards.push_back(report::study_from_json(json));
       if (shards.size() == 1) {
         // measured there, not here
-        machine = report::machine_from_json(json.at("run"));
+        machine = report::read_as<report::MachineInfo>(json.at("run"));
         first = json.at("study"), count = shards[0].shards;
         continue;
       }
