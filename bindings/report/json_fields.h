@@ -1,7 +1,6 @@
 // A struct as a JSON object: one list of its fields, `fields(value, visitor, tag)`, writes it and reads it back.
 //
-//   template <class P, class V>
-//   void fields(P& p, V& visit, const Point*) {
+//   void fields(auto& p, auto& visit, const Point*) {
 //     visit("x", p.x)("name", p.name);
 //   }
 //

@@ -21,13 +21,12 @@ MachineInfo machine_info(const std::string& tool_version, const std::string& rea
 double load_now();
 
 // The key `run` of a report.
-template <class P, class V>
-void fields(P& m, V& v, const MachineInfo*) {
+void fields(auto& m, auto& v, const MachineInfo*) {
   v("git", m.git)("tool", m.tool)("date", m.date);
-  v.object("build", [&m](V& build) {
+  v.object("build", [&m](auto& build) {
     build("compiler", m.compiler)("flags", m.flags)("real", m.real)("fma", m.fma)("ftz", m.ftz);
   });
-  v.object("machine", [&m](V& machine) {
+  v.object("machine", [&m](auto& machine) {
     machine("cpu", m.cpu)("cores", m.cores)("os", m.os)("virtual", m.virtualization)("load_before", m.load_before);
     machine("load_after", m.load_after)("timer_resolution_ns", m.timer_resolution_ns);
   });

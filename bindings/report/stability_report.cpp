@@ -13,19 +13,16 @@
 
 namespace feder::report {
 
-template <class P, class V>
-void fields(P& c, V& v, const StabilityCell*) {
+void fields(auto& c, auto& v, const StabilityCell*) {
   v.derived("verdict", name_of(c.verdict));
   v("t_fail", c.t_fail)("entity", c.entity)("error", c.error)("energy_ratio", c.energy_ratio);
   v("constraint", c.constraint)("iters_mean", c.iters_mean)("iters_max", c.iters_max)("missed", c.missed);
 }
-template <class P, class V>
-void fields(P& l, V& v, const StabilityLimit*) {
+void fields(auto& l, auto& v, const StabilityLimit*) {
   v("predicted_limit", l.predicted)("observed_limit", l.observed)("z_predicted", l.z_predicted);
   v("z_observed", l.z_observed).derived("relative", l.relative());
 }
-template <class P, class V>
-void fields(P& e, V& v, const ExtremeRow*) {
+void fields(auto& e, auto& v, const ExtremeRow*) {
   v("input", e.input)("expected", e.expected)("got", e.got)("detail", e.detail)("pass", e.pass);
 }
 

@@ -16,8 +16,7 @@ std::string file_hash(const std::string& file);
 // The key `study` of a report: {hash, problem, params, t_end, threads, overrides, real, git, tool, build, scene_hash,
 // plan_hash, points}. `hash` is that of all other fields (FNV-1a, 16 hex digits).
 Json identity_json(const StudyResult& r);
-template <class P, class V>
-void fields(P& p, V& v, const Provenance*) {
+void fields(auto& p, auto& v, const Provenance*) {
   v("overrides", p.overrides)("real", p.real)("git", p.git)("tool", p.tool)("build", p.build);
   v("scene_hash", p.scene_hash)("plan_hash", p.plan_hash);
 }

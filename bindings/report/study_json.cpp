@@ -16,8 +16,7 @@ namespace feder::report {
 // Fields of a point, in the order of the columns of points.csv.
 constexpr bool kNoColumn = true;  // in reports alone
 
-template <class P, class V>
-void fields(P& p, V& v, const StudyPoint*) {
+void fields(auto& p, auto& v, const StudyPoint*) {
   v("index", p.index, kNoColumn)("method", p.method)("order", p.order)("h_s", p.h_s)("tol", p.tol);
   v("iters", p.iters)("substeps", p.substeps)("settings", p.settings, kNoColumn)("way", p.way, kNoColumn);
   v("machine", p.machine, kNoColumn);
@@ -37,46 +36,38 @@ void fields(P& p, V& v, const StudyPoint*) {
   v("err_horizon_s", p.err_horizon_s, kNoColumn)("mescd", p.mescd)("peak_bytes", p.peak_bytes);
   v("on_front_time", p.on_front_time)("on_front_work", p.on_front_work);
 }
-template <class P, class V>
-void fields(P& m, V& v, const MethodInfo*) {
+void fields(auto& m, auto& v, const MethodInfo*) {
   v("name", m.name)("summary", m.summary)("order", m.order)("evals_per_step", m.evals_per_step);
   v("limit_hw", m.limit_hw)("implicit", m.implicit)("adaptive", m.adaptive);
 }
-template <class P, class V>
-void fields(P& p, V& v, const ProblemParam*) {
+void fields(auto& p, auto& v, const ProblemParam*) {
   v("name", p.name)("value", p.value)("default", p.fallback)("help", p.help)("lo", p.lo)("hi", p.hi);
   v("choices", p.choices);
 }
-template <class P, class V>
-void fields(P& r, V& v, const ReferenceInfo*) {
+void fields(auto& r, auto& v, const ReferenceInfo*) {
   v.named("kind", r.kind, {ReferenceKind::closed, ReferenceKind::quad, ReferenceKind::published, ReferenceKind::self});
   v("digits", r.digits)("uncertainty", r.uncertainty)("rounding", r.rounding).derived("floor", r.floor());
   v("resolution", r.resolution)("source", r.source);
 }
-template <class P, class V>
-void fields(P& p, V& v, const ProblemInfo*) {
+void fields(auto& p, auto& v, const ProblemInfo*) {
   v("name", p.name)("summary", p.summary)("family", p.family)("t_end", p.t_end)("dof", p.dof);
   v("x_scale", p.x_scale)("v_scale", p.v_scale)("E_scale", p.energy_scale)("E_start", p.energy_start);
   v("frequency", p.frequency)("chaotic", p.chaotic)("conserves_momentum", p.conserves_momentum);
   v("conserves_angular", p.conserves_angular)("dense", p.dense)("own_measure", p.own_measure);
   v("threads", p.threads);
 }
-template <class P, class V>
-void fields(P& s, V& v, const StudySeries*) {
+void fields(auto& s, auto& v, const StudySeries*) {
   v("point", s.point)("t", s.t)("err", s.err)("energy", s.energy)("momentum", s.momentum)("angmom", s.angmom);
 }
-template <class P, class V>
-void fields(P& w, V& v, const WorkWeights*) {
+void fields(auto& w, auto& v, const WorkWeights*) {
   v("jacobian", w.jacobian)("cg_iteration", w.cg_iteration)("direct_solve", w.direct_solve);
 }
-template <class P, class V>
-void fields(P& f, V& v, const OrderFit*) {
+void fields(auto& f, auto& v, const OrderFit*) {
   v("method", f.method)("axis", f.axis)("slope", f.slope)("expected", f.expected)("rms", f.rms);
-  v("off", f.off())("range", Json::array({json_value(f.lo), json_value(f.hi)}))("points", f.points)("settings",
-                                                                                                    f.settings);
+  v.derived("off", f.off()).derived("range", Json::array({json_value(f.lo), json_value(f.hi)}));
+  v("points", f.points)("settings", f.settings);
 }
-template <class P, class V>
-void fields(P& c, V& v, const CostToAccuracy*) {
+void fields(auto& c, auto& v, const CostToAccuracy*) {
   v("target", c.target)("method", c.method)("h_s", c.h_s)("tol", c.tol)("force_evals", c.force_evals);
   v("work", c.work)("time_s", c.time_s)("cheapest_work", c.cheapest_work)("cheapest_time", c.cheapest_time);
 }
