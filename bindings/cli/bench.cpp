@@ -50,7 +50,7 @@ class Bench final : public Command {
       all.push_back(json(m, before));
       if (!options.json) print(m, all.back(), options.quiet);
     }
-    if (options.json) std::fputs(report::to_text(all.size() == 1 ? all[0] : all).c_str(), stdout);
+    if (options.json) print_json(all.size() == 1 ? all[0] : all);
     return failed ? kFailed : kPass;
   }
 
@@ -68,10 +68,7 @@ class Bench final : public Command {
     Measured m;
     m.scene = scene;
     for (int i = 0; i < runs_; ++i) {
-      lua::HostOptions host = host_options(options);
-      host.print = [](std::string_view) {};
-      Session session(std::move(host), nullptr);
-      session.load(scene);
+      Session session(silent_host_options(options), nullptr, scene);
       if (!session.is_scene())
         throw Failure(kFailed, scene + ": bench needs a scene (a script that returns feder.scene{...})");
       session.step();
@@ -89,7 +86,7 @@ class Bench final : public Command {
       m.profile = profile_text(session, static_cast<std::uint64_t>(steps_));
       for (const auto& e : session.script().handler_errors()) {
         m.handlers_failed = true;
-        fmt::print(stderr, "{}\n", error_text(e));
+        print_error(error_text(e));
       }
     }
     std::sort(m.runs.begin(), m.runs.end());
@@ -135,9 +132,6 @@ class Bench final : public Command {
 
 }  // namespace
 
-Row cli_bench() {
-  return {"bench", "measures ms/step: median, min and max of several runs",
-          [] { return std::unique_ptr<Command>(new Bench); }};
-}
+Row cli_bench() { return command_row<Bench>("bench", "measures ms/step: median, min and max of several runs"); }
 
 }  // namespace feder::cli

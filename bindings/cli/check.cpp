@@ -11,7 +11,6 @@
 
 #include "cli/command.h"
 #include "cli/session.h"
-#include "feder/params.h"
 #include "report/json.h"
 
 namespace feder::cli {
@@ -110,8 +109,7 @@ if type(object) == 'table' then for name in pairs(object) do print('', name) end
   }
   for (auto& [word, answer] : answers) {
     if (!answer.empty()) continue;
-    const std::string near = nearest_name(word, known);
-    answer = fmt::format("there is no '{}'{}", word, near.empty() ? "" : "; did you mean '" + near + "'?");
+    answer = fmt::format("there is no '{}'{}", word, did_you_mean("; ", word, known));
   }
   return answers;
 }
@@ -134,7 +132,7 @@ class Check final : public Command {
       }
     }
     if (options.json) {
-      std::fputs(report::to_text({{"files", scenes_.size()}, {"findings", all}}).c_str(), stdout);
+      print_json({{"files", scenes_.size()}, {"findings", all}});
     } else if (!options.quiet && findings == 0) {
       fmt::print("{} file{}: nothing found\n", scenes_.size(), scenes_.size() == 1 ? "" : "s");
     }
@@ -170,9 +168,6 @@ class Check final : public Command {
 
 }  // namespace
 
-Row cli_check() {
-  return {"check", "looks for mistakes without running: syntax and unknown names",
-          [] { return std::unique_ptr<Command>(new Check); }};
-}
+Row cli_check() { return command_row<Check>("check", "looks for mistakes without running: syntax and unknown names"); }
 
 }  // namespace feder::cli

@@ -23,10 +23,7 @@ class Explain final : public Command {
   }
 
   int run(const Options& options) override {
-    lua::HostOptions host = host_options(options);
-    host.print = [](std::string_view) {};  // the scene's own words are no part of the explanation
-    Session session(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
-    session.load(scene_);
+    Session session(silent_host_options(options), print_error, scene_);
     World* world = session.world();
     if (!world) throw Failure(kFailed, scene_ + ": this script makes no world");
     std::uint64_t steps = world->step_count();
@@ -130,8 +127,8 @@ class Explain final : public Command {
 }  // namespace
 
 Row cli_explain() {
-  return {"explain", "shows what a scene uses and leaves out: systems, the tree of passes, bytes, time",
-          [] { return std::unique_ptr<Command>(new Explain); }};
+  return command_row<Explain>("explain",
+                              "shows what a scene uses and leaves out: systems, the tree of passes, bytes, time");
 }
 
 }  // namespace feder::cli

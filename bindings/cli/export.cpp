@@ -32,17 +32,14 @@ class Export final : public Command {
     const PictureWish wish = read_wish(given);
     const std::string kind = std::filesystem::path(out_).extension().string();
     if (kind != ".gltf" && kind != ".glb" && kind != ".obj" && kind != ".ply")
-      throw Failure(kUsage, fmt::format("feder export: expected -o file.gltf, .glb, .obj or .ply, got {}", out_));
-    lua::HostOptions host = host_options(options);
-    host.print = [](std::string_view) {};
-    Session session(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
-    session.load(scene_);
+      throw Failure(kUsage, "feder export: expected -o file.gltf, .glb, .obj or .ply, got {}", out_);
+    Session session(silent_host_options(options), print_error, scene_);
     if (!session.world()) throw Failure(kFailed, scene_ + ": this script makes no world");
     try {
       const std::size_t samples =
           kind == ".gltf" || kind == ".glb" ? write_run(session, wish) : write_moment(session, wish, kind);
       if (options.json)
-        std::fputs(report::to_text({{"out", out_}, {"samples", samples}, {"title", session.title()}}).c_str(), stdout);
+        print_json({{"out", out_}, {"samples", samples}, {"title", session.title()}});
       else if (!options.quiet)
         fmt::print("{}{}\n", out_, samples > 1 ? fmt::format(", {} samples", samples) : "");
     } catch (const SceneError& e) {
@@ -94,8 +91,7 @@ class Export final : public Command {
 }  // namespace
 
 Row cli_export() {
-  return {"export", "writes a scene for other programs: animated glTF 2.0, OBJ or PLY of a moment",
-          [] { return std::unique_ptr<Command>(new Export); }};
+  return command_row<Export>("export", "writes a scene for other programs: animated glTF 2.0, OBJ or PLY of a moment");
 }
 
 }  // namespace feder::cli

@@ -55,7 +55,7 @@ class Child {
     close(ends[1]);
     if (error != 0) {
       close(read_);
-      throw Failure(kFailed, fmt::format("feder test: cannot start {}: {}", words[0], std::strerror(error)));
+      throw Failure(kFailed, "feder test: cannot start {}: {}", words[0], std::strerror(error));
     }
   }
   ~Child() {

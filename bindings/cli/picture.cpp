@@ -22,7 +22,7 @@ PictureWish read_wish(const PictureOptions& o) {
     try {
       read();
     } catch (const SceneError& e) {
-      throw Failure(kUsage, fmt::format("{}: {}", option, e.what()));
+      throw Failure(kUsage, "{}: {}", option, e.what());
     }
   };
   if (!o.at.empty()) wish.at = read_number(o.at, "--at");

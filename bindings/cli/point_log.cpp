@@ -23,7 +23,7 @@ PointLog::PointLog(const std::string& folder, const Json& identity, bool resume)
   // without the line that was cut off
   if (!kept.empty()) std::filesystem::resize_file(file_, kept.size(), error);
   out_.reset(error ? nullptr : std::fopen(file_.c_str(), kept.empty() ? "wb" : "ab"));
-  if (!out_) throw Failure(kFailed, fmt::format("feder study: {}: cannot be written", file_));
+  if (!out_) throw Failure(kFailed, "feder study: {}: cannot be written", file_);
   if (kept.empty()) write({{"schema", "points/1"}, {"study", identity}});
 }
 
@@ -42,8 +42,7 @@ std::string PointLog::read(const std::string& file, const Json& identity) {
       if (++number == 1) {
         const auto differs = report::identity_differences(identity, json.at("study"));
         if (!differs.empty())
-          throw Failure(kFailed, fmt::format("feder study: --resume: {} holds another study: {}", file,
-                                             fmt::join(differs, "; ")));
+          throw Failure(kFailed, "feder study: --resume: {} holds another study: {}", file, fmt::join(differs, "; "));
         continue;
       }
       ProblemInfo problem;
@@ -54,10 +53,10 @@ std::string PointLog::read(const std::string& file, const Json& identity) {
       done_.push_back(std::move(point));
       learned_ = std::move(problem);
     } catch (const Json::exception& e) {
-      throw Failure(kFailed, fmt::format("{}:{}: no point of a study: {}", file, number, e.what()));
+      throw Failure(kFailed, "{}:{}: no point of a study: {}", file, number, e.what());
     } catch (const std::runtime_error& e) {
       if (dynamic_cast<const Failure*>(&e)) throw;
-      throw Failure(kFailed, fmt::format("{}:{}: {}", file, number, e.what()));
+      throw Failure(kFailed, "{}:{}: {}", file, number, e.what());
     }
   }
   return text;
@@ -74,7 +73,7 @@ void PointLog::attach(SweepOptions& options) {
 void PointLog::write(const Json& line) {
   const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   if (std::fwrite(text.data(), 1, text.size(), out_.get()) != text.size() || std::fflush(out_.get()) != 0)
-    throw Failure(kFailed, fmt::format("feder study: {}: cannot be written", file_));
+    throw Failure(kFailed, "feder study: {}: cannot be written", file_);
 }
 
 }  // namespace feder::cli

@@ -31,14 +31,11 @@ class Run final : public Command {
     // stdout belongs to the JSON value
     if (options.json) host.print = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
     const double wanted = seconds_.empty() ? -1 : read_number(seconds_, "--seconds");
-    Session session(std::move(host), [](const std::string& line) {
-      std::fflush(stdout);
-      fmt::print(stderr, "{}\n", line);
-    });
+    Session session(std::move(host), print_error);
     const StopSignals signals;
     int status = load(session);
     if (session.is_scene() && status == kPass) step_scene(session, wanted, options);
-    if (status == kPass) status = say_end(session);
+    if (status == kPass) status = report_end(session);
     return finish(session, options, status);
   }
 
@@ -49,20 +46,19 @@ class Run final : public Command {
       session.load(scene_);
     } catch (const Failure& e) {
       if (e.status() < kBudget || session.is_scene() || !session.world()) throw;
-      std::fflush(stdout);
-      fmt::print(stderr, "{}\n", e.what());
+      print_error(e.what());
       return e.status();
     }
     return kPass;
   }
 
-  // Why the steps ended early, unless a handler's error has said it.
-  int say_end(Session& session) const {
+  // Why the steps ended early, unless a handler's error has reported it.
+  int report_end(Session& session) const {
     const auto& errors = session.script().handler_errors();
-    const bool said =
+    const bool reported =
         std::any_of(errors.begin(), errors.end(), [](const auto& e) { return e.limit != lua::Limit::none; });
     const int status = session.end_status();
-    if (status != kPass && !said) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
+    if (status != kPass && !reported) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
     return status;
   }
 
@@ -89,7 +85,7 @@ class Run final : public Command {
     if (options.json) {
       report::Json json = summary_json(summary);
       if (check_) json["check"] = check_json(result);
-      std::fputs(report::to_text(json).c_str(), stdout);
+      print_json(json);
     } else if (!options.quiet) {
       std::fputs(summary_text(summary).c_str(), stdout);
       if (check_) fmt::print("  check   {} held, {} failed\n", result.passed, result.failures.size());
@@ -131,9 +127,6 @@ class Run final : public Command {
 
 }  // namespace
 
-Row cli_run() {
-  return {"run", "runs a scene without a window and prints a summary",
-          [] { return std::unique_ptr<Command>(new Run); }};
-}
+Row cli_run() { return command_row<Run>("run", "runs a scene without a window and prints a summary"); }
 
 }  // namespace feder::cli

@@ -20,6 +20,8 @@ class Session {
  public:
   // Errors in handlers go to `report` once per place, as "file:line: message"; null keeps them silent.
   Session(lua::HostOptions host, std::function<void(const std::string&)> report);
+  // Loads the file too.
+  Session(lua::HostOptions host, std::function<void(const std::string&)> report, const std::string& file);
 
   // Reads and compiles the file, runs it and, for a scene, builds its world. Failure: kLoadError when the file cannot
   // be read, compiled or built, kFailed when a script fails while it runs, kUsage for values of --set and --world that

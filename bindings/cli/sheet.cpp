@@ -55,10 +55,7 @@ view::Image contact_sheet(const std::vector<std::string>& scenes, const Options&
     const int x = kGap + static_cast<int>(i) % columns * cell_w, y = kGap + static_cast<int>(i) / columns * cell_h;
     std::string title = scenes[i], error;
     try {
-      lua::HostOptions host = host_options(options);
-      host.print = [](std::string_view) {};
-      Session session(std::move(host), nullptr);
-      session.load(scenes[i]);
+      Session session(silent_host_options(options), nullptr, scenes[i]);
       title = session.title();
       run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
       paste(sheet, take_picture(renderer, session, wish), x, y);

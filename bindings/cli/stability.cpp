@@ -37,7 +37,7 @@ class Stability final : public Command {
     context.command = command_line();
     if (suite_ == "extreme") return run_extreme_suite(context, options);
     if (!suite_.empty() && suite_ != "core" && suite_ != "full")
-      throw Failure(kUsage, fmt::format("feder stability: unknown suite '{}'; known: core, full, extreme", suite_));
+      throw Failure(kUsage, "feder stability: unknown suite '{}'; known: core, full, extreme", suite_);
     std::vector<StabilityPlan> plans;
     if (suite_.empty() || !problem_.empty())
       plans.push_back(plan_for(problem_.empty() ? "oscillator" : problem_));
@@ -75,21 +75,21 @@ class Stability final : public Command {
                    p.x.name, p.x.label, p.x.values.size(), p.y.name, p.y.label, p.y.values.size(),
                    p.bisects ? "; limits by bisection" : "");
     }
-    if (options.json) std::fputs(report::to_text(json).c_str(), stdout);
+    if (options.json) print_json(json);
     return kPass;
   }
 
   std::string command_line() const {
-    std::string out = "feder stability";
-    const auto option = [&](const char* name, const std::string& value) {
-      if (!value.empty()) out += fmt::format("{}{} {}", " ", name, value);
-    };
-    if (!problem_.empty()) out += " " + problem_;
-    option("--suite", suite_), option("--methods", methods_), option("--axes", axes_), option("--x", x_),
-        option("--y", y_);
-    if (bisect_) out += " --bisect";
-    option("--out", out_);
-    return out;
+    std::vector<std::string> words = {"feder", "stability"};
+    if (!problem_.empty()) words.push_back(problem_);
+    add_option(words, "--suite", suite_);
+    add_option(words, "--methods", methods_);
+    add_option(words, "--axes", axes_);
+    add_option(words, "--x", x_);
+    add_option(words, "--y", y_);
+    if (bisect_) words.emplace_back("--bisect");
+    add_option(words, "--out", out_);
+    return command_text(words);
   }
 
   static std::vector<double> values(const std::string& text, const char* option) {
@@ -103,11 +103,9 @@ class Stability final : public Command {
     std::vector<std::string> names;
     for (const StabilityProblemInfo& i : infos) names.push_back(i.name);
     const auto info = std::find_if(infos.begin(), infos.end(), [&](const auto& i) { return i.name == problem; });
-    if (info == infos.end()) {
-      const std::string near = nearest_name(problem, names);
-      throw Failure(kUsage, fmt::format("feder stability: unknown problem '{}'{}; known: {}", problem,
-                                        near.empty() ? "" : ", did you mean '" + near + "'?", fmt::join(names, ", ")));
-    }
+    if (info == infos.end())
+      throw Failure(kUsage, "feder stability: unknown problem '{}'{}; known: {}", problem,
+                    did_you_mean(", ", problem, names), fmt::join(names, ", "));
     StabilityPlan plan;
     plan.problem = problem;
     if (!methods_.empty() && methods_ != "all") plan.methods = split_list(methods_);
@@ -116,8 +114,7 @@ class Stability final : public Command {
       const std::vector<std::string> axes = split_list(axes_);
       const auto known = [&](const std::string& a) { return a == info->x.name || a == info->y.name; };
       if (axes.size() != 2 || !known(axes[0]) || !known(axes[1]) || axes[0] == axes[1])
-        throw Failure(kUsage, fmt::format("feder stability: --axes: {} is mapped over {},{}", problem, info->x.name,
-                                          info->y.name));
+        throw Failure(kUsage, "feder stability: --axes: {} is mapped over {},{}", problem, info->x.name, info->y.name);
     }
     plan.x_values = values(x_, "--x"), plan.y_values = values(y_, "--y");
     if (suite_ == "core") {
@@ -141,7 +138,7 @@ class Stability final : public Command {
     try {
       return run_stability(plan);
     } catch (const SceneError& e) {
-      throw Failure(kUsage, fmt::format("feder stability {}: {}", plan.problem, e.what()));
+      throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
     }
   }
 
@@ -158,7 +155,7 @@ class Stability final : public Command {
                      const Options& options, const std::string& problem) {
     write(folder, r, context, {});
     if (options.json) {
-      std::fputs(report::to_text(report::stability_json(r, context)).c_str(), stdout);
+      print_json(report::stability_json(r, context));
       return;
     }
     if (!options.quiet) fmt::print("{} ({}): {} methods\n\n", problem, r.real, r.maps.size());
@@ -180,17 +177,12 @@ class Stability final : public Command {
     StabilityResult none;
     none.real = kRealName;
     write(out_, none, context, rows);
-    int failed = 0;
-    report::Json json = report::Json::array();
-    for (const report::ExtremeRow& e : rows) {
-      failed += !e.pass;
-      json.push_back(
-          {{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
-    }
-    std::fputs((options.json ? report::to_text(json) : report::extreme_table(rows)).c_str(), stdout);
-    if (!options.json && !options.quiet)
-      fmt::print("  {} of {} as expected\n", rows.size() - static_cast<std::size_t>(failed), rows.size());
-    return failed ? kFailed : kPass;
+    std::fputs((options.json ? report::to_text(report::extreme_json(rows)) : report::extreme_table(rows)).c_str(),
+               stdout);
+    const auto passed = static_cast<std::size_t>(
+        std::count_if(rows.begin(), rows.end(), [](const report::ExtremeRow& e) { return e.pass; }));
+    if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", passed, rows.size());
+    return passed < rows.size() ? kFailed : kPass;
   }
 
   std::string problem_, methods_, suite_, axes_, x_, y_, out_;
@@ -200,8 +192,7 @@ class Stability final : public Command {
 }  // namespace
 
 Row cli_stability() {
-  return {"stability", "stability maps of every method, with the limits found beside theory's",
-          [] { return std::unique_ptr<Command>(new Stability); }};
+  return command_row<Stability>("stability", "stability maps of every method, with the limits found beside theory's");
 }
 
 }  // namespace feder::cli

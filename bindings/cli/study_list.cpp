@@ -17,10 +17,8 @@ fs::path study_folder() { return library_roots().front().parent_path() / "scenes
 
 std::string unknown_problem(const std::string& name) {
   const std::vector<std::string> known = problem_names();
-  std::string message = fmt::format("feder study: unknown problem '{}'", name);
-  const std::string near = nearest_name(name, known);
-  if (!near.empty()) message += fmt::format("; did you mean '{}'?", near);
-  return fmt::format("{} known: {}; or the file of a scene", message, fmt::join(known, ", "));
+  return fmt::format("feder study: unknown problem '{}'{} known: {}; or the file of a scene", name,
+                     did_you_mean("; ", name, known), fmt::join(known, ", "));
 }
 
 bool in_table(const std::string& name) {
@@ -42,11 +40,7 @@ std::vector<std::unique_ptr<StudyProblem>> all_problems(const Options& options) 
 }
 
 std::string range_text(const ProblemParam& p) {
-  if (!p.choices.empty()) {
-    std::string list;
-    for (const std::string& c : p.choices) list += (list.empty() ? "" : "|") + c;
-    return list;
-  }
+  if (!p.choices.empty()) return fmt::format("{}", fmt::join(p.choices, "|"));
   return std::isfinite(p.lo) && std::isfinite(p.hi) ? fmt::format("{:g} .. {:g}", p.lo, p.hi) : "";
 }
 
@@ -97,7 +91,7 @@ std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Option
     for (const std::string& assignment : options.set) set_option(params, assignment);
     return make_study_problem(name, params);
   } catch (const SceneError& e) {
-    throw Failure(kUsage, fmt::format("feder study {}: --set: {}", name, e.what()));
+    throw Failure(kUsage, "feder study {}: --set: {}", name, e.what());
   }
 }
 

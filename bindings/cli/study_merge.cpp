@@ -21,8 +21,7 @@ Json read_shard(const std::string& file) {
   if (json.is_object() && json.value("schema", "") == "accuracy/1") {
     const auto altered = report::altered_fields(json);
     if (!altered.empty())
-      throw Failure(kFailed,
-                    fmt::format("{}: no longer what the study wrote: {} does not fit", file, fmt::join(altered, ", ")));
+      throw Failure(kFailed, "{}: no longer what the study wrote: {} does not fit", file, fmt::join(altered, ", "));
   }
   return json;
 }
@@ -53,7 +52,7 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
       shards.push_back(report::study_from_json(json));
       if (shards.size() == 1) {
         // measured there, not here
-        machine = report::machine_from_json(json.at("run"));
+        machine = report::read_as<report::MachineInfo>(json.at("run"));
         first = json.at("study"), count = shards[0].shards;
         continue;
       }
@@ -61,8 +60,7 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
       if (shards.back().shards != count)
         differs.push_back(fmt::format("shards are {}, expected {}", shards.back().shards, count));
       if (!differs.empty())
-        throw Failure(
-            kFailed, fmt::format("{}: a shard of another study than {}: {}", file, files[0], fmt::join(differs, "; ")));
+        throw Failure(kFailed, "{}: a shard of another study than {}: {}", file, files[0], fmt::join(differs, "; "));
     } catch (const Failure&) {
       throw;
     } catch (const std::exception& e) {
@@ -74,11 +72,11 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
   try {
     whole = merge_shards(std::move(shards));
   } catch (const SceneError& e) {
-    throw Failure(kUsage, fmt::format("feder study: {}", e.what()));
+    throw Failure(kUsage, "feder study: {}", e.what());
   }
   if (whole.points.size() < whole.planned)
-    throw Failure(kFailed, fmt::format("feder study: --merge: {} of {} points; missing: shard {} of {}",
-                                       whole.points.size(), whole.planned, missing_shards(whole, count), count));
+    throw Failure(kFailed, "feder study: --merge: {} of {} points; missing: shard {} of {}", whole.points.size(),
+                  whole.planned, missing_shards(whole, count), count);
   return whole;
 }
 

@@ -146,20 +146,17 @@ RungPlace find_methods(const std::string& file, lua::Script& script, SceneDescri
     break;
   }
   if (!study.method.empty() && place.method_param.empty())
-    throw Failure(kUsage,
-                  fmt::format("{}: study.method: expected a feder.param with choices, got '{}'", file, study.method));
+    throw Failure(kUsage, "{}: study.method: expected a feder.param with choices, got '{}'", file, study.method);
   World& world = *script.world();
   if (place.method_param.empty()) names = solvers_of(world, place.system);
   if (names.empty()) names = {"scene"};
   for (const std::string& n : study.methods)
     if (std::find(names.begin(), names.end(), n) == names.end())
-      throw Failure(kUsage,
-                    fmt::format("{}: study.methods: unknown method '{}'; known: {}", file, n, fmt::join(names, ", ")));
+      throw Failure(kUsage, "{}: study.methods: unknown method '{}'; known: {}", file, n, fmt::join(names, ", "));
   for (const std::string& n : study.methods.empty() ? names : study.methods) scene.methods.push_back(method_named(n));
   if (find_param(params, "iterations")) place.iterations_param = "iterations";
   if (!study.tolerance.empty() && !find_param(params, study.tolerance))
-    throw Failure(kUsage, fmt::format("{}: study.tolerance: expected the name of a feder.param, got '{}'", file,
-                                      study.tolerance));
+    throw Failure(kUsage, "{}: study.tolerance: expected the name of a feder.param, got '{}'", file, study.tolerance);
   place.tolerance_param = study.tolerance;
   return place;
 }
@@ -197,8 +194,8 @@ SceneLadder read_ladder(const std::string& what, const lua::StudyAxes& axes, lua
       ladder.settings.emplace_back(name, values);
     } else {
       const std::string near = nearest_name(name, known);
-      throw Failure(kUsage, fmt::format("{}: expected dt, substeps, iterations, solver or a parameter of the scene{}",
-                                        where, near.empty() ? "" : "; did you mean '" + near + "'?"));
+      throw Failure(kUsage, "{}: expected dt, substeps, iterations, solver or a parameter of the scene{}", where,
+                    near.empty() ? "" : "; did you mean '" + near + "'?");
     }
   }
   if (ladder.substeps.empty()) ladder.substeps = {script.world()->desc().substeps};

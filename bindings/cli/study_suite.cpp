@@ -85,7 +85,7 @@ std::vector<SuiteRow> suite_rows(const std::string& suite) {
     any = true;
     if (std::find(known.begin(), known.end(), row.problem) != known.end()) out.push_back(row);
   }
-  if (!any) throw Failure(kUsage, fmt::format("feder study: unknown suite '{}'; known: {}", suite, suite_names()));
+  if (!any) throw Failure(kUsage, "feder study: unknown suite '{}'; known: {}", suite, suite_names());
   return out;
 }
 

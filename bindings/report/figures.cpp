@@ -115,26 +115,4 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
   return svg.text(inline_page);
 }
 
-std::string bar_chart_svg(const BarChart& chart, bool inline_page) {
-  double names = 60, words = 30, most = 0;
-  for (const auto& b : chart.bars) {
-    names = std::max(names, words_width(b.label, 12) + 12);
-    words = std::max(words, words_width(b.words, 12) + 16);
-    if (std::isfinite(b.value)) most = std::max(most, b.value);
-  }
-  const double width = 900, row = 24, top = 60, full = width - names - words - 20;
-  Svg svg(chart.name, width, top + row * static_cast<double>(chart.bars.size()) + 16, chart.title);
-  svg.text({10, 26}, words_cut(chart.title, 16, width - 20), {16, "start", kInk, true});
-  svg.text({10, 46}, chart.unit, {12, "start", kQuiet});
-  double y = top;
-  for (const auto& b : chart.bars) {
-    const double length = std::isfinite(b.value) && most > 0 ? std::max(0.0, full * b.value / most) : 0;
-    svg.text({names, y + 15}, b.label, {12, "end"});
-    svg.rect({names + 8, y + 3, length, row - 7}, curve_style(b.number).color, "none", b.label + " " + b.words, "bar");
-    svg.text({names + 14 + length, y + 15}, b.words, {12});
-    y += row;
-  }
-  return svg.text(inline_page);
-}
-
 }  // namespace feder::report

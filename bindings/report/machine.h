@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "report/json.h"
+#include "report/json_fields.h"
 
 namespace feder::report {
 
@@ -20,7 +20,16 @@ struct MachineInfo {
 MachineInfo machine_info(const std::string& tool_version, const std::string& real);
 double load_now();
 
-Json machine_json(const MachineInfo& m);  // the key `run` of a report
-MachineInfo machine_from_json(const Json& run);
+// The key `run` of a report.
+void fields(auto& m, auto& v, const MachineInfo*) {
+  v("git", m.git)("tool", m.tool)("date", m.date);
+  v.object("build", [&m](auto& build) {
+    build("compiler", m.compiler)("flags", m.flags)("real", m.real)("fma", m.fma)("ftz", m.ftz);
+  });
+  v.object("machine", [&m](auto& machine) {
+    machine("cpu", m.cpu)("cores", m.cores)("os", m.os)("virtual", m.virtualization)("load_before", m.load_before);
+    machine("load_after", m.load_after)("timer_resolution_ns", m.timer_resolution_ns);
+  });
+}
 
 }  // namespace feder::report

@@ -22,6 +22,7 @@ struct StabilityContext {
 };
 
 Json stability_json(const StabilityResult& r, const StabilityContext& context);
+Json extreme_json(const std::vector<ExtremeRow>& rows);
 std::string cells_csv(const StabilityResult& r);
 std::string limits_csv(const StabilityResult& r);
 // Methods against limits and shares, as text.
