@@ -93,8 +93,8 @@ class Bdf2 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_bdf2() {
-  return {"bdf2", "order 2, stable at any step and stiffness, one solve; remembers a step, fresh starts at contacts",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Bdf2>(a, p); }};
+  return variant_of<Integrator, Bdf2>(
+      "bdf2", "order 2, stable at any step and stiffness, one solve; remembers a step, fresh starts at contacts");
 }
 
 }  // namespace feder

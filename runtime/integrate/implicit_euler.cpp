@@ -35,9 +35,8 @@ class ImplicitEuler final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_implicit_euler() {
-  return {
-      "implicit_euler", "order 1, stable at any step and stiffness; damps; Newton with a sparse solve",
-      [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<ImplicitEuler>(a, p); }};
+  return variant_of<Integrator, ImplicitEuler>(
+      "implicit_euler", "order 1, stable at any step and stiffness; damps; Newton with a sparse solve");
 }
 
 }  // namespace feder

@@ -38,10 +38,8 @@ class ImplicitMidpoint final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_implicit_midpoint() {
-  return {"implicit_midpoint", "order 2, stable on linear systems at any step, keeps energy; not safe on stiff chains",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> {
-            return std::make_unique<ImplicitMidpoint>(a, p);
-          }};
+  return variant_of<Integrator, ImplicitMidpoint>(
+      "implicit_midpoint", "order 2, stable on linear systems at any step, keeps energy; not safe on stiff chains");
 }
 
 }  // namespace feder

@@ -38,8 +38,8 @@ class Leapfrog final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_leapfrog() {
-  return {"leapfrog", "order 2, drift-kick-drift, keeps energy in the mean; stiff damping implicit",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<Leapfrog>(a); }};
+  return variant_of<Integrator, Leapfrog>(
+      "leapfrog", "order 2, drift-kick-drift, keeps energy in the mean; stiff damping implicit");
 }
 
 }  // namespace feder

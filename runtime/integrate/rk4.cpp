@@ -54,8 +54,7 @@ class Rk4 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_rk4() {
-  return {"rk4", "order 4, four force evaluations: accurate where the motion is resolved",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<Rk4>(a); }};
+  return variant_of<Integrator, Rk4>("rk4", "order 4, four force evaluations: accurate where the motion is resolved");
 }
 
 }  // namespace feder

@@ -79,8 +79,8 @@ class Ros2 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_ros2() {
-  return {"ros2", "order 2, two linear solves and no iteration: known cost; stiff linear systems at any step",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Ros2>(a, p); }};
+  return variant_of<Integrator, Ros2>(
+      "ros2", "order 2, two linear solves and no iteration: known cost; stiff linear systems at any step");
 }
 
 }  // namespace feder

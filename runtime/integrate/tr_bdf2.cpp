@@ -70,8 +70,8 @@ class TrBdf2 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_tr_bdf2() {
-  return {"tr_bdf2", "order 2, stable at any step and stiffness, damps little: for stiff nets that swing",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<TrBdf2>(a, p); }};
+  return variant_of<Integrator, TrBdf2>(
+      "tr_bdf2", "order 2, stable at any step and stiffness, damps little: for stiff nets that swing");
 }
 
 }  // namespace feder

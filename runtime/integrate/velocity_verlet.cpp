@@ -38,8 +38,8 @@ class VelocityVerlet final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_velocity_verlet() {
-  return {"velocity_verlet", "order 2, kick-drift-kick, keeps energy in the mean; stiff damping implicit",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<VelocityVerlet>(a); }};
+  return variant_of<Integrator, VelocityVerlet>(
+      "velocity_verlet", "order 2, kick-drift-kick, keeps energy in the mean; stiff damping implicit");
 }
 
 }  // namespace feder

@@ -98,8 +98,8 @@ class DoublePendulum final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_double_pendulum() {
-  return {"double_pendulum", "two rods from the level; chaotic after a few seconds",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<DoublePendulum>(p); }};
+  return variant_of<StudyProblem, DoublePendulum>("double_pendulum",
+                                                  "two rods from the level; chaotic after a few seconds");
 }
 
 }  // namespace feder

@@ -76,8 +76,8 @@ class Kepler final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_kepler() {
-  return {"kepler", "orbit around a fixed centre from the pericentre; e = 0.9 asks for steps that adapt",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Kepler>(p); }};
+  return variant_of<StudyProblem, Kepler>(
+      "kepler", "orbit around a fixed centre from the pericentre; e = 0.9 asks for steps that adapt");
 }
 
 }  // namespace feder

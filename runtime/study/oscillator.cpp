@@ -86,8 +86,8 @@ class Oscillator final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_oscillator() {
-  return {"oscillator", "mass on a spring with a dashpot, from soft to k = 1e8 and beyond critical damping",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Oscillator>(p); }};
+  return variant_of<StudyProblem, Oscillator>(
+      "oscillator", "mass on a spring with a dashpot, from soft to k = 1e8 and beyond critical damping");
 }
 
 }  // namespace feder

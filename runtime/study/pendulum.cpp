@@ -68,8 +68,7 @@ class Pendulum final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_pendulum() {
-  return {"pendulum", "a pendulum of any amplitude, up to nearly upside down",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Pendulum>(p); }};
+  return variant_of<StudyProblem, Pendulum>("pendulum", "a pendulum of any amplitude, up to nearly upside down");
 }
 
 }  // namespace feder

@@ -54,9 +54,8 @@ class ProtheroRobinson final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_prothero_robinson() {
-  return {
-      "prothero_robinson", "a smooth solution that attracts at the rate 1e6: order reduction of stiff methods",
-      [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<ProtheroRobinson>(p); }};
+  return variant_of<StudyProblem, ProtheroRobinson>(
+      "prothero_robinson", "a smooth solution that attracts at the rate 1e6: order reduction of stiff methods");
 }
 
 }  // namespace feder

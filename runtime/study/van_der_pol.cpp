@@ -80,8 +80,7 @@ class VanDerPol final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_van_der_pol() {
-  return {"van_der_pol", "stiff relaxation oscillations: creeps and jumps",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<VanDerPol>(p); }};
+  return variant_of<StudyProblem, VanDerPol>("van_der_pol", "stiff relaxation oscillations: creeps and jumps");
 }
 
 }  // namespace feder
