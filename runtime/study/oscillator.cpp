@@ -2,6 +2,7 @@
 //   x = e^(-zeta w0 t) (cos wd t + zeta w0/wd sin wd t), v = -e^(-zeta w0 t) w0^2/wd sin wd t,
 // with hyperbolic functions beyond the critical ratio, written with the two real roots because they would overflow.
 #include "study/ode.h"
+#include "study/reference.h"
 
 namespace feder {
 namespace {
@@ -51,35 +52,18 @@ class Oscillator final : public OdeProblem {
 
   void reference(double t, Observation& out) const override {
     double x, v;
-    state(t, x, v);
+    damped_oscillation(k_, c_ / 2, t, x, v);
     out.x = {x, 0, 0};
     out.v = {v, 0, 0};
     out.q.clear();
   }
   double reference_energy(double t) const override {
     double x, v;
-    state(t, x, v);
+    damped_oscillation(k_, c_ / 2, t, x, v);
     return 0.5 * (v * v + k_ * x * x);
   }
 
  private:
-  void state(double t, double& x, double& v) const {
-    const double w0 = std::sqrt(k_), decay = c_ / 2, square = k_ - decay * decay;
-    if (std::fabs(square) < 1e-12 * k_) {  // critical
-      const double e = std::exp(-w0 * t);
-      x = (1 + w0 * t) * e;
-      v = -k_ * t * e;
-    } else if (square > 0) {
-      const double w = std::sqrt(square), e = std::exp(-decay * t);
-      x = e * (std::cos(w * t) + decay / w * std::sin(w * t));
-      v = -e * k_ / w * std::sin(w * t);
-    } else {
-      const double root = std::sqrt(-square), fast = -decay - root, slow = k_ / fast;  // product of the roots is k
-      x = (fast * std::exp(slow * t) - slow * std::exp(fast * t)) / (fast - slow);
-      v = k_ * (std::exp(slow * t) - std::exp(fast * t)) / (fast - slow);
-    }
-  }
-
   double k_, c_;
 };
 
