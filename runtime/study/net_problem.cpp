@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "base/rng.h"
-#include "study/ode.h"
 #include "study/worlds.h"
 
 namespace feder {
@@ -109,27 +107,11 @@ std::uint32_t NetModel::add(double px, double py, double pz, double m, bool pin)
   return static_cast<std::uint32_t>(mass.size() - 1);
 }
 
-std::vector<MethodInfo> NetProblem::methods() const { return integrator_methods(); }
-
-std::vector<RunSpec> NetProblem::ladder(const MethodInfo& method) const {
-  std::vector<RunSpec> rungs;
-  if (method.adaptive) {
-    const double finest = sizeof(Real) == 4 ? 1e-6 : 1e-10;
-    for (double tolerance = 1e-2; tolerance > 0.5 * finest; tolerance /= 10)
-      rungs.push_back({method.name, tolerance_steps_, tolerance, 0, 0, {}});
-    return rungs;
-  }
-  for (const int steps : method.implicit && !implicit_steps_.empty() ? implicit_steps_ : steps_)
-    rungs.push_back({method.name, steps, 0, 0, 0, {}});
-  return rungs;
-}
-
 std::unique_ptr<StudyRun> NetProblem::start(const RunSpec& spec) const {
   return std::make_unique<NetRun>(model_, info_.t_end, spec);
 }
 
 void NetProblem::measure_model() {
-  info_.family = "net";
   info_.dof = 0;
   double kinetic = 0, potential = 0, elastic = 0;
   for (std::size_t i = 0; i < model_.mass.size(); ++i) {

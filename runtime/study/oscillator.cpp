@@ -2,7 +2,6 @@
 //   x = e^(-zeta w0 t) (cos wd t + zeta w0/wd sin wd t), v = -e^(-zeta w0 t) w0^2/wd sin wd t,
 // with hyperbolic functions beyond the critical ratio, written with the two real roots because they would overflow.
 #include "study/ode.h"
-#include "study/reference.h"
 
 namespace feder {
 namespace {
@@ -53,9 +52,7 @@ class Oscillator final : public OdeProblem {
   void reference(double t, Observation& out) const override {
     double x, v;
     damped_oscillation(k_, c_ / 2, t, x, v);
-    out.x = {x, 0, 0};
-    out.v = {v, 0, 0};
-    out.q.clear();
+    out = {{x, 0, 0}, {v, 0, 0}, {}};
   }
   double reference_energy(double t) const override {
     double x, v;

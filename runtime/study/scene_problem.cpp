@@ -6,8 +6,8 @@
 #include "feder/rigid.h"
 #include "state/bodies.h"
 #include "state/particles.h"
+#include "study/integrator_problem.h"
 #include "study/norms.h"
-#include "study/ode.h"
 #include "study/worlds.h"
 
 namespace feder {
