@@ -19,12 +19,9 @@ class Ros2 final : public Integrator {
         product_(&a), matrix_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2,
-            .stability_limit = static_cast<double>(kInfinity),
-            .evals_per_step = 2,
-            .implicit = true,
-            .l_stable = true,
-            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    IntegratorInfo i = unlimited_info(2, 2);
+    i.l_stable = true;
+    return i;
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
