@@ -220,8 +220,7 @@ class Tree final : public BroadPhase {
 }  // namespace
 
 Variant<BroadPhase> broad_tree() {
-  return {"tree", "dynamic trees of fattened boxes; what rests costs nearly nothing",
-          [](Arena& a, const Params&) -> std::unique_ptr<BroadPhase> { return std::make_unique<Tree>(a); }};
+  return variant_of<BroadPhase, Tree>("tree", "dynamic trees of fattened boxes; what rests costs nearly nothing");
 }
 
 }  // namespace feder

@@ -103,8 +103,8 @@ class Attractor final : public Force {
 }  // namespace
 
 Variant<Force> forces_attractor() {
-  return {"attractor", "acceleration strength r^power towards position, or between the points of a net; softening in m",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Attractor>(p); }};
+  return variant_of<Force, Attractor>(
+      "attractor", "acceleration strength r^power towards position, or between the points of a net; softening in m");
 }
 
 }  // namespace feder

@@ -25,8 +25,7 @@ class Drag final : public Force {
 }  // namespace
 
 Variant<Force> forces_drag() {
-  return {"drag", "linear and quadratic drag against the velocity",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Drag>(p); }};
+  return variant_of<Force, Drag>("drag", "linear and quadratic drag against the velocity");
 }
 
 }  // namespace feder

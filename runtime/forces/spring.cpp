@@ -53,8 +53,8 @@ class AnchorSpring final : public Force {
 }  // namespace
 
 Variant<Force> forces_spring() {
-  return {"spring", "a spring to a place in the world: position, stiffness, damping, rest_length",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<AnchorSpring>(p); }};
+  return variant_of<Force, AnchorSpring>("spring",
+                                         "a spring to a place in the world: position, stiffness, damping, rest_length");
 }
 
 }  // namespace feder

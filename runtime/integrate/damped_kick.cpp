@@ -18,6 +18,16 @@ void DampedKick::apply(ForceField& field, double t, Real h, std::span<const Vec3
   });
 }
 
+void DampedKick::apply_second_order(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x,
+                                    std::span<Vec3> v, IntegratorStats& stats) {
+  if (!field.damped())
+    apply(field, t, h, x, v, stats);
+  else if (field.stiff_damping(2 * share * h))  // the whole step: the velocity is taken half of one later
+    apply_implicit(field, t, h, share, x, v, stats);
+  else
+    apply_corrected(field, t, h, share, x, v, stats);
+}
+
 void DampedKick::apply_corrected(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x,
                                  std::span<Vec3> v, IntegratorStats& stats) {
   start_.assign(v.begin(), v.end());

@@ -82,8 +82,8 @@ class Exponential final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_exponential() {
-  return {"exponential", "order 2, linear forces exactly at any step and stiffness; Krylov spaces of the matrix",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Exponential>(a, p); }};
+  return variant_of<Integrator, Exponential>(
+      "exponential", "order 2, linear forces exactly at any step and stiffness; Krylov spaces of the matrix");
 }
 
 }  // namespace feder

@@ -77,7 +77,7 @@ bool ImplicitMatrix::solve(const ForceField& field, std::span<const Vec3> r, std
 
 ImplicitStage::ImplicitStage(Arena& a, const Params& p)
     : newton_cap_(p.integer({"iterations", "", {1, 100}}, 8)), matrix_(a, p), force_(&a), x_new_(&a), v_base_(&a),
-      residual_(&a), dv_(&a), product_(&a) {}
+      residual_(&a), dv_(&a), v_before_(&a), product_(&a) {}
 
 void ImplicitStage::solve(ForceField& field, const StageProblem& p, std::span<Vec3> v, IntegratorStats& stats) {
   const std::size_t n = v.size();

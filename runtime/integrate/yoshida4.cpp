@@ -85,8 +85,8 @@ class Yoshida4 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_yoshida4() {
-  return {"yoshida4", "order 4, three kick-drift-kick steps, keeps energy in the mean; for long accurate runs",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Yoshida4>(a, p); }};
+  return variant_of<Integrator, Yoshida4>(
+      "yoshida4", "order 4, three kick-drift-kick steps, keeps energy in the mean; for long accurate runs");
 }
 
 }  // namespace feder

@@ -90,8 +90,7 @@ class KdTree final : public NeighborSearch {
 }  // namespace
 
 Variant<NeighborSearch> neighbors_kd_tree() {
-  return {"kd_tree", "kd-tree, built anew each time",
-          [](Arena& a, const Params&) -> std::unique_ptr<NeighborSearch> { return std::make_unique<KdTree>(a); }};
+  return variant_of<NeighborSearch, KdTree>("kd_tree", "kd-tree, built anew each time");
 }
 
 }  // namespace feder

@@ -76,8 +76,7 @@ class SpatialHash final : public NeighborSearch {
 }  // namespace
 
 Variant<NeighborSearch> neighbors_spatial_hash() {
-  return {"spatial_hash", "hash table of cells, for points in clouds far apart",
-          [](Arena& a, const Params&) -> std::unique_ptr<NeighborSearch> { return std::make_unique<SpatialHash>(a); }};
+  return variant_of<NeighborSearch, SpatialHash>("spatial_hash", "hash table of cells, for points in clouds far apart");
 }
 
 }  // namespace feder

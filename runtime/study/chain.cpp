@@ -51,8 +51,7 @@ class Chain final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_chain() {
-  return {"chain", "eigenmodes of a straight chain, fixed or free at its ends",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Chain>(p); }};
+  return variant_of<StudyProblem, Chain>("chain", "eigenmodes of a straight chain, fixed or free at its ends");
 }
 
 }  // namespace feder

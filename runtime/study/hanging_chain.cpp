@@ -47,8 +47,8 @@ class HangingChain final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_hanging_chain() {
-  return {"hanging_chain", "a very stiff chain with a very heavy end, let go unstretched",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<HangingChain>(p); }};
+  return variant_of<StudyProblem, HangingChain>("hanging_chain",
+                                                "a very stiff chain with a very heavy end, let go unstretched");
 }
 
 }  // namespace feder

@@ -59,8 +59,7 @@ class Membrane final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_membrane() {
-  return {"membrane", "eigenmodes of a square net under tension",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Membrane>(p); }};
+  return variant_of<StudyProblem, Membrane>("membrane", "eigenmodes of a square net under tension");
 }
 
 }  // namespace feder

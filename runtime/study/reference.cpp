@@ -112,6 +112,23 @@ void OdeReference::midpoint(Wide t, Wide h, int n, const std::vector<Wide>& y, s
   evaluations_ += n + 1;
 }
 
+void damped_oscillation(double k, double decay, double t, double& x, double& v) {
+  const double square = k - decay * decay;
+  if (std::fabs(square) < 1e-12 * k) {  // critical
+    const double w = std::sqrt(k), e = std::exp(-w * t);
+    x = (1 + w * t) * e;
+    v = -k * t * e;
+  } else if (square > 0) {
+    const double w = std::sqrt(square), e = std::exp(-decay * t);
+    x = e * (std::cos(w * t) + decay / w * std::sin(w * t));
+    v = -e * k / w * std::sin(w * t);
+  } else {
+    const double root = std::sqrt(-square), fast = decay + root, slow = k / fast;  // product of the roots is k
+    x = (fast * std::exp(-slow * t) - slow * std::exp(-fast * t)) / (fast - slow);
+    v = k * (std::exp(-fast * t) - std::exp(-slow * t)) / (fast - slow);
+  }
+}
+
 void eigen_symmetric(std::vector<Wide> a, std::size_t n, std::vector<Wide>& values, std::vector<Wide>& vectors) {
   std::vector<Wide> v(n * n, 0);
   for (std::size_t i = 0; i < n; ++i) v[i * n + i] = 1;

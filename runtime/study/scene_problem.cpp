@@ -6,8 +6,9 @@
 #include "feder/rigid.h"
 #include "state/bodies.h"
 #include "state/particles.h"
+#include "study/integrator_problem.h"
 #include "study/norms.h"
-#include "study/ode.h"
+#include "study/worlds.h"
 
 namespace feder {
 namespace {
@@ -19,19 +20,17 @@ void add(std::vector<double>& out, const Vec3& a) {
 class SceneRun final : public StudyRun {
  public:
   SceneRun(std::unique_ptr<SceneWorld> scene, int steps, std::function<double(SceneWorld&)> own_error)
-      : scene_(std::move(scene)), steps_(steps), judge_(std::move(own_error)) {}
+      : scene_(std::move(scene)), steps_(steps), own_error_(std::move(own_error)) {}
 
   void step() override {
     scene_->step();
-    for (const Event& e : scene_->world().events().list())
-      if (e.kind == EventKind::warning) warning_ = scene_->world().events().warning_message(e);
-    if (++done_ == steps_ && judge_) error_ = judge_(*scene_);
+    warned_.read(scene_->world());
+    if (++done_ == steps_ && own_error_) error_ = own_error_(*scene_);
   }
   void observe(Observation& out) override { scene_->observe(out); }
   Invariants invariants() override {
     Invariants i;
-    const Energy e = scene_->world().energy();
-    i.energy = e.kinetic + e.potential + e.elastic;
+    i.energy = total_energy(scene_->world());
     const Momentum p = scene_->world().momentum();
     for (int k = 0; k < 3; ++k) i.momentum[k] = p.linear[k], i.angular[k] = p.angular[k];
     i.momentum_scale = std::hypot(i.momentum[0], i.momentum[1], i.momentum[2]);
@@ -59,17 +58,17 @@ class SceneRun final : public StudyRun {
   }
   std::size_t bytes() const override { return scene_->world().bytes(); }
   bool gave_up() const override { return !scene_->world().is_finite(); }
-  std::string warning() const override { return warning_; }
+  std::string warning() const override { return warned_.last; }
   double event_error() const override { return scene_->event_error(); }
   double own_error() const override { return error_; }
-  bool measures_itself() const override { return static_cast<bool>(judge_); }
+  bool measures_itself() const override { return static_cast<bool>(own_error_); }
 
  private:
   std::unique_ptr<SceneWorld> scene_;
   int steps_, done_ = 0;
-  std::function<double(SceneWorld&)> judge_;
+  std::function<double(SceneWorld&)> own_error_;
   double error_ = NAN;
-  std::string warning_;
+  WarningRecord warned_;
 };
 
 std::vector<int> around(double t_end, double dt) {

@@ -31,8 +31,8 @@ class SpringPendulum final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_spring_pendulum() {
-  return {"spring_pendulum", "a mass on a stiff spring, swinging from the level",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<SpringPendulum>(p); }};
+  return variant_of<StudyProblem, SpringPendulum>("spring_pendulum",
+                                                  "a mass on a stiff spring, swinging from the level");
 }
 
 }  // namespace feder

@@ -37,8 +37,8 @@ class SwingingChain final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_swinging_chain() {
-  return {"swinging_chain", "ten stiff links swinging from the level, with an end as heavy as wanted",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<SwingingChain>(p); }};
+  return variant_of<StudyProblem, SwingingChain>(
+      "swinging_chain", "ten stiff links swinging from the level, with an end as heavy as wanted");
 }
 
 }  // namespace feder

@@ -35,8 +35,7 @@ class TwoMasses final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_two_masses() {
-  return {"two_masses", "1 kg and 1e6 kg in series: two eigenmodes far apart",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<TwoMasses>(p); }};
+  return variant_of<StudyProblem, TwoMasses>("two_masses", "1 kg and 1e6 kg in series: two eigenmodes far apart");
 }
 
 }  // namespace feder

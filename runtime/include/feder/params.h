@@ -128,6 +128,19 @@ struct Variant {
   std::unique_ptr<T> (*make)(Arena&, const Params&);
 };
 
+// The row of a class that is made from the arena and the options, or from the one of them that its constructor takes.
+template <class T, class Made>
+Variant<T> variant_of(const char* name, const char* summary) {
+  return {name, summary, []([[maybe_unused]] Arena& arena, [[maybe_unused]] const Params& p) -> std::unique_ptr<T> {
+            if constexpr (std::is_constructible_v<Made, Arena&, const Params&>)
+              return std::make_unique<Made>(arena, p);
+            else if constexpr (std::is_constructible_v<Made, Arena&>)
+              return std::make_unique<Made>(arena);
+            else
+              return std::make_unique<Made>(p);
+          }};
+}
+
 // The names of a table: "auto, direct".
 template <class Row>
 std::string variant_names(std::span<const Row> table) {
