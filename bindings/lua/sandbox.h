@@ -10,6 +10,8 @@ int open_sandbox(lua_State* L);
 
 // Text of a value without addresses: tables and functions get numbers in the order they are first shown.
 void push_text(lua_State* L, int index);
+// What print shows of the values at `first` to the top, with tabs between.
+std::string text_of_values(lua_State* L, int first);
 lua_Integer value_id(lua_State* L, int index);
 
 // Replacements with a promised order: pairs, next, table.sort (ordered.cpp).
