@@ -60,10 +60,7 @@ struct Script::Impl {
       } catch (const ScriptError& e) {
         error = e.what();
       }
-      if (!error.empty()) {
-        lua_pushstring(L, error.c_str());
-        lua_error(L);
-      }
+      if (!error.empty()) raise_error(L, error);
       yaml_to_scene(L, name);
       state.is_scene = take_scene(L, name);
     });

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -105,9 +106,7 @@ std::string chunk_name(const fs::path& file) {
 int lua_require(lua_State* L) {
   State& s = state(L);
   if (lua_type(L, 1) != LUA_TSTRING) fail(L, "require: expected the name of a module, got " + describe(L, 1));
-  std::size_t size = 0;
-  const char* given = lua_tolstring(L, 1, &size);
-  const std::string name(given, size);
+  const std::string name(text_at(L, 1));
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
   lua_pushvalue(L, 1);
   if (lua_rawget(L, -2) != LUA_TNIL) return 1;
@@ -163,8 +162,7 @@ int feder_load(lua_State* L) {
     error = e.what();
   }
   // the error has the place in the file; the script's own place would hide it
-  lua_pushstring(L, error.c_str());
-  return lua_error(L);
+  raise_error(L, error);
 }
 
 }  // namespace feder::lua
