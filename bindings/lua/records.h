@@ -35,7 +35,7 @@ struct WorldSettings {
   std::vector<NamedMaterialPair> material_pairs;
 };
 
-// Of the seal on snapshots: random, and never part of a result.
+// Of the owner keys of snapshots: random, and never part of a result.
 struct SipKey {
   std::uint64_t a = 0, b = 0;
 };
