@@ -96,7 +96,7 @@ void Script::load_file(const std::filesystem::path& file) {
   State& s = impl_->state;
   std::string text;
   try {
-    note_file(s, file);
+    record_file(s, file);
     text = read_text(file);
   } catch (const SceneError& e) {
     throw ScriptError(e.what());

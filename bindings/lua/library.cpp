@@ -49,7 +49,7 @@ bool is_left_out(const std::string& name) {
 
 void run_module(lua_State* L, const std::string& name, const fs::path& file) {
   State& s = state(L);
-  note_file(s, file);
+  record_file(s, file);
   const std::string text = read_text(file);
   if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + chunk_name(file)).c_str(), "t") != LUA_OK) lua_error(L);
   struct Loading {
@@ -86,7 +86,7 @@ std::string read_text(const fs::path& file) {
   return text.str();
 }
 
-void note_file(State& s, const fs::path& file) {
+void record_file(State& s, const fs::path& file) {
   std::error_code error;
   fs::path full = fs::absolute(file, error).lexically_normal();
   if (std::find(s.files.begin(), s.files.end(), full) == s.files.end()) s.files.push_back(std::move(full));
@@ -152,7 +152,7 @@ int feder_load(lua_State* L) {
          {root, root / "materials", root / "scenes" / "materials", root / ".." / "scenes" / "materials"})
       if (file.empty()) file = inside(folder, name);
   if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
-  note_file(s, file);
+  record_file(s, file);
   const std::string text = read_text(file);
   std::string error;
   try {

@@ -105,8 +105,8 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id);
 // Destroys the object, with whatever depends on it; handles learn name and place.
 void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where);
 // Before and after restore: handles learn their names, and which objects are no more.
-void note_names(lua_State* L, WorldRecord& record);
-void bury_lost(lua_State* L, WorldRecord& record, const std::string& where);
+void record_names(lua_State* L, WorldRecord& record);
+void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where);
 std::string describe_object(lua_State* L, int index, Class c);
 Class class_of(const State& s, const WorldRecord& record, ObjectId id);
 

@@ -92,14 +92,14 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
     ObjectId id;
     r.get(id), r.get(special[id]);
   }
-  note_names(L, record);
+  record_names(L, record);
   record.world->restore(text.substr(used));
   record.special = std::move(special);
   record.subscriptions.events.clear();
   for (ScriptForce& f : record.forces.list) f.held.clear();
   for (auto& s : record.subscriptions.all)
     if (s->self && !record.world->objects().alive(s->self)) unsubscribe(L, record, s->id);
-  bury_lost(L, record, short_place(L) + " (world:restore)");
+  invalidate_lost(L, record, short_place(L) + " (world:restore)");
 }
 
 }  // namespace feder::lua

@@ -60,13 +60,13 @@ class Builder {
     lua_pop(lua_, 1);
     lua_insert(lua_, -2);
     lua_pushboolean(lua_, 1);
-    note_place(node);
+    record_location(node);
   }
   void end_table() {
     if (lua_) lua_remove(lua_, -2);
   }
   // Takes the key from the top of the stack; the table and its places are below it.
-  void note_place(const Node& node) {
+  void record_location(const Node& node) {
     const std::string text = place(node);
     lua_pushlstring(lua_, text.data(), text.size());
     lua_rawset(lua_, -4);
@@ -82,7 +82,7 @@ class Builder {
       if (!lua_) continue;
       lua_rawseti(lua_, -2, ++i);
       lua_pushinteger(lua_, i);
-      note_place(item);
+      record_location(item);
     }
     end_table();
   }
@@ -117,7 +117,7 @@ class Builder {
     value(child);
     lua_rawset(lua_, -3);
     scalar(key);
-    note_place(key);
+    record_location(key);
   }
 
   // `<<: *base` or `<<: [*a, *b]`: takes over the keys that are not there yet; the first one wins.
