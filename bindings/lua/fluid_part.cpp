@@ -21,7 +21,7 @@ std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std:
 void make_fluid(lua_State* L, int world) {
   const int options = lua_gettop(L);
   lua_newtable(L);  // the options without them
-  copy_places(L, options, -1);
+  copy_locations(L, options, -1);
   copy_fields(L, options);
   for (const char* part : {"fill", "emitter", "drain"}) set_field(L, part, nullptr);
   lua_getfield(L, world, "fluid");

@@ -55,7 +55,7 @@ bool is_alive(lua_State* L, const Handle& h) {
   fail(L, what + " was destroyed" + (where.empty() ? "" : " at " + where));
 }
 
-// Leaves name and place in the handle, if a script holds one.
+// Leaves name and location in the handle, if a script holds one.
 void invalidate(lua_State* L, WorldRecord& record, ObjectId id, const std::string& name, const std::string& where) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
   if (lua_rawgeti(L, -1, cache_key(id)) == LUA_TUSERDATA) {
@@ -105,7 +105,7 @@ int object_name(lua_State* L) {
 
 int object_destroy(lua_State* L) {
   Self self = check_self(L);
-  destroy_object(L, self.record, self.id, short_place(L));
+  destroy_object(L, self.record, self.id, short_location(L));
   return 0;
 }
 

@@ -161,7 +161,7 @@ int feder_load(lua_State* L) {
   } catch (const ScriptError& e) {
     error = e.what();
   }
-  // the error has the place in the file; the script's own place would hide it
+  // the error has the location in the file; the script's own would hide it
   raise_error(L, error);
 }
 

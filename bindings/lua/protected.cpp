@@ -141,7 +141,7 @@ int safe_resume(lua_State* L) {  // upvalue 1: the library's function
   const int results = original(L);
   State& s = state(L);
   const bool no_memory = thread && lua_status(thread) == LUA_ERRMEM;
-  if (no_memory && s.limit == Limit::none) s.memory_place = place(thread);
+  if (no_memory && s.limit == Limit::none) s.memory_location = location(thread);
   s.check_limits(L, no_memory ? LUA_ERRMEM : LUA_OK);
   return results;
 }

@@ -68,7 +68,7 @@ struct WorldBlock {
 struct Handle {
   std::uint32_t world = 0;
   Class kind = Class::force;
-  bool dead = false;  // destroyed for sure: name and place are in user values 2 and 3
+  bool dead = false;  // destroyed for sure: name and location are in user values 2 and 3
   ObjectId id;
 };
 
@@ -102,7 +102,7 @@ ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::s
 bool object_option(Options& o, const char* key, WorldRecord& record, ObjectId& out);
 
 void push_handle(lua_State* L, WorldRecord& record, ObjectId id);
-// Destroys the object, with whatever depends on it; handles learn name and place.
+// Destroys the object, with whatever depends on it; handles learn name and location.
 void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where);
 // Before and after restore: handles learn their names, and which objects are no more.
 void record_names(lua_State* L, WorldRecord& record);

@@ -117,7 +117,7 @@ void make_bodies(lua_State* L, int world, const char* maker) {
   }
   for (lua_Integer i = 0; i < count; ++i) {
     lua_newtable(L);
-    copy_places(L, options, -1);
+    copy_locations(L, options, -1);
     copy_fields(L, options);
     if (count > 1) {
       lua_getfield(L, -1, "name");

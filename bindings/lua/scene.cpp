@@ -104,7 +104,7 @@ int expect(lua_State* L) {  // (expect, condition, [message])
     lua_call(L, 1, 1);
     message = lua_isstring(L, -1) ? lua_tostring(L, -1) : "?";
   }
-  result_of(L).failures.push_back({place(L), message});
+  result_of(L).failures.push_back({location(L), message});
   lua_pushvalue(L, 1);
   return 1;
 }
@@ -131,7 +131,7 @@ int expect_error(lua_State* L) {
     ++result_of(L).passed;
   else
     result_of(L).failures.push_back(
-        {place(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
+        {location(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
   return push(L, holds);
 }
 
@@ -181,7 +181,7 @@ int feder_scene(lua_State* L) {
   }
   SceneState& s = scene(L);
   luaL_unref(L, LUA_REGISTRYINDEX, s.last);
-  s.where = place(L);
+  s.where = location(L);
   lua_settop(L, 1);
   lua_pushvalue(L, 1);
   s.last = luaL_ref(L, LUA_REGISTRYINDEX);
@@ -219,7 +219,7 @@ int build_scene(lua_State* L) {
     error = e.what();
     if (error.rfind("--world", 0) != 0 && error.rfind("world", 0) != 0) error = "world: " + error;
   }
-  // a mistake on the command line has no place in the script
+  // a mistake on the command line has no location in the script
   if (!error.empty()) raise_error(L, error.rfind("--world", 0) == 0 ? error : s.where + ": " + error);
   WorldRecord* old = st.last_world < st.worlds.size() ? st.worlds[st.last_world].get() : nullptr;
   WorldRecord& record = push_new_world(L, settings);  // at 3

@@ -99,7 +99,7 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
   for (ScriptForce& f : record.forces.list) f.held.clear();
   for (auto& s : record.subscriptions.all)
     if (s->self && !record.world->objects().alive(s->self)) unsubscribe(L, record, s->id);
-  invalidate_lost(L, record, short_place(L) + " (world:restore)");
+  invalidate_lost(L, record, short_location(L) + " (world:restore)");
 }
 
 }  // namespace feder::lua

@@ -75,7 +75,7 @@ StudyAxes read_axes(lua_State* L, int index, const std::string& what) {
   return axes;
 }
 
-// After loading no line of the script runs: the place is that of the scene.
+// After loading no line of the script runs: the location is that of the scene.
 [[noreturn]] void complain(lua_State* L, const std::string& message) {
   raise_error(L, state(L).scene.where + ": " + message);
 }
