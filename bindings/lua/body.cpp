@@ -199,7 +199,7 @@ const Method kBodyMethods[] = {
     {"set_gravity_scale", method<set_number<&Rigid::set_gravity_scale, kGravityScale>>,
      "body:set_gravity_scale(s) -> self", "1: as the world says"},
     {"set_filter", method<body_set_filter>, "body:set_filter{ group =, mask = } -> self",
-     "32-bit numbers; a pair meets when each group is in the other's mask", [] { return describe_rows(kSetFilter); }},
+     "32-bit numbers; a pair meets when each group is in the other's mask", rows_of<kSetFilter>},
     {"is_sensor", method<body_is_sensor>, "body:is_sensor() -> boolean", "does it only notice?"},
     {"set_sensor", method<&Rigid::set_sensor>, "body:set_sensor(on) -> self", "sensors notice and do not push"},
 };

@@ -41,12 +41,10 @@ void read_material(Options& o, const OptionRow&, BodyReading& b) {
   if (!o.text("material", b.material)) return;
   const auto& materials = b.record->settings.materials;
   const auto found = materials.find(b.material);
-  if (found == materials.end()) {
-    std::vector<std::string> known;
-    for (const auto& m : materials) known.push_back(m.first);
+  if (found == materials.end())
     o.raise("material", "unknown material '" + b.material + "'; " +
-                            (known.empty() ? "the world has no materials" : "known: " + join(known)));
-  }
+                            (materials.empty() ? "the world has no materials"
+                                               : "known: " + join(material_names(b.record->settings))));
   const Material& m = found->second;
   if (m.has_friction) b.friction_static = m.friction_static, b.friction_dynamic = m.friction_dynamic;
   if (m.has_restitution) b.restitution = m.restitution;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -22,12 +23,6 @@ double* element(lua_State* L, BufferBlock& b) {
   fail(L, "buffer: expected an index from 1 to " + std::to_string(b.count) + ", got " + describe(L, 2));
 }
 
-BufferBlock& self(lua_State* L) {
-  auto* b = static_cast<BufferBlock*>(test_class(L, 1, Class::buffer));
-  if (!b) wrong_self(L, "buffer");
-  return *b;
-}
-
 int buffer_index(lua_State* L) {  // upvalue 1: methods
   auto* b = static_cast<BufferBlock*>(lua_touserdata(L, 1));
   if (lua_type(L, 2) == LUA_TSTRING) {
@@ -35,8 +30,7 @@ int buffer_index(lua_State* L) {  // upvalue 1: methods
     lua_gettable(L, lua_upvalueindex(1));
     return 1;
   }
-  lua_pushnumber(L, *element(L, *b));
-  return 1;
+  return push(L, *element(L, *b));
 }
 
 int buffer_newindex(lua_State* L) {
@@ -46,10 +40,7 @@ int buffer_newindex(lua_State* L) {
   return 0;
 }
 
-int buffer_len(lua_State* L) {
-  lua_pushinteger(L, static_cast<lua_Integer>(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count));
-  return 1;
-}
+int buffer_len(lua_State* L) { return push(L, static_cast<BufferBlock*>(lua_touserdata(L, 1))->count); }
 
 int buffer_tostring(lua_State* L) {
   lua_pushfstring(L, "buffer of %I numbers",
@@ -58,8 +49,9 @@ int buffer_tostring(lua_State* L) {
 }
 
 int buffer_fill(lua_State* L) {
-  BufferBlock& b = self(L);
-  std::fill_n(b.numbers(), b.count, check_number(L, 2, function_name(L)));
+  const std::span<double> numbers = test_buffer(L, 1);
+  if (!numbers.data()) wrong_self(L, "buffer");
+  std::ranges::fill(numbers, check_number(L, 2, function_name(L)));
   lua_settop(L, 1);
   return 1;
 }
@@ -95,16 +87,12 @@ int feder_buffer(lua_State* L) {
 }
 
 void open_buffer(lua_State* L) {
+  set_metamethods(L, Class::buffer,
+                  {{"__newindex", guard<buffer_newindex>}, {"__len", buffer_len}, {"__tostring", buffer_tostring}});
   push_class(L, Class::buffer);
   lua_getfield(L, -1, "__index");
   lua_pushcclosure(L, guard<buffer_index>, 1);
   lua_setfield(L, -2, "__index");
-  lua_pushcfunction(L, guard<buffer_newindex>);
-  lua_setfield(L, -2, "__newindex");
-  lua_pushcfunction(L, buffer_len);
-  lua_setfield(L, -2, "__len");
-  lua_pushcfunction(L, buffer_tostring);
-  lua_setfield(L, -2, "__tostring");
   lua_pop(L, 1);
 }
 

@@ -49,15 +49,7 @@ std::string run_console(lua_State* L, std::string_view text, const std::string& 
   push_environment(L);
   if (!lua_setupvalue(L, -2, 1)) lua_pop(L, 1);
   lua_call(L, 0, LUA_MULTRET);
-  std::string result;
-  for (int i = base + 1, top = lua_gettop(L); i <= top; ++i) {
-    push_text(L, i);
-    std::size_t size = 0;
-    const char* shown = lua_tolstring(L, -1, &size);
-    if (i > base + 1) result += '\t';
-    result.append(shown, size);
-    lua_pop(L, 1);
-  }
+  const std::string result = text_of_values(L, base + 1);
   lua_settop(L, base);
   return result;
 }

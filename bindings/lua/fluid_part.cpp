@@ -21,15 +21,9 @@ std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std:
 void make_fluid(lua_State* L, int world) {
   const int options = lua_gettop(L);
   lua_newtable(L);  // the options without them
-  copy_places(L, options, -1);
-  for (lua_pushnil(L); lua_next(L, options);) {
-    const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-    lua_pushvalue(L, -2), lua_insert(L, -2);
-    if (key == "fill" || key == "emitter" || key == "drain")
-      lua_pop(L, 2);
-    else
-      lua_rawset(L, -4);
-  }
+  copy_locations(L, options, -1);
+  copy_fields(L, options);
+  for (const char* part : {"fill", "emitter", "drain"}) set_field(L, part, nullptr);
   lua_getfield(L, world, "fluid");
   lua_pushvalue(L, world);
   lua_pushvalue(L, options + 1);

@@ -55,8 +55,8 @@ bool is_alive(lua_State* L, const Handle& h) {
   fail(L, what + " was destroyed" + (where.empty() ? "" : " at " + where));
 }
 
-// Leaves name and place in the handle, if a script holds one.
-void bury(lua_State* L, WorldRecord& record, ObjectId id, const std::string& name, const std::string& where) {
+// Leaves name and location in the handle, if a script holds one.
+void invalidate(lua_State* L, WorldRecord& record, ObjectId id, const std::string& name, const std::string& where) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
   if (lua_rawgeti(L, -1, cache_key(id)) == LUA_TUSERDATA) {
     static_cast<Handle*>(lua_touserdata(L, -1))->dead = true;
@@ -105,7 +105,7 @@ int object_name(lua_State* L) {
 
 int object_destroy(lua_State* L) {
   Self self = check_self(L);
-  destroy_object(L, self.record, self.id, short_place(L));
+  destroy_object(L, self.record, self.id, short_location(L));
   return 0;
 }
 
@@ -306,12 +306,12 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
     destroy_force(L, record, id, where);
   else
     fail_here(L, "this host has no part that destroys " + objects.describe(id));
-  bury(L, record, id, name, where);
+  invalidate(L, record, id, name, where);
   record.special.erase(id);
-  for (ObjectId other : others) bury(L, record, other, objects.name(other), where);
+  for (ObjectId other : others) invalidate(L, record, other, objects.name(other), where);
 }
 
-void note_names(lua_State* L, WorldRecord& record) {
+void record_names(lua_State* L, WorldRecord& record) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
   for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
     const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
@@ -322,7 +322,7 @@ void note_names(lua_State* L, WorldRecord& record) {
   lua_pop(L, 1);
 }
 
-void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
+void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where) {
   const Objects& objects = record.world->objects();
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
   lua_newtable(L);
@@ -344,7 +344,7 @@ void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
     const std::string name(text_at(L, -1));
     const bool known = h->dead;
     lua_pop(L, 2);
-    if (!known) bury(L, record, id, name, where);
+    if (!known) invalidate(L, record, id, name, where);
     lua_pushnil(L);
     lua_rawseti(L, -3, cache_key(id));
   }

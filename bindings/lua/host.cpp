@@ -60,10 +60,7 @@ struct Script::Impl {
       } catch (const ScriptError& e) {
         error = e.what();
       }
-      if (!error.empty()) {
-        lua_pushstring(L, error.c_str());
-        lua_error(L);
-      }
+      if (!error.empty()) raise_error(L, error);
       yaml_to_scene(L, name);
       state.is_scene = take_scene(L, name);
     });
@@ -99,7 +96,7 @@ void Script::load_file(const std::filesystem::path& file) {
   State& s = impl_->state;
   std::string text;
   try {
-    note_file(s, file);
+    record_file(s, file);
     text = read_text(file);
   } catch (const SceneError& e) {
     throw ScriptError(e.what());

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -48,7 +49,7 @@ bool is_left_out(const std::string& name) {
 
 void run_module(lua_State* L, const std::string& name, const fs::path& file) {
   State& s = state(L);
-  note_file(s, file);
+  record_file(s, file);
   const std::string text = read_text(file);
   if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + chunk_name(file)).c_str(), "t") != LUA_OK) lua_error(L);
   struct Loading {
@@ -85,7 +86,7 @@ std::string read_text(const fs::path& file) {
   return text.str();
 }
 
-void note_file(State& s, const fs::path& file) {
+void record_file(State& s, const fs::path& file) {
   std::error_code error;
   fs::path full = fs::absolute(file, error).lexically_normal();
   if (std::find(s.files.begin(), s.files.end(), full) == s.files.end()) s.files.push_back(std::move(full));
@@ -105,9 +106,7 @@ std::string chunk_name(const fs::path& file) {
 int lua_require(lua_State* L) {
   State& s = state(L);
   if (lua_type(L, 1) != LUA_TSTRING) fail(L, "require: expected the name of a module, got " + describe(L, 1));
-  std::size_t size = 0;
-  const char* given = lua_tolstring(L, 1, &size);
-  const std::string name(given, size);
+  const std::string name(text_at(L, 1));
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
   lua_pushvalue(L, 1);
   if (lua_rawget(L, -2) != LUA_TNIL) return 1;
@@ -153,7 +152,7 @@ int feder_load(lua_State* L) {
          {root, root / "materials", root / "scenes" / "materials", root / ".." / "scenes" / "materials"})
       if (file.empty()) file = inside(folder, name);
   if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
-  note_file(s, file);
+  record_file(s, file);
   const std::string text = read_text(file);
   std::string error;
   try {
@@ -162,9 +161,8 @@ int feder_load(lua_State* L) {
   } catch (const ScriptError& e) {
     error = e.what();
   }
-  // the error has the place in the file; the script's own place would hide it
-  lua_pushstring(L, error.c_str());
-  return lua_error(L);
+  // the error has the location in the file; the script's own would hide it
+  raise_error(L, error);
 }
 
 }  // namespace feder::lua

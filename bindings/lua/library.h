@@ -7,7 +7,7 @@ namespace feder::lua {
 int lua_require(lua_State* L);
 int feder_load(lua_State* L);
 // Remembers that the script reads this file, for Script::files.
-void note_file(State& s, const std::filesystem::path& file);
+void record_file(State& s, const std::filesystem::path& file);
 // Reads a file of at most 64 MB; SceneError when it cannot.
 std::string read_text(const std::filesystem::path& file);
 // The name of a file in messages: as short as it can be said from here, at most 58 characters.

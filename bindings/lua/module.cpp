@@ -3,7 +3,7 @@
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 #include "lua/params.h"
 #include "lua/plot.h"
 #include "lua/sandbox.h"
@@ -13,8 +13,6 @@
 
 namespace feder::lua {
 namespace {
-
-constexpr const char* kVersion = FEDER_VERSION;
 
 int feder_world(lua_State* L) {
   State& s = state(L);
@@ -33,10 +31,7 @@ int feder_world(lua_State* L) {
   return 1;
 }
 
-int feder_deg(lua_State* L) {
-  lua_pushnumber(L, check_number(L, 1, function_name(L)) * 0.01745329251994329577);
-  return 1;
-}
+double feder_deg(lua_State* L) { return check_number(L, 1, function_name(L)) * 0.01745329251994329577; }
 
 // The names that an option of a class takes: "cloth.solver".
 int feder_choices(lua_State* L) {
@@ -44,23 +39,13 @@ int feder_choices(lua_State* L) {
   for (const DocRow& row : docs(state(L).options.parts))
     for (const OptionInfo& o : row.options) {
       if (row.name + "." + o.row.name != wanted || o.choices.empty()) continue;
-      lua_newtable(L);
-      std::size_t from = 0;
-      for (lua_Integer k = 1; from < o.choices.size(); ++k) {
-        const std::size_t end = std::min(o.choices.find(", ", from), o.choices.size());
-        lua_pushlstring(L, o.choices.data() + from, end - from);
-        lua_rawseti(L, -2, k);
-        from = end + 2;
-      }
+      push_list(L, split_choices(o.choices), [&](std::string_view choice) { push(L, choice); });
       return 1;
     }
   fail_here(L, "expected an option with choices, such as \"fluid.solver\", got " + describe(L, 1));
 }
 
-int feder_version(lua_State* L) {
-  lua_pushstring(L, kVersion);
-  return 1;
-}
+const char* feder_version(lua_State*) { return FEDER_VERSION; }
 
 const Method kFederFunctions[] = {
     {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world",
@@ -74,7 +59,7 @@ const Method kFederFunctions[] = {
      "a YAML file beside the scene or in the libraries"},
     {"choices", guard<feder_choices>, "feder.choices(option) -> {name, ...}",
      "what an option takes in this build: \"cloth.solver\", \"net.integrator\""},
-    {"deg", guard<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
+    {"deg", method<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
     {"buffer", guard<feder_buffer>, "feder.buffer(n) -> buffer", "n numbers for bulk data; buf[i] counts from 1"},
     {"wait", guard<feder_wait>, "feder.wait(seconds)", "in a task: simulated seconds, at least one step"},
     {"wait_until", guard<feder_wait_until>, "feder.wait_until(fn)",
@@ -85,7 +70,7 @@ const Method kFederFunctions[] = {
      "what systems say before a run; per net: verdict, method, limit, h, hw, frequency, decay, substeps, integrator, "
      "error, error_class, resolved_hertz: is the step stable, how large are its errors, what would do"},
     {"plot", guard<feder_plot>, "feder.plot(name, value)", "a value over simulated time; the viewer draws it"},
-    {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
+    {"version", method<feder_version>, "feder.version() -> string", "of feder"},
 };
 
 }  // namespace
@@ -106,8 +91,7 @@ void open_module(lua_State* L) {
   add_methods(L, feder_functions(), "feder.", 0);
   add_methods(L, shape_functions(), "feder.", 0);
   for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
-  lua_pushnumber(L, 3.14159265358979323846);
-  lua_setfield(L, -2, "pi");
+  set_field(L, "pi", 3.14159265358979323846);
   lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
   lua_pushvalue(L, -2);
   lua_setfield(L, -2, "feder");

@@ -14,17 +14,32 @@ namespace {
   fail(L, what + ": expected " + expected + ", got " + describe(L, index));
 }
 
-Real to_real(lua_State* L, int index, const std::string& what) {
-  return static_cast<Real>(check_number(L, index, what));
+// What the number at `index` should have been; empty when it is right.
+std::string expected_number(lua_State* L, int index, const Range& range) {
+  if (lua_type(L, index) != LUA_TNUMBER) return range.text();
+  const double x = lua_tonumber(L, index);
+  if (!std::isfinite(x)) return "a finite number";
+  // an open bound is compared in Real: what is positive in double may be zero in float
+  if (x >= range.lo && x <= range.hi && (!range.open || static_cast<Real>(x) > static_cast<Real>(range.lo))) return {};
+  return std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30" : range.text();
 }
 
-// The number at t[i] of the table at `index`.
-Real component(lua_State* L, int index, int i, const std::string& what) {
-  static const char* const names[] = {"x", "y", "z", "w"};
-  lua_rawgeti(L, index, i);
-  const Real value = to_real(L, -1, what + "." + names[i - 1]);
-  lua_pop(L, 1);
-  return value;
+// The vector at `index`. wrong(i, expected, got) raises what is none: component i from 1 on, or the whole of it (0).
+template <class F>
+Vec3 read_vector(lua_State* L, int index, bool planar, F&& wrong) {
+  index = lua_absindex(L, index);
+  const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";
+  if (lua_type(L, index) != LUA_TTABLE) wrong(0, expected, describe(L, index));
+  const auto size = lua_rawlen(L, index);
+  if (size != 3 && !(planar && size == 2))
+    wrong(0, expected, "a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+  Vec3 v = Vec3::Zero();
+  each_entry(L, index, [&](lua_Integer i) {
+    const double x = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : std::nan("");
+    if (!(std::abs(x) <= kHuge)) wrong(static_cast<int>(i), "a finite number", describe(L, -1));
+    v[i - 1] = static_cast<Real>(x);
+  });
+  return v;
 }
 
 struct Turn {
@@ -59,16 +74,9 @@ Quat euler_rotation(Options& o, const Turn& turn) {
 }  // namespace
 
 double check_number(lua_State* L, int index, const std::string& what, const Range& range) {
-  if (lua_type(L, index) != LUA_TNUMBER) wrong_value(L, index, what, range.text());
-  const double x = lua_tonumber(L, index);
-  if (!std::isfinite(x)) wrong_value(L, index, what, "a finite number");
-  if (x < range.lo || x > range.hi || (range.open && x <= range.lo)) {
-    const bool huge = std::abs(x) > kHuge && range.hi >= kHuge;
-    wrong_value(L, index, what, huge ? "a number of at most 1e30" : range.text());
-  }
-  // positive in double, zero in float
-  if (range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo))) wrong_value(L, index, what, range.text());
-  return x;
+  const std::string expected = expected_number(L, index, range);
+  if (!expected.empty()) wrong_value(L, index, what, expected);
+  return lua_tonumber(L, index);
 }
 
 std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi) {
@@ -106,16 +114,10 @@ Real number_argument(lua_State* L, int index, const Range& range) {
 }
 
 Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar) {
-  index = lua_absindex(L, index);
-  const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";
-  if (lua_type(L, index) != LUA_TTABLE) wrong_value(L, index, what, expected);
-  const auto size = lua_rawlen(L, index);
-  if (size != 3 && !(planar && size == 2))
-    fail(L, what + ": expected " + expected + ", got a table of " + std::to_string(size) +
-                (size == 1 ? " value" : " values"));
-  Vec3 v = Vec3::Zero();
-  for (int i = 1; i <= static_cast<int>(size); ++i) v[i - 1] = component(L, index, i, what);
-  return v;
+  return read_vector(L, index, planar, [&](int i, const char* expected, const std::string& got) {
+    if (i > 0) check_number(L, -1, what + "." + "xyz"[i - 1]);
+    fail(L, what + ": expected " + expected + ", got " + got);
+  });
 }
 
 Quat check_rotation(lua_State* L, int index, const std::string& what) {
@@ -123,14 +125,15 @@ Quat check_rotation(lua_State* L, int index, const std::string& what) {
   if (lua_type(L, index) != LUA_TTABLE)
     wrong_value(L, index, what, "{x, y, z, w}, {axis =, angle =} or {euler = {..}}");
   if (lua_rawlen(L, index) == 4) {
-    Quat q;
-    q.x = component(L, index, 1, what), q.y = component(L, index, 2, what);
-    q.z = component(L, index, 3, what), q.w = component(L, index, 4, what);
-    const double n = static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z +
-                     static_cast<double>(q.w) * q.w;
+    Real q[4] = {};
+    double n = 0;
+    each_entry(L, index, [&](lua_Integer i) {
+      q[i - 1] = static_cast<Real>(check_number(L, -1, what + "." + "xyzw"[i - 1]));
+      n += static_cast<double>(q[i - 1]) * q[i - 1];
+    });
     if (!(n > 1e-12 && n < 1e12))
       fail(L, what + ": expected a quaternion of length 1, got one of length " + print_number(std::sqrt(n)));
-    return normalized(q);
+    return normalized({q[0], q[1], q[2], q[3]});
   }
   Options o(L, index, what);
   Turn turn;
@@ -171,11 +174,9 @@ void set_param(lua_State* L, int index, const std::string& key, const std::strin
       const auto size = lua_rawlen(L, index);
       if (size > 1024) fail(L, what + ": expected a list of at most 1024 numbers, got " + std::to_string(size));
       std::vector<double> list;
-      for (std::size_t i = 1; i <= size; ++i) {
-        lua_rawgeti(L, index, static_cast<lua_Integer>(i));
+      each_entry(L, index, [&](lua_Integer i) {
         list.push_back(check_number(L, -1, what + "[" + std::to_string(i) + "]", Range{}));
-        lua_pop(L, 1);
-      }
+      });
       out.set(key, std::move(list));
       return;
     }
@@ -254,17 +255,10 @@ bool Options::has(const char* key) {
 
 bool Options::number(const char* key, double& out, const Range& range) {
   if (!push_any(key)) return false;
-  const double x = lua_type(L_, -1) == LUA_TNUMBER ? lua_tonumber(L_, -1) : std::nan("");
-  const bool good = std::isfinite(x) && x >= range.lo && x <= range.hi &&
-                    !(range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo)));
-  if (!good) {
-    const bool finite = lua_type(L_, -1) != LUA_TNUMBER || std::isfinite(x);
-    wrong(key, !finite                                    ? "a finite number"
-               : std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30"
-                                                          : range.text());
-  }
+  const std::string expected = expected_number(L_, -1, range);
+  if (!expected.empty()) wrong(key, expected);
+  out = lua_tonumber(L_, -1);
   lua_pop(L_, 1);
-  out = x;
   return true;
 }
 
@@ -298,26 +292,11 @@ bool Options::text(const char* key, std::string& out) {
 
 bool Options::vector(const char* key, Vec3& out) {
   if (!push_any(key)) return false;
-  const char* expected = planar_ ? "{x, y} or {x, y, z}" : "{x, y, z}";
-  if (lua_type(L_, -1) != LUA_TTABLE) wrong(key, expected);
-  const int at = lua_gettop(L_);
-  const auto size = lua_rawlen(L_, at);
-  if (size != 3 && !(planar_ && size == 2))
-    raise(key, std::string("expected ") + expected + ", got a table of " + std::to_string(size) +
-                   (size == 1 ? " value" : " values"));
-  Vec3 v = Vec3::Zero();
-  for (int i = 1; i <= static_cast<int>(size); ++i) {
-    lua_rawgeti(L_, at, i);
-    const double x = lua_type(L_, -1) == LUA_TNUMBER ? lua_tonumber(L_, -1) : std::nan("");
-    if (!(std::abs(x) <= kHuge)) {
-      const std::string which = std::string(key) + "." + "xyz"[i - 1];
-      raise_at(key, path(which.c_str()) + ": expected a finite number, got " + describe(L_, -1));
-    }
-    v[i - 1] = static_cast<Real>(x);
-    lua_pop(L_, 1);
-  }
+  out = read_vector(L_, -1, planar_, [&](int i, const char* expected, const std::string& got) {
+    const std::string what = i > 0 ? path(key) + "." + "xyz"[i - 1] : path(key);
+    raise_at(key, what + ": expected " + expected + ", got " + got);
+  });
   lua_pop(L_, 1);
-  out = v;
   return true;
 }
 
@@ -357,13 +336,11 @@ bool Options::words(const char* key, std::vector<std::string>& out) {
     if (lua_type(L_, -1) != LUA_TTABLE) wrong(key, "a string or a list of strings");
     const auto size = lua_rawlen(L_, -1);
     if (size > 64) raise(key, "expected at most 64 strings, got " + std::to_string(size));
-    for (std::size_t i = 1; i <= size; ++i) {
-      lua_rawgeti(L_, -1, static_cast<lua_Integer>(i));
+    each_entry(L_, -1, [&](lua_Integer i) {
       if (lua_type(L_, -1) != LUA_TSTRING)
         raise(key, "expected a list of strings, got " + describe(L_, -1) + " at " + std::to_string(i));
       list.emplace_back(lua_tostring(L_, -1));
-      lua_pop(L_, 1);
-    }
+    });
   }
   lua_pop(L_, 1);
   out = std::move(list);

@@ -6,6 +6,7 @@
 
 #include "lua/records.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -44,12 +45,7 @@ Key read_key(lua_State* L, int index) {
       k.integer = k.is_integer ? lua_tointeger(L, index) : 0;
       k.number = lua_tonumber(L, index);
       return k;
-    case LUA_TSTRING: {
-      std::size_t size = 0;
-      const char* text = lua_tolstring(L, index, &size);
-      k.rank = 1, k.text = {text, size};
-      return k;
-    }
+    case LUA_TSTRING: k.rank = 1, k.text = text_at(L, index); return k;
     case LUA_TBOOLEAN: k.rank = 2, k.integer = lua_toboolean(L, index); return k;
     default: break;
   }
@@ -343,27 +339,14 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
 void open_ordered(lua_State* L) {
   lua_register(L, "pairs", guard<ordered_pairs>);
   lua_register(L, "next", guard<ordered_next>);
-  lua_newtable(L);
-  lua_createtable(L, 0, 1);
-  lua_pushstring(L, "k");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
+  push_weak_table(L, "k");
   lua_rawsetp(L, LUA_REGISTRYINDEX, &kWalks);
   lua_getglobal(L, "table");
-  lua_pushcfunction(L, guard<stable_sort>);
-  lua_setfield(L, -2, "sort");
-  static constexpr luaL_Reg kWalks[] = {{"insert", guard<bounded_list<Walk::shift>>},
-                                        {"remove", guard<bounded_list<Walk::shift>>},
-                                        {"move", guard<bounded_list<Walk::move>>},
-                                        {"concat", guard<bounded_list<Walk::range>>},
-                                        {"unpack", guard<bounded_list<Walk::range>>}};
-  for (const luaL_Reg& walk : kWalks) {
-    lua_getfield(L, -1, walk.name);
-    lua_pushstring(L, walk.name);
-    lua_pushcclosure(L, walk.func, 2);
-    lua_setfield(L, -2, walk.name);
-  }
+  set_field(L, "sort", guard<stable_sort>);
   lua_pop(L, 1);
+  wrap(L, "table", {"insert", "remove"}, guard<bounded_list<Walk::shift>>, true);
+  wrap(L, "table", {"move"}, guard<bounded_list<Walk::move>>, true);
+  wrap(L, "table", {"concat", "unpack"}, guard<bounded_list<Walk::range>>, true);
 }
 
 }  // namespace feder::lua

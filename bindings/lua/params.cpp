@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -59,13 +60,11 @@ ParamInfo read_options(lua_State* L, const std::string& name) {
   if (o.push("choices", LUA_TTABLE, "a list")) {
     const auto count = lua_rawlen(L, -1);
     if (count == 0 || count > 1000) o.raise("choices", "expected 1 to 1000 values, got " + std::to_string(count));
-    for (std::size_t i = 1; i <= count; ++i) {
-      lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
+    each_entry(L, -1, [&](lua_Integer) {
       if (lua_type(L, -1) != lua_type(L, 2))
         o.raise("choices", "expected values of the default's type, got " + describe(L, -1));
       p.choices.push_back(value_text(L, -1));
-      lua_pop(L, 1);
-    }
+    });
     lua_pop(L, 1);
   }
   if (p.has_min && p.has_max && p.min > p.max) o.raise("min", "expected at most max, got " + print_number(p.min));

@@ -26,20 +26,17 @@ int world_bodies(lua_State* L) {
     filtered = o.has("tag");
     for (const std::string& w : filter.tag) tags |= objects.known_tag(w);
   }
-  lua_newtable(L);
-  lua_Integer n = 0;
+  std::vector<ObjectId> found;
   objects.for_each(kBodyKind, [&](ObjectId id) {
-    if (r.special.count(id) || (filtered && !(objects.tags(id) & tags))) return;
-    push_handle(L, r, id);
-    lua_rawseti(L, -2, ++n);
+    if (!r.special.count(id) && (!filtered || (objects.tags(id) & tags))) found.push_back(id);
   });
+  push_list(L, found, [&](ObjectId id) { push_handle(L, r, id); });
   return 1;
 }
 
-int world_max_penetration(lua_State* L) {
-  Collide* collide = check_world(L).world->query<Collide>();
-  lua_pushnumber(L, collide ? collide->max_penetration() : Real(0));
-  return 1;
+Real world_max_penetration(WorldRecord& r) {
+  Collide* collide = r.world->query<Collide>();
+  return collide ? collide->max_penetration() : Real(0);
 }
 
 std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::string& where) {
@@ -120,7 +117,7 @@ void make_bodies(lua_State* L, int world, const char* maker) {
   }
   for (lua_Integer i = 0; i < count; ++i) {
     lua_newtable(L);
-    copy_places(L, options, -1);
+    copy_locations(L, options, -1);
     copy_fields(L, options);
     if (count > 1) {
       lua_getfield(L, -1, "name");
@@ -164,8 +161,8 @@ const Method kWorld[] = {
     {"region", method<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
      "sensor_enter and sensor_leave events", region_rows},
     {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag",
-     [] { return describe_rows(kBodiesFilter); }},
-    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number",
+     rows_of<kBodiesFilter>},
+    {"max_penetration", method<world_max_penetration>, "world:max_penetration() -> number",
      "of touching contacts now, m"},
 };
 

@@ -2,6 +2,7 @@
 #include "lua/scene.h"
 
 #include "lua/options.h"
+#include "lua/stack.h"
 #include "lua/study.h"
 #include "lua/world_options.h"
 
@@ -78,14 +79,10 @@ void read_scene(lua_State* L, int index, SceneState& out, const std::string& own
 
 // A fresh copy of the scene for build, update and check: what a build leaves there does not reach the next.
 void push_scene_copy(lua_State* L) {
-  lua_newtable(L);
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
-  for (lua_pushnil(L); lua_next(L, -2);) {
-    lua_pushvalue(L, -2);
-    lua_insert(L, -2);
-    lua_rawset(L, -5);
-  }
-  lua_pop(L, 1);
+  lua_newtable(L);
+  copy_fields(L, -2);
+  lua_remove(L, -2);
 }
 
 CheckResult& result_of(lua_State* L) {  // upvalue 1, light
@@ -105,9 +102,9 @@ int expect(lua_State* L) {  // (expect, condition, [message])
     lua_getglobal(L, "tostring");
     lua_pushvalue(L, 2);
     lua_call(L, 1, 1);
-    message = lua_tostring(L, -1) ? lua_tostring(L, -1) : "?";
+    message = lua_isstring(L, -1) ? lua_tostring(L, -1) : "?";
   }
-  result_of(L).failures.push_back({place(L), message});
+  result_of(L).failures.push_back({location(L), message});
   lua_pushvalue(L, 1);
   return 1;
 }
@@ -134,9 +131,8 @@ int expect_error(lua_State* L) {
     ++result_of(L).passed;
   else
     result_of(L).failures.push_back(
-        {place(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
-  lua_pushboolean(L, holds);
-  return 1;
+        {location(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
+  return push(L, holds);
 }
 
 // A table that is called, and has comparisons by name.
@@ -185,7 +181,7 @@ int feder_scene(lua_State* L) {
   }
   SceneState& s = scene(L);
   luaL_unref(L, LUA_REGISTRYINDEX, s.last);
-  s.where = place(L);
+  s.where = location(L);
   lua_settop(L, 1);
   lua_pushvalue(L, 1);
   s.last = luaL_ref(L, LUA_REGISTRYINDEX);
@@ -195,15 +191,10 @@ int feder_scene(lua_State* L) {
 bool take_scene(lua_State* L, const std::string& file) {
   SceneState& s = scene(L);
   if (lua_type(L, -1) != LUA_TTABLE && s.last == LUA_NOREF) return false;  // a plain script, whatever it returns
-  if (lua_isnil(L, -1)) {
-    lua_pushstring(
-        L, (s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'").c_str());
-    lua_error(L);
-  }
-  if (lua_type(L, -1) != LUA_TTABLE) {
-    lua_pushstring(L, (s.where + ": expected the file to return the scene made here, got " + describe(L, -1)).c_str());
-    lua_error(L);
-  }
+  if (lua_isnil(L, -1))
+    raise_error(L, s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'");
+  if (lua_type(L, -1) != LUA_TTABLE)
+    raise_error(L, s.where + ": expected the file to return the scene made here, got " + describe(L, -1));
   const std::string where = s.where;
   s.title.clear(), s.seconds = 0, s.picture = -1, s.camera = {};
   read_scene(L, lua_gettop(L), s, "feder.scene");
@@ -228,11 +219,8 @@ int build_scene(lua_State* L) {
     error = e.what();
     if (error.rfind("--world", 0) != 0 && error.rfind("world", 0) != 0) error = "world: " + error;
   }
-  if (!error.empty()) {
-    // a mistake on the command line has no place in the script
-    lua_pushstring(L, (error.rfind("--world", 0) == 0 ? error : s.where + ": " + error).c_str());
-    return lua_error(L);
-  }
+  // a mistake on the command line has no location in the script
+  if (!error.empty()) raise_error(L, error.rfind("--world", 0) == 0 ? error : s.where + ": " + error);
   WorldRecord* old = st.last_world < st.worlds.size() ? st.worlds[st.last_world].get() : nullptr;
   WorldRecord& record = push_new_world(L, settings);  // at 3
   luaL_unref(L, LUA_REGISTRYINDEX, st.last_world_ref);

@@ -31,8 +31,8 @@ void* allocate(void* self, void* block, std::size_t old_size, std::size_t new_si
     return nullptr;
   }
   if (new_size > old_size && s.memory_used + (new_size - old_size) > s.options.memory_limit) {
-    // Lua collects garbage and asks again; only the second refusal is an error, without a place of its own
-    if (s.L) s.memory_place = place(s.L);
+    // Lua collects garbage and asks again; only the second refusal is an error, without a location of its own
+    if (s.L) s.memory_location = location(s.L);
     return nullptr;
   }
   // concatenation, buffers and growing tables are long work of one instruction; the next hook sees the charge
@@ -80,12 +80,12 @@ std::string error_text(lua_State* L, int index) {
   return text.empty() ? "error object is " + describe(L, index) : text;
 }
 
-// Message handler of State::call: the error becomes text with a place while the stack still stands.
+// Message handler of State::call: the error becomes text with a location while the stack still stands.
 int on_error(lua_State* L) {
   if (state(L).limit != Limit::none) return 1;
   std::string text = error_text(L, 1);
-  if (split_place(text).where.empty()) {
-    const std::string at = place(L, 1);
+  if (split_location(text).where.empty()) {
+    const std::string at = location(L, 1);
     if (!at.empty()) text = at + ": " + text;
   }
   lua_pushlstring(L, text.data(), text.size());
@@ -175,7 +175,7 @@ std::uint64_t State::allowed_instructions() const {
 void State::begin_call() {
   budget = allowed_instructions();
   limit = Limit::none;
-  limit_place.clear();
+  limit_location.clear();
   lua_start = 0;
 }
 
@@ -214,9 +214,9 @@ bool State::resume(lua_State* thread, lua_State* from, int args, bool& yielded, 
     lua_pop(thread, results);
     return true;
   }
-  if (status == LUA_ERRMEM) memory_place = place(thread);
+  if (status == LUA_ERRMEM) memory_location = location(thread);
   if (status == LUA_OK || yielded) lua_pushnil(thread);
-  const std::string at = place(thread);
+  const std::string at = location(thread);
   take_failure(thread, nullptr, status, failure);
   if (failure.where.empty()) failure.where = at;
   lua_resetthread(thread);
@@ -226,12 +226,12 @@ bool State::resume(lua_State* thread, lua_State* from, int args, bool& yielded, 
 }
 
 void State::take_failure(lua_State* on, lua_State* outer, int status, Failure& failure) {
-  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_place = memory_place;
+  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_location = memory_location;
   if (limit == Limit::none) {
-    failure = split_place(one_line(error_text(on, -1)));
+    failure = split_location(one_line(error_text(on, -1)));
     return;
   }
-  failure = {limit_place, limit_text(), limit};
+  failure = {limit_location, limit_text(), limit};
   if (depth > 0 && outer) raise_limit(outer);
 }
 
@@ -245,7 +245,7 @@ void State::spend(lua_State* on, std::uint64_t units) {
 
 void State::trip(lua_State* on, Limit reached) {
   limit = reached;
-  limit_place = place(on);
+  limit_location = location(on);
   raise_limit(on);
 }
 
@@ -256,7 +256,7 @@ void State::raise_limit(lua_State* on) {
 }
 
 void State::check_limits(lua_State* on, int status) {
-  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_place = memory_place;
+  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_location = memory_location;
   if (limit != Limit::none) raise_limit(on);
 }
 
@@ -280,7 +280,7 @@ double State::thread_seconds() {
 }
 
 void State::report(const Failure& failure) {
-  // with no place, the message tells places apart
+  // without a location, the message tells errors apart
   for (HandlerError& e : errors) {
     if (e.where == failure.where && (!e.where.empty() || e.message == failure.message)) {
       ++e.count;
@@ -321,7 +321,7 @@ Rng& State::random() {
   return rng;
 }
 
-std::string place(lua_State* L, int level) {
+std::string location(lua_State* L, int level) {
   lua_Debug ar;
   for (; lua_getstack(L, level, &ar); ++level) {
     lua_getinfo(L, "Sl", &ar);
@@ -332,8 +332,8 @@ std::string place(lua_State* L, int level) {
   return {};
 }
 
-std::string short_place(lua_State* L) {
-  const std::string at = place(L);
+std::string short_location(lua_State* L) {
+  const std::string at = location(L);
   const std::size_t slash = at.find_last_of('/');
   return slash == std::string::npos ? at : at.substr(slash + 1);
 }
@@ -345,7 +345,7 @@ void raise_error(lua_State* L, const std::string& message) {
 }
 
 void fail(lua_State* L, const std::string& message) {
-  const std::string at = place(L);
+  const std::string at = location(L);
   raise_error(L, at.empty() ? message : at + ": " + message);
 }
 
@@ -398,8 +398,8 @@ std::string describe(lua_State* L, int index) {
   return "a userdata";
 }
 
-Failure split_place(std::string_view text) {
-  // the first ":<digits>: " ends a place
+Failure split_location(std::string_view text) {
+  // the first ":<digits>: " ends a location
   for (std::size_t i = text.find(':'); i != std::string_view::npos; i = text.find(':', i + 1)) {
     std::size_t end = i + 1;
     while (end < text.size() && text[end] >= '0' && text[end] <= '9') ++end;

@@ -82,7 +82,7 @@ struct State {
   // The error of a call that ended with `status`, on top of the stack; a limit of an outer call is raised again.
   void take_failure(lua_State* on, lua_State* outer, int status, Failure& failure);
   void begin_call();
-  // An error in a handler, timer, task or update(): counted by place.
+  // An error in a handler, timer, task or update(): counted by location.
   void report(const Failure& failure);
   void print(std::string_view text) const;
   // Takes `units` instructions off the budget of the outermost call; raises a limit that is reached, or was.
@@ -124,8 +124,8 @@ struct State {
   std::size_t memory_used = 0;  // bytes
   std::uint64_t budget = 0;     // instructions left of the outermost call
   Limit limit = Limit::none;    // reached: every hook raises until the outermost call has ended
-  std::string limit_place;      // file:line where it was reached
-  std::string memory_place;     // where the allocator last refused
+  std::string limit_location;   // file:line where it was reached
+  std::string memory_location;  // where the allocator last refused
   double lua_start = 0;         // s of thread_seconds at the first hook of the outermost call; 0: none yet
   std::uint64_t last_look = 0;  // ns, wall clock of the last look at thread_seconds
   std::uint64_t printed = 0;    // bytes
@@ -168,9 +168,9 @@ const ObjectClass* class_row(const State& s, Class c);
 inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextraspace(L)); }
 
 // "file:line" of the innermost Lua function at or above `level`; "" when there is none.
-std::string place(lua_State* L, int level = 0);
+std::string location(lua_State* L, int level = 0);
 // The same with the file's name alone: what a destroyed object remembers.
-std::string short_place(lua_State* L);
+std::string short_location(lua_State* L);
 // Raises the message as it is.
 [[noreturn]] void raise_error(lua_State* L, const std::string& message);
 // Raises "file:line: message".
@@ -181,8 +181,8 @@ std::string short_place(lua_State* L);
 const char* function_name(lua_State* L);
 // A value for messages: -5, 'text', a table, body "crate3" ...
 std::string describe(lua_State* L, int index);
-// Splits "file:line: message"; where stays empty when the text has no place.
-Failure split_place(std::string_view text);
+// Splits "file:line: message"; where stays empty when the text has no location.
+Failure split_location(std::string_view text);
 // Takes `units` instructions off the budget, for C functions that work long.
 void charge(lua_State* L, std::uint64_t units);
 std::string join(std::span<const std::string> words);

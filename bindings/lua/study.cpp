@@ -7,6 +7,7 @@
 
 #include "lua/buffer.h"
 #include "lua/scene.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -34,13 +35,10 @@ std::vector<std::string> read_axis(lua_State* L, int index, const std::string& w
   std::vector<std::string> values;
   if (lua_type(L, index) != LUA_TTABLE)
     fail(L, what + ": expected a list or { from =, to =, factor = }, got " + describe(L, index));
-  const auto n = static_cast<lua_Integer>(lua_rawlen(L, index));
-  for (lua_Integer k = 1; k <= n; ++k) {
-    lua_rawgeti(L, index, k);
+  each_entry(L, index, [&](lua_Integer k) {
     values.push_back(axis_value(L, lua_gettop(L), what + "[" + std::to_string(k) + "]"));
-    lua_pop(L, 1);
-  }
-  if (n > 0) return values;
+  });
+  if (!values.empty()) return values;
   Options o(L, index, what);
   Axis axis;
   o.read(kAxis, axis);
@@ -77,11 +75,9 @@ StudyAxes read_axes(lua_State* L, int index, const std::string& what) {
   return axes;
 }
 
-// After loading no line of the script runs: the place is that of the scene.
+// After loading no line of the script runs: the location is that of the scene.
 [[noreturn]] void complain(lua_State* L, const std::string& message) {
-  lua_pushstring(L, (state(L).scene.where + ": " + message).c_str());
-  lua_error(L);
-  std::abort();
+  raise_error(L, state(L).scene.where + ": " + message);
 }
 
 // Numbers of the value at `index`, depth first.
@@ -96,12 +92,7 @@ void collect(lua_State* L, int index, const std::string& what, int depth, std::v
   }
   if (lua_type(L, index) != LUA_TTABLE || depth > 8)
     complain(L, "study." + what + ": expected numbers or lists of numbers, got " + describe(L, index));
-  const auto n = static_cast<lua_Integer>(lua_rawlen(L, index));
-  for (lua_Integer k = 1; k <= n; ++k) {
-    lua_rawgeti(L, index, k);
-    collect(L, lua_gettop(L), what, depth + 1, out);
-    lua_pop(L, 1);
-  }
+  each_entry(L, index, [&](lua_Integer) { collect(L, lua_gettop(L), what, depth + 1, out); });
 }
 
 void need_world(lua_State* L) {
@@ -187,17 +178,14 @@ constexpr Option<StudyDeclaration::Ladder> kLadder[] = {field<&StudyDeclaration:
 void read_ladders(Options& o, const OptionRow& row, StudyDeclaration& out) {
   lua_State* L = o.L();
   if (!o.push(row.name, LUA_TTABLE, "a list of tables of name = values")) return;
-  const auto n = static_cast<lua_Integer>(lua_rawlen(L, -1));
-  for (lua_Integer k = 1; k <= n; ++k) {
-    lua_rawgeti(L, -1, k);
+  each_entry(L, -1, [&](lua_Integer k) {
     const std::string what = o.path(row.name) + "[" + std::to_string(k) + "]";
     if (lua_type(L, -1) != LUA_TTABLE) fail(L, what + ": expected a table of name = values, got " + describe(L, -1));
     StudyDeclaration::Ladder ladder;
     Options(L, lua_gettop(L), what).read_some(kLadder, ladder);
     ladder.axes = read_axes(L, lua_gettop(L), what);
     out.ladders.push_back(std::move(ladder));
-    lua_pop(L, 1);
-  }
+  });
   lua_pop(L, 1);
 }
 
@@ -296,9 +284,7 @@ double scene_error(lua_State* L, std::span<const double> refined) {
   const bool scene_second = takes_scene(L);
   push_scene_world(L);
   if (state(L).scene.study.reference == StudyDeclaration::Reference::refined) {
-    lua_createtable(L, static_cast<int>(refined.size()), 0);
-    for (std::size_t k = 0; k < refined.size(); ++k)
-      lua_pushnumber(L, refined[k]), lua_rawseti(L, -2, static_cast<lua_Integer>(k + 1));
+    push_list(L, refined, [&](double x) { push(L, x); });
   } else {
     push_value(L, "reference", state(L).worlds[state(L).last_world]->world->time());
   }

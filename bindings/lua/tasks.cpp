@@ -217,7 +217,7 @@ int world_task(lua_State* L) {
   if (r.tasks.list.size() >= 100000) fail_here(L, "expected at most 100000 tasks");
   auto task = std::make_unique<Task>();
   task->id = r.tasks.next_id++;
-  task->made_at = place(L);
+  task->made_at = location(L);
   task->profile = state(L).profile_slot(L, 2);
   lua_State* thread = lua_newthread(L);
   lua_pushvalue(L, 2);

@@ -58,17 +58,18 @@ int charged_unpack(lua_State* L) {
   return call_original(L);
 }
 
-void wrap(lua_State* L, const char* table, std::initializer_list<const char*> names, lua_CFunction f) {
+}  // namespace
+
+void wrap(lua_State* L, const char* table, std::initializer_list<const char*> names, lua_CFunction f, bool named) {
   lua_getglobal(L, table);
   for (const char* name : names) {
     lua_getfield(L, -1, name);
-    lua_pushcclosure(L, f, 1);
+    if (named) lua_pushstring(L, name);
+    lua_pushcclosure(L, f, named ? 2 : 1);
     lua_setfield(L, -2, name);
   }
   lua_pop(L, 1);
 }
-
-}  // namespace
 
 void open_text(lua_State* L) {
   wrap(L, "string", {"format"}, guard<safe_format>);

@@ -158,7 +158,7 @@ const Method kWorldMethods[] = {
     {"is_finite", method<&World::is_finite>, "world:is_finite() -> boolean", "no NaN and no infinity anywhere"},
     {"residuals", guard<world_residuals>, "world:residuals() -> {[name] = number}", "how well the solvers do"},
     {"hash", method<world_hash>, "world:hash() -> string", "of the state, 16 hex digits"},
-    {"snapshot", method<seal_snapshot>, "world:snapshot() -> string", "the state; without timers, tasks and handlers"},
+    {"snapshot", method<write_snapshot>, "world:snapshot() -> string", "the state; without timers, tasks and handlers"},
     {"restore", method<world_restore>, "world:restore(snapshot) -> self", "back to a snapshot of this world"},
     {"report", guard<world_report>, "world:report() -> table",
      "systems, absent, plan (ms per step), blocks (bytes), counts (work of the last step: counts.cloth_row_updates)"},

@@ -7,6 +7,7 @@
 
 #include "feder/system.h"
 #include "forces/area.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -87,8 +88,7 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
   if (count > 4096) o.raise("material_pairs", "expected at most 4096 pairs");
-  for (std::size_t i = 1; i <= count; ++i) {
-    lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
+  each_entry(L, -1, [&](lua_Integer i) {
     const std::string what = o.path("material_pairs") + "[" + std::to_string(i) + "]";
     if (lua_type(L, -1) != LUA_TTABLE)
       fail(L, what + ": expected { \"a\", \"b\", friction =, restitution = }, got " + describe(L, -1));
@@ -96,11 +96,8 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
     for (int k = 1; k <= 2; ++k) {
       lua_rawgeti(L, -1, k);
       const std::string name = check_text(L, -1, what);
-      if (!w.materials.count(name)) {
-        std::vector<std::string> known;
-        for (const auto& m : w.materials) known.push_back(m.first);
-        fail(L, what + ": unknown material '" + name + "'; known: " + join(known));
-      }
+      if (!w.materials.count(name))
+        fail(L, what + ": unknown material '" + name + "'; known: " + join(material_names(w)));
       (k == 1 ? pair.a : pair.b) = name;
       lua_pop(L, 1);
     }
@@ -108,8 +105,7 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
     p.skip_places(2);
     p.read(kMaterialPair, pair);
     w.material_pairs.push_back(pair);
-    lua_pop(L, 1);
-  }
+  });
   lua_pop(L, 1);
 }
 
@@ -249,6 +245,12 @@ void try_options(Catalog systems, const WorldSettings& w) {
 }
 
 }  // namespace
+
+std::vector<std::string> material_names(const WorldSettings& settings) {
+  std::vector<std::string> names;
+  for (const auto& m : settings.materials) names.push_back(m.first);
+  return names;
+}
 
 void friction_table(Options& o, Real& fixed, Real& dynamic) {
   Friction friction{fixed, dynamic};

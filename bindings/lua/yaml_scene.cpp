@@ -40,7 +40,7 @@ void fill_in(lua_State* L, int params) {
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;
   lua_newtable(L);
-  copy_places(L, -2, -1);
+  copy_locations(L, -2, -1);
   for (lua_pushnil(L); lua_next(L, -3);) {
     fill_in(L, params);
     lua_pushvalue(L, -2);
@@ -95,7 +95,7 @@ void declare_params(lua_State* L, int scene) {
       lua_getfield(L, values + 1, name.c_str());
       if (lua_type(L, -1) == LUA_TTABLE) {
         lua_newtable(L);
-        copy_places(L, -2, -1);
+        copy_locations(L, -2, -1);
         copy_fields(L, -2);
         lua_remove(L, -2);
         lua_getfield(L, -1, "value");
@@ -131,7 +131,7 @@ void push_check(lua_State* L, int scene, const std::string& file) {
 
 }  // namespace
 
-void copy_places(lua_State* L, int from, int to) {
+void copy_locations(lua_State* L, int from, int to) {
   from = lua_absindex(L, from), to = lua_absindex(L, to);
   if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
     lua_pushvalue(L, to);
@@ -266,7 +266,7 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   fill_in(L, given + 1);
   const int scene = lua_gettop(L);
   lua_newtable(L);
-  copy_places(L, scene, -1);
+  copy_locations(L, scene, -1);
   for (const char* key : {"title", "seconds", "picture", "camera", "world"}) {
     lua_getfield(L, scene, key);
     lua_setfield(L, -2, key);

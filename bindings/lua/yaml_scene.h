@@ -10,7 +10,7 @@ void make_object(lua_State* L, int world, const char* maker);
 void make_shape(lua_State* L);
 // Replaces the name at options[key] by the object.
 void resolve_name(lua_State* L, int world, int options, const char* key);
-// Takes the places of one table over to another, so that copies of YAML tables keep theirs.
-void copy_places(lua_State* L, int from, int to);
+// Takes the locations of one table over to another, so that copies of YAML tables keep theirs.
+void copy_locations(lua_State* L, int from, int to);
 
 }  // namespace feder::lua
