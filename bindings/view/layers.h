@@ -1,4 +1,4 @@
-// The layers of a picture, one file each (draw_shapes.cpp ...): what they keep in the driver, how they upload their
+// The layers of a picture: what they keep in the driver, how they upload their
 // part of a frame, and how they draw it. The renderer sets the passes up and calls them in order.
 #pragma once
 #include <memory>

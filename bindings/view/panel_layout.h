@@ -86,8 +86,4 @@ void draw_picker(PanelLayout& layout, const PanelSizes& sizes);
 void draw_help(PanelLayout& layout, const PanelSizes& sizes);
 void draw_inspector(PanelLayout& layout);
 
-// A curve with its range and a value under the mouse; `cursor`: the time that is shown.
-void draw_curve(const std::string& name, const std::string& unit, const std::vector<CurvePoint>& points, double cursor,
-                unsigned color);
-
 }  // namespace feder::view

@@ -4,7 +4,7 @@
 #include "feder/query.h"
 #include "feder/rigid.h"
 #include "state/bodies.h"
-#include "view/object_view.h"
+#include "view/picking.h"
 
 namespace feder::view {
 namespace {

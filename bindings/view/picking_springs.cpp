@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "feder/net.h"
-#include "view/object_view.h"
+#include "view/picking.h"
 
 namespace feder::view {
 namespace {
