@@ -142,7 +142,7 @@ class Receiver {
         const report::Json json = report::Json::parse(line, nullptr, false);
         start = clock_nanoseconds();
         if (!json.is_object() || json.contains("start") || at_ >= files_.size()) continue;
-        done_(report::result_from_json(json));
+        done_(report::read_as<TestResult>(json));
         ++at_;
       } else if (!waiting) {
         child.closing();

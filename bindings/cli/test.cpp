@@ -67,7 +67,7 @@ class Test final : public Command {
   static int work(const std::vector<std::string>& files, const Options& options) {
     for (const std::string& file : files) {
       send_line({{"start", file}});
-      send_line(report::result_to_json(run_test(file, options)));
+      send_line(report::written(run_test(file, options)));
       if (stop_flag() && stop_reason() != StopReason::timeout) return stop_status();
     }
     return kPass;
