@@ -1,6 +1,4 @@
 // feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -113,8 +111,8 @@ class Test final : public Command {
       fmt::print("{}{} passed, {} failed, {} skipped\n", tap_ ? "# " : "", counts.passed, counts.failed,
                  counts.skipped);
     }
-    if (std::any_of(results.begin(), results.end(), [](const TestResult& r) { return r.exceeded; })) return kBudget;
-    const bool unloaded = std::any_of(results.begin(), results.end(), [](const TestResult& r) { return !r.loaded; });
+    if (std::ranges::any_of(results, [](const TestResult& r) { return r.exceeded; })) return kBudget;
+    const bool unloaded = std::ranges::any_of(results, [](const TestResult& r) { return !r.loaded; });
     if (unloaded) return kLoadError;
     if (counts.failed) return kFailed;
     if (counts.passed == 0) {

@@ -30,7 +30,7 @@ inline Json json_value(double v) {
 // A curve that does not apply, of NaN alone, is left out.
 inline Json json_value(const std::vector<double>& values) {
   Json out = Json::array();
-  if (std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) return out;
+  if (std::ranges::all_of(values, [](double v) { return std::isnan(v); })) return out;
   for (const double v : values) out.push_back(json_value(v));
   return out;
 }
@@ -102,7 +102,7 @@ struct JsonReader {
   JsonReader& named(const char* key, E& v, std::initializer_list<E> all) {
     if (!in.contains(key)) return *this;
     const auto name = in[key].get<std::string>();
-    const auto found = std::find_if(all.begin(), all.end(), [&](E e) { return name == name_of(e); });
+    const auto found = std::ranges::find_if(all, [&](E e) { return name == name_of(e); });
     if (found == all.end()) throw std::runtime_error(std::string("unknown ") + key + " '" + name + "'");
     v = *found;
     return *this;
