@@ -1,7 +1,5 @@
 #include "cli/app.h"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <new>
 

@@ -1,6 +1,4 @@
 // feder bench: wall time per step. Each run is a fresh scene; its first step, which makes room, is not counted.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -89,7 +87,7 @@ class Bench final : public Command {
         print_error(error_text(e));
       }
     }
-    std::sort(m.runs.begin(), m.runs.end());
+    std::ranges::sort(m.runs);
     return m;
   }
 

@@ -1,8 +1,6 @@
 // feder check: finds mistakes without running a scene: syntax, and names that neither `feder` nor a world has.
 // It reads words, not meanings: `feder.name` and `world:name(` outside comments and strings. What the names are, the
 // binding itself is asked.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -147,8 +145,7 @@ class Check final : public Command {
     const std::string code = code_only(read_text(scene));
     check_words(code, "feder.", "require 'feder'", options, findings);
     check_words(code, "world:", "require 'feder'.world {}", options, findings);
-    std::stable_sort(findings.begin(), findings.end(),
-                     [](const Finding& a, const Finding& b) { return a.line < b.line; });
+    std::ranges::stable_sort(findings, [](const Finding& a, const Finding& b) { return a.line < b.line; });
     return findings;
   }
 

@@ -1,6 +1,4 @@
 // feder explain: what a scene uses and what it leaves out: systems, step rows, bytes, share of time.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstdio>
 

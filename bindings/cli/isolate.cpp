@@ -1,7 +1,6 @@
 #include "cli/isolate.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -142,7 +141,7 @@ class Receiver {
         const report::Json json = report::Json::parse(line, nullptr, false);
         start = clock_nanoseconds();
         if (!json.is_object() || json.contains("start") || at_ >= files_.size()) continue;
-        done_(report::result_from_json(json));
+        done_(report::read_as<TestResult>(json));
         ++at_;
       } else if (!waiting) {
         child.closing();

@@ -1,6 +1,4 @@
 // feder new: a first scene to change.
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

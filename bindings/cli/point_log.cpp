@@ -1,7 +1,5 @@
 #include "cli/point_log.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -47,8 +45,8 @@ std::string PointLog::read(const std::string& file, const Json& identity) {
       }
       ProblemInfo problem;
       FinishedPoint point = report::finished_from_json(json, problem);
-      const bool again = std::any_of(done_.begin(), done_.end(),
-                                     [&](const FinishedPoint& d) { return d.point.index == point.point.index; });
+      const bool again =
+          std::ranges::any_of(done_, [&](const FinishedPoint& d) { return d.point.index == point.point.index; });
       if (again) continue;
       done_.push_back(std::move(point));
       learned_ = std::move(problem);

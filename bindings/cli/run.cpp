@@ -1,6 +1,4 @@
 // feder run: a scene or a plain script without a window.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -55,8 +53,7 @@ class Run final : public Command {
   // Why the steps ended early, unless a handler's error has reported it.
   int report_end(Session& session) const {
     const auto& errors = session.script().handler_errors();
-    const bool reported =
-        std::any_of(errors.begin(), errors.end(), [](const auto& e) { return e.limit != lua::Limit::none; });
+    const bool reported = std::ranges::any_of(errors, [](const auto& e) { return e.limit != lua::Limit::none; });
     const int status = session.end_status();
     if (status != kPass && !reported) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
     return status;

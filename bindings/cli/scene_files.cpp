@@ -32,7 +32,7 @@ std::vector<std::string> find_files(const std::vector<std::string>& paths,
     for (const auto& entry : fs::recursive_directory_iterator(path))
       if (entry.is_regular_file() && wanted(entry.path().string())) files.push_back(entry.path().string());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }

@@ -160,7 +160,7 @@ void Session::after_step(World& world) {
   for (const Event& e : world.events().list()) {
     if (e.kind != EventKind::warning) continue;
     const std::string& code = world.events().warning_code(e);
-    auto at = std::find_if(warnings_.begin(), warnings_.end(), [&](const Warning& w) { return w.code == code; });
+    auto at = std::ranges::find_if(warnings_, [&](const Warning& w) { return w.code == code; });
     if (at == warnings_.end()) at = warnings_.insert(at, {code, world.events().warning_message(e), 0});
     ++at->count;
   }

@@ -1,6 +1,4 @@
 // feder stability: verdicts over two axes for every method, with the limit found by bisection beside theory's.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -102,7 +100,7 @@ class Stability final : public Command {
     const std::vector<StabilityProblemInfo> infos = stability_problem_infos();
     std::vector<std::string> names;
     for (const StabilityProblemInfo& i : infos) names.push_back(i.name);
-    const auto info = std::find_if(infos.begin(), infos.end(), [&](const auto& i) { return i.name == problem; });
+    const auto info = std::ranges::find_if(infos, [&](const auto& i) { return i.name == problem; });
     if (info == infos.end())
       throw Failure(kUsage, "feder stability: unknown problem '{}'{}; known: {}", problem,
                     did_you_mean(", ", problem, names), fmt::join(names, ", "));
@@ -179,8 +177,8 @@ class Stability final : public Command {
     write(out_, none, context, rows);
     std::fputs((options.json ? report::to_text(report::extreme_json(rows)) : report::extreme_table(rows)).c_str(),
                stdout);
-    const auto passed = static_cast<std::size_t>(
-        std::count_if(rows.begin(), rows.end(), [](const report::ExtremeRow& e) { return e.pass; }));
+    const auto passed =
+        static_cast<std::size_t>(std::ranges::count_if(rows, [](const report::ExtremeRow& e) { return e.pass; }));
     if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", passed, rows.size());
     return passed < rows.size() ? kFailed : kPass;
   }

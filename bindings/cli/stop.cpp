@@ -1,6 +1,5 @@
 #include "cli/stop.h"
 
-#include <fmt/format.h>
 #include <sys/time.h>
 #include <unistd.h>
 

@@ -1,8 +1,6 @@
 // feder study: error against cost of every method on a problem with a reference: tables, CSV, JSON, SVG and one page.
 #include "feder/study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -23,7 +21,7 @@ using report::StudyContext;
 // Runs that failed where the suite does not allow it, one line each.
 void list_broken(const SuiteRow& row, const StudyResult& r, std::vector<std::string>& lines) {
   const auto allowed = [&](const std::string& method) {
-    return std::find(row.may_diverge.begin(), row.may_diverge.end(), method) != row.may_diverge.end();
+    return std::ranges::find(row.may_diverge, method) != row.may_diverge.end();
   };
   for (const StudyPoint& p : r.points)
     if (!report::succeeded(p) && !allowed("*") && !allowed(p.method))
@@ -265,7 +263,7 @@ class Study final : public Command {
     report::GateTiers tiers;
     if (!gate_.empty()) {
       const std::vector<std::string> names = split_list(gate_);
-      const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+      const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
       tiers.cost = has("cost"), tiers.error = has("error"), tiers.size = has("size");
     }
     std::vector<double> floors;

@@ -1,6 +1,4 @@
 // The problems of `feder study`: found by name, listed with parameters and reference.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -23,7 +21,7 @@ std::string unknown_problem(const std::string& name) {
 
 bool in_table(const std::string& name) {
   const auto rows = study_problems();
-  return std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return name == row.name; });
+  return std::ranges::any_of(rows, [&](const auto& row) { return name == row.name; });
 }
 
 // All that this build can run: scenes whose systems it lacks do not open.
@@ -67,7 +65,7 @@ std::vector<std::string> problem_names() {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(study_folder(), ignored))
     if (is_scene_file(entry.path().string())) scenes.push_back(entry.path().stem().string());
-  std::sort(scenes.begin(), scenes.end());
+  std::ranges::sort(scenes);
   names.insert(names.end(), scenes.begin(), scenes.end());
   return names;
 }

@@ -1,7 +1,5 @@
 // Shards of a study put together: what belongs to another study, what was altered and what is missing is refused by
 // name.
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "cli/command.h"
@@ -35,7 +33,7 @@ std::string missing_shards(const StudyResult& whole, int shards) {
   std::vector<int> missing;
   for (std::size_t k = 0; k < there.size(); ++k)
     if (!there[k]) missing.push_back(static_cast<int>((k + n - 1) % n) + 1);  // shard I holds index % N == I, 0 is N
-  std::sort(missing.begin(), missing.end());
+  std::ranges::sort(missing);
   missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
   return fmt::format("{}", fmt::join(missing, ", "));
 }

@@ -1,6 +1,4 @@
 // Scenes as study problems: each run is a script of its own, loaded with the parameters of its rung.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -111,9 +109,7 @@ const lua::ParamInfo* find_param(const std::vector<lua::ParamInfo>& params, cons
 std::vector<std::string> solvers_of(const World& world, std::string& system) {
   for (const SystemDescriptor* d : world.catalog()) {
     const auto present = world.report();
-    if (!d->joins.empty() ||
-        std::none_of(present.begin(), present.end(), [&](const auto& s) { return s.name == d->name; }))
-      continue;
+    if (!d->joins.empty() || std::ranges::none_of(present, [&](const auto& s) { return s.name == d->name; })) continue;
     for (const OptionInfo& o : lua::system_options(world.catalog(), d->name)) {
       if (std::string_view(o.row.name) != "solver") continue;
       system = d->name;
@@ -122,7 +118,7 @@ std::vector<std::string> solvers_of(const World& world, std::string& system) {
       const std::string own = options.text({"solver"}, o.fallback);
       std::vector<std::string> names;
       for (std::string_view name : split_choices(o.choices)) names.emplace_back(name);
-      std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
+      std::ranges::stable_partition(names, [&](const std::string& n) { return n == own; });
       return names;
     }
   }
@@ -142,7 +138,7 @@ RungPlace find_methods(const std::string& file, lua::Script& script, SceneDescri
     place.method_param = name;
     names = p->choices;
     // the scene's own comes first
-    std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == p->value; });
+    std::ranges::stable_partition(names, [&](const std::string& n) { return n == p->value; });
     break;
   }
   if (!study.method.empty() && place.method_param.empty())
@@ -151,7 +147,7 @@ RungPlace find_methods(const std::string& file, lua::Script& script, SceneDescri
   if (place.method_param.empty()) names = solvers_of(world, place.system);
   if (names.empty()) names = {"scene"};
   for (const std::string& n : study.methods)
-    if (std::find(names.begin(), names.end(), n) == names.end())
+    if (std::ranges::find(names, n) == names.end())
       throw Failure(kUsage, "{}: study.methods: unknown method '{}'; known: {}", file, n, fmt::join(names, ", "));
   for (const std::string& n : study.methods.empty() ? names : study.methods) scene.methods.push_back(method_named(n));
   if (find_param(params, "iterations")) place.iterations_param = "iterations";

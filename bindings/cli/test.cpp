@@ -1,6 +1,4 @@
 // feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -67,7 +65,7 @@ class Test final : public Command {
   static int work(const std::vector<std::string>& files, const Options& options) {
     for (const std::string& file : files) {
       send_line({{"start", file}});
-      send_line(report::result_to_json(run_test(file, options)));
+      send_line(report::written(run_test(file, options)));
       if (stop_flag() && stop_reason() != StopReason::timeout) return stop_status();
     }
     return kPass;
@@ -113,8 +111,8 @@ class Test final : public Command {
       fmt::print("{}{} passed, {} failed, {} skipped\n", tap_ ? "# " : "", counts.passed, counts.failed,
                  counts.skipped);
     }
-    if (std::any_of(results.begin(), results.end(), [](const TestResult& r) { return r.exceeded; })) return kBudget;
-    const bool unloaded = std::any_of(results.begin(), results.end(), [](const TestResult& r) { return !r.loaded; });
+    if (std::ranges::any_of(results, [](const TestResult& r) { return r.exceeded; })) return kBudget;
+    const bool unloaded = std::ranges::any_of(results, [](const TestResult& r) { return !r.loaded; });
     if (unloaded) return kLoadError;
     if (counts.failed) return kFailed;
     if (counts.passed == 0) {

@@ -1,6 +1,4 @@
 // feder view: the interactive viewer.
-#include <fmt/format.h>
-
 #include <cstdio>
 
 #include "cli/command.h"

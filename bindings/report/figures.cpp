@@ -11,8 +11,7 @@ std::vector<const PlotSeries*> distinct(const RowChart& chart) {
   std::vector<const PlotSeries*> out;
   for (const auto& row : chart.rows)
     for (const PlotSeries& s : row.series)
-      if (std::none_of(out.begin(), out.end(), [&](const PlotSeries* o) { return o->name == s.name; }))
-        out.push_back(&s);
+      if (std::ranges::none_of(out, [&](const PlotSeries* o) { return o->name == s.name; })) out.push_back(&s);
   return out;
 }
 
@@ -92,8 +91,7 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
   Svg svg(name, width, height, title);
   svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
   if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
-  const bool mixed =
-      std::any_of(plots.begin(), plots.end(), [&](const Plot& p) { return p.x.label != plots[0].x.label; });
+  const bool mixed = std::ranges::any_of(plots, [&](const Plot& p) { return p.x.label != plots[0].x.label; });
   for (int k = 0; k < count; ++k) {
     const Plot& p = plots[static_cast<std::size_t>(k)];
     const int row = k / columns, column = k % columns;

@@ -73,7 +73,7 @@ void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::*me
                   double XY::*on) {
   const std::vector<double> values = sorted_values(cells, member);
   const auto place = [&](double v) {
-    const auto above = std::lower_bound(values.begin(), values.end(), v);
+    const auto above = std::ranges::lower_bound(values, v);
     const auto k = static_cast<double>(above - values.begin());
     if (above == values.end()) return k - 1;
     if (*above == v || above == values.begin()) return k;
@@ -109,8 +109,8 @@ void draw_cells(Svg& svg, const Box& f, const HeatMap& m) {
   const std::vector<double> xs = sorted_values(m.cells, &HeatCell::x), ys = sorted_values(m.cells, &HeatCell::y);
   const std::vector<double> xe = edges(xs, m.x.log), ye = edges(ys, m.y.log);
   for (const HeatCell& c : m.cells) {
-    const auto i = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), c.x) - xs.begin());
-    const auto k = static_cast<std::size_t>(std::lower_bound(ys.begin(), ys.end(), c.y) - ys.begin());
+    const auto i = static_cast<std::size_t>(std::ranges::lower_bound(xs, c.x) - xs.begin());
+    const auto k = static_cast<std::size_t>(std::ranges::lower_bound(ys, c.y) - ys.begin());
     const double left = f.left + f.width * m.x.at(xe[i]), right = f.left + f.width * m.x.at(xe[i + 1]);
     const double bottom = f.bottom() - f.height * m.y.at(ye[k]), top = f.bottom() - f.height * m.y.at(ye[k + 1]);
     svg.rect({left, top, right - left, bottom - top}, fill_of(svg, c), "#ffffff", c.title, "cell");

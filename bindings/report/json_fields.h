@@ -30,7 +30,7 @@ inline Json json_value(double v) {
 // A curve that does not apply, of NaN alone, is left out.
 inline Json json_value(const std::vector<double>& values) {
   Json out = Json::array();
-  if (std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) return out;
+  if (std::ranges::all_of(values, [](double v) { return std::isnan(v); })) return out;
   for (const double v : values) out.push_back(json_value(v));
   return out;
 }
@@ -52,8 +52,18 @@ inline void read_value(const Json& j, std::vector<double>& values) {
   for (std::size_t k = 0; k < j.size(); ++k) read_value(j[k], values[k]);
 }
 
+template <class T>
+Json written(const T& value);
+template <class T>
+Json written(const std::vector<T>& values);
+template <class T>
+void read_into(const Json& j, T& value);
+template <class T>
+void read_into(const Json& j, std::vector<T>& values);
+
 // The visitors of JSON; others may ask for more, such as whether a field is a column of a table. named: an enum by its
-// name, one of `all`; object: fields in an object of their own; derived: what is written for readers and not read back.
+// name, one of `all`; part: a struct, or a list of them, with fields of its own (Json::exception when it is missing);
+// object: fields in an object of their own; derived: written for people, not read back.
 struct JsonWriter {
   Json out = Json::object();
   template <class T>
@@ -69,12 +79,15 @@ struct JsonWriter {
   JsonWriter& derived(const char* key, const T& v) {
     return (*this)(key, v);
   }
+  template <class T>
+  JsonWriter& part(const char* key, const T& v) {
+    return derived(key, written(v));
+  }
   template <class F>
   JsonWriter& object(const char* key, F&& list) {
     JsonWriter inner;
     list(inner);
-    out[key] = inner.out;
-    return *this;
+    return derived(key, inner.out);
   }
 };
 struct JsonReader {
@@ -89,13 +102,18 @@ struct JsonReader {
   JsonReader& named(const char* key, E& v, std::initializer_list<E> all) {
     if (!in.contains(key)) return *this;
     const auto name = in[key].get<std::string>();
-    const auto found = std::find_if(all.begin(), all.end(), [&](E e) { return name == name_of(e); });
+    const auto found = std::ranges::find_if(all, [&](E e) { return name == name_of(e); });
     if (found == all.end()) throw std::runtime_error(std::string("unknown ") + key + " '" + name + "'");
     v = *found;
     return *this;
   }
   template <class T>
   JsonReader& derived(const char*, const T&) {
+    return *this;
+  }
+  template <class T>
+  JsonReader& part(const char* key, T& v) {
+    read_into(in.at(key), v);
     return *this;
   }
   template <class F>
@@ -110,7 +128,7 @@ struct JsonReader {
 template <class T>
 Json written(const T& value) {
   JsonWriter w;
-  fields(value, w, static_cast<const T*>(nullptr));
+  fields(value, w, &value);
   return w.out;
 }
 template <class T>
@@ -119,18 +137,21 @@ Json written(const std::vector<T>& values) {
   for (const T& v : values) out.push_back(written(v));
   return out;
 }
+
+template <class T>
+void read_into(const Json& j, T& value) {
+  JsonReader r{j};
+  fields(value, r, &value);
+}
+template <class T>
+void read_into(const Json& j, std::vector<T>& values) {
+  for (const Json& one : j) read_into(one, values.emplace_back());
+}
 template <class T>
 T read_as(const Json& j) {
   T value;
-  JsonReader r{j};
-  fields(value, r, static_cast<const T*>(nullptr));
+  read_into(j, value);
   return value;
-}
-template <class T>
-std::vector<T> read_list(const Json& j) {
-  std::vector<T> values;
-  for (const Json& one : j) values.push_back(read_as<T>(one));
-  return values;
 }
 
 }  // namespace feder::report

@@ -22,7 +22,7 @@ bool has(const Plot& p, MarkKind kind) {
 }
 
 bool has_failure(const PlotSeries& s) {
-  return std::any_of(s.points.begin(), s.points.end(), [](const PlotPoint& q) { return is_failure(q.kind); });
+  return std::ranges::any_of(s.points, [](const PlotPoint& q) { return is_failure(q.kind); });
 }
 
 struct Explained {
@@ -106,7 +106,7 @@ void draw_legend(Svg& svg, const Box& box, const Plot& p) {
     svg.text({box.left + 42, y}, e.words, {11.5, "start", kQuiet});
     y += kRow;
   }
-  if (std::any_of(p.fronts.begin(), p.fronts.end(), [](const auto& front) { return front.size() > 1; })) {
+  if (std::ranges::any_of(p.fronts, [](const auto& front) { return front.size() > 1; })) {
     svg.line({box.left, y - 4}, {box.left + 34, y - 4}, {"#b6c2cf", 7, "", 0.5});
     svg.text({box.left + 42, y}, "Pareto front", {11.5, "start", kQuiet});
     y += kRow;

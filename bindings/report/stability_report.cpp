@@ -64,7 +64,7 @@ std::string cell_title(const StabilityMap& m, const StabilityCell& c) {
 Axis cell_axis(const StabilityAxis& a) {
   Axis out{axis_label(a), a.logarithmic, 0, 1, a.logarithmic ? TickStyle::power : TickStyle::plain, {}};
   const auto counted = [](double v) { return v == std::round(v) && v >= 1 && v <= 999; };
-  if (a.logarithmic && a.values.size() <= 10 && std::all_of(a.values.begin(), a.values.end(), counted))
+  if (a.logarithmic && a.values.size() <= 10 && std::ranges::all_of(a.values, counted))
     for (const double v : a.values) out.fixed.push_back({v, number_text(v, 3)});
   return out;
 }
@@ -100,13 +100,12 @@ std::string limit_text(double v, const char* unknown, int digits) {
 
 void boundary_part(Page& page, const StabilityResult& r) {
   const auto bisected = [](const StabilityMap& m) { return !m.limits.empty(); };
-  if (std::none_of(r.maps.begin(), r.maps.end(), bisected)) return;
+  if (std::ranges::none_of(r.maps, bisected)) return;
   page.heading("Boundaries");
   page.paragraph(
       "The largest stable value on the x axis, found by bisection, beside what theory says; h·ω is the same in units "
       "of the fastest angular frequency.");
-  const auto told =
-      std::find_if(r.maps.begin(), r.maps.end(), [](const StabilityMap& m) { return !m.limit_how.empty(); });
+  const auto told = std::ranges::find_if(r.maps, [](const StabilityMap& m) { return !m.limit_how.empty(); });
   if (told != r.maps.end()) page.paragraph("How: " + told->limit_how);
   Table table({"method", ">" + r.maps[0].y.label, ">predicted", ">observed", ">relative deviation", ">h·ω predicted",
                ">h·ω observed"});
@@ -155,11 +154,11 @@ std::string verdict_shares(const StabilityMap& m) {
   std::vector<std::pair<std::string, int>> counts;  // in the order of the cells
   for (const StabilityCell& c : m.cells) {
     const std::string name = name_of(c.verdict);
-    auto found = std::find_if(counts.begin(), counts.end(), [&](const auto& n) { return n.first == name; });
+    auto found = std::ranges::find_if(counts, [&](const auto& n) { return n.first == name; });
     if (found == counts.end()) found = counts.insert(counts.end(), {name, 0});
     ++found->second;
   }
-  std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(counts, [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string out;
   for (const auto& [name, n] : counts)
     out += fmt::format("{}{} % {}", out.empty() ? "" : ", ",

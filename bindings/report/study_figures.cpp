@@ -31,7 +31,7 @@ constexpr CostAxis kWork{"work",          "work, in force evaluations", &StudyPo
 bool measured(const StudyPoint& p, const ErrorNorm& norm) { return succeeded(p) && std::isfinite(p.*norm.value); }
 
 bool any_measured(const StudyResult& r, const ErrorNorm& norm) {
-  return std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, norm); });
+  return std::ranges::any_of(r.points, [&](const StudyPoint& p) { return measured(p, norm); });
 }
 
 MarkKind kind_of(const StudyResult& r, const StudyPoint& p, const ErrorNorm& norm, bool on_front) {
@@ -104,7 +104,7 @@ std::vector<RefinementCurve> refinement_curves(const StudyResult& r, const std::
     if (p.method != method) continue;
     const std::string name =
         p.way.empty() ? method + beside_rung(p, steps_vary, substeps_vary) : method + ", " + axis_name(p.way);
-    auto at = std::find_if(curves.begin(), curves.end(), [&](const RefinementCurve& c) { return c.name == name; });
+    auto at = std::ranges::find_if(curves, [&](const RefinementCurve& c) { return c.name == name; });
     if (at == curves.end()) at = curves.insert(curves.end(), {name, 0, {}, p.way});
     at->points.push_back(&p);
   }
@@ -176,7 +176,7 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
       fronts[r.points[k].settings].push_back({r.points[k].*axis.cost, r.points[k].*norm.value});
     for (auto& [settings, front] : fronts) plot.fronts.push_back(std::move(front));
     const double floor = r.problem.reference.floor();
-    const bool near = !norm.more_is_better && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) {
+    const bool near = !norm.more_is_better && std::ranges::any_of(r.points, [&](const StudyPoint& p) {
       return measured(p, norm) && p.*norm.value < 30 * floor;
     });
     if (near) plot.uncertain_below = floor, plot.uncertain_label = "reference or rounding";
@@ -256,7 +256,7 @@ Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& r
 
 std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_page) {
   const auto add_new = [](std::vector<std::string>& all, const std::string& one) {
-    if (std::find(all.begin(), all.end(), one) == all.end()) all.push_back(one);
+    if (std::ranges::find(all, one) == all.end()) all.push_back(one);
   };
   std::vector<Plot> panels;
   for (const MethodInfo& m : r.methods) {
@@ -267,8 +267,8 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
   // panels of one axis side by side
   std::vector<std::string> labels;
   for (const Plot& p : panels) add_new(labels, p.x.label);
-  const auto rank = [&](const Plot& p) { return std::find(labels.begin(), labels.end(), p.x.label); };
-  std::stable_sort(panels.begin(), panels.end(), [&](const Plot& a, const Plot& b) { return rank(a) < rank(b); });
+  const auto rank = [&](const Plot& p) { return std::ranges::find(labels, p.x.label); };
+  std::ranges::stable_sort(panels, [&](const Plot& a, const Plot& b) { return rank(a) < rank(b); });
   // one y axis for all, an x axis for those of a label
   std::vector<double> ys;
   for (const Plot& p : panels)
@@ -346,7 +346,7 @@ std::vector<const StudySeries*> drawn_series(const StudyResult& r) {
   for (const StudyPoint& p : r.points)
     if (p.completed && p.work > 0) works.push_back(p.work);
   if (works.empty()) return {};
-  std::sort(works.begin(), works.end());
+  std::ranges::sort(works);
   const double middle = works[works.size() / 2];
   std::vector<const StudySeries*> out;
   for (const MethodInfo& m : r.methods) {
@@ -366,9 +366,7 @@ std::vector<const StudySeries*> drawn_series(const StudyResult& r) {
 std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& context) {
   std::vector<Figure> out;
   const ErrorNorm& norm = plotted_norm(r, context);
-  const auto wants = [&](const char* axis) {
-    return std::find(context.axes.begin(), context.axes.end(), axis) != context.axes.end();
-  };
+  const auto wants = [&](const char* axis) { return std::ranges::find(context.axes, axis) != context.axes.end(); };
   const auto add_plot = [&](const ErrorNorm& n, const CostAxis& axis, const std::string& file,
                             const std::string& caption) {
     const Plot plot = cost_plot(r, n, axis, file);
@@ -390,8 +388,7 @@ std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& cont
     add_plot(*more, kWork, fmt::format("error_vs_work_{}.svg", more->name),
              fmt::format("{} against work.", more->label));
   }
-  const bool several =
-      std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return !p.way.empty(); });
+  const bool several = std::ranges::any_of(r.points, [](const StudyPoint& p) { return !p.way.empty(); });
   out.push_back({"order.svg",
                  several ? "Error against what is refined, one frame for each method and way to refine."
                          : "Error against the step, one frame per method.",

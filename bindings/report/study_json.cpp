@@ -54,11 +54,12 @@ void fields(auto& p, auto& v, const ProblemInfo*) {
   v("x_scale", p.x_scale)("v_scale", p.v_scale)("E_scale", p.energy_scale)("E_start", p.energy_start);
   v("frequency", p.frequency)("chaotic", p.chaotic)("conserves_momentum", p.conserves_momentum);
   v("conserves_angular", p.conserves_angular)("dense", p.dense)("own_measure", p.own_measure);
-  v("threads", p.threads);
+  v("threads", p.threads).part("params", p.params).part("reference", p.reference);
 }
 void fields(auto& s, auto& v, const StudySeries*) {
   v("point", s.point)("t", s.t)("err", s.err)("energy", s.energy)("momentum", s.momentum)("angmom", s.angmom);
 }
+void fields(auto& f, auto& v, const FinishedPoint*) { v.part("point", f.point).part("series", f.series); }
 void fields(auto& w, auto& v, const WorkWeights*) {
   v("jacobian", w.jacobian)("cg_iteration", w.cg_iteration)("direct_solve", w.direct_solve);
 }
@@ -73,20 +74,6 @@ void fields(auto& c, auto& v, const CostToAccuracy*) {
 }
 
 namespace {
-
-Json problem_json(const ProblemInfo& p) {
-  Json out = written(p);
-  out["params"] = written(p.params);
-  out["reference"] = written(p.reference);
-  return out;
-}
-
-ProblemInfo read_problem(const Json& j) {
-  ProblemInfo p = read_as<ProblemInfo>(j);
-  p.params = read_list<ProblemParam>(j.at("params"));
-  p.reference = read_as<ReferenceInfo>(j.at("reference"));
-  return p;
-}
 
 // The columns of points.csv that a point fills: their names, and its cells.
 struct PointColumns {
@@ -146,7 +133,7 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
           {"run", written(context.machine)},
           {"command", context.command},
           {"settings", context.settings},
-          {"problem", problem_json(r.problem)},
+          {"problem", written(r.problem)},
           {"methods", written(r.methods)},
           {"plan", {{"points", r.planned}, {"shard", r.shard}, {"shards", r.shards}}},
           {"weights", written(r.weights)},
@@ -163,16 +150,16 @@ StudyResult study_from_json(const Json& j) {
     throw std::runtime_error("expected the schema accuracy/1");
   try {
     StudyResult r;
-    r.problem = read_problem(j.at("problem"));
-    r.methods = read_list<MethodInfo>(j.at("methods"));
+    read_into(j.at("problem"), r.problem);
+    read_into(j.at("methods"), r.methods);
     const Json& plan = j.at("plan");
     r.planned = plan.at("points").get<std::size_t>();
     r.shard = plan.at("shard").get<int>();
     r.shards = plan.at("shards").get<int>();
-    r.provenance = read_as<Provenance>(j.value("study", Json::object()));
-    r.weights = read_as<WorkWeights>(j.at("weights"));
-    r.points = read_list<StudyPoint>(j.at("points"));
-    r.series = read_list<StudySeries>(j.value("series", Json::array()));
+    read_into(j.value("study", Json::object()), r.provenance);
+    read_into(j.at("weights"), r.weights);
+    read_into(j.at("points"), r.points);
+    read_into(j.value("series", Json::array()), r.series);
     return r;
   } catch (const Json::exception& e) {
     throw std::runtime_error(std::string("no report of a study: ") + e.what());
@@ -188,13 +175,15 @@ void round_series(StudyResult& r) {
 }
 
 Json finished_json(const FinishedPoint& f, const ProblemInfo& problem) {
-  return {{"point", written(f.point)}, {"series", written(f.series)}, {"problem", problem_json(problem)}};
+  Json out = written(f);
+  out["problem"] = written(problem);
+  return out;
 }
 
 FinishedPoint finished_from_json(const Json& j, ProblemInfo& problem) {
   try {
-    problem = read_problem(j.at("problem"));
-    return {read_as<StudyPoint>(j.at("point")), read_as<StudySeries>(j.at("series"))};
+    problem = read_as<ProblemInfo>(j.at("problem"));
+    return read_as<FinishedPoint>(j);
   } catch (const Json::exception& e) {
     throw std::runtime_error(std::string("no point of a study: ") + e.what());
   }

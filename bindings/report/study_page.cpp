@@ -52,8 +52,7 @@ void method_part(Page& page, const StudyResult& r) {
                               : m.limit_hw == 0        ? "never stable"
                                                        : number_text(m.limit_hw, 4);
     const char* const kind = m.implicit ? "implicit" : m.adaptive ? "adaptive" : "explicit";
-    const bool missed =
-        std::any_of(r.fits.begin(), r.fits.end(), [&](const OrderFit& f) { return f.method == m.name && f.off(); });
+    const bool missed = std::ranges::any_of(r.fits, [&](const OrderFit& f) { return f.method == m.name && f.off(); });
     table.add(
         {m.name, m.order ? std::to_string(m.order) : "–", fitted_words(r, m), kind, std::to_string(m.evals_per_step),
          limit, fmt::format("{} of {}", ok, all), std::isfinite(least) ? number_text(least, 2) : "–", m.summary},
@@ -206,8 +205,7 @@ std::string suite_page(const std::string& suite, const std::vector<StudyResult>&
   for (const StudyResult& r : results) {
     const std::string label = problem_label(r.problem);
     links.push_back({label, file_name(label) + "/index.html"});
-    const auto failed =
-        r.points.size() - static_cast<std::size_t>(std::count_if(r.points.begin(), r.points.end(), succeeded));
+    const auto failed = r.points.size() - static_cast<std::size_t>(std::ranges::count_if(r.points, succeeded));
     std::string best = "–";
     for (const Decision& d : decisions(r))
       if (d.reached) best = d.by_work.method + " to " + target_text(d.target);

@@ -35,8 +35,8 @@ std::string time_text(double seconds, const DecisionFormat& f) {
 
 // Did the solver of this method miss its tolerance anywhere near?
 bool has_slow_points(const StudyResult& r, const std::string& method) {
-  return std::any_of(r.points.begin(), r.points.end(),
-                     [&](const StudyPoint& p) { return p.method == method && p.status == PointStatus::slow; });
+  return std::ranges::any_of(r.points,
+                             [&](const StudyPoint& p) { return p.method == method && p.status == PointStatus::slow; });
 }
 
 std::string best_text(const StudyResult& r) {
@@ -67,8 +67,8 @@ std::vector<Decision> decisions(const StudyResult& r) {
   std::vector<Decision> out;
   for (double target = 0.1; target > 0.9e-10; target /= 10) {
     const double exact = std::stod(fmt::format("{:.0e}", target));
-    const auto found = std::find_if(by_target.begin(), by_target.end(),
-                                    [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
+    const auto found =
+        std::ranges::find_if(by_target, [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
     if (found == by_target.end()) {
       const bool uncertain = exact < r.problem.reference.floor();
       out.push_back({exact, false, {}, {}, uncertain ? "below the certainty of the reference" : best_text(r)});

@@ -102,7 +102,7 @@ std::string file_name(const std::string& label) {
 bool succeeded(const StudyPoint& p) { return p.status == PointStatus::ok || p.status == PointStatus::slow; }
 
 bool has_times(const StudyResult& r) {
-  return std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return std::isfinite(p.t_min_s); });
+  return std::ranges::any_of(r.points, [](const StudyPoint& p) { return std::isfinite(p.t_min_s); });
 }
 
 }  // namespace feder::report

@@ -124,7 +124,7 @@ void Svg::end() { body_ += "</g>\n"; }
 
 std::string Svg::hatch(Hatch kind, const std::string& color, const std::string& ground) {
   const std::string key = std::to_string(static_cast<int>(kind)) + color + ground;
-  const auto found = std::find(hatches_.begin(), hatches_.end(), key);
+  const auto found = std::ranges::find(hatches_, key);
   const std::string id = name_ + "_h" + std::to_string(found - hatches_.begin());
   if (found == hatches_.end()) {
     hatches_.push_back(key);
