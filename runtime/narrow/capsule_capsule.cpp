@@ -7,7 +7,7 @@ namespace feder {
 namespace {
 
 constexpr Real kParallelSquared = Real(0.01);  // sine of 6 degrees, squared
-constexpr Real kLeastStretch = Real(1e-3);     // of the radii: shorter common stretches are one point
+constexpr Real kMinStretch = Real(1e-3);       // of the radii: shorter common stretches are one point
 
 struct Segment {
   Vec3 middle, axis;  // axis: unit
@@ -44,7 +44,7 @@ int capsule_capsule(const Shape& shape_a, const Pose& pose_a, const Shape& shape
   const Real e = dot(a.axis, b.axis), da = dot(b.middle - a.middle, a.axis);
   const Real lo = std::max(-a.half, da - b.half * std::abs(e)), hi = std::min(a.half, da + b.half * std::abs(e));
   const Vec3 across = cross(a.axis, b.axis);
-  if (dot(across, across) > kParallelSquared || hi - lo < kLeastStretch * (ra + rb)) return 1;
+  if (dot(across, across) > kParallelSquared || hi - lo < kMinStretch * (ra + rb)) return 1;
   const ManifoldPoint one = out->points[0];
   int count = 0;
   for (std::uint32_t k = 0; k < 2; ++k) {

@@ -8,8 +8,8 @@ namespace feder {
 inline bool round_point(const Vec3& center_a, Real radius_a, const Vec3& center_b, Real radius_b, Real margin,
                         const Vec3& fallback, Vec3& normal, ManifoldPoint& point) {
   const Vec3 d = center_b - center_a;
-  const Real reach = radius_a + radius_b + margin, squared = dot(d, d);
-  if (squared > reach * reach) return false;
+  const Real limit = radius_a + radius_b + margin, squared = dot(d, d);
+  if (squared > limit * limit) return false;
   const Real separation = std::sqrt(squared) - radius_a - radius_b;
   normal = normalized_or(d, fallback);
   point.position = center_a + normal * (radius_a + separation / 2);

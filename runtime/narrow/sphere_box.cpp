@@ -17,8 +17,8 @@ int sphere_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
     feature += static_cast<std::uint32_t>(digit) * (c[i] < -h[i] ? 0u : (c[i] > h[i] ? 2u : 1u));
   }
   const Vec3 d = c - near;
-  const Real squared = dot(d, d), reach = a.radius() + margin;
-  if (squared > reach * reach) return 0;
+  const Real squared = dot(d, d), limit = a.radius() + margin;
+  if (squared > limit * limit) return 0;
   if (squared > 0) {
     distance = std::sqrt(squared);
     outward = d / distance;
