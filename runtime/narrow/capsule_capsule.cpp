@@ -36,9 +36,7 @@ int capsule_capsule(const Shape& shape_a, const Pose& pose_a, const Shape& shape
   Vec3 aside = cross(a.axis, b.axis);
   aside = normalized_or(aside, rotate(pose_a.rotation, vec3(1, 0, 0)));
   if (dot(aside, b.middle - a.middle) < 0) aside = -aside;
-  out->points[0].feature = 0;
-  out->count = round_point(a.at(s), ra, b.at(t), rb, margin, aside, out->normal, out->points[0]);
-  if (out->count == 0) return 0;
+  if (round_contact(a.at(s), ra, b.at(t), rb, margin, aside, *out) == 0) return 0;
 
   // the ends of b's segment over a's
   const Real e = dot(a.axis, b.axis), da = dot(b.middle - a.middle, a.axis);

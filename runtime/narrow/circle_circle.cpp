@@ -8,9 +8,7 @@ namespace {
 int circle_circle(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin, PairCache&,
                   Manifold* out) {
   const Vec3 p = vec3(pose_a.position[0], pose_a.position[1], 0), q = vec3(pose_b.position[0], pose_b.position[1], 0);
-  out->points[0].feature = 0;
-  out->count = round_point(p, a.radius(), q, b.radius(), margin, vec3(0, 1, 0), out->normal, out->points[0]);
-  return out->count;
+  return round_contact(p, a.radius(), q, b.radius(), margin, vec3(0, 1, 0), *out);
 }
 
 }  // namespace
