@@ -54,7 +54,7 @@ struct Way {
   std::string name;
   int number = 0;  // of the curve style
   std::vector<const StudyPoint*> points;
-  std::string part;  // StudyPoint::way
+  std::string part;  // StudyPoint::refinement_axis
 };
 
 std::string part_words(const std::string& part) {
@@ -84,10 +84,10 @@ std::vector<Way> ways_of(const StudyResult& r, const std::string& method) {
   std::vector<Way> ways;
   for (const StudyPoint& p : r.points) {
     if (p.method != method) continue;
-    const std::string name =
-        p.way.empty() ? method + beside_rung(p, steps_vary, substeps_vary) : method + ", " + part_words(p.way);
+    const std::string name = p.refinement_axis.empty() ? method + beside_rung(p, steps_vary, substeps_vary)
+                                                       : method + ", " + part_words(p.refinement_axis);
     auto at = std::find_if(ways.begin(), ways.end(), [&](const Way& w) { return w.name == name; });
-    if (at == ways.end()) at = ways.insert(ways.end(), {name, 0, {}, p.way});
+    if (at == ways.end()) at = ways.insert(ways.end(), {name, 0, {}, p.refinement_axis});
     at->points.push_back(&p);
   }
   const int count = static_cast<int>(ways.size());
@@ -173,7 +173,7 @@ const StudyPoint* point_of(const StudyResult& r, const StudySeries& s) {
 
 const OrderFit* fit_of(const StudyResult& r, const StudyPoint& p) {
   for (const OrderFit& f : r.fits)
-    if (f.method == p.method && f.settings == p.settings && f.way == p.way) return &f;
+    if (f.method == p.method && f.settings == p.settings && f.refinement_axis == p.refinement_axis) return &f;
   return nullptr;
 }
 
@@ -212,7 +212,7 @@ void draw_fit(Plot& plot, const OrderFit& fit, const PlotSeries& series) {
 Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& part, const ErrorNorm& norm) {
   std::string axis = part.empty() ? (m.adaptive ? "tol" : "h") : part == "steps" ? "h" : part;
   for (const OrderFit& f : r.fits)
-    if (f.method == m.name && f.way == part) axis = f.axis;
+    if (f.method == m.name && f.refinement_axis == part) axis = f.axis;
   Plot plot;
   plot.title = m.name;
   bool any = false;
@@ -371,7 +371,8 @@ std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& cont
     add_plot(*more, "force", fmt::format("error_vs_work_{}.svg", more->name),
              fmt::format("{} against work.", more->label));
   }
-  const bool parts = std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return !p.way.empty(); });
+  const bool parts =
+      std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return !p.refinement_axis.empty(); });
   out.push_back({"order.svg",
                  parts ? "Error against what is refined, one frame for each method and way to refine."
                        : "Error against the step, one frame per method.",

@@ -76,8 +76,8 @@ template <class P, class V>
 void fields(P& p, V& v, const StudyPoint*) {
   v("index", p.index), v("method", p.method), v("order", p.order), v("h_s", p.h_s), v("tol", p.tol),
       v("iters", p.iters);
-  v("substeps", p.substeps), v("settings", p.settings), v("way", p.way), v("machine", p.machine), v("status", p.status),
-      v("status_t_s", p.status_t_s), v("reason", p.reason);
+  v("substeps", p.substeps), v("settings", p.settings), v("way", p.refinement_axis), v("machine", p.machine),
+      v("status", p.status), v("status_t_s", p.status_t_s), v("reason", p.reason);
   v("completed", p.completed), v("below_floor", p.below_floor), v("noise", p.noise), v("steps", p.count.steps),
       v("rejected", p.count.rejected);
   v("force_evals", p.count.force_evals), v("jac_evals", p.count.jac_evals), v("linear_solves", p.count.linear_solves);

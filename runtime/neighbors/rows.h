@@ -9,7 +9,7 @@
 
 namespace feder {
 
-// Takes candidates for one row. Never writes beyond `capacity` + 1 places.
+// Takes candidates for one row. Never writes beyond `capacity` + 1 entries.
 struct RowSink {
   std::uint32_t* out;
   std::uint32_t capacity;
@@ -27,7 +27,7 @@ inline bool keep_of_crowd(std::uint32_t i, std::uint32_t j, std::uint32_t crowd)
   return (h >> 40) * crowd < (std::uint64_t(NeighborLists::kMaxNeighbors) * 3 / 4) << 24;
 }
 
-// find(i, sink) offers the neighbours of i and must not depend on i's place in the work; `sorted` says whether it
+// find(i, sink) offers the neighbours of i and must not depend on when i is asked; `sorted` says whether it
 // offers them in ascending order.
 template <class Find>
 void fill_rows(std::uint32_t count, JobPool& jobs, NeighborLists& lists, bool sorted, Find&& find) {
