@@ -1,4 +1,6 @@
 // Frustum: a convex surface of revolution about y with straight sides.
+// Masses by the integral over discs. Weak spot: for clipping a cap is an inscribed polygon of kCapCorners, which a body
+// standing on it rests on.
 #include "geom/frustum.h"
 
 #include "geom/closest.h"

@@ -1,3 +1,5 @@
+// Convex hull as a shape: second moments over tetrahedra (Tonon 2004), rays clipped by the faces (Cyrus and Beck 1978).
+// Weak spot: support points and faces by a walk over all of them, linear in their number.
 #include "geom/hull.h"
 
 #include "geom/closest.h"

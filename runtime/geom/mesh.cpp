@@ -1,6 +1,7 @@
 // Triangle mesh: static, a surface without inside. A hierarchy of boxes (triangles are stored in its order, so visits
 // are ascending), and per edge what the neighbour does, so that contacts do not catch on seams. Corners at the same
 // place are one corner; triangles without area are dropped.
+// Source of rays: Moeller and Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
 #include <algorithm>
 #include <map>
 

@@ -1,4 +1,5 @@
 // Circle against circle: the line of centres, in the plane z = 0.
+// Keeps nothing between calls. Weak spot: concentric circles part along y, whatever their motion.
 #include "narrow/narrow_phase.h"
 #include "narrow/round.h"
 

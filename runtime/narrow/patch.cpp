@@ -3,6 +3,8 @@
 // in a segment; anything else touches in the nearest points alone. Those join the patch when clipping has lost the
 // depth. A normal within 1 mrad of the reference face's is replaced by it, so that resting contacts do not tilt with
 // the rounding of GJK.
+// Keeps nothing between calls. Weak spot: round faces are their inscribed polygons; corners beyond kMaxFacePoints are
+// left out.
 #include "narrow/patch.h"
 
 #include "narrow/clip.h"

@@ -1,4 +1,6 @@
 // Sphere against box: the point of the box nearest to the centre; a centre inside leaves by the nearest face.
+// Source: Arvo, "A Simple Method for Box-Sphere Intersection Testing", Graphics Gems (1990). Keeps nothing between
+// calls. Weak spot: the normal of a centre inside jumps where two faces are equally near.
 #include "geom/box.h"
 #include "narrow/narrow_phase.h"
 

@@ -1,4 +1,6 @@
 // Sphere against capsule: the nearest point of the segment. A centre on the axis leaves across it.
+// Source: Ericson, "Real-Time Collision Detection" (2005), 5.1.2. Keeps nothing between calls. Weak spot: on the axis
+// the direction is that of the capsule's x, whatever the motion.
 #include "narrow/narrow_phase.h"
 #include "narrow/round.h"
 

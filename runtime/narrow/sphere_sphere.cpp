@@ -1,4 +1,5 @@
 // Sphere against sphere: the line of centres.
+// Keeps nothing between calls. Weak spot: concentric spheres part along y, whatever their motion.
 #include "narrow/narrow_phase.h"
 #include "narrow/round.h"
 

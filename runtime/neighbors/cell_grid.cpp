@@ -1,3 +1,6 @@
+// Points into cells by a counting sort (Green, "Particle Simulation using CUDA", 2008). Kept between calls: work
+// arrays. Weak spot: points far apart from the rest share the cells at the rim, and one crowded cell is searched as a
+// whole.
 #include "neighbors/cell_grid.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Runs of a net in a world, and its references: modes about a rest state, or extrapolation of forces written apart from
+// the library's. Weak spot: the bound on the frequency (Gershgorin 1931) lies above the true one.
 #include "study/net_problem.h"
 
 #include <algorithm>

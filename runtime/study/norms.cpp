@@ -1,3 +1,5 @@
+// Error norms and lines through points. Weak spot: an angle is the largest of all bodies, so one that spins freely
+// decides it.
 #include "study/norms.h"
 
 #include <algorithm>

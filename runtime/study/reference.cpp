@@ -1,3 +1,6 @@
+// Gragg-Bulirsch-Stoer extrapolation (Hairer, Norsett & Wanner 1993, II.9), cyclic Jacobi (Golub & Van Loan 2013, 8.5)
+// and Jacobi's elliptic functions (Abramowitz & Stegun 1964, 16.4). Weak spot: explicit, so stiff problems take it
+// long; long double is no wider than double on some machines.
 #include "study/reference.h"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Runs of worlds as a study sees them, and their references: stated, the scene's own course, or refined runs between
+// which is interpolated linearly. Weak spot: a refined reference is as good as its two runs differ, which hides what
+// both get wrong.
 #include "study/scene_problem.h"
 
 #include <algorithm>

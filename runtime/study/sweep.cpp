@@ -1,3 +1,5 @@
+// Ladders as text, the plan of a sweep, its error pass, and its timing pass: runs of all points in turn, so that a slow
+// spell of the machine meets all alike. Weak spot: minima of few repeats where the budget is short.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
