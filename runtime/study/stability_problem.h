@@ -73,8 +73,8 @@ using StabilityProblems = std::vector<std::unique_ptr<StabilityProblem>>;
 // A map whose cells a function of the method and of the values on both axes fills.
 using StabilityCells =
     std::function<StabilityCell(const std::string& method, double x, double y, const StabilityThresholds& limits)>;
-std::unique_ptr<StabilityProblem> stability_table(StabilityProblemInfo info, std::vector<StabilityMethod> methods,
-                                                  StabilityCells cells);
+std::unique_ptr<StabilityProblem> stability_table(const char* family, StabilityProblemInfo info,
+                                                  std::vector<StabilityMethod> methods, StabilityCells cells);
 
 // The rows of a table of solvers as methods.
 template <class Solver>

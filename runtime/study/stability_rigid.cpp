@@ -278,14 +278,12 @@ void run_rigid(const RigidScene& s, const std::string& method, const StabilityTh
 
 StabilityProblems rigid_stability() {
   StabilityProblems all;
-  for (RigidMap& map : maps()) {
-    map.info.family = "rigid";
+  for (const RigidMap& map : maps())
     all.push_back(stability_table(
-        map.info, solver_methods(rigid_solvers()),
+        "rigid", map.info, solver_methods(rigid_solvers()),
         [scene = map.scene](const std::string& method, double x, double y, const StabilityThresholds& limits) {
           return checked_cell(x, y, [&](StabilityCell& cell) { run_rigid(scene(x, y), method, limits, cell); });
         }));
-  }
   return all;
 }
 
