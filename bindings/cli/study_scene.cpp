@@ -168,7 +168,7 @@ SceneLadder read_ladder(const std::string& what, const lua::StudyAxes& axes, lua
     const std::string where = what + "." + name;
     const auto numbers = [&, &all = values](auto& out, auto read, const char* way) {
       for (const std::string& v : all) out.push_back(read(read_number(v, where)));
-      if (all.size() > 1) ladder.way = way;
+      if (all.size() > 1) ladder.refinement_axis = way;
     };
     const auto whole = [](double x) { return static_cast<int>(x); };
     if (name == "dt") {
@@ -202,7 +202,7 @@ void read_ladders(const std::string& file, lua::Script& script, const RungPlace&
   const lua::StudyDeclaration& study = script.study();
   if (study.ladders.empty() || !study.axes.empty()) {
     scene.ladders.push_back(read_ladder(file + ": study.axes", study.axes, script, place, scene));
-    if (study.ladders.empty()) scene.ladders.back().way.clear();
+    if (study.ladders.empty()) scene.ladders.back().refinement_axis.clear();
   }
   for (std::size_t k = 0; k < study.ladders.size(); ++k) {
     scene.ladders.push_back(

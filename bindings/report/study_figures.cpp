@@ -72,7 +72,7 @@ struct RefinementCurve {
   std::string name;
   int number = 0;  // of the curve style
   std::vector<const StudyPoint*> points;
-  std::string axis;  // StudyPoint::way
+  std::string axis;  // StudyPoint::refinement_axis
 };
 
 std::string axis_name(const std::string& axis) {
@@ -102,10 +102,10 @@ std::vector<RefinementCurve> refinement_curves(const StudyResult& r, const std::
   std::vector<RefinementCurve> curves;
   for (const StudyPoint& p : r.points) {
     if (p.method != method) continue;
-    const std::string name =
-        p.way.empty() ? method + beside_rung(p, steps_vary, substeps_vary) : method + ", " + axis_name(p.way);
+    const std::string name = p.refinement_axis.empty() ? method + beside_rung(p, steps_vary, substeps_vary)
+                                                       : method + ", " + axis_name(p.refinement_axis);
     auto at = std::ranges::find_if(curves, [&](const RefinementCurve& c) { return c.name == name; });
-    if (at == curves.end()) at = curves.insert(curves.end(), {name, 0, {}, p.way});
+    if (at == curves.end()) at = curves.insert(curves.end(), {name, 0, {}, p.refinement_axis});
     at->points.push_back(&p);
   }
   const int count = static_cast<int>(curves.size());
@@ -193,7 +193,7 @@ const StudyPoint* point_of(const StudyResult& r, const StudySeries& s) {
 
 const OrderFit* fit_of(const StudyResult& r, const StudyPoint& p) {
   for (const OrderFit& f : r.fits)
-    if (f.method == p.method && f.settings == p.settings && f.way == p.way) return &f;
+    if (f.method == p.method && f.settings == p.settings && f.refinement_axis == p.refinement_axis) return &f;
   return nullptr;
 }
 
@@ -232,7 +232,7 @@ void draw_fit(Plot& plot, const OrderFit& fit, const PlotSeries& series) {
 Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& refined, const ErrorNorm& norm) {
   std::string axis = refined.empty() ? (m.adaptive ? "tol" : "h") : refined == "steps" ? "h" : refined;
   for (const OrderFit& f : r.fits)
-    if (f.method == m.name && f.way == refined) axis = f.axis;
+    if (f.method == m.name && f.refinement_axis == refined) axis = f.axis;
   Plot plot;
   plot.title = m.name;
   bool any = false;
@@ -388,7 +388,7 @@ std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& cont
     add_plot(*more, kWork, fmt::format("error_vs_work_{}.svg", more->name),
              fmt::format("{} against work.", more->label));
   }
-  const bool several = std::ranges::any_of(r.points, [](const StudyPoint& p) { return !p.way.empty(); });
+  const bool several = std::ranges::any_of(r.points, [](const StudyPoint& p) { return !p.refinement_axis.empty(); });
   out.push_back({"order.svg",
                  several ? "Error against what is refined, one frame for each method and way to refine."
                          : "Error against the step, one frame per method.",

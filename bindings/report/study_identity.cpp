@@ -36,7 +36,7 @@ std::string plan_hash(const std::vector<PlannedPoint>& plan) {
   std::string text;
   for (const PlannedPoint& p : plan)
     text += fmt::format("{} {} {} {} {} {} {} {}\n", p.index, p.spec.method, p.spec.steps, p.spec.tolerance,
-                        p.spec.iterations, p.spec.substeps, settings_text(p.spec.settings), p.spec.way);
+                        p.spec.iterations, p.spec.substeps, settings_text(p.spec.settings), p.spec.refinement_axis);
   return hex_hash(text);
 }
 

@@ -18,7 +18,7 @@ constexpr bool kNoColumn = true;  // in reports alone
 
 void fields(auto& p, auto& v, const StudyPoint*) {
   v("index", p.index, kNoColumn)("method", p.method)("order", p.order)("h_s", p.h_s)("tol", p.tol);
-  v("iters", p.iters)("substeps", p.substeps)("settings", p.settings, kNoColumn)("way", p.way, kNoColumn);
+  v("iters", p.iters)("substeps", p.substeps)("settings", p.settings, kNoColumn)("way", p.refinement_axis, kNoColumn);
   v("machine", p.machine, kNoColumn);
   v.named("status", p.status,
           {PointStatus::ok, PointStatus::diverged, PointStatus::nan, PointStatus::refused, PointStatus::slow});

@@ -26,7 +26,7 @@ std::string fitted_words(const StudyResult& r, const MethodInfo& m) {
   for (const OrderFit& f : r.fits) {
     if (f.method != m.name || !std::isfinite(f.slope)) continue;
     low = std::fmin(low, f.slope), high = std::fmax(high, f.slope), axis = f.axis;
-    if (!f.way.empty()) each += fmt::format("{}{:.2f} ({})", each.empty() ? "" : ", ", f.slope, f.axis);
+    if (!f.refinement_axis.empty()) each += fmt::format("{}{:.2f} ({})", each.empty() ? "" : ", ", f.slope, f.axis);
   }
   if (!each.empty()) return each;
   if (high - low > 0.005) return fmt::format("{:.2f} to {:.2f} ({})", low, high, axis);

@@ -6,6 +6,7 @@
 // law with strength = G), equal and opposite to the last bit; the cost grows with the square of the points.
 // Powers are computed here and not by the C library, whose last digit differs between machines: whole and half
 // powers by multiplication of square roots, others by exp(p ln s) in double.
+// Sources: Newton 1687; Plummer 1911. Weak spot: without softening, close encounters need arbitrarily short steps.
 #include "base/functions.h"
 #include "feder/force.h"
 

@@ -1,4 +1,6 @@
 // Linear and quadratic drag: f = -(linear + quadratic |v|) v. Linear in N s/m, quadratic in N s^2/m^2.
+// Sources: Stokes 1851 (linear), Newton 1687 (quadratic). Weak spot: no share of the shape; a plate drags alike from
+// all sides.
 #include <algorithm>
 
 #include "feder/force.h"

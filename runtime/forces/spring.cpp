@@ -1,5 +1,6 @@
 // A spring from each point to a place in the world: f = -(stiffness (r - rest_length) + damping r') n.
 // At r = 0 with a rest length the direction is undefined: x is used.
+// Source: Hooke 1678. Weak spot: that direction, which a point passing the anchor sees turn over.
 #include "feder/force.h"
 
 namespace feder {

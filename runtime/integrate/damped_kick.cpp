@@ -1,4 +1,6 @@
 // The solve of a damped velocity kick.
+// Linearly implicit, as in Baraff & Witkin 1998 but by the velocity alone. Kept between calls: work arrays. Weak spot:
+// stiff dashpots in long chains take many iterations, and a cap ends them as unconverged.
 #include "integrate/damped_kick.h"
 
 namespace feder {

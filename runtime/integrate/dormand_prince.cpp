@@ -1,3 +1,5 @@
+// The pair 5(4) of Dormand & Prince 1980 with its dense output (Hairer, Norsett & Wanner 1993, II.6). Kept between
+// calls: the slopes of the last attempt. Weak spot: explicit, so stiff forces decide its steps.
 #include "integrate/dormand_prince.h"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // The first solve of a stage is that of Baraff & Witkin 1998, linearised where the step starts: A dv = r + g K (x_past
-// + g v), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would look
+// + g v), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would be
 // compressed there and buckle). Newton steps from the state it reaches follow until the residual is gone, because a
 // stiff chain that swings far in one step overshoots along its tangents; `iterations = 1` leaves them out. The force
 // field hands over negative semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko 2002), so A

@@ -3,6 +3,7 @@
 // where it is stiff, so the order stays 2 and the limit h w = 2 holds for any damping ratio.
 // Kept between calls: nothing. Weak spot: the force acts in the middle of the step, so a spring's end state is seen
 // only after the last drift.
+// Source: Verlet 1967; Hockney & Eastwood, "Computer Simulation Using Particles" (1981).
 #include "integrate/damped_kick.h"
 
 namespace feder {

@@ -1,3 +1,5 @@
+// Explicit Runge-Kutta stages by a Butcher tableau (Butcher 1963). Kept between calls: slopes and work arrays. Weak
+// spot: all slopes are kept, two vectors per stage and point.
 #include "integrate/runge_kutta.h"
 
 namespace feder {

@@ -185,7 +185,7 @@ void Net::add_still_air(std::span<const Vec3> x, std::span<const Vec3> v, std::s
     const std::uint32_t *f = &faces[t], a = f[0], b = f[1], c = f[2];
     const Vec3 twice = cross(x[b] - x[a], x[c] - x[a]), u = (v[a] + v[b] + v[c]) / 3;
     const Real* mass = particles_.mass.data() + first;
-    const Real most = kMaxOfMass * std::min({mass[a], mass[b], mass[c]}) / step_;
+    const Real most = kMaxMassShare * std::min({mass[a], mass[b], mass[c]}) / step_;
     const Vec3 third = still_air(u, twice, air_density_, most, {}) / 3;
     for (int k = 0; k < 3; ++k) force[f[k]] += third;
   }

@@ -1,6 +1,7 @@
-// A straight chain of equal masses and springs that swings along itself in one eigenmode (Lagrange,
-// Mechanique analitique, 1788). Each mode
-// tests frequency and damping of its own; linear as long as no spring is squeezed to nothing.
+// A straight chain of equal masses and springs that swings along itself in one eigenmode (Lagrange, Mechanique
+// analitique, 1788). Each mode tests frequency and damping of its own; linear as long as no spring is squeezed to
+// nothing.
+// Does not show: bending or large motion.
 #include "study/net_problem.h"
 
 namespace feder {

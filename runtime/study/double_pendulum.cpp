@@ -1,6 +1,7 @@
 // Two unit masses on two unit rods, g = 9.81, from rest with both rods level. The angles from the
 // vertical are the coordinates; the mass matrix is solved within the force, which so depends on velocity without
 // damping anything. Chaotic: beyond t = 3 what counts is how long a run stays with the reference.
+// Reference: Gragg-Bulirsch-Stoer extrapolation (reference.h). Does not show: order beyond that time.
 #include "study/ode.h"
 
 namespace feder {

@@ -1,5 +1,7 @@
 // Ten springs of k = 1e8 with nine masses of 1 kg and one of 1e6 kg below, let go unstretched. It
 // bounces about its equilibrium in ten modes; top tension and stretch there are known.
+// Source of the modes: Rayleigh, "The Theory of Sound" (1877), IV. Does not show: swinging, as all moves along the
+// chain.
 #include "study/net_problem.h"
 
 namespace feder {

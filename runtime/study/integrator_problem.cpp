@@ -1,3 +1,4 @@
+// Methods and ladders of problems that integrators run: tolerances for adaptive methods, steps for all others.
 #include "study/integrator_problem.h"
 
 #include "feder/memory.h"

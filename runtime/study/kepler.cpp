@@ -1,6 +1,7 @@
 // A body around a fixed centre, GM = a = 1, from the pericentre. Reference: Kepler's equation
 // E - e sin E = t by Newton in long double. The start decides much: from the pericentre, kicks first and drifts first
 // differ by an order of magnitude.
+// Source: Kepler 1609. Does not show: damping, or stiffness other than by the eccentricity.
 #include "study/ode.h"
 
 namespace feder {

@@ -1,7 +1,8 @@
-// A square net under tension, its edge pinned, that swings across itself in mode (p, q)
-// (Lagrange, Mechanique analitique, 1788). Springs of
-// rest length zero and stiffness T/a make the tension, so the motion is linear at any amplitude:
+// A square net under tension, its edge pinned, that swings across itself in mode (p, q) (Lagrange, Mechanique
+// analitique, 1788). Springs of rest length zero and stiffness T/a make the tension, so the motion is linear at any
+// amplitude:
 //   w_pq^2 = (4 T/(m a)) (sin^2(p pi/(2(N+1))) + sin^2(q pi/(2(N+1))))
+// Does not show: stretch, as its springs have no length.
 #include "study/net_problem.h"
 
 namespace feder {

@@ -1,3 +1,5 @@
+// Runs of a net in a world, and its references: modes about a rest state, or extrapolation of forces written apart from
+// the library's. Weak spot: the bound on the frequency (Gershgorin 1931) lies above the true one.
 #include "study/net_problem.h"
 
 #include <algorithm>
@@ -155,18 +157,18 @@ void NetProblem::use_modes(int axis, const std::vector<double>& rest) {
   axis_ = axis;
   rest_ = rest;
   moving_.clear();
-  std::vector<std::size_t> place(model_.mass.size());
+  std::vector<std::size_t> row(model_.mass.size());
   for (std::uint32_t i = 0; i < model_.mass.size(); ++i)
-    if (!model_.pinned[i]) place[i] = moving_.size(), moving_.push_back(i);
+    if (!model_.pinned[i]) row[i] = moving_.size(), moving_.push_back(i);
   const std::size_t n = moving_.size();
   std::vector<Wide> k(n * n, 0), mass, u, v;
   for (const NetSpring& s : model_.springs) {
     const auto stiff = static_cast<Wide>(s.stiffness);
-    if (!model_.pinned[s.i]) k[place[s.i] * n + place[s.i]] += stiff;
-    if (!model_.pinned[s.j]) k[place[s.j] * n + place[s.j]] += stiff;
+    if (!model_.pinned[s.i]) k[row[s.i] * n + row[s.i]] += stiff;
+    if (!model_.pinned[s.j]) k[row[s.j] * n + row[s.j]] += stiff;
     if (model_.pinned[s.i] || model_.pinned[s.j]) continue;
-    k[place[s.i] * n + place[s.j]] -= stiff;
-    k[place[s.j] * n + place[s.i]] -= stiff;
+    k[row[s.i] * n + row[s.j]] -= stiff;
+    k[row[s.j] * n + row[s.i]] -= stiff;
   }
   for (std::size_t m = 0; m < n; ++m) {
     const std::size_t at = 3 * moving_[m] + static_cast<std::size_t>(axis);

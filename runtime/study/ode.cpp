@@ -1,3 +1,5 @@
+// Runs of one point by an integrator, and its field: forces as the problem says, derivatives made negative
+// semidefinite.
 #include "study/ode.h"
 
 #include "feder/memory.h"

@@ -1,6 +1,7 @@
 // m x'' = -k x - c x' with m = 1 from (1, 0). Closed form for every damping ratio
 //   x = e^(-zeta w0 t) (cos wd t + zeta w0/wd sin wd t), v = -e^(-zeta w0 t) w0^2/wd sin wd t,
 // with hyperbolic functions beyond the critical ratio, written with the two real roots because they would overflow.
+// Source: Rayleigh, "The Theory of Sound" (1877), III. Does not show: anything of non-linear forces.
 #include "study/ode.h"
 
 namespace feder {

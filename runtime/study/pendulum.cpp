@@ -1,6 +1,7 @@
 // theta'' = -sin theta (g/L = 1) from rest at theta0; the angle is the coordinate. By elliptic functions
 // (Jacobi 1829):
 //   sin(theta/2) = k sn(K - t | k), theta' = -2 k cn, with k = sin(theta0/2)
+// Does not show: damping; near the top the start alone decides.
 #include "study/ode.h"
 
 namespace feder {

@@ -1,6 +1,7 @@
 // y' = lambda (y - cos t) - sin t, y(0) = 1, exact cos t, lambda = -1e6 (Prothero and Robinson 1974). Shows order
 // reduction: stiff beyond all steps, though the solution is smooth. Of the first order: y is the velocity of a point
 // whose position nobody asks for, so what is observed is v.
+// Does not show: anything of positions.
 #include "study/ode.h"
 
 namespace feder {

@@ -1,4 +1,5 @@
 // A mass on a stiff spring that swings from the level, E0 = 0. Slow swing and fast stretch in one.
+// Source: Vitt and Gorelik 1933. Reference: extrapolation (reference.h). Does not show: damping.
 #include "study/net_problem.h"
 
 namespace feder {

@@ -138,8 +138,9 @@ StabilityMap run_map(const StabilityProblem& problem, const StabilityMethod& met
 
 }  // namespace
 
-std::unique_ptr<StabilityProblem> stability_table(StabilityProblemInfo info, std::vector<StabilityMethod> methods,
-                                                  StabilityCells cells) {
+std::unique_ptr<StabilityProblem> stability_table(const char* family, StabilityProblemInfo info,
+                                                  std::vector<StabilityMethod> methods, StabilityCells cells) {
+  info.family = family;
   return std::make_unique<StabilityTable>(std::move(info), std::move(methods), std::move(cells));
 }
 

@@ -167,16 +167,12 @@ std::vector<ClothMapRow> rows() {
   return {{{"hanging_sheet",
             "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s",
             stiffness,
-            {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}},
-            false,
-            "cloth"},
+            {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}}},
            &hung},
           {{"drape",
             "a sheet of 10 x 10 cells falls on a ball",
             stiffness,
-            {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}},
-            false,
-            "cloth"},
+            {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}}},
            &draped},
           {{"pinned_gap",
             "a sail of 10 x 10 cells pinned beside, on and in a shape, in wind of 9.5 m/s, 60 steps/s",
@@ -186,16 +182,12 @@ std::vector<ClothMapRow> rows() {
              "",
              false,
              {1, 2, 3, 4, 5, 6, 7, 8},
-             {2, 4, 6}},
-            false,
-            "cloth"},
+             {2, 4, 6}}},
            &pinned},
           {{"sheet_substeps",
             "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
             {"substeps", "substeps", "", true, {1, 2, 4, 8, 16, 32, 64}, {1, 8, 64}},
-            {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}},
-            false,
-            "cloth"},
+            {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}}},
            &swept,
            true}};
 }
@@ -230,8 +222,8 @@ StabilityProblems cloth_stability() {
   for (const ClothMapRow& row : rows()) {
     std::vector<StabilityMethod> methods = solver_methods(cloth_solvers());
     if (row.iterates) std::erase_if(methods, [](const StabilityMethod& m) { return !takes_iterations(m.name); });
-    all.push_back(
-        stability_table(row.info, std::move(methods), [row](const auto&... cell) { return run_cloth(row, cell...); }));
+    all.push_back(stability_table("cloth", row.info, std::move(methods),
+                                  [row](const auto&... cell) { return run_cloth(row, cell...); }));
   }
   return all;
 }

@@ -30,6 +30,12 @@ bool iterates(const std::string& solver) {
   return find_variant(fluid_solvers(), solver, "fluid solver").make(unused, Params())->iterates();
 }
 
+FluidDesc fluid_of(const std::string& solver) {
+  FluidDesc f;
+  f.solver = solver;
+  return f;
+}
+
 FluidCell tank(FluidDesc f, double rate, int substeps, double width = kTank, double spacing = kSpacing) {
   FluidCell c;
   c.world = make_tank(awake_world(kGravity, 1 / rate, substeps), width);
@@ -54,8 +60,7 @@ void fill(FluidCell& c, double under) {
 // is asked for the one at the ground, and may be stiffer.
 FluidCell column(const std::string& solver, double x, double y) {
   const double a = kDensity * kGravity / x, squeezed = std::clamp(a * kLevel, 1e-4, 0.2);
-  FluidDesc f;
-  f.solver = solver;
+  FluidDesc f = fluid_of(solver);
   f.stiffness = static_cast<Real>(x), f.compression = static_cast<Real>(squeezed);
   FluidCell c = tank(f, y, kSubsteps);
   fill(c, kLevel);
@@ -66,9 +71,7 @@ FluidCell column(const std::string& solver, double x, double y) {
 
 // x = density ratio, y = steps a second.
 FluidCell floating(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver;
-  FluidCell c = tank(f, y, kSubsteps);
+  FluidCell c = tank(fluid_of(solver), y, kSubsteps);
   const double under = kLevel - std::min(x, 1.0) * kBeam;
   fill(c, under);
   c.body = add_beam(*c.world, kBeam, kBeam, kDensity * x, Vec3d(kTank / 2, under + kBeam / 2, 0));
@@ -79,8 +82,7 @@ FluidCell floating(const std::string& solver, double x, double y) {
 
 // x = substeps, y = iterations, or steps of its own at most, in each.
 FluidCell spent(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver;
+  FluidDesc f = fluid_of(solver);
   f.iterations = f.max_substeps = static_cast<int>(y);
   FluidCell c = tank(f, 60, static_cast<int>(x));
   fill(c, kLevel);
@@ -105,16 +107,12 @@ FluidCell narrow(FluidDesc f, double spacing, double layers) {
 }
 
 // x = spacing, y = layers.
-FluidCell depth(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver;
-  return narrow(f, x, y);
-}
+FluidCell depth(const std::string& solver, double x, double y) { return narrow(fluid_of(solver), x, y); }
 
 // x = iterations, y = layers, of 6 mm: a solver that does not iterate takes its own count of steps.
 FluidCell iterations(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver, f.iterations = static_cast<int>(x);
+  FluidDesc f = fluid_of(solver);
+  f.iterations = static_cast<int>(x);
   return narrow(f, 0.006, y);
 }
 
@@ -129,37 +127,27 @@ std::vector<FluidMapRow> rows() {
   return {{{"water_column",
             "half a metre of fluid stands in a tank for 2 s, four substeps",
             {"stiffness", "bulk modulus", "Pa", true, decades(0, 8), {1, 1e4, 1e8}},
-            rate,
-            false,
-            "fluid"},
+            rate},
            &column},
           {{"floating",
             "a beam floats in a tank, or sinks, four substeps",
             {"ratio", "density ratio", "", true, decades(-2, 2), decades(-2, 2)},
-            rate,
-            false,
-            "fluid"},
+            rate},
            &floating},
           {{"water_substeps",
             "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
             {"substeps", "substeps", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
-            {"spent", "iterations, or solver substeps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
-            false,
-            "fluid"},
+            {"spent", "iterations, or solver substeps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}}},
            &spent},
           {{"water_depth",
             "a column eight spacings wide stands for 2 s, 60 steps/s, four substeps",
             {"spacing", "spacing", "m", true, {0.001, 0.003, 0.006, 0.0125, 0.025, 0.05, 0.1}, {0.001, 0.006, 0.05}},
-            layers,
-            false,
-            "fluid"},
+            layers},
            &depth},
           {{"water_iterations",
             "a column of 6 mm, eight spacings wide, stands for 2 s, 60 steps/s, four substeps",
             {"iterations", "iterations", "", true, {1, 2, 4, 8, 16, 32}, {1, 4, 32}},
-            layers,
-            false,
-            "fluid"},
+            layers},
            &iterations}};
 }
 
@@ -198,7 +186,7 @@ StabilityCell run_fluid(const FluidMapRow& row, const std::string& method, doubl
 StabilityProblems fluid_stability() {
   StabilityProblems all;
   for (const FluidMapRow& row : rows())
-    all.push_back(stability_table(row.info, solver_methods(fluid_solvers()),
+    all.push_back(stability_table("fluid", row.info, solver_methods(fluid_solvers()),
                                   [row](const auto&... cell) { return run_fluid(row, cell...); }));
   return all;
 }

@@ -51,7 +51,7 @@ class StabilityProblem {
   virtual std::string limit_how() const { return ""; }
 };
 
-// The place of a map's cell on both axes, filled by `run`; refused where that throws a SceneError.
+// A map's cell at (x, y), filled by `run`; refused where that throws a SceneError.
 template <class Run>
 StabilityCell checked_cell(double x, double y, Run&& run) {
   StabilityCell cell;
@@ -70,11 +70,11 @@ std::string failed_entity(World& w, std::string object);
 
 using StabilityProblems = std::vector<std::unique_ptr<StabilityProblem>>;
 
-// A map whose cells a function of the method and of the place on both axes fills.
+// A map whose cells a function of the method and of the values on both axes fills.
 using StabilityCells =
     std::function<StabilityCell(const std::string& method, double x, double y, const StabilityThresholds& limits)>;
-std::unique_ptr<StabilityProblem> stability_table(StabilityProblemInfo info, std::vector<StabilityMethod> methods,
-                                                  StabilityCells cells);
+std::unique_ptr<StabilityProblem> stability_table(const char* family, StabilityProblemInfo info,
+                                                  std::vector<StabilityMethod> methods, StabilityCells cells);
 
 // The rows of a table of solvers as methods.
 template <class Solver>

@@ -77,7 +77,8 @@ class ChainProblem final : public NetStability {
     StabilityScene s;
     s.net.name = "chain";
     for (int j = 0; j <= n + 1; ++j) {
-      // limits: both walls at the origin, springs of no length, so that nothing is lost beside the places of the points
+      // limits: both walls at the origin, springs of no length, so that nothing is lost beside the positions of the
+      // points
       const double sine = j == 0 || j == n + 1 ? 0 : std::sin(j * mode * kPiDouble / (n + 1));
       s.net.points.push_back(Vec3(static_cast<Real>(for_limit ? sine : j - 0.5 * (n + 1) + kAmplitude * sine), 0, 0));
       s.net.masses.push_back(1);

@@ -1,5 +1,5 @@
 // Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or
-// the place of a scene leave the usual (axes of stability.h). Each scene ends where it is known: at rest in its
+// the position of a scene leave the usual (axes of stability.h). Each scene ends where it is known: at rest in its
 // place, or before the wall.
 #include "study/stability_rigid.h"
 
@@ -70,7 +70,7 @@ RigidScene small(double h, double ratio) {
   return s;
 }
 
-// Beside the pile a box slides 6 m without friction: rest alone would hide that places are coarse out there.
+// Beside the pile a box slides 6 m without friction: rest alone would hide that positions are coarse out there.
 RigidScene far(double h, double distance) {
   constexpr double kSpeed = 3, kStart = -5;  // m/s, m
   RigidScene s;
@@ -278,14 +278,12 @@ void run_rigid(const RigidScene& s, const std::string& method, const StabilityTh
 
 StabilityProblems rigid_stability() {
   StabilityProblems all;
-  for (RigidMap& map : maps()) {
-    map.info.family = "rigid";
+  for (const RigidMap& map : maps())
     all.push_back(stability_table(
-        map.info, solver_methods(rigid_solvers()),
+        "rigid", map.info, solver_methods(rigid_solvers()),
         [scene = map.scene](const std::string& method, double x, double y, const StabilityThresholds& limits) {
           return checked_cell(x, y, [&](StabilityCell& cell) { run_rigid(scene(x, y), method, limits, cell); });
         }));
-  }
   return all;
 }
 

@@ -1,3 +1,5 @@
+// Ladders as text, the plan of a sweep, its error pass, and its timing pass: runs of all points in turn, so that a slow
+// spell of the machine meets all alike. Weak spot: minima of few repeats where the budget is short.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -104,7 +106,7 @@ bool satisfied(const Timed& t, const TimingOptions& o) {
   return n >= o.max_repeats || (n >= o.min_repeats && t.total >= o.min_total_s);
 }
 
-void write_down(Timed& t, const TimingOptions& o, double t_end) {
+void record_times(Timed& t, const TimingOptions& o, double t_end) {
   if (t.samples.empty()) return;
   std::sort(t.samples.begin(), t.samples.end());
   const auto rank = [&](double q) {
@@ -181,7 +183,7 @@ void time_points(const StudyProblem& problem, std::span<const PlannedPoint> plan
     }
     if (!more) break;
   }
-  for (Timed& t : timed) write_down(t, o, problem.info().t_end);
+  for (Timed& t : timed) record_times(t, o, problem.info().t_end);
 }
 
 StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) {

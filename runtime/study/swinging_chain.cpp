@@ -1,5 +1,6 @@
 // Ten links of 0.1 m and 0.1 kg, the last mass R times that, level at rest, swinging for a second.
 // Stiff by its springs, long in its motion; errors are those of the end point.
+// Reference: extrapolation (reference.h). Does not show: long times, which are chaotic.
 #include "study/net_problem.h"
 
 namespace feder {

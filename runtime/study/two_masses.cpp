@@ -1,4 +1,5 @@
 // A wall, a spring, 1 kg, a spring, 1e6 kg. Both eigenmodes at once, four decades apart.
+// Source: Rayleigh, "The Theory of Sound" (1877), IV. Does not show: non-linear coupling of the modes.
 #include "study/net_problem.h"
 
 namespace feder {

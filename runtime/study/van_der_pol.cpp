@@ -1,4 +1,5 @@
 // x'' = mu (1 - x^2) x' - x from (2, 0) (van der Pol 1926). Stiff while it creeps, fast while it jumps; no energy.
+// Does not show: energy errors; explicit methods only as failing.
 #include "study/ode.h"
 
 namespace feder {
