@@ -1,6 +1,6 @@
-// Eight links or hinges side by side, and the kernels that work on them. Plain structs only: included by the file
-// that is compiled with -mavx2. No two elements of a batch, nor of a colour, push the same vertex; empty lanes point
-// to a spare vertex that cannot move.
+// Batches of eight links or hinges, one per lane, and the kernels that work on them. Plain structs only: included by
+// the file that is compiled with -mavx2. No two elements of a batch, nor of a colour, share a vertex; empty lanes point
+// to a spare vertex of infinite mass.
 #pragma once
 #include "base/simd.h"
 
@@ -22,21 +22,22 @@ struct HingeBatch {
   Lane8 multiplier;    // N m s^2
 };
 
-// m/s, at which what was too far away comes back: to a body that holds the cloth, which is pulled in turn, and else.
+// Largest speeds at which excess length from before a solver substep is taken back, m/s: of ties to bodies, which take
+// the opposite impulse, and of links and ties to pins.
 inline constexpr WideReal kTieSpeed = 3, kShedSpeed = 20;
 
-// Eight vertices that may go no farther from an anchor that stays than along the cloth. No vertex twice in a layer.
+// Ties of eight vertices to fixed anchors: their distance stays below that along the cloth. No vertex twice in a layer.
 struct TieBatch {
   unsigned a[kLanes];
   Lane8x3 base;  // a minus its anchor at the start of the step, m
   Lane8 limit;   // m
 };
 
-// What a hinge does against its rate, with the geometry at the start of a damping pass.
+// Damping rows of hinges, linearised at the start of a damping pass.
 struct HingeDamping {
   Lane8x3 gradient[4];  // of the angle, rad/m
   Lane8 factor;         // impulse per rate, N m s per rad/s
-  Lane8 most;           // of sum w |gradient|^2 k, as at rest, 1/s^2
+  Lane8 max_response;   // of sum w |gradient|^2 k: the value at rest, 1/s^2
 };
 
 struct ClothPass {
@@ -46,7 +47,7 @@ struct ClothPass {
   TieBatch* ties;
   unsigned first, last;      // range of batches
   WideReal* delta_position;  // Row4 as four numbers each
-  const WideReal* before;    // likewise, where the solver substep began
+  const WideReal* before;    // likewise, at the start of the solver substep
   WideReal* velocity;
   WideReal inv_h2;        // 1/h^2 of the solver substep
   WideReal h;             // s, of the solver substep

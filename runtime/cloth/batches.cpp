@@ -1,6 +1,8 @@
-// Greedy colouring in element order: a colour holds elements that share no vertex, so its lanes and batches may run
-// in any order and on any thread. A vertex in more than 64 elements of a kind overflows into the last colour's
-// successors: those run alone, one lane each.
+// Greedy colouring of elements: a colour holds elements that share no vertex, so its lanes and batches may run in any
+// order and on any thread, with the same bits (Fratarcangeli and Pellacini 2015 colour constraints likewise). At a
+// vertex of more than 64 elements of a kind the rest get colours of their own behind the last one, of one lane each.
+// Kept between calls: colours and batches of the mesh, by its version. Weak spot: the order of sweeps, and with it the
+// strain that a sweep leaves, follows from the numbering of the mesh.
 #include "cloth/batches.h"
 
 #include <algorithm>
@@ -41,11 +43,12 @@ template <class Elements, class Points>
 std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total, Points&& points) {
   used_.assign(total, 0);
   color_.resize(elements.size());
-  // by direction first: the rows of a sheet then alternate between two colours, which leaves the least strain
+  // sorted by direction: the rows of a sheet then alternate between two colours, which leaves the least strain
   order_.resize(elements.size());
   for (std::uint32_t e = 0; e < order_.size(); ++e) order_[e] = e;
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::uint32_t x, std::uint32_t y) { return direction(elements[x]) < direction(elements[y]); });
+  // the lowest colour that no vertex of the element has yet
   std::uint32_t count = 0, alone = 0;
   for (const std::uint32_t e : order_) {
     std::uint64_t taken = 0;
@@ -62,7 +65,7 @@ std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total,
     color_[e] = free;
     count = std::max(count, free + 1);
   }
-  // those without a colour follow the last one, each for itself
+  // elements without a free colour follow the last one, each as a colour
   for (std::uint32_t& c : color_)
     if (c >= kColors) c = count + (c - kColors);
   return count + alone;
@@ -73,6 +76,7 @@ void ClothBatches::build(const ClothView& v) {
   FEDER_ASSERT(v.mesh && v.total > v.points);
   version_ = v.version;
   const std::uint32_t spare = v.total - 1;
+  // batches of one kind, colour after colour, in the order of the elements
   const auto fill = [&](auto& batches, auto& colors, std::uint32_t count, const auto& elements, auto&& empty,
                         auto&& put) {
     batches.clear(), colors.clear();
@@ -92,6 +96,7 @@ void ClothBatches::build(const ClothView& v) {
   };
   const auto compliance = [](Real k) { return k > 0 ? 1 / k : Real(1e30); };
 
+  // empty lanes: the spare vertex, and no division by zero
   LinkBatch no_link{};
   for (int i = 0; i < kLanes; ++i) no_link.a[i] = no_link.b[i] = spare, no_link.compliance.v[i] = 1;
   std::uint32_t count = color(v.mesh->links, v.total, [](const ClothLink& l, auto&& f) { f(l.a), f(l.b); });

@@ -1,4 +1,4 @@
-// Elements in colours of eight: what the kernels run over. Private to the module.
+// Coloured batches of links and hinges: what the kernels run over. Private to the module.
 #pragma once
 #include "base/checks.h"
 #include "base/jobs.h"
@@ -18,7 +18,7 @@ class ClothBatches {
         stage_(&a), last_stage_(&a), first_rate_(&a), pushes_(&a) {}
   // Wide kernels where the processor has them; "plain" for tests.
   void pick(bool wide);
-  // Colours and batches for this mesh; nothing when its version is known.
+  // Colours and batches for this mesh; does nothing for the version it has.
   void build(const ClothView& v);
   void current_position(const ClothView& v);                                        // edges at the start of the step
   void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a solver substep
@@ -28,7 +28,7 @@ class ClothBatches {
   // Strain rate out of `velocity` over h, see damping.cpp.
   void damp_links(const ClothView& v, Real h, StepContext& c);
   void damp_hinges(const ClothView& v, Real h, StepContext& c);
-  // Is that more than a sweep? Then it wants velocities of the same moment as the positions.
+  // More than one sweep: then it needs velocities of the same time as the positions.
   bool damps_in_stages(const ClothView& v, Real h) const { return stability(v, h) > kOneSweep; }
   void validate(const ClothView& v) const;  // asserts that the batches are those of the mesh; validate.cpp
   // The longest damping that bending gets in a substep of h, s; longer ones act as this one.

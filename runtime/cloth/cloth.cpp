@@ -1,4 +1,4 @@
-// The cloth system: owner of sheets. What scripts give is checked here; vertices are added, and taken away.
+// The cloth system: descriptions are checked, cloths made and destroyed, and the passes listed.
 #include "feder/cloth.h"
 
 #include <algorithm>
@@ -57,14 +57,14 @@ void check_numbers(const ClothDesc& d) {
        d.max_substeps);
 }
 
-constexpr Real kAimed = Real(0.7);  // of max_strain, by rows and ties: the rest is what a sweep leaves
+constexpr Real kAimed = Real(0.7);  // share of max_strain that rows and ties aim at: the rest is what a sweep leaves
 
 Real max_strain_of(const ClothDesc& d) {
   if (d.max_strain > 0) return kAimed * d.max_strain;
   return d.tear_strain < kInfinity ? kInfinity : kAimed * Cloth::kMaxStrain;
 }
 
-// The vertices a name stands for; `clamped`: two of each neighbouring pair are an edge that may be clamped.
+// The vertices of a named side or corner; `clamped`: the name asks to hold the slope of its edges as well.
 std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, bool& clamped) {
   static const char kSuffix[] = "_clamped";
   const std::string full = name;
@@ -166,6 +166,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   std::vector<Vec3> rest = desc.vertices;
   std::vector<std::uint32_t> triangles = desc.triangles;
   if (desc.nx > 0) make_sheet(desc.size, desc.nx, desc.ny, rest, triangles);
+  // pins by number, settings, elements without clamps
   const auto points = static_cast<std::uint32_t>(rest.size());
   std::vector<char> pinned(points, 0), clamp(points, 0);
   for (const std::uint32_t i : desc.pins) {
@@ -194,6 +195,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
                  desc.wind,
                  desc.max_strain > 0};
   make_elements(s->mesh, rest, s->settings.stiffness);
+  // pins by name, with a ghost vertex for each end of a clamped border edge
   for (const std::string& name : desc.pin_names) {
     bool clamped = false;
     const std::vector<std::uint32_t> v = named_vertices(desc, name, clamped);
@@ -220,11 +222,12 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   }
   s->mesh.ghosts.assign(ghosts.begin(), ghosts.end());
   if (!ghosts.empty()) make_elements(s->mesh, rest, s->settings.stiffness);
+  // the solver may still refuse its options; the last vertex is the spare of empty lanes
   m.attach_solver(*s, desc.solver, desc.solver_options);
   rest.push_back(Vec3(0, 0, 0));
   FEDER_ASSERT(rest.size() == points + ghosts.size() + 1 && s->mesh.edges.size() <= s->mesh.links.size());
 
-  // nothing can fail any more
+  // nothing can fail from here on: rows of ClothVertices
   ClothVertices& all = m.vertices;
   s->first = all.size();
   s->points = points;

@@ -3,13 +3,13 @@
 // decades (a strip of n segments: w^2 grows with n^4), and one sweep in which each hinge is implicit by itself carries
 // damping across a hinge or two only: it is what a fine sheet gets when h tau w^2 of its fastest mode is small. Else
 // hinges are damped by stages of an explicit Runge-Kutta-Chebyshev method (van der Houwen and Sommeijer 1980; Verwer,
-// Hundsdorfer and Sommeijer 1990, eq. 2.3 ff., first order): s stages reach h tau w^2 = 1.07 s^2, all hinges push at
-// once in each, so that momentum and angular momentum are kept. Implicit Euler with conjugate gradients asks for as
-// many products, and in float for more: its residual is lost in rounding at w^2 ratios of 10^6.
-// Velocities that lag positions by half a solver substep would pump modes whose phase returns with the substeps (trace
-// of the map of a mode above 1 + P, P what damping leaves of its velocity): xpbd therefore damps between two half
-// kicks. Links get the sweep alone: what they lose to it is below what XPBD takes from them anyway. Weak spot: the time
-// is bounded by kMaxStages (longest_damping), with a warning.
+// Hundsdorfer and Sommeijer 1990, eq. 2.3 ff., first order): s stages are stable to h tau w^2 = 1.07 s^2, all hinges
+// push at once in each, so that momentum and angular momentum are kept. Implicit Euler with conjugate gradients asks
+// for as many products, and in float for more: its residual is lost in rounding at w^2 ratios of 10^6. Velocities that
+// lag positions by half a solver substep would pump modes whose phase returns with the substeps (trace of the map of a
+// mode above 1 + P, P what damping leaves of its velocity): xpbd therefore damps between two half kicks. Links get the
+// sweep alone: what they lose to it is below what XPBD takes from them anyway. Weak spot: the time is bounded by
+// kMaxStages (longest_damping), with a warning.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,7 @@
 namespace feder {
 namespace {
 constexpr int kMaxStages = 512;
-constexpr double kLeft = 3;                 // T_s(w0): the fastest modes are left with 1/kLeft
+constexpr double kLeft = 3;                 // T_s(w0): 1/kLeft is left of the fastest modes
 constexpr std::uint32_t kDampGrain = 1024;  // vertices per job
 }  // namespace
 
@@ -52,20 +52,22 @@ DampingStage DampingStages::next() {
   return s;
 }
 
-int DampingStages::needed(double z, int most) {
-  int s = std::max(1, static_cast<int>(std::sqrt(std::fmin(z, 1e12) / 1.4)));  // reach is 1.33 s^2 for 1, less after
-  FEDER_ASSERT(s >= 1 && most >= 1);
-  while (s < most && DampingStages(s).stability_limit() < z) ++s;
-  return std::min(s, most);
+int DampingStages::needed(double z, int max_count) {
+  int s =
+      std::max(1, static_cast<int>(std::sqrt(std::fmin(z, 1e12) / 1.4)));  // the limit is 1.33 s^2 for 1, less after
+  FEDER_ASSERT(s >= 1 && max_count >= 1);
+  while (s < max_count && DampingStages(s).stability_limit() < z) ++s;
+  return std::min(s, max_count);
 }
 
-// sum k (g.v)^2 <= sum k W sum |v_i|^2/w_i over the vertices of each hinge, W = sum w |g|^2: the largest sum of k W at
-// a vertex bounds w^2, whatever the shape, as long as no hinge has more than at rest (kernel.h, damp_begin).
+// Bound of w^2 of bending modes: sum k (g.v)^2 <= sum k W sum |v_i|^2/w_i over the vertices of each hinge, W = sum w
+// |g|^2, so the largest sum of k W at a vertex bounds w^2, whatever the shape, as long as no hinge has more than at
+// rest (kernel.h, damp_begin).
 void ClothBatches::measure_hinges(const ClothView& v) {
   std::vector<double> sum(v.total, 0);
   for (const ClothHinge& k : v.mesh->hinges) {
-    const double most = hinge_response(v, k.v) * static_cast<double>(k.stiffness);
-    for (const std::uint32_t i : k.v) sum[i] += most;
+    const double rate = hinge_response(v, k.v) * static_cast<double>(k.stiffness);
+    for (const std::uint32_t i : k.v) sum[i] += rate;
   }
   bending_ = 0;
   for (const double s : sum) bending_ = std::fmax(bending_, s);
@@ -73,7 +75,7 @@ void ClothBatches::measure_hinges(const ClothView& v) {
   damping_.clear();
 }
 
-// The arrays of the stages, when they are first needed.
+// Work arrays of the stages, made when they are first needed.
 void ClothBatches::prepare_stages(const ClothView& v) {
   if (damping_.size() == hinges_.size()) return;
   damping_.resize(hinges_.size());
@@ -81,7 +83,7 @@ void ClothBatches::prepare_stages(const ClothView& v) {
     for (int i = 0; i < kLanes; ++i) {
       const HingeBatch& b = hinges_[n];
       const std::uint32_t at[4] = {b.v[0][i], b.v[1][i], b.v[2][i], b.v[3][i]};
-      damping_[n].most.v[i] = static_cast<Real>(hinge_response(v, at) / static_cast<double>(b.compliance.v[i]));
+      damping_[n].max_response.v[i] = static_cast<Real>(hinge_response(v, at) / static_cast<double>(b.compliance.v[i]));
     }
   stage_.resize(v.total), last_stage_.resize(v.total), first_rate_.resize(v.total), pushes_.resize(v.total);
 }
@@ -105,6 +107,7 @@ void ClothBatches::damp_hinges(const ClothView& v, Real h, StepContext& c) {
 }
 
 void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
+  // linearise the hinges; beyond kMaxStages the damping time is cut to what they carry
   const double z = stability(v, h);
   const int count = DampingStages::needed(z, kMaxStages);
   DampingStages stages(count);
@@ -115,6 +118,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
   p.damping_time = static_cast<Real>(double(v.damping) * double(h) * std::fmin(1, stages.stability_limit() / z));
   p.rates = &v.velocity->x, p.pushes = &pushes_[0].x;
   run(kernels_->damp_begin, hinge_colors_, p, c);
+  // three-term recurrence: impulses of all hinges at the last stage's velocities, then the next stage by vertex
   for (int k = 0; k < count; ++k) {
     const DampingStage s = stages.next();
     c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -136,6 +140,7 @@ void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
       }
     });
   }
+  // the last stage is the change of the velocities
   c.jobs->for_blocks(v.total, kDampGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) v.velocity[i].add(stage_[i].vec());
   });

@@ -15,8 +15,8 @@ class DampingStages {
   explicit DampingStages(int count);
   double stability_limit() const { return (w0_ + 1) / w1_; }
   DampingStage next();
-  // The fewest stages whose limit is at least z, but no more than `most`.
-  static int needed(double z, int most);
+  // The fewest stages whose limit is at least z, but no more than `max_count`.
+  static int needed(double z, int max_count);
 
  private:
   int at_ = 0;

@@ -1,4 +1,4 @@
-// What scripts read and change between steps.
+// Reading and editing of cloths between steps, for scripts and couplings.
 #include <algorithm>
 
 #include "cloth/impl.h"
@@ -81,9 +81,9 @@ Real Cloth::strain(ObjectId id, std::size_t k) const {
 
 Real Cloth::max_strain(ObjectId id) const {
   const Sheet& s = impl_->sheet(id);
-  Real most = -1;
-  for (std::size_t k = 0; k < s.mesh.edges.size(); ++k) most = std::max(most, strain(id, k));
-  return most;
+  Real largest = -1;
+  for (std::size_t k = 0; k < s.mesh.edges.size(); ++k) largest = std::max(largest, strain(id, k));
+  return largest;
 }
 
 void Cloth::positions(ObjectId id, std::vector<Vec3>& out) const {
@@ -112,8 +112,9 @@ void Cloth::normals(ObjectId id, std::vector<Vec3>& out) const {
   for (Vec3& n : out) n = normalized_or(n, Vec3(0, 1, 0));
 }
 
-// Each vertex half-way to the mean of its neighbours along edges (those of the border along the border), then pushed
-// out again by as much as that step shrinks (Taubin 1995): wrinkles of one cell go, folds stay. Pinned ones stay.
+// Laplacian smoothing: each vertex half-way to the mean of its neighbours along edges (those of the border along the
+// border), then pushed out again by as much as that step shrinks (Taubin 1995): wrinkles of one cell go, folds stay.
+// Pinned vertices stay.
 void Cloth::smooth_positions(ObjectId id, std::vector<Vec3>& out) const {
   const Sheet& s = impl_->sheet(id);
   positions(id, out);

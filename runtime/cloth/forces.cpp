@@ -1,5 +1,6 @@
-// Forces on vertices, once per substep: gravity, scripts, the world's force generators. Those that act on areas (wind)
-// are asked per triangle and pressed through its normal (forces/area.h). Air is still where no wind acts on the cloth.
+// Forces on vertices, once per substep: gravity, scripts, the world's force generators. Generators that act on areas
+// (wind) are evaluated per triangle and act as pressure along and across its normal (forces/area.h). Air is still where
+// no wind acts on the cloth.
 #include "forces/forces.h"
 
 #include <algorithm>
@@ -19,6 +20,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
     FEDER_ASSERT(s.first + s.total <= acceleration.size());
     force.resize(s.total);
     for (std::uint32_t i = 0; i < s.points; ++i) force[i] = vertices.script_force[s.first + i];
+    // generators on points; those on areas are left to add_wind
     bool blown = false;
     if (forces) {
       const TagMask tags = objects.tags(s.object);
@@ -36,18 +38,19 @@ void Cloth::Impl::add_forces(StepContext& c) {
             points.push_back({vertices.position[i] + delta_position[i].vec(), velocity[i].vec(), vertices.mass[i], area,
                               area * s.settings.thickness, share * vertices.mass[i]});
           }
-        FEDER_ASSERT(points.size() == s.points);  // work memory that wind uses, too
+        FEDER_ASSERT(points.size() == s.points);  // shared with add_wind
         f.force->add(points.data(), s.points, time, force.data());
       }
       if (blown && s.settings.wind) add_wind(s, time, c.h);
     }
     if (!blown && s.settings.wind && air_density > 0) add_still_air(s, c.h);
+    // accelerations; hidden vertices have none
     Vec3 sum = g * s.mass;
     for (std::uint32_t i = 0; i < s.points; ++i) {
       acceleration[s.first + i] = g + force[i] * delta_position[s.first + i].w;
       sum += force[i];
     }
-    // as large as lately, so that gusts do not make the number of solver substeps jump
+    // decays slowly, so that gusts do not make the number of solver substeps jump
     s.state.pull = std::max(length(sum) / s.mass, Real(0.95) * s.state.pull);
     for (std::uint32_t i = s.points; i < s.total; ++i) acceleration[s.first + i] = Vec3::Zero();
   }
@@ -59,7 +62,8 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
   const Forces& forces = store.get<Forces>();
   const AreaShares shares{s.settings.drag, s.settings.lift};
   const TagMask tags = objects.tags(s.object);
-  const Real most = forces.drag_share() * s.settings.area_density / h;  // per square metre at rest
+  // points: the middle of each triangle, for one square metre of it; drag is limited per square metre at rest
+  const Real most = forces.drag_share() * s.settings.area_density / h;
   for (std::size_t t = 0; t < count; ++t) {
     const std::uint32_t* v = &s.mesh.triangles[3 * t];
     MassPoint& p = points[t];
@@ -77,6 +81,7 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
     const Real stretch = length(cross(x[1] - x[0], x[2] - x[0])) / length(cross(rest[1] - rest[0], rest[2] - rest[0]));
     if (stretch > 0) p.most_drag = most / stretch;
   }
+  // pressure on the triangle, a third to each corner
   for (const ForceEntry& f : forces.list) {
     if (!acts_on(f, s.object, tags) || !f.force->on_area()) continue;
     for (std::size_t t = 0; t < count; ++t) {

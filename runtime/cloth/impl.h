@@ -23,19 +23,19 @@ struct Cloth::Impl {
   bool* structure_changed;
   const Real air_density;  // kg/m^3, of still air
   Cloth* owner = nullptr;
-  std::vector<std::unique_ptr<Sheet>> sheets;  // the object's index is the place here
-  std::vector<Attachment> attachments;         // in the order they were made
+  std::vector<std::unique_ptr<Sheet>> sheets;  // by object index
+  std::vector<Attachment> attachments;         // in the order of their making
 
   // of a step, by vertex
   Surfaces& surfaces;
-  Array<Row4>&delta_position, &before, &velocity;  // of surfaces
+  Array<Row4>&delta_position, &before, &velocity;  // members of `surfaces`
   Array<Vec3> acceleration;                        // gravity, script, wind
-  Array<Vec3> force;                               // work of forces.cpp, N
+  Array<Vec3> force;                               // work memory of forces.cpp, N
   Array<MassPoint> points;
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
-  Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
+  Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all cloths
 
   mutable Array<std::uint32_t> marks;  // of validate(), by vertex
 
@@ -50,7 +50,7 @@ struct Cloth::Impl {
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
   void declare_surfaces();
-  void show(const Sheet& s);  // its surface, as it is
+  void show(const Sheet& s);  // adds its surface
   void solve_body_ties(StepContext& c);
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);

@@ -3,8 +3,8 @@
 // XPBD (Macklin et al. 2016, eq. 18): with alpha = compliance/h^2 and multiplier L,
 //   dL = (-C - alpha L)/(sum w |grad C|^2 + alpha),  x += w grad C dL.
 // Hinges use the angle itself (Bridson 2003; Tamstorf and Grinspun 2013 for the gradients), not the distance across.
-// Positions are the state at the start of the step plus a displacement: what a solver substep adds is far below the
-// rounding of a position, but not of a displacement.
+// Positions are those at the start of the step plus displacements: what a solver substep adds is far below the rounding
+// of a position, but not of a displacement.
 #pragma once
 #include "cloth/batch.h"
 
@@ -62,8 +62,8 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return select(good, all_lanes(1) / select(good, x, all_lanes(1)), zero_lanes());
 }
 
-// What is longer than `longest` may be so long in this solver substep: what was too long before comes back at
-// kShedSpeed. An edge without compliance would give any energy to a vertex that a script carried off.
+// Length limit of this solver substep: `longest`, or, for an edge that was longer at its start, that length less what
+// kShedSpeed takes back. Else an edge without compliance would give any energy to a vertex that a script moved away.
 [[gnu::always_inline]] inline Lanes allowed(const ClothPass& p, Lanes longest, const Lanes3& before) {
   return max(longest, square_root(dot(before, before)) - all_lanes(kShedSpeed * p.h));
 }
@@ -72,7 +72,8 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return allowed(p, longest, load(c.base) + (gather(p.before, c.b).v - gather(p.before, c.a).v));
 }
 
-// With a limit, the row is without compliance where that pulls more: C = len - rest stretched, unilateral.
+// XPBD rows of links. With a strain limit the row has no compliance where that pulls more: C = |e| - rest stretched <=
+// 0.
 template <bool kLimited>
 void solve_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
@@ -101,6 +102,7 @@ void solve_links(const ClothPass& p) {
   }
 }
 
+// Strain limit alone, after a solver that has forces of its own (Provot 1995).
 void limit_links(const ClothPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     LinkBatch& c = p.links[i];
@@ -117,7 +119,7 @@ void limit_links(const ClothPass& p) {
   }
 }
 
-// Onto the sphere round the anchor, from outside (Kim, Chentanez and Mueller-Fischer 2012).
+// Ties: projection from outside onto the sphere round the anchor (Kim, Chentanez and Mueller-Fischer 2012).
 void solve_ties(const ClothPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const TieBatch& c = p.ties[i];
@@ -171,7 +173,7 @@ struct HingeShape {
   const Lanes e2 = dot(e, e), size = square_root(e2), inv_e = reciprocal_or_zero(size);
   s.sine = dot(cross(n1, n2), e) * inv_e;
   s.cosine = dot(n1, n2);
-  // moving v[2] or v[3] along its triangle's normal closes the angle at 1/height
+  // dihedral gradients (Bridson 2003): v[2] or v[3] moving along its triangle's normal closes the angle at 1/height
   s.gradient[2] = n1 * (zero_lanes() - size * reciprocal_or_zero(dot(n1, n1)));
   s.gradient[3] = n2 * (zero_lanes() - size * reciprocal_or_zero(dot(n2, n2)));
   const Lanes inv_e2 = inv_e * inv_e;
@@ -183,7 +185,7 @@ struct HingeShape {
   return s;
 }
 
-// Angle beyond rest, in (-pi, pi): twice the arc tangent of sine/(1 + cosine).
+// Angle relative to rest, in (-pi, pi): twice the arc tangent of sine/(1 + cosine).
 [[gnu::always_inline]] inline Lanes bent(const HingeBatch& c, const HingeShape& s) {
   const Lanes zero = zero_lanes(), c0 = load(c.cosine), s0 = load(c.sine);
   const Lanes sine = s.sine * c0 - s.cosine * s0, cosine = s.cosine * c0 + s.sine * s0;
@@ -212,16 +214,16 @@ void solve_hinges(const ClothPass& p) {
   }
 }
 
-// The torque k (angle - rest) as an impulse on velocities; where a triangle has become so narrow that the push would
-// overshoot together with its neighbours', no more than a share of what straightens the hinge.
+// Bending torque k (angle - rest) as an impulse on velocities, limited to a share of what straightens the hinge: where
+// a triangle has become narrow, hinges would overshoot together with their neighbours.
 void bend_hinges(const ClothPass& p) {
   const Lanes h = all_lanes(p.h), zero = zero_lanes();
   for (unsigned i = p.first; i < p.last; ++i) {
     const HingeBatch& c = p.hinges[i];
     const HingeRows r = gather_hinge(p, c);
     const HingeShape s = hinge_shape(r);
-    const Lanes torque = h / load(c.compliance), most = all_lanes(0.15f) * reciprocal_or_zero(s.weight * h);
-    const Lanes impulse = (zero - bent(c, s)) * min(torque, most);
+    const Lanes torque = h / load(c.compliance), limit = all_lanes(0.15f) * reciprocal_or_zero(s.weight * h);
+    const Lanes impulse = (zero - bent(c, s)) * min(torque, limit);
     for (int k = 0; k < 4; ++k) {
       Rows8 u = gather(p.velocity, c.v[k]);
       u.v = u.v + s.gradient[k] * (impulse * u.w);
@@ -230,7 +232,7 @@ void bend_hinges(const ClothPass& p) {
   }
 }
 
-// Strain rate, at velocities: implicit in its own row, J = -rate T/(compliance + T weight), T = damping x h.
+// Damping of strain rate on velocities, implicit in its own row: J = -rate T/(compliance + T weight), T = damping x h.
 void damp_links(const ClothPass& p) {
   const Lanes time = all_lanes(p.damping_time);
   for (unsigned i = p.first; i < p.last; ++i) {
@@ -268,7 +270,7 @@ void damp_hinges(const ClothPass& p) {
   }
 }
 
-// Gradients and factors for the stages. A triangle that has become narrow turns fast: no more than at rest.
+// Gradients and factors for the stages. The response of a triangle that has become narrow is limited to that at rest.
 void damp_begin(const ClothPass& p) {
   const Lanes time = all_lanes(p.damping_time);
   for (unsigned i = p.first; i < p.last; ++i) {
@@ -276,12 +278,12 @@ void damp_begin(const ClothPass& p) {
     const HingeShape s = hinge_shape(gather_hinge(p, c));
     HingeDamping& d = p.damping[i];
     for (int k = 0; k < 4; ++k) store(d.gradient[k], s.gradient[k]);
-    const Lanes whole = time / load(c.compliance), most = load(d.most) * time;
-    store(d.factor, select(whole * s.weight > most, most * reciprocal_or_zero(s.weight), whole));
+    const Lanes whole = time / load(c.compliance), limit = load(d.max_response) * time;
+    store(d.factor, select(whole * s.weight > limit, limit * reciprocal_or_zero(s.weight), whole));
   }
 }
 
-// What hinges do against the rates, all at once.
+// Damping impulses of all hinges against `rates`, summed in `pushes` (Jacobi).
 void damp_stage(const ClothPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const HingeBatch& c = p.hinges[i];

@@ -19,11 +19,12 @@ namespace feder {
 namespace {
 
 constexpr double kLimitShare = 0.5;  // of the stability limit
-// h w for methods without one: Heun grows by e^(z^4/8) a step, which weak damping does not shed at larger z
+// largest h w for methods that have no limit: Heun grows by e^(z^4/8) a step, which weak damping does not shed at
+// larger z
 constexpr double kGrowingLimit = 0.1;
 constexpr double kMinCap = 256;
 constexpr double kSlack = 1.001;   // for rounding of the chosen number of solver substeps
-constexpr double kStiffSteps = 4;  // solver substeps of the one that takes over: contacts want some
+constexpr double kStiffSteps = 4;  // solver substeps of the method that takes over: contacts need some
 constexpr const char* kStiffMethod = "implicit_euler";
 const Vec3 kNoDirection = Vec3(1, 0, 0);
 
@@ -39,7 +40,7 @@ std::string default_integrator() {
   return default_variant(integrators(), "heun");
 }
 
-// One point under g = 1: what a method makes of free fall.
+// One point under g = 1: measures a method in free fall.
 class Falling final : public ForceField {
  public:
   std::size_t count() const override { return 1; }
@@ -61,7 +62,8 @@ class Falling final : public ForceField {
   Real one_ = 1;
 };
 
-// Between the fourth and the eighth step, so that no start-up counts. In quarters: other leads are rounding.
+// ClothSolver::lead, between the fourth and the eighth step, so that no start-up counts; in quarters: the rest is
+// rounding.
 Real measured_lead(Integrator& method) {
   Falling field;
   Vec3 x = Vec3::Zero(), v = Vec3::Zero();
@@ -141,7 +143,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   bool sheds_strain() const override { return false; }
   double least_cap() const override { return kMinCap; }
   const char* beyond_cap() const override {
-    return stiff_.integrator ? "is delta_position by implicit_euler, which damps fast motion; soften it, or take xpbd"
+    return stiff_.integrator ? "is moved by implicit_euler, which damps fast motion; soften it, or take xpbd"
                              : "may be unstable; soften it, or take implicit_euler or xpbd";
   }
 
@@ -166,7 +168,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   }
   Method& at(Real h) { return takes_over(h) ? stiff_ : explicit_; }
 
-  // A bound of w^2 of the fastest mode, 1/s^2: the largest sum of what a vertex's springs add to its row (Gershgorin).
+  // Bound of w^2 of the fastest mode, 1/s^2: the largest row sum of the stiffness matrix over mass (Gershgorin).
   static double fastest(const ClothView& v) {
     std::vector<double> stiff(v.points, 0);
     double most = 0;
@@ -178,8 +180,8 @@ class MassSpring final : public ClothSolver, private ForceField {
     return most;
   }
 
-  // Is a link pulled to kOverstretch times its length? Then it is nearly as stiff across as along, and damping of
-  // strain takes nothing from motion across: what an explicit method adds there stays.
+  // A link is pulled to kOverstretch times its length. It then is nearly as stiff across as along, and damping of
+  // strain takes nothing from motion across: energy that an explicit method adds there stays.
   static bool overstretched(const ClothView& v) {
     constexpr Real kOverstretch = 2;
     return std::any_of(v.mesh->links.begin(), v.mesh->links.end(), [&](const ClothLink& l) {
@@ -194,7 +196,7 @@ class MassSpring final : public ClothSolver, private ForceField {
     for (const ClothHinge& k : v.mesh->hinges) {
       const std::uint32_t i = std::min(k.v[2], k.v[3]), j = std::max(k.v[2], k.v[3]);
       FEDER_ASSERT(i < v.points && j + 1 < v.total);
-      if (j >= v.points) continue;  // the far side of a clamp: nothing for springs to lean on
+      if (j >= v.points) continue;  // a ghost vertex: springs cannot hold a slope
       const Vec3 e = v.rest[k.v[1]] - v.rest[k.v[0]];
       const Real size = length(e), a = length(cross(e, v.rest[k.v[2]] - v.rest[k.v[0]])) / size,
                  b = length(cross(e, v.rest[k.v[3]] - v.rest[k.v[0]])) / size;
@@ -259,7 +261,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   Array<Vec3> x_, v_;
   Array<Real> inv_mass_;
   ClothView view_;
-  Method explicit_, stiff_;     // as named, or the default; what takes over from the default: may be none
+  Method explicit_, stiff_;     // as named, or the default; the one that takes over from the default, if any
   double fastest_ = 0;          // bound of w^2, 1/s^2
   bool overstretched_ = false;  // in this step
   std::uint64_t version_ = ~std::uint64_t(0);

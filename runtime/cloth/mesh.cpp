@@ -1,13 +1,12 @@
-// Element stiffness from moduli. An edge stands for the area of its two triangles: k = stretch (A1 + A2)/|e|^2 (Van
-// Gelder 1998), which is exact for the rows of a sheet. A sheet's cell has both diagonals as shear links, each
-// k = shear |d|^2/(2 area of the cell), so it has no preferred diagonal. Diagonals also stretch: rows give that much
-// less, so that `stretch` is the modulus of the whole.
-// Hinges of a triangle mesh are its edges, k = bend |e|^2/(A1 + A2). A sheet has one for each three vertices in a row
-// instead, about the line across: with the mesh's own, every other vertex of a row could kink freely, because the
-// triangles on both sides lie over the neighbouring row (measured: 25 % too soft). Its diagonals resist twist only.
-// At a clamp the bent length is half a cell: twice the stiffness.
-// Masses of a sheet come from cells: alternate diagonals would load every other vertex twice.
-// Weak spot: bending of a triangle mesh along other than its own lines depends on the mesh.
+// Elements of a cloth and their stiffness from moduli. An edge stands for the area of its two triangles: k = stretch
+// (A1 + A2)/|e|^2 (Van Gelder 1998), which is exact for the rows of a sheet. A sheet's cell has both diagonals as shear
+// links, each k = shear |d|^2/(2 area of the cell), so it has no preferred diagonal. Diagonals also stretch: rows give
+// that much less, so that `stretch` is the modulus of the whole. Hinges of a triangle mesh are its edges, k = bend
+// |e|^2/(A1 + A2) (Grinspun et al. 2003, up to a factor). A sheet has one for each three vertices in a row instead,
+// about the line across: with the mesh's own, every other vertex of a row could kink freely, because the triangles on
+// both sides lie over the neighbouring row (measured: 25 % too soft). Its diagonals resist twist only. At a clamp the
+// bent length is half a cell: twice the stiffness. Masses of a sheet come from cells: alternate diagonals would load
+// every other vertex twice. Weak spot: bending of a triangle mesh along other than its own lines depends on the mesh.
 #include "cloth/mesh.h"
 
 #include <algorithm>
@@ -93,6 +92,7 @@ void check_mesh(std::span<const Vec3> x, std::span<const std::uint32_t> triangle
     fail("triangles: expected three vertex numbers each, got " + std::to_string(triangles.size()) + " numbers");
   for (std::size_t i = 0; i < x.size(); ++i)
     if (!is_finite(x[i])) fail("vertices[" + std::to_string(i + 1) + "]: expected finite numbers");
+  // triangles: indices, area, and each vertex in one of them
   std::vector<char> used(x.size(), 0);
   for (std::size_t t = 0; t < triangles.size() / 3; ++t) {
     const std::uint32_t* v = &triangles[3 * t];
@@ -110,6 +110,7 @@ void check_mesh(std::span<const Vec3> x, std::span<const std::uint32_t> triangle
   for (std::size_t i = 0; i < x.size(); ++i)
     if (!used[i]) fail("vertices[" + std::to_string(i + 1) + "]: belongs to no triangle");
   const std::vector<Side> sides = sides_of(triangles);
+  // sides are sorted: those of one edge follow each other
   for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
     const Side &s = sides[k], &n = sides[k + 1];
     if (s.a != n.a || s.b != n.b) continue;
@@ -139,7 +140,7 @@ static bool cell_corners(const ClothMesh& m, std::uint32_t c, std::uint32_t (&v)
   return true;
 }
 
-// Of the cell of triangle t: the corners next to a and next to b, off the edge a-b.
+// In the cell of triangle t: the corners next to a and next to b, off the edge a-b. False when the cell is torn.
 static bool across(const ClothMesh& m, std::span<const Vec3> rest, std::uint32_t t, std::uint32_t a, std::uint32_t b,
                    std::uint32_t (&inner)[2]) {
   std::uint32_t v[4], others[2];
@@ -222,6 +223,7 @@ static void make_hinges(ClothMesh& m, std::span<const Vec3> rest, Real bend) {
   for (const ClothEdge& e : m.edges) {
     const Real size = length(rest[e.b] - rest[e.a]);
     std::uint32_t near[2], far[2];
+    // border: hinges only at a clamp, to its ghost vertices
     if (e.triangle[1] == kNone) {
       for (const ClothGhost& g : m.ghosts)
         for (int k = 0; k < 2; ++k) {
@@ -233,6 +235,7 @@ static void make_hinges(ClothMesh& m, std::span<const Vec3> rest, Real bend) {
         }
       continue;
     }
+    // diagonals resist twist; other edges of a sheet give rows of three vertices, those of a mesh a hinge of their own
     const Real area = area_of(rest, &m.triangles[3 * e.triangle[0]]) + area_of(rest, &m.triangles[3 * e.triangle[1]]);
     if (m.grid && e.triangle[0] / 2 == e.triangle[1] / 2) {
       add_edge_hinge(m, rest, e, bend * size * size / (2 * area));
@@ -274,6 +277,7 @@ void make_elements(ClothMesh& m, std::span<const Vec3> rest, const ClothStiffnes
     const Real stiffness = diagonal ? k.shear * size * size / (2 * area) : rows * area / (size * size);
     m.links.push_back({e.a, e.b, size, stiffness, diagonal});
   }
+  // the second diagonal of each cell is a shear link that is no edge
   make_hinges(m, rest, k.bend);
   if (!m.grid) return;
   for (std::uint32_t c = 0; c < m.triangles.size() / 6; ++c) {

@@ -1,5 +1,5 @@
-// Topology of a cloth: checked triangles, edges, and the elements (links and hinges) that they give. Private to the
-// module. All numbers count from 0 within the cloth.
+// Topology of a cloth: checked triangles, edges, and their elements (links and hinges). Private to the module. All
+// indices count from 0 within the cloth.
 #pragma once
 #include <span>
 #include <vector>
@@ -30,7 +30,7 @@ struct ClothEdge {
   std::uint32_t opposite[2] = {kNone, kNone};
 };
 
-// The far side of a clamp: a hidden vertex, the mirror image of `inner` in `clamped`, that the first hinge leans on.
+// Ghost vertex of a clamp: a hidden vertex, the mirror image of `inner` in `clamped`, that the first hinge ends at.
 struct ClothGhost {
   std::uint32_t clamped = 0, inner = 0;
   std::uint32_t vertex = 0;  // hidden vertex
@@ -60,7 +60,7 @@ void make_sheet(const Real size[2], std::uint32_t nx, std::uint32_t ny, std::vec
 void check_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles);
 // The vertices across the border edge e of a sheet, next to e.a and e.b.
 void inner_neighbors(const ClothMesh& mesh, std::span<const Vec3> rest, const ClothEdge& e, std::uint32_t (&inner)[2]);
-// Edges, links and hinges anew from the triangles and the rest positions.
+// Makes edges, links and hinges anew from the triangles and the rest positions.
 void make_elements(ClothMesh& mesh, std::span<const Vec3> rest, const ClothStiffness& k);
 // Mass of each vertex by the rest shape: a quarter of each whole cell of a sheet, else a third of each triangle.
 void lump_masses(const ClothMesh& mesh, std::span<const Vec3> rest, Real area_density, std::span<Real> mass);

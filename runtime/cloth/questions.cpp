@@ -1,4 +1,4 @@
-// What the world asks of the cloths: energy, momentum, health.
+// Queries of the world: energy, momentum, residuals, finiteness.
 #include <algorithm>
 #include <cmath>
 

@@ -22,26 +22,26 @@ struct ClothSettings {
   std::int32_t substeps = 0, max_substeps = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1, wind = 1;
-  std::uint32_t limit_free = 0;  // max_strain was asked for: it also holds where nothing holds the cloth
+  std::uint32_t limit_free = 0;  // max_strain was set: it also applies to cloth that nothing holds
 };
 
 // What changes from step to step; saved too.
 struct ClothState {
-  Real flight[3] = {0, 0,
-                    0};  // m/s^2: gravity, while the last step was free fall; velocities then are read half a step on
+  // m/s^2: gravity while the last step was free fall, else 0; velocities are then corrected by the solver's lead
+  Real flight[3] = {0, 0, 0};
   Real sleep_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
   std::uint32_t sleep_steps = 0;
-  std::uint32_t fresh = 1;   // not stepped yet
-  std::uint32_t frozen = 0;  // quarantined
+  std::uint32_t fresh = 1;   // 1: not stepped yet
+  std::uint32_t frozen = 0;  // 1: quarantined
   std::uint32_t asleep = 0;
-  std::int32_t substeps = 1;         // as last chosen for it; its group takes the most of its members
-  std::uint32_t warned = 0;          // the cap of solver substeps was reported
-  std::uint32_t warned_damping = 0;  // so was a damping that is too long
-  Real load = 0;                     // kg that rests on it
+  std::int32_t substeps = 1;         // as last chosen for it; its group takes the largest number of its members
+  std::uint32_t warned = 0;          // 1: the cap of solver substeps was reported
+  std::uint32_t warned_damping = 0;  // 1: so was a damping time that is too long
+  Real load = 0;                     // kg, that rests on it
   Real pull = 0;                     // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
 
-// Ties of vertices to what holds the cloth; made anew when that changes, see ties.cpp.
+// Ties of vertices to pins and attachments; made anew when those change, see ties.cpp.
 struct ClothTies {
   explicit ClothTies(Arena& a) : batches(&a), anchor(&a), rest(&a), layers(&a), to_body(&a), pins(&a) {}
   // to pins
@@ -49,14 +49,14 @@ struct ClothTies {
   Array<std::uint32_t> anchor;  // by lane of the batches
   Array<Real> rest;             // likewise: distance along the cloth, m
   Array<std::uint32_t> layers;  // where layers of batches end
-  // to attached vertices, serial
+  // to attached vertices, solved one after another
   struct ToBody {
     std::uint32_t vertex = 0, anchor = 0;
     Real rest = 0;      // m
-    bool body = false;  // `vertex` is the pin that `anchor` hangs from
+    bool body = false;  // reversed: `vertex` is the pin that the attached `anchor` hangs from
   };
   Array<ToBody> to_body;      // in the order of the attachments
-  Array<std::uint32_t> pins;  // some that lie far from each other
+  Array<std::uint32_t> pins;  // a sample of pins that lie far from each other
 };
 
 struct Sheet {
@@ -71,25 +71,25 @@ struct Sheet {
   Params solver_options;
   std::unique_ptr<ClothSolver> solver;
   std::uint64_t version = 1;  // of mesh and indices
-  bool paths_stale = true;    // pins changed
+  bool paths_stale = true;    // pins, attachments or mesh changed
   Real rows = 1, path = 1;    // links from the pins (or the middle) to the farthest vertex, and their length, m
-  Real impact = 0, approach_speed = 0;  // m/s^2 and m/s, of this step: what bodies that come at it do to it
+  Real impact = 0, approach_speed = 0;  // m/s^2 and m/s, of this step, by approaching bodies
   ClothTies ties;
-  double bend_substeps = 1;  // for the solver's sake, when last asked
-  Real bend_step = -1;       // s, of that question
+  double bend_substeps = 1;  // ClothSolver::wanted_substeps, as last asked
+  Real bend_step = -1;       // s, substep of that answer
   std::uint32_t bad_vertex = kNone;
   Real mass = 0;                        // kg
-  Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum that its solver made up in this substep
+  Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum error of its solver in this substep
   bool any_pin = false;
   bool prepared = false;      // its solver, for this step
-  double kinetic = -1;        // J at the end of the last step; < 0: unknown, somebody changed a velocity
-  double kinetic_before = 0;  // J at the start of the step
+  double kinetic = -1;        // J, at the end of the last step; < 0: unknown, a velocity was edited
+  double kinetic_before = 0;  // J, at the start of the step
 
   Vec3 flight() const { return Vec3(state.flight[0], state.flight[1], state.flight[2]); }
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
-  // Do links stop at max_strain?
+  // Strain of links is limited to max_strain.
   bool limited() const { return settings.limit_free || !ties.batches.empty() || !ties.to_body.empty(); }
   bool active() const { return !state.frozen && !state.asleep; }
 };

@@ -1,5 +1,6 @@
-// Sleep. A cloth whose kinetic energy per mass stays below that of kCalmSpeed for kCalmTime, under steady forces,
-// stops; it wakes by script, by a force that changes, or when a coupling says that something moves against it.
+// Sleep. A cloth whose mean kinetic energy per mass stays below that of kSleepSpeed for kSleepTime, under steady
+// forces, is a sleep candidate and then sleeps; it wakes by script, by a force that changes, or by a contact with what
+// moves. Kept between steps: the moving average of the energy, and since when it is low.
 #include <algorithm>
 
 #include "cloth/impl.h"
@@ -9,7 +10,7 @@ namespace feder {
 namespace {
 constexpr Real kSleepSpeed = Real(0.025);  // m/s, root mean square
 constexpr Real kSleepTime = 1;             // s
-constexpr Real kMemory = Real(0.5);        // s, of the average: about a swing, so that no turning point counts alone
+constexpr Real kMemory = Real(0.5);  // s, of the moving average: about a swing, so that no turning point counts alone
 }  // namespace
 
 void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {
@@ -53,7 +54,7 @@ void Cloth::Impl::update_sleep(StepContext& c) {
     energy = Real(0.5) * energy / s.mass;
     const Real cap = kSleepSpeed * kSleepSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
     s.state.sleep_energy = std::min(energy + (std::min(s.state.sleep_energy, cap) - energy) * keep, cap);
-    bool steady = true;  // wind and its like may gust
+    bool steady = true;  // generators on areas may gust
     if (forces)
       for (const ForceEntry& f : forces->list)
         if (acts_on(f, s.object, objects.tags(s.object))) steady = steady && !f.force->on_area();

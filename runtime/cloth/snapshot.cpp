@@ -1,4 +1,4 @@
-// State hash and snapshots. Batches, trees and pairs are made anew; nothing in them is remembered between steps.
+// State hash and snapshots. Batches, ties, trees and pairs are not saved: they follow from the mesh and are made anew.
 #include "cloth/impl.h"
 
 namespace feder {

@@ -1,8 +1,9 @@
-// How the inside of a cloth moves: from forces and elements to displacements in one solver substep. Knows no contacts.
+// Cloth solver: from forces and elements to displacements in one solver substep. Knows no contacts.
 // One file per solver, one feder_variant(cloth <solver>) line. Contract, checked for every row by
-// tests/cloth/test_closed_forms.cpp and test_system.cpp: free fall is exact, momentum is kept, pinned vertices stay, a
-// hanging sheet takes the stretch of its material, no allocation after the first step, the same bits for any thread
-// count.
+// tests/cloth/test_closed_forms.cpp and test_system.cpp:
+//  - free fall is exact, momentum is kept, pinned vertices stay;
+//  - a hanging sheet takes the stretch of its material;
+//  - no allocation after the first step, the same bits for any thread count.
 #pragma once
 #include "base/registry.h"
 #include "cloth/batch.h"
@@ -13,24 +14,24 @@
 
 namespace feder {
 
-// What a solver gets to see of its cloth in a step; indices from 0 within the cloth, hidden vertices included.
+// View of a cloth for its solver in a step; indices from 0 within the cloth, hidden vertices included.
 struct ClothView {
   const ClothMesh* mesh = nullptr;
-  std::uint32_t points = 0;     // visible
-  std::uint32_t total = 0;      // with hidden ones; the last is the spare that empty lanes may point to
-  std::uint64_t version = 0;    // changes with the mesh
-  Real damping = 0;             // s
-  Real max_strain = kInfinity;  // of links
-  std::span<TieBatch> ties;     // to anchors that stay, in `tie_layers` that end here
-  std::span<const std::uint32_t> tie_layers;
-  bool crowded = false;                // its group touches cloth in this substep
-  const Vec3* position = nullptr;      // at the start of the step, m
-  const Vec3* rest = nullptr;          // unstrained, m
-  Row4* delta_position = nullptr;      // displacement since then, m; w: inverse mass
-  Row4* before = nullptr;              // the same at the start of the solver substep
-  Row4* velocity = nullptr;            // m/s; w: inverse mass
-  const Vec3* acceleration = nullptr;  // of gravity, wind and scripts, m/s^2
-  const Real* mass = nullptr;          // kg
+  std::uint32_t points = 0;                   // visible
+  std::uint32_t total = 0;                    // with hidden ones; the last is the spare that empty lanes may point to
+  std::uint64_t version = 0;                  // changes with the mesh
+  Real damping = 0;                           // s
+  Real max_strain = kInfinity;                // of links
+  std::span<TieBatch> ties;                   // to fixed anchors
+  std::span<const std::uint32_t> tie_layers;  // ends of the layers of `ties`
+  bool crowded = false;                       // surfaces of its group are in contact in this substep
+  const Vec3* position = nullptr;             // at the start of the step, m
+  const Vec3* rest = nullptr;                 // unstrained, m
+  Row4* delta_position = nullptr;             // displacement since then, m; w: inverse mass
+  Row4* before = nullptr;                     // the same at the start of the solver substep
+  Row4* velocity = nullptr;                   // m/s; w: inverse mass
+  const Vec3* acceleration = nullptr;         // of gravity, wind and scripts, m/s^2
+  const Real* mass = nullptr;                 // kg
 };
 
 class ClothSolver {
@@ -38,29 +39,31 @@ class ClothSolver {
   virtual ~ClothSolver() = default;
   // Once per step, before the first substep.
   virtual void prepare(const ClothView& cloth, StepContext& c) = 0;
-  // One solver substep of h from time t: writes `delta_position`, and `before`: where the solver substep began (its w
-  // 0; velocities will be taken from the difference), or, with w 1, where it ended, `velocity` being the velocity
-  // already. Contacts then push `delta_position`.
+  // One solver substep of h from time t: writes `delta_position`, and `before`, from which velocities will be read
+  // after contacts have corrected `delta_position`: with w 0 the start of the solver substep (velocity = difference/h),
+  // with w 1 its end, `velocity` being written already (velocity += difference/h).
   virtual void advance(const ClothView& cloth, double t, Real h, StepContext& c) = 0;
   // Once per substep, after the last solver substep: takes strain rate out of `velocity`.
   virtual void damp(const ClothView& cloth, Real h, StepContext& c) = 0;
-  // Solver substeps that a substep of h needs for what this solver can hold; 1 when it does not matter. From the rest
-  // shape and the pins alone, so that a restored cloth gets the same answer.
+  // Solver substeps that a substep of h needs for the stability or accuracy of this solver; 1 when any number does.
+  // From the rest shape and the pins alone, so that a restored cloth gets the same answer.
   virtual double wanted_substeps(const ClothView& cloth, Real h) const = 0;
   // By how many solver substeps the velocity it works with leads the true one in free fall: x after n solver substeps h
   // is x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it. After prepare.
   virtual Real lead(Real /*h*/) const { return Real(0.5); }
   // s: longer damping acts as this one in a substep of h. After prepare().
   virtual double longest_damping(Real) const { return double(kInfinity); }
-  // What it remembers between steps, for snapshots.
+  // State that it keeps between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}
-  // Asserts that what it keeps of the mesh is that of this cloth; nothing to say while the mesh is new to it.
+  // Asserts that its elements are those of this cloth's mesh, unless the mesh is newer than they are.
   virtual void validate(const ClothView&) const {}
-  virtual Real relaxation() const { return 1; }                     // of contact corrections
-  virtual bool sheds_strain() const { return true; }                // the stretch law of step.cpp applies
-  virtual double least_cap() const { return 1; }                    // solver substeps that `max_substeps` cannot forbid
-  virtual double substeps_beyond(double cap) const { return cap; }  // solver substeps where it wants more than the cap
+  virtual Real relaxation() const { return 1; }       // of contact corrections
+  virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
+  virtual double least_cap() const { return 1; }      // solver substeps that `max_substeps` cannot forbid
+  virtual double substeps_beyond(double cap) const {
+    return cap;
+  }  // solver substeps it takes where it wants more than the cap
   virtual const char* beyond_cap() const { return "stretches or bends more than its stiffness says"; }
 };
 

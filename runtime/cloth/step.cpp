@@ -1,9 +1,11 @@
-// The passes of the cloth system. A substep of the world is cut into solver substeps, the same number for the surfaces
-// of a group (contact/groups.cpp). What one sweep per solver substep h leaves of strain in a sheet of n rows and length
-// L under g is at most 2 g n^2 h^2/L (coloured order; measured in tests/cloth/test_stretch_law.cpp); the number of
-// solver substeps is chosen so that this stays below `stretch_error`. n counts from the pins, or from the middle of a
-// free sheet; the mass that rests on the cloth multiplies g; where wind pulls more than gravity, its mean acceleration
-// counts; what a body that comes at it, or its own swing, takes to be stopped is added.
+// The passes of the cloth system. A substep of the world is divided into solver substeps, the same number for the
+// surfaces of a group (contact/groups.cpp). Stretch law: one sweep per solver substep h leaves a strain of at most
+// 2 g n^2 h^2/L in a sheet of n rows and length L under g (coloured order; measured in
+// tests/cloth/test_stretch_law.cpp); the number of solver substeps is chosen so that this stays below `stretch_error`.
+// n counts from the pins, or from the middle of a free sheet. g is multiplied by the mass that rests on the cloth over
+// its own; where wind pulls more than gravity, its mean acceleration counts; the decelerations of an approaching body
+// and of the cloth's own swing are added. Kept between steps: the number chosen (ClothState::substeps), with
+// hysteresis.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,8 +14,8 @@
 
 namespace feder {
 namespace {
-constexpr Real kMinGravity = 1;  // m/s^2: weightless cloth is pulled by something else
-constexpr double kStay = 0.9;    // of a count of substeps, down to which a smaller one leaves it as it is
+constexpr Real kMinGravity = 1;  // m/s^2, at least: weightless cloth is pulled by something else
+constexpr double kStay = 0.9;    // hysteresis: a number that falls by less than this share stays
 }  // namespace
 
 ClothView Cloth::Impl::view(Sheet& s) {
@@ -35,7 +37,8 @@ ClothView Cloth::Impl::view(Sheet& s) {
   return v;
 }
 
-// Breadth first along the edges.
+// Longest of the shortest paths from the pins along edges, in links and metres (breadth first). It sets n and L of the
+// stretch law.
 void Cloth::Impl::measure_paths(Sheet& s) {
   s.paths_stale = false;
   s.bend_step = -1;
@@ -47,6 +50,7 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   s.any_pin = !queue.empty();
   for (const Attachment& a : attachments)
     if (a.vertex >= s.first && a.vertex < s.first + s.points) queue.push_back(a.vertex - s.first), s.any_pin = true;
+  // a free sheet: from the vertex nearest to its middle
   const Vec3* rest = vertices.rest.data() + s.first;
   if (queue.empty()) {
     Vec3 middle = Vec3::Zero();
@@ -67,6 +71,7 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   for (std::uint32_t k = 0; k < s.mesh.links.size(); ++k)
     if (walked(s.mesh.links[k])) next[at[s.mesh.links[k].a]++] = k, next[at[s.mesh.links[k].b]++] = k;
   FEDER_ASSERT(at.back() == start.back());  // as many neighbours as were counted
+  // the queue is in the order of rows_to
   s.rows = 1, s.path = s.mesh.links[0].rest;
   for (std::size_t q = 0; q < queue.size(); ++q) {
     const std::uint32_t i = queue[q];
@@ -81,8 +86,8 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   }
 }
 
-// What turns or stops the cloth's own motion within its length: mean square speed beside the mean, over the path,
-// m/s^2.
+// Deceleration that stops or turns the cloth's own motion within its length, m/s^2: the variance of its velocity over
+// the path.
 double Cloth::Impl::swing(const Sheet& s) const {
   Vec3 mean = Vec3::Zero();
   double square = 0;
@@ -95,7 +100,8 @@ double Cloth::Impl::swing(const Sheet& s) const {
   return std::fmax(square / double(s.mass) - (s.any_pin ? 0 : double(dot(mean, mean))), 0) / double(s.path);
 }
 
-// A count that is chosen falls only by more than kStay: contacts and sweeps work alike from step to step.
+// Solver substeps by the stretch law and by the solver's own need, up to the cap. With hysteresis (kStay), so that
+// contacts and sweeps work alike from step to step.
 void Cloth::Impl::choose_steps(StepContext& c) {
   for (auto& p : sheets) {
     Sheet& s = *p;
@@ -113,6 +119,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
       }
+      // the cap of the settings, with a warning
       const double cap = std::fmax(s.settings.max_substeps, s.solver->least_cap());
       if (wanted > cap && !s.state.warned) {
         s.state.warned = 1;
@@ -150,7 +157,7 @@ void Cloth::Impl::prepare_solver(Sheet& s, StepContext& c) {
   s.prepared = true;
 }
 
-// Work arrays of the step. A sleeping or frozen cloth cannot be moved.
+// Work arrays of the step: displacements start at zero. A sleeping or frozen cloth has infinite mass.
 void Cloth::Impl::gather(Sheet& s, Real h) {
   const Vec3 lead = s.solver->lead(h) * h * s.flight();
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
@@ -167,6 +174,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   const std::uint32_t first = surfaces.claim(vertices.size());
   FEDER_ASSERT(first == 0 && surfaces.list.empty());  // vertices are the first points
   acceleration.resize(vertices.size());
+  // wakes by gravity
   any_active = false;
   if (gravity_known && gravity != c.gravity)
     for (auto& s : sheets) wake(*s, WakeCause::force, {});
@@ -188,6 +196,7 @@ void Cloth::Impl::prepare(StepContext& c) {
     for (std::uint32_t i = s->first; i < s->first + s->total; ++i)
       delta_position[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
   }
+  // what contact and couplings see of the cloths
   std::copy(vertices.position.begin(), vertices.position.end(), surfaces.position.begin());
   std::copy(vertices.mass.begin(), vertices.mass.end(), surfaces.mass.begin());
   for (const Attachment& a : attachments) surfaces.anchors.push_back({objects.index(a.cloth), a.vertex, a.body});
@@ -213,7 +222,7 @@ void Cloth::Impl::declare_surfaces() {
       {kName, static_cast<std::uint32_t>(sheets.size()), true, std::any_of(sheets.begin(), sheets.end(), self), true});
 }
 
-// What others see of a cloth in this step.
+// The surface of a cloth in this step.
 void Cloth::Impl::show(const Sheet& s) {
   Surface f;
   f.object = s.object;
@@ -236,7 +245,7 @@ void Cloth::Impl::show(const Sheet& s) {
   surfaces.list.push_back(f);
 }
 
-// Velocities are read with the step of the group.
+// Gathers again where the group chose another number of solver substeps: the lead of velocities depends on h.
 void Cloth::Impl::gather_again(StepContext& c) {
   FEDER_ASSERT(surfaces.list.size() >= sheets.size() && c.h > 0);
   for (std::size_t n = 0; n < sheets.size(); ++n) {
@@ -250,12 +259,14 @@ void Cloth::Impl::begin_substep(StepContext& c) {
   if (any_active) add_forces(c);
 }
 
-// A link pushes along its direction at the end of the solver substep, a torque about where the step began: a free sheet
-// that is bent fast would start to turn. Displacements d become velocities d/h, so a sweep changes the angular momentum
-// by sum m x0 cross d/h, x0 where the solver substep began. It is summed up here, and taken out once per substep.
+// Error of angular momentum. A link pushes along its direction at the end of the solver substep, which is a torque
+// about positions at its start: a free sheet that is bent fast would start to turn. Displacements d become velocities
+// d/h, so a sweep changes angular momentum by sum m x0 cross d/h, x0 at the start of the solver substep. It is summed
+// here, and taken out once per substep.
 void Cloth::Impl::measure_gained_momentum(Sheet& s, Real h) {
-  Vec3 gained = Vec3::Zero();                                            // kg m^2
-  const Vec3 near = vertices.position[s.first] + before[s.first].vec();  // any point: a sweep keeps linear momentum
+  Vec3 gained = Vec3::Zero();  // kg m^2
+  const Vec3 near =
+      vertices.position[s.first] + before[s.first].vec();  // any reference point: a sweep keeps linear momentum
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
     const Vec3 r = vertices.position[i] + before[i].vec() - near;
     gained += vertices.mass[i] * cross(r, delta_position[i].vec() - before[i].vec() - h * velocity[i].vec());
@@ -263,12 +274,12 @@ void Cloth::Impl::measure_gained_momentum(Sheet& s, Real h) {
   s.gained_momentum += gained / h;
 }
 
-// As a rotation of the whole about its centre of mass.
+// Takes the error out as a rotation of the whole about its centre of mass.
 void Cloth::Impl::remove_gained_momentum(Sheet& s) {
   const Vec3 gained_momentum = s.gained_momentum;
   s.gained_momentum = Vec3::Zero();
   const Vec3 near = current_position(s.first);
-  Vec3 middle = Vec3::Zero();  // from there
+  Vec3 middle = Vec3::Zero();  // centre of mass, from there
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
     middle += vertices.mass[i] * (current_position(i) - near);
   middle /= s.mass;
@@ -289,7 +300,7 @@ void Cloth::Impl::advance(StepContext& c) {
   const double start = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   each_active(g, [&](Sheet& s) {
     surfaces.row_updates += s.mesh.links.size() + s.mesh.hinges.size();
-    if (!s.prepared) prepare_solver(s, c);  // woken by a coupling since: held in this step, it moves from the next
+    if (!s.prepared) prepare_solver(s, c);  // woken by a coupling in this step: held until its end
     ClothView v = view(s);
     v.crowded = g.crowded;
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
@@ -300,7 +311,7 @@ void Cloth::Impl::advance(StepContext& c) {
 void Cloth::Impl::read_velocities(StepContext& c) {
   const SurfaceGroup& g = group(c);
   each_active(g, [&](const Sheet& s) {
-    FEDER_ASSERT(delta_position[s.first + s.total - 1].vec().isZero(0));  // what empty lanes push
+    FEDER_ASSERT(delta_position[s.first + s.total - 1].vec().isZero(0));  // the spare vertex of empty lanes
     for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
       FEDER_ASSERT(before[i].w == 0 || before[i].w == 1);
       const Vec3 u = (delta_position[i].vec() - before[i].vec()) / g.step;
@@ -317,7 +328,7 @@ void Cloth::Impl::damp(StepContext& c) {
   });
 }
 
-// Contact found that something moves against a sleeper, or that what it lay on is gone.
+// Wakes that contact asked for: something moves against a sleeper, or an object it lay on is gone.
 void Cloth::Impl::drain_wakes() {
   for (const Surfaces::Wake& w : surfaces.wakes)
     if (objects.alive(w.object) && objects.kind(w.object) == kClothKind) wake(sheet(w.object), w.cause, w.other);
@@ -329,7 +340,7 @@ void Cloth::Impl::drain_wakes() {
 void Cloth::Impl::wake_touched(StepContext&) {
   drain_wakes();
   for (auto& s : sheets)
-    if (!s->state.asleep) s->state.load = 0;  // said anew by the couplings, for the next step
+    if (!s->state.asleep) s->state.load = 0;  // couplings set it again, for the next step
 }
 
 void Cloth::Impl::commit(StepContext& c) {
@@ -338,6 +349,7 @@ void Cloth::Impl::commit(StepContext& c) {
       s->impact = s->approach_speed = 0;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
     }
+    // displacements become positions, unless one is not finite
     for (auto& s : sheets) {
       if (!s->active()) continue;
       const Real h = group_of(*s).step;
@@ -364,7 +376,7 @@ void Cloth::Impl::commit(StepContext& c) {
   update_sleep(c);
 }
 
-// A cloth with a non-finite vertex stays where the step began and is held there.
+// Quarantine: a cloth with a non-finite vertex is frozen where the step began.
 void Cloth::Impl::quarantine(StepContext& c) {
   std::string message;
   ObjectId object;

@@ -1,8 +1,8 @@
-// Tearing: an edge stretched beyond `tear_strain` splits the cloth at one of its ends. The triangles round that vertex
-// are parted by the plane across the edge; each connected fan of them beyond the first gets a vertex of its own with
-// the same place and velocity, so momentum is kept, and no vertex is shared by fans that touch in a point only.
-// Elements are made anew; where a torn cell shares its mass out differently, mass takes its velocity along. The worst
-// few edges of a step tear; allocates when it happens.
+// Tearing: an edge stretched beyond `tear_strain` splits the cloth at one of its ends. The plane through that vertex
+// across the edge divides the triangles round it; each connected fan of them beyond the first gets a vertex of its own
+// with the same position and velocity, so momentum is kept, and no vertex is shared by fans that meet in a point only.
+// Elements are made anew; where a torn cell distributes its mass differently, mass takes its velocity along. At most
+// kTearsPerStep edges tear in a step, the most strained first; allocates when it happens. Kept between steps: nothing.
 #include <algorithm>
 
 #include "cloth/impl.h"
@@ -12,7 +12,7 @@ namespace {
 constexpr int kTearsPerStep = 16;
 }
 
-// A vertex like `vertex`, for those of its triangles in the list. Its number within the cloth.
+// Adds a copy of `vertex` for the triangles of the list; returns its index within the cloth.
 std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& list) {
   FEDER_ASSERT(!list.empty() && vertex < s.points && vertices.inv_mass[s.first + vertex] != 0);
   const std::uint32_t added = s.points, at = s.first + added;
@@ -21,7 +21,7 @@ std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const st
     array.insert(array.begin() + at, copy);
   });
   vertices.script_force[at] = Vec3::Zero();
-  vertices.mass[at] = 0;  // so far all of it is the first one's
+  vertices.mass[at] = 0;  // until share_mass
   ++s.points, ++s.total;
   for (auto& o : sheets)
     if (o->first > s.first) ++o->first, ++o->version;
@@ -47,7 +47,7 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
     const std::uint32_t v = end ? l.b : l.a;
     if (vertices.inv_mass[s.first + v] == 0) continue;
     const Vec3 middle = x[v];
-    // fans: triangles round v on one side of the plane, joined by edges that hold v
+    // triangles round v, and the side of the plane that they lie on
     std::vector<std::uint32_t> round, fan;
     std::vector<char> side;
     for (std::uint32_t t = 0; t < s.mesh.triangles.size() / 3; ++t) {
@@ -56,6 +56,7 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
       round.push_back(t);
       side.push_back(dot(x[k[0]] + x[k[1]] + x[k[2]] - 3 * middle, along) > 0);
     }
+    // fans: triangles of one side that are connected over edges at v
     fan.assign(round.size(), kNone);
     std::uint32_t fans = 0;
     for (std::size_t i = 0; i < round.size(); ++i) {
@@ -78,6 +79,7 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
     }
     FEDER_ASSERT(std::find(fan.begin(), fan.end(), kNone) == fan.end());
     if (fans < 2) continue;
+    // the event, and a new vertex for each fan but the first
     Event e;
     e.kind = kTear;
     e.a = s.object;
@@ -96,7 +98,7 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
   return false;
 }
 
-// Masses anew. What a vertex gives away, and with it its momentum, goes to those that gain.
+// Lumps masses anew. Mass that a vertex loses, and its momentum, go to the vertices that gain.
 void Cloth::Impl::share_mass(Sheet& s) {
   const std::vector<Real> mass_before(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.points);
   const Real all = s.mass;
@@ -123,7 +125,7 @@ void Cloth::Impl::tear(StepContext& c) {
     Sheet& s = *p;
     if (!s.active() || !(s.settings.tear_strain < kInfinity)) continue;
     for (int n = 0; n < kTearsPerStep; ++n) {
-      // the most strained edge whose ends may part
+      // the most strained edge that can split at one of its ends
       std::vector<std::pair<Real, std::uint32_t>> worst;
       const Vec3* x = vertices.position.data() + s.first;
       for (std::uint32_t k = 0; k < s.mesh.edges.size(); ++k) {
@@ -147,7 +149,7 @@ void Cloth::Impl::tear(StepContext& c) {
     }
   }
   if (!torn) return;
-  // numbers of vertices have changed: what points to them is made anew in the next step
+  // indices of vertices have changed: surfaces that name them are made anew in the next step
   surfaces.forget();
   *structure_changed = true;
 }

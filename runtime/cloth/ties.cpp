@@ -1,14 +1,14 @@
-// Ties to what holds a cloth ("long range attachments", Kim, Chentanez and Mueller-Fischer 2012): no vertex may be
-// farther from an anchor than along the cloth, times one and the largest strain. One sweep per solver substep carries a
-// load across few links; a tie carries it at once, so what hangs from a pin does not stretch the links next to it.
-// Anchors are pinned and attached vertices. Each vertex is tied to the two nearest pins (a sheet between two corners
-// hangs from both) and to the nearest attached vertex; what an attached vertex is tied to, holds its body.
-// Distances are geodesic on the rest shape: labels spread from anchors over triangles, with the anchor unfolded into
-// the plane of each (Novotni and Klein 2002), exact on a flat sheet; tears and holes are gone round.
-// Pins act in batches at the end of a solver's solver substep, attached vertices after the rows that hold them (a body
-// gets the opposite impulse). Where pins have been moved apart by more than the cloth allows, all ties to pins give way
-// in proportion. Made anew when pins, attachments or the mesh change. Weak spot: cloth that nothing holds has links
-// only.
+// Ties to the pins and attachments of a cloth, "long range attachments" (Kim, Chentanez and Mueller-Fischer 2012): the
+// distance of a vertex from an anchor is limited to that along the cloth, times one and the largest strain. One sweep
+// per solver substep carries a load across few links; a tie carries it at once, so a cloth that hangs from a pin does
+// not stretch the links next to it. Anchors are pinned and attached vertices. Each vertex is tied to the two nearest
+// pins (a sheet between two corners hangs from both) and to the nearest attached vertex, whose body takes the opposite
+// impulse. Distances are geodesic on the rest shape: labels spread from anchors over triangles (Dijkstra), with the
+// anchor unfolded into the plane of each (Novotni and Klein 2002), exact on a flat sheet; they pass round tears and
+// holes. Ties to pins act in batches at the end of a solver's solver substep, those to attached vertices after the
+// attachment rows. Where pins have been moved apart by more than the cloth allows, all ties to pins yield in
+// proportion. Made anew when pins, attachments or the mesh change. Weak spot: cloth without pins or attachments has
+// links only.
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -18,15 +18,15 @@
 
 namespace feder {
 namespace {
-constexpr std::size_t kNearest = 2;   // pins of a vertex
-constexpr std::size_t kFarPins = 32;  // looked at for whether pins have moved apart
+constexpr std::size_t kNearest = 2;   // pins that a vertex is tied to
+constexpr std::size_t kFarPins = 32;  // sample by which pins are found to have moved apart
 
 struct Label {
   std::uint32_t anchor = kNone;
   double distance = 0;  // m
 };
 
-// Distances along a mesh from anchors: of each vertex the nearest few.
+// Geodesic distances from anchors: for each vertex those of the nearest few.
 class Geodesic {
  public:
   Geodesic(const ClothMesh& mesh, std::span<const Vec3> rest, std::uint32_t points, std::size_t nearest)
@@ -50,7 +50,7 @@ class Geodesic {
       for (std::uint32_t k = start_[vertex]; k < start_[vertex + 1]; ++k) {
         const std::uint32_t* t = &mesh_.triangles[3 * round_[k]];
         const int at = t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
-        FEDER_ASSERT(t[at] == vertex);  // round_ lists the triangles of this vertex
+        FEDER_ASSERT(t[at] == vertex);  // round_ lists the triangles of the vertex
         pass_on(*l, vertex, t[(at + 1) % 3], t[(at + 2) % 3]);
         pass_on(*l, vertex, t[(at + 2) % 3], t[(at + 1) % 3]);
       }
@@ -60,7 +60,7 @@ class Geodesic {
   std::span<const Label> of(std::uint32_t vertex) const { return {&labels_[vertex * nearest_], nearest_}; }
 
  private:
-  // The label of that anchor, or the first that is free.
+  // The label of that anchor (kNone: the first free one), or null.
   Label* find(std::uint32_t vertex, std::uint32_t anchor) {
     Label* first = &labels_[vertex * nearest_];
     Label* last = first + nearest_;
@@ -68,7 +68,7 @@ class Geodesic {
     return found == last ? nullptr : found;
   }
 
-  // From a to c, along the edge or across the triangle a, b, c.
+  // A label passes from a to c, along the edge or across the triangle a, b, c.
   void pass_on(const Label& from, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (!find(c, kNone) || find(c, from.anchor)) return;
     const double ac = static_cast<double>(length(rest_[c] - rest_[a]));
@@ -78,7 +78,8 @@ class Geodesic {
     queue_.push({best, c, from.anchor});
   }
 
-  // With the anchor in the plane of the triangle, beyond the edge a-b; infinite where the way leaves that edge.
+  // Distance of c from the anchor unfolded into the plane of the triangle, beyond the edge a-b; infinite where the
+  // straight line does not cross that edge.
   double across(double da, double db, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     const Vec3d ab = (rest_[b] - rest_[a]).cast<double>(), ac = (rest_[c] - rest_[a]).cast<double>();
     const double base = std::sqrt(ab.dot(ab));
@@ -98,7 +99,7 @@ class Geodesic {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue_;
 };
 
-// Some that lie far from each other, each the farthest from those before.
+// A sample of pins: each the farthest from those before (Gonzalez 1985).
 void pick_far(std::span<const std::uint32_t> pins, std::span<const Vec3> rest, Array<std::uint32_t>& out) {
   std::vector<Real> away(pins.size(), kInfinity);
   std::size_t next = 0;
@@ -115,12 +116,14 @@ void Cloth::Impl::make_ties(Sheet& s) {
   t.batches.clear(), t.anchor.clear(), t.rest.clear(), t.layers.clear(), t.to_body.clear(), t.pins.clear();
   if (!(s.settings.max_strain < kInfinity)) return;
   const std::span<const Vec3> rest(vertices.rest.data() + s.first, s.points);
+  // anchors: pins, and attached vertices that are not pinned
   std::vector<std::uint32_t> pins, held;
   for (std::uint32_t i = 0; i < s.points; ++i)
     if (vertices.inv_mass[s.first + i] == 0) pins.push_back(i);
   for (const Attachment& a : attachments)
     if (a.vertex >= s.first && a.vertex < s.first + s.points && vertices.inv_mass[a.vertex] != 0)
       held.push_back(a.vertex - s.first);
+  // ties to pins, the nearest of all vertices in a layer, then the second nearest
   if (pins.size() < s.points && !pins.empty()) {
     Geodesic distances(s.mesh, rest, s.points, kNearest);
     distances.spread(pins);
@@ -143,10 +146,12 @@ void Cloth::Impl::make_ties(Sheet& s) {
       }
       t.layers.push_back(static_cast<std::uint32_t>(t.batches.size()));
     }
+    // attached vertices to the pin that the cloth, and with it the body, hangs from
     for (const std::uint32_t a : held)
       if (const Label l = distances.of(a)[0]; l.anchor != kNone)
         t.to_body.push_back({l.anchor, a, static_cast<Real>(l.distance), true});
   }
+  // ties to the nearest attached vertex
   if (held.empty()) return;
   Geodesic distances(s.mesh, rest, s.points, 1);
   distances.spread(held);
@@ -155,18 +160,18 @@ void Cloth::Impl::make_ties(Sheet& s) {
       t.to_body.push_back({i, l.anchor, static_cast<Real>(l.distance), false});
 }
 
-// Where anchors are in this step, and how far the ties reach.
+// Positions of anchors in this step, and lengths of ties.
 void Cloth::Impl::place_ties(Sheet& s) {
   ClothTies& t = s.ties;
   if (t.batches.empty()) return;
   const Vec3* x = vertices.position.data() + s.first;
   const Vec3* rest = vertices.rest.data() + s.first;
   const Real longest = 1 + s.settings.max_strain;
-  Real apart = 1;
+  Real separation = 1;  // of pins, over what the cloth allows
   for (std::size_t a = 0; a < t.pins.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) {
       const std::uint32_t i = t.pins[a], j = t.pins[b];
-      apart = std::max(apart, length(x[i] - x[j]) / (longest * length(rest[i] - rest[j])));
+      separation = std::max(separation, length(x[i] - x[j]) / (longest * length(rest[i] - rest[j])));
     }
   FEDER_ASSERT(t.anchor.size() == t.batches.size() * kLanes && !s.paths_stale);
   for (std::size_t n = 0; n < t.batches.size(); ++n)
@@ -175,11 +180,11 @@ void Cloth::Impl::place_ties(Sheet& s) {
       TieBatch& b = t.batches[n];
       const Vec3 base = t.anchor[at] == kNone ? Vec3(0, 0, 0) : Vec3(x[b.a[k]] - x[t.anchor[at]]);
       b.base.x.v[k] = base[0], b.base.y.v[k] = base[1], b.base.z.v[k] = base[2];
-      b.limit.v[k] = t.rest[at] * longest * apart;
+      b.limit.v[k] = t.rest[at] * longest * separation;
     }
 }
 
-// Vertices to the point of a body where the cloth is attached, and that point to the pin that the cloth hangs from.
+// Ties of vertices to the point of a body where the cloth is attached, and of that point to the pin it hangs from.
 void Cloth::Impl::solve_body_ties(StepContext& c) {
   const SurfaceGroup& g = group(c);
   if (g.attachments.empty()) return;
@@ -194,6 +199,7 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
     const SurfaceAttachment* attachment = nullptr;
     for (const ClothTies::ToBody& t : s.ties.to_body) {
       const std::uint32_t anchor = s.first + t.anchor, i = s.first + t.vertex;
+      // the attachment of this anchor in the group
       if (!attachment || attachment->vertex != anchor) {
         const auto at =
             std::find_if(held.begin(), held.end(), [&](const SurfaceAttachment& k) { return k.vertex == anchor; });
@@ -201,6 +207,7 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
         attachment = &*at;
       }
       FEDER_ASSERT(t.vertex < s.points && t.anchor < s.points);
+      // excess of distance, and the response of both sides
       Row4& x = delta_position[i];
       const Vec3 point = vertices.position[anchor] - attachment->error +
                          surfaces.body_displacement(attachment->solver_index, attachment->arm);
@@ -210,6 +217,7 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
       const Vec3 n = normalized_or(e, Vec3(0, 1, 0));
       const Real response = x.w + surfaces.body_response(attachment->solver_index, attachment->arm, n);
       if (!(response > 0)) continue;
+      // excess from before this solver substep is taken back at kTieSpeed
       Vec3 change = x.vec() - before[i].vec();
       if (before[i].w != 0) change += h * velocity[i].vec();
       if (attachment->solver_index != 0) {

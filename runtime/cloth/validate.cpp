@@ -1,7 +1,7 @@
-// Validation of cloths after a step: vertices, meshes, batches of the solvers, ties and attachments, each walked
-// once, in time proportional to their size. That a list holds each element of another once is told by the hash of a
-// multiset, a sum that does not depend on the order (Bellare and Micciancio 1997); marks by vertex are kept from call
-// to call, so that a step allocates nothing.
+// Validation of cloths after a step: vertices, meshes, batches of the solvers, ties and attachments, each visited
+// once, in time proportional to their size. That a list contains each element of another once is checked by the hash of
+// a multiset, a sum that does not depend on the order (Bellare and Micciancio 1997). Kept between calls: marks by
+// vertex, so that a step allocates nothing.
 #include <algorithm>
 #include <bit>
 
@@ -29,8 +29,8 @@ struct Elements {
   std::size_t count = 0;
 };
 
-// Colours follow one another over all batches; a lane is an element or empty; no two elements of a colour share a
-// vertex. end(batch, k, lane) is the k-th vertex of an element.
+// Colours cover all batches in order; a lane is an element or empty; no two elements of a colour share a vertex.
+// end(batch, k, lane) is the k-th vertex of an element.
 template <int kEnds, class Batches, class Colors, class End, class Key>
 Elements walk_colors(const Batches& batches, const Colors& colors, std::uint32_t spare, Array<std::uint64_t>& marks,
                      End&& end, Key&& key) {
@@ -71,7 +71,7 @@ void ClothBatches::validate(const ClothView& v) const {
   std::uint64_t sum = 0;
   for (const ClothLink& l : v.mesh->links) sum += link_key(l.a, l.b, l.rest);
   FEDER_ASSERT(links.count == v.mesh->links.size());
-  FEDER_ASSERT(links.sum == sum);  // each link of the mesh in one lane
+  FEDER_ASSERT(links.sum == sum);  // each link of the mesh is in one lane
 
   const Elements hinges = walk_colors<4>(
       hinges_, hinge_colors_, spare, used_, [](const HingeBatch& b, int k, int i) { return b.v[k][i]; },
@@ -105,7 +105,7 @@ void Cloth::Impl::validate_mesh(const Sheet& s) const {
       if (j == 1 && e.triangle[1] == kNone) break;
       FEDER_ASSERT(e.triangle[j] < m.triangles.size() / 3);
       const std::uint32_t* v = &m.triangles[3 * e.triangle[j]];
-      // three numbers that differ, one of them each
+      // its corners are the ends of the edge and the opposite vertex
       FEDER_ASSERT(std::count(v, v + 3, e.a) + std::count(v, v + 3, e.b) + std::count(v, v + 3, e.opposite[j]) == 3);
       ++sides;
     }
@@ -123,14 +123,14 @@ void Cloth::Impl::validate_motion(const Sheet& s) const {
   FEDER_ASSERT(!s.state.asleep || !s.state.frozen);
   FEDER_ASSERT(!s.state.asleep || s.flight().isZero(0));
   FEDER_ASSERT(s.state.substeps >= 1 && !(s.state.load < 0));
-  // a tear shares out mass, and velocities with it: what that overflows is found in the next step
+  // a tear redistributes mass and velocities: numbers that overflow there are found in the next step
   const bool settled = s.active() && !s.paths_stale;
   Real mass = 0;
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) {
     const Real w = vertices.inv_mass[i];
     FEDER_ASSERT(vertices.cloth[i] == s.object);
     FEDER_ASSERT(w == 0 || !s.state.frozen);
-    // nothing else is at rest by rule: a tear gives pinned vertices a share of velocity, too
+    // a tear may give a share of velocity even to pinned vertices
     const bool may_move = s.active() && (w != 0 || (s.settings.tear_strain < kInfinity && vertices.mass[i] > 0));
     FEDER_ASSERT(may_move || vertices.velocity[i].isZero(0));  // pinned, hidden, held, asleep
     if (i >= s.first + s.points) {
@@ -144,7 +144,7 @@ void Cloth::Impl::validate_motion(const Sheet& s) const {
   FEDER_ASSERT(!is_finite(mass) || mass == s.mass);
 }
 
-// Lanes are free vertices, once in a layer, and their anchors pinned ones; what holds to bodies is attached.
+// Lanes are free vertices, once in a layer, and their anchors pinned ones; ties to bodies name visible vertices.
 void Cloth::Impl::validate_ties(const Sheet& s) const {
   const ClothTies& t = s.ties;
   FEDER_ASSERT(t.anchor.size() == t.batches.size() * kLanes && t.rest.size() == t.anchor.size());
@@ -199,7 +199,7 @@ void Cloth::validate() const {
   m.marks.assign(v.size(), kNone);
   for (const Attachment& a : m.attachments) {
     FEDER_ASSERT(m.objects.alive(a.cloth) && a.vertex < v.size() && v.cloth[a.vertex] == a.cloth);
-    FEDER_ASSERT(m.marks[a.vertex] == kNone);  // held once
+    FEDER_ASSERT(m.marks[a.vertex] == kNone);  // attached once
     m.marks[a.vertex] = a.body.slot;
   }
 }

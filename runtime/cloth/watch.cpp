@@ -1,5 +1,5 @@
-// The watchdog's part in cloths, see step/watch.h. Strain counts as stored energy, but a link gives its two ends no
-// more than the velocity that takes the strain back within one solver substep.
+// Energy bounds of cloths for the watchdog (step/watch.h). Strain counts as stored energy, but a link gives its two
+// ends no more than the velocity that takes the strain back within one solver substep.
 #include <algorithm>
 #include <cmath>
 
@@ -21,14 +21,15 @@ double Cloth::Impl::kinetic_energy(const Sheet& s) const {
                 static_cast<double>(sum[3]));
 }
 
-// J: what weight, wind, scripts and generators did in the step at most: mass times acceleration times way. A generator
-// with a potential gives what the vertices came down in it instead: where one is too stiff for the step, force times
-// way would explain anything.
+// Upper bound of the work of weight, wind, scripts and generators in the step, J: mass times acceleration times
+// displacement. For a generator with a potential it is the loss of potential instead: where one is too stiff for the
+// step, force times displacement would explain any energy.
 double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
   double all = 0;
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
     if (vertices.inv_mass[i] != 0)
       all += number(vertices.mass[i]) * number(length(acceleration[i])) * number(length(delta_position[i].vec()));
+  // generators one by one: loss of potential, or force times displacement
   const Forces* forces = store.find<Forces>();
   double fall = 0, rest = 0;
   bool held = false, area = false;
@@ -56,6 +57,7 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
     else
       rest += push;
   }
+  // with a potential: that, and the work of weight and scripts
   if (!held || area) return all;
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
     if (vertices.inv_mass[i] == 0) continue;
@@ -66,7 +68,8 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
   return std::fmin(all, fall + rest);
 }
 
-// J: strain at the start of the step, and work. While the step's displacements are known: before vertices are split.
+// Energy that the step may have given, J: strain at its start, and work. Uses the displacements of the step, so it is
+// asked before vertices are split.
 double Cloth::Impl::given(const Sheet& s, const StepContext& c) const {
   const double rate = std::max(group_of(s).steps, 1) / number(c.h);
   const auto start = [&](std::uint32_t i) {
@@ -93,8 +96,8 @@ void Cloth::Impl::watch(StepContext& c) {
   const double least = quiet_energy(c);
   for (auto& p : sheets) {
     Sheet& s = *p;
-    if (!s.active() || s.bad_vertex != kNone) continue;  // quarantine reports the second
-    FEDER_ASSERT(!(s.kinetic_before < 0));               // known since the step began
+    if (!s.active() || s.bad_vertex != kNone) continue;  // quarantine reports those
+    FEDER_ASSERT(!(s.kinetic_before < 0));               // set by prepare
     s.kinetic = kinetic_energy(s);
     if (s.kinetic <= kDiverged * s.kinetic_before) continue;  // most steps end here
     const double mass = number(s.mass), energy = s.kinetic_before + least * mass;

@@ -1,15 +1,15 @@
-// Position-based dynamics with compliance in solver substeps: predict, one sweep over all links and hinges in colour
-// order, velocities from what was moved (Macklin, Mueller and Chentanez, "XPBD", MIG 2016; Macklin et al., "Small
-// Steps in Physics Simulation", SCA 2019). A multiplier lives through the iterations of a solver substep, so stiffness
-// does not depend on their number. Hinges push before the sweep, at the state it started from, which leaves no error
-// at rest; only those too stiff for that (more than the solver substeps were chosen for) are swept like links. Soft
-// hinges push once for a group of solver substeps, before the middle one: a drift, a kick and a drift (Tuckerman, Berne
-// and Martyna 1992), so cloth that hinges carry is still at the group's ends, g H^2/8 above its place for groups of H.
-// Not where cloth lies on cloth: shreds in a tangle have hinges that turn over within a group.
-// Kept between steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is
-// left over, 2 g n^2 h^2/L for n rows, decides the number of solver substeps (see step.cpp), light cloth under heavy
-// bodies stretches more than its material; and a spinning cloth loses angular momentum in proportion to its strain and
-// to the solver substep, as with implicit methods (gradients are those of the new positions).
+// XPBD cloth, position-based dynamics with compliance in solver substeps: predict, one sweep over all links and hinges
+// in colour order, velocities from displacements (Macklin, Mueller and Chentanez, "XPBD", MIG 2016, algorithm 1;
+// Macklin et al., "Small Steps in Physics Simulation", SCA 2019). A multiplier lives through the iterations of a solver
+// substep, so stiffness does not depend on their number. Soft hinges push as forces before the sweep, at the state it
+// starts from, which leaves no error at rest; only hinges too stiff for that (h^2 w^2 above kSoftHinge) are swept like
+// links. Soft hinges push once for a group of solver substeps, before the middle one: a drift, a kick and a drift
+// (Tuckerman, Berne and Martyna 1992), so cloth carried by hinges is at rest at the group's ends, g H^2/8 above its
+// true position for groups of H. Not in groups where cloth lies on cloth: shreds in a tangle have hinges that turn over
+// within a group. Kept between steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the
+// strain that is left, 2 g n^2 h^2/L for n rows, sets the number of solver substeps (step.cpp), so light cloth under
+// heavy bodies stretches more than its material; and a spinning cloth loses angular momentum in proportion to its
+// strain and to the solver substep, as with implicit methods (gradients are those of the new positions).
 #include <cmath>
 
 #include "base/jobs.h"
@@ -18,8 +18,8 @@
 namespace feder {
 namespace {
 
-constexpr double kBendShare = 0.1;       // wanted h^2 k sum w |gradient|^2 of the stiffest hinge
-constexpr double kSoftHinge = 0.12;      // the largest at which hinges may push all at once
+constexpr double kBendShare = 0.1;       // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
+constexpr double kSoftHinge = 0.12;      // largest value of it at which hinges push as forces
 constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
 
@@ -36,13 +36,14 @@ class Xpbd final : public ClothSolver {
   }
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
-    // soft hinges push at the state that the last solver substep left, all at once: exact at rest, where a sweep is not
+    // kick: soft hinges push at the state that the last solver substep left, which is exact at rest, unlike a sweep
     FEDER_ASSERT(version_ == v.version);
     soft_ = stiffest_ * double(h) * double(h) <= kSoftHinge;
     const int now = static_cast<int>(std::lround((t - c.time - c.substep * double(c.h)) / double(h)));
     const int together = !soft_ ? 0 : v.crowded ? 1 : pushed_now(now, h, c);
     if (now == 0) pushed_ = false;
     if (together > 0) push_hinges(v, h * static_cast<Real>(together), c);
+    // predict
     c.jobs->for_blocks(v.total, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
         v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 0};
@@ -50,6 +51,7 @@ class Xpbd final : public ClothSolver {
         v.delta_position[i].add(h * v.velocity[i].vec());
       }
     });
+    // sweeps of the rows
     for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, k > 0, c);
     batches_.tie(v, h, c);
   }
@@ -62,7 +64,7 @@ class Xpbd final : public ClothSolver {
   double longest_damping(Real h) const override { return batches_.longest_damping(h); }
   void validate(const ClothView& v) const override { batches_.validate(v); }
 
-  // Bending waves have to be resolved, whatever the load: beyond that hinges are swept, and too soft.
+  // Bending waves have to be resolved, whatever the load: hinges that are swept are too soft.
   double wanted_substeps(const ClothView& v, Real h) const override {
     return std::sqrt(stiffest_hinge(v) / kBendShare) * static_cast<double>(h);
   }
@@ -76,15 +78,16 @@ class Xpbd final : public ClothSolver {
       stiffest = std::fmax(stiffest, hinge_response(v, k.v) * static_cast<double>(k.stiffness));
     return stiffest;
   }
-  // Strong damping of the whole substep acts in the middle of the first push, where velocities are of that moment.
+  // Strong damping of the whole substep acts in the middle of the first push, where velocities and positions belong to
+  // the same time.
   void push_hinges(const ClothView& v, Real time, StepContext& c) {
     const bool damped = !pushed_ && v.damping > 0 && batches_.damps_in_stages(v, c.h);
     batches_.bend(v, damped ? time / 2 : time, c);
     if (damped) batches_.damp_hinges(v, c.h, c), batches_.bend(v, time / 2, c);
     pushed_ = true;
   }
-  // For how many solver substeps soft hinges push before this one; 0: not now. Groups are odd, so that they have a
-  // middle.
+  // Number of solver substeps for which soft hinges push before this one; 0: not now. Groups are odd, so that they have
+  // a middle.
   int pushed_now(int now, Real h, const StepContext& c) const {
     const int count = static_cast<int>(std::lround(c.h / h));
     const auto odd = [](int n) { return n - 1 + n % 2; };
@@ -93,13 +96,13 @@ class Xpbd final : public ClothSolver {
     FEDER_ASSERT(full % 2 == 1 && now >= 0 && now < count);
     const int group = now < rest ? full : odd(count - rest);
     now = now < rest ? now % full : now - rest;
-    if (now >= group) return 1;  // one is left over
+    if (now >= group) return 1;  // the one that is left over
     return now == group / 2 ? group : 0;
   }
 
   ClothBatches batches_;
   int iterations_;
-  bool soft_ = false, pushed_ = false;  // hinges push; they have in this substep
+  bool soft_ = false, pushed_ = false;  // hinges push as forces; they have done so in this substep
   std::uint64_t version_ = ~std::uint64_t(0);
   double stiffest_ = 0;  // 1/s^2
 };

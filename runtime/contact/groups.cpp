@@ -1,14 +1,14 @@
-// Groups of surfaces: connected over pairs that may touch in this step, and over dynamic bodies that two of them act on
-// (couplings tell); static and kinematic bodies connect nothing. A group takes the largest count of solver substeps
-// of its members, so the hungriest cloth of a scene does not make all pay. Surfaces of different groups do not meet
-// within a step: pairs and candidates are found for the whole of it.
+// Groups of surfaces: the connected components (union-find) of the graph whose edges are candidate pairs of this step
+// and dynamic bodies that two surfaces act on, as couplings report them; static and kinematic bodies connect nothing.
+// A group takes the largest number of solver substeps of its members, so that the most demanding cloth of a scene does
+// not set the cost of all. Surfaces of different groups do not interact within a step: candidates hold for all of it.
 #include <algorithm>
 
 #include "contact/impl.h"
 
 namespace feder {
 
-// The first surface of those that n has been joined with.
+// Root of n, the first surface of its group; with path halving.
 std::uint32_t SurfaceContact::Impl::first_of(std::uint32_t n) {
   while (joined_to[n] != n) n = joined_to[n] = joined_to[joined_to[n]];
   return n;
@@ -20,10 +20,11 @@ void SurfaceContact::Impl::join(std::uint32_t a, std::uint32_t b) {
 }
 
 void SurfaceContact::Impl::form_groups(StepContext& c) {
+  // unite over candidate pairs, then over connections of couplings
   const std::uint32_t count = static_cast<std::uint32_t>(list.size());
   joined_to.resize(count);
   for (std::uint32_t n = 0; n < count; ++n) joined_to[n] = n;
-  for (const SurfacePair& k : between) join(k.a, k.b);
+  for (const SurfacePair& k : surface_pairs) join(k.a, k.b);
   surface_of_body.assign(surfaces.solver_bodies ? surfaces.solver_bodies->state.size() : 0, kNone);
   for (const Surfaces::Connection& l : surfaces.connections) {
     if (l.solver_index == 0) {
@@ -37,6 +38,7 @@ void SurfaceContact::Impl::form_groups(StepContext& c) {
   }
   surfaces.connections.clear();
 
+  // number the groups in the order of their first members, which come before the others
   std::size_t& groups = surfaces.group_count;
   groups = 0;
   for (std::uint32_t n = 0; n < count; ++n) {

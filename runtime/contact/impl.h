@@ -10,13 +10,13 @@
 
 namespace feder {
 
-// Points that the guard moves as one.
+// Impact zone: points that the non-penetration projection moves as one (non_penetration.cpp).
 struct Zone {
   Vec3 velocity = Vec3::Zero();  // their momentum while it is summed up, m/s
   Real mass = 0;
-  Real share = 1;     // of the way it would go with that velocity
-  Real freedom = 1;   // of its points' motion beside it
-  bool held = false;  // a pinned point is in it
+  Real share = 1;     // of the displacement by that velocity that the search allows
+  Real freedom = 1;   // share of its points' motion relative to it that keeps its pairs apart
+  bool held = false;  // it contains a pinned point: its velocity is zero
 };
 
 struct SurfaceContact::Impl {
@@ -28,35 +28,35 @@ struct SurfaceContact::Impl {
   ContactBook& contacts;
   const std::uint32_t finder;
   Surfaces& surfaces;
-  // of surfaces, by short names
+  // members of `surfaces`
   Array<Surface>& list;
   Array<Vec3>& position;
   Array<Real>& mass;
   Array<Row4>&delta_position, &before, &velocity;
-  Array<SurfacePair>& between;
+  Array<SurfacePair>& surface_pairs;
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
 
   // groups.cpp
   Array<std::uint32_t> surface_of_body;  // by solver index: the first surface connected to it
   Array<std::uint32_t> joined_to;        // by surface: an earlier one of its group, or itself
 
-  // closeness, by point; each group writes those of its own
-  Array<Aabb> vertex_box;                      // swept over the rest of the step, beside the drift
-  Array<Vec3> found_position, found_velocity;  // by point, when the boxes were made
-  Array<Real> stray;                           // by point: what it may depart from that motion, m
+  // proximity search and projection, by point; each group writes the entries of its own points
+  Array<Aabb> vertex_box;                        // swept over the rest of the step, beside the drift
+  Array<Vec3> search_position, search_velocity;  // where the search extrapolates from, m, m/s
+  Array<Real> max_deviation;                     // by point: from that motion, as the search allows for, m
   Array<std::uint32_t> found;
-  Array<Row4> projection_start;              // displacements at the start of the part
-  Array<std::uint32_t> zone_of;              // by point: one of its zone, or kNone: not held
+  Array<Row4> projection_start;              // displacements at the start of the part, m
+  Array<std::uint32_t> zone_of;              // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones;                         // by lowest point
-  Array<Row4> wished;                        // displacements before the zones were made
-  Array<Row4> swapped;                       // speeds while the guard searches
+  Array<Row4> saved_displacement;            // displacements before search_again() or the zones change them, m
+  Array<Row4> saved_velocity;                // velocities while search_again() extrapolates along others, m/s
   Array<std::uint32_t> near_surface;         // by point: its surface
   std::uint64_t projected = 0, widened = 0;  // corrections and second searches of the last step
 
-  Array<Aabb> others_box;          // by surface: of those that it may touch
+  Array<Aabb> others_box;          // by surface: of those that it may be in contact with
   Array<Aabb> box;                 // by surface
-  double mismatch = 0, given = 0;  // N s, of the last step
-  std::size_t pairs_seen = 0;      // that might touch in the last step
+  double mismatch = 0, given = 0;  // N s, of the last step: largest sum of both sides' impulses; sum of impulses
+  std::size_t pairs_seen = 0;      // candidate pairs of surfaces of the last step
 
   // Passes: of the step, of the substep, of the loop of solver substeps, of the step.
   void begin_step(StepContext& c);
@@ -85,12 +85,12 @@ struct SurfaceContact::Impl {
   void balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push, Real (&tilt)[4]) const;
   Vec3 start(std::uint32_t vertex, Real h) const;  // where the solver substep of h began, m
 
-  // near.cpp: pairs that may come close in this step, and their rows
+  // near.cpp: candidate pairs of features in this step, and their rows
   bool near_wanted(const SurfaceGroup& g) const;
-  std::uint32_t between_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they may not touch
+  std::uint32_t surface_pair_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they do not collide
   Vec3 current_position(std::uint32_t vertex) const { return position[vertex] + delta_position[vertex].vec(); }
-  // `time`: what is left of the step, s; `part`: the time from these rows to the guard, s; `held`: points may stay
-  // behind.
+  // `time`: rest of the step, s; `part`: from the making of rows to the projection, s; `held`: points may be held back
+  // from the extrapolated motion by all of it.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void bound_others(const SurfaceGroup& g);
   Aabb box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
@@ -101,22 +101,22 @@ struct SurfaceContact::Impl {
   int search_count(const SurfaceGroup& g, StepContext& c) const;  // of a substep
   void collect_near(const SurfaceGroup& g);
   void account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
-  // guard.cpp: no pair crosses within a part
-  void guard(const SurfaceGroup& g, NearSearch& near, Real part);
-  Vec3 astray(const NearSearch& near, std::uint32_t vertex) const;  // beside the motion foreseen at the search, m
-  bool near_path(NearSearch& near, Real part);
+  // non_penetration.cpp
+  void project_pairs(const SurfaceGroup& g, NearSearch& near, Real part);
+  Vec3 deviation(const NearSearch& near, std::uint32_t vertex) const;  // from the extrapolated motion, m
+  bool within_search(NearSearch& near, Real part);
   bool separate(NearPair& p, Real h, bool push);
   void project_out(NearSearch& near, Real part);
   void move_zones(const NearSearch& near, Real part);
   Real freedom(const NearPair& p);
-  void widen(const SurfaceGroup& g, NearSearch& near, Real part);
+  void search_again(const SurfaceGroup& g, NearSearch& near, Real part);
   std::uint32_t zone_root(std::uint32_t vertex);
 
   // surface_contact.cpp
   void wake_left();
   const Surface* surface_of(ObjectId object) const;
   Aabb swept_bounds(const Surface& s, StepContext& c) const;
-  void gather(const SurfacePair& k);
+  void report(const SurfacePair& k);
   void wake(ObjectId sleeper, ObjectId other);
   // validate.cpp
   void validate_group(std::size_t k) const;

@@ -1,5 +1,6 @@
-// Contact's passes in the loop of solver substeps, and what they need before it. What coasts goes straight on between
-// contacts: its own solver has been and gone, and takes what contact changed when the loop is over.
+// Contact's passes in the loop of solver substeps, and what they need before it. Surfaces that coast (nets) have been
+// moved by their own solver before the loop: within it their points move uniformly between contacts, and their owner
+// reads back what contact changed when the loop is over.
 #include <algorithm>
 
 #include "contact/impl.h"
@@ -7,6 +8,7 @@
 namespace feder {
 
 void SurfaceContact::Impl::begin_substep(StepContext& c) {
+  // no group iterates where nothing is active
   std::vector<int>& counts = c.counts(Loop::surface).count;
   counts.clear();
   bool any = false;
@@ -19,11 +21,13 @@ void SurfaceContact::Impl::begin_substep(StepContext& c) {
   for (std::size_t k = 0; k < surfaces.group_count; ++k) {
     SurfaceGroup& g = *surfaces.groups[k];
     counts.push_back(g.steps);
+    // the bodies that its rows may name, each once
     g.solver_indices.swap(g.named);
     g.named.clear();
     std::sort(g.solver_indices.begin(), g.solver_indices.end());
     g.solver_indices.erase(std::unique(g.solver_indices.begin(), g.solver_indices.end()), g.solver_indices.end());
     if (g.steps == 0) continue;
+    // in how many parts the substep is searched and projected
     NearSearch& near = *searches[k];
     near.near = near_wanted(g);
     const int parts = near.near ? search_count(g, c) : 1;
@@ -31,7 +35,7 @@ void SurfaceContact::Impl::begin_substep(StepContext& c) {
   }
 }
 
-// The pairs of the coming part of the substep.
+// Contact rows between surfaces for the coming part of the substep.
 void SurfaceContact::Impl::find_near(StepContext& c) {
   SurfaceGroup& g = group(c);
   NearSearch& near = search(c);
@@ -54,7 +58,7 @@ void SurfaceContact::Impl::coast(StepContext& c) {
   }
 }
 
-// Velocities of what coasts, by what contacts moved it.
+// Velocities of what coasts change by its contact corrections over the solver substep.
 void SurfaceContact::Impl::read_velocities(StepContext& c) {
   const SurfaceGroup& g = group(c);
   for (const std::uint32_t n : g.members) {
@@ -70,7 +74,7 @@ void SurfaceContact::Impl::project(StepContext& c) {
   NearSearch& near = search(c);
   const int k = c.inner.index;
   if (!near.near || (!c.inner.last() && (k + 1) % near.near_every != 0)) return;
-  guard(g, near, g.step * static_cast<Real>(k % near.near_every + 1));
+  project_pairs(g, near, g.step * static_cast<Real>(k % near.near_every + 1));
   collect_near(g);
 }
 

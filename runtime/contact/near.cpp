@@ -1,10 +1,13 @@
-// Surface against surface, itself included: points near triangles and edges near edges. A search foresees uniform
-// motion for the rest of the step and lets each vertex stray from it by so much; candidates are all pairs that could
-// come close then, from trees of swept boxes. The guard (guard.cpp) asks for a new search before a vertex needs more,
-// and makes one along the ways really gone when one did: usually there is one search per step, and one per substep
-// while cloth is being stopped. In each substep the closest points of candidates give rows that keep the thickness.
-// Normals and weights stay as they are through a substep, or a part of one where something fast strikes; that no pair
-// crosses meanwhile is the guard's. A pair that is closer than the thickness at rest keeps to its rest distance.
+// Proximity of surfaces, to themselves and to each other: points near triangles and edges near edges.
+// A search extrapolates uniform motion over the rest of the step and allows each vertex a deviation from it; its
+// candidates are all pairs that could then come within their thickness, from trees of swept boxes. The non-penetration
+// projection (non_penetration.cpp) asks for a new search before a vertex uses up its deviation, and searches again
+// along the true displacements when one did: usually there is one search per step, and one per substep while cloth is
+// being stopped. In each substep the closest points of candidates (Ericson, Real-Time Collision Detection, 2005, 5.1.5
+// and 5.1.9) give rows that keep the thickness, where Bridson, Fedkiw & Anderson 2002 have repulsion impulses.
+// A pair that is closer than the thickness at rest keeps to its rest distance.
+// Kept between steps: nothing. Weak spot: normals and weights are frozen through a substep, or a part of one where the
+// approach is fast; that no pair crosses meanwhile is left to the projection.
 #include <algorithm>
 #include <cmath>
 
@@ -13,15 +16,16 @@
 namespace feder {
 namespace {
 
-constexpr Real kRestShare = Real(0.9);  // of the rest distance, where that is below the thickness
-constexpr Real kNear = Real(1.1);       // thicknesses, from which on a pair matters
-constexpr int kMaxSearches = 64;
-constexpr Real kFreeShare = Real(0.05);  // of the weights, up to which a pair is its pinned vertices' own
+constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
+constexpr Real kNear = Real(1.1);       // thicknesses below which a pair gets a row
+constexpr int kMaxSearches = 64;        // parts of a substep
+constexpr Real kFreeShare =
+    Real(0.05);  // of the weights on free vertices, below which a pair is that of its pinned ones
 
-// Along a segment; 0 where its ends coincide.
+// Quotient along a segment; 0 where its ends coincide.
 Real share(Real part, Real whole) { return whole > 0 ? part / whole : Real(0); }
 
-// Closest point of the triangle to p by barycentric weights (Ericson, Real-Time Collision Detection, 5.1.5).
+// Closest point of the triangle to p by barycentric weights (Ericson 2005, 5.1.5).
 void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const Real d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -31,7 +35,7 @@ void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   const Real d3 = dot(ab, bp), d4 = dot(ac, bp);
   if (d3 >= 0 && d4 <= d3) return void(w[1] = 1);
   const Real vc = d1 * d4 - d3 * d2;
-  // an edge without length is none: its neighbours decide
+  // an edge without length is skipped: its neighbours decide
   if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return void((w[1] = d1 / (d1 - d3), w[0] = 1 - w[1]));
   const Vec3 cp = p - c;
   const Real d5 = dot(ab, cp), d6 = dot(ac, cp);
@@ -46,7 +50,7 @@ void closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   w[1] = vb / sum, w[2] = vc / sum, w[0] = 1 - w[1] - w[2];
 }
 
-// Closest points of two segments, as shares from a to b and from c to d (the same book, 5.1.9).
+// Closest points of two segments, as shares from a to b and from c to d (Ericson 2005, 5.1.9).
 void closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, Real& s, Real& t) {
   const Vec3 u = b - a, v = d - c, r = a - c;
   const Real uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
@@ -58,6 +62,7 @@ void closest_on_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
   FEDER_ASSERT(!(s < 0 || s > 1 || t < 0 || t > 1));
 }
 
+// From the closest point of the second feature to that of the first, with the weights of the four points in it.
 template <class Position>
 Vec3 gap_vector(const std::uint32_t* v, bool edges, Position&& position_of, Real (&weight)[4]) {
   const Vec3 x0 = position_of(v[0]), x1 = position_of(v[1]), x2 = position_of(v[2]), x3 = position_of(v[3]);
@@ -77,50 +82,52 @@ Vec3 gap_vector(const std::uint32_t* v, bool edges, Position&& position_of, Real
 
 }  // namespace
 
-std::uint32_t SurfaceContact::Impl::between_of(std::uint32_t a, std::uint32_t b) const {
-  for (std::uint32_t k = 0; k < between.size(); ++k)
-    if ((between[k].a == a && between[k].b == b) || (between[k].a == b && between[k].b == a)) return k;
+std::uint32_t SurfaceContact::Impl::surface_pair_of(std::uint32_t a, std::uint32_t b) const {
+  for (std::uint32_t k = 0; k < surface_pairs.size(); ++k)
+    if ((surface_pairs[k].a == a && surface_pairs[k].b == b) || (surface_pairs[k].a == b && surface_pairs[k].b == a))
+      return k;
   return kNone;
 }
 
 bool SurfaceContact::Impl::near_wanted(const SurfaceGroup& g) const {
   for (const std::uint32_t n : g.members) {
     if (list[n].active && list[n].self) return true;
-    for (const SurfacePair& k : between)
+    for (const SurfacePair& k : surface_pairs)
       if (k.a == n) return true;  // and the other one is in the group too
   }
   return false;
 }
 
-// Where what a surface may touch in this step is: of one that may touch itself, everywhere; of one that takes no part,
-// nowhere.
+// Bounds of all that a surface may be in contact with in this step: everything where it may be in contact with itself,
+// nothing where it takes no part.
 void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
   box.resize(list.size()), others_box.resize(list.size());
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     box[n] = others_box[n] = Aabb();
     bool meets = false;
-    for (const SurfacePair& k : between) meets = meets || k.a == n || k.b == n;
+    for (const SurfacePair& k : surface_pairs) meets = meets || k.a == n || k.b == n;
     if (meets)
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i) box[n].include(vertex_box[i]);
     if (s.active && s.self) others_box[n] = Aabb::everything();
   }
-  for (const SurfacePair& k : between) {
+  for (const SurfacePair& k : surface_pairs) {
     if (list[k.a].loop != list[g.members[0]].loop) continue;
     others_box[k.a].include(box[k.b]), others_box[k.b].include(box[k.a]);
   }
 }
 
-// Of three points, as they may move.
+// Bounds of three points over the rest of the step.
 Aabb SurfaceContact::Impl::box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
   Aabb all = vertex_box[a];
   all.include(vertex_box[b]), all.include(vertex_box[c]);
   return all;
 }
 
-// Points, triangles and edges of the surfaces that take part, with the boxes they may move in.
+// Points, triangles and edges of the surfaces that take part, with their swept boxes.
 void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
   near.near_vertex.clear(), near.near_triangle.clear(), near.near_edge.clear();
+  // drift: boxes move along with a group that nothing holds, else they would cover its path
   near.drift = Vec3::Zero();
   Real sum = 0;
   bool free = true;
@@ -131,28 +138,31 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
       near.drift += mass[i] * velocity[i].vec(), sum += mass[i];
   }
   near.drift = free ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
+  // points: uniform motion relative to the drift, and the allowed deviation round it
   const std::uint32_t size = surfaces.size();
-  vertex_box.resize(size), found_position.resize(size), found_velocity.resize(size), stray.resize(size);
+  vertex_box.resize(size), search_position.resize(size), search_velocity.resize(size), max_deviation.resize(size);
   near_surface.resize(size);
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     bool takes_part = s.active && s.self;
-    for (const SurfacePair& k : between) takes_part = takes_part || k.a == n || k.b == n;
+    for (const SurfacePair& k : surface_pairs) takes_part = takes_part || k.a == n || k.b == n;
     if (!takes_part) continue;
     const Real half = Real(0.5) * s.thickness;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
       near.near_vertex.push_back(i);
       near_surface[i] = n;
-      found_position[i] = current_position(i);
-      found_velocity[i] = delta_position[i].w != 0 ? velocity[i].vec() : Vec3(0, 0, 0);
-      const Vec3 beside = found_velocity[i] - near.drift, far = found_position[i] + time * beside;
-      // what the guard holds back to the drift strays by all of its way
-      stray[i] = delta_position[i].w == 0 ? Real(0) : kStray * s.thickness + (held ? time * length(beside) : Real(0));
+      search_position[i] = current_position(i);
+      search_velocity[i] = delta_position[i].w != 0 ? velocity[i].vec() : Vec3(0, 0, 0);
+      const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
+      // a point that the projection holds back to the drift deviates by all of its motion
+      max_deviation[i] =
+          delta_position[i].w == 0 ? Real(0) : kMaxDeviation * s.thickness + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
-      b.lo = found_position[i].cwiseMin(far), b.hi = found_position[i].cwiseMax(far);
-      b.grow(stray[i] + Real(1.1) * half);
+      b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
+      b.grow(max_deviation[i] + Real(1.1) * half);
     }
   }
+  // triangles and edges: all of a surface with self-contact, else those near others
   bound_others(g);
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
@@ -188,38 +198,40 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   }
 }
 
-// Keeps the pair unless it is farther apart than it can close in `time`.
+// Adds the candidate unless its distance is more than it can close in `time`.
 void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time) {
   FEDER_ASSERT(v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]);
   FEDER_ASSERT(edges || (v[0] != v[1] && v[2] != v[3]));
-  const std::uint32_t place_a = near_surface[v[0]], place_b = near_surface[v[3]];
-  FEDER_ASSERT(place_a < list.size() && place_b < list.size());
-  FEDER_ASSERT(near_surface[v[2]] == place_b && near_surface[v[1]] == (edges ? place_a : place_b));
-  const Surface &a = list[place_a], &b = list[place_b];
-  const std::uint32_t both = place_a == place_b ? kNone : between_of(place_a, place_b);
-  if (place_a == place_b ? !a.active || !a.self : both == kNone) return;
+  const std::uint32_t surface_a = near_surface[v[0]], surface_b = near_surface[v[3]];
+  FEDER_ASSERT(surface_a < list.size() && surface_b < list.size());
+  FEDER_ASSERT(near_surface[v[2]] == surface_b && near_surface[v[1]] == (edges ? surface_a : surface_b));
+  const Surface &a = list[surface_a], &b = list[surface_b];
+  const std::uint32_t both = surface_a == surface_b ? kNone : surface_pair_of(surface_a, surface_b);
+  if (surface_a == surface_b ? !a.active || !a.self : both == kNone) return;
+  // distance now, largest closing speed of any two points, and deviations of both features
   Real weight[4];
   const Vec3 gap = gap_vector(
-      v, edges, [&](std::uint32_t i) { return found_position[i]; }, weight);
+      v, edges, [&](std::uint32_t i) { return search_position[i]; }, weight);
   const Real distance = length(gap), wanted = Real(0.5) * (a.thickness + b.thickness);
   const std::uint32_t split = edges ? 2 : 1;
   Real closing = 0, own[2] = {0, 0};
-  for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], stray[v[i]]);
+  for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], max_deviation[v[i]]);
   for (std::uint32_t i = 0; i < split; ++i)
     for (std::uint32_t j = split; j < 4; ++j) {
-      const Vec3 u = found_velocity[v[i]] - found_velocity[v[j]];
+      const Vec3 u = search_velocity[v[i]] - search_velocity[v[j]];
       closing = std::max(closing, dot(u, u));
     }
   closing = std::sqrt(closing);
-  const Real free = distance - kNear * wanted - own[0] - own[1];  // m, to be closed by foreseen motion
+  const Real free = distance - kNear * wanted - own[0] - own[1];  // m, to be closed by extrapolated motion
   if (free > time * closing || !(distance > Real(1e-5) * wanted)) return;
   NearPair p;
   std::copy(v, v + 4, p.v);
   p.edges = edges;
-  p.between = both;
+  p.surface_pair = both;
   p.thickness = wanted;
   p.idle = free > 0 ? free / closing : Real(0);
   FEDER_ASSERT(!(p.idle < 0));
+  // within one surface: no row pushes apart what is that close at rest
   if (&a == &b) {
     Real rest_weight[4];
     const Real rest = length(gap_vector(
@@ -234,13 +246,14 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.since_found = 0;
   near.pairs.clear();
   list_features(g, near, time, held);
-  // trees of the step's first search serve the others too, but not the next step: the order of near.pairs must follow
-  // from the state at the start of a step
+  // the trees are refitted by later searches of the step but built anew in the next one: the order of near.pairs must
+  // follow from the state at the start of a step
   const std::span<const Aabb> triangle_boxes(near.triangle_box.data(), near.triangle_box.size()),
       edge_boxes(near.edge_box.data(), near.edge_box.size());
   near.trees_stale ? near.triangle_tree.build(triangle_boxes) : near.triangle_tree.refit(triangle_boxes);
   near.trees_stale ? near.edge_tree.build(edge_boxes) : near.edge_tree.refit(edge_boxes);
   near.trees_stale = false;
+  // points against triangles
   for (const std::uint32_t i : near.near_vertex) {
     const Surface& own = list[near_surface[i]];
     if (!(own.self && own.active) && !overlaps(vertex_box[i], others_box[near_surface[i]])) continue;
@@ -253,6 +266,7 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
       add_pair(near, {i, k[0], k[1], k[2]}, false, time);
     }
   }
+  // edges against later edges
   for (std::uint32_t e = 0; e < near.edge_box.size(); ++e) {
     found.clear();
     near.edge_tree.query(near.edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
@@ -266,7 +280,7 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   }
 }
 
-// Normal, distance and weights now.
+// Normal, distance and weights at the present positions.
 void SurfaceContact::Impl::measure(NearPair& p, Real (&weight)[4]) const {
   const Vec3 gap = gap_vector(
       p.v, p.edges, [&](std::uint32_t i) { return current_position(i); }, weight);
@@ -274,7 +288,8 @@ void SurfaceContact::Impl::measure(NearPair& p, Real (&weight)[4]) const {
   p.normal = normalized_or(gap, Vec3(0, 1, 0));
 }
 
-// Where something strikes faster than the candidates foresee, a substep is searched and guarded in parts.
+// Number of parts in which a substep is searched and projected: more than one where bodies approach by more than half a
+// thickness in it.
 int SurfaceContact::Impl::search_count(const SurfaceGroup& g, StepContext& c) const {
   Real most = 1;
   for (const std::uint32_t n : g.members)
@@ -291,6 +306,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     const auto first = delta_position.begin() + list[n].first;
     std::copy(first, first + list[n].total, projection_start.begin() + list[n].first);
   }
+  // a candidate gets a row when it can come within its thickness in twice the part's motion
   if (near.pairs_stale) find_pairs(g, near, time, false);
   for (NearPair& p : near.pairs) {
     p.live = near.since_found + part >= p.idle;
@@ -307,25 +323,27 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     if (held > 2 * (1 - kFreeShare)) continue;
     const Real closing = std::max(-dot(u, p.normal), Real(0));
     if (p.distance > kNear * p.thickness + 2 * part * closing) continue;
+    // C = distance - thickness along the frozen normal, linear in the displacements
     SurfaceRow r;
     std::copy(p.v, p.v + 4, r.vertex);
     std::copy(weight, weight + 4, r.weight);
     r.normal = p.normal;
     r.offset = p.distance - p.thickness - dot(p.normal, d);
     const Surface &a = list[near_surface[p.v[0]]], &b = list[near_surface[p.v[3]]];
-    FEDER_ASSERT((p.between == kNone) == (&a == &b) && (p.between == kNone || p.between < between.size()));
-    r.contact_state = p.between, r.edges = p.edges;
+    FEDER_ASSERT((p.surface_pair == kNone) == (&a == &b) &&
+                 (p.surface_pair == kNone || p.surface_pair < surface_pairs.size()));
+    r.contact_state = p.surface_pair, r.edges = p.edges;
     r.friction = std::sqrt(a.friction * b.friction);
     r.relaxation = std::min(a.relaxation, b.relaxation);
     g.near_rows.push_back(r);
   }
 }
 
-// What the rows between two surfaces did. Self-contact has no events.
+// Impulses of the rows between two surfaces, for the contact book. Self-contact has no events.
 void SurfaceContact::Impl::collect_near(const SurfaceGroup& g) {
   for (const SurfaceRow& r : g.near_rows) {
     if (r.contact_state == kNone || r.impulse == 0) continue;
-    SurfacePair& k = between[r.contact_state];
+    SurfacePair& k = surface_pairs[r.contact_state];
     k.impulse += r.impulse;
     if (!(r.impulse > k.strongest)) continue;
     k.strongest = r.impulse, k.speed = r.approach;
@@ -339,10 +357,10 @@ void SurfaceContact::Impl::collect_near(const SurfaceGroup& g) {
   }
 }
 
-// Momentum that vertex k of a row between two surfaces got: by what it really changed, or, when held, by what the pin
+// Momentum that vertex k of a row between two surfaces received, from its true change; of a pinned vertex what its pin
 // took.
 void SurfaceContact::Impl::account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h) {
-  SurfacePair& pair = between[r.contact_state];
+  SurfacePair& pair = surface_pairs[r.contact_state];
   const std::uint32_t i = r.vertex[k];
   FEDER_ASSERT(h > 0 && (near_surface[i] == pair.a || near_surface[i] == pair.b));
   double(&to)[3] = pair.given[near_surface[i] == pair.a ? 0 : 1];

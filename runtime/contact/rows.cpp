@@ -1,9 +1,11 @@
-// Contact rows and holds, one after another in each solver substep, between the solvers' own sweeps. A row pushes its
-// vertices apart, or off a solver body, which gets the opposite impulse at the same moment; friction likewise (a cone,
-// by displacement). Collisions are fully plastic: what a push would throw back is taken out again. Overlap that was
-// there before is undone at kPushSpeed at most, so it cannot explode. A row near pinned vertices has little hold on the
-// free ones: to move a point that takes a share b of a vertex by d, the vertex goes d/b. It goes kMaxMotion d at most,
-// so that what pins make impossible stays undone and does not grow. Rows run in their makers' order, on one thread.
+// Contact rows and attachments, one after another (Gauss-Seidel) in each solver substep, between the solvers' own
+// sweeps. A row corrects the displacements of its vertices along its normal, or off a solver body, which takes the
+// opposite impulse at the same moment; friction is a Coulomb cone by displacement. Collisions are fully plastic:
+// rebound of a row is taken out again. Overlap from before the substep is undone at kPushSpeed at most, so that it
+// cannot explode. A row near pinned vertices has little effect on the free ones: to move a point that takes a share b
+// of a vertex by d, the vertex moves d/b. It is limited to kMaxMotion d, so what pins make impossible stays undone and
+// does not grow. Rows run in their makers' order, on one thread. Kept between calls: impulses of the rows. Weak spot:
+// Gauss-Seidel converges slowly for heavy bodies on light cloth.
 #include <algorithm>
 #include <cmath>
 
@@ -13,11 +15,11 @@ namespace feder {
 namespace {
 constexpr Real kPushSpeed = 1;  // m/s
 constexpr Real kPullSpeed = 3;  // m/s, of attachments
-// Times the correction that a row asks for, which one of its vertices may go; of free vertices of a mesh, whose masses
-// differ by up to 1:6, none would go more than 1.9 (the largest of 6 a/(6 a^2 + (1 - a)^2)).
+// Largest motion of one vertex over the correction of its row. Free vertices of a mesh, whose masses differ by up to
+// 1:6, move by 1.9 at most (the maximum of 6 a/(6 a^2 + (1 - a)^2)).
 constexpr Real kMaxMotion = 2;
-constexpr Real kParallel = Real(1e-4);  // squared sine of two directions along which a push can be displaced, at least
-constexpr Real kMaxTilt = Real(0.5);    // of their lengths
+constexpr Real kParallel = Real(1e-4);  // least squared sine of two directions along which a push can be displaced
+constexpr Real kMaxTilt = Real(0.5);    // largest displacement, of their lengths
 
 // Sum of w weight^2 of a row, 1/kg, and the largest w |weight|.
 struct RowResponse {
@@ -27,12 +29,12 @@ struct RowResponse {
     sum += motion * std::abs(weight);
     largest = std::max(largest, motion);
   }
-  // With that of the solver body: by what a correction or change of velocity is divided.
+  // With that of the solver body: the divisor of a correction or change of velocity.
   Real with(Real body) const { return std::max(sum + body, largest / kMaxMotion); }
 };
 }  // namespace
 
-// Bodies go on with the velocity they have. Each group begins where they stood when the substep did.
+// Solver bodies move by their velocities. Each group starts from their poses at the start of the substep.
 void SurfaceContact::Impl::advance_bodies(StepContext& c) {
   const SurfaceGroup& g = group(c);
   Array<Vec3>&shift = surfaces.body_delta_position, &rotation = surfaces.body_delta_rotation;
@@ -52,6 +54,7 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
   const Real h = g.step;
   for (const SurfaceAttachment& k : g.attachments) {
     FEDER_ASSERT(k.vertex < delta_position.size());
+    // effective mass of the three rows
     Row4& x = delta_position[k.vertex];
     Mat3 response = Mat3::Zero();
     if (k.solver_index != 0) {
@@ -61,7 +64,8 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
     }
     response.diagonal().array() += x.w;
     Vec3 error = k.error + x.vec() - surfaces.body_displacement(k.solver_index, k.arm);
-    // what was open before closes at kPullSpeed: a vertex attached far from its place must not throw the body
+    // the error from before this solver substep closes at kPullSpeed: a vertex attached far away must not throw the
+    // body
     Vec3 change = x.vec() - before[k.vertex].vec();
     if (before[k.vertex].w != 0) change += h * velocity[k.vertex].vec();
     if (k.solver_index != 0) {
@@ -80,6 +84,7 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
 void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h) {
   const SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (SurfaceRow& r : rows) {
+    // displacement of the point since the start of the step, and its change in this solver substep
     Vec3 d = Vec3::Zero(), change = Vec3::Zero();
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
@@ -94,11 +99,12 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
-    FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < between.size());
+    FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < surface_pairs.size());
     if (r.solver_index != 0) {
       const SolverBody& m = solver_bodies->state[r.solver_index];
       change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
     }
+    // normal: the closing of this solver substep at once, older overlap at kPushSpeed
     const Real closing = dot(r.normal, change);
     const Real along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(along > 0)) continue;
@@ -108,7 +114,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     r.impulse += push / h;
     FEDER_ASSERT(!(push < 0));  // contacts do not pull
 
-    // friction takes what it can of the sliding of this solver substep
+    // friction: the sliding of this solver substep, within the cone
     Vec3 total = push * r.normal;
     const Vec3 sliding = change - closing * r.normal - h * r.slide;
     const Real slid = length(sliding);
@@ -117,6 +123,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
       const Real across = response.with(surfaces.body_response(r.solver_index, r.arm, t));
       total -= std::min(r.friction * push, slid / across) * t;
     }
+    // both sides take the same correction
     Real tilt[4] = {0, 0, 0, 0};
     if (near) {
       const Vec3 x[4] = {start(r.vertex[0], h), start(r.vertex[1], h), start(r.vertex[2], h), start(r.vertex[3], h)};
@@ -138,17 +145,17 @@ Vec3 SurfaceContact::Impl::start(std::uint32_t i, Real h) const {
   return before[i].w != 0 ? Vec3(x - h * velocity[i].vec()) : x;
 }
 
-// A row pushes two points that lie apart, so friction, and motion along the surface since the normal was found, would
-// leave a torque. `tilt` moves where the normal push acts on the features, so that the line of both forces is one: what
-// their shape cannot take (parallel edges, points) stays. Angular momentum is kept to that. kg m along the normal.
-// A displacement that becomes a velocity, d and d/h, changes x cross v by (x - h v) cross d/h: x is where the solver
-// substep began.
+// Torque of a row: it pushes two points that lie apart, so friction, and motion along the surface since the normal was
+// found, would leave one. `tilt` (kg m along the normal) displaces the point of attack of the normal push on the
+// features until the lines of both forces coincide, which keeps angular momentum; what their shape does not allow
+// (parallel edges, points) is left. A displacement d that becomes a velocity d/h changes x cross v by (x - h v) cross
+// d/h, so x is the position at the start of the solver substep.
 void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push,
                                    Real (&tilt)[4]) const {
   if (!(push > 0)) return;
   Vec3 gap = Vec3::Zero();
   for (int k = 0; k < 4; ++k) gap += r.weight[k] * x[k];
-  // by how much the second feature's point has to be displaced, less that of the first
+  // displacement that the second feature's point needs relative to that of the first
   const Vec3 shift = cross(r.normal, cross(gap, total)) / push;
   const Vec3 a = r.edges ? Vec3(x[0] - x[1]) : Vec3(x[2] - x[1]), b = r.edges ? Vec3(x[3] - x[2]) : Vec3(x[3] - x[1]);
   const Vec3 flat_a = a - dot(a, r.normal) * r.normal, flat_b = b - dot(b, r.normal) * r.normal;
@@ -160,6 +167,7 @@ void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], cons
     s = dot(shift, flat_a) / aa;
   else if (bb > 0)
     t = dot(shift, flat_b) / bb;
+  // shares of the lengths, limited; to weights of the vertices
   const Real most = std::max(std::abs(s), std::abs(t));
   if (most > kMaxTilt) s *= kMaxTilt / most, t *= kMaxTilt / most;
   s *= push, t *= push;
@@ -169,11 +177,12 @@ void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], cons
     tilt[1] = s + t, tilt[2] = -s, tilt[3] = -t;
 }
 
-// Rows that pushed and now part: the relative velocity along the normal goes to zero.
+// Fully plastic contact: where a row that pushed now separates, the relative velocity along the normal becomes zero.
 void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real h) {
   SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (SurfaceRow& r : rows) {
     if (r.impulse == 0) continue;
+    // only rows that are still closed
     Vec3 d = Vec3::Zero(), u = Vec3::Zero();
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
@@ -190,6 +199,7 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
     const Real parting = dot(r.normal, u),
                along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;
+    // no more than the row has given
     const Real impulse = std::min(parting / along, r.impulse);
     r.returned += impulse;
     FEDER_ASSERT(!(impulse < 0 || impulse > r.impulse));
@@ -207,7 +217,7 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
       if (near && r.contact_state != kNone) account(r, k, v.vec() - was, push, 1);
     }
     if (r.solver_index == 0) continue;
-    // velocities only: the displacement stands
+    // of a body only velocities change, its displacement stands
     const SolverMass& mm = solver_bodies->mass[r.solver_index];
     SolverBody& m = solver_bodies->state[r.solver_index];
     m.velocity += mm.inv_mass_axes.cwiseProduct(impulse * r.normal);

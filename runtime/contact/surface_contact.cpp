@@ -1,8 +1,8 @@
-// Before a step: boxes of all surfaces, swept over it, say which pairs may touch. The loop of solver substeps finds and
-// solves the contacts of those pairs together with self-contact, in one search, because a fold that lies on another
-// cloth is one pile; both sides get the opposite impulse at the same moment. After the step: what each side really got
-// makes the mismatch of the residuals, and the contact book is told who touched. A sleeper that is touched by what
-// moves wakes.
+// Structure of surface contact. Before a step: swept boxes of all surfaces give the candidate pairs. The loop of solver
+// substeps finds and solves the contacts of those pairs together with self-contact, in one search, because a fold that
+// lies on another cloth is one pile; both sides take the opposite impulse at the same moment. After the step: the
+// momenta that both sides received give the mismatch of the residuals, and pairs in contact are reported to the contact
+// book. A sleeper in contact with an active surface wakes.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kHaste = Real(1.5);  // of the fastest point: others may be drawn along faster in the step
+constexpr Real kSpeedMargin = Real(1.5);  // times the fastest point: others may be drawn along faster in the step
 
 }  // namespace
 
@@ -29,15 +29,15 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
       position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
-      before(surfaces.before), velocity(surfaces.velocity), between(surfaces.pairs), surface_of_body(&arena),
-      joined_to(&arena), vertex_box(&arena), found_position(&arena), found_velocity(&arena), stray(&arena),
-      found(&arena), projection_start(&arena), zone_of(&arena), zones(&arena), wished(&arena), swapped(&arena),
-      near_surface(&arena), others_box(&arena), box(&arena) {}
+      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs), surface_of_body(&arena),
+      joined_to(&arena), vertex_box(&arena), search_position(&arena), search_velocity(&arena), max_deviation(&arena),
+      found(&arena), projection_start(&arena), zone_of(&arena), zones(&arena), saved_displacement(&arena),
+      saved_velocity(&arena), near_surface(&arena), others_box(&arena), box(&arena) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
   m->wake_left();
-  m->surfaces.forget();  // what it names may be gone
+  m->surfaces.forget();  // objects that it names may be gone
   m->surfaces.solver_bodies = m->store.find<SolverBodies>();
   if (!m->surfaces.wanted()) return;
   const bool pairs = m->surfaces.declared() > 1;
@@ -85,7 +85,7 @@ void SurfaceContact::Impl::wake(ObjectId sleeper, ObjectId other) {
   surfaces.wakes.push_back({sleeper, other, s ? s->wakes : WakeCause::contact});
 }
 
-// What touched a thing that is gone wakes.
+// Surfaces that were in contact with an object that is gone wake.
 void SurfaceContact::Impl::wake_left() {
   contacts.each(finder, [&](const ContactRecord& r) {
     for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
@@ -93,18 +93,18 @@ void SurfaceContact::Impl::wake_left() {
   });
 }
 
-// Where a surface may be in this step, whatever strikes it.
+// Where a surface may be in this step, with what approaching bodies may do to it.
 Aabb SurfaceContact::Impl::swept_bounds(const Surface& s, StepContext& c) const {
   FEDER_ASSERT(s.count > 0 && s.first + s.total <= surfaces.size());
   Aabb all;
   for (std::uint32_t i = s.first; i < s.first + s.count; ++i) all.include(position[i]);
-  const Real haste = kHaste * s.fastest + s.approach_speed + (s.active ? c.dt * length(c.gravity) : Real(0));
-  all.grow(s.thickness + c.dt * haste);
+  const Real speed = kSpeedMargin * s.fastest + s.approach_speed + (s.active ? c.dt * length(c.gravity) : Real(0));
+  all.grow(s.thickness + c.dt * speed);
   return all;
 }
 
 void SurfaceContact::Impl::list_pairs(StepContext& c) {
-  FEDER_ASSERT(between.empty());  // of this step there are none yet
+  FEDER_ASSERT(surface_pairs.empty());  // none of this step yet
   const auto count = static_cast<std::uint32_t>(list.size());
   if (count < 2) return;
   box.resize(count);
@@ -116,13 +116,13 @@ void SurfaceContact::Impl::list_pairs(StepContext& c) {
       if (!overlaps(box[i], box[j])) continue;
       SurfacePair k;
       k.a = a.object < b.object ? i : j, k.b = a.object < b.object ? j : i;
-      between.push_back(k);
+      surface_pairs.push_back(k);
     }
-  pairs_seen = between.size();
+  pairs_seen = surface_pairs.size();
 }
 
-// What the step did to a pair.
-void SurfaceContact::Impl::gather(const SurfacePair& k) {
+// Impulses of the step on a pair: mismatch, contact book, wakes.
+void SurfaceContact::Impl::report(const SurfacePair& k) {
   for (int j = 0; j < 3; ++j) mismatch = std::max(mismatch, std::abs(k.given[0][j] + k.given[1][j]));
   given += static_cast<double>(k.impulse);
   if (!(k.impulse > 0)) return;
@@ -139,7 +139,7 @@ void SurfaceContact::Impl::gather(const SurfacePair& k) {
 }
 
 void SurfaceContact::Impl::finish(StepContext&) {
-  for (const SurfacePair& k : between) gather(k);
+  for (const SurfacePair& k : surface_pairs) report(k);
   contacts.each(finder, [&](const ContactRecord& r) {
     const Surface *a = surface_of(r.key.a), *b = surface_of(r.key.b);
     if (a && b && !a->active && !b->active) contacts.keep(finder, r);

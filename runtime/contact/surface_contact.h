@@ -1,6 +1,6 @@
-// Contact of surfaces (state/surface.h) with each other and with themselves: who may touch whom, groups that share
-// their substeps, rows, non-penetration, and what began and ended. Knows neither cloth nor nets.
-// Here are the rows of couplings, too: contact solves them, in the loop of the group, between its members' own sweeps.
+// Contact of surfaces (state/surface.h) with each other and with themselves: candidate pairs, groups that share their
+// solver substeps, contact rows, non-penetration projection, and reports to the contact book. Knows neither cloth nor
+// nets. Rows of couplings are solved here as well, in the loop of the group, between its members' own sweeps.
 #pragma once
 #include <memory>
 
@@ -17,7 +17,7 @@ class SurfaceContact final : public System {
   ~SurfaceContact() override;
 
   void add_passes(StepPlan& plan) override;
-  std::size_t count() const override;  // pairs of things that touch now
+  std::size_t count() const override;  // pairs of objects in contact now
   void hash(Hash& h) const override;
   void save(Writer&) const override {}
   void load(Reader& r) override;

@@ -1,5 +1,5 @@
-// What holds between steps, asserted where asserts are on: surfaces own consecutive runs of points, each is in one
-// group, pairs and rows name points and surfaces that are there.
+// Invariants between steps, asserted where asserts are on: surfaces own consecutive runs of points, each is in one
+// group, pairs and rows name points and surfaces that exist.
 #include <algorithm>
 
 #include "contact/impl.h"
@@ -24,7 +24,7 @@ void SurfaceContact::Impl::validate_group(std::size_t k) const {
     FEDER_ASSERT(near.pairs.empty() || near.near_vertex[i - 1] < near.near_vertex[i]);
   for (const NearPair& p : near.pairs) {
     FEDER_ASSERT(p.edges <= 1 && p.live <= 1);
-    FEDER_ASSERT(p.between == kNone || p.between < between.size());
+    FEDER_ASSERT(p.surface_pair == kNone || p.surface_pair < surface_pairs.size());
     for (const std::uint32_t i : p.v) {
       FEDER_ASSERT(i < size && near_surface[i] < list.size() && list[near_surface[i]].loop == k);
       FEDER_ASSERT(i - list[near_surface[i]].first < list[near_surface[i]].count);
@@ -41,10 +41,10 @@ void SurfaceContact::validate() const {
     next += s.total;
   }
   FEDER_ASSERT(next == m.surfaces.size() && m.delta_position.size() == next && m.velocity.size() == next);
-  for (std::size_t k = 0; k < m.between.size(); ++k) {
-    const SurfacePair& b = m.between[k];
+  for (std::size_t k = 0; k < m.surface_pairs.size(); ++k) {
+    const SurfacePair& b = m.surface_pairs[k];
     FEDER_ASSERT(b.a < m.list.size() && b.b < m.list.size() && m.list[b.a].object < m.list[b.b].object);
-    FEDER_ASSERT(k == 0 || std::minmax(m.between[k - 1].a, m.between[k - 1].b) < std::minmax(b.a, b.b));
+    FEDER_ASSERT(k == 0 || std::minmax(m.surface_pairs[k - 1].a, m.surface_pairs[k - 1].b) < std::minmax(b.a, b.b));
   }
   std::size_t members = 0;
   for (std::size_t k = 0; k < m.surfaces.group_count; ++k) {
