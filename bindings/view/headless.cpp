@@ -1,8 +1,8 @@
 // Tries the ways to draw without a window in turn, and keeps a framebuffer of the picture's size.
 #include "view/headless.h"
 
-#include <algorithm>
 #include <cstdlib>
+#include <tuple>
 
 #include "view/context.h"
 #include "view/gl.h"
@@ -16,21 +16,18 @@ std::unique_ptr<Context> make_context() {
   if (!wanted.empty() && wanted != "egl" && wanted != "osmesa")
     throw GlError("FEDER_GL=" + wanted + ": expected egl or osmesa");
   std::string tried;
-  const auto attempt = [&tried](const char* name, std::unique_ptr<Context> (*make)()) -> std::unique_ptr<Context> {
+  const std::tuple<const char*, const char*, std::unique_ptr<Context> (*)()> ways[] = {
+      {"egl", "EGL surfaceless", make_egl_surfaceless},
+      {"egl", "EGL pbuffer", make_egl_pbuffer},
+      {"osmesa", "OSMesa", make_osmesa}};
+  for (const auto& [family, name, make] : ways) {
+    if (!wanted.empty() && wanted != family) continue;
     try {
       return make();
     } catch (const GlError& e) {
       tried += std::string("\n  ") + name + ": " + e.what();
-      return nullptr;
     }
-  };
-  std::unique_ptr<Context> made;
-  if (wanted != "osmesa") {
-    made = attempt("EGL surfaceless", make_egl_surfaceless);
-    if (!made) made = attempt("EGL pbuffer", make_egl_pbuffer);
   }
-  if (!made && wanted != "egl") made = attempt("OSMesa", make_osmesa);
-  if (made) return made;
   throw GlError("no way to draw without a display:" + tried +
                 "\n  install libegl1 and libgl1-mesa-dri (or libosmesa6), or run under xvfb-run");
 }
@@ -71,10 +68,7 @@ Image Headless::read() const {
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
   gl.check("the read back");
-  const std::size_t row = std::size_t(4) * static_cast<std::size_t>(image.width);
-  for (int y = 0; y < image.height / 2; ++y)
-    std::swap_ranges(image.pixel(0, y), image.pixel(0, y) + row, image.pixel(0, image.height - 1 - y));
-  for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
+  turn_over(image);
   return image;
 }
 

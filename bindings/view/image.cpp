@@ -33,6 +33,13 @@ int append(GifFileType* gif, const GifByteType* bytes, int size) {
 
 }  // namespace
 
+void turn_over(Image& image) {
+  const std::size_t row = std::size_t(4) * static_cast<std::size_t>(image.width);
+  for (int y = 0; y < image.height / 2; ++y)
+    std::swap_ranges(image.pixel(0, y), image.pixel(0, y) + row, image.pixel(0, image.height - 1 - y));
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
+}
+
 void write_png(const Image& image, const std::filesystem::path& file) {
   const auto append = [](void* to, void* data, int size) {
     static_cast<std::ostream*>(to)->write(static_cast<const char*>(data), size);

@@ -352,13 +352,6 @@ void LiveScene::set_param(const std::string& name, const std::string& value) {
   make_anew(recipe_, mode_ == ReloadMode::keep ? mode_ : ReloadMode::from_start, false);
 }
 
-void LiveScene::reset_params() {
-  if (!run_) return;
-  recipe_.host.set = options_.host.set;
-  recipe_.host.world = options_.host.world;
-  make_anew(recipe_, mode_ == ReloadMode::keep ? mode_ : ReloadMode::from_start, false);
-}
-
 void LiveScene::set_world_option(const std::string& key, const std::string& value) {
   if (!run_) return;
   recipe_.host.world[key] = value;

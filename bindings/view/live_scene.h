@@ -80,7 +80,6 @@ class LiveScene {
 
   // Values of the user; each change makes the scene anew. The value stays when that fails.
   void set_param(const std::string& name, const std::string& value);
-  void reset_params();
   void set_world_option(const std::string& key, const std::string& value);
   const std::map<std::string, std::string>& user_params() const { return recipe_.host.set; }
   void restart();  // from time 0

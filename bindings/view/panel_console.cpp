@@ -60,10 +60,8 @@ void draw_lines(Console& c, float height) {
 void draw_console(PanelLayout& layout, const PanelSizes& sizes) {
   if (sizes.console == 0) return;
   Console& c = layout.console;
-  ImGui::SetNextWindowPos({sizes.left, sizes.height - sizes.bottom - sizes.console});
-  ImGui::SetNextWindowSize({sizes.width - sizes.left - sizes.right, sizes.console});
-  ImGui::Begin("console", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  begin_panel("console", {sizes.left, sizes.height - sizes.bottom - sizes.console},
+              {sizes.width - sizes.left - sizes.right, sizes.console}, ImGuiWindowFlags_NoDecoration);
   if (code_font()) ImGui::PushFont(code_font());
   if (c.lines.empty())
     c.add(ConsoleLine::print,

@@ -4,12 +4,6 @@
 #include "view/theme.h"
 
 namespace feder::view {
-namespace {
-
-constexpr float kLabel = 92;
-
-}  // namespace
-
 using Row = SystemPanel;
 #include "window_declare.inc"
 
@@ -20,16 +14,16 @@ std::span<const SystemPanel> system_panels() {
   return {table.begin(), table.size()};
 }
 
-void label(const char* name) {
+void label(const char* name, float at) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(kLabel);
+  ImGui::SameLine(at);
   ImGui::SetNextItemWidth(-1);
 }
 
 void fact(const char* name, const std::string& value) {
   ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(kLabel);
+  ImGui::SameLine(92);
   ImGui::TextUnformatted(value.c_str());
 }
 
@@ -62,7 +56,7 @@ void draw_inspector(PanelLayout& layout) {
   }
   const Objects& objects = layout.live.world().objects();
   const ObjectId id = layout.selected->object;
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kAccent), "%s", objects.describe(id).c_str());
+  colored_text(ink::kAccent, objects.describe(id).c_str());
   for (const SystemPanel& panel : system_panels())
     if (objects.kind(id) == *panel.kind) panel.inspect(layout, id);
   ImGui::Checkbox("camera follows", &layout.follow);

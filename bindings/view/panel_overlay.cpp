@@ -17,7 +17,7 @@ bool message(const char* id, const char* title, const std::string& text, ImU32 c
   ImGui::PushID(id);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Indent(10);
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s", title);
+  colored_text(color, title);
   bool closed = false;
   if (closable) {
     ImGui::SameLine(width - 30);
@@ -86,13 +86,8 @@ void draw_grip(PanelLayout& layout, float scale, const Target& t) {
 void draw_picker(PanelLayout& layout, const PanelSizes& sizes) {
   if (!layout.show_picker) return;
   const float width = std::min(520.0f, sizes.width - 40), height = std::min(520.0f, sizes.height - 120);
-  ImGui::SetNextWindowPos({sizes.width / 2, sizes.top + 30}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({width, height});
-  ImGui::SetNextWindowFocus();
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
-  ImGui::Begin("scenes", &layout.show_picker,
-               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoSavedSettings);
+  begin_dialog("scenes", layout.show_picker, {sizes.width / 2, sizes.top + 30}, {0.5f, 0});
   char text[120];
   std::snprintf(text, sizeof text, "%s", layout.search.c_str());
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
@@ -118,8 +113,7 @@ void draw_picker(PanelLayout& layout, const PanelSizes& sizes) {
   }
   if (first) ImGui::TextDisabled("no scene has these words");
   ImGui::EndChild();
-  ImGui::End();
-  ImGui::PopStyleVar();
+  end_dialog();
 }
 
 void draw_help(PanelLayout& layout, const PanelSizes& sizes) {
@@ -148,23 +142,18 @@ void draw_help(PanelLayout& layout, const PanelSizes& sizes) {
                                         {"F5", "reload"},
                                         {"F12", "save a picture"},
                                         {"F1", "this help"}};
-  ImGui::SetNextWindowPos({sizes.width / 2, sizes.height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowFocus();
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
-  ImGui::Begin("keys and mouse", &layout.show_help,
-               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
+  begin_dialog("keys and mouse", layout.show_help, {sizes.width / 2, sizes.height / 2}, {0.5f, 0.5f},
+               ImGuiWindowFlags_AlwaysAutoResize);
   for (const auto& row : rows) {
     if (!row[0][0]) {
       ImGui::Spacing();
       continue;
     }
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kAccent), "%s", row[0]);
+    colored_text(ink::kAccent, row[0]);
     ImGui::SameLine(160);
     ImGui::TextUnformatted(row[1]);
   }
-  ImGui::End();
-  ImGui::PopStyleVar();
+  end_dialog();
 }
 
 }  // namespace feder::view

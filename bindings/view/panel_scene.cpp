@@ -1,4 +1,6 @@
 // The panel at the left: the scene's parameters, the world's options, and what is drawn.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,11 +15,7 @@
 namespace feder::view {
 namespace {
 
-std::string number_text(double x) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", x);
-  return text;
-}
+std::string number_text(double x) { return fmt::format("{:.9g}", x); }
 
 bool is_whole(double x) { return std::abs(x) < 1e9 && x == std::floor(x); }
 
@@ -38,13 +36,14 @@ void change(PanelLayout& layout, const lua::ParamInfo& p, std::string value) {
 }
 
 bool number_widget(const lua::ParamInfo& p, double& value) {
+  const double first = p.has_min ? p.min : 0;
   if (counts(p)) {
     int whole = static_cast<int>(std::lround(value));
     const bool moved = p.has_min && p.has_max
                            ? ImGui::SliderInt("##value", &whole, static_cast<int>(p.min), static_cast<int>(p.max))
                            : ImGui::DragInt("##value", &whole, 0.2f);
     value = whole;
-    if (p.has_step) value = (p.has_min ? p.min : 0) + std::round((value - (p.has_min ? p.min : 0)) / p.step) * p.step;
+    if (p.has_step) value = first + std::round((value - first) / p.step) * p.step;
     return moved;
   }
   float real = static_cast<float>(value);
@@ -53,10 +52,8 @@ bool number_widget(const lua::ParamInfo& p, double& value) {
                                                                  static_cast<float>(p.max), "%.4g")
                                             : ImGui::DragFloat("##value", &real, size * 0.01f, 0, 0, "%.4g");
   value = std::strtod(number_text(static_cast<double>(real)).c_str(), nullptr);
-  char nice[40];
-  std::snprintf(nice, sizeof nice, "%.6g", value);
-  value = std::atof(nice);
-  if (p.has_step) value = (p.has_min ? p.min : 0) + std::round((value - (p.has_min ? p.min : 0)) / p.step) * p.step;
+  value = std::atof(fmt::format("{:.6g}", value).c_str());
+  if (p.has_step) value = first + std::round((value - first) / p.step) * p.step;
   if (p.has_min) value = std::max(value, p.min);
   if (p.has_max) value = std::min(value, p.max);
   return moved;
@@ -69,7 +66,7 @@ void param_row(PanelLayout& layout, const lua::ParamInfo& p) {
   if (layout.pending && layout.pending->name == p.name) now = layout.pending->value;
   ImGui::PushID(p.name.c_str());
   const bool changed = now != p.fallback;
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(changed ? ink::kAccent : ink::kDim), "%s", p.name.c_str());
+  colored_text(changed ? ink::kAccent : ink::kDim, p.name.c_str());
   const bool name_hovered = ImGui::IsItemHovered();
   if (changed) {
     ImGui::SameLine(ImGui::GetContentRegionAvail().x - 28);
@@ -101,35 +98,19 @@ void param_row(PanelLayout& layout, const lua::ParamInfo& p) {
   ImGui::PopID();
 }
 
-}  // namespace
-
-void option_label(const char* name) {
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(86);
-  ImGui::SetNextItemWidth(-1);
-}
-
-namespace {
-
 void draw_world_options(PanelLayout& layout) {
   LiveScene& live = layout.live;
   const WorldDesc& d = live.world().desc();
   for (const SystemPanel& panel : system_panels())
     if (panel.options) panel.options(layout);
-  option_label("substeps");
+  label("substeps", kOptions);
   int substeps = d.substeps;
   if (ImGui::SliderInt("##substeps", &substeps, 1, 32)) live.set_world_option("substeps", std::to_string(substeps));
-  option_label("dt");
-  char now[32];
-  std::snprintf(now, sizeof now, "1/%.4g s", 1 / d.dt);
-  if (ImGui::BeginCombo("##dt", now)) {
-    for (const int rate : {30, 60, 120, 240, 480, 1000}) {
-      std::snprintf(now, sizeof now, "1/%d s", rate);
-      if (!ImGui::Selectable(now, std::abs(d.dt * rate - 1) < 1e-6)) continue;
-      std::snprintf(now, sizeof now, "%.17g", 1.0 / rate);
-      live.set_world_option("dt", now);
-    }
+  label("dt", kOptions);
+  if (ImGui::BeginCombo("##dt", fmt::format("1/{:.4g} s", 1 / d.dt).c_str())) {
+    for (const int rate : {30, 60, 120, 240, 480, 1000})
+      if (ImGui::Selectable(fmt::format("1/{} s", rate).c_str(), std::abs(d.dt * rate - 1) < 1e-6))
+        live.set_world_option("dt", fmt::format("{:.17g}", 1.0 / rate));
     ImGui::EndCombo();
   }
 }
@@ -168,11 +149,7 @@ void apply_pending(PanelLayout& layout) {
 
 void draw_scene_panel(PanelLayout& layout, const PanelSizes& sizes) {
   if (sizes.left == 0) return;
-  ImGui::SetNextWindowPos({0, sizes.top});
-  ImGui::SetNextWindowSize({sizes.left, sizes.height - sizes.top - sizes.bottom});
-  ImGui::Begin("scene panel", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  begin_panel("scene panel", {0, sizes.top}, {sizes.left, sizes.height - sizes.top - sizes.bottom}, kSidePanel);
   if (layout.live.has_scene()) {
     if (ImGui::CollapsingHeader("Parameters", ImGuiTreeNodeFlags_DefaultOpen)) {
       const auto params = layout.live.script().params();

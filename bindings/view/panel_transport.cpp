@@ -1,7 +1,8 @@
 // The bar below: run, step, speed, and the timeline with its marks.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "view/panel_layout.h"
 #include "view/theme.h"
@@ -10,14 +11,6 @@ namespace feder::view {
 namespace {
 
 enum class Icon { play, pause, forward, back, start, present };
-
-void bar_window(const char* name, float x, float y, float w, float h) {
-  ImGui::SetNextWindowPos({x, y});
-  ImGui::SetNextWindowSize({w, h});
-  ImGui::Begin(name, nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus);
-}
 
 bool icon_button(Icon icon, const char* help, bool wide = false) {
   ImGui::PushID(static_cast<int>(icon));
@@ -109,9 +102,7 @@ void draw_timeline(PanelLayout& layout) {
     d->AddRectFilled({low.x, high.y - 4}, {low.x + width * static_cast<float>(live.catch_up_share()), high.y},
                      ink::kAccent, 2);
   d->AddRectFilled({at(shown) - 1.5f, low.y}, {at(shown) + 1.5f, high.y}, live.in_past() ? ink::kWarn : ink::kText);
-  char text[80];
-  std::snprintf(text, sizeof text, "%.2f s", live.clock_of(from));
-  d->AddText({low.x + 6, low.y + 2}, ink::kDim, text);
+  d->AddText({low.x + 6, low.y + 2}, ink::kDim, fmt::format("{:.2f} s", live.clock_of(from)).c_str());
   if (ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - low.x) / width, 0.0f, 1.0f);
     live.set_paused(true);
@@ -130,26 +121,24 @@ void draw_timeline(PanelLayout& layout) {
 }  // namespace
 
 void draw_transport(PanelLayout& layout, const PanelSizes& sizes) {
-  bar_window("transport", 0, sizes.height - sizes.bottom, sizes.width, sizes.bottom);
+  begin_panel("transport", {0, sizes.height - sizes.bottom}, {sizes.width, sizes.bottom}, kBar);
   if (layout.live.has_scene()) {
     LiveScene& live = layout.live;
     ImGui::SetCursorPosY((sizes.bottom - 28) / 2);
     draw_buttons(layout);
     ImGui::SameLine(0, 14);
-    char clock[96];
-    std::snprintf(clock, sizeof clock, "%.3f s", live.shown_time());
     ImGui::BeginGroup();
     const float y = (sizes.bottom - 36) / 2;
     ImGui::SetCursorPosY(y);
-    ImGui::TextUnformatted(clock);
+    ImGui::TextUnformatted(fmt::format("{:.3f} s", live.shown_time()).c_str());
     ImGui::SetCursorPosY(y + 18);
     const char* state = live.rewriting()     ? "living again"
                         : live.catching_up() ? "catching up"
                         : live.in_past()     ? "past"
                         : live.paused()      ? "paused"
                                              : "running";
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(live.in_past() || live.catching_up() ? ink::kWarn : ink::kDim),
-                       "%s, step %llu", state, static_cast<unsigned long long>(live.shown_step()));
+    colored_text(live.in_past() || live.catching_up() ? ink::kWarn : ink::kDim,
+                 fmt::format("{}, step {}", state, live.shown_step()).c_str());
     ImGui::EndGroup();
     ImGui::SameLine(620);
     ImGui::SetCursorPosY((sizes.bottom - 28) / 2);
@@ -161,7 +150,7 @@ void draw_transport(PanelLayout& layout, const PanelSizes& sizes) {
 }
 
 void draw_top_bar(PanelLayout& layout, const PanelSizes& sizes) {
-  bar_window("top", 0, 0, sizes.width, sizes.top);
+  begin_panel("top", {0, 0}, {sizes.width, sizes.top}, kBar);
   LiveScene& live = layout.live;
   ImGui::SetCursorPosY(6);
   const std::string name = live.has_scene() ? live.title() : live.file().filename().string();
@@ -179,16 +168,16 @@ void draw_top_bar(PanelLayout& layout, const PanelSizes& sizes) {
     ImGui::SetTooltip(
         "catch up: made anew and run to the same time\nstart over: made anew\n"
         "keep objects: those with the same name stay where they are");
-  char text[160];
-  std::snprintf(text, sizeof text, "%.2f ms/step   %s%.0f fps   draw %.1f ms", live.step_seconds() * 1000,
-                live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(layout.frame_ms, 1e-3),
-                layout.cpu_ms);
+  const std::string text = fmt::format("{:.2f} ms/step   {}{:.0f} fps   draw {:.1f} ms", live.step_seconds() * 1000,
+                                       live.slowness() < 0.9 ? "slower than real time   " : "",
+                                       1000 / std::max(layout.frame_ms, 1e-3), layout.cpu_ms);
+  const float text_width = ImGui::CalcTextSize(text.c_str()).x;
   const char* const buttons[] = {"console", "panels", "help"};
-  float right = ImGui::CalcTextSize(text).x + 24;
+  float right = text_width + 24;
   for (const char* b : buttons) right += ImGui::CalcTextSize(b).x + 24;
   ImGui::SameLine(std::max(ImGui::GetCursorPosX() + 420, sizes.width - right - 12));
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(live.slowness() < 0.9 ? ink::kWarn : ink::kDim), "%s", text);
-  ImGui::SameLine(sizes.width - (right - ImGui::CalcTextSize(text).x - 24) - 8);
+  colored_text(live.slowness() < 0.9 ? ink::kWarn : ink::kDim, text.c_str());
+  ImGui::SameLine(sizes.width - (right - text_width - 24) - 8);
   if (ImGui::Button("console")) layout.show_console = !layout.show_console, layout.console.focus = true;
   ImGui::SameLine();
   if (ImGui::Button("panels")) layout.show_left = layout.show_right = !(layout.show_left || layout.show_right);

@@ -1,7 +1,8 @@
 // The panel at the right: the selected object, where the time goes, and curves.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "view/panel_layout.h"
 #include "view/theme.h"
@@ -10,13 +11,8 @@ namespace feder::view {
 namespace {
 
 std::string short_number(double x) {
-  char text[32];
   const double a = std::abs(x);
-  if (a >= 1e5 || (a > 0 && a < 1e-3))
-    std::snprintf(text, sizeof text, "%.2e", x);
-  else
-    std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
+  return a >= 1e5 || (a > 0 && a < 1e-3) ? fmt::format("{:.2e}", x) : fmt::format("{:.4g}", x);
 }
 
 struct Axes {
@@ -66,7 +62,7 @@ void draw_curve(const std::string& name, const std::string& unit, const std::vec
   const float room = width - ImGui::CalcTextSize(value.c_str()).x - 8;
   const ImVec2 start = ImGui::GetCursorScreenPos();
   ImGui::PushClipRect(start, {start.x + room, start.y + ImGui::GetTextLineHeight()}, true);
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kDim), "%s", name.c_str());
+  colored_text(ink::kDim, name.c_str());
   ImGui::PopClipRect();
   ImGui::SameLine(width - ImGui::CalcTextSize(value.c_str()).x + ImGui::GetCursorStartPos().x);
   ImGui::TextUnformatted(value.c_str());
@@ -111,9 +107,8 @@ void draw_times(PanelLayout& layout) {
     if (!loop)
       list->AddRectFilled({at.x, at.y}, {at.x + width * static_cast<float>(r.ms / longest), at.y + height},
                           lua ? IM_COL32(120, 96, 52, 140) : IM_COL32(60, 92, 128, 130), 2);
-    char value[32];
-    std::snprintf(value, sizeof value, "%.3f", r.ms);
-    const float value_width = ImGui::CalcTextSize(value).x;
+    const std::string value = fmt::format("{:.3f}", r.ms);
+    const float value_width = ImGui::CalcTextSize(value.c_str()).x;
     // of a script's path the file counts
     const std::string text = lua    ? r.label.substr(r.label.find_last_of('/') + 1)
                              : loop ? r.label
@@ -121,7 +116,7 @@ void draw_times(PanelLayout& layout) {
     ImGui::PushClipRect(at, {at.x + width - value_width - 10, at.y + height + 2}, true);
     list->AddText({at.x + 4 + 10 * static_cast<float>(r.depth), at.y}, ink::kText, text.c_str());
     ImGui::PopClipRect();
-    list->AddText({at.x + width - value_width - 2, at.y}, ink::kText, value);
+    list->AddText({at.x + width - value_width - 2, at.y}, ink::kText, value.c_str());
     ImGui::Dummy({width, height - 2});
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\n%.4f ms per step, %.1f calls", r.label.c_str(), r.ms, r.calls);
   }
@@ -151,11 +146,8 @@ void draw_curves(PanelLayout& layout) {
 
 void draw_watch_panel(PanelLayout& layout, const PanelSizes& sizes) {
   if (sizes.right == 0) return;
-  ImGui::SetNextWindowPos({sizes.width - sizes.right, sizes.top});
-  ImGui::SetNextWindowSize({sizes.right, sizes.height - sizes.top - sizes.bottom});
-  ImGui::Begin("watch panel", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  begin_panel("watch panel", {sizes.width - sizes.right, sizes.top},
+              {sizes.right, sizes.height - sizes.top - sizes.bottom}, kSidePanel);
   if (layout.live.has_scene()) {
     if (ImGui::CollapsingHeader("Inspector", ImGuiTreeNodeFlags_DefaultOpen)) draw_inspector(layout);
     if (ImGui::CollapsingHeader("Curves", ImGuiTreeNodeFlags_DefaultOpen)) draw_curves(layout);

@@ -74,8 +74,7 @@ void SceneRun::act(Command command) {
 
 std::vector<Deed> SceneRun::deeds_before(std::uint64_t step) const {
   std::vector<Deed> some;
-  for (const Deed& d : deeds_)
-    if (d.step < step) some.push_back(d);
+  std::copy_if(deeds_.begin(), deeds_.end(), std::back_inserter(some), [&](const Deed& d) { return d.step < step; });
   return some;
 }
 

@@ -146,15 +146,10 @@ void Window::read_picture() {
   const auto read_pixels = reinterpret_cast<PFNGLREADPIXELSPROC>(glfwGetProcAddress("glReadPixels"));
   const auto pixel_store = reinterpret_cast<PFNGLPIXELSTOREIPROC>(glfwGetProcAddress("glPixelStorei"));
   const Target t = target();
-  Image below(t.width, t.height);
-  pixel_store(GL_PACK_ALIGNMENT, 1);
-  read_pixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, below.rgba.data());
   picture_ = Image(t.width, t.height);
-  const std::size_t row = static_cast<std::size_t>(t.width) * 4;
-  for (int y = 0; y < t.height; ++y) {
-    std::copy_n(below.pixel(0, t.height - 1 - y), row, picture_.pixel(0, y));
-    for (int x = 0; x < t.width; ++x) picture_.pixel(x, y)[3] = 255;
-  }
+  pixel_store(GL_PACK_ALIGNMENT, 1);
+  read_pixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, picture_.rgba.data());
+  turn_over(picture_);
 }
 
 }  // namespace feder::view
