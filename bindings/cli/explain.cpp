@@ -1,4 +1,4 @@
-// feder explain: what a scene uses and what it leaves out: systems, step rows, bytes, share of time.
+// feder explain: what a scene uses and what it leaves out: systems, passes of the step plan, bytes, share of time.
 #include <cmath>
 #include <cstdio>
 

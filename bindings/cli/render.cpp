@@ -80,9 +80,9 @@ class Render final : public Command {
           if (!options.quiet && !options.json && isatty(STDOUT_FILENO)) fmt::print("{}\n", file);
         });
     // a sheet is never seen half written, and two runs do not disturb each other
-    const std::string part = fmt::format("{}.{}.png", out_, getpid());
-    view::write_png(image, part);
-    fs::rename(part, out_);
+    const std::string temporary = fmt::format("{}.{}.png", out_, getpid());
+    view::write_png(image, temporary);
+    fs::rename(temporary, out_);
     report_end(options, fmt::format("{} scenes", files.size()), nullptr, 1);
     return failed ? kFailed : kPass;
   }
@@ -100,11 +100,11 @@ class Render final : public Command {
     return all;
   }
 
-  int animation(const std::string& file, const PictureWish& asked, const Options& options) const {
+  int animation(const std::string& file, const PictureWish& given, const Options& options) const {
     const bool gif = out_.ends_with(".gif");
     if (!gif && !out_.ends_with("/") && fs::path(out_).has_extension())
       throw Failure(kUsage, "feder render: expected -o file.png, file.gif or a folder, got {}", out_);
-    PictureWish wish = asked;
+    PictureWish wish = given;
     if (gif && picture_.size.empty()) wish.width = 640, wish.height = 360;
     const double fps = fps_.empty() ? (gif ? 20 : 30) : read_number(fps_, "--fps");
     if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);

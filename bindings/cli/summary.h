@@ -28,7 +28,7 @@ std::string summary_text(const Summary& s);
 report::Json summary_json(const Summary& s);
 
 std::string hash_text(std::uint64_t hash);
-// Rows of the step plan and Lua handlers with their time over `steps` steps.
+// Passes of the step plan and Lua handlers with their time over `steps` steps.
 std::string profile_text(Session& session, std::uint64_t steps);
 
 }  // namespace feder::cli

@@ -35,7 +35,7 @@ void draw_row(Svg& svg, const Box& f, const RowChart::Row& row, const Axis& x, b
       run.clear();
     }
     svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
-    // a few markers, at other places for each curve
+    // a few markers, at other times for each curve
     const std::size_t n = s.points.size();
     for (std::size_t k = static_cast<std::size_t>(7 * s.number) % 40; k < n; k += 48) {
       const PlotPoint& p = s.points[k];

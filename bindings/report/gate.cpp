@@ -24,7 +24,7 @@ double number(const std::string& text) {
   return value;
 }
 
-// A point's place in the plan: what it is called in both tables.
+// A point's identity in the plan: its name in both tables.
 std::string key(const CsvRow& row) {
   std::string out = cell(row, "problem") + " " + cell(row, "method");
   for (const char* rung : {"h_s", "tol", "iters", "substeps"})

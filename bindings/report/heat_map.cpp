@@ -72,7 +72,7 @@ std::vector<double> edges(const std::vector<double>& values, bool log) {
 void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::*member, std::vector<XY>* lines[2],
                   double XY::*on) {
   const std::vector<double> values = sorted_values(cells, member);
-  const auto place = [&](double v) {
+  const auto index_of = [&](double v) {
     const auto above = std::ranges::lower_bound(values, v);
     const auto k = static_cast<double>(above - values.begin());
     if (above == values.end()) return k - 1;
@@ -81,9 +81,9 @@ void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::*me
   };
   for (std::size_t k = 0; k < values.size(); ++k)
     axis.fixed.push_back({static_cast<double>(k), number_text(values[k], 4)});
-  for (HeatCell& c : cells) c.*member = place(c.*member);
+  for (HeatCell& c : cells) c.*member = index_of(c.*member);
   for (int k = 0; k < 2; ++k)
-    for (XY& p : *lines[k]) p.*on = place(p.*on);
+    for (XY& p : *lines[k]) p.*on = index_of(p.*on);
 }
 
 HeatMap with_ends(HeatMap m) {

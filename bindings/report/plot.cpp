@@ -63,7 +63,7 @@ Layout lay_out(const Plot& p) {
   return l;
 }
 
-XY place(const Box& f, const Plot& p, double x, double y) {
+XY position(const Box& f, const Plot& p, double x, double y) {
   return {f.left + f.width * std::clamp(p.x.at(x), 0.0, 1.0), f.bottom() - f.height * p.y.at(y)};
 }
 
@@ -83,7 +83,7 @@ void draw_gutter(Svg& svg, const Layout& l, const Plot& p) {
     double edge = box.left + 8;  // those cheaper than the axis stand side by side at its left end
     for (const PlotPoint& q : s.points) {
       if (!is_failure(q.kind)) continue;
-      double x = place(l.frame, p, q.x, 1).x;
+      double x = position(l.frame, p, q.x, 1).x;
       if (x <= l.frame.left) x = edge, edge += 12;
       draw_mark(svg, {x, y}, q.kind, style, 9, q.title);
     }
@@ -122,7 +122,7 @@ void draw_fronts(Svg& svg, const Box& f, const Plot& p) {
     if (front.size() < 2) continue;
     std::vector<XY> stair;
     for (const XY& q : front) {
-      const XY at = place(f, p, q.x, q.y);
+      const XY at = position(f, p, q.x, q.y);
       if (!stair.empty()) stair.push_back({at.x, stair.back().y});
       stair.push_back(at);
     }
@@ -133,9 +133,9 @@ void draw_fronts(Svg& svg, const Box& f, const Plot& p) {
 void draw_slopes(Svg& svg, const Box& f, const Plot& p) {
   for (const SlopeMark& s : p.slopes) {
     const double wide = std::pow(10.0, 0.5);
-    const XY a = place(f, p, s.at.x, s.at.y);
-    const XY b = place(f, p, s.at.x * wide, s.at.y);
-    const XY c = place(f, p, s.at.x * wide, s.at.y * std::pow(wide, s.slope));
+    const XY a = position(f, p, s.at.x, s.at.y);
+    const XY b = position(f, p, s.at.x * wide, s.at.y);
+    const XY c = position(f, p, s.at.x * wide, s.at.y * std::pow(wide, s.slope));
     const XY corners[] = {a, b, c};
     svg.polygon(corners, "none", {kQuiet, 1});
     svg.text({b.x + 4, (b.y + c.y) / 2 + 4}, s.label, {10.5, "start", kQuiet});
@@ -173,7 +173,7 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
   svg.begin_clip(f);
   draw_fronts(svg, f, p);
   for (const PlotLine& l : p.lines) {
-    const XY ends[] = {place(f, p, l.from.x, l.from.y), place(f, p, l.to.x, l.to.y)};
+    const XY ends[] = {position(f, p, l.from.x, l.from.y), position(f, p, l.to.x, l.to.y)};
     svg.polyline(ends, l.stroke);
   }
   for (const PlotSeries& s : p.series) {
@@ -188,8 +188,8 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
         flush();
         continue;
       }
-      run.push_back(place(f, p, q.x, q.y));
-      if (q.x_far > q.x) svg.line(run.back(), place(f, p, q.x_far, q.y), {style.color, 1, "", 0.3});
+      run.push_back(position(f, p, q.x, q.y));
+      if (q.x_far > q.x) svg.line(run.back(), position(f, p, q.x_far, q.y), {style.color, 1, "", 0.3});
     }
     flush();
   }
@@ -197,7 +197,7 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
   for (const PlotSeries& s : p.series)
     for (const PlotPoint& q : s.points) {
       if (is_failure(q.kind)) continue;
-      XY at = place(f, p, q.x, q.y);
+      XY at = position(f, p, q.x, q.y);
       at.y = std::clamp(at.y, f.top, f.bottom());
       draw_mark(svg, at, q.kind, curve_style(s.number), mark_size, q.title);
     }

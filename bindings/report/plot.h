@@ -1,5 +1,5 @@
-// A drawing of curves over two axes: one polyline per method, a gutter above for the points that have no place on the
-// y axis, a band below what the reference can tell, and the Pareto front as a pale stair. Every point that is put in
+// A drawing of curves over two axes: one polyline per method, a gutter above for the points without a value on the
+// y axis, a band below what the reference resolves, and the Pareto front as a pale stair. Every point that is put in
 // comes out as one mark with its own title.
 #pragma once
 #include <string>

@@ -105,8 +105,8 @@ void boundary_part(Page& page, const StabilityResult& r) {
   page.paragraph(
       "The largest stable value on the x axis, found by bisection, beside what theory says; h·ω is the same in units "
       "of the fastest angular frequency.");
-  const auto told = std::ranges::find_if(r.maps, [](const StabilityMap& m) { return !m.limit_how.empty(); });
-  if (told != r.maps.end()) page.paragraph("How: " + told->limit_how);
+  const auto explained = std::ranges::find_if(r.maps, [](const StabilityMap& m) { return !m.limit_how.empty(); });
+  if (explained != r.maps.end()) page.paragraph("How: " + explained->limit_how);
   Table table({"method", ">" + r.maps[0].y.label, ">predicted", ">observed", ">relative deviation", ">h·ω predicted",
                ">h·ω observed"});
   const auto limit = [](double v) { return limit_text(v, "–", 7); };

@@ -71,7 +71,7 @@ std::string rung_text(const StudyPoint& p);
 // "published digits, 8 digits": what kind of reference, and how good.
 std::string reference_text(const ReferenceInfo& reference);
 
-// One row of the decision table: the cheapest way to an error.
+// One row of the decision table: the cheapest method to an error.
 struct Decision {
   double target = 0;
   bool reached = false;
