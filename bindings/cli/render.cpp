@@ -106,14 +106,12 @@ class Render final : public Command {
       throw Failure(kUsage, "feder render: expected -o file.png, file.gif or a folder, got {}", out_);
     PictureWish wish = given;
     if (gif && picture_.size.empty()) wish.width = 640, wish.height = 360;
-    const double fps = fps_.empty() ? (gif ? 20 : 30) : read_number(fps_, "--fps");
-    if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
+    const double fps = read_fps(fps_, gif ? 20 : 30);
     view::Studio studio(wish.width, wish.height);
     Session session(silent_host_options(options), print_error, file);
     if (!session.is_scene())
       throw Failure(kUsage, file + ": this plain script has run already; an animation needs a scene");
-    const double from = std::max(wish.at, 0.0), own = session.script().seconds();
-    const double length = !seconds_.empty() ? read_number(seconds_, "--seconds") : own > 0 ? own : 4;
+    const double from = std::max(wish.at, 0.0), length = animation_length(seconds_, session.script());
     const auto count = static_cast<int>(std::min(100000.0, std::max(1.0, std::floor(length * fps + 0.5))));
     const view::Bounds seen = subject(studio, file, wish, from, from + length, options);
     const view::Camera camera = studio.aim(session.script(), wish.camera, seen, session.world()->desc().dimension == 2);
