@@ -42,9 +42,12 @@ class Stability final : public Command {
     else
       for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
     for (const StabilityPlan& plan : plans) {
-      const StabilityResult result = run_plan(plan);
       const std::string folder = out_.empty() || plans.size() == 1 ? out_ : out_ + "/" + plan.problem;
-      finish(result, context, folder, options, plan.problem);
+      try {
+        finish(run_stability(plan), context, folder, options, plan.problem);
+      } catch (const SceneError& e) {
+        throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
+      }
     }
     return kPass;
   }
@@ -80,13 +83,9 @@ class Stability final : public Command {
   std::string command_line() const {
     std::vector<std::string> words = {"feder", "stability"};
     if (!problem_.empty()) words.push_back(problem_);
-    add_option(words, "--suite", suite_);
-    add_option(words, "--methods", methods_);
-    add_option(words, "--axes", axes_);
-    add_option(words, "--x", x_);
-    add_option(words, "--y", y_);
+    add_options(words, {{"--suite", suite_}, {"--methods", methods_}, {"--axes", axes_}, {"--x", x_}, {"--y", y_}});
     if (bisect_) words.emplace_back("--bisect");
-    add_option(words, "--out", out_);
+    add_options(words, {{"--out", out_}});
     return command_text(words);
   }
 
@@ -130,14 +129,6 @@ class Stability final : public Command {
     for (std::size_t k = 0; k < all.size(); k += 2) out.push_back(all[k]);
     if (!all.empty() && out.back() != all.back()) out.push_back(all.back());
     return out;
-  }
-
-  static StabilityResult run_plan(const StabilityPlan& plan) {
-    try {
-      return run_stability(plan);
-    } catch (const SceneError& e) {
-      throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
-    }
   }
 
   static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context,

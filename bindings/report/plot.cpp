@@ -6,12 +6,14 @@
 namespace feder::report {
 namespace {
 
+// px of the whole drawing; it grows when the legend or the gutter needs it
+constexpr double kWidth = 1100, kHeight = 620;
 constexpr double kRow = 16;      // px of a line in the gutter and the legend
 constexpr double kTicks = 11.5;  // size of the tick labels
 
 struct Layout {
   Box frame, gutter, legend;
-  double width = 0, height = 0;
+  double height = 0;
 };
 
 bool has(const Plot& p, MarkKind kind) {
@@ -55,9 +57,8 @@ Layout lay_out(const Plot& p) {
   const double top = p.subtitle.empty() ? 44 : 62;
   const double gutter = failing ? failing * kRow + 26 : 0;
   const double legend_height = static_cast<double>(p.series.size() + static_cast<std::size_t>(kinds) + 3) * kRow + 30;
-  l.width = p.width;
-  l.height = std::max(p.height + gutter, top + legend_height + 56);
-  l.gutter = {left, top, p.width - left - legend - 24, gutter};
+  l.height = std::max(kHeight + gutter, top + legend_height + 56);
+  l.gutter = {left, top, kWidth - left - legend - 24, gutter};
   l.frame = {left, top + gutter, l.gutter.width, l.height - top - gutter - 56};
   l.legend = {l.frame.right() + 18, top, legend, l.height - top - 56};
   return l;
@@ -144,6 +145,15 @@ void draw_slopes(Svg& svg, const Box& f, const Plot& p) {
 
 }  // namespace
 
+void draw_titles(Svg& svg, double left, double width, const std::string& title, const std::string& subtitle) {
+  svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
+  if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
+}
+
+XY position(const Box& f, const Axis& x, const Axis& y, XY p) {
+  return {f.left + f.width * x.at(p.x), f.bottom() - f.height * y.at(p.y)};
+}
+
 void draw_axes(Svg& svg, const Box& f, const Axis& x, const Axis& y, double size, bool x_words, bool y_words) {
   const std::vector<Tick> xs = x.ticks(std::max(2, static_cast<int>(f.width / 62)));
   const std::vector<Tick> ys = y.ticks(std::max(2, static_cast<int>(f.height / 26)));
@@ -206,10 +216,8 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
 
 std::string plot_svg(const Plot& p, bool inline_page) {
   const Layout l = lay_out(p);
-  Svg svg(p.name, l.width, l.height, p.title);
-  svg.text({l.frame.left, 26}, words_cut(p.title, 16, l.width - l.frame.left - 10), {16, "start", kInk, true});
-  if (!p.subtitle.empty())
-    svg.text({l.frame.left, 46}, words_cut(p.subtitle, 12, l.width - l.frame.left - 10), {12, "start", kQuiet});
+  Svg svg(p.name, kWidth, l.height, p.title);
+  draw_titles(svg, l.frame.left, kWidth, p.title, p.subtitle);
   draw_gutter(svg, l, p);
   draw_axes(svg, l.frame, p.x, p.y, kTicks);
   draw_curves(svg, l.frame, p, 8);

@@ -47,10 +47,15 @@ struct Plot {
   std::string uncertain_label;
   std::vector<PlotLine> lines;
   std::vector<SlopeMark> slopes;
-  double width = 1100, height = 620;  // px of the whole drawing; it grows when the legend or the gutter needs it
 };
 
 std::string plot_svg(const Plot& plot, bool inline_page = false);
+
+// Title and, where there is one, subtitle above a drawing of `width` px whose frame begins at `left`.
+void draw_titles(Svg& svg, double left, double width, const std::string& title, const std::string& subtitle);
+
+// A point in the units of the axes within the frame.
+XY position(const Box& frame, const Axis& x, const Axis& y, XY point);
 
 // Only axes, curves and marks, into `area` (the frame; tick labels stand outside). For sheets of small drawings.
 void draw_curves(Svg& svg, const Box& area, const Plot& plot, double mark_size);
