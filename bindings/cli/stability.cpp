@@ -30,7 +30,7 @@ class Stability final : public Command {
   int run(const Options& options) override {
     warn_of_scene_options(options);
     if (list_) return print_list(options);
-    report::StabilityContext context;
+    report::RunContext context;
     context.machine = report::machine_info(FEDER_VERSION, kRealName);
     context.command = command_line();
     if (suite_ == "extreme") return run_extreme_suite(context, options);
@@ -131,7 +131,7 @@ class Stability final : public Command {
     return out;
   }
 
-  static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context,
+  static void write(const std::string& folder, const StabilityResult& r, const report::RunContext& context,
                     const std::vector<report::ExtremeRow>& extreme) {
     try {
       if (!folder.empty()) report::write_stability(folder, r, context, extreme);
@@ -140,7 +140,7 @@ class Stability final : public Command {
     }
   }
 
-  static void finish(const StabilityResult& r, const report::StabilityContext& context, const std::string& folder,
+  static void finish(const StabilityResult& r, const report::RunContext& context, const std::string& folder,
                      const Options& options, const std::string& problem) {
     write(folder, r, context, {});
     if (options.json) {
@@ -153,7 +153,7 @@ class Stability final : public Command {
       fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
   }
 
-  int run_extreme_suite(const report::StabilityContext& context, const Options& options) const {
+  int run_extreme_suite(const report::RunContext& context, const Options& options) const {
     std::vector<report::ExtremeRow> rows;
     Progress bar(!options.quiet && !options.json);
     const std::vector<ExtremeCase> cases = extreme_cases();

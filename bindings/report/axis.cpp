@@ -136,19 +136,13 @@ Axis fit_axis(const std::string& label, bool log, const std::vector<double>& val
   }
   // ends on ticks
   a.lo = lo, a.hi = hi;
-  const std::vector<Tick> ticks = linear_ticks(a, 6);
-  double step = 0, last = 0;
-  bool seen = false;
-  for (const Tick& t : ticks) {
-    if (t.label.empty()) continue;
-    if (seen && step == 0) step = t.value - last;
-    last = t.value;
-    seen = true;
-  }
-  if (step > 0) {
-    a.lo = std::floor(lo / step + 1e-9) * step;
-    a.hi = std::ceil(hi / step - 1e-9) * step;
-  }
+  std::vector<double> labelled;
+  for (const Tick& t : linear_ticks(a, 6))
+    if (!t.label.empty()) labelled.push_back(t.value);
+  if (labelled.size() < 2) return a;
+  const double step = labelled[1] - labelled[0];
+  a.lo = std::floor(lo / step + 1e-9) * step;
+  a.hi = std::ceil(hi / step - 1e-9) * step;
   return a;
 }
 

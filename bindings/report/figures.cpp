@@ -11,7 +11,7 @@ std::vector<const PlotSeries*> distinct(const RowChart& chart) {
   std::vector<const PlotSeries*> out;
   for (const auto& row : chart.rows)
     for (const PlotSeries& s : row.series)
-      if (std::ranges::none_of(out, [&](const PlotSeries* o) { return o->name == s.name; })) out.push_back(&s);
+      if (std::ranges::find(out, s.name, &PlotSeries::name) == out.end()) out.push_back(&s);
   return out;
 }
 
@@ -31,7 +31,11 @@ void draw_row(Svg& svg, const Box& f, const RowChart::Row& row, const Axis& x, b
       svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
       run.clear();
     };
-    for (const PlotPoint& p : s.points) drawn(p) ? run.push_back(position(f, x, y, {p.x, p.y})) : flush();
+    for (const PlotPoint& p : s.points)
+      if (drawn(p))
+        run.push_back(position(f, x, y, {p.x, p.y}));
+      else
+        flush();
     flush();
     // a few markers, at other times for each curve
     for (std::size_t k = static_cast<std::size_t>(7 * s.number) % 40; k < s.points.size(); k += 48)

@@ -12,9 +12,7 @@
 namespace feder::report {
 
 // How a study was asked for: what the page names besides the numbers.
-struct StudyContext {
-  MachineInfo machine;
-  std::string command;                // the command line
+struct StudyContext : RunContext {
   std::vector<std::string> settings;  // options that differ from their default, "substeps = 8"
   std::vector<std::string> errors;    // norms, the plotted one first; empty: what points are ranked by
   std::vector<std::string> axes = {"time", "force"};
