@@ -1,4 +1,5 @@
-// feder explain: what a scene uses and what it leaves out: systems, step rows, bytes, share of time.
+// feder explain: what a scene uses and what it leaves out: systems, passes of the step plan, bytes, share of time.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -46,9 +47,8 @@ class Explain final : public Command {
     std::vector<std::pair<std::string, std::size_t>> rows;
     const auto systems = world.report();
     for (const auto& arena : world.store().arenas()) {
-      bool own = false;
-      for (const SystemReport& s : systems) own = own || s.name == arena->name();
-      if (!own) rows.emplace_back(arena->name(), arena->bytes());
+      const auto is_own = [&](const SystemReport& s) { return s.name == arena->name(); };
+      if (std::ranges::none_of(systems, is_own)) rows.emplace_back(arena->name(), arena->bytes());
     }
     rows.emplace_back("objects", world.objects().bytes());
     return rows;
@@ -72,7 +72,7 @@ class Explain final : public Command {
 
   static report::Json json(Session& session, std::uint64_t steps) {
     World& world = *session.world();
-    report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
+    report::Json systems = report::Json::array(), plan = report::Json::array();
     for (const SystemReport& s : world.report())
       systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", s.units}, {"bytes", s.bytes}});
     const double sum = world.plan().total_nanoseconds();
@@ -87,15 +87,18 @@ class Explain final : public Command {
                       {"ms", ns * per_step},
                       {"share", sum > 0 ? ns / sum : 0}});
     }
-    for (const auto& h : session.script().handler_profile())
-      handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
     report::Json memory = report::Json::object();
     for (const auto& [name, bytes] : shared_arenas(world)) memory[name] = bytes;
-    return {{"title", session.title()}, {"scene", session.file()},
-            {"steps", steps},           {"systems", systems},
-            {"absent", world.absent()}, {"plan", plan},
-            {"memory", memory},         {"bytes", world.bytes()},
-            {"handlers", handlers},     {"advice", advice_json(session)}};
+    return {{"title", session.title()},
+            {"scene", session.file()},
+            {"steps", steps},
+            {"systems", systems},
+            {"absent", world.absent()},
+            {"plan", plan},
+            {"memory", memory},
+            {"bytes", world.bytes()},
+            {"handlers", handlers_json(session)},
+            {"advice", advice_json(session)}};
   }
 
   static std::string text(Session& session, std::uint64_t steps) {

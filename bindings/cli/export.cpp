@@ -35,9 +35,9 @@ class Export final : public Command {
       throw Failure(kUsage, "feder export: expected -o file.gltf, .glb, .obj or .ply, got {}", out_);
     Session session(silent_host_options(options), print_error, scene_);
     if (!session.world()) throw Failure(kFailed, scene_ + ": this script makes no world");
+    const bool animated = kind == ".gltf" || kind == ".glb";
     try {
-      const std::size_t samples =
-          kind == ".gltf" || kind == ".glb" ? write_run(session, wish) : write_moment(session, wish, kind);
+      const std::size_t samples = animated ? write_run(session, wish) : write_moment(session, wish, kind);
       if (options.json)
         print_json({{"out", out_}, {"samples", samples}, {"title", session.title()}});
       else if (!options.quiet)
@@ -62,13 +62,8 @@ class Export final : public Command {
   }
 
   std::size_t write_run(Session& session, const PictureWish& wish) const {
-    const double fps = fps_.empty() ? 30 : read_number(fps_, "--fps");
-    if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
-    const double own = session.script().seconds(), from = std::max(wish.at, 0.0);
-    const double length = !session.is_scene() ? 0
-                          : !seconds_.empty() ? read_number(seconds_, "--seconds")
-                          : own > 0           ? own
-                                              : 4;
+    const double fps = read_fps(fps_, 30), from = std::max(wish.at, 0.0);
+    const double length = session.is_scene() ? animation_length(seconds_, session.script()) : 0;
     const auto count = static_cast<std::size_t>(std::min(100000.0, std::floor(length * fps + 0.5) + 1));
     view::Collector collector;
     view::Frame frame;

@@ -110,15 +110,15 @@ double read_number(const std::string& text, const std::string& option) {
   return value;
 }
 
-void add_option(std::vector<std::string>& words, const char* name, const std::string& value) {
-  if (!value.empty()) words.insert(words.end(), {name, value});
+void add_options(std::vector<std::string>& words, const OptionWords& options) {
+  for (const auto& [name, value] : options)
+    if (!value.empty()) words.insert(words.end(), {name, value});
 }
 
 void add_scene_options(std::vector<std::string>& words, const Options& o) {
-  for (const std::string& s : o.set) add_option(words, "--set", s);
-  for (const std::string& w : o.world) add_option(words, "--world", w);
-  add_option(words, "--dt", o.dt);
-  if (o.threads > 0) add_option(words, "--threads", std::to_string(o.threads));
+  for (const std::string& s : o.set) add_options(words, {{"--set", s}});
+  for (const std::string& w : o.world) add_options(words, {{"--world", w}});
+  add_options(words, {{"--dt", o.dt}, {"--threads", o.threads > 0 ? std::to_string(o.threads) : ""}});
 }
 
 std::string command_text(const std::vector<std::string>& words) {

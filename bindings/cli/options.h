@@ -38,8 +38,10 @@ double timeout_seconds(const Options& options, double otherwise);
 // "3", "0.5", "1/240": a finite number >= 0. Failure (usage) naming the option.
 double read_number(const std::string& text, const std::string& option);
 
-// Words of a command line: an option that was given, those that change a scene, and the words as one text.
-void add_option(std::vector<std::string>& words, const char* name, const std::string& value);
+// Words of a command line: options with their values, those that were not given (empty) left out; those that change a
+// scene; and the words as one text.
+using OptionWords = std::vector<std::pair<const char*, std::string>>;
+void add_options(std::vector<std::string>& words, const OptionWords& options);
 void add_scene_options(std::vector<std::string>& words, const Options& options);
 std::string command_text(const std::vector<std::string>& words);
 

@@ -48,6 +48,17 @@ void run_to(Session& session, double seconds) {
   session.need_to_go_on();
 }
 
+double read_fps(const std::string& given, double otherwise) {
+  const double fps = given.empty() ? otherwise : read_number(given, "--fps");
+  if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + given);
+  return fps;
+}
+
+double animation_length(const std::string& given, const lua::Script& script) {
+  if (!given.empty()) return read_number(given, "--seconds");
+  return script.seconds() > 0 ? script.seconds() : 4;
+}
+
 view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish) {
   const view::Frame& frame = renderer.collect(session.script(), wish.toggles);
   const view::Camera camera =

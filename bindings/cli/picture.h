@@ -28,6 +28,11 @@ double thumbnail_time(const lua::Script& script);
 // A plain script has run when it is loaded; a scene is stepped to `seconds`. Failure when there is no world.
 void run_to(Session& session, double seconds);
 
+// Of an animation: samples per second as given, else `otherwise`; its length, s, as given, else the scene's own,
+// else 4.
+double read_fps(const std::string& given, double otherwise);
+double animation_length(const std::string& given, const lua::Script& script);
+
 // The picture now, with the camera that fits it.
 view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish);
 

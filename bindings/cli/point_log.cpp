@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "cli/command.h"
@@ -27,10 +26,7 @@ PointLog::PointLog(const std::string& folder, const Json& identity, bool resume)
 
 // The whole lines of the file.
 std::string PointLog::read(const std::string& file, const Json& identity) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream all;
-  all << in.rdbuf();
-  std::string text = all.str();
+  std::string text = report::read_bytes(file);
   text.resize(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
   std::istringstream lines(text);
   int number = 0;

@@ -80,9 +80,9 @@ class Render final : public Command {
           if (!options.quiet && !options.json && isatty(STDOUT_FILENO)) fmt::print("{}\n", file);
         });
     // a sheet is never seen half written, and two runs do not disturb each other
-    const std::string part = fmt::format("{}.{}.png", out_, getpid());
-    view::write_png(image, part);
-    fs::rename(part, out_);
+    const std::string temporary = fmt::format("{}.{}.png", out_, getpid());
+    view::write_png(image, temporary);
+    fs::rename(temporary, out_);
     report_end(options, fmt::format("{} scenes", files.size()), nullptr, 1);
     return failed ? kFailed : kPass;
   }
@@ -100,20 +100,18 @@ class Render final : public Command {
     return all;
   }
 
-  int animation(const std::string& file, const PictureWish& asked, const Options& options) const {
+  int animation(const std::string& file, const PictureWish& given, const Options& options) const {
     const bool gif = out_.ends_with(".gif");
     if (!gif && !out_.ends_with("/") && fs::path(out_).has_extension())
       throw Failure(kUsage, "feder render: expected -o file.png, file.gif or a folder, got {}", out_);
-    PictureWish wish = asked;
+    PictureWish wish = given;
     if (gif && picture_.size.empty()) wish.width = 640, wish.height = 360;
-    const double fps = fps_.empty() ? (gif ? 20 : 30) : read_number(fps_, "--fps");
-    if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
+    const double fps = read_fps(fps_, gif ? 20 : 30);
     view::RendererHost renderer(wish.width, wish.height);
     Session session(silent_host_options(options), print_error, file);
     if (!session.is_scene())
       throw Failure(kUsage, file + ": this plain script has run already; an animation needs a scene");
-    const double from = std::max(wish.at, 0.0), own = session.script().seconds();
-    const double length = !seconds_.empty() ? read_number(seconds_, "--seconds") : own > 0 ? own : 4;
+    const double from = std::max(wish.at, 0.0), length = animation_length(seconds_, session.script());
     const auto count = static_cast<int>(std::min(100000.0, std::max(1.0, std::floor(length * fps + 0.5))));
     const view::Bounds seen = subject(renderer, file, wish, from, from + length, options);
     const view::Camera camera =

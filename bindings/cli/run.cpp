@@ -80,24 +80,25 @@ class Run final : public Command {
     Summary summary = summarize(session);
     summary.interrupted = status != kPass;
     if (options.json) {
-      report::Json json = summary_json(summary);
+      report::Json json = summary_json(session, summary);
       if (check_) json["check"] = check_json(result);
       print_json(json);
     } else if (!options.quiet) {
-      std::fputs(summary_text(summary).c_str(), stdout);
+      std::fputs(summary_text(session, summary).c_str(), stdout);
       if (check_) fmt::print("  check   {} held, {} failed\n", result.passed, result.failures.size());
     }
     std::fflush(stdout);
     for (const auto& failure : result.failures) fmt::print(stderr, "{}: {}\n", failure.where, failure.message);
     if (!summary.finite) fmt::print(stderr, "{}: the state is not finite\n", scene_);
     bool held = false;  // what was not finite has been stopped
-    for (const Warning& w : summary.warnings) {
+    for (const Warning& w : session.warnings()) {
       if (w.code != "non_finite") continue;
       fmt::print(stderr, "{}: not finite on the way ({} x): {}\n", scene_, w.count, w.message);
       held = true;
     }
     if (status != kPass) return status;
-    return summary.finite && !held && summary.handler_errors.empty() && result.failures.empty() ? kPass : kFailed;
+    return summary.finite && !held && session.script().handler_errors().empty() && result.failures.empty() ? kPass
+                                                                                                           : kFailed;
   }
 
   lua::CheckResult run_check(Session& session) {

@@ -18,7 +18,7 @@ struct Warning {
 
 class Session {
  public:
-  // Errors in handlers go to `report` once per place, as "file:line: message"; null keeps them silent.
+  // Errors in handlers go to `report` once per line of a script, as "file:line: message"; null keeps them silent.
   Session(lua::HostOptions host, std::function<void(const std::string&)> report);
   // Loads the file too.
   Session(lua::HostOptions host, std::function<void(const std::string&)> report, const std::string& file);

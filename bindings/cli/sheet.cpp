@@ -30,7 +30,7 @@ std::string fitted(const view::Font& font, std::string text, float width) {
   return text + "...";
 }
 
-// Breaks at any place: error messages hold long paths.
+// Breaks anywhere: error messages hold long paths.
 void write_block(view::Image& image, const view::Font& font, std::string text, int x, int y, int width, int lines) {
   for (int line = 0; line < lines && !text.empty(); ++line) {
     std::size_t n = text.size();

@@ -30,7 +30,7 @@ class Stability final : public Command {
   int run(const Options& options) override {
     warn_of_scene_options(options);
     if (list_) return print_list(options);
-    report::StabilityContext context;
+    report::RunContext context;
     context.machine = report::machine_info(FEDER_VERSION, kRealName);
     context.command = command_line();
     if (suite_ == "extreme") return run_extreme_suite(context, options);
@@ -42,9 +42,12 @@ class Stability final : public Command {
     else
       for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
     for (const StabilityPlan& plan : plans) {
-      const StabilityResult result = run_plan(plan);
       const std::string folder = out_.empty() || plans.size() == 1 ? out_ : out_ + "/" + plan.problem;
-      finish(result, context, folder, options, plan.problem);
+      try {
+        finish(run_stability(plan), context, folder, options, plan.problem);
+      } catch (const SceneError& e) {
+        throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
+      }
     }
     return kPass;
   }
@@ -80,13 +83,9 @@ class Stability final : public Command {
   std::string command_line() const {
     std::vector<std::string> words = {"feder", "stability"};
     if (!problem_.empty()) words.push_back(problem_);
-    add_option(words, "--suite", suite_);
-    add_option(words, "--methods", methods_);
-    add_option(words, "--axes", axes_);
-    add_option(words, "--x", x_);
-    add_option(words, "--y", y_);
+    add_options(words, {{"--suite", suite_}, {"--methods", methods_}, {"--axes", axes_}, {"--x", x_}, {"--y", y_}});
     if (bisect_) words.emplace_back("--bisect");
-    add_option(words, "--out", out_);
+    add_options(words, {{"--out", out_}});
     return command_text(words);
   }
 
@@ -132,15 +131,7 @@ class Stability final : public Command {
     return out;
   }
 
-  static StabilityResult run_plan(const StabilityPlan& plan) {
-    try {
-      return run_stability(plan);
-    } catch (const SceneError& e) {
-      throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
-    }
-  }
-
-  static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context,
+  static void write(const std::string& folder, const StabilityResult& r, const report::RunContext& context,
                     const std::vector<report::ExtremeRow>& extreme) {
     try {
       if (!folder.empty()) report::write_stability(folder, r, context, extreme);
@@ -149,7 +140,7 @@ class Stability final : public Command {
     }
   }
 
-  static void finish(const StabilityResult& r, const report::StabilityContext& context, const std::string& folder,
+  static void finish(const StabilityResult& r, const report::RunContext& context, const std::string& folder,
                      const Options& options, const std::string& problem) {
     write(folder, r, context, {});
     if (options.json) {
@@ -162,7 +153,7 @@ class Stability final : public Command {
       fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
   }
 
-  int run_extreme_suite(const report::StabilityContext& context, const Options& options) const {
+  int run_extreme_suite(const report::RunContext& context, const Options& options) const {
     std::vector<report::ExtremeRow> rows;
     Progress bar(!options.quiet && !options.json);
     const std::vector<ExtremeCase> cases = extreme_cases();

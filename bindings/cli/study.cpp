@@ -104,11 +104,9 @@ class Study final : public Command {
     if (!axes_.empty()) c.axes = split_list(axes_);
     // options that differ from their defaults: words in pairs
     std::vector<std::string> words;
-    add_option(words, "--methods", methods_);
-    for (const std::string& ladder : ladders_) add_option(words, "--ladder", ladder);
-    add_option(words, "--budget", budget_);
-    if (repeat_ != kRepeats) add_option(words, "--repeat", std::to_string(repeat_));
-    add_option(words, "--shard", shard_);
+    add_options(words, {{"--methods", methods_}});
+    for (const std::string& ladder : ladders_) add_options(words, {{"--ladder", ladder}});
+    add_options(words, {{"--budget", budget_}, {"--repeat", repeat_text()}, {"--shard", shard_}});
     Options without_set = options;
     without_set.set.clear();
     add_scene_options(words, without_set);
@@ -116,23 +114,24 @@ class Study final : public Command {
     return c;
   }
 
+  std::string repeat_text() const { return repeat_ == kRepeats ? "" : std::to_string(repeat_); }
+
   std::string command_line(const Options& options) const {
     std::vector<std::string> words = {"feder", "study"};
     if (merge_) words.emplace_back("--merge");
     words.insert(words.end(), words_.begin(), words_.end());
     add_scene_options(words, options);
-    add_option(words, "--suite", suite_);
-    add_option(words, "--methods", methods_);
-    for (const std::string& l : ladders_) add_option(words, "--ladder", l);
-    add_option(words, "--budget", budget_);
-    add_option(words, "--error", errors_);
-    add_option(words, "--axis", axes_);
-    add_option(words, "--shard", shard_);
-    add_option(words, "--seed", options.seed);
-    if (repeat_ != kRepeats) add_option(words, "--repeat", std::to_string(repeat_));
-    add_option(words, "--baseline", baseline_);
-    add_option(words, "--gate", gate_);
-    add_option(words, "--out", out_);
+    add_options(words, {{"--suite", suite_}, {"--methods", methods_}});
+    for (const std::string& ladder : ladders_) add_options(words, {{"--ladder", ladder}});
+    add_options(words, {{"--budget", budget_},
+                        {"--error", errors_},
+                        {"--axis", axes_},
+                        {"--shard", shard_},
+                        {"--seed", options.seed},
+                        {"--repeat", repeat_text()},
+                        {"--baseline", baseline_},
+                        {"--gate", gate_},
+                        {"--out", out_}});
     return command_text(words);
   }
 
@@ -202,12 +201,11 @@ class Study final : public Command {
   void read_shard(SweepOptions& o) const {
     const std::size_t slash = shard_.find('/');
     int i = -1, n = 0;
-    const char* const text = shard_.c_str();
-    if (slash != std::string::npos) {
-      const bool good = std::from_chars(text, text + slash, i).ptr == text + slash &&
-                        std::from_chars(text + slash + 1, text + shard_.size(), n).ptr == text + shard_.size();
-      if (!good) i = -1;
-    }
+    const auto whole = [](const std::string& text, int& value) {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      return error == std::errc() && end == text.data() + text.size();
+    };
+    if (slash == std::string::npos || !whole(shard_.substr(0, slash), i) || !whole(shard_.substr(slash + 1), n)) i = -1;
     if (n < 1 || i < 0 || i > n)
       throw Failure(kUsage, "feder study: --shard: expected I/N with I from 1 to N, got '{}'", shard_);
     o.shard = i % n;
@@ -290,10 +288,9 @@ class Study final : public Command {
               bool silent = false) const {
     try {
       if (!folder.empty()) report::write_study(folder, r, context);
+      const std::string drawn = folder.empty() ? "" : folder + "/error_vs_work.svg";
       if (!markdown_.empty() && !silent)
-        report::write_text(markdown_,
-                           report::study_markdown(
-                               r, picture_.empty() ? (folder.empty() ? "" : folder + "/error_vs_work.svg") : picture_));
+        report::write_text(markdown_, report::study_markdown(r, picture_.empty() ? drawn : picture_));
     } catch (const std::runtime_error& e) {
       throw Failure(kFailed, std::string("feder study: ") + e.what());
     }

@@ -74,10 +74,7 @@ class Test final : public Command {
   static std::vector<std::string> worker_arguments(const Options& o) {
     std::vector<std::string> words;
     add_scene_options(words, o);
-    add_option(words, "--seed", o.seed);
-    add_option(words, "--limit", o.limit);
-    add_option(words, "--memory", o.memory);
-    add_option(words, "--timeout", o.timeout);
+    add_options(words, {{"--seed", o.seed}, {"--limit", o.limit}, {"--memory", o.memory}, {"--timeout", o.timeout}});
     return words;
   }
 

@@ -81,12 +81,8 @@ MachineInfo machine_info(const std::string& tool_version, const std::string& rea
   m.cpu = first_value("/proc/cpuinfo", "model name");
   m.cores = static_cast<int>(std::thread::hardware_concurrency());
   m.os = first_value("/etc/os-release", "PRETTY_NAME");
-  std::ifstream flags("/proc/cpuinfo");
-  for (std::string line; std::getline(flags, line);)
-    if (line.starts_with("flags")) {
-      m.virtualization = line.find(" hypervisor") != std::string::npos ? "yes" : "no";
-      break;
-    }
+  const std::string features = " " + first_value("/proc/cpuinfo", "flags");
+  if (features != " ") m.virtualization = features.find(" hypervisor") != std::string::npos ? "yes" : "no";
   m.load_before = m.load_after = load_now();
   m.timer_resolution_ns = timer_resolution();
   return m;

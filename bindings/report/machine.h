@@ -16,6 +16,12 @@ struct MachineInfo {
   double timer_resolution_ns = 0;
 };
 
+// A run of the program as its report names it.
+struct RunContext {
+  MachineInfo machine;
+  std::string command;  // the command line
+};
+
 // Now; load_after is filled by load_now() when the work is done.
 MachineInfo machine_info(const std::string& tool_version, const std::string& real);
 double load_now();

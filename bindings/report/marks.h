@@ -1,4 +1,4 @@
-// How a curve is told from its neighbours: colour, marker and dash together, never colour alone.
+// How a curve differs from its neighbours: colour, marker and dash together, never colour alone.
 #pragma once
 #include <string>
 

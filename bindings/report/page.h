@@ -19,7 +19,7 @@ class Page {
   void figure(const std::string& svg, const std::string& caption);
   // Terms with their meaning.
   void definitions(const std::vector<std::pair<std::string, std::string>>& terms);
-  // Words with the place they lead to, relative to the page.
+  // Words with the address they lead to, relative to the page.
   void links(const std::vector<std::pair<std::string, std::string>>& items);
   // Fixed-width words, as typed.
   void code(const std::string& text);

@@ -105,8 +105,8 @@ void boundary_part(Page& page, const StabilityResult& r) {
   page.paragraph(
       "The largest stable value on the x axis, found by bisection, beside what theory says; h·ω is the same in units "
       "of the fastest angular frequency.");
-  const auto told = std::ranges::find_if(r.maps, [](const StabilityMap& m) { return !m.limit_how.empty(); });
-  if (told != r.maps.end()) page.paragraph("How: " + told->limit_how);
+  const auto explained = std::ranges::find_if(r.maps, [](const StabilityMap& m) { return !m.limit_how.empty(); });
+  if (explained != r.maps.end()) page.paragraph("How: " + explained->limit_how);
   Table table({"method", ">" + r.maps[0].y.label, ">predicted", ">observed", ">relative deviation", ">h·ω predicted",
                ">h·ω observed"});
   const auto limit = [](double v) { return limit_text(v, "–", 7); };
@@ -166,7 +166,7 @@ std::string verdict_shares(const StabilityMap& m) {
   return out;
 }
 
-Json stability_json(const StabilityResult& r, const StabilityContext& context) {
+Json stability_json(const StabilityResult& r, const RunContext& context) {
   Json rows = Json::array(), limits = Json::array(), shares = Json::array();
   for (const StabilityMap& m : r.maps) {
     for (const StabilityCell& c : m.cells) {
@@ -259,8 +259,8 @@ std::vector<Figure> stability_figures(const StabilityResult& r) {
   return out;
 }
 
-std::string stability_page(const StabilityResult& r, const StabilityContext& context,
-                           const std::vector<Figure>& figures, const std::vector<ExtremeRow>& extreme) {
+std::string stability_page(const StabilityResult& r, const RunContext& context, const std::vector<Figure>& figures,
+                           const std::vector<ExtremeRow>& extreme) {
   Page page("Stability: " + (r.maps.empty() ? std::string("extreme inputs") : r.maps[0].problem));
   page.lead(lead(r));
   // the overview first
@@ -285,7 +285,7 @@ std::string stability_page(const StabilityResult& r, const StabilityContext& con
   return page.text();
 }
 
-void write_stability(const std::string& folder, const StabilityResult& r, const StabilityContext& context,
+void write_stability(const std::string& folder, const StabilityResult& r, const RunContext& context,
                      const std::vector<ExtremeRow>& extreme) {
   const std::vector<Figure> figures = stability_figures(r);
   Json json = stability_json(r, context);

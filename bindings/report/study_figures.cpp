@@ -169,7 +169,7 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
       }
       plot.series.push_back(series);
     }
-  // the Pareto front of each setting, and the band of what the reference cannot tell
+  // the Pareto front of each setting, and the band below what the reference resolves
   if (ranked) {
     std::map<Settings, std::vector<XY>> fronts;
     for (const std::size_t k : r.*axis.front)
@@ -310,14 +310,14 @@ RowChart invariants(const StudyResult& r) {
       const StudyPoint& point = *point_of(r, *s);
       PlotSeries curve{fmt::format("{}, {}", point.method, rung_text(point)), number_of(r, point.method), {}};
       const std::vector<double>& values = s->*kind.values;
-      double most = 0;
+      double largest = 0;
       for (std::size_t k = 0; k < values.size() && k < s->t.size(); ++k) {
         // an envelope: curves that swing through zero would hide each other; a blow-up leaves through the top
         const double v = std::fabs(values[k]);
-        if (std::isfinite(v)) most = std::max(most, v);
-        any = any || most > 0;
-        curve.points.push_back(
-            {s->t[k], std::isfinite(v) && most > 0 ? std::clamp(most, 1e-17, 1e3) : NAN, 0, MarkKind::hollow, ""});
+        if (std::isfinite(v)) largest = std::max(largest, v);
+        any = any || largest > 0;
+        curve.points.push_back({s->t[k], std::isfinite(v) && largest > 0 ? std::clamp(largest, 1e-17, 1e3) : NAN, 0,
+                                MarkKind::hollow, ""});
       }
       row.series.push_back(curve);
     }

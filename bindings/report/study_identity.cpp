@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/hash.h"
@@ -40,13 +38,7 @@ std::string plan_hash(const std::vector<PlannedPoint>& plan) {
   return hex_hash(text);
 }
 
-std::string file_hash(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw std::runtime_error(file + ": cannot be read");
-  return hex_hash(text.str());
-}
+std::string file_hash(const std::string& file) { return hex_hash(read_bytes(file)); }
 
 Json identity_json(const StudyResult& r) {
   Json params = Json::object();

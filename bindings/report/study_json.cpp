@@ -120,7 +120,7 @@ std::string points_csv(std::span<const StudyResult> results, bool labelled) {
 }
 
 Json study_json(const StudyResult& r, const StudyContext& context) {
-  // a part keeps all curves, because only the whole knows which ones are drawn
+  // a shard keeps all curves, because only the whole knows which ones are drawn
   Json series = Json::array(), front_time = Json::array(), front_work = Json::array();
   if (r.points.size() < r.planned)
     series = written(r.series);

@@ -19,7 +19,7 @@ void decision_part(Page& page, const StudyResult& r) {
   page.table(decision_table(r, kPaper));
 }
 
-// The orders of a method: of each part of its ladder, or the range over settings.
+// The orders of a method: of each refinement axis of its ladder, or the range over settings.
 std::string fitted_words(const StudyResult& r, const MethodInfo& m) {
   std::string each, axis;
   double low = NAN, high = NAN;

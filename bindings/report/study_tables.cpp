@@ -110,12 +110,12 @@ std::string study_summary(const StudyResult& r, bool table_only) {
   out += fmt::format("  reference: {}; t = {} s; {} methods, {} runs\n\n", reference_text(ref),
                      number_text(r.problem.t_end, 6), r.methods.size(), r.points.size());
   out += study_table(r);
-  const std::vector<std::string> lines = failed_methods(r);
-  if (!lines.empty()) out += "\n";
-  for (const std::string& line : lines) out += "  failed  " + line + "\n";
-  const std::vector<std::string> off = off_orders(r);
-  if (!off.empty()) out += "\n";
-  for (const std::string& line : off) out += "  order   " + line + "\n";
+  const auto list = [&](const char* word, const std::vector<std::string>& lines) {
+    if (!lines.empty()) out += "\n";
+    for (const std::string& line : lines) out += fmt::format("  {} {}\n", word, line);
+  };
+  list("failed ", failed_methods(r));
+  list("order  ", off_orders(r));
   return out;
 }
 

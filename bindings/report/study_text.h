@@ -12,9 +12,7 @@
 namespace feder::report {
 
 // How a study was asked for: what the page names besides the numbers.
-struct StudyContext {
-  MachineInfo machine;
-  std::string command;                // the command line
+struct StudyContext : RunContext {
   std::vector<std::string> settings;  // options that differ from their default, "substeps = 8"
   std::vector<std::string> errors;    // norms, the plotted one first; empty: what points are ranked by
   std::vector<std::string> axes = {"time", "force"};
@@ -71,7 +69,7 @@ std::string rung_text(const StudyPoint& p);
 // "published digits, 8 digits": what kind of reference, and how good.
 std::string reference_text(const ReferenceInfo& reference);
 
-// One row of the decision table: the cheapest way to an error.
+// One row of the decision table: the cheapest method to an error.
 struct Decision {
   double target = 0;
   bool reached = false;

@@ -116,7 +116,7 @@ class Fluid final : public System {
                              std::uint32_t mask) const;
   Real particle_mass(ObjectId fluid) const;
   FluidDesc desc(ObjectId fluid) const;
-  std::uint64_t own_steps(
+  std::uint64_t solver_substeps(
       ObjectId fluid) const;                 // its solver's, since the fluid was made; wcsph takes several in a substep
   ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
