@@ -10,13 +10,13 @@ namespace {
 
 constexpr const char* kTypes = "static, kinematic, dynamic";  // BodyType, from fixed on
 
-BodyType type_at(std::ptrdiff_t place) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + place); }
+BodyType type_at(std::ptrdiff_t index) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + index); }
 
 using BodyReading = Making<BodyDesc>;
 
 void read_type(Options& o, const OptionRow& row, BodyReading& b) {
-  int place = 0;
-  if (o.choice("type", row.choices, place)) b.type = type_at(place);
+  int index = 0;
+  if (o.choice("type", row.choices, index)) b.type = type_at(index);
 }
 
 std::string show_type(const BodyReading& b) { return print_value(std::string(body_type_name(b.type))); }

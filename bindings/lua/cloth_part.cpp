@@ -19,7 +19,7 @@ const Part& cloth_part() {
   static const ObjectClass classes[] = {{.name = "cloth",
                                          .methods = cloth_methods(),
                                          .destroy = destroy_alone<&Cloth::destroy_cloth>,
-                                         .place = "index",
+                                         .contact_field = "index",
                                          .takes_forces = true}};
   static const Part part = {.name = "cloth",
                             .functions = {},

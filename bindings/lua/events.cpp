@@ -25,7 +25,7 @@ struct EventBlock {
 bool reports(lua_State* L, const WorldRecord& r, ObjectId id, std::string_view field) {
   const State& s = state(L);
   const ObjectClass* row = id ? class_row(s, class_of(s, r, id)) : nullptr;
-  return row && row->place && field == row->place;
+  return row && row->contact_field && field == row->contact_field;
 }
 
 // An event as a subscription sees it: a and b change places when it is turned.

@@ -66,7 +66,7 @@ const YamlList kYaml[] = {{"fluids", make_fluid}};
 
 const Part& fluid_part() {
   static const ObjectClass classes[] = {
-      {.name = "fluid", .methods = fluid_methods(), .destroy = &destroy_fluid, .place = "count"},
+      {.name = "fluid", .methods = fluid_methods(), .destroy = &destroy_fluid, .contact_field = "count"},
       {.name = "emitter", .methods = emitter_methods(), .destroy = destroy_alone<&Fluid::destroy_emitter>},
       {.name = "drain", .methods = drain_methods(), .destroy = destroy_alone<&Fluid::destroy_drain>}};
   static const Part part = {.name = "fluid", .functions = {}, .world = kWorld, .classes = classes, .yaml = kYaml};

@@ -84,7 +84,7 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
   if (s.i == s.j) fail(L, what + ": expected two different points, got " + std::to_string(s.i + 1) + " twice");
   if (has_options(L, index)) {
     Options o(L, index, what);
-    o.skip_places(2);
+    o.skip_entries(2);
     o.read(kSpring, s);
   }
   return s;

@@ -379,7 +379,7 @@ void Options::finish() {
   lua_pushnil(L_);
   while (lua_next(L_, index_)) {
     lua_pop(L_, 1);
-    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= places_) continue;
+    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= entries_) continue;
     if (lua_type(L_, -1) != LUA_TSTRING) raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
     const std::string key = lua_tostring(L_, -1);
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;

@@ -20,7 +20,7 @@ const Part& springs_part() {
   static const ObjectClass classes[] = {{.name = "net",
                                          .methods = net_methods(),
                                          .destroy = destroy_alone<&Springs::destroy_net>,
-                                         .place = "index",
+                                         .contact_field = "index",
                                          .takes_forces = true,
                                          .point_count = &point_count}};
   static const Part part = {.name = "springs",

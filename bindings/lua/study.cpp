@@ -200,8 +200,8 @@ constexpr Option<StudyDeclaration> kCertainty[] = {
     {{.name = "kind", .choices = "closed, quad, published"},
      "string",
      [](Options& o, const OptionRow& row, StudyDeclaration& out) {
-       int place = 0;
-       if (o.choice(row.name, row.choices, place)) o.text(row.name, out.kind);
+       int index = 0;
+       if (o.choice(row.name, row.choices, index)) o.text(row.name, out.kind);
      }},
     field<&StudyDeclaration::uncertainty>("uncertainty", "", kNotNegative),
     field<&StudyDeclaration::rounding>("rounding", "", kPositive),

@@ -22,7 +22,7 @@ std::size_t start_argument(lua_State* L, int index, std::size_t size) {
   return given == 0 || given < -length ? 0 : static_cast<std::size_t>(length + given);
 }
 
-// The first place of `what` in `in`, charged by what is compared; null when there is none.
+// The first occurrence of `what` in `in`, charged by what is compared; null when there is none.
 const char* find_plain(lua_State* L, std::string_view in, std::string_view what) {
   if (what.empty()) return in.data();
   std::uint64_t compared = 0;

@@ -102,7 +102,7 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
       lua_pop(L, 1);
     }
     Options p(L, -1, what);
-    p.skip_places(2);
+    p.skip_entries(2);
     p.read(kMaterialPair, pair);
     w.material_pairs.push_back(pair);
   });
