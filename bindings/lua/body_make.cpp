@@ -114,7 +114,7 @@ BodyType body_type_from_name(lua_State* L, int index) {
 ObjectId world_body(WorldRecord& r, lua_State* L) {
   const BodyReading body = read_description(L, r, kBody);
   const ObjectId id = system_of<Rigid>(r).add_body(body);
-  if (body.painted) r.look.colors[id] = body.color;
+  if (body.painted) r.appearance.colors[id] = body.color;
   return id;
 }
 

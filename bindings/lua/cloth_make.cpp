@@ -191,7 +191,7 @@ ObjectId world_cloth(WorldRecord& r, lua_State* L) {
   ClothReading cloth = read_description(L, r, kCloth);
   cloth.pose = {cloth.position, cloth.rotation};
   const ObjectId id = r.world->need<Cloth>().add_cloth(cloth);
-  if (cloth.painted) r.look.colors[id] = cloth.color;
+  if (cloth.painted) r.appearance.colors[id] = cloth.color;
   return id;
 }
 

@@ -12,7 +12,7 @@ struct NamedColor {
   std::uint32_t rgb;
 };
 
-// Muted versions of the plain words, so that a scene of several looks of one piece.
+// Muted versions of the plain words, so that several in a scene appear of one piece.
 constexpr NamedColor kNames[] = {
     {"white", 0xf2f2ee},  {"grey", 0x9a9a98},   {"gray", 0x9a9a98},  {"black", 0x33363b}, {"red", 0xd1495b},
     {"orange", 0xe8893c}, {"yellow", 0xe9c46a}, {"green", 0x5aa469}, {"teal", 0x2a9d8f},  {"cyan", 0x4fb3c8},

@@ -119,7 +119,7 @@ double Script::picture() const { return impl_->state.scene.picture; }
 const SceneCamera& Script::camera() const { return impl_->state.scene.camera; }
 const Look* Script::look() const {
   const State& s = impl_->state;
-  return s.last_world < s.worlds.size() ? &s.worlds[s.last_world]->look : nullptr;
+  return s.last_world < s.worlds.size() ? &s.worlds[s.last_world]->appearance : nullptr;
 }
 std::vector<ParamInfo> Script::params() const { return impl_->state.params; }
 

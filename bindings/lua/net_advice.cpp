@@ -17,7 +17,7 @@ struct AdviceRow {
   std::string error_class;  // "1e-2": the decade above the error of the fastest mode per period; "exact", "tolerance"
 };
 
-constexpr int kMostSubsteps = 200;  // beyond, an implicit method is cheaper
+constexpr int kMaxSubsteps = 200;  // beyond, an implicit method is cheaper
 
 std::string number(double x) {
   char text[32];
@@ -50,7 +50,7 @@ std::string plain_method(const NetAdvice& a, int substeps, int& needed) {
     const IntegratorInfo info = v.make(arena, Params())->info();
     if (!info.symplectic || info.implicit || info.evals_per_step != 1) continue;
     const double count = std::ceil(a.h * a.frequency * substeps / (NetAdvice::kSafeReach * info.stability_limit));
-    needed = count <= kMostSubsteps ? std::max(1, static_cast<int>(count)) : 0;
+    needed = count <= kMaxSubsteps ? std::max(1, static_cast<int>(count)) : 0;
     return needed > 0 ? v.name : "";
   }
   return "";
@@ -61,7 +61,7 @@ void suggest(AdviceRow& row, int substeps) {
   row.integrator = a.integrator;
   row.substeps = substeps;
   if (a.stable) return;
-  if (!a.never_stable && a.substeps > 0 && a.substeps <= kMostSubsteps) {
+  if (!a.never_stable && a.substeps > 0 && a.substeps <= kMaxSubsteps) {
     row.substeps = a.substeps;
     return;
   }

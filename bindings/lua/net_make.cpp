@@ -191,8 +191,8 @@ ObjectId world_net(WorldRecord& r, lua_State* L) {
   Springs& springs = system_of<Springs>(r);
   const ObjectId id = springs.add_net(net);
   for (std::size_t i : net.pins) springs.pin(id, i);
-  if (!net.faces.empty()) r.look.faces[id] = net.faces;
-  if (net.painted) r.look.colors[id] = net.color;
+  if (!net.faces.empty()) r.appearance.faces[id] = net.faces;
+  if (net.painted) r.appearance.colors[id] = net.color;
   return id;
 }
 

@@ -1,4 +1,4 @@
-// feder.plot(name, value): keeps the last values per name in a small ring, whether somebody looks or not, so that a
+// feder.plot(name, value): keeps the last values per name in a small ring, whether somebody watches or not, so that a
 // scene does the same in the viewer and without.
 #include "lua/plot.h"
 

@@ -56,7 +56,7 @@ struct WorldRecord {
   Tasks tasks;
   ScriptForces forces;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
-  Look look;
+  Look appearance;
 
   bool planar() const { return settings.desc.dimension == 2; }
 };

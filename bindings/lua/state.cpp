@@ -16,7 +16,7 @@
 namespace feder::lua {
 namespace {
 
-constexpr int kHookSlice = 1000;                 // instructions between two looks at the limits
+constexpr int kHookSlice = 1000;                 // instructions between two checks of the limits
 constexpr double kSecondsPerInstruction = 1e-7;  // of processor time, about ten times the usual
 constexpr std::size_t kLongBlock = 512;          // bytes; making and copying longer ones is charged
 constexpr int kBytesPerUnit = 16;
@@ -52,10 +52,10 @@ void limit_hook(lua_State* L, lua_Debug*) {
   State& s = state(L);
   s.spend(L, std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit));
   const std::uint64_t now = clock_nanoseconds();
-  if (s.lua_start > 0 && now - s.last_look < 100'000'000) return;
+  if (s.lua_start > 0 && now - s.last_time_check < 100'000'000) return;
   const double time = State::thread_seconds();
   if (s.lua_start <= 0) s.lua_start = time;
-  s.last_look = now;
+  s.last_time_check = now;
   if (time - s.lua_start > 1 + kSecondsPerInstruction * static_cast<double>(s.allowed_instructions()))
     s.trip(L, Limit::time);
 }

@@ -121,14 +121,14 @@ struct State {
   HostOptions options;
   std::vector<const ObjectClass*> object_classes;  // from Class::parts on
   lua_State* L = nullptr;
-  std::size_t memory_used = 0;  // bytes
-  std::uint64_t budget = 0;     // instructions left of the outermost call
-  Limit limit = Limit::none;    // reached: every hook raises until the outermost call has ended
-  std::string limit_location;   // file:line where it was reached
-  std::string memory_location;  // where the allocator last refused
-  double lua_start = 0;         // s of thread_seconds at the first hook of the outermost call; 0: none yet
-  std::uint64_t last_look = 0;  // ns, wall clock of the last look at thread_seconds
-  std::uint64_t printed = 0;    // bytes
+  std::size_t memory_used = 0;        // bytes
+  std::uint64_t budget = 0;           // instructions left of the outermost call
+  Limit limit = Limit::none;          // reached: every hook raises until the outermost call has ended
+  std::string limit_location;         // file:line where it was reached
+  std::string memory_location;        // where the allocator last refused
+  double lua_start = 0;               // s of thread_seconds at the first hook of the outermost call; 0: none yet
+  std::uint64_t last_time_check = 0;  // ns, wall clock when thread_seconds was last read
+  std::uint64_t printed = 0;          // bytes
   std::atomic<bool> interrupted = false;
   bool wrong_option = false;   // the error on its way is one of HostOptions::set or ::world
   int depth = 0;               // calls from the host into Lua, nested

@@ -154,7 +154,7 @@ bool parse_number(const std::string& text, double& out) {
   return std::isfinite(out);
 }
 
-// A value from the command line by its looks: number, boolean, list of numbers, else text.
+// A value from the command line by its form: number, boolean, list of numbers, else text.
 Params::Value parse_value(const std::string& text) {
   double x = 0;
   if (parse_number(text, x)) return x;
