@@ -435,9 +435,7 @@ int world_events(lua_State* L) {
   WorldRecord& r = check_world(L);
   const EventKind kind = check_event_kind(L, 2, r);
   r.world->events().set_wanted(kind, true);  // from the next step on, for the kinds that cost something
-  lua_pushinteger(L, 0);
-  lua_pushstring(L, kind.text());
-  lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count()));
+  push(L, 0, kind.text(), r.world->step_count());
   push_event(L, r);
   lua_pushvalue(L, 1);
   lua_pushcclosure(L, guard<next_event>, 5);

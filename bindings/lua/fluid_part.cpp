@@ -24,33 +24,17 @@ void make_fluid(lua_State* L, int world) {
   copy_locations(L, options, -1);
   copy_fields(L, options);
   for (const char* part : {"fill", "emitter", "drain"}) set_field(L, part, nullptr);
-  lua_getfield(L, world, "fluid");
-  lua_pushvalue(L, world);
-  lua_pushvalue(L, options + 1);
-  lua_call(L, 2, 1);
+  call_maker(L, world, "fluid", options + 1, 1);
   const int fluid = lua_gettop(L);
   for (const char* part : {"fill", "emitter", "drain"}) {
-    if (lua_getfield(L, options, part) == LUA_TTABLE) {
-      const int given = lua_gettop(L);
-      const bool list = lua_rawlen(L, given) > 0;
-      for (lua_Integer i = 1; i <= (list ? static_cast<lua_Integer>(lua_rawlen(L, given)) : 1); ++i) {
-        if (list)
-          lua_rawgeti(L, given, i);
-        else
-          lua_pushvalue(L, given);
-        if (lua_type(L, -1) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
-          make_shape(L);
-          lua_setfield(L, -2, "shape");
-        } else {
-          lua_settop(L, given + 1);
-        }
-        lua_getfield(L, fluid, part);
-        lua_pushvalue(L, fluid);
-        lua_pushvalue(L, given + 1);
-        lua_call(L, 2, 0);
-        lua_settop(L, given);
-      }
-    }
+    const auto make = [&](int entry) {
+      if (lua_type(L, entry) == LUA_TTABLE) make_shape_field(L, entry);
+      call_maker(L, fluid, part, entry, 0);
+    };
+    if (lua_getfield(L, options, part) == LUA_TTABLE && lua_rawlen(L, -1) > 0)
+      each_entry(L, -1, [&](lua_Integer) { make(lua_gettop(L)); });
+    else if (lua_type(L, -1) == LUA_TTABLE)
+      make(lua_gettop(L));
     lua_settop(L, fluid);
   }
   lua_settop(L, options - 1);

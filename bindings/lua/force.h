@@ -22,10 +22,6 @@ struct ScriptForce {
   std::map<std::uint32_t, Vec3> held;  // by index in a system: the force when it was last awake
 };
 
-struct ScriptForces {
-  std::vector<ScriptForce> list;
-};
-
 // The functions of a step, for the parts that hand what they say to their objects. A function that fails is not asked
 // again in the step. It may destroy anything: who walks over objects checks that they are still alive.
 class ForceRun {

@@ -288,7 +288,7 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
 
 static void destroy_force(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
   record.world->remove_force(id, where);
-  std::erase_if(record.forces.list, [&](const ScriptForce& f) {
+  std::erase_if(record.forces, [&](const ScriptForce& f) {
     if (f.object == id) drop(L, record, f.function);
     return f.object == id;
   });
@@ -311,45 +311,42 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   for (ObjectId other : others) invalidate(L, record, other, objects.name(other), where);
 }
 
-void record_names(lua_State* L, WorldRecord& record) {
+// Calls f(handle) for what scripts hold, each on top of the stack meanwhile.
+template <class F>
+static void each_handle(lua_State* L, const WorldRecord& record, F&& f) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
-    if (h->dead) continue;
-    lua_pushstring(L, record.world->objects().name(h->id).c_str());
-    lua_setiuservalue(L, -2, 2);
-  }
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) f(*static_cast<Handle*>(lua_touserdata(L, -1)));
   lua_pop(L, 1);
+}
+
+void record_names(lua_State* L, WorldRecord& record) {
+  each_handle(L, record, [&](const Handle& h) {
+    if (h.dead) return;
+    push(L, record.world->objects().name(h.id));
+    lua_setiuservalue(L, -2, 2);
+  });
 }
 
 void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where) {
   const Objects& objects = record.world->objects();
-  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  lua_newtable(L);
-  lua_Integer lost = 0;
-  for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) {
-    auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
-    const bool alive = objects.alive(h->id);
-    if (alive) h->dead = false;
-    if (alive) continue;
-    lua_pushvalue(L, -1);
-    lua_rawseti(L, -4, ++lost);
-  }
+  std::vector<ObjectId> lost;
+  each_handle(L, record, [&](Handle& h) {
+    const bool alive = objects.alive(h.id);
+    if (!alive) lost.push_back(h.id);
+    if (!alive && !h.dead) {
+      push(L, where);
+      lua_setiuservalue(L, -2, 3);
+    }
+    h.dead = !alive;
+  });
   // ids of the lost are given again: their handles must never be found under them
-  for (lua_Integer i = 1; i <= lost; ++i) {
-    lua_rawgeti(L, -1, i);
-    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
-    const ObjectId id = h->id;
-    lua_getiuservalue(L, -1, 2);
-    const std::string name(text_at(L, -1));
-    const bool known = h->dead;
-    lua_pop(L, 2);
-    if (!known) invalidate(L, record, id, name, where);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  for (ObjectId id : lost) {
     lua_pushnil(L);
-    lua_rawseti(L, -3, cache_key(id));
+    lua_rawseti(L, -2, cache_key(id));
   }
-  lua_pop(L, 2);
-  std::erase_if(record.forces.list, [&](const ScriptForce& f) { return !objects.alive(f.object); });
+  lua_pop(L, 1);
+  std::erase_if(record.forces, [&](const ScriptForce& f) { return !objects.alive(f.object); });
 }
 
 std::string describe_object(lua_State* L, int index, Class c) {

@@ -85,6 +85,15 @@ struct Script::Impl {
     ~InPhase() { state.phase = before; }
   };
 
+  // What f(L) gives under Lua's protection.
+  template <class F>
+  auto run_in(Phase p, F&& f) {
+    const InPhase phase(state, p);
+    decltype(f(state.L)) out{};
+    protect([&](lua_State* L) { out = f(L); });
+    return out;
+  }
+
   State state;
   bool loaded = false;
 };
@@ -151,24 +160,15 @@ void Script::step() {
 const StudyDeclaration& Script::study() const { return impl_->state.scene.study; }
 
 double Script::study_error(std::span<const double> refined) {
-  const Impl::InPhase phase(impl_->state, Phase::checking);
-  double error = 0;
-  impl_->protect([&](lua_State* L) { error = scene_error(L, refined); });
-  return error;
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return scene_error(L, refined); });
 }
 
 StudyState Script::study_state(const char* name, double t) {
-  const Impl::InPhase phase(impl_->state, Phase::checking);
-  StudyState out;
-  impl_->protect([&](lua_State* L) { read_study_state(L, name, t, out); });
-  return out;
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return read_study_state(L, name, t); });
 }
 
 std::vector<double> Script::study_numbers(const char* name, double t) {
-  const Impl::InPhase phase(impl_->state, Phase::checking);
-  std::vector<double> out;
-  impl_->protect([&](lua_State* L) { read_study_numbers(L, name, t, out); });
-  return out;
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return read_study_numbers(L, name, t); });
 }
 
 CheckResult Script::check() {
@@ -193,10 +193,7 @@ const std::vector<PlotSeries>& Script::plots() const { return impl_->state.plots
 const std::vector<std::filesystem::path>& Script::files() const { return impl_->state.files; }
 
 std::string Script::run_string(std::string_view text, const std::string& chunk) {
-  const Impl::InPhase phase(impl_->state, Phase::running);
-  std::string result;
-  impl_->protect([&](lua_State* L) { result = run_console(L, text, chunk); });
-  return result;
+  return impl_->run_in(Phase::running, [&](lua_State* L) { return run_console(L, text, chunk); });
 }
 
 void Script::set_instruction_limit(std::uint64_t per_call) { impl_->state.options.instruction_limit = per_call; }

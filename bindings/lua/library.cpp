@@ -15,18 +15,9 @@ namespace fs = std::filesystem;
 
 // lower_case words with dots between: no "..", no slash, nothing hidden.
 bool is_module_name(const std::string& name) {
-  bool start = true;
-  for (char c : name) {
-    if (c == '.') {
-      if (start) return false;
-      start = true;
-    } else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_') {
-      start = false;
-    } else {
-      return false;
-    }
-  }
-  return !start && name.size() <= 200;
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.'; };
+  return !name.empty() && name.size() <= 200 && std::ranges::all_of(name, allowed) && name.front() != '.' &&
+         name.back() != '.' && name.find("..") == std::string::npos;
 }
 
 // The file `name` in `folder`, when it is a regular file that really lies inside.

@@ -78,12 +78,11 @@ const Method kFederFunctions[] = {
 std::span<const Method> feder_functions() { return kFederFunctions; }
 
 void open_module(lua_State* L) {
-  const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()},
-                                connection[] = {connection_methods()}, task[] = {task_methods()},
-                                event[] = {event_methods()};
-  make_class(L, Class::shape, shape), make_class(L, Class::buffer, buffer),
-      make_class(L, Class::connection, connection);
-  make_class(L, Class::task, task), make_class(L, Class::event, event);
+  make_class(L, Class::shape, {shape_methods()});
+  make_class(L, Class::buffer, {buffer_methods()});
+  make_class(L, Class::connection, {connection_methods()});
+  make_class(L, Class::task, {task_methods()});
+  make_class(L, Class::event, {event_methods()});
   open_shapes(L);
   open_buffer(L);
   open_events(L);
@@ -95,6 +94,12 @@ void open_module(lua_State* L) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
   lua_pushvalue(L, -2);
   lua_setfield(L, -2, "feder");
+}
+
+void push_module(lua_State* L) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+  lua_getfield(L, -1, "feder");
+  lua_remove(L, -2);
 }
 
 std::vector<DocRow> docs(std::span<const Part* const> parts) {
@@ -135,19 +140,17 @@ std::vector<OptionInfo> system_options(Catalog systems, std::string_view system)
   std::vector<std::vector<OptionInfo>> each;
   const std::string names = solver->choices;
   for (std::string_view name : split_choices(names)) each.push_back(read(std::string(name)));
-  std::vector<OptionInfo> out;
-  std::size_t k = 0;
+  std::vector<OptionInfo> shared;
   for (const OptionInfo& o : all)
     if (std::all_of(each.begin(), each.end(), [&](const auto& rows) { return known(rows, o.row.name) != rows.end(); }))
+      shared.push_back(o);
+  std::vector<OptionInfo> out = shared;
+  for (std::size_t k = 0; k < each.size(); ++k)
+    for (OptionInfo& o : each[k]) {
+      if (known(shared, o.row.name) != shared.end()) continue;
+      o.of = std::string(split_choices(names)[k]);
       out.push_back(o);
-  const std::size_t shared = out.size();
-  for (std::string_view name : split_choices(names)) {
-    for (const OptionInfo& o : each[k])
-      if (std::none_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(shared),
-                       [&](const OptionInfo& s) { return std::string_view(s.row.name) == o.row.name; }))
-        out.push_back(o), out.back().of = std::string(name);
-    ++k;
-  }
+    }
   return out;
 }
 

@@ -54,7 +54,7 @@ struct WorldRecord {
   Subscriptions subscriptions;
   Timers timers;
   Tasks tasks;
-  ScriptForces forces;
+  std::vector<ScriptForce> forces;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
   Look appearance;
 

@@ -109,12 +109,7 @@ void make_bodies(lua_State* L, int world, const char* maker) {
   lua_Integer count = 1;
   double step[3] = {0, 0, 0};
   read_repeat(L, options, count, step);
-  if (lua_getfield(L, options, "shape") != LUA_TNIL) {
-    make_shape(L);
-    lua_setfield(L, options, "shape");
-  } else {
-    lua_pop(L, 1);
-  }
+  make_shape_field(L, options);
   for (lua_Integer i = 0; i < count; ++i) {
     lua_newtable(L);
     copy_locations(L, options, -1);

@@ -114,17 +114,13 @@ int math_wave(lua_State* L) {
 }
 
 void make_classes(lua_State* L) {
-  using List = std::span<const Method>;
   const State& s = state(L);
-  const List force[] = {object_methods(), force_methods()};
-  make_class(L, Class::force, force);
-  const List object[] = {object_methods()};
-  make_class(L, Class::object, object);
-  for (std::size_t i = 0; i < s.object_classes.size(); ++i) {
-    const List own[] = {object_methods(), s.object_classes[i]->methods};
-    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)), own);
-  }
-  std::vector<List> world = {world_methods()};
+  make_class(L, Class::force, {object_methods(), force_methods()});
+  make_class(L, Class::object, {object_methods()});
+  for (std::size_t i = 0; i < s.object_classes.size(); ++i)
+    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)),
+               {object_methods(), s.object_classes[i]->methods});
+  std::vector<std::span<const Method>> world = {world_methods()};
   for (const Part* part : s.options.parts) world.push_back(part->world);
   make_class(L, Class::world, world);
   open_classes(L);

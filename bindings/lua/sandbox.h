@@ -27,6 +27,7 @@ void open_text(lua_State* L);
 void open_protected(lua_State* L);
 // The module table of require "feder" (module.cpp).
 void open_module(lua_State* L);
+void push_module(lua_State* L);  // that table
 std::span<const Method> feder_functions();
 
 }  // namespace feder::lua

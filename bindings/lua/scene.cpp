@@ -245,8 +245,7 @@ void run_update(lua_State* L, WorldRecord& record) {
   if (!s.has_update || st.last_world != record.id || st.phase != Phase::running) return;
   push_callback(L, "update");
   const std::size_t profile = st.profile_slot(L, -1);
-  push_world(L, record);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, s.passed);
+  push_scene_world(L);
   st.call_handler(L, profile, 2);
 }
 
@@ -256,8 +255,7 @@ CheckResult run_check(lua_State* L) {
   result.has_check = scene(L).has_check;
   if (!result.has_check || st.last_world >= st.worlds.size()) return result;
   push_callback(L, "check");
-  push_world(L, *st.worlds[st.last_world]);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
+  push_scene_world(L);
   push_expect(L, result);
   Failure failure;
   if (!st.call(L, 3, 0, failure)) {

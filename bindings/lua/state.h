@@ -212,7 +212,7 @@ int guard(lua_State* L) {
 // Fills the table on top of the stack: each function gets upvalues (metatable of its class or nil, qualified name).
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable);
 // Makes the metatable of a class from its methods; leaves it on the stack for metamethods.
-void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists);
+void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists);
 void push_class(lua_State* L, Class c);
 
 // The block of the userdata at `index` when it is of the class in upvalue 1 (methods) or `c`; else null.

@@ -131,10 +131,6 @@ void push_value(lua_State* L, const char* name, double t) {
   lua_call(L, has_time ? 3 : 2, 1);
 }
 
-void pad(std::vector<double>& out) {
-  while (out.size() % 3 != 0) out.push_back(0);
-}
-
 // study.<key> = function
 template <bool StudyDeclaration::*Has>
 void read_function(Options& o, const OptionRow& row, StudyDeclaration& out) {
@@ -255,14 +251,17 @@ StudyDeclaration read_study(Options& scene) {
   return out;
 }
 
-void read_study_numbers(lua_State* L, const char* name, double t, std::vector<double>& out) {
+std::vector<double> read_study_numbers(lua_State* L, const char* name, double t) {
+  std::vector<double> out;
   push_value(L, name, t);
   if (!lua_isnil(L, -1)) collect(L, lua_gettop(L), name, 0, out);
+  return out;
 }
 
-void read_study_state(lua_State* L, const char* name, double t, StudyState& out) {
+StudyState read_study_state(lua_State* L, const char* name, double t) {
   push_value(L, name, t);
   const int value = lua_gettop(L);
+  StudyState out;
   const std::pair<const char*, std::vector<double>*> parts[] = {{"x", &out.x}, {"v", &out.v}, {"q", &out.q}};
   bool named = false;
   for (const auto& [key, numbers] : parts) {
@@ -272,7 +271,9 @@ void read_study_state(lua_State* L, const char* name, double t, StudyState& out)
     lua_pop(L, 1);
   }
   if (!named && !lua_isnil(L, value)) collect(L, value, name, 0, out.x);
-  pad(out.x), pad(out.v);
+  // whole points
+  for (std::vector<double>* numbers : {&out.x, &out.v}) numbers->resize((numbers->size() + 2) / 3 * 3);
+  return out;
 }
 
 double scene_error(lua_State* L, std::span<const double> refined) {

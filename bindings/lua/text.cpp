@@ -45,15 +45,11 @@ int charged_rep(lua_State* L) {
   return call_original(L);
 }
 
-// Work by the length of the first argument: upper, lower, reverse, pack formats, utf8 and numbers in long strings.
+// Work by the length of the first kTexts arguments: one of upper, lower, reverse, pack formats, utf8 and numbers in
+// long strings; unpack walks over its format and, for zero-terminated strings, over its data.
+template <int kTexts>
 int charged_text(lua_State* L) {
-  if (lua_type(L, 1) == LUA_TSTRING) charge(L, lua_rawlen(L, 1) / kTextPerUnit);
-  return call_original(L);
-}
-
-// unpack walks over its format and, for zero-terminated strings, over its data.
-int charged_unpack(lua_State* L) {
-  for (int i = 1; i <= 2; ++i)
+  for (int i = 1; i <= kTexts; ++i)
     if (lua_type(L, i) == LUA_TSTRING) charge(L, lua_rawlen(L, i) / kTextPerUnit);
   return call_original(L);
 }
@@ -74,10 +70,10 @@ void wrap(lua_State* L, const char* table, std::initializer_list<const char*> na
 void open_text(lua_State* L) {
   wrap(L, "string", {"format"}, guard<safe_format>);
   wrap(L, "string", {"rep"}, guard<charged_rep>);
-  wrap(L, "string", {"upper", "lower", "reverse", "byte", "pack", "packsize"}, guard<charged_text>);
-  wrap(L, "string", {"unpack"}, guard<charged_unpack>);
-  wrap(L, "utf8", {"len", "offset", "codepoint"}, guard<charged_text>);
-  wrap(L, "_G", {"tonumber"}, guard<charged_text>);
+  wrap(L, "string", {"upper", "lower", "reverse", "byte", "pack", "packsize"}, guard<charged_text<1>>);
+  wrap(L, "string", {"unpack"}, guard<charged_text<2>>);
+  wrap(L, "utf8", {"len", "offset", "codepoint"}, guard<charged_text<1>>);
+  wrap(L, "_G", {"tonumber"}, guard<charged_text<1>>);
   static constexpr luaL_Reg kSearch[] = {{"find", guard<pattern_find>},
                                          {"match", guard<pattern_match>},
                                          {"gmatch", guard<pattern_gmatch>},
