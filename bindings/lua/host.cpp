@@ -12,7 +12,7 @@ namespace feder::lua {
 namespace {
 
 int step_world(lua_State* L) {
-  run_step(L, *state(L).worlds[state(L).last_world]);
+  run_step(L, *state(L).current());
   return 0;
 }
 
@@ -54,13 +54,7 @@ struct Script::Impl {
     begin_load();
     if (!state.options.load_yaml) throw ScriptError(name + ": this host reads no YAML");
     protect([&](lua_State* L) {
-      std::string error;
-      try {
-        state.options.load_yaml(L, name, text);
-      } catch (const ScriptError& e) {
-        error = e.what();
-      }
-      if (!error.empty()) raise_error(L, error);
+      push_yaml(L, name, text);
       yaml_to_scene(L, name);
       state.is_scene = take_scene(L, name);
     });
@@ -127,8 +121,8 @@ double Script::seconds() const { return impl_->state.scene.seconds; }
 double Script::picture() const { return impl_->state.scene.picture; }
 const SceneCamera& Script::camera() const { return impl_->state.scene.camera; }
 const Look* Script::look() const {
-  const State& s = impl_->state;
-  return s.last_world < s.worlds.size() ? &s.worlds[s.last_world]->appearance : nullptr;
+  const WorldRecord* r = impl_->state.current();
+  return r ? &r->appearance : nullptr;
 }
 std::vector<ParamInfo> Script::params() const { return impl_->state.params; }
 
@@ -142,8 +136,8 @@ void Script::build() {
 }
 
 World* Script::world() {
-  State& s = impl_->state;
-  return s.last_world < s.worlds.size() ? s.worlds[s.last_world]->world.get() : nullptr;
+  const WorldRecord* r = impl_->state.current();
+  return r ? r->world.get() : nullptr;
 }
 
 void Script::step() {

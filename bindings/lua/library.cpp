@@ -144,15 +144,18 @@ int feder_load(lua_State* L) {
       if (file.empty()) file = inside(folder, name);
   if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
   record_file(s, file);
-  const std::string text = read_text(file);
+  push_yaml(L, chunk_name(file), read_text(file));
+  return 1;
+}
+
+void push_yaml(lua_State* L, const std::string& file, const std::string& text) {
   std::string error;
   try {
-    s.options.load_yaml(L, chunk_name(file), text);
-    return 1;
+    state(L).options.load_yaml(L, file, text);
+    return;
   } catch (const ScriptError& e) {
     error = e.what();
   }
-  // the error has the location in the file; the script's own would hide it
   raise_error(L, error);
 }
 

@@ -24,9 +24,7 @@ int feder_world(lua_State* L) {
   WorldRecord& r = push_new_world(L, settings);
   // a scene's own world stays the host's
   if (s.is_scene && s.phase != Phase::loading) return 1;
-  luaL_unref(L, LUA_REGISTRYINDEX, s.last_world_ref);
-  lua_pushvalue(L, -1);
-  s.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.last_world_ref);
   s.last_world = r.id;
   return 1;
 }

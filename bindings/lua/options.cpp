@@ -50,7 +50,7 @@ struct RotationOptions {
 };
 
 constexpr Option<RotationOptions> kRotation[] = {
-    direction<&RotationOptions::axis>("axis"),
+    direction<RotationOptions, &RotationOptions::axis>("axis"),
     field<&RotationOptions::angle>("angle", "rad").unset(),
     field<&RotationOptions::euler>("euler", "rad").unset(),
     field<&RotationOptions::order>("order"),

@@ -174,17 +174,9 @@ std::vector<OptionInfo> options_of() {
   return variant_options(Table());
 }
 
-template <auto Member>
-struct Direction {
-  OptionRow row;
-  template <class T>
-  constexpr operator Option<T>() const {
-    return {row, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
-  }
-};
-template <auto Member>
-constexpr Direction<Member> direction(const char* name) {
-  return {{.name = name}};
+template <class T, Vec3 T::*Member>
+constexpr Option<T> direction(const char* name) {
+  return {{.name = name}, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
 }
 
 // Read by a function; without one, by whoever reads the rows.

@@ -17,11 +17,6 @@ double size_argument(lua_State* L, int index, const char* name) {
   return check_number(L, index, std::string(function_name(L)) + "." + name, Range{0, 1e9, true});
 }
 
-void no_more(lua_State* L, int count) {
-  if (lua_gettop(L) > count)
-    fail_here(L, "expected at most " + std::to_string(count) + " arguments, got " + std::to_string(lua_gettop(L)));
-}
-
 int shape_collected(lua_State* L) {
   static_cast<ShapePtr*>(lua_touserdata(L, 1))->~shared_ptr();
   return 0;
@@ -93,7 +88,8 @@ int feder_shape(lua_State* L) {
   }
   int most = 0;
   for (const ShapeArgument& a : kind.arguments) most += a.type == ShapeArgumentType::direction ? 3 : 1;
-  no_more(L, most);
+  if (lua_gettop(L) > most)
+    fail_here(L, "expected at most " + std::to_string(most) + " arguments, got " + std::to_string(lua_gettop(L)));
   ShapeInput in;
   std::vector<Vec3> points;
   std::vector<std::uint32_t> triangles;

@@ -105,6 +105,13 @@ inline void push_weak_table(lua_State* L, const char* mode) {
   lua_setmetatable(L, -2);
 }
 
+// The value on top takes the place of another in the registry.
+inline void replace_reference(lua_State* L, int& reference) {
+  luaL_unref(L, LUA_REGISTRYINDEX, reference);
+  lua_pushvalue(L, -1);
+  reference = luaL_ref(L, LUA_REGISTRYINDEX);
+}
+
 // Pushes a userdata of the class.
 template <class T>
 T& push_userdata(lua_State* L, Class c, T value, int user_values = 0) {

@@ -315,10 +315,9 @@ void State::call_handler(lua_State* on, std::size_t slot, int args) {
   if (!profiled(slot, [&] { return call(on, args, 0, failure); })) report(failure);
 }
 
-Rng& State::random() {
-  if (last_world < worlds.size() && worlds[last_world]->world) return worlds[last_world]->world->rng();
-  return rng;
-}
+WorldRecord* State::current() const { return last_world < worlds.size() ? worlds[last_world].get() : nullptr; }
+
+Rng& State::random() { return current() && current()->world ? current()->world->rng() : rng; }
 
 std::string location(lua_State* L, int level) {
   lua_Debug ar;

@@ -116,7 +116,8 @@ struct State {
   }
   // Calls a handler, the function below `args` arguments on the stack; an error in it is reported.
   void call_handler(lua_State* on, std::size_t slot, int args);
-  Rng& random();  // of the current world; before the first world, the state's own
+  WorldRecord* current() const;  // the scene's world, or the last of a plain script; null before
+  Rng& random();                 // of the current world; before the first world, the state's own
 
   HostOptions options;
   std::vector<const ObjectClass*> object_classes;  // from Class::parts on

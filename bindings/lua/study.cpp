@@ -96,8 +96,7 @@ void collect(lua_State* L, int index, const std::string& what, int depth, std::v
 }
 
 void need_world(lua_State* L) {
-  const State& s = state(L);
-  if (s.last_world >= s.worlds.size()) complain(L, "study: the scene has no world yet; build() makes it");
+  if (!state(L).current()) complain(L, "study: the scene has no world yet; build() makes it");
 }
 
 // Pushes study.<name>.
@@ -287,7 +286,7 @@ double scene_error(lua_State* L, std::span<const double> refined) {
   if (state(L).scene.study.reference == StudyDeclaration::Reference::refined) {
     push_list(L, refined, [&](double x) { push(L, x); });
   } else {
-    push_value(L, "reference", state(L).worlds[state(L).last_world]->world->time());
+    push_value(L, "reference", state(L).current()->world->time());
   }
   if (!scene_second) lua_insert(L, -2);
   lua_call(L, 3, LUA_MULTRET);

@@ -30,25 +30,24 @@ void read_friction(Options& o, const OptionRow&, T& made) {
   if (friction_option(o, "friction", made.friction_static, made.friction_dynamic)) made.has_friction = true;
 }
 
-void read_restitution(Options& o, const OptionRow& row, Material& m) {
-  m.has_restitution = o.real("restitution", m.restitution, row.range);
-}
-
-void read_density(Options& o, const OptionRow& row, Material& m) {
-  m.has_density = o.real("density", m.density, row.range);
-}
-
-void read_rolling(Options& o, const OptionRow& row, Material& m) {
-  m.has_rolling = o.real("rolling_friction", m.rolling_friction, row.range);
+template <bool Material::*Has, Real Material::*Value>
+void read_number(Options& o, const OptionRow& row, Material& m) {
+  m.*Has = o.real(row.name, m.*Value, row.range);
 }
 
 void read_color(Options& o, const OptionRow&, Material& m) { m.has_color = o.color("color", m.color); }
 
 constexpr Option<Material> kMaterial[] = {
     {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
-    {{.name = "restitution", .range = kUnitRange}, "number", read_restitution},
-    {{.name = "density", .unit = "kg/m3", .range = kPositive}, "number", read_density},
-    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative}, "number", read_rolling},
+    {{.name = "restitution", .range = kUnitRange},
+     "number",
+     read_number<&Material::has_restitution, &Material::restitution>},
+    {{.name = "density", .unit = "kg/m3", .range = kPositive},
+     "number",
+     read_number<&Material::has_density, &Material::density>},
+    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative},
+     "number",
+     read_number<&Material::has_rolling, &Material::rolling_friction>},
     special("color", "color", read_color),
     later<Material>("title", "string"),
     later<Material>("description", "string"),
