@@ -88,7 +88,6 @@ const Part& cloth_part() {
                                          .contact_field = "index",
                                          .takes_forces = true}};
   static const Part part = {.name = "cloth",
-                            .functions = {},
                             .world = kWorld,
                             .classes = classes,
                             .yaml = kYaml,

@@ -136,10 +136,9 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
 
 int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
 
-int event_tostring(lua_State* L) {
+std::string event_tostring(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
-  lua_pushstring(L, block->valid ? (std::string("event ") + block->event.kind.text()).c_str() : "event (over)");
-  return 1;
+  return block->valid ? std::string("event ") + block->event.kind.text() : "event (over)";
 }
 
 EventBlock& push_event(lua_State* L, const WorldRecord& record) {
@@ -443,7 +442,7 @@ int world_events(lua_State* L) {
 }
 
 void open_events(lua_State* L) {
-  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", event_tostring}});
+  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}});
   push_class(L, Class::event);
   lua_newtable(L);
   for (std::size_t i = 0; i < std::size(kFields); ++i) set_field(L, kFields[i].name, i + 1);

@@ -178,7 +178,7 @@ const Part& fluid_part() {
       {.name = "fluid", .methods = kFluidMethods, .destroy = &destroy_fluid, .contact_field = "count"},
       {.name = "emitter", .methods = kEmitterMethods, .destroy = destroy_alone<&Fluid::destroy_emitter>},
       {.name = "drain", .methods = kDrainMethods, .destroy = destroy_alone<&Fluid::destroy_drain>}};
-  static const Part part = {.name = "fluid", .functions = {}, .world = kWorld, .classes = classes, .yaml = kYaml};
+  static const Part part = {.name = "fluid", .world = kWorld, .classes = classes, .yaml = kYaml};
   return part;
 }
 

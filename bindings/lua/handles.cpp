@@ -74,16 +74,14 @@ int world_collected(lua_State* L) {
   return 0;
 }
 
-int handle_tostring(lua_State* L) {
+std::string handle_tostring(lua_State* L) {
   const Handle* h = test_handle(L, 1);
-  lua_pushstring(L, h ? describe_handle(L, 1, *h).c_str() : "?");
-  return 1;
+  return h ? describe_handle(L, 1, *h) : "?";
 }
 
-int world_tostring(lua_State* L) {
+std::string world_tostring(lua_State* L) {
   const auto* block = static_cast<const WorldBlock*>(test_class(L, 1, Class::world));
-  lua_pushstring(L, block ? ("world #" + std::to_string(block->world + 1)).c_str() : "?");
-  return 1;
+  return block ? "world #" + std::to_string(block->world + 1) : "?";
 }
 
 Handle& self_handle(lua_State* L) {
@@ -236,12 +234,20 @@ Self check_self(lua_State* L) {
   return {*r, *r->world, h.id};
 }
 
+// Calls f(class) for the classes whose userdata are handles, until it says true.
+template <class F>
+static void find_handle_class(const State& s, F&& f) {
+  for (int c = 0; c < static_cast<int>(s.class_ref.size()); ++c) {
+    const bool own = c < kOwnClasses;
+    const auto kind = static_cast<Class>(c);
+    if ((!own || kind == Class::force || kind == Class::object) && f(kind)) return;
+  }
+}
+
 Handle* test_handle(lua_State* L, int index) {
-  for (Class c : {Class::force, Class::object})
-    if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
-  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
-    if (void* block = test_class(L, index, static_cast<Class>(c))) return static_cast<Handle*>(block);
-  return nullptr;
+  void* block = nullptr;
+  find_handle_class(state(L), [&](Class c) { return (block = test_class(L, index, c)) != nullptr; });
+  return static_cast<Handle*>(block);
 }
 
 ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what) {
@@ -371,11 +377,11 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  std::vector<Class> classes = {Class::force, Class::object};
-  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
-    classes.push_back(static_cast<Class>(c));
-  for (Class c : classes) set_metamethods(L, c, {{"__tostring", guard<handle_tostring>}});
-  set_metamethods(L, Class::world, {{"__tostring", world_tostring}, {"__gc", world_collected}});
+  find_handle_class(state(L), [L](Class c) {
+    set_metamethods(L, c, {{"__tostring", method<handle_tostring>}});
+    return false;
+  });
+  set_metamethods(L, Class::world, {{"__tostring", method<world_tostring>}, {"__gc", world_collected}});
 }
 
 }  // namespace feder::lua

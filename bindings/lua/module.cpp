@@ -73,8 +73,6 @@ const Method kFederFunctions[] = {
 
 }  // namespace
 
-std::span<const Method> feder_functions() { return kFederFunctions; }
-
 void open_module(lua_State* L) {
   make_class(L, Class::shape, {shape_methods()});
   make_class(L, Class::buffer, {buffer_methods()});
@@ -85,7 +83,7 @@ void open_module(lua_State* L) {
   open_buffer(L);
   open_events(L);
   lua_newtable(L);
-  add_methods(L, feder_functions(), "feder.", 0);
+  add_methods(L, kFederFunctions, "feder.", 0);
   add_methods(L, shape_functions(), "feder.", 0);
   for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
   set_field(L, "pi", 3.14159265358979323846);
@@ -106,7 +104,7 @@ std::vector<DocRow> docs(std::span<const Part* const> parts) {
     for (const Method& m : methods)
       rows.push_back({owner, m.name, m.signature, m.doc, m.options ? m.options() : std::vector<OptionInfo>{}});
   };
-  add("feder", feder_functions()), add("feder", shape_functions());
+  add("feder", kFederFunctions), add("feder", shape_functions());
   for (const Part* p : parts) add("feder", p->functions);
   add("world", world_methods());
   for (const Part* p : parts) add("world", p->world);

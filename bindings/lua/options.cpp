@@ -248,9 +248,8 @@ bool Options::given(const char* key) const {
 }
 
 bool Options::has(const char* key) {
-  if (!push_any(key)) return false;
-  lua_pop(L_, 1);
-  return true;
+  FEDER_ASSERT(std::find(known_.begin(), known_.end(), key) != known_.end());  // its row
+  return given(key);
 }
 
 bool Options::number(const char* key, double& out, const Range& range) {

@@ -135,6 +135,16 @@ void set_integer(lua_State* L, int table, int field, lua_Integer x) {
   lua_rawseti(L, table, field);
 }
 
+// What the table at `indices` says of the key at `key`; 0 where it has none.
+lua_Integer index_in(lua_State* L, int indices, int key) {
+  indices = lua_absindex(L, indices);
+  lua_pushvalue(L, key);
+  lua_rawget(L, indices);
+  const lua_Integer index = lua_tointeger(L, -1);
+  lua_pop(L, 1);
+  return index;
+}
+
 // Fills the walk at `walk` with the sorted keys of the table at 1 that `missing` accepts, behind those it has.
 template <class F>
 void list_keys(lua_State* L, int walk, F&& missing) {
@@ -197,10 +207,8 @@ int ordered_next(lua_State* L) {
   if (!first) {
     const auto index_of_key = [L] {
       lua_rawgeti(L, 4, kIndices);
-      lua_pushvalue(L, 2);
-      lua_rawget(L, -2);
-      const lua_Integer index = lua_tointeger(L, -1);
-      lua_pop(L, 2);
+      const lua_Integer index = index_in(L, -1, 2);
+      lua_pop(L, 1);
       return index;
     };
     lua_Integer index = index_of_key();
@@ -220,13 +228,7 @@ int ordered_next(lua_State* L) {
     lua_rawgeti(L, 4, kKeys);
     const auto end = static_cast<lua_Integer>(lua_rawlen(L, -1));
     lua_pop(L, 1);
-    list_keys(L, 4, [L, before](int indices) {
-      lua_pushvalue(L, -1);
-      lua_rawget(L, indices);
-      const lua_Integer index = lua_tointeger(L, -1);
-      lua_pop(L, 1);
-      return index < before;
-    });
+    list_keys(L, 4, [L, before](int indices) { return index_in(L, indices, -1) < before; });
     found = push_alive(L, 4, end + 1);
     if (found != 0) set_integer(L, 4, kStale, 1);
   }

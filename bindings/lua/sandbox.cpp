@@ -131,12 +131,6 @@ int make_weak_table(lua_State* L, const char* mode) {
   return luaL_ref(L, LUA_REGISTRYINDEX);
 }
 
-void set_functions(lua_State* L, const char* table, std::initializer_list<luaL_Reg> rows) {
-  lua_getglobal(L, table);
-  for (const luaL_Reg& row : rows) set_field(L, row.name, row.func);
-  lua_pop(L, 1);
-}
-
 }  // namespace
 
 lua_Integer value_id(lua_State* L, int index) {
@@ -235,8 +229,7 @@ int open_sandbox(lua_State* L) {
   // one script cannot change the strings of another
   lua_pushstring(L, "");
   lua_getmetatable(L, -1);
-  lua_pushboolean(L, 0);
-  lua_setfield(L, -2, "__metatable");
+  set_field(L, "__metatable", false);
   lua_settop(L, 0);
   return 0;
 }

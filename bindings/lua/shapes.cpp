@@ -22,10 +22,9 @@ int shape_collected(lua_State* L) {
   return 0;
 }
 
-int shape_tostring(lua_State* L) {
+std::string shape_tostring(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(test_class(L, 1, Class::shape));
-  lua_pushstring(L, shape ? (std::string("shape ") + (*shape)->kind()).c_str() : "?");
-  return 1;
+  return shape ? std::string("shape ") + (*shape)->kind() : "?";
 }
 
 // Triangles as {i, j, k} tables counting from 1.
@@ -206,7 +205,7 @@ bool points_option(Options& o, const char* key, std::vector<Vec3>& out) {
 }
 
 void open_shapes(lua_State* L) {
-  set_metamethods(L, Class::shape, {{"__tostring", shape_tostring}, {"__gc", shape_collected}});
+  set_metamethods(L, Class::shape, {{"__tostring", method<shape_tostring>}, {"__gc", shape_collected}});
 }
 
 }  // namespace feder::lua

@@ -5,6 +5,7 @@
 
 #include "lua/pattern.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -56,6 +57,12 @@ int charged_text(lua_State* L) {
 
 }  // namespace
 
+void set_functions(lua_State* L, const char* table, std::initializer_list<luaL_Reg> rows) {
+  lua_getglobal(L, table);
+  for (const luaL_Reg& row : rows) set_field(L, row.name, row.func);
+  lua_pop(L, 1);
+}
+
 void wrap(lua_State* L, const char* table, std::initializer_list<const char*> names, lua_CFunction f, bool named) {
   lua_getglobal(L, table);
   for (const char* name : names) {
@@ -74,14 +81,11 @@ void open_text(lua_State* L) {
   wrap(L, "string", {"unpack"}, guard<charged_text<2>>);
   wrap(L, "utf8", {"len", "offset", "codepoint"}, guard<charged_text<1>>);
   wrap(L, "_G", {"tonumber"}, guard<charged_text<1>>);
-  static constexpr luaL_Reg kSearch[] = {{"find", guard<pattern_find>},
-                                         {"match", guard<pattern_match>},
-                                         {"gmatch", guard<pattern_gmatch>},
-                                         {"gsub", guard<pattern_gsub>},
-                                         {nullptr, nullptr}};
-  lua_getglobal(L, "string");
-  luaL_setfuncs(L, kSearch, 0);
-  lua_pop(L, 1);
+  set_functions(L, "string",
+                {{"find", guard<pattern_find>},
+                 {"match", guard<pattern_match>},
+                 {"gmatch", guard<pattern_gmatch>},
+                 {"gsub", guard<pattern_gsub>}});
 }
 
 }  // namespace feder::lua

@@ -168,11 +168,6 @@ const Method kWorldMethods[] = {
 
 }  // namespace
 
-int push_vector(lua_State* L, const Vec3& v) {
-  for (int k = 0; k < 3; ++k) lua_pushnumber(L, v[k]);
-  return 3;
-}
-
 std::size_t number_in(lua_State* L, int index, std::size_t count, const char* what) {
   int whole = 0;
   const lua_Integer i = lua_type(L, index) == LUA_TNUMBER ? lua_tointegerx(L, index, &whole) : 0;
