@@ -1,5 +1,4 @@
 // world:cloth{ ... }: a sheet or a mesh, its stiffness, pins, and what it does with bodies and itself.
-#include <algorithm>
 
 #include "cloth/solver.h"
 #include "lua/buffer.h"

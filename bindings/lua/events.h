@@ -1,7 +1,6 @@
 // Subscriptions of one world, and their dispatch after a step. Filters are evaluated here, before any Lua call.
 #pragma once
 #include <memory>
-#include <string>
 #include <unordered_map>
 #include <vector>
 

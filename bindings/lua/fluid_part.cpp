@@ -3,7 +3,6 @@
 #include "lua/fluid_part.h"
 
 #include "lua/buffer.h"
-#include "lua/shapes.h"
 #include "lua/yaml_scene.h"
 
 namespace feder::lua {

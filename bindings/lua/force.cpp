@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/registry.h"
 #include "forces/forces.h"
 #include "lua/method.h"
 
@@ -69,12 +68,6 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
   for (const std::string& w : words) target.tags |= record.world->objects().tag_bit(w);
 }
 
-ForceEntry entry_of(const ScriptForce& f) {
-  ForceEntry entry;
-  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
-  return entry;
-}
-
 struct ForceReading {
   std::string name, kind;
   bool stages = false;
@@ -106,7 +99,8 @@ int add_script_force(Options& o, WorldRecord& record, const ForceReading& readin
   f.profile = state(L).profile_slot(L, -1);
   f.function = keep(L, record, -1);
   lua_pop(L, 1);
-  ForceEntry entry = entry_of(f);
+  ForceEntry entry;
+  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
   if (reading.stages) entry.force = make_stage_force(record, f.function, f.profile);
   f.object = record.world->add_force(std::move(entry), reading.name, tags);
   push_handle(L, record, f.object);

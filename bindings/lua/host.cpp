@@ -172,9 +172,8 @@ CheckResult Script::check() {
 
 const std::vector<HandlerError>& Script::handler_errors() const { return impl_->state.errors; }
 std::vector<HandlerProfile> Script::handler_profile() const {
-  std::vector<HandlerProfile> used;
-  for (const HandlerProfile& p : impl_->state.profile)
-    if (p.calls > 0) used.push_back(p);
+  std::vector<HandlerProfile> used = impl_->state.profile;
+  std::erase_if(used, [](const HandlerProfile& p) { return p.calls == 0; });
   return used;
 }
 

@@ -118,15 +118,14 @@ std::vector<Advice> advise_nets(World& world) {
     const NetAdvice& a = row.numbers;
     row.object = world.objects().describe(id);
     const char* verdict = a.never_stable ? "never stable" : a.stable ? "stable" : "unstable";
-    const std::string error = a.method.adaptive ? "tolerance" : a.method.exact_linear ? "exact" : decade(a.error);
-    row.error_class = error;
+    row.error_class = a.method.adaptive ? "tolerance" : a.method.exact_linear ? "exact" : decade(a.error);
     suggest(row, d.substeps);
     rows.push_back({id,
                     sentence(row, d.substeps),
                     {{"verdict", verdict},
                      {"method", a.integrator},
                      {"integrator", row.integrator},
-                     {"error_class", error},
+                     {"error_class", row.error_class},
                      {"limit", a.method.stability_limit},
                      {"h", a.h},
                      {"hw", a.reach},

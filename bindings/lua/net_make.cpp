@@ -1,5 +1,4 @@
 // world:net{ ... }: points, masses, springs, pins, and what the net does with bodies.
-#include <algorithm>
 
 #include "integrate/integrator.h"
 #include "lua/buffer.h"

@@ -1,7 +1,6 @@
 #include "lua/rigid_part.h"
 
 #include "constrain/joint.h"
-#include "lua/shapes.h"
 #include "lua/yaml_scene.h"
 #include "state/bodies.h"
 

@@ -66,21 +66,13 @@ std::vector<CompoundPart> check_parts(lua_State* L, int index) {
   return parts;
 }
 
-// The kind whose maker runs, by its name.
-const ShapeKind& kind_here(lua_State* L) {
-  const std::string_view name = function_name(L);
-  return shape_kinds()[static_cast<std::size_t>(shape_kind_id(name.substr(name.rfind('.') + 1).data()))];
-}
-
-bool three_sizes(const ShapeKind& kind) {
-  return kind.arguments.size() == 3 && kind.arguments[2].type == ShapeArgumentType::size;
-}
-
 // feder.<kind>(...), by the arguments of the kind's row.
 int feder_shape(lua_State* L) {
-  const ShapeKind& kind = kind_here(L);
   const std::string name = function_name(L);
-  if (three_sizes(kind) && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
+  // the kind whose maker runs, by its name
+  const ShapeKind& kind = shape_kinds()[static_cast<std::size_t>(shape_kind_id(name.c_str() + name.rfind('.') + 1))];
+  const bool three_sizes = kind.arguments.size() == 3 && kind.arguments[2].type == ShapeArgumentType::size;
+  if (three_sizes && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
     const Vec3 size = check_vector(L, 1, name);
     lua_settop(L, 0);
     push(L, size);

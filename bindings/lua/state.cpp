@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 
-#include "base/rng.h"
 #include "feder/params.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"

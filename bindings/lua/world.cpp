@@ -4,7 +4,6 @@
 
 #include "lua/method.h"
 #include "lua/step.h"
-#include "lua/world_options.h"
 
 namespace feder::lua {
 namespace {

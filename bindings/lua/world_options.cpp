@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 #include "feder/system.h"
 #include "forces/area.h"
@@ -11,12 +10,6 @@
 
 namespace feder::lua {
 namespace {
-
-bool in_catalog(Catalog systems, std::string_view name) {
-  for (const SystemDescriptor* d : systems)
-    if (name == d->name) return true;
-  return false;
-}
 
 struct Friction {
   Real fixed = 0, dynamic = 0;
@@ -192,7 +185,8 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
   const std::size_t dot = key.find('.');
   if (dot != std::string::npos) {
     const std::string system = key.substr(0, dot);
-    if (!in_catalog(systems, system)) throw SceneError(what + ": unknown system '" + system + "'");
+    if (std::ranges::none_of(systems, [&](const SystemDescriptor* d) { return system == d->name; }))
+      throw SceneError(what + ": unknown system '" + system + "'");
     w.desc.systems[system].set(key.substr(dot + 1), value);
   } else if (key == "dt") {
     w.desc.dt = number();
