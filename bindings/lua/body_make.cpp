@@ -10,13 +10,13 @@ namespace {
 
 constexpr const char* kTypes = "static, kinematic, dynamic";  // BodyType, from fixed on
 
-BodyType type_at(std::ptrdiff_t place) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + place); }
+BodyType type_at(std::ptrdiff_t index) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + index); }
 
 using BodyReading = Making<BodyDesc>;
 
 void read_type(Options& o, const OptionRow& row, BodyReading& b) {
-  int place = 0;
-  if (o.choice("type", row.choices, place)) b.type = type_at(place);
+  int index = 0;
+  if (o.choice("type", row.choices, index)) b.type = type_at(index);
 }
 
 std::string show_type(const BodyReading& b) { return print_value(std::string(body_type_name(b.type))); }
@@ -114,7 +114,7 @@ BodyType body_type_from_name(lua_State* L, int index) {
 ObjectId world_body(WorldRecord& r, lua_State* L) {
   const BodyReading body = read_description(L, r, kBody);
   const ObjectId id = system_of<Rigid>(r).add_body(body);
-  if (body.painted) r.look.colors[id] = body.color;
+  if (body.painted) r.appearance.colors[id] = body.color;
   return id;
 }
 

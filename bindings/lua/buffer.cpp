@@ -15,7 +15,7 @@ struct BufferBlock {
   double* numbers() { return reinterpret_cast<double*>(this + 1); }
 };
 
-// The place of buf[i]; null when out of range.
+// The address of buf[i].
 double* element(lua_State* L, BufferBlock& b) {
   int whole = 0;
   const lua_Integer i = lua_type(L, 2) == LUA_TNUMBER ? lua_tointegerx(L, 2, &whole) : 0;

@@ -1,5 +1,4 @@
 // world:cloth{ ... }: a sheet or a mesh, its stiffness, pins, and what it does with bodies and itself.
-#include <algorithm>
 
 #include "cloth/solver.h"
 #include "lua/buffer.h"
@@ -48,14 +47,12 @@ bool read_pair(Options& o, const OptionRow& row, double (&out)[2], bool whole) {
   lua_State* L = o.L();
   if (!o.push(row.name, LUA_TTABLE, "two numbers")) return false;
   if (lua_rawlen(L, -1) != 2) o.wrong(row.name, "two numbers");
-  for (int k = 0; k < 2; ++k) {
-    lua_rawgeti(L, -1, k + 1);
-    const std::string what = o.path(row.name) + "[" + std::to_string(k + 1) + "]";
-    out[k] = whole ? static_cast<double>(check_integer(L, -1, what, static_cast<std::int64_t>(row.range.lo),
-                                                       static_cast<std::int64_t>(row.range.hi)))
-                   : check_number(L, -1, what, row.range);
-    lua_pop(L, 1);
-  }
+  each_entry(L, -1, [&](lua_Integer k) {
+    const std::string what = o.path(row.name) + "[" + std::to_string(k) + "]";
+    out[k - 1] = whole ? static_cast<double>(check_integer(L, -1, what, static_cast<std::int64_t>(row.range.lo),
+                                                           static_cast<std::int64_t>(row.range.hi)))
+                       : check_number(L, -1, what, row.range);
+  });
   lua_pop(L, 1);
   return true;
 }
@@ -103,7 +100,7 @@ void read_pins(Options& o, const OptionRow&, ClothReading& desc) {
   lua_pop(L, 1);
 }
 
-constexpr Option<ClothDesc> kWind[] = {
+constexpr Option<ClothReading> kWind[] = {
     field<&ClothDesc::drag>("drag", "", kNotNegative),
     field<&ClothDesc::lift>("lift", "", kNotNegative),
 };
@@ -116,8 +113,7 @@ void read_wind(Options& o, const OptionRow&, ClothReading& desc) {
     desc.wind = lua_toboolean(L, -1) != 0;
   } else if (lua_type(L, -1) == LUA_TTABLE) {
     Options inner(L, -1, o.path("wind"));
-    ClothDesc& own = desc;
-    inner.read(kWind, own);
+    inner.read(kWind, desc);
   } else {
     o.wrong("wind", "true, false or { drag =, lift = }");
   }
@@ -191,7 +187,7 @@ ObjectId world_cloth(WorldRecord& r, lua_State* L) {
   ClothReading cloth = read_description(L, r, kCloth);
   cloth.pose = {cloth.position, cloth.rotation};
   const ObjectId id = r.world->need<Cloth>().add_cloth(cloth);
-  if (cloth.painted) r.look.colors[id] = cloth.color;
+  if (cloth.painted) r.appearance.colors[id] = cloth.color;
   return id;
 }
 

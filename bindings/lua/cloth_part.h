@@ -9,6 +9,5 @@ const Part& cloth_part();
 
 ObjectId world_cloth(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> cloth_rows();
-std::span<const Method> cloth_methods();
 
 }  // namespace feder::lua

@@ -18,8 +18,8 @@ void push_environment(lua_State* L) {
     s.console_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   }
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.console_ref);
-  if (s.last_world < s.worlds.size() && s.worlds[s.last_world]->world)
-    push_world(L, *s.worlds[s.last_world]);
+  if (const WorldRecord* r = s.current(); r && r->world)
+    push_world(L, *r);
   else
     lua_pushnil(L);
   lua_setfield(L, -2, "world");
@@ -27,10 +27,8 @@ void push_environment(lua_State* L) {
     lua_rawgeti(L, LUA_REGISTRYINDEX, s.scene.passed);
     lua_setfield(L, -2, "scene");
   }
-  lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
-  lua_getfield(L, -1, "feder");
-  lua_setfield(L, -3, "feder");
-  lua_pop(L, 1);
+  push_module(L);
+  lua_setfield(L, -2, "feder");
 }
 
 // Pushes the text as a function: as an expression when it is one.

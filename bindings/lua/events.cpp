@@ -17,7 +17,7 @@ bool has_two(EventKind k) { return k.has(EventKind::kPair | EventKind::kSensed);
 struct EventBlock {
   std::uint32_t world = 0;
   bool valid = false;
-  bool turned = false;
+  bool swapped = false;
   Event event;
 };
 
@@ -25,15 +25,15 @@ struct EventBlock {
 bool reports(lua_State* L, const WorldRecord& r, ObjectId id, std::string_view field) {
   const State& s = state(L);
   const ObjectClass* row = id ? class_row(s, class_of(s, r, id)) : nullptr;
-  return row && row->place && field == row->place;
+  return row && row->contact_field && field == row->contact_field;
 }
 
-// An event as a subscription sees it: a and b change places when it is turned.
+// An event as a subscription sees it: a and b change places when it is swapped.
 struct EventView {
   lua_State* L;
   WorldRecord& record;
   const Event& e;
-  bool turned;
+  bool swapped;
 
   bool has(std::uint32_t any) const { return e.kind.has(any); }
   // Pushes the value, or nil when the event has no such field.
@@ -51,9 +51,9 @@ struct EventView {
   bool has_text() const { return has(EventKind::kText) && e.text != kNone; }
 };
 
-template <EventKind::Tells kTells, Real Event::*Member>
+template <std::uint32_t kFlag, Real Event::*Member>
 void push_number(const EventView& v) {
-  v.value(v.has(kTells), v.e.*Member);
+  v.value(v.has(kFlag), v.e.*Member);
 }
 template <int kAxis>
 void push_coordinate(const EventView& v) {
@@ -61,7 +61,7 @@ void push_coordinate(const EventView& v) {
 }
 template <int kAxis>
 void push_normal(const EventView& v) {
-  v.value(is_contact(v.e.kind), (v.turned ? Real(-1) : Real(1)) * v.e.normal[kAxis]);
+  v.value(is_contact(v.e.kind), (v.swapped ? Real(-1) : Real(1)) * v.e.normal[kAxis]);
 }
 void push_code(const EventView& v) {
   v.has_text() ? push(v.L, v.record.world->events().warning_code(v.e)) : push(v.L, nullptr);
@@ -78,8 +78,8 @@ constexpr EventField kFields[] = {
     {"kind", [](const EventView& v) { v.value(true, v.e.kind.text()); }},
     {"time", [](const EventView& v) { v.value(true, v.record.world->time()); }},
     {"step", [](const EventView& v) { v.value(true, v.record.world->step_count()); }},
-    {"a", [](const EventView& v) { v.object(is_contact(v.e.kind), v.turned ? v.e.b : v.e.a); }},
-    {"b", [](const EventView& v) { v.object(is_contact(v.e.kind), v.turned ? v.e.a : v.e.b); }},
+    {"a", [](const EventView& v) { v.object(is_contact(v.e.kind), v.swapped ? v.e.b : v.e.a); }},
+    {"b", [](const EventView& v) { v.object(is_contact(v.e.kind), v.swapped ? v.e.a : v.e.b); }},
     {"x", push_coordinate<0>},
     {"y", push_coordinate<1>},
     {"z", push_coordinate<2>},
@@ -107,7 +107,7 @@ int event_copy(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
   if (!block) fail(L, "event:copy: expected an event before the ':', got " + describe(L, 1));
   if (!readable(L, *block)) fail(L, "event:copy: an event is valid inside its handler only; copy it there");
-  push_event_copy(L, *state(L).worlds[block->world], block->event, block->turned);
+  push_event_copy(L, *state(L).worlds[block->world], block->event, block->swapped);
   return 1;
 }
 
@@ -130,16 +130,15 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   }
   if (!readable(L, *block))
     fail(L, "event." + std::string(field.name) + ": an event is valid inside its handler only; keep it with e:copy()");
-  field.push({L, *state(L).worlds[block->world], block->event, block->turned});
+  field.push({L, *state(L).worlds[block->world], block->event, block->swapped});
   return 1;
 }
 
 int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
 
-int event_tostring(lua_State* L) {
+std::string event_tostring(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
-  lua_pushstring(L, block->valid ? (std::string("event ") + block->event.kind.text()).c_str() : "event (over)");
-  return 1;
+  return block->valid ? std::string("event ") + block->event.kind.text() : "event (over)";
 }
 
 EventBlock& push_event(lua_State* L, const WorldRecord& record) {
@@ -198,7 +197,7 @@ void deliver_to_task(lua_State* L, WorldRecord& record, Subscription& s, const E
   Task* task = find_task(record, s.task);
   s.live = false;
   if (!task) return;
-  push_event_copy(L, record, e, match(record, s, e) == Side::turned);
+  push_event_copy(L, record, e, match(record, s, e) == Side::swapped);
   task->event = keep(L, record, -1);
   task->state = TaskState::ready;
   lua_pop(L, 1);
@@ -244,11 +243,11 @@ const Method kEventMethods[] = {
 std::span<const Method> event_methods() { return kEventMethods; }
 std::span<const Method> connection_methods() { return kConnectionMethods; }
 
-void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool turned) {
+void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool swapped) {
   lua_newtable(L);
   for (const EventField& field : kFields) {
     if (!field.push) continue;
-    field.push({L, record, e, turned});
+    field.push({L, record, e, swapped});
     lua_setfield(L, -2, field.name);
   }
 }
@@ -275,7 +274,7 @@ Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
     }
   }
   if ((!a || e.a == a) && (!b || e.b == b)) return Side::same;
-  if (is_contact(e.kind) && (!a || e.b == a) && (!b || e.a == b)) return Side::turned;
+  if (is_contact(e.kind) && (!a || e.b == a) && (!b || e.a == b)) return Side::swapped;
   return Side::none;
 }
 
@@ -324,7 +323,7 @@ void dispatch_events(lua_State* L, WorldRecord& record) {
         continue;
       }
       block.event = e;
-      block.turned = match(record, *sub, e) == Side::turned;
+      block.swapped = match(record, *sub, e) == Side::swapped;
       block.valid = true;
       lua_rawgeti(L, data, sub->function);
       lua_pushvalue(L, data + 1);
@@ -435,9 +434,7 @@ int world_events(lua_State* L) {
   WorldRecord& r = check_world(L);
   const EventKind kind = check_event_kind(L, 2, r);
   r.world->events().set_wanted(kind, true);  // from the next step on, for the kinds that cost something
-  lua_pushinteger(L, 0);
-  lua_pushstring(L, kind.text());
-  lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count()));
+  push(L, 0, kind.text(), r.world->step_count());
   push_event(L, r);
   lua_pushvalue(L, 1);
   lua_pushcclosure(L, guard<next_event>, 5);
@@ -445,7 +442,7 @@ int world_events(lua_State* L) {
 }
 
 void open_events(lua_State* L) {
-  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", event_tostring}});
+  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}});
   push_class(L, Class::event);
   lua_newtable(L);
   for (std::size_t i = 0; i < std::size(kFields); ++i) set_field(L, kFields[i].name, i + 1);

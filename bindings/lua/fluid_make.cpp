@@ -85,7 +85,7 @@ constexpr Option<Volume> kDrain[] = {
 constexpr Option<EmitterDesc> kEmitter[] = {
     field<&EmitterDesc::name>("name"),
     field<&EmitterDesc::position>("position", "m"),
-    direction<&EmitterDesc::direction>("direction"),
+    direction<EmitterDesc, &EmitterDesc::direction>("direction"),
     field<&EmitterDesc::speed>("speed", "m/s", kPositive),
     field<&EmitterDesc::radius>("radius", "m", kNotNegative),
     field<&EmitterDesc::rate>("rate", "1/s", kPositive).unset(),

@@ -15,8 +15,5 @@ std::vector<OptionInfo> fluid_rows();
 std::vector<OptionInfo> fill_rows();
 std::vector<OptionInfo> emitter_rows();
 std::vector<OptionInfo> drain_rows();
-std::span<const Method> fluid_methods();
-std::span<const Method> emitter_methods();
-std::span<const Method> drain_methods();
 
 }  // namespace feder::lua

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/registry.h"
 #include "forces/forces.h"
 #include "lua/method.h"
 
@@ -23,6 +22,8 @@ std::string classes_text(const State& s, F&& f) {
   return text;
 }
 
+bool has_points(const ObjectClass& c) { return c.point_count != nullptr; }
+
 // points = {i, ...}: some of the net that `on` names, ascending and each once.
 std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId target) {
   std::vector<std::uint32_t> points;
@@ -30,9 +31,7 @@ std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId
   lua_State* L = o.L();
   const ObjectClass* row = target ? class_row(state(L), class_of(state(L), record, target)) : nullptr;
   if (!row || !row->point_count)
-    o.raise("points", "expected on = " + classes_text(state(L), [](const ObjectClass& c) {
-                        return c.point_count != nullptr;
-                      }) + ", whose points these are");
+    o.raise("points", "expected on = " + classes_text(state(L), has_points) + ", whose points these are");
   const std::size_t count = row->point_count(record, target);
   if (lua_rawlen(L, -1) == 0) o.raise("points", "expected at least one point number, got none");
   each_entry(L, -1, [&](lua_Integer k) {
@@ -69,12 +68,6 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
   for (const std::string& w : words) target.tags |= record.world->objects().tag_bit(w);
 }
 
-ForceEntry entry_of(const ScriptForce& f) {
-  ForceEntry entry;
-  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
-  return entry;
-}
-
 struct ForceReading {
   std::string name, kind;
   bool stages = false;
@@ -106,11 +99,12 @@ int add_script_force(Options& o, WorldRecord& record, const ForceReading& readin
   f.profile = state(L).profile_slot(L, -1);
   f.function = keep(L, record, -1);
   lua_pop(L, 1);
-  ForceEntry entry = entry_of(f);
+  ForceEntry entry;
+  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
   if (reading.stages) entry.force = make_stage_force(record, f.function, f.profile);
   f.object = record.world->add_force(std::move(entry), reading.name, tags);
   push_handle(L, record, f.object);
-  if (!reading.stages) record.forces.list.push_back(std::move(f));
+  if (!reading.stages) record.forces.push_back(std::move(f));
   return 1;
 }
 
@@ -167,8 +161,7 @@ void read_between(Options& o, WorldRecord& record, ForceEntry& target, Params& o
   const State& s = state(o.L());
   const ObjectClass* row = nullptr;
   if (object_option(o, "between", record, target.target)) row = class_row(s, class_of(s, record, target.target));
-  if (!row || !row->point_count)
-    o.raise("between", "expected " + classes_text(s, [](const ObjectClass& c) { return c.point_count != nullptr; }));
+  if (!row || !row->point_count) o.raise("between", "expected " + classes_text(s, has_points));
   options.set("between", true);
 }
 
@@ -264,17 +257,17 @@ Vec3 ForceRun::sum(ObjectId object, std::uint32_t point, const Vec3& position, c
 }
 
 void apply_script_forces(lua_State* L, WorldRecord& record) {
-  if (record.forces.list.empty()) return;
+  if (record.forces.empty()) return;
   luaL_checkstack(L, 16, "forces");
   std::vector<ScriptForce> enabled;
-  for (ScriptForce& f : record.forces.list) {
+  for (ScriptForce& f : record.forces) {
     const ForceEntry* e = find_entry(*record.world, f.object);
     if (e && e->enabled) enabled.push_back(f);
   }
   ForceRun run(L, record, std::move(enabled));  // a copy: a function may destroy forces, its own too
   for (const Part* part : state(L).options.parts)
     if (part->apply_forces) part->apply_forces(run);
-  for (ScriptForce& f : record.forces.list)
+  for (ScriptForce& f : record.forces)
     for (ScriptForce& g : run.forces())
       if (g.object == f.object) f.held = std::move(g.held);
 }

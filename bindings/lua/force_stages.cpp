@@ -1,7 +1,6 @@
 // Forces of scripts that are asked at every stage of the integrators (stages = true): a generator that calls its Lua
 // function on the stepping thread, points in order. The world is between two states then and only answers questions.
 // An error ends the force for the step and is raised behind it, because nothing may unwind a step.
-#include <algorithm>
 #include <utility>
 
 #include "lua/objects.h"
@@ -71,20 +70,14 @@ void end_stages(lua_State* L, WorldRecord& record) {
 }
 
 bool answers_in_step(const char* function) {
-  static constexpr std::string_view kQuestions[] = {"alive",         "angle",       "angular_velocity",
-                                                    "awake",         "bodies",      "center_of_mass",
-                                                    "count",         "dimension",   "dt",
-                                                    "enabled",       "gravity",     "inertia",
-                                                    "is_sensor",     "kind",        "length",
-                                                    "local_point",   "mass",        "name",
-                                                    "pinned",        "point",       "position",
-                                                    "positions",     "rotation",    "spring",
-                                                    "spring_limits", "step_count",  "strain",
-                                                    "tags",          "time",        "type",
-                                                    "velocity",      "velocity_at", "world_point"};
-  const std::string_view whole(function);
-  const std::string_view word = whole.substr(whole.rfind(':') + 1);
-  return std::find(std::begin(kQuestions), std::end(kQuestions), word) != std::end(kQuestions);
+  static constexpr std::string_view kQuestions =
+      " alive angle angular_velocity awake bodies center_of_mass count dimension dt enabled gravity inertia is_sensor "
+      "kind"
+      " length local_point mass name pinned point position positions rotation spring spring_limits step_count strain "
+      "tags"
+      " time type velocity velocity_at world_point ";
+  const std::string whole(function);
+  return kQuestions.find(" " + whole.substr(whole.rfind(':') + 1) + " ") != kQuestions.npos;
 }
 
 }  // namespace feder::lua

@@ -74,16 +74,14 @@ int world_collected(lua_State* L) {
   return 0;
 }
 
-int handle_tostring(lua_State* L) {
+std::string handle_tostring(lua_State* L) {
   const Handle* h = test_handle(L, 1);
-  lua_pushstring(L, h ? describe_handle(L, 1, *h).c_str() : "?");
-  return 1;
+  return h ? describe_handle(L, 1, *h) : "?";
 }
 
-int world_tostring(lua_State* L) {
+std::string world_tostring(lua_State* L) {
   const auto* block = static_cast<const WorldBlock*>(test_class(L, 1, Class::world));
-  lua_pushstring(L, block ? ("world #" + std::to_string(block->world + 1)).c_str() : "?");
-  return 1;
+  return block ? "world #" + std::to_string(block->world + 1) : "?";
 }
 
 Handle& self_handle(lua_State* L) {
@@ -236,12 +234,20 @@ Self check_self(lua_State* L) {
   return {*r, *r->world, h.id};
 }
 
+// Calls f(class) for the classes whose userdata are handles, until it says true.
+template <class F>
+static void find_handle_class(const State& s, F&& f) {
+  for (int c = 0; c < static_cast<int>(s.class_ref.size()); ++c) {
+    const bool own = c < kOwnClasses;
+    const auto kind = static_cast<Class>(c);
+    if ((!own || kind == Class::force || kind == Class::object) && f(kind)) return;
+  }
+}
+
 Handle* test_handle(lua_State* L, int index) {
-  for (Class c : {Class::force, Class::object})
-    if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
-  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
-    if (void* block = test_class(L, index, static_cast<Class>(c))) return static_cast<Handle*>(block);
-  return nullptr;
+  void* block = nullptr;
+  find_handle_class(state(L), [&](Class c) { return (block = test_class(L, index, c)) != nullptr; });
+  return static_cast<Handle*>(block);
 }
 
 ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what) {
@@ -288,7 +294,7 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
 
 static void destroy_force(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
   record.world->remove_force(id, where);
-  std::erase_if(record.forces.list, [&](const ScriptForce& f) {
+  std::erase_if(record.forces, [&](const ScriptForce& f) {
     if (f.object == id) drop(L, record, f.function);
     return f.object == id;
   });
@@ -311,45 +317,42 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
   for (ObjectId other : others) invalidate(L, record, other, objects.name(other), where);
 }
 
-void record_names(lua_State* L, WorldRecord& record) {
+// Calls f(handle) for what scripts hold, each on top of the stack meanwhile.
+template <class F>
+static void each_handle(lua_State* L, const WorldRecord& record, F&& f) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
-    if (h->dead) continue;
-    lua_pushstring(L, record.world->objects().name(h->id).c_str());
-    lua_setiuservalue(L, -2, 2);
-  }
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) f(*static_cast<Handle*>(lua_touserdata(L, -1)));
   lua_pop(L, 1);
+}
+
+void record_names(lua_State* L, WorldRecord& record) {
+  each_handle(L, record, [&](const Handle& h) {
+    if (h.dead) return;
+    push(L, record.world->objects().name(h.id));
+    lua_setiuservalue(L, -2, 2);
+  });
 }
 
 void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where) {
   const Objects& objects = record.world->objects();
-  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  lua_newtable(L);
-  lua_Integer lost = 0;
-  for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) {
-    auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
-    const bool alive = objects.alive(h->id);
-    if (alive) h->dead = false;
-    if (alive) continue;
-    lua_pushvalue(L, -1);
-    lua_rawseti(L, -4, ++lost);
-  }
+  std::vector<ObjectId> lost;
+  each_handle(L, record, [&](Handle& h) {
+    const bool alive = objects.alive(h.id);
+    if (!alive) lost.push_back(h.id);
+    if (!alive && !h.dead) {
+      push(L, where);
+      lua_setiuservalue(L, -2, 3);
+    }
+    h.dead = !alive;
+  });
   // ids of the lost are given again: their handles must never be found under them
-  for (lua_Integer i = 1; i <= lost; ++i) {
-    lua_rawgeti(L, -1, i);
-    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
-    const ObjectId id = h->id;
-    lua_getiuservalue(L, -1, 2);
-    const std::string name(text_at(L, -1));
-    const bool known = h->dead;
-    lua_pop(L, 2);
-    if (!known) invalidate(L, record, id, name, where);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  for (ObjectId id : lost) {
     lua_pushnil(L);
-    lua_rawseti(L, -3, cache_key(id));
+    lua_rawseti(L, -2, cache_key(id));
   }
-  lua_pop(L, 2);
-  std::erase_if(record.forces.list, [&](const ScriptForce& f) { return !objects.alive(f.object); });
+  lua_pop(L, 1);
+  std::erase_if(record.forces, [&](const ScriptForce& f) { return !objects.alive(f.object); });
 }
 
 std::string describe_object(lua_State* L, int index, Class c) {
@@ -374,11 +377,11 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  std::vector<Class> classes = {Class::force, Class::object};
-  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
-    classes.push_back(static_cast<Class>(c));
-  for (Class c : classes) set_metamethods(L, c, {{"__tostring", guard<handle_tostring>}});
-  set_metamethods(L, Class::world, {{"__tostring", world_tostring}, {"__gc", world_collected}});
+  find_handle_class(state(L), [L](Class c) {
+    set_metamethods(L, c, {{"__tostring", method<handle_tostring>}});
+    return false;
+  });
+  set_metamethods(L, Class::world, {{"__tostring", method<world_tostring>}, {"__gc", world_collected}});
 }
 
 }  // namespace feder::lua

@@ -1,6 +1,8 @@
 // world:joint{ ... } and the methods of joints.
 #include "constrain/joint.h"
 
+#include <algorithm>
+
 #include "lua/rigid_part.h"
 
 namespace feder::lua {
@@ -21,10 +23,10 @@ void read_kind(Options& o, const OptionRow&, JointReading& j) {
   }
   if (j.kind) return;
   // named in the API, to come
-  static const char* const later[] = {"slider", "rope", "wheel",  "cone_twist", "six_dof",
-                                      "gear",   "rack", "pulley", "motor",      "mouse"};
-  for (const char* name : later)
-    if (type == name) o.raise("type", "this build has no joint type '" + type + "'; known: " + join(known));
+  static constexpr std::string_view later[] = {"slider", "rope", "wheel",  "cone_twist", "six_dof",
+                                               "gear",   "rack", "pulley", "motor",      "mouse"};
+  if (std::ranges::find(later, type) != std::end(later))
+    o.raise("type", "this build has no joint type '" + type + "'; known: " + join(known));
   o.raise("type", "unknown joint type '" + type + "'" + did_you_mean(type, known) + "; known: " + join(known));
 }
 

@@ -15,18 +15,9 @@ namespace fs = std::filesystem;
 
 // lower_case words with dots between: no "..", no slash, nothing hidden.
 bool is_module_name(const std::string& name) {
-  bool start = true;
-  for (char c : name) {
-    if (c == '.') {
-      if (start) return false;
-      start = true;
-    } else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_') {
-      start = false;
-    } else {
-      return false;
-    }
-  }
-  return !start && name.size() <= 200;
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.'; };
+  return !name.empty() && name.size() <= 200 && std::ranges::all_of(name, allowed) && name.front() != '.' &&
+         name.back() != '.' && name.find("..") == std::string::npos;
 }
 
 // The file `name` in `folder`, when it is a regular file that really lies inside.
@@ -153,15 +144,18 @@ int feder_load(lua_State* L) {
       if (file.empty()) file = inside(folder, name);
   if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
   record_file(s, file);
-  const std::string text = read_text(file);
+  push_yaml(L, chunk_name(file), read_text(file));
+  return 1;
+}
+
+void push_yaml(lua_State* L, const std::string& file, const std::string& text) {
   std::string error;
   try {
-    s.options.load_yaml(L, chunk_name(file), text);
-    return 1;
+    state(L).options.load_yaml(L, file, text);
+    return;
   } catch (const ScriptError& e) {
     error = e.what();
   }
-  // the error has the location in the file; the script's own would hide it
   raise_error(L, error);
 }
 

@@ -24,9 +24,7 @@ int feder_world(lua_State* L) {
   WorldRecord& r = push_new_world(L, settings);
   // a scene's own world stays the host's
   if (s.is_scene && s.phase != Phase::loading) return 1;
-  luaL_unref(L, LUA_REGISTRYINDEX, s.last_world_ref);
-  lua_pushvalue(L, -1);
-  s.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.last_world_ref);
   s.last_world = r.id;
   return 1;
 }
@@ -75,20 +73,17 @@ const Method kFederFunctions[] = {
 
 }  // namespace
 
-std::span<const Method> feder_functions() { return kFederFunctions; }
-
 void open_module(lua_State* L) {
-  const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()},
-                                connection[] = {connection_methods()}, task[] = {task_methods()},
-                                event[] = {event_methods()};
-  make_class(L, Class::shape, shape), make_class(L, Class::buffer, buffer),
-      make_class(L, Class::connection, connection);
-  make_class(L, Class::task, task), make_class(L, Class::event, event);
+  make_class(L, Class::shape, {shape_methods()});
+  make_class(L, Class::buffer, {buffer_methods()});
+  make_class(L, Class::connection, {connection_methods()});
+  make_class(L, Class::task, {task_methods()});
+  make_class(L, Class::event, {event_methods()});
   open_shapes(L);
   open_buffer(L);
   open_events(L);
   lua_newtable(L);
-  add_methods(L, feder_functions(), "feder.", 0);
+  add_methods(L, kFederFunctions, "feder.", 0);
   add_methods(L, shape_functions(), "feder.", 0);
   for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
   set_field(L, "pi", 3.14159265358979323846);
@@ -97,13 +92,19 @@ void open_module(lua_State* L) {
   lua_setfield(L, -2, "feder");
 }
 
+void push_module(lua_State* L) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+  lua_getfield(L, -1, "feder");
+  lua_remove(L, -2);
+}
+
 std::vector<DocRow> docs(std::span<const Part* const> parts) {
   std::vector<DocRow> rows;
   const auto add = [&rows](const char* owner, std::span<const Method> methods) {
     for (const Method& m : methods)
       rows.push_back({owner, m.name, m.signature, m.doc, m.options ? m.options() : std::vector<OptionInfo>{}});
   };
-  add("feder", feder_functions()), add("feder", shape_functions());
+  add("feder", kFederFunctions), add("feder", shape_functions());
   for (const Part* p : parts) add("feder", p->functions);
   add("world", world_methods());
   for (const Part* p : parts) add("world", p->world);
@@ -135,19 +136,17 @@ std::vector<OptionInfo> system_options(Catalog systems, std::string_view system)
   std::vector<std::vector<OptionInfo>> each;
   const std::string names = solver->choices;
   for (std::string_view name : split_choices(names)) each.push_back(read(std::string(name)));
-  std::vector<OptionInfo> out;
-  std::size_t k = 0;
+  std::vector<OptionInfo> shared;
   for (const OptionInfo& o : all)
     if (std::all_of(each.begin(), each.end(), [&](const auto& rows) { return known(rows, o.row.name) != rows.end(); }))
+      shared.push_back(o);
+  std::vector<OptionInfo> out = shared;
+  for (std::size_t k = 0; k < each.size(); ++k)
+    for (OptionInfo& o : each[k]) {
+      if (known(shared, o.row.name) != shared.end()) continue;
+      o.of = std::string(split_choices(names)[k]);
       out.push_back(o);
-  const std::size_t shared = out.size();
-  for (std::string_view name : split_choices(names)) {
-    for (const OptionInfo& o : each[k])
-      if (std::none_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(shared),
-                       [&](const OptionInfo& s) { return std::string_view(s.row.name) == o.row.name; }))
-        out.push_back(o), out.back().of = std::string(name);
-    ++k;
-  }
+    }
   return out;
 }
 

@@ -1,5 +1,4 @@
 // world:net{ ... }: points, masses, springs, pins, and what the net does with bodies.
-#include <algorithm>
 
 #include "integrate/integrator.h"
 #include "lua/buffer.h"
@@ -84,7 +83,7 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
   if (s.i == s.j) fail(L, what + ": expected two different points, got " + std::to_string(s.i + 1) + " twice");
   if (has_options(L, index)) {
     Options o(L, index, what);
-    o.skip_places(2);
+    o.skip_entries(2);
     o.read(kSpring, s);
   }
   return s;
@@ -191,8 +190,8 @@ ObjectId world_net(WorldRecord& r, lua_State* L) {
   Springs& springs = system_of<Springs>(r);
   const ObjectId id = springs.add_net(net);
   for (std::size_t i : net.pins) springs.pin(id, i);
-  if (!net.faces.empty()) r.look.faces[id] = net.faces;
-  if (net.painted) r.look.colors[id] = net.color;
+  if (!net.faces.empty()) r.appearance.faces[id] = net.faces;
+  if (net.painted) r.appearance.colors[id] = net.color;
   return id;
 }
 

@@ -42,31 +42,31 @@ Vec3 read_vector(lua_State* L, int index, bool planar, F&& wrong) {
   return v;
 }
 
-struct Turn {
+struct RotationOptions {
   Vec3 axis = Vec3::Zero(), euler = Vec3::Zero();
   Real angle = 0;
   std::string order = "xyz";
   bool fixed = false;
 };
 
-constexpr Option<Turn> kTurn[] = {
-    direction<&Turn::axis>("axis"),
-    field<&Turn::angle>("angle", "rad").unset(),
-    field<&Turn::euler>("euler", "rad").unset(),
-    field<&Turn::order>("order"),
-    field<&Turn::fixed>("fixed"),
+constexpr Option<RotationOptions> kRotation[] = {
+    direction<RotationOptions, &RotationOptions::axis>("axis"),
+    field<&RotationOptions::angle>("angle", "rad").unset(),
+    field<&RotationOptions::euler>("euler", "rad").unset(),
+    field<&RotationOptions::order>("order"),
+    field<&RotationOptions::fixed>("fixed"),
 };
 
-Quat euler_rotation(Options& o, const Turn& turn) {
-  if (turn.order.size() != 3 || turn.order.find_first_not_of("xyz") != std::string::npos)
-    o.raise("order", "expected three of the letters x, y, z, got '" + turn.order + "'");
-  // turning about the body's own axes multiplies on the right, about the fixed axes on the left
+Quat euler_rotation(Options& o, const RotationOptions& rotation) {
+  if (rotation.order.size() != 3 || rotation.order.find_first_not_of("xyz") != std::string::npos)
+    o.raise("order", "expected three of the letters x, y, z, got '" + rotation.order + "'");
+  // rotating about the body's own axes multiplies on the right, about the fixed axes on the left
   Quat q;
   for (int k = 0; k < 3; ++k) {
     Vec3 axis = Vec3::Zero();
-    axis[turn.order[static_cast<std::size_t>(k)] - 'x'] = 1;
-    const Quat one = from_axis_angle(axis, turn.euler[k]);
-    q = turn.fixed ? one * q : q * one;
+    axis[rotation.order[static_cast<std::size_t>(k)] - 'x'] = 1;
+    const Quat one = from_axis_angle(axis, rotation.euler[k]);
+    q = rotation.fixed ? one * q : q * one;
   }
   return normalized(q);
 }
@@ -136,14 +136,14 @@ Quat check_rotation(lua_State* L, int index, const std::string& what) {
     return normalized({q[0], q[1], q[2], q[3]});
   }
   Options o(L, index, what);
-  Turn turn;
-  o.read(kTurn, turn);
-  if (o.has("euler")) return euler_rotation(o, turn);
+  RotationOptions rotation;
+  o.read(kRotation, rotation);
+  if (o.has("euler")) return euler_rotation(o, rotation);
   if (!o.has("axis") || !o.has("angle"))
     fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
                 (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values"
                                       : "a table without them"));
-  return from_axis_angle(turn.axis, turn.angle);
+  return from_axis_angle(rotation.axis, rotation.angle);
 }
 
 Vec3 vector_argument(lua_State* L, int index, bool planar, int* next) {
@@ -248,9 +248,8 @@ bool Options::given(const char* key) const {
 }
 
 bool Options::has(const char* key) {
-  if (!push_any(key)) return false;
-  lua_pop(L_, 1);
-  return true;
+  FEDER_ASSERT(std::find(known_.begin(), known_.end(), key) != known_.end());  // its row
+  return given(key);
 }
 
 bool Options::number(const char* key, double& out, const Range& range) {
@@ -379,7 +378,7 @@ void Options::finish() {
   lua_pushnil(L_);
   while (lua_next(L_, index_)) {
     lua_pop(L_, 1);
-    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= places_) continue;
+    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= entries_) continue;
     if (lua_type(L_, -1) != LUA_TSTRING) raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
     const std::string key = lua_tostring(L_, -1);
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;

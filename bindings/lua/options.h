@@ -50,7 +50,7 @@ class Options {
   }
 
   // The first `count` values by number are no options: {"ice", "rubber", friction = 0.1}.
-  void skip_places(lua_Integer count) { places_ = count; }
+  void skip_entries(lua_Integer count) { entries_ = count; }
 
   // By key, which must have a row. Each returns false, `out` untouched, when it is absent.
   bool has(const char* key);
@@ -77,12 +77,12 @@ class Options {
   bool rotation(const char* key, Quat& out);  // {x,y,z,w} | {axis=, angle=} | {euler=, order=, fixed=}
   // A colour as 0xrrggbb: { r, g, b } with parts of 0..1, "#rrggbb", or a name.
   bool color(const char* key, std::uint32_t& out);
-  // The place of the word in "a, b, c".
+  // The index of the word in "a, b, c".
   template <class Enum>
   bool choice(const char* key, const char* choices, Enum& out) {
-    int place = 0;
-    if (!word(key, choices, place)) return false;
-    out = static_cast<Enum>(place);
+    int index = 0;
+    if (!word(key, choices, index)) return false;
+    out = static_cast<Enum>(index);
     return true;
   }
   bool words(const char* key, std::vector<std::string>& out);  // "a" or {"a", "b"}
@@ -114,7 +114,7 @@ class Options {
   int index_;
   std::string owner_;
   bool planar_;
-  lua_Integer places_ = 0;
+  lua_Integer entries_ = 0;
   std::vector<std::string_view> known_;
 };
 
@@ -174,17 +174,9 @@ std::vector<OptionInfo> options_of() {
   return variant_options(Table());
 }
 
-template <auto Member>
-struct Direction {
-  OptionRow row;
-  template <class T>
-  constexpr operator Option<T>() const {
-    return {row, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
-  }
-};
-template <auto Member>
-constexpr Direction<Member> direction(const char* name) {
-  return {{.name = name}};
+template <class T, Vec3 T::*Member>
+constexpr Option<T> direction(const char* name) {
+  return {{.name = name}, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
 }
 
 // Read by a function; without one, by whoever reads the rows.

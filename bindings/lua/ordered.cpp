@@ -18,7 +18,7 @@ struct Key {
   lua_Integer second = 0;
   double number = 0;
   std::string_view text;  // anchored by the table
-  int at = 0;             // place in the list of keys
+  int at = 0;             // index in the list of keys
 };
 
 // a < b for a mix of integers and floats, exactly.
@@ -120,8 +120,8 @@ int ordered_pairs(lua_State* L) {
 
 const char kWalks = 0;  // registry key of a weak table: table -> its walk
 
-// What next remembers of a table: a list {keys, place of each key, first place that may be alive, stale}.
-enum WalkField : int { kKeys = 1, kPlaces, kFirst, kStale };
+// What next remembers of a table: a list {keys, index of each key, first index that may be alive, stale}.
+enum WalkField : int { kKeys = 1, kIndices, kFirst, kStale };
 
 lua_Integer get_integer(lua_State* L, int table, int field) {
   lua_rawgeti(L, table, field);
@@ -135,20 +135,30 @@ void set_integer(lua_State* L, int table, int field, lua_Integer x) {
   lua_rawseti(L, table, field);
 }
 
+// What the table at `indices` says of the key at `key`; 0 where it has none.
+lua_Integer index_in(lua_State* L, int indices, int key) {
+  indices = lua_absindex(L, indices);
+  lua_pushvalue(L, key);
+  lua_rawget(L, indices);
+  const lua_Integer index = lua_tointeger(L, -1);
+  lua_pop(L, 1);
+  return index;
+}
+
 // Fills the walk at `walk` with the sorted keys of the table at 1 that `missing` accepts, behind those it has.
 template <class F>
 void list_keys(lua_State* L, int walk, F&& missing) {
-  lua_rawgeti(L, walk, kKeys), lua_rawgeti(L, walk, kPlaces);
-  const int keys = lua_gettop(L) - 1, places = keys + 1;
+  lua_rawgeti(L, walk, kKeys), lua_rawgeti(L, walk, kIndices);
+  const int keys = lua_gettop(L) - 1, indices = keys + 1;
   push_keys(L, 1);
   auto n = static_cast<lua_Integer>(lua_rawlen(L, keys));
-  for (lua_Integer i = 1; lua_rawgeti(L, places + 1, i) != LUA_TNIL; ++i) {
-    if (missing(places)) {
+  for (lua_Integer i = 1; lua_rawgeti(L, indices + 1, i) != LUA_TNIL; ++i) {
+    if (missing(indices)) {
       lua_pushvalue(L, -1);
       lua_rawseti(L, keys, ++n);
       lua_pushvalue(L, -1);
       lua_pushinteger(L, n);
-      lua_rawset(L, places);
+      lua_rawset(L, indices);
     }
     lua_pop(L, 1);
   }
@@ -159,7 +169,7 @@ void list_keys(lua_State* L, int walk, F&& missing) {
 void start_walk(lua_State* L, int walks, int walk) {
   lua_createtable(L, 4, 0);
   lua_newtable(L), lua_rawseti(L, -2, kKeys);
-  lua_newtable(L), lua_rawseti(L, -2, kPlaces);
+  lua_newtable(L), lua_rawseti(L, -2, kIndices);
   lua_replace(L, walk);
   set_integer(L, walk, kFirst, 1), set_integer(L, walk, kStale, 0);
   list_keys(L, walk, [](int) { return true; });
@@ -167,7 +177,7 @@ void start_walk(lua_State* L, int walks, int walk) {
   lua_rawset(L, walks);
 }
 
-// Pushes the first key from place `at` on that has a value, and the value; its place, or 0 behind the last.
+// Pushes the first key from index `at` on that has a value, and the value; its index, or 0 behind the last.
 lua_Integer push_alive(lua_State* L, int walk, lua_Integer at) {
   lua_rawgeti(L, walk, kKeys);
   const int keys = lua_gettop(L);
@@ -195,38 +205,30 @@ int ordered_next(lua_State* L) {
   if (!known || (first && get_integer(L, 4, kStale) != 0)) start_walk(L, 3, 4);
   lua_Integer at = get_integer(L, 4, kFirst);
   if (!first) {
-    const auto place_of_key = [L] {
-      lua_rawgeti(L, 4, kPlaces);
-      lua_pushvalue(L, 2);
-      lua_rawget(L, -2);
-      const lua_Integer place = lua_tointeger(L, -1);
-      lua_pop(L, 2);
-      return place;
+    const auto index_of_key = [L] {
+      lua_rawgeti(L, 4, kIndices);
+      const lua_Integer index = index_in(L, -1, 2);
+      lua_pop(L, 1);
+      return index;
     };
-    lua_Integer place = place_of_key();
-    if (place == 0) {
+    lua_Integer index = index_of_key();
+    if (index == 0) {
       lua_pushvalue(L, 2);
       if (lua_rawget(L, 1) == LUA_TNIL) return luaL_error(L, "invalid key to 'next'");
       start_walk(L, 3, 4);
-      place = place_of_key();
+      index = index_of_key();
     }
-    at = place + 1;
+    at = index + 1;
   }
   lua_settop(L, 4);
   lua_Integer found = push_alive(L, 4, at);
   if (found == 0) {
-    // behind the last: what is alive and not in the list, or before its first place, has come in meanwhile
+    // behind the last: what is alive and not in the list, or before its first index, has come in meanwhile
     const lua_Integer before = get_integer(L, 4, kFirst);
     lua_rawgeti(L, 4, kKeys);
     const auto end = static_cast<lua_Integer>(lua_rawlen(L, -1));
     lua_pop(L, 1);
-    list_keys(L, 4, [L, before](int places) {
-      lua_pushvalue(L, -1);
-      lua_rawget(L, places);
-      const lua_Integer place = lua_tointeger(L, -1);
-      lua_pop(L, 1);
-      return place < before;
-    });
+    list_keys(L, 4, [L, before](int indices) { return index_in(L, indices, -1) < before; });
     found = push_alive(L, 4, end + 1);
     if (found != 0) set_integer(L, 4, kStale, 1);
   }
@@ -324,12 +326,12 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
     charge_range(L, name, name[0] == 'c' ? 3 : 2, true);
   } else {
     check_length(L, name);
-    // the values behind the place move
+    // the values behind the index move
     const int least = name[0] == 'i' ? 3 : 2;
-    int has_place = 0;
-    const lua_Integer place = lua_tointegerx(L, 2, &has_place);
-    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && has_place && place > 0)
-      charge(L, count_between(place, static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
+    int has_index = 0;
+    const lua_Integer index = lua_tointegerx(L, 2, &has_index);
+    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && has_index && index > 0)
+      charge(L, count_between(index, static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
   }
   return lua_tocfunction(L, lua_upvalueindex(1))(L);
 }

@@ -91,7 +91,7 @@ void push_override(lua_State* L, const ParamInfo& p, const std::string& text) {
   if (!parse(text, x)) fail(L, what + ": expected a number, got '" + text + "'");
   check_range(L, p, x, what);
   check_choice(L, p, print_number(x), what);
-  // a whole number stays an integer when the default is one: names and loops look the same
+  // a whole number stays an integer when the default is one: names and loops stay the same
   if (lua_isinteger(L, 2) && x == std::floor(x) && std::abs(x) < 1e15)
     lua_pushinteger(L, static_cast<lua_Integer>(x));
   else

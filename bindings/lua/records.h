@@ -54,9 +54,9 @@ struct WorldRecord {
   Subscriptions subscriptions;
   Timers timers;
   Tasks tasks;
-  ScriptForces forces;
+  std::vector<ScriptForce> forces;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
-  Look look;
+  Look appearance;
 
   bool planar() const { return settings.desc.dimension == 2; }
 };

@@ -1,7 +1,6 @@
 // world:region{ ... }: a static sensor that reports what enters and leaves.
 #include "lua/box_option.h"
 #include "lua/rigid_part.h"
-#include "lua/shapes.h"
 
 namespace feder::lua {
 namespace {

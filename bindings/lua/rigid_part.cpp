@@ -1,7 +1,6 @@
 #include "lua/rigid_part.h"
 
 #include "constrain/joint.h"
-#include "lua/shapes.h"
 #include "lua/yaml_scene.h"
 #include "state/bodies.h"
 
@@ -87,61 +86,51 @@ struct Repeat {
 constexpr Option<Repeat> kRepeat[] = {field<&Repeat::count>("count", "", {0, 1000000}),
                                       field<&Repeat::step>("step", "m")};
 
-// repeat: { count:, step: }: how many, and how far apart.
-void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
-  count = 1;
+// repeat: { count:, step: }: how many, and how far apart. Takes it out of the options.
+Repeat read_repeat(lua_State* L, int options) {
+  Repeat repeat;
   if (lua_getfield(L, options, "repeat") != LUA_TNIL) {
     Options o(L, -1, "repeat");
-    Repeat repeat;
     o.read(kRepeat, repeat);
     if (!o.has("count")) o.wrong("count", kRepeat[0].row.range.whole());
-    count = repeat.count;
-    for (int k = 0; k < 3; ++k) step[k] = repeat.step[k];
     lua_pushnil(L);
     lua_setfield(L, options, "repeat");
   }
   lua_pop(L, 1);
+  return repeat;
+}
+
+// Of the options on top, those of copy i: a name with its number, a position some steps on.
+void move_copy(lua_State* L, lua_Integer i, const Vec3& step) {
+  const int copy = lua_gettop(L);
+  if (lua_getfield(L, copy, "name") == LUA_TSTRING) {
+    lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
+    lua_setfield(L, copy, "name");
+  }
+  const bool placed = lua_getfield(L, copy, "position") == LUA_TTABLE;
+  const int position = lua_gettop(L);
+  lua_newtable(L);
+  for (int k = 1; k <= 3; ++k) {
+    const bool given = placed && lua_rawgeti(L, position, k) != LUA_TNIL;
+    const double x = given ? check_number(L, -1, "position") : 0;
+    push(L, x + static_cast<double>(i) * static_cast<double>(step[k - 1]));
+    lua_rawseti(L, position + 1, k);
+    lua_settop(L, position + 1);
+  }
+  lua_setfield(L, copy, "position");
+  lua_settop(L, copy);
 }
 
 void make_bodies(lua_State* L, int world, const char* maker) {
   const int options = lua_gettop(L);
   if (lua_type(L, options) != LUA_TTABLE) fail(L, "bodies: expected a list of tables, got " + describe(L, options));
-  lua_Integer count = 1;
-  double step[3] = {0, 0, 0};
-  read_repeat(L, options, count, step);
-  if (lua_getfield(L, options, "shape") != LUA_TNIL) {
-    make_shape(L);
-    lua_setfield(L, options, "shape");
-  } else {
-    lua_pop(L, 1);
-  }
-  for (lua_Integer i = 0; i < count; ++i) {
+  const Repeat repeat = read_repeat(L, options);
+  make_shape_field(L, options);
+  for (lua_Integer i = 0; i < repeat.count; ++i) {
     lua_newtable(L);
     copy_locations(L, options, -1);
     copy_fields(L, options);
-    if (count > 1) {
-      lua_getfield(L, -1, "name");
-      if (lua_type(L, -1) == LUA_TSTRING) {
-        lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
-        lua_setfield(L, -3, "name");
-      }
-      lua_pop(L, 1);
-      lua_getfield(L, -1, "position");
-      const int position = lua_gettop(L);
-      lua_newtable(L);
-      for (int k = 1; k <= 3; ++k) {
-        double x = 0;
-        if (lua_type(L, position) == LUA_TTABLE) {
-          lua_rawgeti(L, position, k);
-          x = lua_isnil(L, -1) ? 0 : check_number(L, -1, "position");
-          lua_pop(L, 1);
-        }
-        lua_pushnumber(L, x + static_cast<double>(i) * step[k - 1]);
-        lua_rawseti(L, -2, k);
-      }
-      lua_setfield(L, -3, "position");
-      lua_pop(L, 1);
-    }
+    if (repeat.count > 1) move_copy(L, i, repeat.step);
     make_object(L, world, maker);
   }
   lua_settop(L, options - 1);
@@ -199,7 +188,6 @@ const Part& rigid_part() {
       {.name = "joint", .methods = joint_methods(), .destroy = destroy_alone<&Rigid::destroy_joint>},
       {.name = "region", .methods = region_methods(), .destroy = &destroy_body}};
   static const Part part = {.name = "rigid",
-                            .functions = {},
                             .world = world,
                             .classes = classes,
                             .yaml = kYaml,

@@ -114,17 +114,13 @@ int math_wave(lua_State* L) {
 }
 
 void make_classes(lua_State* L) {
-  using List = std::span<const Method>;
   const State& s = state(L);
-  const List force[] = {object_methods(), force_methods()};
-  make_class(L, Class::force, force);
-  const List object[] = {object_methods()};
-  make_class(L, Class::object, object);
-  for (std::size_t i = 0; i < s.object_classes.size(); ++i) {
-    const List own[] = {object_methods(), s.object_classes[i]->methods};
-    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)), own);
-  }
-  std::vector<List> world = {world_methods()};
+  make_class(L, Class::force, {object_methods(), force_methods()});
+  make_class(L, Class::object, {object_methods()});
+  for (std::size_t i = 0; i < s.object_classes.size(); ++i)
+    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)),
+               {object_methods(), s.object_classes[i]->methods});
+  std::vector<std::span<const Method>> world = {world_methods()};
   for (const Part* part : s.options.parts) world.push_back(part->world);
   make_class(L, Class::world, world);
   open_classes(L);
@@ -133,12 +129,6 @@ void make_classes(lua_State* L) {
 int make_weak_table(lua_State* L, const char* mode) {
   push_weak_table(L, mode);
   return luaL_ref(L, LUA_REGISTRYINDEX);
-}
-
-void set_functions(lua_State* L, const char* table, std::initializer_list<luaL_Reg> rows) {
-  lua_getglobal(L, table);
-  for (const luaL_Reg& row : rows) set_field(L, row.name, row.func);
-  lua_pop(L, 1);
 }
 
 }  // namespace
@@ -239,8 +229,7 @@ int open_sandbox(lua_State* L) {
   // one script cannot change the strings of another
   lua_pushstring(L, "");
   lua_getmetatable(L, -1);
-  lua_pushboolean(L, 0);
-  lua_setfield(L, -2, "__metatable");
+  set_field(L, "__metatable", false);
   lua_settop(L, 0);
   return 0;
 }

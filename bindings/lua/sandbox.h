@@ -14,6 +14,7 @@ void push_text(lua_State* L, int index);
 std::string text_of_values(lua_State* L, int first);
 lua_Integer value_id(lua_State* L, int index);
 
+void set_functions(lua_State* L, const char* table, std::initializer_list<luaL_Reg> rows);
 // Puts f in the place of functions of a library's table, which become its upvalue 1; upvalue 2 is their name if
 // `named`.
 void wrap(lua_State* L, const char* table, std::initializer_list<const char*> names, lua_CFunction f,
@@ -27,6 +28,6 @@ void open_text(lua_State* L);
 void open_protected(lua_State* L);
 // The module table of require "feder" (module.cpp).
 void open_module(lua_State* L);
-std::span<const Method> feder_functions();
+void push_module(lua_State* L);  // that table
 
 }  // namespace feder::lua

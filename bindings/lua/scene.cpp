@@ -160,7 +160,7 @@ void push_callback(lua_State* L, const char* name) {
 
 // World and scene copy, as build, update and check get them.
 void push_scene_world(lua_State* L) {
-  push_world(L, *state(L).worlds[state(L).last_world]);
+  push_world(L, *state(L).current());
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
 }
 
@@ -180,11 +180,9 @@ int feder_scene(lua_State* L) {
     }
   }
   SceneState& s = scene(L);
-  luaL_unref(L, LUA_REGISTRYINDEX, s.last);
   s.where = location(L);
   lua_settop(L, 1);
-  lua_pushvalue(L, 1);
-  s.last = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.last);
   return 1;
 }
 
@@ -221,17 +219,13 @@ int build_scene(lua_State* L) {
   }
   // a mistake on the command line has no location in the script
   if (!error.empty()) raise_error(L, error.rfind("--world", 0) == 0 ? error : s.where + ": " + error);
-  WorldRecord* old = st.last_world < st.worlds.size() ? st.worlds[st.last_world].get() : nullptr;
+  WorldRecord* old = st.current();
   WorldRecord& record = push_new_world(L, settings);  // at 3
-  luaL_unref(L, LUA_REGISTRYINDEX, st.last_world_ref);
-  lua_pushvalue(L, 3);
-  st.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, st.last_world_ref);
   st.last_world = record.id;
   if (old && s.passed != LUA_NOREF) close_world(L, *old);
-  luaL_unref(L, LUA_REGISTRYINDEX, s.passed);
   push_scene_copy(L);  // at 4
-  lua_pushvalue(L, 4);
-  s.passed = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.passed);
   push_callback(L, "build");
   lua_pushvalue(L, 3);
   lua_pushvalue(L, 4);
@@ -245,8 +239,7 @@ void run_update(lua_State* L, WorldRecord& record) {
   if (!s.has_update || st.last_world != record.id || st.phase != Phase::running) return;
   push_callback(L, "update");
   const std::size_t profile = st.profile_slot(L, -1);
-  push_world(L, record);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, s.passed);
+  push_scene_world(L);
   st.call_handler(L, profile, 2);
 }
 
@@ -254,10 +247,9 @@ CheckResult run_check(lua_State* L) {
   State& st = state(L);
   CheckResult result;
   result.has_check = scene(L).has_check;
-  if (!result.has_check || st.last_world >= st.worlds.size()) return result;
+  if (!result.has_check || !st.current()) return result;
   push_callback(L, "check");
-  push_world(L, *st.worlds[st.last_world]);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
+  push_scene_world(L);
   push_expect(L, result);
   Failure failure;
   if (!st.call(L, 3, 0, failure)) {

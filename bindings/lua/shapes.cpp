@@ -17,20 +17,14 @@ double size_argument(lua_State* L, int index, const char* name) {
   return check_number(L, index, std::string(function_name(L)) + "." + name, Range{0, 1e9, true});
 }
 
-void no_more(lua_State* L, int count) {
-  if (lua_gettop(L) > count)
-    fail_here(L, "expected at most " + std::to_string(count) + " arguments, got " + std::to_string(lua_gettop(L)));
-}
-
 int shape_collected(lua_State* L) {
   static_cast<ShapePtr*>(lua_touserdata(L, 1))->~shared_ptr();
   return 0;
 }
 
-int shape_tostring(lua_State* L) {
+std::string shape_tostring(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(test_class(L, 1, Class::shape));
-  lua_pushstring(L, shape ? (std::string("shape ") + (*shape)->kind()).c_str() : "?");
-  return 1;
+  return shape ? std::string("shape ") + (*shape)->kind() : "?";
 }
 
 // Triangles as {i, j, k} tables counting from 1.
@@ -72,28 +66,21 @@ std::vector<CompoundPart> check_parts(lua_State* L, int index) {
   return parts;
 }
 
-// The kind whose maker runs, by its name.
-const ShapeKind& kind_here(lua_State* L) {
-  const std::string_view name = function_name(L);
-  return shape_kinds()[static_cast<std::size_t>(shape_kind_id(name.substr(name.rfind('.') + 1).data()))];
-}
-
-bool three_sizes(const ShapeKind& kind) {
-  return kind.arguments.size() == 3 && kind.arguments[2].type == ShapeArgumentType::size;
-}
-
 // feder.<kind>(...), by the arguments of the kind's row.
 int feder_shape(lua_State* L) {
-  const ShapeKind& kind = kind_here(L);
   const std::string name = function_name(L);
-  if (three_sizes(kind) && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
+  // the kind whose maker runs, by its name
+  const ShapeKind& kind = shape_kinds()[static_cast<std::size_t>(shape_kind_id(name.c_str() + name.rfind('.') + 1))];
+  const bool three_sizes = kind.arguments.size() == 3 && kind.arguments[2].type == ShapeArgumentType::size;
+  if (three_sizes && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
     const Vec3 size = check_vector(L, 1, name);
     lua_settop(L, 0);
     push(L, size);
   }
   int most = 0;
   for (const ShapeArgument& a : kind.arguments) most += a.type == ShapeArgumentType::direction ? 3 : 1;
-  no_more(L, most);
+  if (lua_gettop(L) > most)
+    fail_here(L, "expected at most " + std::to_string(most) + " arguments, got " + std::to_string(lua_gettop(L)));
   ShapeInput in;
   std::vector<Vec3> points;
   std::vector<std::uint32_t> triangles;
@@ -210,7 +197,7 @@ bool points_option(Options& o, const char* key, std::vector<Vec3>& out) {
 }
 
 void open_shapes(lua_State* L) {
-  set_metamethods(L, Class::shape, {{"__tostring", shape_tostring}, {"__gc", shape_collected}});
+  set_metamethods(L, Class::shape, {{"__tostring", method<shape_tostring>}, {"__gc", shape_collected}});
 }
 
 }  // namespace feder::lua

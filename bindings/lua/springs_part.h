@@ -9,7 +9,6 @@ const Part& springs_part();
 
 ObjectId world_net(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> net_rows();
-std::span<const Method> net_methods();
 std::vector<Advice> advise_nets(World& world);
 SpringDesc read_spring(Options& o, std::size_t point_count);
 

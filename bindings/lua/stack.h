@@ -2,7 +2,6 @@
 #pragma once
 #include <array>
 #include <concepts>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -103,6 +102,13 @@ inline void push_weak_table(lua_State* L, const char* mode) {
   lua_newtable(L);
   set_field(L, "__mode", mode);
   lua_setmetatable(L, -2);
+}
+
+// The value on top takes the place of another in the registry.
+inline void replace_reference(lua_State* L, int& reference) {
+  luaL_unref(L, LUA_REGISTRYINDEX, reference);
+  lua_pushvalue(L, -1);
+  reference = luaL_ref(L, LUA_REGISTRYINDEX);
 }
 
 // Pushes a userdata of the class.

@@ -2,21 +2,20 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 
-#include "base/rng.h"
 #include "feder/params.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
 
-constexpr int kHookSlice = 1000;                 // instructions between two looks at the limits
+constexpr int kHookSlice = 1000;                 // instructions between two checks of the limits
 constexpr double kSecondsPerInstruction = 1e-7;  // of processor time, about ten times the usual
 constexpr std::size_t kLongBlock = 512;          // bytes; making and copying longer ones is charged
 constexpr int kBytesPerUnit = 16;
@@ -52,10 +51,10 @@ void limit_hook(lua_State* L, lua_Debug*) {
   State& s = state(L);
   s.spend(L, std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit));
   const std::uint64_t now = clock_nanoseconds();
-  if (s.lua_start > 0 && now - s.last_look < 100'000'000) return;
+  if (s.lua_start > 0 && now - s.last_time_check < 100'000'000) return;
   const double time = State::thread_seconds();
   if (s.lua_start <= 0) s.lua_start = time;
-  s.last_look = now;
+  s.last_time_check = now;
   if (time - s.lua_start > 1 + kSecondsPerInstruction * static_cast<double>(s.allowed_instructions()))
     s.trip(L, Limit::time);
 }
@@ -64,9 +63,7 @@ void limit_hook(lua_State* L, lua_Debug*) {
 std::string error_text(lua_State* L, int index) {
   if (lua_type(L, index) == LUA_TSTRING || lua_type(L, index) == LUA_TNUMBER) {
     lua_pushvalue(L, index);
-    std::size_t size = 0;
-    const char* text = lua_tolstring(L, -1, &size);
-    std::string copy(text, size);
+    std::string copy(text_at(L, -1));
     lua_pop(L, 1);
     return copy;
   }
@@ -316,10 +313,9 @@ void State::call_handler(lua_State* on, std::size_t slot, int args) {
   if (!profiled(slot, [&] { return call(on, args, 0, failure); })) report(failure);
 }
 
-Rng& State::random() {
-  if (last_world < worlds.size() && worlds[last_world]->world) return worlds[last_world]->world->rng();
-  return rng;
-}
+WorldRecord* State::current() const { return last_world < worlds.size() ? worlds[last_world].get() : nullptr; }
+
+Rng& State::random() { return current() && current()->world ? current()->world->rng() : rng; }
 
 std::string location(lua_State* L, int level) {
   lua_Debug ar;
@@ -384,9 +380,8 @@ std::string describe(lua_State* L, int index) {
     case LUA_TBOOLEAN: return lua_toboolean(L, index) ? "true" : "false";
     case LUA_TNUMBER: return print_number(lua_tonumber(L, index));
     case LUA_TSTRING: {
-      std::size_t size = 0;
-      const char* text = lua_tolstring(L, index, &size);
-      return "'" + std::string(text, std::min<std::size_t>(size, 40)) + (size > 40 ? "...'" : "'");
+      const std::string_view text = text_at(L, index);
+      return "'" + std::string(text.substr(0, 40)) + (text.size() > 40 ? "...'" : "'");
     }
     case LUA_TTABLE: return "a table";
     case LUA_TFUNCTION: return "a function";
@@ -431,34 +426,29 @@ std::string did_you_mean_or(std::string_view word, const std::vector<std::string
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable) {
   if (metatable) metatable = lua_absindex(L, metatable);
   for (const Method& row : rows) {
-    if (metatable)
-      lua_pushvalue(L, metatable);
-    else
-      lua_pushnil(L);
-    lua_pushstring(L, (prefix + row.name).c_str());
+    metatable ? lua_pushvalue(L, metatable) : lua_pushnil(L);
+    push(L, prefix + row.name);
     lua_pushcclosure(L, row.fn, 2);
     lua_setfield(L, -2, row.name);
   }
 }
 
-void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists) {
+void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists) {
   const char* name = class_name(state(L), c);
   lua_newtable(L);
   lua_pushvalue(L, -1);
   state(L).class_ref[static_cast<std::size_t>(c)] = luaL_ref(L, LUA_REGISTRYINDEX);
   const int metatable = lua_gettop(L);
-  lua_pushboolean(L, 0);
-  lua_setfield(L, metatable, "__metatable");
-  lua_pushstring(L, name);
-  lua_setfield(L, metatable, "__name");
-  lua_pushstring(L, name);
+  set_field(L, "__metatable", false);
+  set_field(L, "__name", name);
+  push(L, name);
   lua_pushcclosure(L, &no_fields, 1);
   lua_setfield(L, metatable, "__newindex");
   lua_newtable(L);
   for (const auto& rows : method_lists) add_methods(L, rows, std::string(name) + ":", metatable);
   // a miss in the method table names the nearest method
   lua_newtable(L);
-  lua_pushstring(L, name);
+  push(L, name);
   lua_pushvalue(L, -3);
   lua_pushcclosure(L, &unknown_member, 2);
   lua_setfield(L, -2, "__index");

@@ -116,19 +116,20 @@ struct State {
   }
   // Calls a handler, the function below `args` arguments on the stack; an error in it is reported.
   void call_handler(lua_State* on, std::size_t slot, int args);
-  Rng& random();  // of the current world; before the first world, the state's own
+  WorldRecord* current() const;  // the scene's world, or the last of a plain script; null before
+  Rng& random();                 // of the current world; before the first world, the state's own
 
   HostOptions options;
   std::vector<const ObjectClass*> object_classes;  // from Class::parts on
   lua_State* L = nullptr;
-  std::size_t memory_used = 0;  // bytes
-  std::uint64_t budget = 0;     // instructions left of the outermost call
-  Limit limit = Limit::none;    // reached: every hook raises until the outermost call has ended
-  std::string limit_location;   // file:line where it was reached
-  std::string memory_location;  // where the allocator last refused
-  double lua_start = 0;         // s of thread_seconds at the first hook of the outermost call; 0: none yet
-  std::uint64_t last_look = 0;  // ns, wall clock of the last look at thread_seconds
-  std::uint64_t printed = 0;    // bytes
+  std::size_t memory_used = 0;        // bytes
+  std::uint64_t budget = 0;           // instructions left of the outermost call
+  Limit limit = Limit::none;          // reached: every hook raises until the outermost call has ended
+  std::string limit_location;         // file:line where it was reached
+  std::string memory_location;        // where the allocator last refused
+  double lua_start = 0;               // s of thread_seconds at the first hook of the outermost call; 0: none yet
+  std::uint64_t last_time_check = 0;  // ns, wall clock when thread_seconds was last read
+  std::uint64_t printed = 0;          // bytes
   std::atomic<bool> interrupted = false;
   bool wrong_option = false;   // the error on its way is one of HostOptions::set or ::world
   int depth = 0;               // calls from the host into Lua, nested
@@ -212,7 +213,7 @@ int guard(lua_State* L) {
 // Fills the table on top of the stack: each function gets upvalues (metatable of its class or nil, qualified name).
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable);
 // Makes the metatable of a class from its methods; leaves it on the stack for metamethods.
-void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists);
+void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists);
 void push_class(lua_State* L, Class c);
 
 // The block of the userdata at `index` when it is of the class in upvalue 1 (methods) or `c`; else null.

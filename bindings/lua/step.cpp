@@ -96,7 +96,7 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
   record.world->restore(text.substr(used));
   record.special = std::move(special);
   record.subscriptions.events.clear();
-  for (ScriptForce& f : record.forces.list) f.held.clear();
+  for (ScriptForce& f : record.forces) f.held.clear();
   for (auto& s : record.subscriptions.all)
     if (s->self && !record.world->objects().alive(s->self)) unsubscribe(L, record, s->id);
   invalidate_lost(L, record, short_location(L) + " (world:restore)");

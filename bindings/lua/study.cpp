@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 
 #include "lua/buffer.h"
@@ -96,8 +95,7 @@ void collect(lua_State* L, int index, const std::string& what, int depth, std::v
 }
 
 void need_world(lua_State* L) {
-  const State& s = state(L);
-  if (s.last_world >= s.worlds.size()) complain(L, "study: the scene has no world yet; build() makes it");
+  if (!state(L).current()) complain(L, "study: the scene has no world yet; build() makes it");
 }
 
 // Pushes study.<name>.
@@ -129,10 +127,6 @@ void push_value(lua_State* L, const char* name, double t) {
   if (has_time) lua_pushnumber(L, t);
   push_scene_world(L);
   lua_call(L, has_time ? 3 : 2, 1);
-}
-
-void pad(std::vector<double>& out) {
-  while (out.size() % 3 != 0) out.push_back(0);
 }
 
 // study.<key> = function
@@ -200,8 +194,8 @@ constexpr Option<StudyDeclaration> kCertainty[] = {
     {{.name = "kind", .choices = "closed, quad, published"},
      "string",
      [](Options& o, const OptionRow& row, StudyDeclaration& out) {
-       int place = 0;
-       if (o.choice(row.name, row.choices, place)) o.text(row.name, out.kind);
+       int index = 0;
+       if (o.choice(row.name, row.choices, index)) o.text(row.name, out.kind);
      }},
     field<&StudyDeclaration::uncertainty>("uncertainty", "", kNotNegative),
     field<&StudyDeclaration::rounding>("rounding", "", kPositive),
@@ -255,14 +249,17 @@ StudyDeclaration read_study(Options& scene) {
   return out;
 }
 
-void read_study_numbers(lua_State* L, const char* name, double t, std::vector<double>& out) {
+std::vector<double> read_study_numbers(lua_State* L, const char* name, double t) {
+  std::vector<double> out;
   push_value(L, name, t);
   if (!lua_isnil(L, -1)) collect(L, lua_gettop(L), name, 0, out);
+  return out;
 }
 
-void read_study_state(lua_State* L, const char* name, double t, StudyState& out) {
+StudyState read_study_state(lua_State* L, const char* name, double t) {
   push_value(L, name, t);
   const int value = lua_gettop(L);
+  StudyState out;
   const std::pair<const char*, std::vector<double>*> parts[] = {{"x", &out.x}, {"v", &out.v}, {"q", &out.q}};
   bool named = false;
   for (const auto& [key, numbers] : parts) {
@@ -272,7 +269,9 @@ void read_study_state(lua_State* L, const char* name, double t, StudyState& out)
     lua_pop(L, 1);
   }
   if (!named && !lua_isnil(L, value)) collect(L, value, name, 0, out.x);
-  pad(out.x), pad(out.v);
+  // whole points
+  for (std::vector<double>* numbers : {&out.x, &out.v}) numbers->resize((numbers->size() + 2) / 3 * 3);
+  return out;
 }
 
 double scene_error(lua_State* L, std::span<const double> refined) {
@@ -286,7 +285,7 @@ double scene_error(lua_State* L, std::span<const double> refined) {
   if (state(L).scene.study.reference == StudyDeclaration::Reference::refined) {
     push_list(L, refined, [&](double x) { push(L, x); });
   } else {
-    push_value(L, "reference", state(L).worlds[state(L).last_world]->world->time());
+    push_value(L, "reference", state(L).current()->world->time());
   }
   if (!scene_second) lua_insert(L, -2);
   lua_call(L, 3, LUA_MULTRET);

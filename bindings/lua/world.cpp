@@ -4,7 +4,6 @@
 
 #include "lua/method.h"
 #include "lua/step.h"
-#include "lua/world_options.h"
 
 namespace feder::lua {
 namespace {
@@ -167,11 +166,6 @@ const Method kWorldMethods[] = {
 };
 
 }  // namespace
-
-int push_vector(lua_State* L, const Vec3& v) {
-  for (int k = 0; k < 3; ++k) lua_pushnumber(L, v[k]);
-  return 3;
-}
 
 std::size_t number_in(lua_State* L, int index, std::size_t count, const char* what) {
   int whole = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 #include "feder/system.h"
 #include "forces/area.h"
@@ -11,12 +10,6 @@
 
 namespace feder::lua {
 namespace {
-
-bool in_catalog(Catalog systems, std::string_view name) {
-  for (const SystemDescriptor* d : systems)
-    if (name == d->name) return true;
-  return false;
-}
 
 struct Friction {
   Real fixed = 0, dynamic = 0;
@@ -30,25 +23,24 @@ void read_friction(Options& o, const OptionRow&, T& made) {
   if (friction_option(o, "friction", made.friction_static, made.friction_dynamic)) made.has_friction = true;
 }
 
-void read_restitution(Options& o, const OptionRow& row, Material& m) {
-  m.has_restitution = o.real("restitution", m.restitution, row.range);
-}
-
-void read_density(Options& o, const OptionRow& row, Material& m) {
-  m.has_density = o.real("density", m.density, row.range);
-}
-
-void read_rolling(Options& o, const OptionRow& row, Material& m) {
-  m.has_rolling = o.real("rolling_friction", m.rolling_friction, row.range);
+template <bool Material::*Has, Real Material::*Value>
+void read_number(Options& o, const OptionRow& row, Material& m) {
+  m.*Has = o.real(row.name, m.*Value, row.range);
 }
 
 void read_color(Options& o, const OptionRow&, Material& m) { m.has_color = o.color("color", m.color); }
 
 constexpr Option<Material> kMaterial[] = {
     {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
-    {{.name = "restitution", .range = kUnitRange}, "number", read_restitution},
-    {{.name = "density", .unit = "kg/m3", .range = kPositive}, "number", read_density},
-    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative}, "number", read_rolling},
+    {{.name = "restitution", .range = kUnitRange},
+     "number",
+     read_number<&Material::has_restitution, &Material::restitution>},
+    {{.name = "density", .unit = "kg/m3", .range = kPositive},
+     "number",
+     read_number<&Material::has_density, &Material::density>},
+    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative},
+     "number",
+     read_number<&Material::has_rolling, &Material::rolling_friction>},
     special("color", "color", read_color),
     later<Material>("title", "string"),
     later<Material>("description", "string"),
@@ -102,7 +94,7 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
       lua_pop(L, 1);
     }
     Options p(L, -1, what);
-    p.skip_places(2);
+    p.skip_entries(2);
     p.read(kMaterialPair, pair);
     w.material_pairs.push_back(pair);
   });
@@ -154,7 +146,7 @@ bool parse_number(const std::string& text, double& out) {
   return std::isfinite(out);
 }
 
-// A value from the command line by its looks: number, boolean, list of numbers, else text.
+// A value from the command line by its form: number, boolean, list of numbers, else text.
 Params::Value parse_value(const std::string& text) {
   double x = 0;
   if (parse_number(text, x)) return x;
@@ -193,7 +185,8 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
   const std::size_t dot = key.find('.');
   if (dot != std::string::npos) {
     const std::string system = key.substr(0, dot);
-    if (!in_catalog(systems, system)) throw SceneError(what + ": unknown system '" + system + "'");
+    if (std::ranges::none_of(systems, [&](const SystemDescriptor* d) { return system == d->name; }))
+      throw SceneError(what + ": unknown system '" + system + "'");
     w.desc.systems[system].set(key.substr(dot + 1), value);
   } else if (key == "dt") {
     w.desc.dt = number();

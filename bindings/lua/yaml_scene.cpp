@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/sandbox.h"
 #include "lua/scene.h"
 #include "lua/shapes.h"
 #include "lua/stack.h"
@@ -88,8 +89,7 @@ void declare_params(lua_State* L, int scene) {
       if (lua_type(L, -2) == LUA_TSTRING) names.emplace_back(lua_tostring(L, -2));
     std::sort(names.begin(), names.end());
     for (const std::string& name : names) {
-      lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
-      lua_getfield(L, -1, "feder");
+      push_module(L);
       lua_getfield(L, -1, "param");
       lua_pushstring(L, name.c_str());
       lua_getfield(L, values + 1, name.c_str());
@@ -191,9 +191,7 @@ void make_shape(lua_State* L) {
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;  // the body's own reader complains
   const int table = lua_gettop(L);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
-  lua_getfield(L, -1, "feder");
-  lua_remove(L, -2);
+  push_module(L);
   const bool typed = lua_getfield(L, table, "type") == LUA_TSTRING;
   std::string name;
   if (typed) {
@@ -216,27 +214,34 @@ void make_shape(lua_State* L) {
       arguments = spread(L, static_cast<int>(std::min<lua_Unsigned>(lua_rawlen(L, -1), 100)));
   }
   // parts are shapes themselves
-  if (kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE) {
-    const int parts = lua_gettop(L);
-    for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, parts)); ++i) {
-      if (lua_rawgeti(L, parts, i) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
-        make_shape(L);
-        lua_setfield(L, -2, "shape");
-      }
-      lua_settop(L, parts);
-    }
-  }
+  if (kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE)
+    each_entry(L, -1, [&](lua_Integer) {
+      if (lua_type(L, -1) == LUA_TTABLE) make_shape_field(L, lua_gettop(L));
+    });
   lua_call(L, arguments, 1);
   lua_replace(L, table);
   lua_settop(L, table);
 }
 
+void make_shape_field(lua_State* L, int table) {
+  if (lua_getfield(L, table, "shape") != LUA_TNIL) {
+    make_shape(L);
+    lua_setfield(L, table, "shape");
+  } else {
+    lua_pop(L, 1);
+  }
+}
+
+void call_maker(lua_State* L, int object, const char* maker, int options, int results) {
+  lua_getfield(L, object, maker);
+  lua_pushvalue(L, object);
+  lua_pushvalue(L, options);
+  lua_call(L, 2, results);
+}
+
 void make_object(lua_State* L, int world, const char* maker) {
   const int options = lua_gettop(L);
-  lua_getfield(L, world, maker);
-  lua_pushvalue(L, world);
-  lua_pushvalue(L, options);
-  lua_call(L, 2, 0);
+  call_maker(L, world, maker, options, 0);
   lua_settop(L, options - 1);
 }
 

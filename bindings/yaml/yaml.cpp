@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kPlaces = "feder.places";
 
-// Builds the Lua value of a document, or only looks for errors when there is no Lua state.
+// Builds the Lua value of a document, or only checks for errors when there is no Lua state.
 class Builder {
  public:
   Builder(lua_State* lua, const std::string& file, const Document& document)
