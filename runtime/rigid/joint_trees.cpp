@@ -105,11 +105,6 @@ double compliance(const Row& row, const Vec3& moment, const SolverMass& m, const
 
 }  // namespace
 
-std::uint32_t JointTrees::find_root(std::uint32_t i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
-
 void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks,
                                const SolverBodies& solver_bodies) {
   links_.clear();
@@ -136,17 +131,12 @@ void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlo
 void JointTrees::accept_trees() {
   for (Link& link : links_) {
     if (!link.index_a || !link.index_b) continue;
-    const std::uint32_t a = find_root(link.index_a), b = find_root(link.index_b);
-    if (a == b) {
-      cyclic_[a] = 1;
-    } else {
-      const std::uint32_t low = a < b ? a : b, high = a < b ? b : a;
-      parent_[high] = low;
-      cyclic_[low] |= cyclic_[high];
-    }
+    const std::uint32_t a = trees_.root(link.index_a), b = trees_.root(link.index_b);
+    const bool cyclic = a == b || cyclic_[a] || cyclic_[b];  // a link within a tree closes a loop
+    cyclic_[trees_.join(a, b)] = cyclic;
   }
   for (Link& link : links_) {
-    link.root = find_root(link.index_a ? link.index_a : link.index_b);
+    link.root = trees_.root(link.index_a ? link.index_a : link.index_b);
     ++count_[link.root];
   }
   // one link alone too: the softened rows of a block would leave a share of what the last impulses do in the new pose,
@@ -239,8 +229,7 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   direct_.assign(blocks.size(), 0);
   collect_links(rows, blocks, solver_bodies);
   if (links_.empty()) return;
-  parent_.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
+  trees_.reset(count);
   cyclic_.assign(count, 0);
   count_.assign(count, 0);
   visited_.assign(count, 0);

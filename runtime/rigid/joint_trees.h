@@ -3,6 +3,7 @@
 #pragma once
 #include "feder/error.h"
 #include "rigid/solver.h"
+#include "rigid/union_find.h"
 #include "state/rows.h"
 #include "state/solver_bodies.h"
 
@@ -10,9 +11,7 @@ namespace feder {
 
 class JointTrees {
  public:
-  explicit JointTrees(Arena& arena)
-      : links_(&arena), nodes_(&arena), edges_(&arena), first_edge_(&arena), parent_(&arena), cyclic_(&arena),
-        count_(&arena), visited_(&arena), direct_(&arena), queue_(&arena), response_(&arena) {}
+  explicit JointTrees(Arena& arena) : arena_(arena) {}
 
   // Which blocks belong to trees; once per step, as rows keep their number.
   void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
@@ -60,7 +59,6 @@ class JointTrees {
     double wanted[kMaxRows];
   };
   static Real speed(const Row& row, const Link& link, const SolverBodies& solver_bodies);
-  std::uint32_t find_root(std::uint32_t i);
   void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
   void accept_trees();
   void order_nodes(std::size_t body_count);
@@ -68,10 +66,11 @@ class JointTrees {
   void grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link);
   void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
 
-  Array<Link> links_;
-  Array<Node> nodes_;                        // parents before children
-  Array<std::uint32_t> edges_, first_edge_;  // links by solver index
-  Array<std::uint32_t> parent_;              // union-find over solver bodies
+  Arena& arena_;
+  Array<Link> links_{&arena_};
+  Array<Node> nodes_{&arena_};                                 // parents before children
+  Array<std::uint32_t> edges_{&arena_}, first_edge_{&arena_};  // links by solver index
+  UnionFind trees_{arena_};                                    // of solver bodies
   Array<std::uint8_t> cyclic_;
   Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;

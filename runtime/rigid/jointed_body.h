@@ -7,6 +7,8 @@
 // much, and what joints believe of a body would not be what it does. Rows for directions do not foresee the turn
 // (Row::bend is 0): the free turn of a body that a joint holds is not what it will do.
 #pragma once
+#include <span>
+
 #include "state/solver_bodies.h"
 
 namespace feder {
@@ -30,6 +32,11 @@ struct JointedBody {
   Vec3d in_axes(const Vec3& v) const { return axes.transpose() * v.cast<double>(); }
   Vec3d felt() const { return inv_moments.cwiseProduct(share); }
 };
+
+// Null unless the solver body is a body on a joint with uneven moments of inertia. `jointed`: by solver index.
+inline JointedBody* uneven_of(std::span<JointedBody> jointed, std::uint32_t index) {
+  return index < jointed.size() && jointed[index].uneven ? &jointed[index] : nullptr;
+}
 
 // Principal axes in the world of the body turned by `rotation`.
 Mat3d jointed_axes(const JointedBody& j, const Quat& rotation);

@@ -65,16 +65,11 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   r.break_force = d.break_force;
   r.alive = 1;
   r.collide = d.collide;
-  std::uint32_t j;
-  if (!free_joints.empty()) {
-    j = free_joints.back();
-    free_joints.pop_back();
-    FEDER_ASSERT(j < records.size() && !records[j].alive);
-  } else {
-    j = static_cast<std::uint32_t>(records.size());
+  const std::uint32_t j = take_index(free_joints, records.size(), [&] {
     records.emplace_back();
     joints.emplace_back();
-  }
+  });
+  FEDER_ASSERT(j < records.size() && !records[j].alive);
   records[j] = r;
   joints[j] = SolverJoint{};
   joints[j].kind = &kind;
@@ -87,8 +82,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
     collide.exclude(d.a, d.b);
     changed(a), changed(b);
   }
-  if (a != kNone) wake(a, WakeCause::joint, d.b);
-  if (b != kNone) wake(b, WakeCause::joint, d.a);
+  wake_joined(records[j], WakeCause::joint);
   if (d.options.has_limits) edited(a), edited(b);
   if (joint_count++ == 0) *structure_changed = true;
   return records[j].object;
@@ -98,13 +92,17 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
   FEDER_ASSERT(j < records.size() && records[j].alive && joint_count > 0);
   JointRecord& r = records[j];
   if (!r.collide && r.a && r.b) collide.include(r.a, r.b);
-  if (r.body_a != kNone) wake(r.body_a, cause, r.b);
-  if (r.body_b != kNone) wake(r.body_b, cause, r.a);
+  wake_joined(r, cause);
   objects.remove(r.object, where);
   r = JointRecord{};
   joints[j] = SolverJoint{};
   free_joints.push_back(j);
   if (--joint_count == 0) *structure_changed = true;
+}
+
+void Rigid::Impl::wake_joined(const JointRecord& r, WakeCause cause) {
+  if (r.body_a != kNone) wake(r.body_a, cause, r.b);
+  if (r.body_b != kNone) wake(r.body_b, cause, r.a);
 }
 
 // Solver slots and frames for the solver, from the bodies' types and (fixed) poses.
@@ -127,13 +125,10 @@ void Rigid::Impl::refresh_joints_of(std::uint32_t body) {
 }
 
 void Rigid::Impl::activate_joints(StepContext& c) {
-  const auto moves = [&](std::uint32_t body) {
-    return body != kNone && bodies.type[body] == BodyType::dynamic && bodies.awake[body];
-  };
   FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
-    joints[j].active = r.alive && (moves(r.body_a) || moves(r.body_b));
+    joints[j].active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
     if (!joints[j].active) continue;
     load_inertia(r.body_a), load_inertia(r.body_b);
     if (!r.mass_checked) check_mass_ratio(j, c);
@@ -198,14 +193,20 @@ JointInput Rigid::Impl::joint_input(std::uint32_t j) const {
   return in;
 }
 
+// The rows of joint j for the poses of `in`, into `rows` and `blocks`.
+void Rigid::Impl::fill_rows(std::uint32_t j, const JointInput& in) const {
+  rows.clear();
+  blocks.clear();
+  RowWriter writer(rows, blocks);
+  writer.start(in, j);
+  joints[j].kind->fill(in, writer);
+}
+
 // Force and torque on b at its anchor, from the impulses of the last substep.
 void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
   const SolverJoint& s = joints[j];
   const JointInput in = joint_input(j);
-  rows.clear(), blocks.clear();
-  RowWriter writer(rows, blocks);
-  writer.start(in, j);
-  s.kind->fill(in, writer);
+  fill_rows(j, in);
   FEDER_ASSERT(last_h > 0);
   force = torque = Vec3::Zero();
   for (const RowBlock& block : blocks) {
@@ -247,11 +248,7 @@ void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
   };
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     if (!records[j].alive) continue;
-    rows.clear(), blocks.clear();
-    RowWriter writer(rows, blocks);
-    const JointInput in = joint_input(j);
-    writer.start(in, j);
-    joints[j].kind->fill(in, writer);
+    fill_rows(j, joint_input(j));
     Real squares = 0;
     for (const Row& row : rows) {
       if (row.velocity_only) continue;

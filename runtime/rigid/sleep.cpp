@@ -72,12 +72,9 @@ void Rigid::Impl::wake_touched(StepContext&) {
 // Wakes the sleepers that touch body i, and those joined to it.
 void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   if (sleeping_count == 0) return;
-  const auto owner = [&](std::uint32_t collider) {
-    return colliders.owner[collider] == ColliderOwner::body ? colliders.owner_index[collider] : kNone;
-  };
   for (const std::uint32_t slot : contacts.order) {
     const Contact& contact = contacts.slots[slot];
-    const std::uint32_t a = owner(contact.collider_a), b = owner(contact.collider_b);
+    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
     if (contact.sensor || contact.point_count == 0 || (a != i && b != i)) continue;
     const std::uint32_t other = a == i ? b : a;
     if (other != kNone && !bodies.awake[other]) wake(other, cause, bodies.object[i]);
@@ -127,26 +124,12 @@ void Rigid::Impl::measure_motion(StepContext& c) {
   }
 }
 
-std::uint32_t Rigid::Impl::root(std::uint32_t i) {
-  FEDER_ASSERT(i < parent.size() && parent[i] <= i);
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];  // path halving
-  return i;
-}
-
-// The smaller index is the root, so that names do not depend on the order of joins.
-void Rigid::Impl::join(std::uint32_t a, std::uint32_t b) {
-  a = root(a), b = root(b);
-  if (a < b) parent[b] = a;
-  if (b < a) parent[a] = b;
-}
-
 void Rigid::Impl::join_islands() {
-  for (const std::uint32_t i : moving) parent[i] = i;
+  for (const std::uint32_t i : moving) islands.isolate(i);
   // what keeps a body awake is written into `sleep_candidate`: a moving kinematic partner
   const auto link = [&](std::uint32_t a, std::uint32_t b) {
-    const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic && bodies.awake[a];
-    const bool moves_b = b != kNone && bodies.type[b] == BodyType::dynamic && bodies.awake[b];
-    if (moves_a && moves_b) return join(a, b);
+    const bool moves_a = bodies.moves(a), moves_b = bodies.moves(b);
+    if (moves_a && moves_b) return void(islands.join(a, b));
     const auto carries = [&](std::uint32_t k) {
       return k != kNone && bodies.type[k] == BodyType::kinematic &&
              (!bodies.velocity[k].isZero(0) || !bodies.angular_velocity[k].isZero(0));
@@ -158,8 +141,7 @@ void Rigid::Impl::join_islands() {
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
     FEDER_ASSERT(ca < colliders.size() && cb < colliders.size() && contact.touching && !contact.sensor);
-    link(colliders.owner[ca] == ColliderOwner::body ? colliders.owner_index[ca] : kNone,
-         colliders.owner[cb] == ColliderOwner::body ? colliders.owner_index[cb] : kNone);
+    link(colliders.body_of(ca), colliders.body_of(cb));
   }
   for (const JointRecord& r : records)
     if (r.alive) link(r.body_a, r.body_b);
@@ -170,10 +152,10 @@ void Rigid::Impl::sleep_islands() {
   for (const std::uint32_t i : moving)
     if (bodies.type[i] == BodyType::dynamic) bodies.island[i] = kNone;
   for (const std::uint32_t i : moving)
-    if (bodies.type[i] == BodyType::dynamic && !sleep_candidate[i]) bodies.island[root(i)] = i;
+    if (bodies.type[i] == BodyType::dynamic && !sleep_candidate[i]) bodies.island[islands.root(i)] = i;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
-    const std::uint32_t r = root(i);
+    const std::uint32_t r = islands.root(i);
     if (bodies.island[r] != kNone && bodies.island[r] != r) continue;
     if (bodies.island[r] == r && !sleep_candidate[r]) continue;
     put_to_sleep(i);

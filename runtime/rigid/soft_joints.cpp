@@ -19,6 +19,15 @@ namespace {
 constexpr Real kRadian = Real(0.3);  // m, that an error of one radian counts as
 constexpr Real kStrain = 2;          // (h omega)^2 up to which a body keeps its inertia; beyond 4 no substep can follow
 
+// What joints did to the velocity of body i so far: six numbers per body.
+void add_change(Real* change, std::uint32_t i, const Vec3& velocity, const Vec3& angular_velocity) {
+  Real* to = change + 6 * std::size_t(i);
+  for (int k = 0; k < 3; ++k) {
+    to[k] += velocity[k];
+    to[3 + k] += angular_velocity[k];
+  }
+}
+
 }  // namespace
 
 SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
@@ -82,34 +91,28 @@ void SoftJoints::turn_inertias(const SolverInput& in) {
   }
 }
 
-std::uint32_t SoftJoints::find_group(std::uint32_t i) {
-  while (group_[i] != i) i = group_[i] = group_[group_[i]];
-  return i;
-}
-
 // Bodies that hang by joints on one that a contact touches. What a contact gave a body last turns it in a way that its
 // joints do not allow, and how anchors bend follows from the square of that: nothing is foreseen there.
 void SoftJoints::find_in_contact(const SolverInput& in) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
   in_contact_.assign(solver_bodies.state.size(), 0);
   if (in.contacts->active.empty()) return;
-  group_.resize(solver_bodies.state.size());
-  for (std::uint32_t i = 0; i < group_.size(); ++i) group_[i] = i;
+  groups_.reset(solver_bodies.state.size());
   for (const SolverJoint& joint : in.joints) {
     if (!joint.active || joint.slot_a == kNone || joint.slot_b == kNone) continue;
     const std::uint32_t a = solver_bodies.index[joint.slot_a], b = solver_bodies.index[joint.slot_b];
-    if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) group_[find_group(a)] = find_group(b);
+    if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) groups_.join(a, b);
   }
   const auto mark = [&](std::uint32_t collider) {
     const std::uint32_t index = in.solver_index(collider);
     FEDER_ASSERT(index < in_contact_.size());
-    if (index != 0) in_contact_[find_group(index)] = 1;
+    if (index != 0) in_contact_[groups_.root(index)] = 1;
   };
   for (const std::uint32_t slot : in.contacts->active) {
     mark(in.contacts->slots[slot].collider_a);
     mark(in.contacts->slots[slot].collider_b);
   }
-  for (std::uint32_t i = 0; i < in_contact_.size(); ++i) in_contact_[i] = in_contact_[find_group(i)];
+  for (std::uint32_t i = 0; i < in_contact_.size(); ++i) in_contact_[i] = in_contact_[groups_.root(i)];
 }
 
 void SoftJoints::load_motions(const SolverInput& in, Real h) {
@@ -224,36 +227,30 @@ void SoftJoints::prepare_block(const RowBlock& block, const SolverMass& a, const
 
 void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
   FEDER_ASSERT(block.index_a != block.index_b && change);
-  SolverBody& sa = in.solver_bodies->state[block.index_a];
-  SolverBody& sb = in.solver_bodies->state[block.index_b];
-  Vec3 push = Vec3::Zero(), angular_change_a = Vec3::Zero(), angular_change_b = Vec3::Zero();
-  for (int i = 0; i < block.count; ++i) {
-    const ReadyRow& r = ready_[block.first + static_cast<std::uint32_t>(i)];
-    push += r.linear * impulse[i];
-    angular_change_a += r.push_a * impulse[i];
-    angular_change_b += r.push_b * impulse[i];
+  Vec3 push = Vec3::Zero(), angular_velocity_a = Vec3::Zero(), angular_velocity_b = Vec3::Zero();
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    const ReadyRow& r = ready_[block.first + k];
+    push += r.linear * impulse[k];
+    angular_velocity_a += r.push_a * impulse[k];
+    angular_velocity_b += r.push_b * impulse[k];
   }
-  if (block.index_a) {
-    const Vec3 v = in.solver_bodies->mass[block.index_a].inv_mass_axes.cwiseProduct(push);
-    sa.velocity -= v;
-    sa.angular_velocity += angular_change_a;
-    Real* d = change + 6 * std::size_t(block.index_a);
-    for (int k = 0; k < 3; ++k) d[k] -= v[k], d[3 + k] += angular_change_a[k];
-  }
-  if (block.index_b) {
-    const Vec3 v = in.solver_bodies->mass[block.index_b].inv_mass_axes.cwiseProduct(push);
-    sb.velocity += v;
-    sb.angular_velocity += angular_change_b;
-    Real* d = change + 6 * std::size_t(block.index_b);
-    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += angular_change_b[k];
-  }
+  const auto side = [&](std::uint32_t i, Real sign, const Vec3& angular_velocity) {
+    if (!i) return;
+    SolverBody& s = in.solver_bodies->state[i];
+    const Vec3 velocity = sign * in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
+    s.velocity += velocity;
+    s.angular_velocity += angular_velocity;
+    add_change(change, i, velocity, angular_velocity);
+  };
+  side(block.index_a, -1, angular_velocity_a);
+  side(block.index_b, 1, angular_velocity_b);
 }
 
 // The same where there are bodies whose angular momentum is kept.
 void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
   const auto side = [&](std::uint32_t i, Real sign, Vec3 ReadyRow::*angular) {
     if (!i) return;
-    Vec3 push = Vec3::Zero(), angular_change = Vec3::Zero();
+    Vec3 push = Vec3::Zero(), angular_velocity = Vec3::Zero();
     Vec3d moment = Vec3d::Zero();
     for (std::uint32_t k = 0; k < block.count; ++k) {
       const ReadyRow& r = ready_[block.first + k];
@@ -261,16 +258,15 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
       moment += (r.*angular).cast<double>() * static_cast<double>(impulse[k]);
     }
     SolverBody& s = in.solver_bodies->state[i];
-    const Vec3 v = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
-    s.velocity += v;
+    const Vec3 velocity = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
+    s.velocity += velocity;
     if (JointedBody* uneven = in.uneven(i)) {
-      angular_change = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
+      angular_velocity = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
     } else {
-      angular_change = inv_inertia_[i] * moment.cast<Real>();
-      s.angular_velocity += angular_change;
+      angular_velocity = inv_inertia_[i] * moment.cast<Real>();
+      s.angular_velocity += angular_velocity;
     }
-    Real* d = change + 6 * std::size_t(i);
-    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += angular_change[k];
+    add_change(change, i, velocity, angular_velocity);
   };
   side(block.index_a, -1, &ReadyRow::angular_a);
   side(block.index_b, 1, &ReadyRow::angular_b);
@@ -407,10 +403,6 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
   step_.resize(rows_.size());
   if (biased && uneven_) slide_trees(in), biased = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
-  solve_directly(in, change);
-}
-
-void SoftJoints::solve_directly(const SolverInput& in, Real* change) {
   trees_.solve(rows_, in.solver_bodies, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;

@@ -17,10 +17,7 @@ class SoftJoints {
  public:
   // `push_speed`, m/s: at which an open joint of a loop is closed at most.
   SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees)
-      : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), trees_(arena), bias_(&arena), step_(&arena),
-        strain_(&arena), strain_axes_(&arena), motions_(&arena), group_(&arena), in_contact_(&arena), torn_(&arena),
-        slides_(&arena), inv_inertia_(&arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed),
-        use_trees_(use_trees) {}
+      : arena_(arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed), use_trees_(use_trees) {}
 
   bool empty() const { return blocks_.empty(); }
   // Rows at the poses now, effective masses, and last impulses applied. `change` collects what joints do to each
@@ -53,7 +50,6 @@ class SoftJoints {
   void add_strain(const SolverInput& in, std::uint32_t index, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
   void turn_inertias(const SolverInput& in);
-  std::uint32_t find_group(std::uint32_t i);
   void find_in_contact(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
   // Returns the speed at which an equality is to be closed, m/s or rad/s.
@@ -68,25 +64,25 @@ class SoftJoints {
   }
   void fill_rows(const SolverInput& in, const StepContext& c);
   void prepare_rows(const RowBlock& block, const SolverInput& in, Real h);
-  void solve_directly(const SolverInput& in, Real* change);
   void slide_trees(const SolverInput& in);
   void solve_trees(const SolverInput& in, bool biased, Real* change);
   void solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change);
 
-  Array<Row> rows_;
-  Array<RowBlock> blocks_;
-  Array<ReadyRow> ready_;
-  Array<ReadyBlock> prepared_;
-  JointTrees trees_;
-  Array<Real> bias_, step_;         // by row, for the trees
-  Array<Real> strain_;              // by solver index: h sum |impulse| |arm|, kg m^2
-  Array<Vec3d> strain_axes_;        // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_;       // by solver index
-  Array<std::uint32_t> group_;      // by solver index: union-find over joints
-  Array<std::uint8_t> in_contact_;  // by solver index: hangs together with a body that a contact touches
-  Array<std::uint32_t> torn_;       // blocks that ask for more than push_speed
-  Array<BodySlide> slides_;         // by solver index
-  Array<Mat3> inv_inertia_;         // by solver index, world, that joints feel in this substep
+  Arena& arena_;
+  Array<Row> rows_{&arena_};
+  Array<RowBlock> blocks_{&arena_};
+  Array<ReadyRow> ready_{&arena_};
+  Array<ReadyBlock> prepared_{&arena_};
+  JointTrees trees_{arena_};
+  Array<Real> bias_{&arena_}, step_{&arena_};  // by row, for the trees
+  Array<Real> strain_{&arena_};                // by solver index: h sum |impulse| |arm|, kg m^2
+  Array<Vec3d> strain_axes_{&arena_};          // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_{&arena_};         // by solver index
+  UnionFind groups_{arena_};                   // of solver bodies that joints connect
+  Array<std::uint8_t> in_contact_{&arena_};    // by solver index: hangs together with a body that a contact touches
+  Array<std::uint32_t> torn_{&arena_};         // blocks that ask for more than push_speed
+  Array<BodySlide> slides_{&arena_};           // by solver index
+  Array<Mat3> inv_inertia_{&arena_};           // by solver index, world, that joints feel in this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;  // there are contacts

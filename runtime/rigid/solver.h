@@ -31,10 +31,7 @@ struct SolverInput {
   std::uint32_t solver_index(std::uint32_t collider) const {
     return solver_bodies->at(colliders->solver_slot[collider]);
   }
-  // Null unless the solver body is a body on a joint with uneven moments of inertia.
-  JointedBody* uneven(std::uint32_t index) const {
-    return index < jointed.size() && jointed[index].uneven ? &jointed[index] : nullptr;
-  }
+  JointedBody* uneven(std::uint32_t index) const { return uneven_of(jointed, index); }
 
   Contacts* contacts = nullptr;  // active ones are solved; impulses are read and written
   const Colliders* colliders = nullptr;

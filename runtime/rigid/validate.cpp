@@ -53,12 +53,9 @@ void Rigid::Impl::check_body(std::uint32_t i) const {
 
 std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
   const bool dynamic = bodies.type[i] == BodyType::dynamic, fixed = bodies.type[i] == BodyType::fixed;
-  const ColliderMotion motion = dynamic ? ColliderMotion::dynamic
-                                : fixed ? ColliderMotion::fixed
-                                        : ColliderMotion::kinematic;
   std::uint32_t count = 0;
   each_collider(i, [&](std::uint32_t k) {
-    FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion);
+    FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion_of(bodies.type[i]));
     FEDER_ASSERT(colliders.owner[k] == ColliderOwner::body && colliders.owner_index[k] == i);
     FEDER_ASSERT(colliders.object[k] == bodies.object[i]);
     FEDER_ASSERT(colliders.solver_slot[k] == (fixed ? kNone : bodies.solver_slot[i]));
@@ -105,10 +102,9 @@ void Rigid::Impl::check_joint(std::uint32_t j) const {
 
 // Lists and counts that follow from bodies and joints.
 void Rigid::Impl::check_lists() const {
-  for (const std::size_t size :
-       {volume.size(), area.size(), asymmetric.size(), kept_momentum.size(), kept_angular_velocity.size(),
-        sleep_candidate.size(), next_in_island.size(), parent.size(), pace.size(), edited_step.size()})
-    FEDER_ASSERT(size == bodies.size());
+  const std::size_t count = bodies.size();
+  each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == count); });
+  FEDER_ASSERT(islands.size() == count);
   std::uint32_t alive = 0, asleep = 0, awake = 0;
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     alive += bodies.type[i] != BodyType::free;

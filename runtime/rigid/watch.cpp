@@ -24,13 +24,6 @@ double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const 
   return 0.5 * (number(bodies.mass[i]) * number(dot(v, v)) + number(dot(w, Vec3(bodies.inertia[i] * w))));
 }
 
-void Rigid::Impl::resize_watch() {
-  const std::size_t size = bodies.size();
-  pace.resize(size, 0), edited_step.resize(size, now);
-  for (auto* array : {&island_before, &island_after, &island_given, &island_mass, &island_drive})
-    array->resize(size, 0);
-}
-
 // Without sleep nobody else measures motion: the speed of the farthest point does as well.
 void Rigid::Impl::measure_pace(const StepContext& c) {
   const Real least = static_cast<Real>(quiet_energy(c));
@@ -79,13 +72,11 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
 void Rigid::Impl::watch_contacts(const StepContext& c) {
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
-    const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
-    const std::uint32_t a = colliders.owner[ca] == ColliderOwner::body ? colliders.owner_index[ca] : kNone;
-    const std::uint32_t b = colliders.owner[cb] == ColliderOwner::body ? colliders.owner_index[cb] : kNone;
+    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
     const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic,
                moves_b = b != kNone && bodies.type[b] == BodyType::dynamic;
     if (!moves_a && !moves_b) continue;
-    const std::uint32_t at = root(moves_a ? a : b);
+    const std::uint32_t at = islands.root(moves_a ? a : b);
     const double mass = (moves_a ? number(bodies.mass[a]) : 0) + (moves_b ? number(bodies.mass[b]) : 0);
     for (int k = 0; k < contact.point_count; ++k) {
       const double depth = std::fmax(0.0, -number(contact.points[k].separation)) / number(c.h);
@@ -114,12 +105,9 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     if (!r.alive || !joints[j].active) continue;
-    const auto moves = [&](std::uint32_t i) {
-      return i != kNone && bodies.type[i] == BodyType::dynamic && bodies.awake[i];
-    };
-    const bool moves_a = moves(r.body_a), moves_b = moves(r.body_b);
+    const bool moves_a = bodies.moves(r.body_a), moves_b = bodies.moves(r.body_b);
     if (!moves_a && !moves_b) continue;
-    const std::uint32_t at = root(moves_a ? r.body_a : r.body_b);
+    const std::uint32_t at = islands.root(moves_a ? r.body_a : r.body_b);
     if (r.body_a != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_a, r.body_b));
     if (r.body_b != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_b, r.body_a));
     bool edited = false;
@@ -139,10 +127,7 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
   };
   JointInput in = joint_input(j);
   in.a = start(r.body_a, joints[j].slot_a), in.b = start(r.body_b, joints[j].slot_b);
-  rows.clear(), blocks.clear();
-  RowWriter writer(rows, blocks);
-  writer.start(in, j);
-  joints[j].kind->fill(in, writer);
+  fill_rows(j, in);
   double sum = 0, size = std::numeric_limits<double>::infinity();
   for (const std::uint32_t i : {r.body_a, r.body_b})
     if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, number(bodies.extent[i]));
@@ -167,9 +152,9 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
       for (const std::uint32_t i : {r.body_a, r.body_b})
         if (i != kNone) path += number(length(bodies.angular_velocity[i])) + number(length(bodies.velocity[i]));
       const std::uint32_t at =
-          root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
+          islands.root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
       for (const std::uint32_t i : moving) {
-        if (bodies.type[i] != BodyType::dynamic || root(i) != at) continue;
+        if (bodies.type[i] != BodyType::dynamic || islands.root(i) != at) continue;
         const Vec3 arm = bodies.position[i] - in.a.position;
         all += number(bodies.mass[i]) * (1 + number(dot(arm, arm))) + number(bodies.inertia[i].trace());
       }
@@ -195,7 +180,7 @@ void Rigid::Impl::account(const StepContext& c) {
     island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || solver_bodies.index[bodies.solver_slot[i]] == 0) continue;
-    const std::uint32_t at = root(i), k = bodies.first_collider[i];
+    const std::uint32_t at = islands.root(i), k = bodies.first_collider[i];
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[bodies.solver_slot[i]]];
     island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
     island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
@@ -213,13 +198,13 @@ void Rigid::Impl::watch(const StepContext& c) {
   account(c);
   const double least = quiet_energy(c);
   for (const std::uint32_t i : moving) {
-    if (bodies.type[i] != BodyType::dynamic || root(i) != i) continue;
+    if (bodies.type[i] != BodyType::dynamic || islands.root(i) != i) continue;
     const double before = island_before[i] + least * island_mass[i];
     if (!Watch::jumped(before, island_given[i], island_after[i])) continue;
     std::uint32_t worst = i;
     double most = -1;
     for (const std::uint32_t k : moving) {
-      if (bodies.type[k] != BodyType::dynamic || root(k) != i) continue;
+      if (bodies.type[k] != BodyType::dynamic || islands.root(k) != i) continue;
       const double energy = kinetic_energy(k, bodies.rotation[k], bodies.velocity[k], bodies.angular_velocity[k]);
       if (energy > most || !(energy <= 1e300)) worst = k, most = energy;
     }
