@@ -136,26 +136,37 @@ struct Collide::Impl {
 
   // queries.cpp
   bool passes(std::uint32_t i, const QueryFilter& f) const;
+  template <class Near, class F>
+  void each_near(const QueryFilter& filter, Near&& near, F&& f) const;
+  template <class F>
+  void each_hit(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, F&& f) const;
 
   bool excluded(ObjectId a, ObjectId b) const;
+  // Calls f(member) for what snapshots hold, but for the colliders and the names of materials.
+  template <class C, class F>
+  static void each_saved(C& c, F&& f) {
+    for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active, c.seen, c.entries,
+                c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs);
+  }
 
+  Arena& arena;
   Colliders* colliders;
   Contacts* contacts;
   ContactBook* book;
   std::unique_ptr<BroadPhase> broad;
   NarrowPhase narrow;
 
-  Array<BoxMotion> motion;
-  Array<IndexPair> pairs;
-  Array<SeenCollider> seen;                   // by collider
-  Array<ContactEntry> entries, next_entries;  // sorted by (a, b, sub)
-  Array<ContactMemory> memory;                // by slot
-  Array<std::uint32_t> watched;               // places in `entries`
-  Array<Exclusion> exclusions;                // sorted
-  bool recheck_filters = false;               // exclusions changed
-  bool recheck_surfaces = false;              // material pairs changed
-  std::vector<std::string> materials;         // number - 1
-  std::vector<MaterialPair> material_pairs;   // sorted, a <= b
+  Array<BoxMotion> motion{&arena};
+  Array<IndexPair> pairs{&arena};
+  Array<SeenCollider> seen{&arena};                           // by collider
+  Array<ContactEntry> entries{&arena}, next_entries{&arena};  // sorted by (a, b, sub)
+  Array<ContactMemory> memory{&arena};                        // by slot
+  Array<std::uint32_t> watched{&arena};                       // places in `entries`
+  Array<Exclusion> exclusions{&arena};                        // sorted
+  bool recheck_filters = false;                               // exclusions changed
+  bool recheck_surfaces = false;                              // material pairs changed
+  std::vector<std::string> materials;                         // number - 1
+  std::vector<MaterialPair> material_pairs;                   // sorted, a <= b
 };
 
 // Object pairs of exclusions are unordered.

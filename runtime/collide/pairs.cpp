@@ -98,15 +98,10 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   fresh.margin = std::min(kSpeculative, kSpeculativeShare * fresh.extent);
   const std::uint32_t count = many ? kMaxManifolds : 1;
   for (std::uint32_t sub = 0; sub < count; ++sub) {
-    std::uint32_t slot;
-    if (contacts->free_list.empty()) {
-      slot = static_cast<std::uint32_t>(contacts->slots.size());
+    const std::uint32_t slot = take_index(contacts->free_list, contacts->slots.size(), [&] {
       contacts->slots.emplace_back();
       memory.emplace_back();
-    } else {
-      slot = contacts->free_list.back();
-      contacts->free_list.pop_back();
-    }
+    });
     Contact& contact = contacts->slots[slot];
     FEDER_ASSERT(contact.collider_a == kNone && contact.point_count == 0);  // free until now
     contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;

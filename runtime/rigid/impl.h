@@ -73,10 +73,12 @@ struct Rigid::Impl {
   void solve(StepContext& c);
   void finish_solve(StepContext& c);
   void commit(StepContext& c);
-  void gather_body(std::uint32_t index, StepContext& c);
-  void integrate_body(std::uint32_t index, StepContext& c);
-  void commit_body(std::uint32_t index, StepContext& c);
-  bool commit_finite(std::uint32_t index) const;
+  void gather_body(std::uint32_t p);
+  void integrate_body(std::uint32_t p, StepContext& c);
+  void commit_body(std::uint32_t p);
+  template <class F>
+  void each_moving(StepContext& c, F&& f);
+  bool commit_finite(std::uint32_t p) const;
   void quarantine(std::uint32_t i);
   void refresh(StepContext& c);
   void rebuild_list();

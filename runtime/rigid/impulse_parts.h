@@ -140,28 +140,25 @@ struct ImpulseJoint {
   std::uint32_t first_block = 0, block_count = 0;
 };
 
-struct ImpulseRows {
+// Joint rows that are solved together, and the solver bodies they push.
+struct BlockRows {
   const Row* rows;
-  const RowBlock* blocks;
+  int count;
+  std::uint32_t a, b;
 };
 
 // Joints (impulse_joint.cpp).
-void factor_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s,
-                  ImpulseBlock& out);
-void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
-                 const ImpulseScene& s);
+void factor_block(const BlockRows& r, const ImpulseScene& s, ImpulseBlock& out);
+void apply_block(const BlockRows& r, const Real* impulse, const ImpulseScene& s);
 // The same after bodies have travelled, as if it had been there before.
-void push_back_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
-                     const ImpulseScene& s);
-Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
-                       const Real* impulse, const ImpulseScene& s);
-void solve_block_speed(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
-                       Real* impulse, const ImpulseScene& s);
-// What the motion of the substep added to the errors of stiff rows (m or rad), and its way back in position and speed.
-Real block_drift(const Row* start, const Row* now, int count);
-void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a, std::uint32_t b,
-                   const ImpulseBlock& block, Real* impulse, const ImpulseScene& s);
-Real block_position_error(const Row* rows, int count);  // m or rad
-void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s);
+void push_back_block(const BlockRows& r, const Real* impulse, const ImpulseScene& s);
+Real block_speed_error(const BlockRows& r, const ImpulseBlock& block, const Real* impulse, const ImpulseScene& s);
+void solve_block_speed(const BlockRows& r, const ImpulseBlock& block, Real* impulse, const ImpulseScene& s);
+// What the motion of the substep added to the errors of stiff rows, m or rad; the correction of position and speed.
+Real block_drift(const BlockRows& start, const BlockRows& now);
+void correct_block_drift(const BlockRows& start, const BlockRows& now, const ImpulseBlock& block, Real* impulse,
+                         const ImpulseScene& s);
+Real block_position_error(const BlockRows& r);  // m or rad
+void correct_block(const BlockRows& r, const ImpulseScene& s);
 
 }  // namespace feder

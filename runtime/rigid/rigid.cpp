@@ -106,7 +106,7 @@ void Rigid::Impl::each_saved_number(S& s, F&& f) {
 void Rigid::save(Writer& w) const {
   const Impl& s = *impl_;
   FEDER_ASSERT(s.records.size() == s.joints.size());
-  Impl::each_saved(s, SavedTo(w));
+  Impl::each_saved(s, saved_to(w));
   std::vector<SavedJoint> saved(s.joints.size());
   for (std::size_t j = 0; j < saved.size(); ++j) {
     std::memset(static_cast<void*>(&saved[j]), 0, sizeof(SavedJoint));
@@ -116,12 +116,12 @@ void Rigid::save(Writer& w) const {
     saved[j].rows = s.joints[j].rows;
   }
   w.list(saved);
-  Impl::each_saved_number(s, SavedTo(w));
+  Impl::each_saved_number(s, saved_to(w));
 }
 
 void Rigid::load(Reader& r) {
   Impl& s = *impl_;
-  Impl::each_saved(s, LoadedFrom(r));
+  Impl::each_saved(s, loaded_from(r));
   std::vector<SavedJoint> saved;
   r.list(saved);
   s.joints.assign(saved.size(), SolverJoint{});
@@ -133,7 +133,7 @@ void Rigid::load(Reader& r) {
     s.joints[j].rows = saved[j].rows;
     if (s.records[j].alive) s.joints[j].kind = &joint_kinds()[s.records[j].kind];
   }
-  Impl::each_saved_number(s, LoadedFrom(r));
+  Impl::each_saved_number(s, loaded_from(r));
   // what follows from the state
   s.resize_arrays();
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)

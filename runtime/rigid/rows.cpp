@@ -27,6 +27,15 @@ bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
 
 }  // namespace
 
+// Calls f(p) for the places in `moving`, from several threads.
+template <class F>
+void Rigid::Impl::each_moving(StepContext& c, F&& f) {
+  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
+                     [&](std::uint32_t first, std::uint32_t last, int) {
+                       for (std::uint32_t p = first; p < last; ++p) f(p);
+                     });
+}
+
 void Rigid::Impl::rebuild_list() {
   if (!list_stale) return;
   list_stale = false;
@@ -66,10 +75,7 @@ void Rigid::Impl::update_boxes(StepContext& c) {
   for (const std::uint32_t i : moving)
     if (bodies.type[i] == BodyType::kinematic) aim_kinematic(i, c);
   rebuild_list();
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
-                     [&](std::uint32_t first, std::uint32_t last, int) {
-                       for (std::uint32_t p = first; p < last; ++p) place_colliders(moving[p], c.dt, c.gravity);
-                     });
+  each_moving(c, [&](std::uint32_t p) { place_colliders(moving[p], c.dt, c.gravity); });
 }
 
 void Rigid::Impl::gather(StepContext& c) {
@@ -81,14 +87,12 @@ void Rigid::Impl::gather(StepContext& c) {
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), given_angular_velocity.resize(count), bad.resize(count);
-  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) gather_body(p, c);
-  });
+  each_moving(c, [&](std::uint32_t p) { gather_body(p); });
   activate_joints(c);
   if constexpr (kAsserts) check_gathered();
 }
 
-void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
+void Rigid::Impl::gather_body(std::uint32_t p) {
   const std::uint32_t i = moving[p];
   FEDER_ASSERT(bodies.awake[i] && bodies.solver_slot[i] < solver_bodies.index.size());
   FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[i]] == 0);  // taken: listed twice, or a slot of two bodies
@@ -150,10 +154,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
 void Rigid::Impl::integrate_velocities(StepContext& c) {
   FEDER_ASSERT(last_h == c.h && given_angular_velocity.size() == moving.size() &&
                solver_bodies.state.size() > moving.size());
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
-                     [&](std::uint32_t first, std::uint32_t last, int) {
-                       for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
-                     });
+  each_moving(c, [&](std::uint32_t p) { integrate_body(p, c); });
 }
 
 void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
@@ -191,26 +192,22 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
 
 SolverInput Rigid::Impl::input() {
   FEDER_ASSERT(jointed.empty() || jointed.size() > moving.size());
-  return {&contacts, &colliders, &solver_bodies, {joints.data(), joints.size()}, {jointed.data(), jointed.size()}};
+  return {&contacts,
+          &colliders,
+          &solver_bodies,
+          {joints.data(), joint_count == 0 ? 0 : joints.size()},
+          {jointed.data(), jointed.size()}};
 }
 
 void Rigid::Impl::prepare(StepContext& c) {
   if constexpr (kAsserts) check_gathered();
-  SolverInput in = input();
-  if (joint_count == 0) in.joints = {};
-  solver->prepare(in, c);
+  solver->prepare(input(), c);
 }
 
-void Rigid::Impl::solve(StepContext& c) {
-  SolverInput in = input();
-  if (joint_count == 0) in.joints = {};
-  solver->solve(in, c);
-}
+void Rigid::Impl::solve(StepContext& c) { solver->solve(input(), c); }
 
 void Rigid::Impl::finish_solve(StepContext& c) {
-  SolverInput in = input();
-  if (joint_count == 0) in.joints = {};
-  solver->finish(in, c);
+  solver->finish(input(), c);
   const std::uint64_t capped = solver->capped();
   if (capped == 0 || cap_warned) return;
   cap_warned = true;  // once: rigid.capped of the residuals goes on counting
@@ -225,7 +222,7 @@ bool Rigid::Impl::commit_finite(std::uint32_t p) const {
          all_finite(bodies.position[moving[p]] + s.delta_position) && is_finite(q.x + q.y + q.z + q.w);
 }
 
-void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
+void Rigid::Impl::commit_body(std::uint32_t p) {
   const std::uint32_t i = moving[p];
   const SolverBody& s = solver_bodies.state[p + 1];
   if (force_count) applied_force[p] = bodies.force[i];  // generators out again, for the watchdog
@@ -274,9 +271,7 @@ void Rigid::Impl::quarantine(std::uint32_t i) {
 void Rigid::Impl::commit(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   FEDER_ASSERT(bad.size() == count && applied_torque.size() == count);
-  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) commit_body(p, c);
-  });
+  each_moving(c, [&](std::uint32_t p) { commit_body(p); });
   for (std::uint32_t p = 0; p < count; ++p)
     if (bad[p]) quarantine(moving[p]);
   if (joint_count) break_joints(c);

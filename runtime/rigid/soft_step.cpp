@@ -64,6 +64,15 @@ class SoftStep final : public RigidSolver {
   void fill(const SolverInput& in, std::uint32_t batch);
   void fill_lane(const Contact& contact, std::uint32_t batch, int lane);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;
+  // Calls f(i) for the solver bodies, from several threads; the world, which is none, is left out.
+  template <class F>
+  void each_body(const SolverInput& in, StepContext& c, F&& f) {
+    FEDER_ASSERT(in.solver_bodies->state.size() == body_count_);
+    c.jobs->for_blocks(static_cast<std::uint32_t>(body_count_), kBodyGrain,
+                       [&](std::uint32_t first, std::uint32_t last, int) {
+                         for (std::uint32_t i = std::max(first, 1u); i < last; ++i) f(i);
+                       });
+  }
   void start_velocities(const SolverInput& in, StepContext& c);
   void integrate(const SolverInput& in, StepContext& c);
   void end_velocities(const SolverInput& in, StepContext& c);
@@ -314,38 +323,32 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
 }
 
 void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
-  FEDER_ASSERT(before_ && in.solver_bodies->state.size() == body_count_);
+  FEDER_ASSERT(before_);
   SolverBody* state = in.solver_bodies->state.data();
   const bool again = c.substep > 0 && batch_count_ > 0;
-  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
-  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      Real* before = before_ + std::size_t(i) * 6;
-      const Real* change = contact_change_ + std::size_t(i) * 6;
-      for (int k = 0; k < 3; ++k) {
-        before[k] = state[i].velocity[k];
-        before[k + 3] = state[i].angular_velocity[k];
-        if (!again) continue;
-        state[i].velocity[k] += change[k];
-        state[i].angular_velocity[k] += change[k + 3];
-      }
-      if (joint_change_) std::fill_n(joint_change_ + std::size_t(i) * 6, 6, Real(0));
+  each_body(in, c, [&](std::uint32_t i) {
+    Real* before = before_ + std::size_t(i) * 6;
+    const Real* change = contact_change_ + std::size_t(i) * 6;
+    for (int k = 0; k < 3; ++k) {
+      before[k] = state[i].velocity[k];
+      before[k + 3] = state[i].angular_velocity[k];
+      if (!again) continue;
+      state[i].velocity[k] += change[k];
+      state[i].angular_velocity[k] += change[k + 3];
     }
+    if (joint_change_) std::fill_n(joint_change_ + std::size_t(i) * 6, 6, Real(0));
   });
 }
 
 void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
   const SolverBody* state = in.solver_bodies->state.data();
-  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
-  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      const Real* before = before_ + std::size_t(i) * 6;
-      const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
-      Real* change = contact_change_ + std::size_t(i) * 6;
-      for (int k = 0; k < 3; ++k) {
-        change[k] = state[i].velocity[k] - before[k] - (joint ? joint[k] : 0);
-        change[k + 3] = state[i].angular_velocity[k] - before[k + 3] - (joint ? joint[k + 3] : 0);
-      }
+  each_body(in, c, [&](std::uint32_t i) {
+    const Real* before = before_ + std::size_t(i) * 6;
+    const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
+    Real* change = contact_change_ + std::size_t(i) * 6;
+    for (int k = 0; k < 3; ++k) {
+      change[k] = state[i].velocity[k] - before[k] - (joint ? joint[k] : 0);
+      change[k + 3] = state[i].angular_velocity[k] - before[k + 3] - (joint ? joint[k + 3] : 0);
     }
   });
 }
@@ -360,23 +363,20 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   const Real h = c.h;
-  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
   const std::span<const BodySlide> slides = joint_change_ ? joints_.slides() : std::span<const BodySlide>();
-  FEDER_ASSERT(slides.empty() || slides.size() == count);
-  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      SolverBody& s = state[i];
-      s.delta_position += h * s.velocity;
-      Vec3 rotation = h * s.angular_velocity;
-      if (!slides.empty()) {
-        s.delta_position += h * slides[i].velocity;
-        if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
-        rotation += h * slides[i].angular_velocity;
-      }
-      if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) continue;
-      s.delta_rotation += rotation;
-      s.rotation = integrate_rotation(s.rotation, rotation);
+  FEDER_ASSERT(slides.empty() || slides.size() == body_count_);
+  each_body(in, c, [&](std::uint32_t i) {
+    SolverBody& s = state[i];
+    s.delta_position += h * s.velocity;
+    Vec3 rotation = h * s.angular_velocity;
+    if (!slides.empty()) {
+      s.delta_position += h * slides[i].velocity;
+      if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
+      rotation += h * slides[i].angular_velocity;
     }
+    if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) return;
+    s.delta_rotation += rotation;
+    s.rotation = integrate_rotation(s.rotation, rotation);
   });
 }
 

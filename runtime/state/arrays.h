@@ -12,41 +12,29 @@ void for_each_of(F&& f, Members&... members) {
   (f(members), ...);
 }
 
-// Writes or reads a member: arrays and texts with their length, all else as plain bytes.
+// Members that snapshots hold with their length, such as arrays and texts; all others are plain bytes.
 template <class T>
 inline constexpr bool kIsList = requires(const T& x) {
   x.capacity();
 };
 
-class SavedTo {
- public:
-  explicit SavedTo(Writer& w) : w_(w) {}
-  template <class T>
-  void operator()(const T& x) const {
-    if constexpr (kIsList<T>)
-      w_.list(x);
+// What writes a member, and what reads it back.
+inline auto saved_to(Writer& w) {
+  return [&w](const auto& x) {
+    if constexpr (kIsList<decltype(x)>)
+      w.list(x);
     else
-      w_.add(x);
-  }
-
- private:
-  Writer& w_;
-};
-
-class LoadedFrom {
- public:
-  explicit LoadedFrom(Reader& r) : r_(r) {}
-  template <class T>
-  void operator()(T& x) const {
-    if constexpr (kIsList<T>)
-      r_.list(x);
+      w.add(x);
+  };
+}
+inline auto loaded_from(Reader& r) {
+  return [&r](auto& x) {
+    if constexpr (kIsList<decltype(x)>)
+      r.list(x);
     else
-      r_.get(x);
-  }
-
- private:
-  Reader& r_;
-};
+      r.get(x);
+  };
+}
 
 // Zero, also of vectors and matrices, whose own default leaves them as they are.
 template <class T>

@@ -44,7 +44,7 @@ void Colliders::validate() const {
 }
 
 void Colliders::save(Writer& w) const {
-  each_saved(*this, SavedTo(w));
+  each_saved(*this, saved_to(w));
   // shapes come in the same order each time: the next one is mostly the next pin
   std::uint32_t guess = 0;
   for (const ShapePtr& s : shapes) {
@@ -62,7 +62,7 @@ void Colliders::save(Writer& w) const {
 }
 
 void Colliders::load(Reader& r) {
-  each_saved(*this, LoadedFrom(r));
+  each_saved(*this, loaded_from(r));
   shapes.assign(motion.size(), nullptr);
   shape.assign(motion.size(), nullptr);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
