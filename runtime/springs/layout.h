@@ -15,9 +15,7 @@ struct SpringArrays;
 
 class SpringLayout {
  public:
-  explicit SpringLayout(Arena& a)
-      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), power_(&a), lane_of_(&a), position_(&a), velocity_(&a),
-        force_(&a), snapped_(&a) {}
+  explicit SpringLayout(Arena& a) : arena_(a) {}
 
   void choose(const SpringKernels& kernels) { kernels_ = &kernels; }
   // Allocates when springs or points outnumber every earlier call.
@@ -57,14 +55,15 @@ class SpringLayout {
       body(std::uint32_t{0}, count);
   }
 
+  Arena& arena_;
   const SpringKernels* kernels_ = &kSpringKernelsPlain;
-  Array<unsigned> row_begin_;  // by slice of eight points, one more than slices
-  Array<SpringRow> rows_;
-  Array<Lane8> damping_, slack_, power_;  // by row; empty when no spring has such a thing
-  Array<std::uint64_t> lane_of_;          // by spring: row * 8 + lane of either end, two each
-  Array<PointRow> position_, velocity_;
-  Array<Lane8x3> force_;         // by slice
-  Array<std::uint8_t> snapped_;  // by group of eight springs
+  Array<unsigned> row_begin_{&arena_};  // by slice of eight points, one more than slices
+  Array<SpringRow> rows_{&arena_};
+  Array<Lane8> damping_{&arena_}, slack_{&arena_}, power_{&arena_};  // by row; empty when no spring has such a thing
+  Array<std::uint64_t> lane_of_{&arena_};  // by spring: row * 8 + lane of either end, two each
+  Array<PointRow> position_{&arena_}, velocity_{&arena_};
+  Array<Lane8x3> force_{&arena_};         // by slice
+  Array<std::uint8_t> snapped_{&arena_};  // by group of eight springs
 };
 
 template <class Outside>
