@@ -1,5 +1,5 @@
-// Eight contacts side by side, all fields wide, and the kernels that work on them. Plain structs only: included by
-// the file that is compiled with -mavx2. No two contacts of a batch push the same solver body.
+// Contact batches: eight contacts side by side, every field eight lanes wide, and the kernels on them. Plain structs
+// only, since a file compiled with -mavx2 includes them. No two contacts of a batch push the same solver body.
 #pragma once
 #include "base/simd.h"
 
@@ -17,7 +17,7 @@ struct BatchPoint {
 struct ContactBatch {
   unsigned index_a[kLanes], index_b[kLanes];  // solver indices; 0 = world
   unsigned points;                            // the largest point count of the lanes
-  unsigned rounds;              // there and back over the points per pass: more when a lane has no warm start
+  unsigned rounds;              // symmetric sweeps over the points per pass: more when a lane has no warm start
   unsigned writes_a, writes_b;  // bit per lane: the solver body can be pushed
   Lane8x3 normal;               // a to b
   BatchPoint point[kBatchPoints];

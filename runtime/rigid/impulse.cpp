@@ -1,17 +1,17 @@
 // Solver `impulse`: the classical loop of impulse-based simulation, worst first (Baraff, "Physically Based Modeling",
 // SIGGRAPH 1997 notes; Mirtich 1996; Gauss-Southwell instead of Gauss-Seidel). Each substep, per island:
 //   trees       stiff joints without loops are solved together and exactly (joint_trees.h);
-//   speeds      a heap of contacts and joints keyed by what is wrong with their relative speed; the worst is solved in
-//               closed form, and only what shares a body with it is keyed again;
-//   slip        manifolds that static friction did not hold slide with the dynamic one: speeds again;
-//   drift       bodies travel; what their motion opened in joints is closed again, in position and speed: of trees by
-//               Newton's method, of others worst first;
-//   positions   a heap keyed by penetration and joint error; the deepest is moved apart by the least motion, in
-//               proportion to inverse mass and inertia; velocities stay.
+//   speeds      a heap of contacts and joints keyed by the error of their relative speed; the worst is solved in closed
+//               form, and only its neighbours (a body in common) are keyed again;
+//   slip        manifolds beyond static friction change to the dynamic cone: speeds again;
+//   drift       bodies travel; the joint error of that motion is removed in position and speed: of trees by Newton's
+//               method, of others worst first;
+//   positions   a heap keyed by penetration and joint error; the worst is corrected by the least motion, in proportion
+//               to inverse mass and inertia; velocities stay.
 // All end at a tolerance or at a cap, which is counted. O((n + pops * degree) log n) for n contacts and joints.
-// Kept between calls: impulses of resting contacts (Contact) and of joints (SolverJoint), where the next substep
-// starts; velocities at the end of the last substep, from which the share of forces is known. Weak spot: large piles
-// need many pops, and an island runs on one thread.
+// Kept between calls: impulses of resting contacts (Contact) and of joints (SolverJoint) as warm start; velocities at
+// the end of the last substep, which give the part that forces added. Weak spot: large piles need many pops, and an
+// island runs on one thread.
 #include <algorithm>
 
 #include "base/hash.h"
@@ -26,9 +26,9 @@ namespace {
 // m or rad: an error of 1e-7 at h = 1/240 is 2e-5 m/s, the tolerance of speeds.
 constexpr Real kDriftTolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-6);
 
-constexpr int kDriftRounds = 6;  // of Newton's method; an error falls by (h w)^2/4 in each
+constexpr int kDriftRounds = 6;  // of Newton's method; each divides an error by 4/(h w)^2
 
-constexpr int kSlipRounds = 4;  // a contact that lets go may let its neighbours go
+constexpr int kSlipRounds = 4;  // a contact that begins to slide may make its neighbours slide
 
 class ImpulseSolver final : public RigidSolver {
  public:
@@ -70,7 +70,7 @@ class ImpulseSolver final : public RigidSolver {
   void close_tree_drift(const SolverInput& in, const ImpulseScene& s);
   bool in_tree(const ImpulseJoint& j) const { return !trees_.empty() && trees_.direct(j.first_block); }
 
-  // `place` counts in order_, where the nodes of an island follow each other.
+  // `rank`: index in order_, where the nodes of an island follow each other.
   Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint);
@@ -98,9 +98,9 @@ class ImpulseSolver final : public RigidSolver {
   Array<Mat3> tree_inertia_{&arena_};                           // inverse, by solver index
   UnionFind groups_{arena_};                                    // of solver bodies that contacts and joints connect
   Array<std::uint32_t> island_of_{&arena_};                     // by solver index
-  Array<std::uint32_t> node_island_{&arena_}, order_{&arena_};  // by node; places -> nodes
+  Array<std::uint32_t> node_island_{&arena_}, order_{&arena_};  // by node; by rank: the node
   Array<Island> islands_{&arena_};
-  Array<std::uint32_t> first_rank_{&arena_}, body_ranks_{&arena_};  // by solver index: places of its nodes
+  Array<std::uint32_t> first_rank_{&arena_}, body_ranks_{&arena_};  // by solver index: ranks of its nodes
   WorstFirst heap_{arena_};
 };
 
@@ -215,7 +215,7 @@ void ImpulseSolver::check_islands() {
   FEDER_ASSERT(next == order_.size() && nodes == listed);
 }
 
-// The places of the nodes of each movable body.
+// Ranks of the nodes of each movable body, as one list with a begin per body (counting sort).
 void ImpulseSolver::index_nodes() {
   first_rank_.assign(bodies_.size() + 1, 0);
   std::uint32_t ends[2];
@@ -287,7 +287,7 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   }
 }
 
-// What joints feel of uneven bodies, at the rotations now; the turns of this substep count from here.
+// Inertia of uneven bodies for the joint solve, at the rotations now; delta rotations of the substep count from here.
 void ImpulseSolver::rotate_inertias(const ImpulseScene& s) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
@@ -302,7 +302,7 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
     ImpulseBody& b = bodies_[i];
     b.force_velocity = s.state[i].velocity - b.last_velocity;
     b.force_angular_velocity = s.state[i].angular_velocity - b.last_angular_velocity;
-    b.late_delta_position = b.late_delta_rotation = Vec3::Zero();
+    b.impact_delta_position = b.impact_delta_rotation = Vec3::Zero();
   }
   if (!joints_.empty()) rotate_inertias(s);
   for (ImpulseContact& c : contacts_) start_contact(c, s);
@@ -317,7 +317,7 @@ void ImpulseSolver::travel(const SolverBodies& solver_bodies, const ImpulseScene
     if (b.uneven) take_pushes(*b.uneven, m, s.mass[i]);
     const Vec3 rotation = free_delta_rotation(s, static_cast<std::uint32_t>(i));
     b.substep_delta_rotation = rotation;
-    m.delta_position += s.h * m.velocity + b.late_delta_position;
+    m.delta_position += s.h * m.velocity + b.impact_delta_position;
     m.delta_rotation += rotation;
     m.rotation = integrate_rotation(m.rotation, rotation);
   }
@@ -334,7 +334,7 @@ void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
   tree_step_.resize(rows_.size());
 }
 
-// Adds what the trees solved for to the impulses of their joints, and lets it act.
+// Adds the solution of the trees to the impulses of their joints, and applies it.
 template <auto Apply>
 void ImpulseSolver::apply_tree_step(const SolverInput& in, const ImpulseScene& s) {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -352,7 +352,7 @@ void ImpulseSolver::solve_tree_speeds(const SolverInput& in, const ImpulseScene&
   apply_tree_step<&apply_block>(in, s);
 }
 
-// Newton's method for impulses along the rows of the start that leave the errors as they were (SHAKE).
+// SHAKE: Newton's method for impulses along the rows of the start such that the motion adds no joint error.
 void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& s) {
   Real before = kInfinity;
   for (int round = 0; round < kDriftRounds; ++round) {
@@ -370,7 +370,7 @@ void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& 
         }
       }
     }
-    // what is left adds up over the steps: as little as rounding allows
+    // the rest adds up over the steps: converge to rounding
     if (!(worst > kDriftTolerance / 8) || worst > before / 2) return;
     before = worst;
     trees_.solve(rows_, nullptr, tree_bias_, tree_step_);
@@ -401,7 +401,7 @@ void ImpulseSolver::solve_speed(const SolverInput& in, const ImpulseScene& s, st
   }
 }
 
-// The rows of one joint at the poses now.
+// Rows of one joint at the poses now, into the spare arrays.
 void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint) {
   spare_rows_.clear();
   spare_blocks_.clear();
@@ -470,7 +470,7 @@ void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, co
   }
 }
 
-// Whether contacts of the island begin to slide: then their speeds are not solved yet.
+// Whether contacts of the island begin to slide: their speeds must be solved again then.
 bool ImpulseSolver::check_slip(const ImpulseScene& s, const Island& island) {
   bool some = false;
   for (std::uint32_t rank = island.first; rank < island.last; ++rank) {

@@ -1,10 +1,10 @@
 // One block of joint rows of the impulse solver: velocities by a direct solve of the block, J M^-1 J^T = L D L^T;
 // soft rows as implicit spring and damper (Catto, "Soft Constraints", GDC 2011): with k = omega^2 / w and
 // c = 2 zeta omega / w for the row's response w, gamma = 1 / (h (c + h k)) and the wanted speed is
-// -h k / (c + h k) C / h. What a substep of straight motion adds to the error of a stiff row is taken back along the
-// rows of its start, in position and velocity alike (SHAKE: Ryckaert, Ciccotti, Berendsen 1977): only so are angular
-// momentum and, over long times, energy kept. Errors that were there before are corrected in position alone. Rows
-// that depend on others (planar worlds, locked axes) get no impulse.
+// -h k / (c + h k) C / h. The drift that a substep of straight motion adds to the error of a stiff row is removed along
+// the rows of its start, in position and velocity alike (SHAKE: Ryckaert, Ciccotti, Berendsen 1977), which conserves
+// angular momentum and, over long times, energy. Older errors are corrected in position alone. Rows that depend on
+// others (planar worlds, locked axes) get no impulse.
 #include <algorithm>
 
 #include "rigid/impulse_parts.h"
@@ -12,7 +12,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kMaxCorrection = Real(0.3);  // rad or m per correction: rows are linear in small motions only
+constexpr Real kMaxCorrection = Real(0.3);  // rad or m per correction: rows are linear for small motions only
 
 Real row_speed(const Row& r, const SolverBody& a, const SolverBody& b) {
   return dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.angular_velocity) +
@@ -62,7 +62,7 @@ void solve(const Real m[6][6], const Real* inv_d, int count, Real* x) {
 
 bool is_bounded(const Row& r) { return r.lower > -kInfinity || r.upper < kInfinity; }
 
-// What row i misses of its wanted speed.
+// Speed that row i lacks to its target.
 Real missing_speed(const BlockRows& r, const ImpulseBlock& block, const Real* impulse, const ImpulseScene& s, int i) {
   return block.target[i] - row_speed(r.rows[i], s.state[r.a], s.state[r.b]) - block.gamma[i] * impulse[i];
 }
@@ -81,17 +81,17 @@ void wanted_change(const BlockRows& r, const ImpulseBlock& block, const Real* im
   }
 }
 
-// Stiff equality, or a limit that is passed: what the position pass corrects.
+// Rows that position correction acts on: stiff equalities, and limits that are exceeded.
 bool has_position(const Row& r) { return !r.velocity_only && r.hertz <= 0 && (!is_bounded(r) || r.value < 0); }
 
-// What the motion of a substep added to the error of a stiff row, or to that of a limit beyond its end.
+// Drift: what a substep's motion added to the error of a stiff row, or to the excess of a limit.
 Real drift(const Row& start, const Row& now) {
   if (now.velocity_only || now.hertz > 0) return 0;
   if (!is_bounded(now)) return now.value - start.value;
   return std::min(std::min(now.value, Real(0)) - std::min(start.value, Real(0)), Real(0));
 }
 
-// The sum of the rows' pushes by `size`, to both bodies.
+// Impulse (or position correction) of a block: the rows' Jacobians times `size`, on both bodies.
 template <auto Push, class Moment>
 void push_block(const BlockRows& r, const Real* size, const ImpulseScene& s) {
   using Scalar = typename Moment::Scalar;
@@ -124,7 +124,7 @@ void factor_block(const BlockRows& block, const ImpulseScene& s, ImpulseBlock& o
       out.target[i] -= stiffness / (damping + s.h * stiffness) * r.value;
       out.factor[i][i] += out.gamma[i];
     } else if (is_bounded(r)) {
-      out.target[i] -= std::max(r.value, Real(0)) / s.h;  // the room that is left may be used up
+      out.target[i] -= std::max(r.value, Real(0)) / s.h;  // the gap that is left may close
     }
   }
   factor(out.factor, block.count, out.inv_d);
@@ -145,7 +145,7 @@ Real block_speed_error(const BlockRows& r, const ImpulseBlock& block, const Real
   for (int i = 0; i < r.count; ++i) {
     if (block.inv_d[i] == 0) continue;
     const Row& row = r.rows[i];
-    // speed the row would change by on its own
+    // change of the row's speed if it were alone
     const Real error =
         is_bounded(row) ? std::abs(change[i]) / block.inv_d[i] : std::abs(missing_speed(r, block, impulse, s, i));
     const Real size = length(a.velocity) + length(b.velocity) + length(row.angular_a) * length(a.angular_velocity) +

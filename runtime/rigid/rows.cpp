@@ -13,7 +13,7 @@ namespace feder {
 namespace {
 
 constexpr JobGrain kGrain{256, 8'000};  // bodies per job
-constexpr int kSpinRounds = 3;
+constexpr int kRotationRounds = 3;
 
 Vec3 angular_velocity_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {
   return rotate(rotation, Vec3(inv_inertia * rotate_inverse(rotation, momentum)));
@@ -180,7 +180,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
     if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], m.start_rotation, pushed);
     l = (l + c.h * applied_torque[p]) * brake;
     Vec3 w = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);
-    for (int round = 0; round < kSpinRounds; ++round)
+    for (int round = 0; round < kRotationRounds; ++round)
       w = angular_velocity_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
     s.angular_velocity = given_angular_velocity[p] = w;
   }

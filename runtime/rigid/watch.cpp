@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kCure = "take more substeps, the other rigid solver, or softer springs and lighter joints";
 
-double number(Real x) { return static_cast<double>(x); }
+double to_double(Real x) { return static_cast<double>(x); }
 
 }  // namespace
 
@@ -21,7 +21,7 @@ double number(Real x) { return static_cast<double>(x); }
 double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v,
                                    const Vec3& angular_velocity) const {
   const Vec3 w = rotate_inverse(rotation, angular_velocity);
-  return 0.5 * (number(bodies.mass[i]) * number(dot(v, v)) + number(dot(w, Vec3(bodies.inertia[i] * w))));
+  return 0.5 * (to_double(bodies.mass[i]) * to_double(dot(v, v)) + to_double(dot(w, Vec3(bodies.inertia[i] * w))));
 }
 
 // Without sleep nobody else measures motion: the speed of the farthest point does as well.
@@ -42,11 +42,12 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
   const std::uint32_t p = solver_bodies.index[bodies.solver_slot[i]] - 1;
   FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
   const SolverBody& s = solver_bodies.state[p + 1];
-  const double path = number(length(s.delta_position)), dt = number(c.dt);
-  const double angle = dt * number(length(bodies.angular_velocity[i])) +
-                       dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
-  double sum = number(bodies.mass[i]) * number(length(c.gravity)) * std::fabs(number(bodies.gravity_scale[i])) * path;
-  sum += number(length(applied_torque[p])) * angle + number(length(applied_force[p])) * path;
+  const double path = to_double(length(s.delta_position)), dt = to_double(c.dt);
+  const double angle = dt * to_double(length(bodies.angular_velocity[i])) +
+                       dt * to_double(length(colliders.angular_velocity[bodies.first_collider[i]]));
+  double sum =
+      to_double(bodies.mass[i]) * to_double(length(c.gravity)) * std::fabs(to_double(bodies.gravity_scale[i])) * path;
+  sum += to_double(length(applied_torque[p])) * angle + to_double(length(applied_force[p])) * path;
   const Forces* forces = store.find<Forces>();
   if (force_count == 0 || !forces) return sum;
   for (const ForceEntry& f : forces->list) {
@@ -59,7 +60,7 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
       Vec3 force = Vec3::Zero();
       potential[end] = f.force->potential(&point, 1);
       f.force->add(&point, 1, c.time + end * dt, &force);
-      push = std::fmax(push, number(length(force)));
+      push = std::fmax(push, to_double(length(force)));
     }
     // the potential it came down, or, where there is none, force times way
     const bool none = potential[0] == 0 && potential[1] == 0;
@@ -77,12 +78,12 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
                moves_b = b != kNone && bodies.type[b] == BodyType::dynamic;
     if (!moves_a && !moves_b) continue;
     const std::uint32_t at = islands.root(moves_a ? a : b);
-    const double mass = (moves_a ? number(bodies.mass[a]) : 0) + (moves_b ? number(bodies.mass[b]) : 0);
+    const double mass = (moves_a ? to_double(bodies.mass[a]) : 0) + (moves_b ? to_double(bodies.mass[b]) : 0);
     for (int k = 0; k < contact.point_count; ++k) {
-      const double depth = std::fmax(0.0, -number(contact.points[k].separation)) / number(c.h);
+      const double depth = std::fmax(0.0, -to_double(contact.points[k].separation)) / to_double(c.h);
       island_given[at] += 0.5 * mass * depth * depth;
     }
-    double speed = number(length(contact.surface_velocity));
+    double speed = to_double(length(contact.surface_velocity));
     if (!moves_a && a != kNone) speed += outside_speed(a, b);
     if (!moves_b && b != kNone) speed += outside_speed(b, a);
     island_drive[at] = std::fmax(island_drive[at], speed);
@@ -94,14 +95,14 @@ double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
   if (bodies.type[i] != BodyType::kinematic) return 0;
   const std::uint32_t k = bodies.first_collider[i];
   const double extent = other == kNone
-                            ? number(bodies.extent[i])
-                            : number(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
-  return number(length(colliders.velocity[k])) + number(length(colliders.angular_velocity[k])) * extent;
+                            ? to_double(bodies.extent[i])
+                            : to_double(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
+  return to_double(length(colliders.velocity[k])) + to_double(length(colliders.angular_velocity[k])) * extent;
 }
 
 // Springs, motors, and the misfit that a script left.
 void Rigid::Impl::watch_joints(const StepContext& c) {
-  const auto window = static_cast<std::uint64_t>(kScriptWindow / number(c.dt)) + 1;
+  const auto window = static_cast<std::uint64_t>(kScriptWindow / to_double(c.dt)) + 1;
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     if (!r.alive || !joints[j].active) continue;
@@ -130,43 +131,43 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
   fill_rows(j, in);
   double sum = 0, size = std::numeric_limits<double>::infinity();
   for (const std::uint32_t i : {r.body_a, r.body_b})
-    if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, number(bodies.extent[i]));
+    if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, to_double(bodies.extent[i]));
   for (const Row& row : rows) {
     double yields = 0, weighs = 0;  // inverse and plain effective mass along the row
     for (const bool first : {true, false}) {
       const std::uint32_t i = first ? r.body_a : r.body_b;
       if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
       const Vec3& angular = first ? row.angular_a : row.angular_b;
-      const double k = number(bodies.inv_mass[i] * dot(row.linear, row.linear) +
-                              dot(angular, Vec3(bodies.world_inv_inertia(i) * angular)));
+      const double k = to_double(bodies.inv_mass[i] * dot(row.linear, row.linear) +
+                                 dot(angular, Vec3(bodies.world_inv_inertia(i) * angular)));
       yields += k;
       if (k > 0) weighs += 1 / k;
     }
     if (!(yields > 0)) continue;
-    const double value = number(row.value);
+    const double value = to_double(row.value);
     if (row.velocity_only) {
       // a motor: its force over the way, and no more than to bring all to its speed
-      const double most = std::fmax(std::fabs(number(row.lower)), std::fabs(number(row.upper)));
-      const double speed = number(row.speed);
+      const double most = std::fmax(std::fabs(to_double(row.lower)), std::fabs(to_double(row.upper)));
+      const double speed = to_double(row.speed);
       double path = 0, all = 0;
       for (const std::uint32_t i : {r.body_a, r.body_b})
-        if (i != kNone) path += number(length(bodies.angular_velocity[i])) + number(length(bodies.velocity[i]));
+        if (i != kNone) path += to_double(length(bodies.angular_velocity[i])) + to_double(length(bodies.velocity[i]));
       const std::uint32_t at =
           islands.root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
       for (const std::uint32_t i : moving) {
         if (bodies.type[i] != BodyType::dynamic || islands.root(i) != at) continue;
         const Vec3 arm = bodies.position[i] - in.a.position;
-        all += number(bodies.mass[i]) * (1 + number(dot(arm, arm))) + number(bodies.inertia[i].trace());
+        all += to_double(bodies.mass[i]) * (1 + to_double(dot(arm, arm))) + to_double(bodies.inertia[i].trace());
       }
-      sum += std::fmin(most * (path + std::fabs(speed)) * number(c.dt), 2 * all * speed * speed);
+      sum += std::fmin(most * (path + std::fabs(speed)) * to_double(c.dt), 2 * all * speed * speed);
     } else if (row.hertz > 0) {
-      const double omega = 2 * number(kPi * row.hertz);
+      const double omega = 2 * to_double(kPi * row.hertz);
       sum += 0.5 * omega * omega / yields * value * value;
     } else if (edited) {
       // rows are linear: where the misfit is of the bodies' own size they tell nothing
       const bool linear = !row.linear.isZero(0);
       if (std::fabs(value) > (linear ? size : 1.0)) return std::numeric_limits<double>::infinity();
-      sum += 0.5 * weighs * value * value / number(c.h * c.h);
+      sum += 0.5 * weighs * value * value / to_double(c.h * c.h);
     }
   }
   return sum;
@@ -185,7 +186,7 @@ void Rigid::Impl::account(const StepContext& c) {
     island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
     island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
     island_given[at] += work_on(i, c);
-    island_mass[at] += number(bodies.mass[i]);
+    island_mass[at] += to_double(bodies.mass[i]);
   }
   watch_contacts(c);
   watch_joints(c);
@@ -217,9 +218,10 @@ void Rigid::Impl::watch(const StepContext& c) {
 void Rigid::Impl::suspect(std::uint32_t i) {
   const std::uint32_t k = bodies.first_collider[i];
   FEDER_ASSERT(k != kNone && colliders.owner_index[k] == i);
-  watched.suspects.push_back({kName, bodies.object[i],
-                              0.5 * number(bodies.mass[i]) * number(dot(colliders.velocity[k], colliders.velocity[k])),
-                              NAN, 0, 0, false, kCure});
+  watched.suspects.push_back(
+      {kName, bodies.object[i],
+       0.5 * to_double(bodies.mass[i]) * to_double(dot(colliders.velocity[k], colliders.velocity[k])), NAN, 0, 0, false,
+       kCure});
 }
 
 double Rigid::held(const StepContext& c) {
@@ -237,8 +239,8 @@ double Rigid::drive(const StepContext&) {
   for (std::uint32_t i = 0; i < s.bodies.size(); ++i) {
     if (s.bodies.type[i] == BodyType::free) continue;
     most = std::fmax(most, s.outside_speed(i, kNone));
-    s.each_collider(i,
-                    [&](std::uint32_t k) { most = std::fmax(most, number(length(s.colliders.surface_velocity[k]))); });
+    s.each_collider(
+        i, [&](std::uint32_t k) { most = std::fmax(most, to_double(length(s.colliders.surface_velocity[k]))); });
   }
   return most;
 }
