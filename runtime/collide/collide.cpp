@@ -1,4 +1,4 @@
-// The collide system: its rows, filters by pairs of objects, materials, hash and snapshots.
+// The collide system: passes, filters by pairs of objects, materials, hash and snapshots.
 #include <algorithm>
 
 #include "base/registry.h"
@@ -49,7 +49,7 @@ void Collide::residuals(std::vector<Residual>& out) const {
 
 namespace {
 
-// Where the pair is in the sorted list, or belongs.
+// Position of the pair in the sorted list, or where it would be inserted.
 auto place_of(auto& list, ObjectId a, ObjectId b) {
   return std::lower_bound(list.begin(), list.end(), ordered(a, b), [](const Exclusion& e, const auto& pair) {
     return std::pair{e.a, e.b} < pair;
@@ -77,7 +77,7 @@ void Collide::include(ObjectId a, ObjectId b) {
   FEDER_ASSERT(it->count > 0);
   if (--it->count > 0) return;
   impl_->exclusions.erase(it);
-  // two sleeping ones would not be looked at otherwise
+  // else a sleeping pair would not be tested
   Colliders& c = *impl_->colliders;
   for (std::uint32_t i = 0; i < c.size(); ++i)
     if (c.motion[i] != ColliderMotion::none && c.object[i] == a) c.changed.push_back(i);

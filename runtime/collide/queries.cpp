@@ -1,6 +1,6 @@
-// Queries between steps: every collider's box, then its shape, in index order, so that ties fall to the lower index.
-// A linear scan over boxes: an owner may have moved any of them since the broad phase last saw them, and has placed
-// them anew (Rank::query_colliders).
+// Queries between steps: rays, swept shapes, overlaps, contacts of an object. A linear scan over boxes, then shapes, in
+// index order, so that ties fall to the lower index: boxes may have moved since the broad phase was built, and have
+// been placed anew (Rank::query_colliders). O(colliders) per query.
 #include <algorithm>
 
 #include "bounds/segment_box.h"
@@ -30,14 +30,14 @@ bool Collide::Impl::passes(std::uint32_t i, const QueryFilter& f) const {
   return (f.group & c.mask[i]) && (c.group[i] & f.mask);
 }
 
-// Calls f(collider) for those that the filter lets pass and whose box meets `near`.
+// Calls f(collider) for those that pass the filter and whose box satisfies `near`.
 template <class Near, class F>
 void Collide::Impl::each_near(const QueryFilter& filter, Near&& near, F&& f) const {
   for (std::uint32_t i = 0; i < colliders->size(); ++i)
     if (passes(i, filter) && near(colliders->box[i])) f(i);
 }
 
-// Calls f(hit) for the colliders that the ray meets.
+// Calls f(hit) for each collider that the ray hits.
 template <class F>
 void Collide::Impl::each_hit(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, F&& f) const {
   const Colliders& c = *colliders;

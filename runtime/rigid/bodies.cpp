@@ -75,7 +75,7 @@ double cube_root(double x) {
   return r;
 }
 
-// Do the moments of inertia differ enough for gyroscopic motion?
+// Moments of inertia that differ enough for gyroscopic motion.
 bool uneven(const Mat3& inertia) {
   const Real mean = (inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / 3;
   return (inertia - mean * Mat3::Identity()).cwiseAbs().maxCoeff() > Real(1e-4) * mean;
@@ -129,7 +129,7 @@ void Rigid::Impl::set_mass(std::uint32_t i) {
   asymmetric[i] = dimension == 3 && !(bodies.lock[i] & (kLockRx | kLockRy | kLockRz)) && uneven(bodies.inertia[i]);
 }
 
-// Room for bodies that were added or loaded; an edit that nobody knows of counts as one of this step.
+// Room for bodies that were added or loaded; their last edit counts as one of this step.
 void Rigid::Impl::resize_arrays() {
   edited_step.resize(bodies.size(), now);
   each_array(*this, [&](auto& array) { array.resize(bodies.size()); });
@@ -227,7 +227,7 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const Solid&
   }
 }
 
-// Poses and boxes of a body's colliders now; boxes reach as far as the body can move within `dt`.
+// Poses and boxes of a body's colliders now; boxes include the motion within `dt`.
 void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity) {
   FEDER_ASSERT(dt >= 0 && bodies.type[i] != BodyType::free);
   const Vec3& v = bodies.velocity[i];
@@ -250,7 +250,7 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
     const Shape& shape = *colliders.shape[k];
     Aabb box = shape.bounds(pose);
     FEDER_ASSERT(!(box.lo[0] > box.hi[0] || box.lo[1] > box.hi[1] || box.lo[2] > box.hi[2]));
-    // a turning shape leaves its box by at most the arc of its farthest point, and by its whole extent
+    // rotation moves the shape out of its box by at most the arc of its farthest point, and by twice its extent
     const Real extent = bodies.extent[i];
     const Real arc = angle > 0 && is_finite(extent) ? std::min(angle * extent, 2 * extent) : Real(0);
     box.lo += step.cwiseMin(Real(0)) - Vec3::Constant(kContactMargin + arc);
@@ -316,7 +316,7 @@ void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
       remove_joint(j, where, WakeCause::destroyed);
   wake_touching(i, WakeCause::destroyed);
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::destroyed, bodies.object[i]);
-  FEDER_ASSERT(next_in_island[i] == kNone);  // awake, or its ring would lead to a free index
+  FEDER_ASSERT(next_in_island[i] == kNone);  // else its ring would lead to a free index
   std::uint32_t k = bodies.first_collider[i];
   while (k != kNone) {
     const std::uint32_t next = colliders.next_of_body[k];

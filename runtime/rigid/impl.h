@@ -1,4 +1,4 @@
-// The inside of the rigid system, shared by its source files.
+// State and functions of the rigid system, shared by its source files. Private to the module.
 #pragma once
 #include "constrain/joint.h"
 #include "feder/error.h"
@@ -24,7 +24,7 @@ static_assert(motion_of(BodyType::fixed) == ColliderMotion::fixed);
 static_assert(motion_of(BodyType::kinematic) == ColliderMotion::kinematic);
 static_assert(motion_of(BodyType::dynamic) == ColliderMotion::dynamic);
 
-// What the solver does not need to know of a joint.
+// A joint as the system keeps it; the part that the solver needs is SolverJoint.
 struct JointRecord {
   ObjectId object, a, b;
   std::uint32_t body_a = kNone, body_b = kNone;  // kNone = world
@@ -59,8 +59,8 @@ struct Rigid::Impl {
   }
   void set_pose(std::uint32_t i, const Pose& origin);
   void set_type(std::uint32_t i, BodyType type);
-  void set_mass(std::uint32_t i);  // inverse mass and inertia from mass, inertia, type and locks
-  void changed(std::uint32_t i);   // contacts are forgotten, pairs are examined again
+  void set_mass(std::uint32_t i);  // inverse mass and inertia from mass, inertia, type, locks
+  void changed(std::uint32_t i);   // contacts are removed, pairs are tested again
   void place_colliders(std::uint32_t i, Real dt, const Vec3& gravity);
 
   // rows.cpp
@@ -157,16 +157,16 @@ struct Rigid::Impl {
   std::unique_ptr<RigidSolver> solver;
 
   // per body, beside Bodies
-  Array<Real> volume{&arena};              // m^3
-  Array<Real> area{&arena};                // cross-section of the sphere of that volume, m^2
-  Array<std::uint8_t> asymmetric{&arena};  // moments of inertia differ: angular momentum is integrated
-  Array<Vec3> kept_momentum{&arena};  // angular momentum at the end of the last step, N m s, and the velocity it gave:
-  Array<Vec3> kept_angular_velocity{&arena};    // while nobody changed that, the momentum goes on without rounding
+  Array<Real> volume{&arena};                 // m^3
+  Array<Real> area{&arena};                   // cross-section of the sphere of that volume, m^2
+  Array<std::uint8_t> asymmetric{&arena};     // uneven moments of inertia: angular momentum is integrated
+  Array<Vec3> kept_momentum{&arena};          // angular momentum at the end of the last step, N m s, and its velocity:
+  Array<Vec3> kept_angular_velocity{&arena};  // unless that is edited, the momentum continues without rounding
   Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
   Array<Real> pace{&arena};                     // kinetic energy per mass at the end of the last step, m^2/s^2
-  Array<std::uint64_t> edited_step{&arena};     // in which a script moved it, or changed what it is joined to
+  Array<std::uint64_t> edited_step{&arena};     // in which a script moved it, or edited its joints
   Array<double> island_before{&arena}, island_after{&arena}, island_given{&arena}, island_mass{&arena},
       island_drive{&arena};  // by root; watch.cpp
 
@@ -197,24 +197,25 @@ struct Rigid::Impl {
   Real last_h = Real(1) / 240;  // s
 
   // this step
-  Array<std::uint32_t> moving{&arena};  // awake dynamic and kinematic bodies, ascending; solver body = place + 1
+  Array<std::uint32_t> moving{
+      &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
-  Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by place, N and N m
-  Array<Vec3> angular_momentum{&arena};                       // by place, of bodies that spin, N m s
-  Array<Vec3> given_angular_velocity{&arena};                 // what the velocity row left there, rad/s
+  Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
+  Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
+  Array<Vec3> given_angular_velocity{&arena};                 // after forces, rad/s
   Array<JointedBody> jointed{&arena};                         // by solver index; empty without joints
-  Array<std::uint8_t> bad{&arena};                            // by place: not finite
+  Array<std::uint8_t> bad{&arena};                            // by p: not finite
   Array<MassPoint> points{&arena};                            // for force generators
   Array<Vec3> point_force{&arena};
-  Array<std::uint32_t> point_place{&arena};
+  Array<std::uint32_t> point_rank{&arena};
   std::uint32_t body_count = 0, sleeping_count = 0;
-  std::uint64_t force_count = 0;  // forces known when the rows were made
-  bool cap_warned = false;        // the warning about the iteration limit was raised
-  bool poses_stale = false;       // collider poses are those of the start of the last step
+  std::uint64_t force_count = 0;  // generators when the passes were added
+  bool cap_warned = false;        // warned of the iteration limit
+  bool poses_stale = false;       // collider poses are of the start of the last step
   bool any_candidate = false;
-  bool any_jump = false;    // a body is faster than the watchdog lets pass unseen
-  std::uint64_t now = 0;    // the step that comes
-  bool warned_far = false;  // that motion gets lost far from the origin was said
+  bool any_jump = false;    // the watchdog has to look at this step
+  std::uint64_t now = 0;    // next step
+  bool warned_far = false;  // warned of motion lost far from the origin
 };
 
 }  // namespace feder

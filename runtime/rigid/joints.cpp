@@ -1,5 +1,5 @@
-// Joints as the rigid system keeps them: frames from world anchors, options a kind has no use for refused, forces for
-// questions and for breaking. A side that cannot move is handed to the solver as the world.
+// Joints of the rigid system: making (frames from world anchors, options checked against the kind), removing, load and
+// breaking, residuals. An immovable side is given to the solver as the world.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep holds along a short chain, by experiment
+constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep can solve along a short chain, by experiment
 
 void refuse(bool given, unsigned uses, unsigned bit, const JointKind& kind, const char* option) {
   if (given && !(uses & bit))
@@ -56,6 +56,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   const Quat rotation = rotation_from_to(Vec3(1, 0, 0), axis);
   const Pose com_a = a == kNone ? Pose{} : bodies.com_pose(a), com_b = b == kNone ? Pose{} : bodies.com_pose(b);
   const Vec3& anchor_b = kind.uses & kUsesTwoAnchors ? d.anchor_b : d.anchor_a;
+  // frames, both at the anchors with the x axis along the joint's
   JointRecord r;
   r.a = d.a, r.b = d.b;
   r.body_a = a, r.body_b = b;
@@ -70,6 +71,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
     joints.emplace_back();
   });
   FEDER_ASSERT(j < records.size() && !records[j].alive);
+  // from here on nothing fails
   records[j] = r;
   joints[j] = SolverJoint{};
   joints[j].kind = &kind;
@@ -135,11 +137,11 @@ void Rigid::Impl::activate_joints(StepContext& c) {
   }
 }
 
-// The principal moments of an uneven body, for joints whose inertia turns with the body.
+// Principal moments of an uneven body: its inertia for joints rotates with it.
 void Rigid::Impl::load_inertia(std::uint32_t body) {
   if (body == kNone || !asymmetric[body] || bodies.type[body] != BodyType::dynamic) return;
   const std::uint32_t index = solver_bodies.index[bodies.solver_slot[body]];
-  if (index == 0) return;  // asleep beside one that is awake: it does not move
+  if (index == 0) return;  // asleep beside an awake one: it does not move
   if (jointed.empty()) jointed.assign(solver_bodies.state.size(), JointedBody{});
   FEDER_ASSERT(index < jointed.size() && moving[index - 1] == body);
   JointedBody& to = jointed[index];
@@ -202,7 +204,7 @@ void Rigid::Impl::fill_rows(std::uint32_t j, const JointInput& in) const {
   joints[j].kind->fill(in, writer);
 }
 
-// Force and torque on b at its anchor, from the impulses of the last substep.
+// Load: force and torque on b at its anchor, from the impulses of the last substep.
 void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
   const SolverJoint& s = joints[j];
   const JointInput in = joint_input(j);
@@ -224,7 +226,7 @@ void Rigid::Impl::break_joints(StepContext&) {
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     if (!joints[j].active || !(r.break_force < kInfinity)) continue;
-    FEDER_ASSERT(r.alive);  // a removed one would break again
+    FEDER_ASSERT(r.alive);  // else a removed joint would break again
     Vec3 force, torque;
     joint_load(j, force, torque);
     const Real size = length(force);
@@ -238,7 +240,8 @@ void Rigid::Impl::break_joints(StepContext&) {
   }
 }
 
-// Largest violation of a stiff equality (m; rad rows count as metres), and the energy in springs: k = m_eff omega^2.
+// Largest violation of a stiff equality (m; rad rows count as metres), and the elastic energy of springs with
+// k = m_eff omega^2.
 void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
   max_error = 0;
   elastic = 0;

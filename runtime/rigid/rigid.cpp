@@ -1,5 +1,5 @@
-// The rigid system's face: descriptor, plan rows, questions, snapshot. The work is in bodies.cpp, rows.cpp, sleep.cpp
-// and joints.cpp.
+// The rigid system to the world: descriptor, passes, hash, snapshots, conserved quantities and residuals. The work is
+// in bodies.cpp, rows.cpp, sleep.cpp and joints.cpp.
 #include "feder/rigid.h"
 
 #include "constrain/joint.h"
@@ -40,8 +40,7 @@ const SystemDescriptor& Rigid::descriptor() {
 Rigid::Rigid(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Rigid::~Rigid() = default;
 
-// Ranks leave room: couplings append their solver bodies between gather (10) and prepare (30), and work before and
-// after solve (20).
+// Couplings append their solver bodies between gather and prepare, and have passes before and after solve.
 void Rigid::add_passes(StepPlan& plan) {
   Impl* s = impl_.get();
   if (s->body_count == 0) return;

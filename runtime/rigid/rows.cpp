@@ -1,8 +1,8 @@
-// The passes of the rigid system. Bodies that take part are listed once per step (awake dynamic and kinematic ones,
-// ascending); the solver body of the body at place p is p + 1, so that all rows run over plain ranges.
-// Free rotation keeps the angular momentum: a substep turns the body with the velocity at the middle of the turn,
-// w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w is added
-// to L through the inertia they were solved with.
+// The passes of the rigid system. Bodies that take part are listed in `moving` once per step (awake dynamic and
+// kinematic ones, ascending); moving[p] has the solver index p + 1, so that all passes run over plain ranges. Free
+// rotation conserves the angular momentum L: a substep rotates the body by the angular velocity at the middle of the
+// rotation, w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w
+// is added to L through the inertia they were solved with. Jointed bodies: jointed_body.h.
 #include <algorithm>
 
 #include "base/jobs.h"
@@ -27,7 +27,7 @@ bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
 
 }  // namespace
 
-// Calls f(p) for the places in `moving`, from several threads.
+// Calls f(p) for the bodies moving[p], in parallel.
 template <class F>
 void Rigid::Impl::each_moving(StepContext& c, F&& f) {
   c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
@@ -51,7 +51,7 @@ void Rigid::Impl::refresh(StepContext&) {
   for (const std::uint32_t i : moving) place_colliders(i, 0, Vec3::Zero());
 }
 
-// Velocities that take kinematic bodies to their targets; one that starts to move wakes what rests on it.
+// Velocity that takes a kinematic body to its target; when it starts to move it wakes what rests on it.
 void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
   FEDER_ASSERT(bodies.type[i] == BodyType::kinematic && bodies.has_target[i] <= 2);
   if (bodies.has_target[i] == 1) {
@@ -60,7 +60,7 @@ void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
     bodies.velocity[i] = (center - bodies.position[i]) / c.dt;
     bodies.angular_velocity[i] = rotation_between(bodies.rotation[i], to.rotation) / c.dt;
   } else if (bodies.has_target[i] == 2) {
-    // arrived in the last step: stays there
+    // arrived in the last step
     bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
     bodies.has_target[i] = 0;
   }
@@ -80,7 +80,7 @@ void Rigid::Impl::update_boxes(StepContext& c) {
 
 void Rigid::Impl::gather(StepContext& c) {
   last_h = c.h;
-  rebuild_list();  // contacts may have woken somebody
+  rebuild_list();  // contacts may have woken bodies
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   solver_bodies.reset();
   solver_bodies.resize(count);
@@ -95,7 +95,7 @@ void Rigid::Impl::gather(StepContext& c) {
 void Rigid::Impl::gather_body(std::uint32_t p) {
   const std::uint32_t i = moving[p];
   FEDER_ASSERT(bodies.awake[i] && bodies.solver_slot[i] < solver_bodies.index.size());
-  FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[i]] == 0);  // taken: listed twice, or a slot of two bodies
+  FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[i]] == 0);  // else listed twice, or a slot of two bodies
   SolverBody& s = solver_bodies.state[p + 1];
   SolverMass& m = solver_bodies.mass[p + 1];
   solver_bodies.index[bodies.solver_slot[i]] = p + 1;
@@ -118,7 +118,7 @@ void Rigid::Impl::gather_body(std::uint32_t p) {
   }
 }
 
-// Force generators, at the state of this substep.
+// Force generators, at the state of this substep: each sees all its points at once.
 void Rigid::Impl::add_forces(StepContext& c) {
   const Forces& forces = store.get<Forces>();
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
@@ -129,7 +129,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
   for (const ForceEntry& f : forces.list) {
     if (!f.enabled || !f.force) continue;
     points.clear();
-    point_place.clear();
+    point_rank.clear();
     for (std::uint32_t p = 0; p < count; ++p) {
       const std::uint32_t i = moving[p];
       if (bodies.type[i] != BodyType::dynamic || !acts_on(f, bodies.object[i], objects.tags(bodies.object[i])))
@@ -143,11 +143,11 @@ void Rigid::Impl::add_forces(StepContext& c) {
       point.volume = volume[i];
       point.most_drag = share * bodies.mass[i];
       points.push_back(point);
-      point_place.push_back(p);
+      point_rank.push_back(p);
     }
     point_force.assign(points.size(), Vec3::Zero());
     f.force->add(points.data(), points.size(), time, point_force.data());
-    for (std::size_t k = 0; k < points.size(); ++k) applied_force[point_place[k]] += point_force[k];
+    for (std::size_t k = 0; k < points.size(); ++k) applied_force[point_rank[k]] += point_force[k];
   }
 }
 
@@ -160,12 +160,14 @@ void Rigid::Impl::integrate_velocities(StepContext& c) {
 void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   const std::uint32_t i = moving[p];
   if (bodies.type[i] != BodyType::dynamic) return;
+  // linear, with implicit damping
   SolverBody& s = solver_bodies.state[p + 1];
   const SolverMass& m = solver_bodies.mass[p + 1];
   FEDER_ASSERT(m.inv_mass == bodies.inv_mass[i]);
   const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
   const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
   for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
+  // angular: plain, jointed with uneven moments, or free with uneven moments
   const Real brake = 1 / (1 + c.h * bodies.angular_damping[i]);
   if (!asymmetric[i]) {
     s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
@@ -184,7 +186,7 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
       w = angular_velocity_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
     s.angular_velocity = given_angular_velocity[p] = w;
   }
-  // a body gone bad must not reach the others through its contacts
+  // a non-finite body must not spread through its contacts
   if (all_finite(s.velocity) && all_finite(s.angular_velocity)) return;
   bad[p] = 1;
   s.velocity = s.angular_velocity = given_angular_velocity[p] = angular_momentum[p] = Vec3::Zero();
@@ -210,7 +212,7 @@ void Rigid::Impl::finish_solve(StepContext& c) {
   solver->finish(input(), c);
   const std::uint64_t capped = solver->capped();
   if (capped == 0 || cap_warned) return;
-  cap_warned = true;  // once: rigid.capped of the residuals goes on counting
+  cap_warned = true;  // once; the residual rigid.capped goes on counting
   events.warn("iteration_limit", "the rigid solver reached its iteration limit " + std::to_string(capped) +
                                      " times in a step: contacts or joints are left unresolved");
 }
@@ -225,7 +227,7 @@ bool Rigid::Impl::commit_finite(std::uint32_t p) const {
 void Rigid::Impl::commit_body(std::uint32_t p) {
   const std::uint32_t i = moving[p];
   const SolverBody& s = solver_bodies.state[p + 1];
-  if (force_count) applied_force[p] = bodies.force[i];  // generators out again, for the watchdog
+  if (force_count) applied_force[p] = bodies.force[i];  // without generators, for the watchdog
   bodies.force[i] = bodies.torque[i] = Vec3::Zero();
   if (bodies.type[i] == BodyType::kinematic) {
     if (bodies.has_target[i] == 1) {
@@ -238,12 +240,14 @@ void Rigid::Impl::commit_body(std::uint32_t p) {
     }
     return;
   }
+  // dynamic
   bad[p] = !commit_finite(p);
   if (bad[p]) return;
   bodies.position[i] += s.delta_position;
   bodies.rotation[i] = s.rotation;
   bodies.velocity[i] = s.velocity;
   bodies.angular_velocity[i] = s.angular_velocity;
+  // angular momentum, and the velocity that it gives now
   if (!asymmetric[i]) return;
   Vec3& l = kept_momentum[i];
   if (const JointedBody* j = uneven_body(p + 1)) {
@@ -257,7 +261,7 @@ void Rigid::Impl::commit_body(std::uint32_t p) {
   bad[p] = !all_finite(bodies.angular_velocity[i]);
 }
 
-// A body whose numbers went bad stays where it last was, fixed.
+// Quarantine: a non-finite body becomes fixed at its last finite pose.
 void Rigid::Impl::quarantine(std::uint32_t i) {
   FEDER_ASSERT(bodies.type[i] == BodyType::dynamic);
   suspect(i);

@@ -1,12 +1,12 @@
-// What holds of bodies and joints after each step, asserted where asserts are on (feder/error.h): bodies, colliders and
-// objects know each other, sleeping islands are rings whose members sleep, joints follow their bodies' types, solver
-// bodies lie where their bodies look for them, and the numbers of bodies that the solver moves are finite.
+// Invariants of bodies and joints after each step, asserted where asserts are on (feder/error.h): bodies, colliders and
+// objects refer to each other, sleeping islands are rings of sleeping members, joints follow their bodies' types,
+// solver indices are consistent, and dynamic bodies are finite.
 #include "base/hash.h"
 #include "rigid/impl.h"
 
 namespace feder {
 
-// Between gather and commit: the solver body of the body at place p is p + 1, and what couplings appended lies behind.
+// Between gather and commit: moving[p] has solver index p + 1; solver bodies appended by couplings lie behind.
 void Rigid::Impl::check_gathered() const {
   FEDER_ASSERT(solver_bodies.state.size() == solver_bodies.mass.size() && solver_bodies.state.size() > moving.size());
   for (std::uint32_t p = 0; p < moving.size(); ++p) {
@@ -37,7 +37,7 @@ void Rigid::Impl::check_body(std::uint32_t i) const {
     FEDER_ASSERT(bodies.inv_inertia[i].isZero(0) && next_in_island[i] == kNone);
     return;
   }
-  // what went bad has been quarantined
+  // non-finite ones have been quarantined
   FEDER_ASSERT(is_finite(bodies.position[i]));
   FEDER_ASSERT(is_finite(bodies.velocity[i]));
   FEDER_ASSERT(is_finite(bodies.angular_velocity[i]));
@@ -66,7 +66,8 @@ std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
   return count;
 }
 
-// Each sleeper lies in the ring of its island, once: rings from all roots have as many members as there are sleepers.
+// Sleeping bodies lie in the ring of their island, once: the rings of all roots have as many members as there are
+// sleeping bodies.
 void Rigid::Impl::check_islands() const {
   std::uint32_t members = 0;
   for (std::uint32_t i = 0; sleeping_count > 0 && i < bodies.size(); ++i) {

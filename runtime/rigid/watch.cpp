@@ -1,6 +1,6 @@
-// The watchdog's part in rigid bodies, see step/watch.h. Every step compares each body's kinetic energy per mass with
-// that of the step before (sleep.cpp has it); where one jumped, the islands are found and their energies compared:
-// velocities at the start of the step are those that the colliders were placed with.
+// Watchdog over the kinetic energy of rigid bodies, see step/watch.h. Every step compares each body's kinetic energy
+// per mass with that of the step before (sleep.cpp computes it); where one jumped, islands are found and their energies
+// compared. Velocities at the start of the step are those of the colliders. All work is bounded from above.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,14 +17,14 @@ double to_double(Real x) { return static_cast<double>(x); }
 
 }  // namespace
 
-// J
+// Kinetic energy of body i with these velocities, J.
 double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v,
                                    const Vec3& angular_velocity) const {
   const Vec3 w = rotate_inverse(rotation, angular_velocity);
   return 0.5 * (to_double(bodies.mass[i]) * to_double(dot(v, v)) + to_double(dot(w, Vec3(bodies.inertia[i] * w))));
 }
 
-// Without sleep nobody else measures motion: the speed of the farthest point does as well.
+// Without sleep nothing else measures motion: the speed of the farthest point is enough.
 void Rigid::Impl::measure_pace(const StepContext& c) {
   const Real least = static_cast<Real>(quiet_energy(c));
   bool any = false;
@@ -37,7 +37,7 @@ void Rigid::Impl::measure_pace(const StepContext& c) {
   any_jump = any_jump || any;
 }
 
-// Weight, scripts and generators: J, at most, on one body in this step.
+// Upper bound of the work of weight, scripts and generators on one body in this step, J.
 double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
   const std::uint32_t p = solver_bodies.index[bodies.solver_slot[i]] - 1;
   FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
@@ -62,14 +62,14 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
       f.force->add(&point, 1, c.time + end * dt, &force);
       push = std::fmax(push, to_double(length(force)));
     }
-    // the potential it came down, or, where there is none, force times way
+    // the loss of potential, or, where there is none, force times path
     const bool none = potential[0] == 0 && potential[1] == 0;
     sum += none ? push * path : std::fmax(potential[0] - potential[1], 0.0);
   }
   return sum;
 }
 
-// Overlap: what takes it back within one substep. And the speed of what is moved from outside.
+// Contacts: the energy that undoes an overlap within one substep, and the speed of kinematic partners.
 void Rigid::Impl::watch_contacts(const StepContext& c) {
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
@@ -90,7 +90,7 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
   }
 }
 
-// m/s, of a body that is moved from outside, where it meets the other.
+// Speed of a kinematic body where it meets the other, m/s.
 double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
   if (bodies.type[i] != BodyType::kinematic) return 0;
   const std::uint32_t k = bodies.first_collider[i];
@@ -100,7 +100,7 @@ double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
   return to_double(length(colliders.velocity[k])) + to_double(length(colliders.angular_velocity[k])) * extent;
 }
 
-// Springs, motors, and the misfit that a script left.
+// Joints: springs, motors, and the misfit after an edit by a script.
 void Rigid::Impl::watch_joints(const StepContext& c) {
   const auto window = static_cast<std::uint64_t>(kScriptWindow / to_double(c.dt)) + 1;
   for (std::uint32_t j = 0; j < records.size(); ++j) {
@@ -118,7 +118,7 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
   }
 }
 
-// J
+// Upper bound of the energy that joint j can give in this step, J.
 double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext& c) {
   const JointRecord& r = records[j];
   const auto start = [&](std::uint32_t i, std::uint32_t slot) {
@@ -126,6 +126,7 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[slot]];
     return solver_bodies.index[slot] == 0 ? bodies.com_pose(i) : Pose{m.center, m.start_rotation};
   };
+  // rows at the start of the step
   JointInput in = joint_input(j);
   in.a = start(r.body_a, joints[j].slot_a), in.b = start(r.body_b, joints[j].slot_b);
   fill_rows(j, in);
@@ -133,20 +134,21 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
   for (const std::uint32_t i : {r.body_a, r.body_b})
     if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, to_double(bodies.extent[i]));
   for (const Row& row : rows) {
-    double yields = 0, weighs = 0;  // inverse and plain effective mass along the row
+    // effective mass along the row: inverse, and its upper bound
+    double compliance = 0, mass = 0;
     for (const bool first : {true, false}) {
       const std::uint32_t i = first ? r.body_a : r.body_b;
       if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
       const Vec3& angular = first ? row.angular_a : row.angular_b;
       const double k = to_double(bodies.inv_mass[i] * dot(row.linear, row.linear) +
                                  dot(angular, Vec3(bodies.world_inv_inertia(i) * angular)));
-      yields += k;
-      if (k > 0) weighs += 1 / k;
+      compliance += k;
+      if (k > 0) mass += 1 / k;
     }
-    if (!(yields > 0)) continue;
+    if (!(compliance > 0)) continue;
     const double value = to_double(row.value);
     if (row.velocity_only) {
-      // a motor: its force over the way, and no more than to bring all to its speed
+      // motor: its force times the path, at most the energy that brings all bodies of the island to its speed
       const double most = std::fmax(std::fabs(to_double(row.lower)), std::fabs(to_double(row.upper)));
       const double speed = to_double(row.speed);
       double path = 0, all = 0;
@@ -162,18 +164,18 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
       sum += std::fmin(most * (path + std::fabs(speed)) * to_double(c.dt), 2 * all * speed * speed);
     } else if (row.hertz > 0) {
       const double omega = 2 * to_double(kPi * row.hertz);
-      sum += 0.5 * omega * omega / yields * value * value;
+      sum += 0.5 * omega * omega / compliance * value * value;
     } else if (edited) {
-      // rows are linear: where the misfit is of the bodies' own size they tell nothing
+      // edited: rows are linear and say nothing of a misfit as large as the bodies
       const bool linear = !row.linear.isZero(0);
       if (std::fabs(value) > (linear ? size : 1.0)) return std::numeric_limits<double>::infinity();
-      sum += 0.5 * weighs * value * value / to_double(c.h * c.h);
+      sum += 0.5 * mass * value * value / to_double(c.h * c.h);
     }
   }
   return sum;
 }
 
-// Work, overlap and strain by island, at their roots; kinetic energies likewise.
+// Sums by island, at its root: kinetic energies before and after, work, overlap and strain.
 void Rigid::Impl::account(const StepContext& c) {
   FEDER_ASSERT(island_before.size() == bodies.size() && edited_step.size() == bodies.size());
   join_islands();
@@ -190,7 +192,7 @@ void Rigid::Impl::account(const StepContext& c) {
   }
   watch_contacts(c);
   watch_joints(c);
-  for (const std::uint32_t i : moving)  // what moves with infinite mass throws the rest at up to twice its speed
+  for (const std::uint32_t i : moving)  // a kinematic body throws others at up to twice its speed
     island_given[i] += 2 * island_mass[i] * island_drive[i] * island_drive[i];
 }
 
@@ -214,7 +216,7 @@ void Rigid::Impl::watch(const StepContext& c) {
   }
 }
 
-// A body that went non-finite.
+// Reports a non-finite body.
 void Rigid::Impl::suspect(std::uint32_t i) {
   const std::uint32_t k = bodies.first_collider[i];
   FEDER_ASSERT(k != kNone && colliders.owner_index[k] == i);

@@ -1,5 +1,5 @@
-// The springs of a net in the order the kernels read them, and the points' rows that go with it. Follows from the
-// spring arrays: built anew when the pattern changes, edited in place when a spring goes. Private to the module.
+// Layout of a net's springs in the order in which the kernels read them, and its points as rows of four. Follows from
+// the spring arrays: built anew when the pattern changes, edited when a spring is removed. Private to the module.
 #pragma once
 #include <span>
 
@@ -20,17 +20,17 @@ class SpringLayout {
   void choose(const SpringKernels& kernels) { kernels_ = &kernels; }
   // Allocates when springs or points outnumber every earlier call.
   void build(const SpringArrays& springs, std::uint32_t points);
-  void remove(std::uint32_t k);  // the spring stays in its place without stiffness and damping
+  void remove(std::uint32_t k);  // the spring keeps its lanes, without stiffness and damping
 
   std::size_t spring_count() const { return lane_of_.size() / 2; }
   bool damped() const { return !damping_.empty(); }
 
-  // force = outside(i) + what the springs do; `jobs` may be null. Returns how many spring ends had no direction.
+  // force = outside(i) + spring forces; `jobs` may be null. Returns the number of spring ends without a direction.
   template <class Outside>
   unsigned eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside,
                 std::span<Vec3> force);
 
-  // Are there springs longer than the square root of `limit`? Then snapped() tells which, one bit each.
+  // True when springs are longer than the square root of their limit: snapped() has one bit each.
   bool find_snapped(std::span<const Vec3> x, const SpringArrays& springs, JobPool* jobs);
   std::span<const std::uint8_t> snapped() const { return snapped_; }
 

@@ -1,4 +1,5 @@
-// One net: its springs as arrays, its integrator, and the force field the integrator pulls. Private to the module.
+// One net: its springs as arrays, its integrator, and the force field that the integrator evaluates. Private to the
+// module.
 #pragma once
 #include <array>
 
@@ -96,8 +97,8 @@ class Net final : public ForceField {
   void list_edges();  // surface.cpp
   // First non-finite point of the net, or kNone. `jobs` as above; places_only: velocities are known to be finite.
   std::uint32_t find_non_finite(JobPool* jobs = nullptr, bool places_only = false) const;
-  // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s. Springs with a power and generators
-  // count as they are now; those after prepare() only, and those that do not tell their derivative not at all.
+  // Upper bounds of the angular frequency and decay rate of all modes (Gershgorin), 1/s. Springs with a power and
+  // generators count as they are now; generators only after prepare(), and only those with a known derivative.
   void bounds(double& most_frequency, double& most_decay, bool with_generators = false, double time = 0);
   Energy energy();
   void validate() const;  // validate.cpp: springs and faces
@@ -106,7 +107,7 @@ class Net final : public ForceField {
   double kinetic_energy() const;
   double kinetic_before() const;  // at the start of the step; a bound from above, sharp where masses are equal
   double given(double dt);
-  Real squares = -1;        // m^2/s^2, sum at the end of the last step; < 0: somebody changed a velocity
+  Real squares = -1;        // m^2/s^2, sum at the end of the last step; < 0: a velocity was edited
   Real squares_before = 0;  // at the start of the step
   Real length_of(std::uint32_t k) const;
   Real strain(std::uint32_t k) const;
@@ -134,9 +135,9 @@ class Net final : public ForceField {
 
   bool all_points_finite(JobPool* jobs, bool places_only) const;
   void add_still_air(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> force) const;
-  // Is the spring slack, of those that only pull? `rate`: of its length, m/s.
-  bool limp(std::uint32_t k, double len, double rate) const;
-  // What a generator does to points_, added to `out`.
+  // Slack: a tension_only spring without tension. `rate`: of its length, m/s.
+  bool is_slack(std::uint32_t k, double len, double rate) const;
+  // Adds the force of a generator on points_ to `out`.
   void add_generator(const ForceEntry& f, double t, Vec3* out);
   std::size_t pick_points(const ForceEntry& f);
   void fill_points(std::span<const Vec3> x, std::span<const Vec3> v);

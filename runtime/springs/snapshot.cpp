@@ -1,5 +1,4 @@
-// State hash and snapshots of the springs system. A net that was destroyed or made since is undone: integrators are
-// made again by name and get back what they remembered.
+// State hash and snapshots of the springs system. Loading makes all nets anew, integrators by name with their memory.
 #include "springs/impl.h"
 
 namespace feder {
