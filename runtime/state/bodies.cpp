@@ -1,3 +1,4 @@
+// Adding and removing bodies, world inertia with locks, and the invariants of the arrays.
 #include "state/bodies.h"
 
 #include "base/hash.h"

@@ -1,3 +1,5 @@
+// Adding and removing colliders, their invariants and snapshots. Shapes are saved as indices into the world's list of
+// pinned shapes, which keeps them in memory.
 #include "state/colliders.h"
 
 #include "base/hash.h"
@@ -45,7 +47,7 @@ void Colliders::validate() const {
 
 void Colliders::save(Writer& w) const {
   each_saved(*this, saved_to(w));
-  // shapes come in the same order each time: the next one is mostly the next pin
+  // shapes come in the same order each time: mostly the next one is the next pin
   std::uint32_t guess = 0;
   for (const ShapePtr& s : shapes) {
     std::uint32_t pin = kNone;

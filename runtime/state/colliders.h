@@ -53,7 +53,7 @@ struct Colliders {
 
   // The body that owns it; kNone: none does.
   std::uint32_t body_of(std::uint32_t i) const { return owner[i] == ColliderOwner::body ? owner_index[i] : kNone; }
-  // Is it a part of a body that something with this filter collides with?
+  // A part of a body that a filter of these bits collides with.
   bool meets(std::uint32_t i, std::uint32_t its_group, std::uint32_t its_mask) const {
     return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ColliderOwner::body &&
            (group[i] & its_mask) != 0 && (its_group & mask[i]) != 0;
@@ -64,7 +64,7 @@ struct Colliders {
       if (motion[i] > ColliderMotion::fixed) most = std::max(most, dot(velocity[i], velocity[i]));
     return std::sqrt(most);
   }
-  // Where it may be within so much time: `box` may look less far ahead than a fast owner comes.
+  // Box of its motion within `seconds`, for times longer than the step that `box` includes.
   Aabb swept(std::uint32_t i, Real seconds) const {
     Aabb all = box[i];
     if (motion[i] == ColliderMotion::fixed) return all;
