@@ -1,5 +1,5 @@
-// What scripts do to bodies and joints between steps. Numbers are checked, sleepers woken, contacts forgotten where
-// they no longer hold.
+// Edits of bodies and joints by scripts, between steps: arguments are checked, sleeping bodies woken, contacts removed
+// where they are no longer valid. And the getters.
 #include <cmath>
 
 #include "rigid/impl.h"
@@ -202,12 +202,10 @@ void Rigid::set_motor(ObjectId joint, Real speed, Real max_force) {
   if (!is_finite(speed) || !(max_force >= 0))
     throw SceneError("set_motor: expected a finite speed and a force not below 0");
   JointOptions& o = s.shape.options;
-  if (!o.has_motor)  // other rows than before: their impulses start anew
+  if (!o.has_motor)  // more rows than before: no warm start
     for (Real& impulse : s.impulse) impulse = 0;
   o.motor_speed = speed, o.motor_max = max_force, o.has_motor = true;
-  const JointRecord& r = impl_->records[j];
-  if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
-  if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
+  impl_->wake_joined(impl_->records[j], WakeCause::joint);
 }
 
 void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
@@ -220,8 +218,7 @@ void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
   o.lower = lower, o.upper = upper, o.has_limits = true;
   const JointRecord& r = impl_->records[j];
   impl_->edited(r.body_a), impl_->edited(r.body_b);
-  if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
-  if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
+  impl_->wake_joined(r, WakeCause::joint);
 }
 
 Real Rigid::max_joint_error() const {

@@ -1,4 +1,4 @@
-// What a net must be like before it is made: every number is looked at, and the message names its field.
+// Checks of a net's description before it is made: every number, and the message names its field.
 #include <cmath>
 #include <cstdio>
 

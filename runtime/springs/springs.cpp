@@ -1,5 +1,5 @@
-// The springs system: owner of nets. Each substep every net's integrator pulls the net's forces; nets are
-// independent, so they run in parallel and everything that leaves a net (events, warnings) is done after, in order.
+// The springs system: owner of nets. In each substep every net's integrator evaluates the net's forces; nets are
+// independent, so they run in parallel, and what concerns others (events, warnings) is done afterwards, in order.
 #include <cmath>
 
 #include "feder/net.h"
@@ -93,7 +93,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
     n->has_power = n->has_power || s.power != 1;
   }
 
-  // nothing can fail any more
+  // from here on nothing fails
   Particles& p = m.particles;
   FEDER_ASSERT(p.size() == (m.nets.empty() ? 0 : m.nets.back()->first + m.nets.back()->points));
   n->first = p.size();

@@ -1,3 +1,5 @@
+// The table of objects: slots with generations. Freed slots are used again first in, first out, and only when many are
+// free, so that a stale handle finds its tombstone (name, place of destruction) as long as possible.
 #include <algorithm>
 
 #include "base/hash.h"

@@ -1,4 +1,4 @@
-// Solver bodies: everything a contact or constraint row can push, in one dense array that the solver of the step works
+// Solver bodies: whatever contacts and constraint rows can push, in one dense array that the solver of the step works
 // on. A body or a colliding net point owns a solver slot for life; at the start of a step each owner that takes part
 // writes its solver index there. Index 0 is the world: infinite mass, at rest, never written.
 #pragma once
@@ -8,8 +8,8 @@
 
 namespace feder {
 
-// Per solver body and step, what the inner loops touch: 16 numbers in this order, one cache line in the float build.
-// Wide kernels load it as two rows of eight.
+// State of a solver body in a step, used by the inner loops: 16 numbers in this order, one cache line in the float
+// build. Wide kernels load it as two rows of eight.
 struct alignas(64) SolverBody {
   Vec3 velocity = Vec3::Zero();          // m/s
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
@@ -19,7 +19,7 @@ struct alignas(64) SolverBody {
 };
 static_assert(sizeof(SolverBody) == 16 * sizeof(Real));
 
-// Per solver body and step, read when rows are prepared.
+// Mass and start pose of a solver body in a step, read when rows are prepared.
 struct SolverMass {
   Real inv_mass = 0;                  // 1/kg
   Vec3 inv_mass_axes = Vec3::Zero();  // inv_mass with locked world axes zeroed (equal to inv_mass when none)

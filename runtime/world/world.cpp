@@ -1,3 +1,4 @@
+// A world: makes systems and couplings, builds the plan, steps, and sums over its systems.
 #include "feder/world.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ World::World(const WorldDesc& desc, Catalog catalog)
 }
 
 World::~World() {
-  // a coupling lets go of its partners: last made, first gone
+  // couplings refer to their partners: last made, first destroyed
   while (!systems_.empty()) systems_.pop_back();
 }
 
