@@ -23,6 +23,15 @@ double* element(lua_State* L, BufferBlock& b) {
   fail(L, "buffer: expected an index from 1 to " + std::to_string(b.count) + ", got " + describe(L, 2));
 }
 
+std::span<double> push_buffer(lua_State* L, std::size_t count) {
+  auto* b = static_cast<BufferBlock*>(lua_newuserdatauv(L, sizeof(BufferBlock) + count * sizeof(double), 0));
+  b->count = count;
+  std::fill_n(b->numbers(), count, 0.0);
+  push_class(L, Class::buffer);
+  lua_setmetatable(L, -2);
+  return {b->numbers(), count};
+}
+
 int buffer_index(lua_State* L) {  // upvalue 1: methods
   auto* b = static_cast<BufferBlock*>(lua_touserdata(L, 1));
   if (lua_type(L, 2) == LUA_TSTRING) {
@@ -68,15 +77,6 @@ std::span<double> test_buffer(lua_State* L, int index) {
   auto* b = static_cast<BufferBlock*>(test_class(L, index, Class::buffer));
   if (!b) return {};
   return {b->numbers(), b->count};
-}
-
-std::span<double> push_buffer(lua_State* L, std::size_t count) {
-  auto* b = static_cast<BufferBlock*>(lua_newuserdatauv(L, sizeof(BufferBlock) + count * sizeof(double), 0));
-  b->count = count;
-  std::fill_n(b->numbers(), count, 0.0);
-  push_class(L, Class::buffer);
-  lua_setmetatable(L, -2);
-  return {b->numbers(), count};
 }
 
 int feder_buffer(lua_State* L) {

@@ -55,9 +55,7 @@ constexpr Option<Query> kOverlap[] = {
 
 template <auto& Rows>
 std::vector<OptionInfo> with_filter() {
-  std::vector<OptionInfo> all = describe_rows(Rows), filter = describe_rows(kFilter);
-  all.insert(all.end(), filter.begin(), filter.end());
-  return all;
+  return join_rows(describe_rows(Rows), describe_rows(kFilter));
 }
 
 // What a convex shape asks: the rows of its kind, and the filter; in 2D of its section.

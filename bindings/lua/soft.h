@@ -24,13 +24,4 @@ void soft_attach(const Object<S>& s, lua_State* L) {
   s.system.attach(s.id, i, body, local);
 }
 
-// Three numbers per point into a buffer.
-template <class S, void (S::*Read)(ObjectId, std::vector<Vec3>&) const>
-int soft_vectors(lua_State* L) {
-  const Object<S> s(L);
-  std::vector<Vec3> all;
-  (s.system.*Read)(s.id, all);
-  return push_vectors(L, all);
-}
-
 }  // namespace feder::lua

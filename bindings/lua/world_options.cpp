@@ -268,11 +268,7 @@ bool friction_option(Options& o, const char* key, Real& fixed, Real& dynamic) {
 }
 
 std::vector<OptionInfo> friction_rows() { return describe_rows(kFriction); }
-std::vector<OptionInfo> world_rows() {
-  std::vector<OptionInfo> all = describe_rows(kWorldDesc), more = describe_rows(kWorld);
-  all.insert(all.end(), more.begin(), more.end());
-  return all;
-}
+std::vector<OptionInfo> world_rows() { return join_rows(describe_rows(kWorldDesc), describe_rows(kWorld)); }
 
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {
   State& s = state(L);
