@@ -1,3 +1,4 @@
+// Buffers: userdata with numbers behind a count.
 #include "lua/buffer.h"
 
 #include <algorithm>

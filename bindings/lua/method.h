@@ -5,7 +5,7 @@
 //  - a function of self: f(const Object<Rigid>&, ...), f(const Self&, ...), f(WorldRecord&, ...);
 //  - or of the Lua state alone: f(lua_State*).
 // Arguments: Vec3 (numbers or a table, planar as the world is), bool, std::size_t (a point, see SoftPoints), and
-// lua_State* for what no type says. tests/lua call every method of every class with hostile arguments.
+// lua_State* for what no type says. Numbers, wrong types and destroyed objects: tests/lua/test_hostile.cpp.
 #pragma once
 #include <tuple>
 

@@ -1,3 +1,4 @@
+// The sandbox: which of the standard library scripts see, and what takes the place of the rest.
 #include "lua/sandbox.h"
 
 #include <cmath>

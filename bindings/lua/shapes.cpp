@@ -1,3 +1,4 @@
+// Shapes: makers by the rows of the runtime, userdata that share a shape, and lists of points.
 #include "lua/shapes.h"
 
 #include <cmath>

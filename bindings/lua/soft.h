@@ -1,7 +1,6 @@
 // Methods that all soft things have, beside those of their system: what is of one point or of all, and attachments. A
 // part says with SoftPoints<S> what the points of system S are called. Points count from 1 in Lua.
 #pragma once
-#include "lua/buffer.h"
 #include "lua/method.h"
 
 namespace feder::lua {

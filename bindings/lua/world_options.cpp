@@ -1,3 +1,4 @@
+// Options of a world: rows, materials, systems, and overrides of the command line.
 #include "lua/world_options.h"
 
 #include <algorithm>
@@ -182,6 +183,7 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
       throw SceneError(what + ": expected a whole number from " + print_number(lo) + " to " + print_number(hi));
     return x;
   };
+  // "rigid.solver" is an option of a system, the rest are the world's own
   const std::size_t dot = key.find('.');
   if (dot != std::string::npos) {
     const std::string system = key.substr(0, dot);
