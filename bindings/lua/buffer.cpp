@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "lua/options.h"
-#include "lua/stack.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -52,10 +51,8 @@ int buffer_newindex(lua_State* L) {
 
 int buffer_len(lua_State* L) { return push(L, static_cast<BufferBlock*>(lua_touserdata(L, 1))->count); }
 
-int buffer_tostring(lua_State* L) {
-  lua_pushfstring(L, "buffer of %I numbers",
-                  static_cast<lua_Integer>(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count));
-  return 1;
+std::string buffer_tostring(lua_State* L) {
+  return "buffer of " + std::to_string(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count) + " numbers";
 }
 
 int buffer_fill(lua_State* L) {
@@ -88,8 +85,9 @@ int feder_buffer(lua_State* L) {
 }
 
 void open_buffer(lua_State* L) {
-  set_metamethods(L, Class::buffer,
-                  {{"__newindex", guard<buffer_newindex>}, {"__len", buffer_len}, {"__tostring", buffer_tostring}});
+  set_metamethods(
+      L, Class::buffer,
+      {{"__newindex", guard<buffer_newindex>}, {"__len", buffer_len}, {"__tostring", method<buffer_tostring>}});
   push_class(L, Class::buffer);
   lua_getfield(L, -1, "__index");
   lua_pushcclosure(L, guard<buffer_index>, 1);
