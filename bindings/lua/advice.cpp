@@ -1,3 +1,4 @@
+// Advice: what the systems of a world report before it runs, and feder.advise.
 #include "lua/advice.h"
 
 #include "lua/records.h"

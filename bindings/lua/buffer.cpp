@@ -1,9 +1,9 @@
+// Buffers: userdata with numbers behind a count.
 #include "lua/buffer.h"
 
 #include <algorithm>
 
-#include "lua/options.h"
-#include "lua/stack.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -21,6 +21,15 @@ double* element(lua_State* L, BufferBlock& b) {
   const lua_Integer i = lua_type(L, 2) == LUA_TNUMBER ? lua_tointegerx(L, 2, &whole) : 0;
   if (whole && i >= 1 && static_cast<std::uint64_t>(i) <= b.count) return b.numbers() + (i - 1);
   fail(L, "buffer: expected an index from 1 to " + std::to_string(b.count) + ", got " + describe(L, 2));
+}
+
+std::span<double> push_buffer(lua_State* L, std::size_t count) {
+  auto* b = static_cast<BufferBlock*>(lua_newuserdatauv(L, sizeof(BufferBlock) + count * sizeof(double), 0));
+  b->count = count;
+  std::fill_n(b->numbers(), count, 0.0);
+  push_class(L, Class::buffer);
+  lua_setmetatable(L, -2);
+  return {b->numbers(), count};
 }
 
 int buffer_index(lua_State* L) {  // upvalue 1: methods
@@ -42,10 +51,8 @@ int buffer_newindex(lua_State* L) {
 
 int buffer_len(lua_State* L) { return push(L, static_cast<BufferBlock*>(lua_touserdata(L, 1))->count); }
 
-int buffer_tostring(lua_State* L) {
-  lua_pushfstring(L, "buffer of %I numbers",
-                  static_cast<lua_Integer>(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count));
-  return 1;
+std::string buffer_tostring(lua_State* L) {
+  return "buffer of " + std::to_string(static_cast<BufferBlock*>(lua_touserdata(L, 1))->count) + " numbers";
 }
 
 int buffer_fill(lua_State* L) {
@@ -70,15 +77,6 @@ std::span<double> test_buffer(lua_State* L, int index) {
   return {b->numbers(), b->count};
 }
 
-std::span<double> push_buffer(lua_State* L, std::size_t count) {
-  auto* b = static_cast<BufferBlock*>(lua_newuserdatauv(L, sizeof(BufferBlock) + count * sizeof(double), 0));
-  b->count = count;
-  std::fill_n(b->numbers(), count, 0.0);
-  push_class(L, Class::buffer);
-  lua_setmetatable(L, -2);
-  return {b->numbers(), count};
-}
-
 int feder_buffer(lua_State* L) {
   const std::int64_t count = check_integer(L, 1, function_name(L), 1, kMaxNumbers);
   charge(L, static_cast<std::uint64_t>(count) / 16);
@@ -87,8 +85,9 @@ int feder_buffer(lua_State* L) {
 }
 
 void open_buffer(lua_State* L) {
-  set_metamethods(L, Class::buffer,
-                  {{"__newindex", guard<buffer_newindex>}, {"__len", buffer_len}, {"__tostring", buffer_tostring}});
+  set_metamethods(
+      L, Class::buffer,
+      {{"__newindex", guard<buffer_newindex>}, {"__len", buffer_len}, {"__tostring", method<buffer_tostring>}});
   push_class(L, Class::buffer);
   lua_getfield(L, -1, "__index");
   lua_pushcclosure(L, guard<buffer_index>, 1);

@@ -1,3 +1,4 @@
+// The console: text runs in an environment of its own, which falls back on the globals of the script.
 #include "lua/console.h"
 
 #include "lua/records.h"

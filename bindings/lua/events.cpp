@@ -63,11 +63,9 @@ template <int kAxis>
 void push_normal(const EventView& v) {
   v.value(is_contact(v.e.kind), (v.swapped ? Real(-1) : Real(1)) * v.e.normal[kAxis]);
 }
-void push_code(const EventView& v) {
-  v.has_text() ? push(v.L, v.record.world->events().warning_code(v.e)) : push(v.L, nullptr);
-}
-void push_message(const EventView& v) {
-  v.has_text() ? push(v.L, v.record.world->events().warning_message(v.e)) : push(v.L, nullptr);
+template <auto Text>
+void push_warning(const EventView& v) {
+  v.has_text() ? push(v.L, (v.record.world->events().*Text)(v.e)) : push(v.L, nullptr);
 }
 
 struct EventField {
@@ -96,8 +94,8 @@ constexpr EventField kFields[] = {
     {"index", [](const EventView& v) { v.value(v.has_index(), static_cast<lua_Integer>(v.e.index) + 1); }},
     {"force", push_number<EventKind::kForce, &Event::force>},
     {"count", [](const EventView& v) { v.value(v.has_count(), v.e.index); }},
-    {"code", push_code},
-    {"message", push_message},
+    {"code", push_warning<&Events::warning_code>},
+    {"message", push_warning<&Events::warning_message>},
     {"copy", nullptr},
 };
 

@@ -13,14 +13,6 @@ using Liquid = Object<Fluid>;
 // Particles see their neighbours and walls as they are now.
 Fluid& asked(const Liquid& f) { return *f.world.query<Fluid>(); }
 
-template <void (Fluid::*Read)(ObjectId, std::vector<Vec3>&) const>
-int fluid_vectors(lua_State* L) {
-  const Liquid f(L);
-  std::vector<Vec3> all;
-  (f.system.*Read)(f.id, all);
-  return push_vectors(L, all);
-}
-
 // fn(x, y, z, i) -> vx, vy, vz; or a buffer of three numbers per particle.
 void fluid_set_velocities(const Liquid& f, lua_State* L) {
   const std::size_t count = f.system.particle_count(f.id);
@@ -101,9 +93,10 @@ const Method kFluidMethods[] = {
     {"drain", method<fluid_drain>, "fluid:drain{ box = {min, max} | shape =, position =, rotation = } -> drain",
      "takes the particles in it away after each step", drain_rows},
     {"count", method<&Fluid::particle_count>, "fluid:count() -> integer", "particles"},
-    {"positions", guard<fluid_vectors<&Fluid::positions>>, "fluid:positions([buffer]) -> buffer",
+    {"positions", guard<list_vectors<Fluid, &Fluid::positions>>, "fluid:positions([buffer]) -> buffer",
      "x, y, z of all, in the order they were made"},
-    {"velocities", guard<fluid_vectors<&Fluid::velocities>>, "fluid:velocities([buffer]) -> buffer", "likewise, m/s"},
+    {"velocities", guard<list_vectors<Fluid, &Fluid::velocities>>, "fluid:velocities([buffer]) -> buffer",
+     "likewise, m/s"},
     {"set_velocities", method<fluid_set_velocities>, "fluid:set_velocities(fn | buffer) -> self",
      "fn(x, y, z, i) -> vx, vy, vz"},
     {"density_error", method<fluid_density_error>, "fluid:density_error() -> mean, largest",

@@ -273,10 +273,7 @@ void apply_script_forces(lua_State* L, WorldRecord& record) {
 }
 
 std::vector<OptionInfo> force_rows() {
-  std::vector<OptionInfo> all = describe_rows(kForce);
-  for (const std::vector<OptionInfo>& more : {describe_rows(kEach), variant_options(force_kinds())})
-    all.insert(all.end(), more.begin(), more.end());
-  return all;
+  return join_rows(join_rows(describe_rows(kForce), describe_rows(kEach)), variant_options(force_kinds()));
 }
 
 int world_force(lua_State* L) {

@@ -1,3 +1,4 @@
+// Files of scripts: modules (require) and YAML (feder.load), from the library folders and the folder of the scene.
 #include "lua/library.h"
 
 #include <algorithm>
@@ -98,6 +99,7 @@ int lua_require(lua_State* L) {
   State& s = state(L);
   if (lua_type(L, 1) != LUA_TSTRING) fail(L, "require: expected the name of a module, got " + describe(L, 1));
   const std::string name(text_at(L, 1));
+  // a module that has been loaded is given again
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
   lua_pushvalue(L, 1);
   if (lua_rawget(L, -2) != LUA_TNIL) return 1;
@@ -109,6 +111,7 @@ int lua_require(lua_State* L) {
     for (const std::string& m : s.loading) chain += m + " -> ";
     fail(L, "require: modules need each other in a circle: " + chain + name);
   }
+  // its file: the libraries first, then the folder of the scene
   std::string relative = name;
   std::replace(relative.begin(), relative.end(), '.', '/');
   relative += ".lua";
@@ -121,6 +124,7 @@ int lua_require(lua_State* L) {
     fail(L, "require: no module '" + name + "': no file " + relative + " in the " +
                 std::to_string(s.options.library_roots.size()) + " library folders" + where);
   }
+  // what it returns is kept under its name; true for nothing
   run_module(L, name, file);
   if (lua_isnil(L, -1)) lua_pop(L, 1), lua_pushboolean(L, 1);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);

@@ -5,10 +5,11 @@
 //  - a function of self: f(const Object<Rigid>&, ...), f(const Self&, ...), f(WorldRecord&, ...);
 //  - or of the Lua state alone: f(lua_State*).
 // Arguments: Vec3 (numbers or a table, planar as the world is), bool, std::size_t (a point, see SoftPoints), and
-// lua_State* for what no type says. tests/lua call every method of every class with hostile arguments.
+// lua_State* for what no type says. Numbers, wrong types and destroyed objects: tests/lua/test_hostile.cpp.
 #pragma once
 #include <tuple>
 
+#include "lua/buffer.h"
 #include "lua/objects.h"
 #include "lua/stack.h"
 
@@ -114,6 +115,15 @@ int call_method(lua_State* L) {
 }
 template <auto F>
 inline constexpr lua_CFunction method = guard<call_method<F>>;
+
+// What a member of a system lists of an object, three numbers each, in a buffer: &Cloth::normals.
+template <class S, void (S::*List)(ObjectId, std::vector<Vec3>&) const>
+int list_vectors(lua_State* L) {
+  const Object<S> self(L);
+  std::vector<Vec3> all;
+  (self.system.*List)(self.id, all);
+  return push_vectors(L, all);
+}
 
 // The options of the running maker, the table at 2, with the tags that every object may have.
 template <class Desc, std::size_t N>

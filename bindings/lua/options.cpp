@@ -1,3 +1,4 @@
+// Options tables and arguments: types and ranges, messages of mistakes, and where they stand.
 #include "lua/options.h"
 
 #include <algorithm>

@@ -212,6 +212,11 @@ std::vector<OptionInfo> rows_of() {
   return describe_rows(Rows);
 }
 
+inline std::vector<OptionInfo> join_rows(std::vector<OptionInfo> rows, const std::vector<OptionInfo>& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
 // Readers of a single value at `index`; `what` is named in messages.
 double check_number(lua_State* L, int index, const std::string& what, const Range& range = kAny);
 std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi);

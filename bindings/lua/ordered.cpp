@@ -203,6 +203,7 @@ int ordered_next(lua_State* L) {
   const bool known = lua_rawget(L, 3) != LUA_TNIL;  // 4: the walk
   const bool first = lua_isnil(L, 2);
   if (!known || (first && get_integer(L, 4, kStale) != 0)) start_walk(L, 3, 4);
+  // where it goes on: at the first key, or behind the key that was given
   lua_Integer at = get_integer(L, 4, kFirst);
   if (!first) {
     const auto index_of_key = [L] {
@@ -249,6 +250,7 @@ int stable_sort(lua_State* L) {
   if (count > kMaxLength) fail(L, "table.sort: expected at most 50 million values, got " + std::to_string(count));
   const bool custom = !lua_isnoneornil(L, 2);
   if (custom && count > 1) luaL_checktype(L, 2, LUA_TFUNCTION);
+  // the values are copied, so that a comparison may do to the list what it wants
   lua_settop(L, 2);
   lua_newtable(L);
   for (lua_Integer i = 1; i <= count; ++i) lua_geti(L, 1, i), lua_rawseti(L, 3, i);
@@ -266,6 +268,7 @@ int stable_sort(lua_State* L) {
     lua_pop(L, 1);
     return yes;
   };
+  // runs of doubling width are merged
   const int n = static_cast<int>(std::max<lua_Integer>(count, 0));
   std::vector<int> order(static_cast<std::size_t>(n)), merged(order.size());
   for (int i = 0; i < n; ++i) order[static_cast<std::size_t>(i)] = i + 1;

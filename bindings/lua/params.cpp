@@ -1,3 +1,4 @@
+// Parameters: declarations by feder.param, and values of the command line in their place.
 #include "lua/params.h"
 
 #include <algorithm>
@@ -104,6 +105,7 @@ std::vector<OptionInfo> param_rows() { return describe_rows(kParam); }
 
 int feder_param(lua_State* L) {
   State& s = state(L);
+  // name and default
   const std::string name = check_text(L, 1, "feder.param: name");
   const bool word = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -112,11 +114,13 @@ int feder_param(lua_State* L) {
   const int type = lua_type(L, 2);
   if (type != LUA_TNUMBER && type != LUA_TSTRING && type != LUA_TBOOLEAN)
     fail_here(L, "expected a number, a string or a boolean as default of '" + name + "', got " + describe(L, 2));
-  if (type == LUA_TNUMBER) check_number(L, 2, "feder.param(\"" + name + "\")");
+  const std::string call = "feder.param(\"" + name + "\")";
+  if (type == LUA_TNUMBER) check_number(L, 2, call);
   ParamInfo p = read_options(L, name);
   p.fallback = value_text(L, 2);
-  if (type == LUA_TNUMBER) check_range(L, p, lua_tonumber(L, 2), "feder.param(\"" + name + "\"): default");
-  check_choice(L, p, p.fallback, "feder.param(\"" + name + "\"): default");
+  if (type == LUA_TNUMBER) check_range(L, p, lua_tonumber(L, 2), call + ": default");
+  check_choice(L, p, p.fallback, call + ": default");
+  // a parameter that is known has its value
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.params_ref);
   for (const ParamInfo& known : s.params) {
     if (known.name != name) continue;
@@ -127,6 +131,7 @@ int feder_param(lua_State* L) {
   }
   if (s.phase != Phase::loading)
     fail_here(L, "parameters are declared while the file loads, not in build() or later; got '" + name + "'");
+  // its value: the default, or that of --set
   const auto set = s.options.set.find(name);
   if (set == s.options.set.end()) {
     lua_pushvalue(L, 2);

@@ -12,8 +12,6 @@ namespace {
 constexpr double kFar = 1e5;  // m: how far a ray goes when nothing is said
 
 // Queries see the world as it is now; a world without colliders has nothing to hit.
-Collide* collide_of(WorldRecord& r) { return r.world->query<Collide>(); }
-
 struct Query : QueryFilter {
   WorldRecord* record = nullptr;
   ShapePtr shape;
@@ -55,9 +53,7 @@ constexpr Option<Query> kOverlap[] = {
 
 template <auto& Rows>
 std::vector<OptionInfo> with_filter() {
-  std::vector<OptionInfo> all = describe_rows(Rows), filter = describe_rows(kFilter);
-  all.insert(all.end(), filter.begin(), filter.end());
-  return all;
+  return join_rows(describe_rows(Rows), describe_rows(kFilter));
 }
 
 // What a convex shape asks: the rows of its kind, and the filter; in 2D of its section.
@@ -112,7 +108,7 @@ int push_hit(lua_State* L, WorldRecord& r, const RaycastHit& hit, Real distance)
 int world_raycast(lua_State* L) {
   WorldRecord& r = check_world(L);
   const RayArguments a = ray_arguments(L, r);
-  Collide* collide = collide_of(r);
+  Collide* collide = r.world->query<Collide>();
   RaycastHit hit;
   const Vec3 ray = a.direction * static_cast<Real>(a.reach);
   if (!collide || !collide->raycast(a.origin, ray, a.filter, hit)) return push(L, nullptr);
@@ -130,7 +126,7 @@ int world_raycast_all(lua_State* L) {
   RayArguments a = ray_arguments(L, r);
   if (!a.limited) a.reach = 1000;
   std::vector<RaycastHit> hits;
-  if (Collide* collide = collide_of(r))
+  if (Collide* collide = r.world->query<Collide>())
     collide->raycast_all(a.origin, a.direction * static_cast<Real>(a.reach), a.filter, hits);
   std::stable_sort(hits.begin(), hits.end(),
                    [](const RaycastHit& x, const RaycastHit& y) { return x.fraction < y.fraction; });
@@ -147,7 +143,7 @@ int world_raycast_all(lua_State* L) {
 int world_shape_cast(lua_State* L) {
   WorldRecord& r = check_world(L);
   const Query q = read_query(L, r, kCast);
-  Collide* collide = collide_of(r);
+  Collide* collide = r.world->query<Collide>();
   RaycastHit hit;
   if (!collide || !collide->shape_cast(*q.shape, q.pose, q.motion, q, hit)) return push(L, nullptr);
   return push_hit(L, r, hit, hit.fraction * length(q.motion));
@@ -157,7 +153,7 @@ int world_overlap(lua_State* L) {
   WorldRecord& r = check_world(L);
   const Query q = read_query(L, r, kOverlap);
   std::vector<ObjectId> found;
-  if (Collide* collide = collide_of(r)) collide->overlap(*q.shape, q.pose, q, found);
+  if (Collide* collide = r.world->query<Collide>()) collide->overlap(*q.shape, q.pose, q, found);
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   push_list(L, found, [&](ObjectId id) { push_handle(L, r, id); });

@@ -1,3 +1,4 @@
+// The part "rigid": makers, queries, forces of scripts on bodies, and its lists in YAML.
 #include "lua/rigid_part.h"
 
 #include "constrain/joint.h"

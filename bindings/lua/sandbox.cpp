@@ -1,3 +1,4 @@
+// The sandbox: which of the standard library scripts see, and what takes the place of the rest.
 #include "lua/sandbox.h"
 
 #include <cmath>
@@ -126,11 +127,6 @@ void make_classes(lua_State* L) {
   open_classes(L);
 }
 
-int make_weak_table(lua_State* L, const char* mode) {
-  push_weak_table(L, mode);
-  return luaL_ref(L, LUA_REGISTRYINDEX);
-}
-
 }  // namespace
 
 lua_Integer value_id(lua_State* L, int index) {
@@ -209,8 +205,10 @@ int open_sandbox(lua_State* L) {
   set_field(L, "dump", nullptr);
   lua_pop(L, 1);
 
-  s.worlds_ref = make_weak_table(L, "v");
-  s.ids_ref = make_weak_table(L, "k");
+  push_weak_table(L, "v");
+  s.worlds_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  push_weak_table(L, "k");
+  s.ids_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   lua_newtable(L);
   // files written for stock Lua begin with local string = require "string"
   for (const char* name : {"_G", "table", "string", "math", "utf8", "coroutine"}) {

@@ -1,3 +1,4 @@
+// Shapes: makers by the rows of the runtime, userdata that share a shape, and lists of points.
 #include "lua/shapes.h"
 
 #include <cmath>
@@ -106,7 +107,7 @@ int feder_shape(lua_State* L) {
     }
   }
   in.points = points, in.triangles = triangles, in.parts = parts;
-  push_shape(L, kind.make(in));
+  push_userdata(L, Class::shape, kind.make(in));
   return 1;
 }
 
@@ -147,18 +148,11 @@ std::span<const Method> shape_functions() {
 }
 std::span<const Method> shape_methods() { return kShapeMethods; }
 
-void push_shape(lua_State* L, ShapePtr shape) { push_userdata(L, Class::shape, std::move(shape)); }
-
-ShapePtr check_shape(lua_State* L, int index, const std::string& what) {
-  const auto* shape = static_cast<const ShapePtr*>(test_class(L, index, Class::shape));
-  if (!shape) fail(L, what + ": expected a shape (feder.box(1, 1, 1) ...), got " + describe(L, index));
-  return *shape;
-}
-
 bool shape_option(Options& o, const char* key, ShapePtr& out) {
   if (!o.push_any(key)) return false;
-  if (!test_class(o.L(), -1, Class::shape)) o.wrong(key, "a shape (feder.box(1, 1, 1) ...)");
-  out = check_shape(o.L(), -1, o.path(key));
+  const auto* shape = static_cast<const ShapePtr*>(test_class(o.L(), -1, Class::shape));
+  if (!shape) o.wrong(key, "a shape (feder.box(1, 1, 1) ...)");
+  out = *shape;
   lua_pop(o.L(), 1);
   return true;
 }

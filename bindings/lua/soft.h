@@ -1,7 +1,6 @@
 // Methods that all soft things have, beside those of their system: what is of one point or of all, and attachments. A
 // part says with SoftPoints<S> what the points of system S are called. Points count from 1 in Lua.
 #pragma once
-#include "lua/buffer.h"
 #include "lua/method.h"
 
 namespace feder::lua {
@@ -22,15 +21,6 @@ void soft_attach(const Object<S>& s, lua_State* L) {
   const Vec3 local = lua_isnoneornil(L, 4) ? to_local(pose_of(L, s.record, body), s.system.point(s.id, i))
                                            : vector_argument(L, 4, s.record.planar());
   s.system.attach(s.id, i, body, local);
-}
-
-// Three numbers per point into a buffer.
-template <class S, void (S::*Read)(ObjectId, std::vector<Vec3>&) const>
-int soft_vectors(lua_State* L) {
-  const Object<S> s(L);
-  std::vector<Vec3> all;
-  (s.system.*Read)(s.id, all);
-  return push_vectors(L, all);
 }
 
 }  // namespace feder::lua

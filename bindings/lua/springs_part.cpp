@@ -87,7 +87,7 @@ const Method kNetMethods[] = {
      "elongation / rest length where it breaks; does it only pull? power of the elongation in its force"},
     {"strain", method<net_strain>, "net:strain([k]) -> number",
      "elongation / rest length; the largest when k is left out"},
-    {"positions", guard<soft_vectors<Springs, &Springs::positions>>, "net:positions([buffer]) -> buffer",
+    {"positions", guard<list_vectors<Springs, &Springs::positions>>, "net:positions([buffer]) -> buffer",
      "x, y, z of all points; a new buffer when left out"},
 };
 

@@ -1,3 +1,4 @@
+// The Lua state: memory and instruction limits, calls and their errors, classes of userdata.
 #include "lua/state.h"
 
 #include <algorithm>

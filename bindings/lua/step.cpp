@@ -1,3 +1,4 @@
+// A step as scripts see it, and snapshots with their owner key.
 #include "lua/step.h"
 
 #include <bit>

@@ -1,3 +1,4 @@
+// Studies: reads the table `study` of a scene, and asks its functions for references, errors and numbers.
 #include "lua/study.h"
 
 #include <algorithm>

@@ -15,6 +15,11 @@ std::uint64_t whole_steps(const WorldRecord& record, double seconds) {
   return static_cast<std::uint64_t>(std::min(std::max(x, 0.0), 1e15));
 }
 
+// Steps from now until `seconds` have passed: at least one.
+std::uint64_t steps_until(const WorldRecord& record, double seconds) {
+  return std::max<std::uint64_t>(1, whole_steps(record, seconds));
+}
+
 std::uint64_t now(const WorldRecord& record) { return record.world->step_count(); }
 
 int add_timer(lua_State* L, bool repeat) {
@@ -44,6 +49,7 @@ void finish_task(lua_State* L, WorldRecord& record, Task& task) {
 
 void resume_task(lua_State* L, WorldRecord& record, Task& task) {
   State& s = state(L);
+  // its coroutine, with the event that it waited for
   luaL_checkstack(L, 8, "tasks");
   push_data(L, record);
   lua_rawgeti(L, -1, task.thread);
@@ -79,6 +85,7 @@ void resume_task(lua_State* L, WorldRecord& record, Task& task) {
     failure.message += " (in the task made at " + task.made_at + ")";
     s.report(failure);
   }
+  // ended, or where it waits
   if (!record.world) return;
   if (!good || !yielded || task.state == TaskState::done) {
     finish_task(L, record, task);
@@ -152,10 +159,6 @@ const Method kTaskMethods[] = {
 }  // namespace
 
 std::span<const Method> task_methods() { return kTaskMethods; }
-
-std::uint64_t steps_until(const WorldRecord& record, double seconds) {
-  return std::max<std::uint64_t>(1, whole_steps(record, seconds));
-}
 
 void run_timers(lua_State* L, WorldRecord& record) {
   State& s = state(L);

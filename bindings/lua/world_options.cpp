@@ -1,3 +1,4 @@
+// Options of a world: rows, materials, systems, and overrides of the command line.
 #include "lua/world_options.h"
 
 #include <algorithm>
@@ -182,6 +183,7 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
       throw SceneError(what + ": expected a whole number from " + print_number(lo) + " to " + print_number(hi));
     return x;
   };
+  // "rigid.solver" is an option of a system, the rest are the world's own
   const std::size_t dot = key.find('.');
   if (dot != std::string::npos) {
     const std::string system = key.substr(0, dot);
@@ -268,11 +270,7 @@ bool friction_option(Options& o, const char* key, Real& fixed, Real& dynamic) {
 }
 
 std::vector<OptionInfo> friction_rows() { return describe_rows(kFriction); }
-std::vector<OptionInfo> world_rows() {
-  std::vector<OptionInfo> all = describe_rows(kWorldDesc), more = describe_rows(kWorld);
-  all.insert(all.end(), more.begin(), more.end());
-  return all;
-}
+std::vector<OptionInfo> world_rows() { return join_rows(describe_rows(kWorldDesc), describe_rows(kWorld)); }
 
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {
   State& s = state(L);

@@ -78,6 +78,29 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
   return 0;
 }
 
+// Pushes the value of a parameter: feder.param(name, default, options), as the table at `params` has it under its name.
+void declare_param(lua_State* L, int params, const std::string& name) {
+  push_module(L);
+  lua_getfield(L, -1, "param");
+  lua_remove(L, -2);
+  push(L, name);
+  if (lua_getfield(L, params, name.c_str()) == LUA_TTABLE) {
+    // { value: 10, min: 1 }: a copy without the value has the options
+    lua_newtable(L);
+    copy_locations(L, -2, -1);
+    copy_fields(L, -2);
+    lua_remove(L, -2);
+    lua_getfield(L, -1, "value");
+    if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
+    lua_pushnil(L);
+    lua_setfield(L, -3, "value");
+    lua_insert(L, -2);
+  } else {
+    lua_pushnil(L);
+  }
+  lua_call(L, 3, 1);
+}
+
 // Declares the parameters; leaves a table of their values.
 void declare_params(lua_State* L, int scene) {
   lua_newtable(L);
@@ -89,26 +112,8 @@ void declare_params(lua_State* L, int scene) {
       if (lua_type(L, -2) == LUA_TSTRING) names.emplace_back(lua_tostring(L, -2));
     std::sort(names.begin(), names.end());
     for (const std::string& name : names) {
-      push_module(L);
-      lua_getfield(L, -1, "param");
-      lua_pushstring(L, name.c_str());
-      lua_getfield(L, values + 1, name.c_str());
-      if (lua_type(L, -1) == LUA_TTABLE) {
-        lua_newtable(L);
-        copy_locations(L, -2, -1);
-        copy_fields(L, -2);
-        lua_remove(L, -2);
-        lua_getfield(L, -1, "value");
-        if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
-        lua_pushnil(L);
-        lua_setfield(L, -3, "value");
-        lua_insert(L, -2);
-      } else {
-        lua_pushnil(L);
-      }
-      lua_call(L, 3, 1);
+      declare_param(L, values + 1, name);
       lua_setfield(L, values, name.c_str());
-      lua_settop(L, values + 1);
     }
   } else if (!lua_isnil(L, -1)) {
     fail_in(L, scene, "params: expected a table by name, got " + describe(L, -1));
@@ -190,6 +195,7 @@ void make_shape(lua_State* L) {
     lua_setfield(L, -2, "type");
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;  // the body's own reader complains
+  // the name of the shape: under "type", or the one key
   const int table = lua_gettop(L);
   push_module(L);
   const bool typed = lua_getfield(L, table, "type") == LUA_TSTRING;
@@ -200,6 +206,7 @@ void make_shape(lua_State* L) {
     lua_pop(L, 1), lua_pushnil(L);
     if (lua_next(L, table) && lua_type(L, -2) == LUA_TSTRING) name = lua_tostring(L, -2);
   }
+  // its maker, and the arguments by name or as a list
   const ShapeKind& kind = shape_kind_of(L, table, name);
   const int maker = table + 1;
   lua_getfield(L, maker, kind.name);

@@ -1,3 +1,4 @@
+// YAML documents as Lua values, with the line of every key in a table beside them.
 #include "feder/yaml.h"
 
 #include <lua.hpp>
