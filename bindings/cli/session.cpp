@@ -40,6 +40,20 @@ int limit_status(lua::Limit limit) {
   return limit == lua::Limit::interrupted && stop_reason() != StopReason::none ? stop_status() : kBudget;
 }
 
+void fail_by_script(int status, const std::string& scene) {
+  try {
+    throw;
+  } catch (const lua::LimitError& e) {
+    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
+  } catch (const lua::OptionError& e) {
+    throw Failure(kUsage, e.what());
+  } catch (const lua::ScriptError& e) {
+    throw Failure(status, e.what());
+  } catch (const SceneError& e) {
+    throw Failure(status, scene + e.what());
+  }
+}
+
 bool is_yaml(const std::string& file) { return file.ends_with(".yaml") || file.ends_with(".yml"); }
 
 std::string read_text(const std::string& file) {
@@ -98,14 +112,8 @@ void Session::load(const std::string& file) {
     script_->load_file(file);
     status = kLoadError;
     if (script_->is_scene()) script_->build();
-  } catch (const lua::LimitError& e) {
-    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
-  } catch (const lua::OptionError& e) {
-    throw Failure(kUsage, e.what());
-  } catch (const lua::ScriptError& e) {
-    throw Failure(status, e.what());
-  } catch (const SceneError& e) {
-    throw Failure(status, file + ": " + e.what());
+  } catch (...) {
+    fail_by_script(status, file + ": ");
   }
   report_errors();
 }

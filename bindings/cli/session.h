@@ -67,6 +67,10 @@ std::string error_text(const lua::HandlerError& error);
 std::string limit_text(const std::string& message, lua::Limit limit);
 int limit_status(lua::Limit limit);
 
+// In a handler of everything: throws what a script or a scene has thrown as a Failure: at a limit, usage for values of
+// --set and --world, `status` for all else. `scene`: put in front of what a scene refuses.
+[[noreturn]] void fail_by_script(int status, const std::string& scene = "");
+
 // Compiles without running. Failure (kLoadError) "file:line: message".
 void check_syntax(const std::string& file, const lua::HostOptions& host);
 

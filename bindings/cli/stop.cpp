@@ -85,14 +85,12 @@ std::string stop_text() {
 
 StopSignals::StopSignals() {
   ++watchers;
-  handle(SIGINT, on_signal, true);
-  handle(SIGTERM, on_signal, true);
+  for (const int signal : {SIGINT, SIGTERM}) handle(signal, on_signal, true);
 }
 
 StopSignals::~StopSignals() {
   --watchers;
-  handle(SIGINT, SIG_DFL, false);
-  handle(SIGTERM, SIG_DFL, false);
+  for (const int signal : {SIGINT, SIGTERM}) handle(signal, SIG_DFL, false);
 }
 
 TimeLimit::TimeLimit(double processor, double wall) {
@@ -103,8 +101,7 @@ TimeLimit::TimeLimit(double processor, double wall) {
   };
   words(timeout_words[0], processor, "processor time");
   words(timeout_words[1], wall, "wall time");
-  handle(SIGPROF, on_time, false);
-  handle(SIGALRM, on_time, false);
+  for (const int signal : {SIGPROF, SIGALRM}) handle(signal, on_time, false);
   start_timer(ITIMER_PROF, processor);
   start_timer(ITIMER_REAL, wall);
 }

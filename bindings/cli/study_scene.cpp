@@ -84,11 +84,6 @@ class ScriptWorld final : public SceneWorld {
   lua::Script script_;
 };
 
-lua::HostOptions silent(lua::HostOptions host) {
-  host.print = [](std::string_view) {};
-  return host;
-}
-
 MethodInfo method_named(const std::string& name) {
   Arena arena("study");
   for (const auto& row : integrators())
@@ -171,17 +166,15 @@ SceneLadder read_ladder(const std::string& what, const lua::StudyAxes& axes, lua
       if (all.size() > 1) ladder.refinement_axis = refinement_axis;
     };
     const auto whole = [](double x) { return static_cast<int>(x); };
+    const auto steps = [&](double h) { return whole(std::max(1.0, std::round(scene.info.t_end / h))); };
     if (name == "dt") {
-      numbers(
-          ladder.steps, [&](double h) { return static_cast<int>(std::max(1.0, std::round(scene.info.t_end / h))); },
-          "steps");
+      numbers(ladder.steps, steps, "steps");
     } else if (name == "substeps") {
       numbers(ladder.substeps, whole, "substeps");
     } else if (name == "iterations") {
       numbers(ladder.iterations, whole, "iters");
     } else if (!name.empty() && name == targets.tolerance_param) {
-      numbers(
-          ladder.tolerances, [](double x) { return x; }, "tol");
+      numbers(ladder.tolerances, std::identity(), "tol");
     } else if (name == targets.method_param ||
                (!targets.system.empty() && (name == "solver" || name == targets.system + ".solver"))) {
       scene.methods.clear();
@@ -189,9 +182,8 @@ SceneLadder read_ladder(const std::string& what, const lua::StudyAxes& axes, lua
     } else if (find_param(params, name) || name.find('.') != std::string::npos) {
       ladder.settings.emplace_back(name, values);
     } else {
-      const std::string near = nearest_name(name, known);
       throw Failure(kUsage, "{}: expected dt, substeps, iterations, solver or a parameter of the scene{}", where,
-                    near.empty() ? "" : "; did you mean '" + near + "'?");
+                    did_you_mean("; ", name, known));
     }
   }
   if (ladder.substeps.empty()) ladder.substeps = {script.world()->desc().substeps};
@@ -256,14 +248,13 @@ void read_reference(ScriptWorld& probe, SceneDescription& scene) {
   }
   info.x_scale = study.length, info.v_scale = study.velocity;
   if (study.energy > 0) info.energy_scale = study.energy;
-  info.reference = {study.kind == "quad"        ? ReferenceKind::quad
-                    : study.kind == "published" ? ReferenceKind::published
-                                                : ReferenceKind::closed,
-                    0,
-                    study.uncertainty,
-                    0,
-                    study.source,
-                    study.resolution};
+  info.reference.kind = study.kind == "quad"        ? ReferenceKind::quad
+                        : study.kind == "published" ? ReferenceKind::published
+                                                    : ReferenceKind::closed;
+  info.reference.digits = 0;
+  info.reference.uncertainty = study.uncertainty;
+  info.reference.source = study.source;
+  info.reference.resolution = study.resolution;
   scene.rounding = study.rounding;
   info.dense = study.interpolate;
   for (const std::string& word : study.conserves)
@@ -274,7 +265,7 @@ void read_reference(ScriptWorld& probe, SceneDescription& scene) {
 }  // namespace
 
 std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options) {
-  const lua::HostOptions host = silent(host_options(options));
+  const lua::HostOptions host = silent_host_options(options);
   try {
     ScriptWorld probe(file, host);
     lua::Script& script = probe.script();
@@ -301,14 +292,8 @@ std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options&
       }
     };
     return std::make_unique<SceneProblem>(std::move(scene));
-  } catch (const SceneError& e) {
-    throw Failure(kLoadError, e.what());
-  } catch (const lua::LimitError& e) {
-    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
-  } catch (const lua::OptionError& e) {
-    throw Failure(kUsage, e.what());
-  } catch (const lua::ScriptError& e) {
-    throw Failure(kLoadError, e.what());
+  } catch (...) {
+    fail_by_script(kLoadError);
   }
 }
 

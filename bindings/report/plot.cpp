@@ -17,10 +17,8 @@ struct Layout {
 };
 
 bool has(const Plot& p, MarkKind kind) {
-  for (const PlotSeries& s : p.series)
-    for (const PlotPoint& q : s.points)
-      if (q.kind == kind) return true;
-  return false;
+  return std::ranges::any_of(
+      p.series, [&](const PlotSeries& s) { return std::ranges::count(s.points, kind, &PlotPoint::kind) > 0; });
 }
 
 bool has_failure(const PlotSeries& s) {
@@ -44,19 +42,20 @@ constexpr Explained kExplained[] = {
 Layout lay_out(const Plot& p) {
   Layout l;
   double names = 0, left_names = 0;
-  int failing = 0, kinds = 0;
+  int failing = 0;
   for (const PlotSeries& s : p.series) {
     names = std::max(names, words_width(s.name, 12));
     if (!has_failure(s)) continue;
     ++failing;
     left_names = std::max(left_names, words_width(s.name, 11));
   }
-  for (const Explained& e : kExplained) kinds += has(p, e.kind);
-  const double left = std::clamp(std::max(74.0, left_names + 16), 74.0, 190.0);
+  const auto kinds =
+      static_cast<std::size_t>(std::ranges::count_if(kExplained, [&](const Explained& e) { return has(p, e.kind); }));
+  const double left = std::clamp(left_names + 16, 74.0, 190.0);
   const double legend = std::clamp(names + 52, 185.0, 260.0);
   const double top = p.subtitle.empty() ? 44 : 62;
   const double gutter = failing ? failing * kRow + 26 : 0;
-  const double legend_height = static_cast<double>(p.series.size() + static_cast<std::size_t>(kinds) + 3) * kRow + 30;
+  const double legend_height = static_cast<double>(p.series.size() + kinds + 3) * kRow + 30;
   l.height = std::max(kHeight + gutter, top + legend_height + 56);
   l.gutter = {left, top, kWidth - left - legend - 24, gutter};
   l.frame = {left, top + gutter, l.gutter.width, l.height - top - gutter - 56};

@@ -69,7 +69,7 @@ std::string reference_words(const StudyResult& r) {
 // The runs of a method that a curve joins: they differ in one thing only, the step or what is refined in its stead. All
 // else that a study varies makes curves of their own, and so does each refinement axis of a ladder that has several.
 struct RefinementCurve {
-  std::string name;
+  std::string name, method;
   int number = 0;  // of the curve style
   std::vector<const StudyPoint*> points;
   std::string axis;  // StudyPoint::refinement_axis
@@ -105,26 +105,25 @@ std::vector<RefinementCurve> refinement_curves(const StudyResult& r, const std::
     const std::string name = p.refinement_axis.empty() ? method + beside_rung(p, steps_vary, substeps_vary)
                                                        : method + ", " + axis_name(p.refinement_axis);
     auto at = std::ranges::find_if(curves, [&](const RefinementCurve& c) { return c.name == name; });
-    if (at == curves.end()) at = curves.insert(curves.end(), {name, 0, {}, p.refinement_axis});
+    if (at == curves.end()) at = curves.insert(curves.end(), {name, method, 0, {}, p.refinement_axis});
     at->points.push_back(&p);
   }
-  const int count = static_cast<int>(curves.size());
-  if (count == 1) curves[0].name = method;
-  for (int k = 0; k < count; ++k) curves[static_cast<std::size_t>(k)].number = number_of(r, method) * count + k;
+  if (curves.size() == 1) curves[0].name = method;
   return curves;
 }
 
-// Curves of several refinement axes get numbers beside those of the other methods, which may have fewer.
-std::vector<RefinementCurve> numbered_curves(const StudyResult& r, const std::string& method) {
-  std::vector<RefinementCurve> curves = refinement_curves(r, method);
-  if (curves.empty() || curves[0].axis.empty()) return curves;
-  int number = 0;
+// Those of all methods, numbered. Curves of several refinement axes get numbers beside those of the other methods,
+// which may have fewer.
+std::vector<RefinementCurve> refinement_curves(const StudyResult& r) {
+  std::vector<RefinementCurve> all;
   for (const MethodInfo& m : r.methods) {
-    if (m.name == method) break;
-    number += static_cast<int>(refinement_curves(r, m.name).size());
+    std::vector<RefinementCurve> curves = refinement_curves(r, m.name);
+    const auto before = static_cast<int>(all.size()), count = static_cast<int>(curves.size());
+    int number = curves.empty() || !curves[0].axis.empty() ? before : number_of(r, m.name) * count;
+    for (RefinementCurve& curve : curves) curve.number = number++;
+    all.insert(all.end(), curves.begin(), curves.end());
   }
-  for (RefinementCurve& curve : curves) curve.number = number++;
-  return curves;
+  return all;
 }
 
 // An error as it counts for the ends of an axis: those of 0 and of a blow-up get no say.
@@ -159,16 +158,15 @@ Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis
   plot.name = file.substr(0, file.find('.'));
   plot.title = fmt::format("{}: error against {}", problem_label(r.problem), axis.title);
   plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
-  for (const MethodInfo& m : r.methods)
-    for (const RefinementCurve& curve : numbered_curves(r, m.name)) {
-      PlotSeries series{curve.name, curve.number, {}};
-      for (const StudyPoint* p : curve.points) {
-        const double whisker = axis.whisker && std::isfinite(p->*axis.whisker) ? p->*axis.whisker : 0;
-        series.points.push_back({p->*axis.cost, p->*norm.value, whisker,
-                                 kind_of(r, *p, norm, ranked && p->*axis.on_front), point_title(r, *p, norm)});
-      }
-      plot.series.push_back(series);
+  for (const RefinementCurve& curve : refinement_curves(r)) {
+    PlotSeries series{curve.name, curve.number, {}};
+    for (const StudyPoint* p : curve.points) {
+      const double whisker = axis.whisker && std::isfinite(p->*axis.whisker) ? p->*axis.whisker : 0;
+      series.points.push_back({p->*axis.cost, p->*norm.value, whisker,
+                               kind_of(r, *p, norm, ranked && p->*axis.on_front), point_title(r, *p, norm)});
     }
+    plot.series.push_back(series);
+  }
   // the Pareto front of each setting, and the band below what the reference resolves
   if (ranked) {
     std::map<Settings, std::vector<XY>> fronts;
@@ -229,15 +227,16 @@ void draw_fit(Plot& plot, const OrderFit& fit, const PlotSeries& series) {
 }
 
 // One small plot per method, or refinement axis of its ladder: its points over the rung, with the order.
-Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& refined, const ErrorNorm& norm) {
+Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& refined, const ErrorNorm& norm,
+                 const std::vector<RefinementCurve>& curves) {
   std::string axis = refined.empty() ? (m.adaptive ? "tol" : "h") : refined == "steps" ? "h" : refined;
   for (const OrderFit& f : r.fits)
     if (f.method == m.name && f.refinement_axis == refined) axis = f.axis;
   Plot plot;
   plot.title = m.name;
   bool any = false;
-  for (const RefinementCurve& curve : numbered_curves(r, m.name)) {
-    if (curve.axis != refined) continue;
+  for (const RefinementCurve& curve : curves) {
+    if (curve.method != m.name || curve.axis != refined) continue;
     PlotSeries series{curve.name, curve.number, {}};
     for (const StudyPoint* p : curve.points) {
       if (!measured(*p, norm)) continue;
@@ -258,11 +257,13 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
   const auto add_new = [](std::vector<std::string>& all, const std::string& one) {
     if (std::ranges::find(all, one) == all.end()) all.push_back(one);
   };
+  const std::vector<RefinementCurve> curves = refinement_curves(r);
   std::vector<Plot> panels;
   for (const MethodInfo& m : r.methods) {
     std::vector<std::string> axes;
-    for (const RefinementCurve& curve : refinement_curves(r, m.name)) add_new(axes, curve.axis);
-    for (const std::string& axis : axes) panels.push_back(order_panel(r, m, axis, norm));
+    for (const RefinementCurve& curve : curves)
+      if (curve.method == m.name) add_new(axes, curve.axis);
+    for (const std::string& axis : axes) panels.push_back(order_panel(r, m, axis, norm, curves));
   }
   // panels of one axis side by side
   std::vector<std::string> labels;
