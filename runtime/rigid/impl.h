@@ -96,6 +96,10 @@ struct Rigid::Impl {
   void join_islands();
   void sleep_islands();
 
+  // edit.cpp
+  void wake_around(std::uint32_t i);
+  void set_rate(std::uint32_t i, Array<Vec3>& rate, const Vec3& value, int lock);
+
   // watch.cpp
   double kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& angular_velocity) const;
   bool jumps(std::uint32_t i, Real energy, Real least) {  // energy: kinetic, per mass, m^2/s^2
@@ -124,6 +128,7 @@ struct Rigid::Impl {
   void refresh_joint(std::uint32_t j);
   void refresh_joints_of(std::uint32_t body);
   void wake_joined(const JointRecord& r, WakeCause cause);
+  Real row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const;
   void fill_rows(std::uint32_t j, const JointInput& in) const;
   void activate_joints(StepContext& c);
   void load_inertia(std::uint32_t body);
