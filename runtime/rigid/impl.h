@@ -35,7 +35,7 @@ struct JointRecord {
 };
 
 // The parts of a new body, and what they weigh together.
-struct Solid {
+struct BodySolid {
   std::vector<CompoundPart> parts;  // posed in the body frame
   Vec3 center = Vec3::Zero();       // of mass, in the body frame, m
   Real volume = 0, mass = 0;        // m^3, kg
@@ -48,10 +48,10 @@ struct Rigid::Impl {
   // bodies.cpp
   ObjectId add(const BodyDesc& desc);
   void load_motion(std::uint32_t i, const BodyDesc& desc, const Vec3& center);
-  void load_mass(std::uint32_t i, const Solid& solid);
+  void load_mass(std::uint32_t i, const BodySolid& solid);
   void remove(std::uint32_t i, const std::string& where);
   std::uint32_t index(ObjectId body) const;
-  void add_colliders(std::uint32_t i, const BodyDesc& desc, const Solid& solid);
+  void add_colliders(std::uint32_t i, const BodyDesc& desc, const BodySolid& solid);
   void resize_arrays();
   template <class F>
   void each_collider(std::uint32_t i, F&& f) const {
