@@ -28,25 +28,22 @@ void Collide::Impl::compare_colliders() {
       motion[i] = BoxMotion::absent;
       continue;
     }
+    const auto filter = std::tie(c.motion[i], c.sensor[i], c.group[i], c.mask[i], c.object[i]);
+    const auto surface =
+        std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i], c.material[i]);
+    auto last_filter = std::tie(s.motion, s.sensor, s.group, s.mask, s.object);
+    auto last_surface = std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction, s.material);
     // what has changed
-    if (s.motion != c.motion[i] || s.sensor != c.sensor[i] || s.group != c.group[i] || s.mask != c.mask[i] ||
-        s.object != c.object[i])
-      s.bits |= kChanged;
+    if (last_filter != filter) s.bits |= kChanged;
     const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
-    if (recheck_surfaces) s.bits |= kSurfaceChanged;
-    if (conveyor != (s.bits & kConveyor)) s.bits ^= kConveyor, s.bits |= kSurfaceChanged;
-    if (s.friction_static != c.friction_static[i] || s.friction_dynamic != c.friction_dynamic[i] ||
-        s.restitution != c.restitution[i] || s.rolling_friction != c.rolling_friction[i] || s.material != c.material[i])
-      s.bits |= kSurfaceChanged;
+    if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits ^ kConveyor) | kSurfaceChanged;
+    if (recheck_surfaces || last_surface != surface) s.bits |= kSurfaceChanged;
     // remembered for the next step
     if (s.bits & kChanged) {
-      s.motion = c.motion[i], s.sensor = c.sensor[i], s.group = c.group[i], s.mask = c.mask[i], s.object = c.object[i];
+      last_filter = filter;
       s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
     }
-    if (s.bits & kSurfaceChanged) {
-      s.friction_static = c.friction_static[i], s.friction_dynamic = c.friction_dynamic[i];
-      s.restitution = c.restitution[i], s.rolling_friction = c.rolling_friction[i], s.material = c.material[i];
-    }
+    if (s.bits & kSurfaceChanged) last_surface = surface;
     // what moves
     if (c.awake[i])
       s.bits |= kAwake;

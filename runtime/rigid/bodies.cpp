@@ -82,8 +82,8 @@ bool uneven(const Mat3& inertia) {
 }
 
 // The parts of a description and what they weigh; SceneError where no body can be made of them.
-Solid solid_of(const BodyDesc& d, int dimension) {
-  Solid s;
+BodySolid solid_of(const BodyDesc& d, int dimension) {
+  BodySolid s;
   flatten(dimension == 2 ? d.shape->section() : d.shape, Pose{}, s.parts);
   FEDER_ASSERT(!s.parts.empty());
   std::vector<MassProperties> masses;
@@ -156,7 +156,7 @@ void Rigid::Impl::load_motion(std::uint32_t i, const BodyDesc& d, const Vec3& ce
 }
 
 // Mass, size and what is kept of the rotation of the new body i.
-void Rigid::Impl::load_mass(std::uint32_t i, const Solid& solid) {
+void Rigid::Impl::load_mass(std::uint32_t i, const BodySolid& solid) {
   bodies.mass[i] = solid.volume > 0 ? solid.mass : 0;
   bodies.inertia[i] = solid.inertia;
   bodies.extent[i] = 0;
@@ -176,7 +176,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& d) {
   if (!d.shape) throw SceneError("body.shape: expected a shape, got none");
   check_motion(d);
   check_numbers(d);
-  const Solid solid = solid_of(d, dimension);
+  const BodySolid solid = solid_of(d, dimension);
   if (d.type == BodyType::free) throw SceneError("body.type: expected static, kinematic or dynamic");
   for (const CompoundPart& p : solid.parts) collide.check_shape(*p.shape);
   // from here on nothing fails
@@ -199,7 +199,7 @@ ObjectId Rigid::Impl::add(const BodyDesc& d) {
 }
 
 // One collider per part; what all of them share comes from the description.
-void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const Solid& solid) {
+void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const BodySolid& solid) {
   const std::uint16_t material = d.material.empty() ? std::uint16_t(0) : collide.material(d.material);
   // in reverse, so that the list of a body runs in the order of the parts
   for (auto part = solid.parts.rbegin(); part != solid.parts.rend(); ++part) {

@@ -33,23 +33,30 @@ bool Rigid::asleep(ObjectId body) const {
   return impl_->bodies.type[i] != BodyType::fixed && !impl_->bodies.awake[i];
 }
 
+// Wakes a body, and what is in contact with it.
+void Rigid::Impl::wake_around(std::uint32_t i) {
+  wake(i, WakeCause::script, {});
+  wake_touching(i, WakeCause::script);
+}
+
+// One of the velocities of a body that is not fixed: 0 along locked axes, the first of which has the bit `lock`.
+void Rigid::Impl::set_rate(std::uint32_t i, Array<Vec3>& rate, const Vec3& value, int lock) {
+  if (bodies.type[i] == BodyType::fixed) return;
+  wake(i, WakeCause::script, {});
+  bodies.has_target[i] = 0;
+  for (int k = 0; k < 3; ++k) rate[i][k] = bodies.lock[i] & (lock << k) ? Real(0) : value[k];
+}
+
 void Rigid::set_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_velocity");
-  if (impl_->bodies.type[i] == BodyType::fixed) return;
-  impl_->wake(i, WakeCause::script, {});
-  impl_->bodies.has_target[i] = 0;
-  for (int k = 0; k < 3; ++k) impl_->bodies.velocity[i][k] = impl_->bodies.lock[i] & (kLockX << k) ? Real(0) : v[k];
+  impl_->set_rate(i, impl_->bodies.velocity, v, kLockX);
 }
 
 void Rigid::set_angular_velocity(ObjectId body, const Vec3& w) {
   const std::uint32_t i = impl_->index(body);
   check(w, "set_angular_velocity");
-  if (impl_->bodies.type[i] == BodyType::fixed) return;
-  impl_->wake(i, WakeCause::script, {});
-  impl_->bodies.has_target[i] = 0;
-  for (int k = 0; k < 3; ++k)
-    impl_->bodies.angular_velocity[i][k] = impl_->bodies.lock[i] & (kLockRx << k) ? Real(0) : w[k];
+  impl_->set_rate(i, impl_->bodies.angular_velocity, w, kLockRx);
 }
 
 void Rigid::apply_force(ObjectId body, const Vec3& force, const Vec3* world_point) {
@@ -102,8 +109,7 @@ void Rigid::set_type(ObjectId body, BodyType type) { impl_->set_type(impl_->inde
 
 void Rigid::set_filter(ObjectId body, std::uint32_t group, std::uint32_t mask) {
   const std::uint32_t i = impl_->index(body);
-  impl_->wake(i, WakeCause::script, {});
-  impl_->wake_touching(i, WakeCause::script);
+  impl_->wake_around(i);
   impl_->changed(i);
   impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.group[k] = group, impl_->colliders.mask[k] = mask; });
 }
@@ -112,8 +118,7 @@ void Rigid::set_friction(ObjectId body, Real fixed, Real dynamic) {
   const std::uint32_t i = impl_->index(body);
   check_not_negative(fixed, "set_friction");
   check_not_negative(dynamic, "set_friction");
-  impl_->wake(i, WakeCause::script, {});
-  impl_->wake_touching(i, WakeCause::script);
+  impl_->wake_around(i);
   impl_->each_collider(i, [&](std::uint32_t k) {
     impl_->colliders.friction_static[k] = fixed;
     impl_->colliders.friction_dynamic[k] = dynamic;
@@ -133,8 +138,7 @@ void Rigid::set_restitution(ObjectId body, Real e) {
 void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_surface_velocity");
-  impl_->wake(i, WakeCause::script, {});
-  impl_->wake_touching(i, WakeCause::script);
+  impl_->wake_around(i);
   impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.surface_velocity[k] = v; });
 }
 

@@ -35,7 +35,7 @@ struct JointRecord {
 };
 
 // The parts of a new body, and what they weigh together.
-struct Solid {
+struct BodySolid {
   std::vector<CompoundPart> parts;  // posed in the body frame
   Vec3 center = Vec3::Zero();       // of mass, in the body frame, m
   Real volume = 0, mass = 0;        // m^3, kg
@@ -48,10 +48,10 @@ struct Rigid::Impl {
   // bodies.cpp
   ObjectId add(const BodyDesc& desc);
   void load_motion(std::uint32_t i, const BodyDesc& desc, const Vec3& center);
-  void load_mass(std::uint32_t i, const Solid& solid);
+  void load_mass(std::uint32_t i, const BodySolid& solid);
   void remove(std::uint32_t i, const std::string& where);
   std::uint32_t index(ObjectId body) const;
-  void add_colliders(std::uint32_t i, const BodyDesc& desc, const Solid& solid);
+  void add_colliders(std::uint32_t i, const BodyDesc& desc, const BodySolid& solid);
   void resize_arrays();
   template <class F>
   void each_collider(std::uint32_t i, F&& f) const {
@@ -96,6 +96,10 @@ struct Rigid::Impl {
   void join_islands();
   void sleep_islands();
 
+  // edit.cpp
+  void wake_around(std::uint32_t i);
+  void set_rate(std::uint32_t i, Array<Vec3>& rate, const Vec3& value, int lock);
+
   // watch.cpp
   double kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& angular_velocity) const;
   bool jumps(std::uint32_t i, Real energy, Real least) {  // energy: kinetic, per mass, m^2/s^2
@@ -124,6 +128,7 @@ struct Rigid::Impl {
   void refresh_joint(std::uint32_t j);
   void refresh_joints_of(std::uint32_t body);
   void wake_joined(const JointRecord& r, WakeCause cause);
+  Real row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const;
   void fill_rows(std::uint32_t j, const JointInput& in) const;
   void activate_joints(StepContext& c);
   void load_inertia(std::uint32_t body);

@@ -58,8 +58,7 @@ class ImpulseSolver final : public RigidSolver {
 
   void start_substep(const SolverInput& in, const ImpulseScene& s);
   void start_joints(const SolverInput& in, const ImpulseScene& s);
-  Pose body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const;
-  void fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s, RowWriter& out) const;
+  void fill(const SolverInput& in, const ImpulseJoint& joint, RowWriter& out) const;
   void travel(const SolverBodies& solver_bodies, const ImpulseScene& s);
   void factor_trees(const SolverInput& in, const StepContext& c);
   BlockRows rows_of(const RowBlock& b) const { return {&rows_[b.first], b.count, b.index_a, b.index_b}; }
@@ -73,7 +72,7 @@ class ImpulseSolver final : public RigidSolver {
   // `rank`: index in order_, where the nodes of an island follow each other.
   Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
-  void fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint);
+  void fill_now(const SolverInput& in, const ImpulseJoint& joint);
   Real drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   Real position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
@@ -250,21 +249,10 @@ void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
   heap_.reserve(order_.size());
 }
 
-Pose ImpulseSolver::body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const {
-  if (slot == kNone) return {};
-  return {s.mass[body].center + s.state[body].delta_position, s.state[body].rotation};
-}
-
-void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s,
-                         RowWriter& out) const {
+void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, RowWriter& out) const {
   FEDER_ASSERT(joint.joint < in.joints.size() && in.joints[joint.joint].active);
   const SolverJoint& j = in.joints[joint.joint];
-  JointInput input;
-  input.joint = &j.shape;
-  input.a = body_pose(joint.a, j.slot_a, s);
-  input.b = body_pose(joint.b, j.slot_b, s);
-  input.index_a = joint.a;
-  input.index_b = joint.b;
+  const JointInput input = in.joint_input(j);
   out.start(input, joint.joint);
   j.kind->fill(input, out);
 }
@@ -275,7 +263,7 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   RowWriter out(rows_, blocks_);
   for (ImpulseJoint& joint : joints_) {
     joint.first_block = static_cast<std::uint32_t>(blocks_.size());
-    fill(in, joint, s, out);
+    fill(in, joint, out);
     in.joints[joint.joint].rows = static_cast<std::uint8_t>(out.rows_written());
     joint.block_count = static_cast<std::uint32_t>(blocks_.size()) - joint.first_block;
   }
@@ -359,7 +347,7 @@ void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& 
     Real worst = 0;
     for (const ImpulseJoint& j : joints_) {
       if (!in_tree(j)) continue;
-      fill_now(in, s, j);
+      fill_now(in, j);
       for (std::uint32_t i = 0; i < j.block_count; ++i) {
         if (!trees_.direct(j.first_block + i)) continue;
         const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
@@ -402,19 +390,19 @@ void ImpulseSolver::solve_speed(const SolverInput& in, const ImpulseScene& s, st
 }
 
 // Rows of one joint at the poses now, into the spare arrays.
-void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint) {
+void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseJoint& joint) {
   spare_rows_.clear();
   spare_blocks_.clear();
   RowWriter out(spare_rows_, spare_blocks_);
-  fill(in, joint, s, out);
+  fill(in, joint, out);
   FEDER_ASSERT(spare_blocks_.size() == joint.block_count);
 }
 
-Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene&, std::uint32_t rank) {
   const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return 0;
   const ImpulseJoint& j = joints_[node - contacts_.size()];
-  fill_now(in, s, j);
+  fill_now(in, j);
   Real worst = 0;
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
     if (in_tree(j) && trees_.direct(j.first_block + i)) continue;
@@ -426,7 +414,7 @@ Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, st
 
 void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
   const ImpulseJoint& j = joints_[order_[rank] - contacts_.size()];
-  fill_now(in, s, j);
+  fill_now(in, j);
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
     const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
     correct_block_drift(rows_of(start), spare_rows_of(now), factors_[j.first_block + i],
@@ -437,7 +425,7 @@ void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, 
 Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
   const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return contact_depth(contacts_[node], s);
-  fill_now(in, s, joints_[node - contacts_.size()]);
+  fill_now(in, joints_[node - contacts_.size()]);
   Real worst = 0;
   for (const RowBlock& b : spare_blocks_) worst = std::max(worst, block_position_error(spare_rows_of(b)));
   return worst;
@@ -446,7 +434,7 @@ Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s,
 void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
   const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return push_contact_apart(contacts_[node], s);
-  fill_now(in, s, joints_[node - contacts_.size()]);
+  fill_now(in, joints_[node - contacts_.size()]);
   for (const RowBlock& b : spare_blocks_) correct_block(spare_rows_of(b), s);
 }
 

@@ -204,6 +204,12 @@ void Rigid::Impl::fill_rows(std::uint32_t j, const JointInput& in) const {
   joints[j].kind->fill(in, writer);
 }
 
+// J M^-1 J^T of one side of a row, 1/kg or 1/(kg m^2); 0 where nothing can move.
+Real Rigid::Impl::row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const {
+  if (body == kNone || bodies.type[body] != BodyType::dynamic) return 0;
+  return bodies.inv_mass[body] * dot(linear, linear) + dot(angular, Vec3(bodies.world_inv_inertia(body) * angular));
+}
+
 // Load: force and torque on b at its anchor, from the impulses of the last substep.
 void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
   const SolverJoint& s = joints[j];
@@ -245,10 +251,6 @@ void Rigid::Impl::break_joints(StepContext&) {
 void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
   max_error = 0;
   elastic = 0;
-  const auto compliance = [&](std::uint32_t body, const Vec3& linear, const Vec3& angular) {
-    if (body == kNone || bodies.type[body] != BodyType::dynamic) return Real(0);
-    return bodies.inv_mass[body] * dot(linear, linear) + dot(angular, Vec3(bodies.world_inv_inertia(body) * angular));
-  };
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     if (!records[j].alive) continue;
     fill_rows(j, joint_input(j));
@@ -257,8 +259,8 @@ void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
       if (row.velocity_only) continue;
       const bool equality = row.lower == -kInfinity && row.upper == kInfinity;
       if (row.hertz > 0) {
-        const Real k = compliance(records[j].body_a, row.linear, row.angular_a) +
-                       compliance(records[j].body_b, row.linear, row.angular_b);
+        const Real k = row_compliance(records[j].body_a, row.linear, row.angular_a) +
+                       row_compliance(records[j].body_b, row.linear, row.angular_b);
         const double omega = 2 * static_cast<double>(kPi * row.hertz), value = static_cast<double>(row.value);
         if (k > 0) elastic += 0.5 * omega * omega / static_cast<double>(k) * value * value;
       } else if (equality) {

@@ -276,19 +276,11 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
 void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
-  const SolverBodies& solver_bodies = *in.solver_bodies;
   load_motions(in, c.h);
   for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
     SolverJoint& joint = in.joints[j];
     if (!joint.active) continue;
-    JointInput input;
-    input.joint = &joint.shape;
-    input.index_a = solver_bodies.at(joint.slot_a);
-    input.index_b = solver_bodies.at(joint.slot_b);
-    input.a = {solver_bodies.mass[input.index_a].center + solver_bodies.state[input.index_a].delta_position,
-               solver_bodies.state[input.index_a].rotation};
-    input.b = {solver_bodies.mass[input.index_b].center + solver_bodies.state[input.index_b].delta_position,
-               solver_bodies.state[input.index_b].rotation};
+    JointInput input = in.joint_input(joint);
     input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
     input.h = c.h;
     writer.start(input, j);

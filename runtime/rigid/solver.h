@@ -31,6 +31,11 @@ struct SolverInput {
   std::uint32_t solver_index(std::uint32_t collider) const {
     return solver_bodies->at(colliders->solver_slot[collider]);
   }
+  // A joint for its kind, at the poses now.
+  JointInput joint_input(const SolverJoint& j) const {
+    const std::uint32_t a = solver_bodies->at(j.slot_a), b = solver_bodies->at(j.slot_b);
+    return {&j.shape, solver_bodies->pose(a), solver_bodies->pose(b), a, b};
+  }
   JointedBody* uneven(std::uint32_t index) const { return uneven_of(jointed, index); }
 
   Contacts* contacts = nullptr;  // active ones are solved; impulses are read and written

@@ -117,11 +117,8 @@ void Rigid::Impl::check_lists() const {
   FEDER_ASSERT(list_stale || awake == moving.size());
   for (std::size_t p = 0; !list_stale && p < moving.size(); ++p)
     FEDER_ASSERT(bodies.awake[moving[p]] && (p == 0 || moving[p - 1] < moving[p]));
-  MultisetHash dead, listed;
-  for (std::uint32_t j = 0; j < records.size(); ++j)
-    if (!records[j].alive) dead.add(j);
-  for (const std::uint32_t j : free_joints) listed.add(j);
-  FEDER_ASSERT(dead == listed && records.size() - free_joints.size() == joint_count);
+  const bool listed = lists_free(free_joints, records.size(), [&](std::uint32_t j) { return !records[j].alive; });
+  FEDER_ASSERT(listed && records.size() - free_joints.size() == joint_count);
 }
 
 void Rigid::validate() const {

@@ -137,11 +137,8 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
     // effective mass along the row: inverse, and its upper bound
     double compliance = 0, mass = 0;
     for (const bool first : {true, false}) {
-      const std::uint32_t i = first ? r.body_a : r.body_b;
-      if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
-      const Vec3& angular = first ? row.angular_a : row.angular_b;
-      const double k = to_double(bodies.inv_mass[i] * dot(row.linear, row.linear) +
-                                 dot(angular, Vec3(bodies.world_inv_inertia(i) * angular)));
+      const double k =
+          to_double(row_compliance(first ? r.body_a : r.body_b, row.linear, first ? row.angular_a : row.angular_b));
       compliance += k;
       if (k > 0) mass += 1 / k;
     }

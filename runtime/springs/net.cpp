@@ -31,12 +31,17 @@ bool all_finite(std::span<const Vec3> a) {
 
 void SpringArrays::add(const SpringDesc& s, Real rest) {
   FEDER_ASSERT(s.i != s.j && rest >= 0 && s.stiffness >= 0);
-  i.push_back(s.i), j.push_back(s.j);
-  stiffness.push_back(s.stiffness), damping.push_back(s.damping);
-  rest_length.push_back(rest), break_strain.push_back(s.break_strain);
   const Real longest = rest * (1 + s.break_strain);
+  i.push_back(s.i);
+  j.push_back(s.j);
+  stiffness.push_back(s.stiffness);
+  damping.push_back(s.damping);
+  rest_length.push_back(rest);
+  break_strain.push_back(s.break_strain);
   limit.push_back(s.break_strain < kInfinity ? longest * longest : kInfinity);
-  alive.push_back(1), tension_only.push_back(s.tension_only), power.push_back(static_cast<std::uint8_t>(s.power));
+  alive.push_back(1);
+  tension_only.push_back(s.tension_only);
+  power.push_back(static_cast<std::uint8_t>(s.power));
 }
 
 void SpringArrays::remove(std::uint32_t k) {

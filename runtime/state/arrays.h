@@ -1,6 +1,9 @@
 // Blocks of state are arrays side by side, one entry per index. A block lists its arrays once (`each_array`), and its
 // saved members once (`each_saved`); what grows, removes, saves, loads and checks them goes by these lists.
 #pragma once
+#include <span>
+
+#include "base/hash.h"
 #include "feder/memory.h"
 #include "feder/snapshot.h"
 
@@ -55,6 +58,16 @@ std::uint32_t take_index(Array<std::uint32_t>& free_list, std::size_t size, Grow
   const std::uint32_t i = free_list.back();
   free_list.pop_back();
   return i;
+}
+
+// Whether a list names each free index below `size`, once and no other: for checks.
+template <class IsFree>
+bool lists_free(std::span<const std::uint32_t> listed, std::size_t size, IsFree&& is_free) {
+  MultisetHash expected, found;
+  for (std::uint32_t i = 0; i < size; ++i)
+    if (is_free(i)) expected.add(i);
+  for (const std::uint32_t i : listed) found.add(i);
+  return expected == found;
 }
 
 // The same of a block that lists its arrays: the entry is blank.

@@ -1,7 +1,6 @@
 // Adding and removing bodies, world inertia with locks, and the invariants of the arrays.
 #include "state/bodies.h"
 
-#include "base/hash.h"
 #include "feder/error.h"
 
 namespace feder {
@@ -37,13 +36,10 @@ Mat3 Bodies::world_inv_inertia(std::uint32_t i) const {
 
 void Bodies::validate() const {
   each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == size()); });
-  MultisetHash free, listed;
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    if (type[i] == BodyType::free) free.add(i);
+  for (std::uint32_t i = 0; i < size(); ++i)
     FEDER_ASSERT(awake[i] <= (type[i] == BodyType::dynamic || type[i] == BodyType::kinematic));
-  }
-  for (const std::uint32_t i : free_list) listed.add(i);
-  FEDER_ASSERT(free == listed);
+  const bool listed = lists_free(free_list, size(), [&](std::uint32_t i) { return type[i] == BodyType::free; });
+  FEDER_ASSERT(listed);
 }
 
 }  // namespace feder

@@ -2,7 +2,6 @@
 // pinned shapes, which keeps them in memory.
 #include "state/colliders.h"
 
-#include "base/hash.h"
 #include "feder/error.h"
 #include "feder/snapshot.h"
 
@@ -35,14 +34,10 @@ void Colliders::remove(std::uint32_t i) {
 void Colliders::validate() const {
   each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == size()); });
   FEDER_ASSERT(shape.size() == size() && shapes.size() == size());
-  MultisetHash free, listed;
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    const bool used = motion[i] != ColliderMotion::none;
-    if (!used) free.add(i);
-    FEDER_ASSERT(shape[i] == shapes[i].get() && used == (shape[i] != nullptr));
-  }
-  for (const std::uint32_t i : free_list) listed.add(i);
-  FEDER_ASSERT(free == listed);
+  const auto is_free = [&](std::uint32_t i) { return motion[i] == ColliderMotion::none; };
+  for (std::uint32_t i = 0; i < size(); ++i)
+    FEDER_ASSERT(shape[i] == shapes[i].get() && is_free(i) == (shape[i] == nullptr));
+  FEDER_ASSERT(lists_free(free_list, size(), is_free));
 }
 
 void Colliders::save(Writer& w) const {

@@ -5,6 +5,7 @@
 #include "feder/error.h"
 #include "feder/memory.h"
 #include "feder/types.h"
+#include "state/arrays.h"
 
 namespace feder {
 
@@ -39,16 +40,13 @@ struct SolverBodies {
   // Solver index of what owns `slot`; kNone is the world.
   std::uint32_t at(std::uint32_t slot) const { return slot == kNone ? 0 : index[slot]; }
 
+  // Pose of the centre of mass now; the world's is the identity.
+  Pose pose(std::uint32_t i) const { return {mass[i].center + state[i].delta_position, state[i].rotation}; }
+
   std::uint32_t add() {
-    if (!free_list.empty()) {
-      const std::uint32_t m = free_list.back();
-      free_list.pop_back();
-      FEDER_ASSERT(m < index.size() && index[m] == 0);
-      index[m] = 0;
-      return m;
-    }
-    index.push_back(0);
-    return static_cast<std::uint32_t>(index.size() - 1);
+    const std::uint32_t slot = take_index(free_list, index.size(), [&] { index.push_back(0); });
+    FEDER_ASSERT(slot < index.size() && index[slot] == 0);
+    return slot;
   }
   void remove(std::uint32_t slot) {
     FEDER_ASSERT(slot < index.size() && free_list.size() < index.size());

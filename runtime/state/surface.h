@@ -12,6 +12,7 @@
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/types.h"
+#include "state/arrays.h"
 #include "state/bodies.h"
 #include "state/solver_bodies.h"
 
@@ -98,24 +99,26 @@ struct SurfacePair {
 // Loop group: surfaces that may interact within a substep and so share their solver substeps. Each group runs its whole
 // loop before the next.
 struct SurfaceGroup {
-  explicit SurfaceGroup(Arena& a)
-      : members(&a), rows(&a), near_rows(&a), attachments(&a), named(&a), solver_indices(&a) {}
+  explicit SurfaceGroup(Arena& a) : arena(a) {}
 
+  Arena& arena;
   // of a step
-  Array<std::uint32_t> members;  // in Surfaces::list, ascending; the first names the group
-  int steps = 0;                 // solver substeps in a substep; 0: none of them moves
-  Real step = 0;                 // s, of one
+  Array<std::uint32_t> members{&arena};  // in Surfaces::list, ascending; the first names the group
+  int steps = 0;                         // solver substeps in a substep; 0: none of them moves
+  Real step = 0;                         // s, of one
   // of a substep
-  Array<SurfaceRow> rows;       // of couplings
-  Array<SurfaceRow> near_rows;  // between surfaces
-  Array<SurfaceAttachment> attachments;
-  Array<std::uint32_t> named;           // solver indices of bodies in possible contact or attachment, by couplings
-  Array<std::uint32_t> solver_indices;  // the same, each once
-  bool crowded = false;                 // contact between surfaces in this substep
+  Array<SurfaceRow> rows{&arena};       // of couplings
+  Array<SurfaceRow> near_rows{&arena};  // between surfaces
+  Array<SurfaceAttachment> attachments{&arena};
+  Array<std::uint32_t> named{&arena};  // solver indices of bodies in possible contact or attachment, by couplings
+  Array<std::uint32_t> solver_indices{&arena};  // the same, each once
+  bool crowded = false;                         // contact between surfaces in this substep
 
   void begin() {  // of a step
-    members.clear(), rows.clear(), near_rows.clear(), attachments.clear(), named.clear();
-    steps = 0, step = 0, crowded = false;
+    for_each_of([](auto& array) { array.clear(); }, members, rows, near_rows, attachments, named);
+    steps = 0;
+    step = 0;
+    crowded = false;
   }
   bool touches() const { return !rows.empty() || !attachments.empty() || !near_rows.empty(); }
   void use_body(std::uint32_t solver_index) {  // its rows may name it in this substep; 0: nothing
@@ -124,19 +127,17 @@ struct SurfaceGroup {
 };
 
 struct Surfaces {
-  explicit Surfaces(Arena& a)
-      : arena(a), list(&a), position(&a), mass(&a), delta_position(&a), before(&a), velocity(&a), pairs(&a),
-        connections(&a), wakes(&a), anchors(&a), carried(&a), body_delta_position(&a), body_delta_rotation(&a) {}
+  explicit Surfaces(Arena& a) : arena(a) {}
 
   Arena& arena;
-  Array<Surface> list;  // of this step
+  Array<Surface> list{&arena};  // of this step
   // By point. Solvers and contact work on these; the first owner's points have the numbers that it gives them.
-  Array<Vec3> position;        // at the start of the step, m
-  Array<Real> mass;            // kg
-  Array<Row4> delta_position;  // since then, m; w: 1/kg
-  Array<Row4> before;          // the same at the start of the solver substep
-  Array<Row4> velocity;        // m/s; w: 1/kg
-  Array<SurfacePair> pairs;
+  Array<Vec3> position{&arena};        // at the start of the step, m
+  Array<Real> mass{&arena};            // kg
+  Array<Row4> delta_position{&arena};  // since then, m; w: 1/kg
+  Array<Row4> before{&arena};          // the same at the start of the solver substep
+  Array<Row4> velocity{&arena};        // m/s; w: 1/kg
+  Array<SurfacePair> pairs{&arena};
 
   // Groups of this step, in the order of their first members; records behind the last are kept for their memory.
   std::vector<std::unique_ptr<SurfaceGroup>> groups;
@@ -146,30 +147,30 @@ struct Surfaces {
   struct Connection {
     std::uint32_t a = 0, b = 0, solver_index = 0;
   };
-  Array<Connection> connections;
+  Array<Connection> connections{&arena};
   // Sleeping objects that contact wakes; their owners read it behind Rank::surface_events, and before the plan.
   struct Wake {
     ObjectId object, other;
     WakeCause cause = WakeCause::contact;
   };
-  Array<Wake> wakes;
+  Array<Wake> wakes{&arena};
   // Points attached to bodies, with which they do not collide; declared by the owners.
   struct Anchor {
     std::uint32_t surface, point;
     ObjectId body;
   };
-  Array<Anchor> anchors;
+  Array<Anchor> anchors{&arena};
   // Impulses of bodies on active surfaces, at the end of the step.
   struct Carried {
     ObjectId surface, body;
     Real impulse, support;  // N s; the part of it against gravity
   };
-  Array<Carried> carried;
+  Array<Carried> carried{&arena};
   std::uint64_t row_updates = 0;  // of the last step: elements, contacts and attachments by solver substeps
 
   // By solver index: displacement since the start of the substep, as the running group sees it.
-  SolverBodies* solver_bodies = nullptr;                 // null: nothing moves beside surfaces
-  Array<Vec3> body_delta_position, body_delta_rotation;  // m, rad
+  SolverBodies* solver_bodies = nullptr;                                 // null: nothing moves beside surfaces
+  Array<Vec3> body_delta_position{&arena}, body_delta_rotation{&arena};  // m, rad
 
   // Owners of surfaces, declared when that changes: contact has passes where two surfaces may meet, where one takes its
   // substeps in the loop (cloth) or has self-contact, and where one has faces that a body may meet.
@@ -214,12 +215,12 @@ struct Surfaces {
   // A run of `count` more points.
   std::uint32_t claim(std::uint32_t count) {
     const std::uint32_t first = size(), end = first + count;
-    position.resize(end), mass.resize(end), delta_position.resize(end), before.resize(end), velocity.resize(end);
+    for_each_of([end](auto& array) { array.resize(end); }, position, mass, delta_position, before, velocity);
     return first;
   }
   void begin() {  // of a step
-    list.clear(), pairs.clear(), connections.clear(), anchors.clear(), carried.clear();
-    position.clear(), mass.clear(), delta_position.clear(), before.clear(), velocity.clear();
+    for_each_of([](auto& array) { array.clear(); }, list, pairs, connections, anchors, carried, position, mass,
+                delta_position, before, velocity);
   }
   // Invalidates all: what they name is gone.
   void forget() {
