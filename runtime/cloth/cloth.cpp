@@ -214,7 +214,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
           if (std::any_of(ghosts.begin(), ghosts.end(),
                           [&](const ClothGhost& g) { return g.clamped == middle && g.inner == inner[k]; }))
             continue;
-          ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size())});
+          ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size()), Vec3::Zero()});
           rest.push_back(2 * rest[middle] - rest[inner[k]]);
         }
       }

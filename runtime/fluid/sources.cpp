@@ -1,6 +1,7 @@
-// Emitters and drains. An emitter gives particles one after another at the sites of a lattice over its nozzle, each at
-// the exact time it is due: a particle that leaves the nozzle in the middle of a substep starts as far behind it as it
-// would have been at the substep's start. A full jet gives whole layers, one spacing apart along the speed.
+// Emitters and drains. An emitter adds particles one after another at the sites of a lattice over its nozzle, each at
+// the exact time it is due: a particle that leaves the nozzle within a substep starts as far behind it as it would have
+// been at the substep's start. A full jet adds whole layers, one spacing apart along the velocity. Kept between steps:
+// the clock of each emitter and how many particles it has made.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,7 +11,7 @@
 namespace feder {
 namespace {
 
-constexpr double kRoomAhead = 0.25;  // s of emission that there is room for
+constexpr double kRoomAhead = 0.25;  // s, of emission for which there is room
 
 }  // namespace
 
@@ -65,7 +66,7 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   e.direction = normalized_or(d.direction, vec3(0, -1, 0));
   e.speed = d.speed, e.radius = d.radius, e.rate = d.rate, e.limit = d.limit;
   const FluidPool& p = m.pool(fluid);
-  // its lattice is walked below: not before its size is known to be small
+  // the lattice of the nozzle is enumerated below, so its size is checked first
   const double across = static_cast<double>(d.radius) / static_cast<double>(p.desc.spacing);
   const double about = p.dimension == 2 ? 2 * across + 1 : 3.14159265 * across * across + 1;
   const std::string limit =
@@ -150,7 +151,7 @@ void Fluid::Impl::emit(StepContext& c) {
 void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   FluidPool& p = pool(e.fluid);
   const Real d = p.desc.spacing;
-  // the lattice is walked anew: no memory of its own
+  // sites are enumerated each time: no memory of their own
   const int n = static_cast<int>(e.radius / d);
   const auto inside = [&](int i, int k) { return static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius; };
   const int depth = dimension == 2 ? 0 : n;
@@ -162,8 +163,8 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
     a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
   else
     tangent_frame(e.direction, a, b);
-  FEDER_ASSERT(count > 0);  // the nozzle's middle is one
-  // sites in an order that spreads them: steps of about the golden part of their number, which must be coprime to it
+  FEDER_ASSERT(count > 0);  // the middle of the nozzle is one
+  // order of sites: steps of about the golden ratio of their number, made coprime to it, spread them evenly
   std::uint64_t stride = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(0.618 * static_cast<double>(count)));
   while (std::gcd(stride, count) != 1) ++stride;
   const auto site = [&](std::uint64_t number) {
@@ -179,10 +180,11 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
     const std::uint64_t full_layers = k / count;
     return static_cast<double>(full_layers) * layer;
   };
+  // particles due in this substep, while there is room
   const double until = e.clock + static_cast<double>(c.h);
   while (due(e.made) < until && (e.limit == 0 || e.made < e.limit)) {
     if (p.count == p.capacity()) {
-      *structure_changed = true;  // grows before the next step
+      *structure_changed = true;  // arrays grow before the next step
       if (p.count < p.desc.max_particles) break;
       if (!p.warned_full)
         c.events->warn("fluid_full",
@@ -201,6 +203,7 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   e.clock = until;
   if (p.capacity() - p.count < count + 64 && p.capacity() < p.desc.max_particles) *structure_changed = true;
   if (e.limit == 0 || e.made < e.limit) return;
+  // its limit is reached
   e.running = 0, e.done = 1;
   Event event;
   event.kind = kEmitterDone;
