@@ -4,22 +4,19 @@
 
 #include <algorithm>
 
+#include "couple/coupling.h"
 #include "couple/surface_triangle.h"
 #include "narrow/narrow_phase.h"
 #include "state/cloth_vertices.h"
 
 namespace feder {
 const SystemDescriptor& ClothRigid::descriptor() {
-  static const char* const joins[] = {Cloth::kName, Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "attachments", .joins = joins, .make = &make_system<ClothRigid>};
-  return d;
+  return coupling_descriptor<ClothRigid, Cloth, Rigid>("attachments");
 }
 
 ClothRigid::ClothRigid(SystemSetup& s)
-    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+    : cloth_(system_of<Cloth>(s)), surfaces_(s.store.get<Surfaces>()), rigid_(system_of<Rigid>(s)),
+      collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
       structure_changed_(s.structure_changed), near_(&s.store.arena(kName)) {}
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "couple/coupling.h"
 #include "state/cloth_vertices.h"
 
 namespace feder {
@@ -20,19 +21,13 @@ constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth: more than round
 }  // namespace
 
 const SystemDescriptor& FluidCloth::descriptor() {
-  static const char* const joins[] = {Fluid::kName, Cloth::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "particles at cloth", .joins = joins, .make = &make_system<FluidCloth>};
-  return d;
+  return coupling_descriptor<FluidCloth, Fluid, Cloth>("particles at cloth");
 }
 
 FluidCloth::FluidCloth(SystemSetup& s)
-    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      solver_bodies_(s.store.need<SolverBodies>(kName)), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)),
-      particle_bodies_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
-      contact_states_(&s.store.arena(kName)) {
+    : arena_(s.store.arena(kName)), fluid_(system_of<Fluid>(s)), cloth_(system_of<Cloth>(s)),
+      surfaces_(s.store.get<Surfaces>()), solver_bodies_(s.store.need<SolverBodies>(kName)), objects_(s.objects),
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(arena_) {
   if (solver_bodies_.state.empty()) solver_bodies_.reset();  // without bodies there is only the world
 }
 
@@ -124,16 +119,12 @@ bool FluidCloth::wet(const Aabb& box, Real seconds) const {
   return false;
 }
 
-void FluidCloth::place_vertices() {
+void FluidCloth::begin(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const std::span<const Row4> delta_position = surfaces_.delta_position;
   FEDER_ASSERT(delta_position.size() >= v.size());
   faces_.start.resize(v.size()), faces_.end.resize(v.size());
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + delta_position[i].vec();
-}
-
-void FluidCloth::begin(StepContext& c) {
-  place_vertices();
   faces_.screen(fluid_, c);
 }
 
@@ -231,7 +222,7 @@ void FluidCloth::read_back(StepContext& c) {
   };
   faces_.follow(fluid_, now);
   faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
-  end_substep();
+  for (ContactState& t : contact_states_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
 }
 
 // Projection of a particle that passed a face, or is too near to it: back to where it met the face, and the closing
@@ -299,10 +290,6 @@ void FluidCloth::record(const FaceContact& k, Real impulse, Real speed, const Ve
   if (!(impulse > t.strongest)) return;
   t.strongest = impulse, t.normal = normal;
   t.point = fluid_.pool_at(k.pool).x[k.particle].vec();
-}
-
-void FluidCloth::end_substep() {
-  for (ContactState& t : contact_states_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
 }
 
 // A fluid is in contact with a cloth from its first particle that pushes to its last; the event has their number.

@@ -57,14 +57,13 @@ class FluidCloth final : public System {
 
   bool wet(const Aabb& box, Real seconds) const;
   void list_surfaces();
-  void place_vertices();
   void drop_rows();
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
   void record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
-  void end_substep();
   void report();
 
+  Arena& arena_;
   Fluid& fluid_;
   Cloth& cloth_;
   Surfaces& surfaces_;
@@ -73,14 +72,14 @@ class FluidCloth final : public System {
   ContactBook& contacts_;
   const std::uint32_t finder_;
   FluidFaces faces_;
-  Array<ParticleBody> particle_bodies_;
-  Array<std::uint32_t> next_row_;       // by group of cloths
-  Array<Pressed> pressed_;              // by cloth
-  Array<ContactState> contact_states_;  // in the order of the objects
-  std::uint32_t own_bodies_ = 0;        // number of solver bodies without those of particles
-  double mismatch_ = 0, given_ = 0;     // N s, of the last step
-  double force_ = 0;                    // N, of the last step, along gravity
-  std::uint64_t projected_ = 0;         // corrections of the last step
+  Array<ParticleBody> particle_bodies_{&arena_};
+  Array<std::uint32_t> next_row_{&arena_};       // by group of cloths
+  Array<Pressed> pressed_{&arena_};              // by cloth
+  Array<ContactState> contact_states_{&arena_};  // in the order of the objects
+  std::uint32_t own_bodies_ = 0;                 // number of solver bodies without those of particles
+  double mismatch_ = 0, given_ = 0;              // N s, of the last step
+  double force_ = 0;                             // N, of the last step, along gravity
+  std::uint64_t projected_ = 0;                  // corrections of the last step
 };
 
 }  // namespace feder

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "couple/coupling.h"
 #include "fluid/pool.h"
 #include "state/bodies.h"
 
@@ -19,20 +20,14 @@ constexpr Real kWakeImpulse = Real(1e-7);  // N s per kg of the body: more than 
 }  // namespace
 
 const SystemDescriptor& FluidRigid::descriptor() {
-  static const char* const joins[] = {Fluid::kName, Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "boundary shapes", .joins = joins, .make = &make_system<FluidRigid>};
-  return d;
+  return coupling_descriptor<FluidRigid, Fluid, Rigid>("boundary shapes");
 }
 
 FluidRigid::FluidRigid(SystemSetup& s)
-    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
+    : arena_(s.store.arena(kName)), fluid_(system_of<Fluid>(s)), rigid_(system_of<Rigid>(s)),
       colliders_(s.store.need<Colliders>(ContactService::kSystem)),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), boundary_(fluid_.boundary()), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)),
-      collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)), index_of_body_(&s.store.arena(kName)),
-      inside_(&s.store.arena(kName)), fluid_contacts_(&s.store.arena(kName)) {}
+      contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)) {}
 
 FluidRigid::~FluidRigid() { boundary_.shapes.clear(), boundary_.bodies.clear(); }
 
@@ -46,8 +41,8 @@ void FluidRigid::add_passes(StepPlan& plan) {
   plan.add<&F::collect>(Rank::boundary_list, "list boundary", kName, this);
   plan.add<&F::set_boundary>(Rank::boundary_place, "place boundary", kName, this);
   plan.add<&F::weigh>(Rank::boundary_weigh, "weigh impulses", kName, this);
-  plan.add<&F::push_bodies>(Rank::boundary_push, "push bodies", kName, this);
-  plan.add<&F::move_boundary>(Rank::boundary_follow, "move boundary", kName, this);
+  plan.add<&F::give_velocities>(Rank::boundary_push, "push bodies", kName, this);
+  plan.add<&F::set_boundary>(Rank::boundary_follow, "move boundary", kName, this);
   plan.add<&F::push_again>(Rank::boundary_return, "push bodies after projection", kName, this);
   plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
   plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
@@ -121,7 +116,7 @@ void FluidRigid::place_boundary(bool between_steps) {
   }
 }
 
-void FluidRigid::give_velocities() {
+void FluidRigid::give_velocities(StepContext&) {
   for (BoundaryBody& w : boundary_.bodies) {
     if (w.solver_index == 0 || !w.dynamic) continue;
     SolverBody& s = solver_bodies_.state[w.solver_index];
@@ -195,15 +190,9 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
 // Directly after the fluid's own passes: couplings with nets and sheets change velocities of particles as well.
 void FluidRigid::weigh(StepContext& c) { compare_impulses(c.h * c.gravity); }
 
-void FluidRigid::push_bodies(StepContext&) { give_velocities(); }
-
-void FluidRigid::move_boundary(StepContext&) {
-  place_boundary(false);
-  if (boundary_.weighed) weigh_fluids(before_);
-}
-void FluidRigid::push_again(StepContext&) {
+void FluidRigid::push_again(StepContext& c) {
   compare_impulses(Vec3::Zero());
-  give_velocities();
+  give_velocities(c);
 }
 
 void FluidRigid::keep_awake(StepContext&) {

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "couple/coupling.h"
+
 namespace feder {
 namespace {
 
@@ -17,16 +19,12 @@ constexpr Real kPush = Real(0.1);  // of the spacing: largest correction of olde
 }  // namespace
 
 const SystemDescriptor& FluidSprings::descriptor() {
-  static const char* const joins[] = {Fluid::kName, Springs::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "faces that meet fluid", .joins = joins, .make = &make_system<FluidSprings>};
-  return d;
+  return coupling_descriptor<FluidSprings, Fluid, Springs>("faces that meet fluid");
 }
 
 FluidSprings::FluidSprings(SystemSetup& s)
-    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
-      points_(s.store.need<Particles>(Springs::kName)), faces_(s.store.arena(kName)) {}
+    : fluid_(system_of<Fluid>(s)), springs_(system_of<Springs>(s)), points_(s.store.need<Particles>(Springs::kName)),
+      faces_(s.store.arena(kName)) {}
 
 std::size_t FluidSprings::count() const {
   std::size_t sum = 0;

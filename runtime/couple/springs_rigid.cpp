@@ -5,24 +5,20 @@
 
 #include <algorithm>
 
+#include "couple/coupling.h"
 #include "state/bodies.h"
 
 namespace feder {
 
 const SystemDescriptor& SpringsRigid::descriptor() {
-  static const char* const joins[] = {Springs::kName, Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "points that meet bodies", .joins = joins, .make = &make_system<SpringsRigid>};
-  return d;
+  return coupling_descriptor<SpringsRigid, Springs, Rigid>("points that meet bodies");
 }
 
 SpringsRigid::SpringsRigid(SystemSetup& s)
-    : springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
-      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+    : arena_(s.store.arena(kName)), springs_(system_of<Springs>(s)), rigid_(system_of<Rigid>(s)),
+      collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
-      objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
-      attachments_(&s.store.arena(kName)), attached_to_(&s.store.arena(kName)) {}
+      objects_(s.objects), structure_changed_(s.structure_changed) {}
 
 std::size_t SpringsRigid::count() const { return coupled_.size(); }
 

@@ -72,6 +72,7 @@ class SpringsRigid final : public System {
   Vec3 attachment_error(const Attachment& k) const;  // point minus anchor, m
   Mat3 body_response(const Attachment& k) const;     // velocity of the anchor per impulse on it, 1/kg
 
+  Arena& arena_;
   Springs& springs_;
   Rigid& rigid_;
   Collide& collide_;
@@ -80,10 +81,10 @@ class SpringsRigid final : public System {
   Particles& particles_;
   Objects& objects_;
   bool* structure_changed_;
-  Array<Coupled> coupled_;  // ascending by particle
-  Array<Attachment> attachments_;
-  Array<std::uint32_t> attached_to_;  // attachments by body
-  bool warned_ = false;               // "implicit_contact"
+  Array<Coupled> coupled_{&arena_};  // ascending by particle
+  Array<Attachment> attachments_{&arena_};
+  Array<std::uint32_t> attached_to_{&arena_};  // attachments by body
+  bool warned_ = false;                        // "implicit_contact"
 };
 
 }  // namespace feder

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "contact/surface_contact.h"
+#include "couple/coupling.h"
 #include "couple/surface_triangle.h"
 
 namespace feder {
@@ -19,20 +21,14 @@ constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a sh
 }  // namespace
 
 const SystemDescriptor& SurfaceRigid::descriptor() {
-  static const char* const joins[] = {"contact", Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "contact pairs", .joins = joins, .make = &make_system<SurfaceRigid>};
-  return d;
+  return coupling_descriptor<SurfaceRigid, SurfaceContact, Rigid>("contact pairs");
 }
 
 SurfaceRigid::SurfaceRigid(SystemSetup& s)
-    : surfaces_(s.store.get<Surfaces>()), rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+    : arena_(s.store.arena(kName)), surfaces_(s.store.get<Surfaces>()), rigid_(system_of<Rigid>(s)),
+      collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)),
-      contact_states_(&s.store.arena(kName)), box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)),
-      near_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)),
-      cfl_number_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)) {
   surfaces_.bodies = &rigid_.bodies();
 }
 

@@ -83,6 +83,7 @@ class SurfaceRigid final : public System {
     return surfaces_.position[point] + surfaces_.delta_position[point].vec();
   }
 
+  Arena& arena_;
   Surfaces& surfaces_;
   Rigid& rigid_;
   Collide& collide_;
@@ -91,24 +92,24 @@ class SurfaceRigid final : public System {
   Objects& objects_;
   ContactBook& contacts_;
   const std::uint32_t finder_;
-  Array<Candidate> candidates_;
-  Array<ContactState> contact_states_;
-  Array<Aabb> box_;                     // by point: swept over the step
-  Array<Real> smallest_;                // by collider: half of its least size, m
-  Array<std::uint32_t> near_;           // colliders near a surface
-  Real farthest_ = 0;                   // m, margin for the motion of colliders in this step
-  std::vector<ShapePtr> point_shapes_;  // by surface: a sphere of half the thickness
-  Real speculative_time_ = 0;           // s, for which rows are made
-  Array<Real> pin_depth_;               // by point: of pins in the collider whose rows are being made, m
-  Array<std::uint32_t> deep_pins_;      // points where it is not 0
-  Array<Real> cfl_number_;              // by group: the largest travel in a substep over what a row allows
-  std::uint32_t refreshing_ = kNone;    // the group whose rows are made between solver substeps
+  Array<Candidate> candidates_{&arena_};
+  Array<ContactState> contact_states_{&arena_};
+  Array<Aabb> box_{&arena_};                 // by point: swept over the step
+  Array<Real> smallest_{&arena_};            // by collider: half of its least size, m
+  Array<std::uint32_t> near_{&arena_};       // colliders near a surface
+  Real farthest_ = 0;                        // m, margin for the motion of colliders in this step
+  std::vector<ShapePtr> point_shapes_;       // by surface: a sphere of half the thickness
+  Real speculative_time_ = 0;                // s, for which rows are made
+  Array<Real> pin_depth_{&arena_};           // by point: of pins in the collider whose rows are being made, m
+  Array<std::uint32_t> deep_pins_{&arena_};  // points where it is not 0
+  Array<Real> cfl_number_{&arena_};          // by group: the largest travel in a substep over what a row allows
+  std::uint32_t refreshing_ = kNone;         // the group whose rows are made between solver substeps
   bool refreshing() const { return refreshing_ != kNone; }
   // Pairs whose warning of pins inside was sent.
   struct Warned {
     ObjectId surface, body;
   };
-  Array<Warned> warned_;
+  Array<Warned> warned_{&arena_};
 };
 
 }  // namespace feder

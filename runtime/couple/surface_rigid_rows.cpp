@@ -154,15 +154,16 @@ void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContex
   const Vec3 u = surfaces_.velocity[k.index].vec() - at.velocity - cross(at.angular_velocity, x - at.center);
   const Vec3 travel = speculative_time_ * u + (speculative_time_ * speculative_time_) * c.gravity;
   const Real travel_length = length(travel);
+  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
   if (!refreshing()) {
     Real& cfl_number = cfl_number_[surfaces_.group_of(k.surface)];
-    cfl_number = std::max(cfl_number, travel_length / (radius + kCastShare * smallest_[k.collider]));
+    cfl_number = std::max(cfl_number, travel_length / cast_travel);
   }
   const std::uint32_t v[3] = {k.index, k.index, k.index};
   const Real weight[3] = {1, 0, 0};
   const Shape& shape = *colliders_.shape[k.collider];
   // fast: the row of the time of impact
-  if (travel_length > radius + kCastShare * smallest_[k.collider]) {
+  if (travel_length > cast_travel) {
     CastHit hit;
     if (shape_cast(ball, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
@@ -174,8 +175,7 @@ void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContex
   // speculative contact within the motion
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin =
-      std::min(travel_length, radius + kCastShare * smallest_[k.collider]) + kSpeculativeDistance * info.thickness;
+  const Real margin = std::min(travel_length, cast_travel) + kSpeculativeDistance * info.thickness;
   Aabb near{x, x};
   near.grow(radius + margin);
   if (!overlaps(near, at.box)) return;
@@ -213,10 +213,11 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepCon
   }
   // fast: the row of the time of impact
   const Real radius = Real(0.5) * info.thickness;
+  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
   const SurfaceTriangle shape(b, e, radius);
   const Shape& body = *colliders_.shape[k.collider];
   Real weight[3];
-  if (least_travel > radius + kCastShare * smallest_[k.collider]) {
+  if (least_travel > cast_travel) {
     CastHit hit;
     if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
