@@ -103,7 +103,7 @@ Cloth::Impl::Impl(SystemSetup& s)
       watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
       structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
       surfaces(s.store.need<Surfaces>("contact")), delta_position(surfaces.delta_position), before(surfaces.before),
-      velocity(surfaces.velocity), acceleration(&arena), force(&arena), points(&arena), marks(&arena) {}
+      velocity(surfaces.velocity) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const char* const needs[] = {"contact"};

@@ -39,8 +39,7 @@ void check_desc(const FluidDesc& d) {
 
 Fluid::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), objects(s.objects), watched(s.store.need<Watch>("watch")),
-      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed),
-      marked(&arena), swept(&arena), group_number(&arena) {}
+      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
@@ -123,15 +122,10 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
     if (d.fluid == id) drains.push_back(d.object);
   for (const ObjectId e : emitters) destroy_emitter(e, where);
   for (const ObjectId d : drains) destroy_drain(d, where);
-  const std::uint32_t index = m.objects.index(id);
-  FEDER_ASSERT(index < m.pools.size() && m.pools[index]->object == id);
   FEDER_ASSERT(
       std::none_of(m.emitters.begin(), m.emitters.end(), [&](const FluidEmitter& e) { return e.fluid == id; }));
   FEDER_ASSERT(std::none_of(m.drains.begin(), m.drains.end(), [&](const FluidDrain& d) { return d.fluid == id; }));
-  m.pools.erase(m.pools.begin() + index);
-  for (std::uint32_t k = index; k < m.pools.size(); ++k) m.objects.set_index(m.pools[k]->object, k);
-  m.objects.remove(id, std::move(where));
-  *m.structure_changed = true;
+  m.destroy(m.pools, id, std::move(where));
 }
 
 // A lattice of whole cells in the shape's box: centred in it along x and z, from its bottom upwards along y.

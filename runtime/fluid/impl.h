@@ -39,11 +39,11 @@ struct Fluid::Impl {
   std::vector<std::unique_ptr<FluidSolver>> solvers;  // by row of fluid_solvers(); null while no pool uses it
   std::vector<FluidEmitter> emitters;                 // by object index
   std::vector<FluidDrain> drains;
-  std::vector<ShapePtr> shapes;       // of drains, never removed: a snapshot may need them
-  Array<std::uint8_t> marked;         // work: particles to remove
-  Array<Aabb> swept;                  // work: by pool of a solver
-  Array<std::uint32_t> group_number;  // likewise
-  std::uint64_t lost = 0;             // particles removed because they went non-finite
+  std::vector<ShapePtr> shapes;               // of drains, never removed: a snapshot may need them
+  Array<std::uint8_t> marked{&arena};         // work: particles to remove
+  Array<Aabb> swept{&arena};                  // work: by pool of a solver
+  Array<std::uint32_t> group_number{&arena};  // likewise
+  std::uint64_t lost = 0;                     // particles removed because they went non-finite
 
   FluidPool& pool(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kFluidKind);
@@ -51,9 +51,28 @@ struct Fluid::Impl {
   }
   FluidSolver& solver_of(const FluidPool& p);
   void validate_sources() const;  // validate.cpp
+  // Removes an object from its list: later ones move down.
+  template <class List>
+  void destroy(List& list, ObjectId id, std::string where) {
+    const std::uint32_t index = objects.index(id);
+    FEDER_ASSERT(index < list.size() && object_of(list[index]) == id);
+    list.erase(list.begin() + index);
+    for (std::uint32_t k = index; k < list.size(); ++k) objects.set_index(object_of(list[k]), k);
+    objects.remove(id, std::move(where));
+    *structure_changed = true;
+  }
+  static ObjectId object_of(const std::unique_ptr<FluidPool>& p) { return p->object; }
+  template <class Source>
+  static ObjectId object_of(const Source& s) {
+    return s.object;
+  }
   void group_pools();
   void make_room();  // outside steps: for particles of the emitters
-  std::vector<Vec3> sites(const FluidEmitter& e, const FluidPool& p) const;
+  // The sites of an emitter's nozzle: a lattice over its circle (2D: segment), in a fixed order. Calls f(offset, m),
+  // until it returns false.
+  template <class F>
+  static void each_site(const FluidEmitter& e, const FluidPool& p, F&& f);
+  static std::uint64_t site_count(const FluidEmitter& e, const FluidPool& p);
   double full_rate(const FluidEmitter& e, const FluidPool& p) const;
 
   // Passes.
@@ -71,6 +90,12 @@ struct Fluid::Impl {
 
   void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;
+  // value(i) of each particle, in the order of making.
+  template <class T, class F>
+  void list_by_id(const FluidPool& p, std::vector<T>& out, F&& value) const {
+    out.clear();
+    for (const std::uint32_t i : by_id(p)) out.push_back(value(i));
+  }
   JobPool one_thread{1};
 };
 

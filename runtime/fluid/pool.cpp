@@ -17,11 +17,7 @@ Real power(Real x, int n) {
 
 }  // namespace
 
-FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
-    : desc(from), dimension(dim), x(&a), v(&a), lambda(&a), id(&a), screen(&a), origin(&a), start(&a), listed_at(&a),
-      move(&a), extra(&a), sum(&a), squares(&a), diagonal(&a), ratio(&a), next_weight(&a), isolated(&a), order(&a),
-      swap4(&a), swap1(&a), swap_id(&a), grid(a), lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a),
-      contact_states(&a) {
+FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(from), dimension(dim) {
   FEDER_ASSERT(dim == 2 || dim == 3);
   std::string known;
   kernel = nullptr;

@@ -22,6 +22,7 @@ struct alignas(4 * sizeof(Real)) Row4Real {
 struct FluidPool {
   FluidPool(Arena& a, const FluidDesc& desc, int dimension);
 
+  Arena& arena;
   ObjectId object;
   FluidDesc desc;
   int dimension;
@@ -48,12 +49,12 @@ struct FluidPool {
   std::uint32_t count = 0;
   // Position, m, and in w the weight of the particle in the pair sums of a running sweep (sweep_table.h), else 0. One
   // more than there are particles: the sentinel of padded lists, far away.
-  Array<Row4Real> x;
-  Array<Row4Real> v;  // m/s
+  Array<Row4Real> x{&arena};
+  Array<Row4Real> v{&arena};  // m/s
   // Pressure variable of the solver. pbf: multiplier of the last substep, kg m^2, read by queries only; wcsph: pressure
   // that is added to Tait's, Pa.
-  Array<Real> lambda;
-  Array<std::uint32_t> id;  // in the order of making
+  Array<Real> lambda{&arena};
+  Array<std::uint32_t> id{&arena};  // in the order of making
   std::uint32_t next_id = 0;
   Real last_h = 0;          // s, of the substep that left lambda
   Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
@@ -71,30 +72,32 @@ struct FluidPool {
   double crowded = 0;                      // s, for which new particles may still be closer than at rest
 
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
-  Array<Real> screen;          // their term of density over density at rest
-  Array<Row4Real> origin;      // position at the start of the substep, m; empty until such a coupling asks for it
-  std::uint64_t screened = 0;  // number of the substep for which both were set
+  Array<Real> screen{&arena};      // their term of density over density at rest
+  Array<Row4Real> origin{&arena};  // position at the start of the substep, m; empty until such a coupling asks for it
+  std::uint64_t screened = 0;      // number of the substep for which both were set
 
   // Work.
-  Array<Row4Real> start;                      // x where contacts are found: at the start of the solver substep, or now
-  Array<Row4Real> listed_at;                  // wcsph: x where the lists were made; empty until it asks for it
-  Array<Row4Real> move;                       // sums of the sweeps, and the displacement or acceleration from them
-  Array<Row4Real> extra;                      // further rows: changes of velocity by viscosity; last moves of relax.cpp
-  Array<Real> sum, squares, diagonal, ratio;  // density sums; K of pbf; density over density at rest
-  Array<Real> next_weight;                    // pbf, relax: becomes the weight in x before the next sweep
-  Array<std::uint8_t> isolated;               // 1: meets no other particle in this substep, see components.h
-  Array<std::uint32_t> order;
-  Array<Row4Real> swap4;  // these three: work of sort_by_cell
-  Array<Real> swap1;
-  Array<std::uint32_t> swap_id;
-  CellGrid grid;
-  NeighborLists lists;
-  bool lists_stale = true;                  // wcsph, in a substep
-  Array<BoundaryContact> contacts;          // by particle
-  Array<std::uint32_t> contact_first;       // of a particle; one more than particles
-  Array<std::uint32_t> dynamic_contacts;    // indices of contacts with bodies that the fluid moves
-  Array<FluidContactState> contact_states;  // by body of the boundary; sums in point and normal
-  std::uint64_t ids_there = 0;              // of validate(): sum of id_key over the particles added and not removed
+  Array<Row4Real> start{&arena};             // x where contacts are found: at the start of the solver substep, or now
+  Array<Row4Real> listed_at{&arena};         // wcsph: x where the lists were made; empty until it asks for it
+  Array<Row4Real> move{&arena};              // sums of the sweeps, and the displacement or acceleration from them
+  Array<Row4Real> extra{&arena};             // further rows: changes of velocity by viscosity; last moves of relax.cpp
+  Array<Real> sum{&arena}, squares{&arena};  // density sums, sums of squared gradients
+  Array<Real> diagonal{&arena};              // K of pbf
+  Array<Real> ratio{&arena};                 // density over density at rest
+  Array<Real> next_weight{&arena};           // pbf, relax: becomes the weight in x before the next sweep
+  Array<std::uint8_t> isolated{&arena};      // 1: meets no other particle in this substep, see components.h
+  Array<std::uint32_t> order{&arena};
+  Array<Row4Real> swap4{&arena};  // these three: work of sort_by_cell
+  Array<Real> swap1{&arena};
+  Array<std::uint32_t> swap_id{&arena};
+  CellGrid grid{arena};
+  NeighborLists lists{arena};
+  bool lists_stale = true;                          // wcsph, in a substep
+  Array<BoundaryContact> contacts{&arena};          // by particle
+  Array<std::uint32_t> contact_first{&arena};       // of a particle; one more than particles
+  Array<std::uint32_t> dynamic_contacts{&arena};    // indices of contacts with bodies that the fluid moves
+  Array<FluidContactState> contact_states{&arena};  // by body of the boundary; sums in point and normal
+  std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle

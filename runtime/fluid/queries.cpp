@@ -2,6 +2,7 @@
 // coupling placed it (Rank::query_boundary).
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fluid/impl.h"
 
@@ -19,7 +20,7 @@ void Fluid::Impl::refresh(FluidPool& p) {
 
 std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {
   std::vector<std::uint32_t> order(p.count);
-  for (std::uint32_t i = 0; i < p.count; ++i) order[i] = i;
+  std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
   if constexpr (kAsserts)
     for (std::size_t k = 1; k < order.size(); ++k) FEDER_ASSERT(p.id[order[k - 1]] < p.id[order[k]]);
@@ -28,29 +29,25 @@ std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {
 
 void Fluid::positions(ObjectId id, std::vector<Vec3>& out) const {
   const FluidPool& p = impl_->pool(id);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.x[i].vec());
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.x[i].vec(); });
 }
 
 void Fluid::velocities(ObjectId id, std::vector<Vec3>& out) const {
   const FluidPool& p = impl_->pool(id);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.v[i].vec());
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.v[i].vec(); });
 }
 
 void Fluid::densities(ObjectId id, std::vector<Real>& out) {
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.ratio[i]);
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.ratio[i]; });
 }
 
 void Fluid::pressures(ObjectId id, std::vector<Real>& out) {
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
   const FluidSolver& s = impl_->solver_of(p);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(s.pressure(p, i));
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return s.pressure(p, i); });
 }
 
 void Fluid::density_error(ObjectId id, double& mean, double& largest) {

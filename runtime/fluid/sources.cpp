@@ -15,25 +15,31 @@ constexpr double kRoomAhead = 0.25;  // s, of emission for which there is room
 
 }  // namespace
 
-std::vector<Vec3> Fluid::Impl::sites(const FluidEmitter& e, const FluidPool& p) const {
+template <class F>
+void Fluid::Impl::each_site(const FluidEmitter& e, const FluidPool& p, F&& f) {
   FEDER_ASSERT(is_direction(e.direction));
-  std::vector<Vec3> all;
   const Real d = p.desc.spacing;
-  const int n = static_cast<int>(e.radius / d);
+  const bool plane = p.dimension == 2;
+  const int n = static_cast<int>(e.radius / d), depth = plane ? 0 : n;
   Vec3 a, b;
-  if (dimension == 2)
+  if (plane)
     a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
   else
     tangent_frame(e.direction, a, b);
   for (int i = -n; i <= n; ++i)
-    for (int k = dimension == 2 ? 0 : -n; k <= (dimension == 2 ? 0 : n); ++k)
+    for (int k = -depth; k <= depth; ++k)
       if (static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius)
-        all.push_back(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b);
-  return all;
+        if (!f(Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b))) return;
+}
+
+std::uint64_t Fluid::Impl::site_count(const FluidEmitter& e, const FluidPool& p) {
+  std::uint64_t count = 0;
+  each_site(e, p, [&](const Vec3&) { return ++count > 0; });
+  return count;
 }
 
 double Fluid::Impl::full_rate(const FluidEmitter& e, const FluidPool& p) const {
-  return static_cast<double>(sites(e, p).size()) * static_cast<double>(e.speed) / static_cast<double>(p.desc.spacing);
+  return static_cast<double>(site_count(e, p)) * static_cast<double>(e.speed) / static_cast<double>(p.desc.spacing);
 }
 
 void Fluid::Impl::make_room() {
@@ -73,7 +79,7 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
       "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
   need(about <= 1.1 * static_cast<double>(p.desc.max_particles) + 10, "radius", limit.c_str(),
        static_cast<double>(d.radius));
-  need(m.sites(e, p).size() <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
+  need(Impl::site_count(e, p) <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
     throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +
                      " particles per second, what a jet of this speed and radius holds, got " + std::to_string(d.rate));
@@ -96,25 +102,9 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
   return d.object;
 }
 
-void Fluid::destroy_emitter(ObjectId id, std::string where) {
-  Impl& m = *impl_;
-  const std::uint32_t index = m.objects.index(id);
-  FEDER_ASSERT(index < m.emitters.size() && m.emitters[index].object == id);
-  m.emitters.erase(m.emitters.begin() + index);
-  for (std::uint32_t k = index; k < m.emitters.size(); ++k) m.objects.set_index(m.emitters[k].object, k);
-  m.objects.remove(id, std::move(where));
-  *m.structure_changed = true;
-}
+void Fluid::destroy_emitter(ObjectId id, std::string where) { impl_->destroy(impl_->emitters, id, std::move(where)); }
 
-void Fluid::destroy_drain(ObjectId id, std::string where) {
-  Impl& m = *impl_;
-  const std::uint32_t index = m.objects.index(id);
-  FEDER_ASSERT(index < m.drains.size() && m.drains[index].object == id);
-  m.drains.erase(m.drains.begin() + index);
-  for (std::uint32_t k = index; k < m.drains.size(); ++k) m.objects.set_index(m.drains[k].object, k);
-  m.objects.remove(id, std::move(where));
-  *m.structure_changed = true;
-}
+void Fluid::destroy_drain(ObjectId id, std::string where) { impl_->destroy(impl_->drains, id, std::move(where)); }
 
 void Fluid::set_running(ObjectId id, bool running) {
   FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == kEmitterKind);
@@ -152,27 +142,18 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   FluidPool& p = pool(e.fluid);
   const Real d = p.desc.spacing;
   // sites are enumerated each time: no memory of their own
-  const int n = static_cast<int>(e.radius / d);
-  const auto inside = [&](int i, int k) { return static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius; };
-  const int depth = dimension == 2 ? 0 : n;
-  std::uint64_t count = 0;
-  for (int i = -n; i <= n; ++i)
-    for (int k = -depth; k <= depth; ++k) count += inside(i, k);
-  Vec3 a, b;
-  if (dimension == 2)
-    a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
-  else
-    tangent_frame(e.direction, a, b);
+  const std::uint64_t count = site_count(e, p);
   FEDER_ASSERT(count > 0);  // the middle of the nozzle is one
   // order of sites: steps of about the golden ratio of their number, made coprime to it, spread them evenly
   std::uint64_t stride = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(0.618 * static_cast<double>(count)));
   while (std::gcd(stride, count) != 1) ++stride;
   const auto site = [&](std::uint64_t number) {
-    std::uint64_t left = number;
-    for (int i = -n; i <= n; ++i)
-      for (int k = -depth; k <= depth; ++k)
-        if (inside(i, k) && left-- == 0) return Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b);
-    return Vec3(Vec3::Zero());
+    Vec3 found = Vec3::Zero();
+    each_site(e, p, [&](const Vec3& offset) {
+      found = offset;
+      return number-- > 0;
+    });
+    return found;
   };
   const double layer = static_cast<double>(d) / static_cast<double>(e.speed);
   const auto due = [&](std::uint64_t k) {
