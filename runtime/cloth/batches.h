@@ -13,9 +13,7 @@ double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]);
 
 class ClothBatches {
  public:
-  explicit ClothBatches(Arena& a)
-      : links_(&a), hinges_(&a), link_colors_(&a), hinge_colors_(&a), used_(&a), color_(&a), order_(&a), damping_(&a),
-        stage_(&a), last_stage_(&a), first_rate_(&a), pushes_(&a) {}
+  explicit ClothBatches(Arena& a) : arena_(a) {}
   // Wide kernels where the processor has them; "plain" for tests.
   void pick(bool wide);
   // Colours and batches for this mesh; does nothing for the version it has.
@@ -51,18 +49,19 @@ class ClothBatches {
   template <class Elements, class Points>
   std::uint32_t color(const Elements& elements, std::uint32_t total, Points&& points);
 
+  Arena& arena_;
   const ClothKernels* kernels_ = &kClothKernelsPlain;
   std::uint64_t version_ = ~std::uint64_t(0);
-  Array<LinkBatch> links_;
-  Array<HingeBatch> hinges_;
-  Array<Color> link_colors_, hinge_colors_;
-  JobPool::Stage stages_[kStages];      // of the pass that runs: its colours
-  mutable Array<std::uint64_t> used_;   // by vertex: colours taken; marks of validate()
-  Array<std::uint32_t> color_, order_;  // by element; the order they are coloured in
-  double bending_ = 0;                  // 1/s^2: no bending mode has a larger square of its frequency
+  Array<LinkBatch> links_{&arena_};
+  Array<HingeBatch> hinges_{&arena_};
+  Array<Color> link_colors_{&arena_}, hinge_colors_{&arena_};
+  JobPool::Stage stages_[kStages];                        // of the pass that runs: its colours
+  mutable Array<std::uint64_t> used_{&arena_};            // by vertex: colours taken; marks of validate()
+  Array<std::uint32_t> color_{&arena_}, order_{&arena_};  // by element; the order they are coloured in
+  double bending_ = 0;                                    // 1/s^2: no bending mode has a larger square of its frequency
   // stages of damping; empty where one sweep does
-  Array<HingeDamping> damping_;                           // by batch of hinges
-  Array<Row4> stage_, last_stage_, first_rate_, pushes_;  // by vertex; m/s, and N s
+  Array<HingeDamping> damping_{&arena_};                                                      // by batch of hinges
+  Array<Row4> stage_{&arena_}, last_stage_{&arena_}, first_rate_{&arena_}, pushes_{&arena_};  // by vertex; m/s, and N s
 };
 
 }  // namespace feder

@@ -103,7 +103,7 @@ Cloth::Impl::Impl(SystemSetup& s)
       watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
       structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
       surfaces(s.store.need<Surfaces>("contact")), delta_position(surfaces.delta_position), before(surfaces.before),
-      velocity(surfaces.velocity), acceleration(&arena), force(&arena), points(&arena), marks(&arena) {}
+      velocity(surfaces.velocity) {}
 
 const SystemDescriptor& Cloth::descriptor() {
   static const char* const needs[] = {"contact"};
@@ -215,7 +215,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
           if (std::any_of(ghosts.begin(), ghosts.end(),
                           [&](const ClothGhost& g) { return g.clamped == middle && g.inner == inner[k]; }))
             continue;
-          ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size())});
+          ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size()), Vec3::Zero()});
           rest.push_back(2 * rest[middle] - rest[inner[k]]);
         }
       }

@@ -29,15 +29,15 @@ struct Cloth::Impl {
   // of a step, by vertex
   Surfaces& surfaces;
   Array<Row4>&delta_position, &before, &velocity;  // members of `surfaces`
-  Array<Vec3> acceleration;                        // gravity, script, wind
-  Array<Vec3> force;                               // work memory of forces.cpp, N
-  Array<MassPoint> points;
+  Array<Vec3> acceleration{&arena};                // gravity, script, wind
+  Array<Vec3> force{&arena};                       // work memory of forces.cpp, N
+  Array<MassPoint> points{&arena};
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all cloths
 
-  mutable Array<std::uint32_t> marks;  // of validate(), by vertex
+  mutable Array<std::uint32_t> marks{&arena};  // of validate(), by vertex
 
   Sheet& sheet(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kClothKind);

@@ -33,7 +33,8 @@ struct ClothEdge {
 // Ghost vertex of a clamp: a hidden vertex, the mirror image of `inner` in `clamped`, that the first hinge ends at.
 struct ClothGhost {
   std::uint32_t clamped = 0, inner = 0;
-  std::uint32_t vertex = 0;  // hidden vertex
+  std::uint32_t vertex = 0;    // hidden vertex
+  Vec3 offset = Vec3::Zero();  // from `clamped`, which it follows, m
 };
 
 struct ClothMesh {

@@ -4,10 +4,14 @@
 namespace feder {
 void Cloth::hash(Hash& h) const {
   const ClothVertices& p = impl_->vertices;
-  for (std::uint32_t i = 0; i < p.size(); ++i) {
-    h.add(p.position[i]), h.add(p.velocity[i]), h.add(p.script_force[i]);
-    h.add(p.mass[i]), h.add(p.inv_mass[i]);
-  }
+  for (const auto& s : impl_->sheets)
+    for (std::uint32_t k = 0; k < s->total; ++k) {
+      // hidden vertices have no script force; ghosts have their offset instead
+      const std::uint32_t i = s->first + k, ghost = k - s->points;
+      const bool hidden = k >= s->points && ghost < s->mesh.ghosts.size();
+      h.add(p.position[i]), h.add(p.velocity[i]), h.add(hidden ? s->mesh.ghosts[ghost].offset : p.script_force[i]);
+      h.add(p.mass[i]), h.add(p.inv_mass[i]);
+    }
   for (const auto& s : impl_->sheets) {
     h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.sleep_energy);
     h.add(s->flight()), h.add(s->state.load), h.add(s->state.substeps);

@@ -185,13 +185,10 @@ void Cloth::Impl::prepare(StepContext& c) {
     s->prepared = false;
     if (s->kinetic < 0) s->kinetic = kinetic_energy(*s);
     s->kinetic_before = s->kinetic;
-    for (const ClothGhost& g : s->mesh.ghosts) {
+    for (ClothGhost& g : s->mesh.ghosts) {
       Vec3* x = vertices.position.data() + s->first;
-      // keeps its place beside the clamped vertex when that is moved
-      Vec3& offset =
-          vertices.script_force[s->first + g.vertex];  // a hidden vertex has no force: its offset is kept here
-      if (s->state.fresh) offset = x[g.vertex] - x[g.clamped];
-      x[g.vertex] = x[g.clamped] + offset;
+      if (s->state.fresh) g.offset = x[g.vertex] - x[g.clamped];
+      x[g.vertex] = x[g.clamped] + g.offset;
     }
     for (std::uint32_t i = s->first; i < s->first + s->total; ++i)
       delta_position[i].w = s->active() ? vertices.inv_mass[i] : Real(0);

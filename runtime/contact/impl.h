@@ -37,24 +37,24 @@ struct SurfaceContact::Impl {
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
 
   // groups.cpp
-  Array<std::uint32_t> surface_of_body;  // by solver index: the first surface connected to it
-  Array<std::uint32_t> joined_to;        // by surface: an earlier one of its group, or itself
+  Array<std::uint32_t> surface_of_body{&arena};  // by solver index: the first surface connected to it
+  Array<std::uint32_t> joined_to{&arena};        // by surface: an earlier one of its group, or itself
 
   // proximity search and projection, by point; each group writes the entries of its own points
-  Array<Aabb> vertex_box;                        // swept over the rest of the step, beside the drift
-  Array<Vec3> search_position, search_velocity;  // where the search extrapolates from, m, m/s
-  Array<Real> max_deviation;                     // by point: from that motion, as the search allows for, m
-  Array<std::uint32_t> found;
-  Array<Row4> projection_start;              // displacements at the start of the part, m
-  Array<std::uint32_t> zone_of;              // by point: a point of its zone, itself for the root; kNone: in no zone
-  Array<Zone> zones;                         // by lowest point
-  Array<Row4> saved_displacement;            // displacements before search_again() or the zones change them, m
-  Array<Row4> saved_velocity;                // velocities while search_again() extrapolates along others, m/s
-  Array<std::uint32_t> near_surface;         // by point: its surface
-  std::uint64_t projected = 0, widened = 0;  // corrections and second searches of the last step
+  Array<Aabb> vertex_box{&arena};                                // swept over the rest of the step, beside the drift
+  Array<Vec3> search_position{&arena}, search_velocity{&arena};  // where the search extrapolates from, m, m/s
+  Array<Real> max_deviation{&arena};  // by point: from that motion, as the search allows for, m
+  Array<std::uint32_t> found{&arena};
+  Array<Row4> projection_start{&arena};       // displacements at the start of the part, m
+  Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
+  Array<Zone> zones{&arena};                  // by lowest point
+  Array<Row4> saved_displacement{&arena};     // displacements before search_again() or the zones change them, m
+  Array<Row4> saved_velocity{&arena};         // velocities while search_again() extrapolates along others, m/s
+  Array<std::uint32_t> near_surface{&arena};  // by point: its surface
+  std::uint64_t projected = 0, widened = 0;   // corrections and second searches of the last step
 
-  Array<Aabb> others_box;          // by surface: of those that it may be in contact with
-  Array<Aabb> box;                 // by surface
+  Array<Aabb> others_box{&arena};  // by surface: of those that it may be in contact with
+  Array<Aabb> box{&arena};         // by surface
   double mismatch = 0, given = 0;  // N s, of the last step: largest sum of both sides' impulses; sum of impulses
   std::size_t pairs_seen = 0;      // candidate pairs of surfaces of the last step
 

@@ -18,7 +18,7 @@ constexpr Real kSpeedMargin = Real(1.5);  // times the fastest point: others may
 const SystemDescriptor& SurfaceContact::descriptor() {
   static const char* const joins[] = {"surface"};
   static const SystemDescriptor d = {
-      .name = kName, .units = "touchings", .joins = joins, .make = &make_system<SurfaceContact>};
+      .name = kName, .units = "contact pairs", .joins = joins, .make = &make_system<SurfaceContact>};
   return d;
 }
 
@@ -29,10 +29,7 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
       position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
-      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs), surface_of_body(&arena),
-      joined_to(&arena), vertex_box(&arena), search_position(&arena), search_velocity(&arena), max_deviation(&arena),
-      found(&arena), projection_start(&arena), zone_of(&arena), zones(&arena), saved_displacement(&arena),
-      saved_velocity(&arena), near_surface(&arena), others_box(&arena), box(&arena) {}
+      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();

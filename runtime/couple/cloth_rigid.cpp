@@ -1,25 +1,22 @@
-// Attachments, what the cloth needs to know of bodies before and after a step, and what is asked from outside.
-// Kept between steps: nothing.
+// Per step: approach speeds of bodies before it, attachments as rows of the group within it, masses that rest on a
+// cloth or hang from it after it; residuals from the state itself. Kept between steps: nothing.
 #include "couple/cloth_rigid.h"
 
 #include <algorithm>
 
+#include "couple/coupling.h"
 #include "couple/surface_triangle.h"
 #include "narrow/narrow_phase.h"
 #include "state/cloth_vertices.h"
 
 namespace feder {
 const SystemDescriptor& ClothRigid::descriptor() {
-  static const char* const joins[] = {Cloth::kName, Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "attachments", .joins = joins, .make = &make_system<ClothRigid>};
-  return d;
+  return coupling_descriptor<ClothRigid, Cloth, Rigid>("attachments");
 }
 
 ClothRigid::ClothRigid(SystemSetup& s)
-    : cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+    : cloth_(system_of<Cloth>(s)), surfaces_(s.store.get<Surfaces>()), rigid_(system_of<Rigid>(s)),
+      collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
       structure_changed_(s.structure_changed), near_(&s.store.arena(kName)) {}
 
@@ -55,7 +52,7 @@ Real ClothRigid::attachments_of(ObjectId body, ObjectId cloth) const {
   return count;
 }
 
-// What would pass through a sleeper between two looks wakes it before it strikes.
+// A body that could pass through a sleeper within one step wakes it before the contact.
 void ClothRigid::wake_approached(const Cloth::Info& cloth, StepContext& c) {
   if (c.dt * fastest_ <= cloth.thickness) return;
   Aabb all;
@@ -71,14 +68,14 @@ void ClothRigid::wake_approached(const Cloth::Info& cloth, StepContext& c) {
   }
 }
 
-// Colliders that may come there in this step.
+// Colliders whose swept boxes may overlap the box in this step.
 void ClothRigid::list_near(Aabb box, StepContext& c) {
   box.grow(c.dt * fastest_);
   collide_.near(box, near_);
 }
 
-// What comes at a cloth has to be stopped within a quarter of its size: that takes solver substeps, from the first
-// touch.
+// Impact: an approaching body has to be stopped within a quarter of the cloth's size, from the first contact; that
+// deceleration, and the approach speed, set the number of solver substeps.
 void ClothRigid::find_approach(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const Bodies& b = rigid_.bodies();
@@ -87,6 +84,7 @@ void ClothRigid::find_approach(StepContext& c) {
     if (cloth_.info(n).asleep) wake_approached(cloth_.info(n), c);
     const Cloth::Info info = cloth_.info(n);
     if (info.asleep) continue;
+    // bounds swept over the step, mean velocity
     Aabb all, now;
     Vec3 mean = Vec3::Zero();
     Real mass = 0;
@@ -98,6 +96,7 @@ void ClothRigid::find_approach(StepContext& c) {
     all.include(now);
     all.grow(info.thickness);
     const Real size = (now.hi - now.lo).maxCoeff();
+    // largest deceleration and speed over the bodies on collision course
     Real impact = 0, speed = 0;
     list_near(all, c);
     for (const std::uint32_t k : near_) {
@@ -140,7 +139,7 @@ void ClothRigid::make_attachments(StepContext&) {
   }
 }
 
-// The mass that rests on each cloth, or hangs from it.
+// Load: the mass of the bodies that rest on each cloth or hang from it.
 void ClothRigid::weigh(StepContext&) {
   const Bodies& b = rigid_.bodies();
   for (std::size_t n = 0; n < cloth_.cloth_count(); ++n) {
@@ -157,7 +156,7 @@ void ClothRigid::weigh(StepContext&) {
       if (a.cloth != info.object || !objects_.alive(a.body)) continue;
       const std::uint32_t body = rigid_.index(a.body);
       if (b.type[body] != BodyType::dynamic) continue;
-      // by vertex: one body hangs on many
+      // shared between the vertices that one body hangs from
       hung += b.mass[body] / attachments_of(a.body, a.cloth);
       if (info.moving && !b.awake[body]) rigid_.wake(a.body, kClothCause, a.cloth);
     }
@@ -165,8 +164,8 @@ void ClothRigid::weigh(StepContext&) {
   }
 }
 
-// How deep the cloth, half its thickness included, is in a collider: by the distances of vertices, and where something
-// pokes between them by the narrow phase.
+// Penetration depth of a cloth, half its thickness included, into a collider: from distances of vertices, and from the
+// narrow phase for triangles, where a body penetrates between vertices.
 Real ClothRigid::penetration(const Cloth::Info& cloth, std::uint32_t k, const Pose& pose) const {
   const ClothVertices& v = cloth_.vertices();
   const Shape& shape = *colliders_.shape[k];
@@ -196,7 +195,7 @@ Real ClothRigid::penetration(const Cloth::Info& cloth, std::uint32_t k, const Po
   return deepest;
 }
 
-// Of the state as it is, so that it holds whatever the rows of the last substep knew.
+// From the positions alone, independent of the rows of the last substep.
 void ClothRigid::residuals(std::vector<Residual>& out) const {
   const Bodies& b = rigid_.bodies();
   double worst = 0;

@@ -1,5 +1,5 @@
-// What is special between cloth and rigid bodies: attached vertices hold bodies, what comes at a cloth and what lies
-// on it asks for smaller steps. Their contact is that of all surfaces (couple/surface_rigid.h).
+// Cloth and rigid bodies: attachments of vertices to bodies, and the approach speeds and loads that set the number of
+// solver substeps of a cloth. Their contact is that of all surfaces (couple/surface_rigid.h).
 #pragma once
 #include "feder/cloth.h"
 #include "feder/query.h"

@@ -1,46 +1,41 @@
-// Per substep: sheets screen the particles near them; the fluid moves; particles that lie on a sheet or would pass it
-// in this substep become boundary samples among the solver bodies, so that the cloth's solver substeps solve their
-// contacts together with its own stretch and with bodies: the weight of a pool reaches the pins within the substep.
-// Then the particles are read back, and none may be on the other side of a triangle it was before. Sheets do not hold
-// fluid back along their surface (no friction, no wetting). Kept between calls: what pressed on whom, for waking. Weak
-// spot: a pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out
-// again; a cloth far lighter than a single particle follows single drops in jerks.
+// Per substep: sheets screen the particles near them (fluid_faces.h); the fluid moves; particles that lie on a sheet or
+// would pass it in this substep become solver bodies, so that the surface substeps solve their contacts together with
+// the cloth's stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
+// read back, and projected so that none passes a triangle. Contacts have no friction and no wetting. Kept between
+// calls: impulses on each cloth, for waking. Weak spot: a pool of N layers presses its first layer into the sheet by
+// about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows single
+// drops in jerks.
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "couple/coupling.h"
 #include "state/cloth_vertices.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth
+constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth: more than rounding
 
 }  // namespace
 
 const SystemDescriptor& FluidCloth::descriptor() {
-  static const char* const joins[] = {Fluid::kName, Cloth::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "particles at cloth", .joins = joins, .make = &make_system<FluidCloth>};
-  return d;
+  return coupling_descriptor<FluidCloth, Fluid, Cloth>("particles at cloth");
 }
 
 FluidCloth::FluidCloth(SystemSetup& s)
-    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      cloth_(static_cast<Cloth&>(*s.systems.find_system(Cloth::kName))), surfaces_(s.store.get<Surfaces>()),
-      solver_bodies_(s.store.need<SolverBodies>(kName)), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(s.store.arena(kName)),
-      samples_(&s.store.arena(kName)), next_row_(&s.store.arena(kName)), pressed_(&s.store.arena(kName)),
-      contact_states_(&s.store.arena(kName)) {
-  if (solver_bodies_.state.empty()) solver_bodies_.reset();  // no bodies: only the world
+    : arena_(s.store.arena(kName)), fluid_(system_of<Fluid>(s)), cloth_(system_of<Cloth>(s)),
+      surfaces_(s.store.get<Surfaces>()), solver_bodies_(s.store.need<SolverBodies>(kName)), objects_(s.objects),
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), faces_(arena_) {
+  if (solver_bodies_.state.empty()) solver_bodies_.reset();  // without bodies there is only the world
 }
 
-std::size_t FluidCloth::count() const { return samples_.size(); }
+std::size_t FluidCloth::count() const { return particle_bodies_.size(); }
 
 void FluidCloth::add_passes(StepPlan& plan) {
   drop_rows();
-  samples_.clear();  // their fluid may be gone, and with it the rows that would list them anew
+  particle_bodies_.clear();  // their fluid may be gone, and with it the passes that would list them anew
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   contacts_.use();
   using F = FluidCloth;
@@ -52,7 +47,7 @@ void FluidCloth::add_passes(StepPlan& plan) {
   plan.add<&F::finish>(Rank::cloth_load, "loads", kName, this);
 }
 
-// Rows of an earlier substep; those of bodies have an owner.
+// Removes the rows of an earlier substep; those of bodies have a contact state.
 void FluidCloth::drop_rows() {
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     std::erase_if(surfaces_.groups[k]->rows, [](const SurfaceRow& r) { return r.contact_state == kNone; });
@@ -69,7 +64,7 @@ void FluidCloth::list_surfaces() {
 
 ObjectId FluidCloth::fluid_of(std::uint32_t pool) const { return fluid_.pool_at(pool).object; }
 
-// What fluid lies on stays awake, and what it is about to hit wakes.
+// Cloth that carries fluid stays awake; cloth that fluid may reach in this step wakes.
 void FluidCloth::wake(StepContext& c) {
   list_surfaces();
   const ClothVertices& v = cloth_.vertices();
@@ -92,7 +87,7 @@ void FluidCloth::wake(StepContext& c) {
   projected_ = 0;
 }
 
-// Sheets that particles may reach in this step act on each other through them: one group.
+// Sheets that particles may reach in this step act on each other through them, so they form one group.
 void FluidCloth::connect(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const std::uint32_t count = static_cast<std::uint32_t>(cloth_.cloth_count());
@@ -124,46 +119,45 @@ bool FluidCloth::wet(const Aabb& box, Real seconds) const {
   return false;
 }
 
-void FluidCloth::place_vertices() {
+void FluidCloth::begin(StepContext& c) {
   const ClothVertices& v = cloth_.vertices();
   const std::span<const Row4> delta_position = surfaces_.delta_position;
   FEDER_ASSERT(delta_position.size() >= v.size());
   faces_.start.resize(v.size()), faces_.end.resize(v.size());
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.start[i] = v.position[i] + delta_position[i].vec();
-}
-
-void FluidCloth::begin(StepContext& c) {
-  place_vertices();
   faces_.screen(fluid_, c);
 }
 
 void FluidCloth::make_rows(StepContext& c) {
   drop_rows();
-  samples_.clear();
+  particle_bodies_.clear();
   const std::span<const Row4> velocity = surfaces_.velocity;
   const ClothVertices& v = cloth_.vertices();
-  // where the vertices would go without fluid, roughly: the contacts follow what they do
+  // contacts, with the vertices predicted by their velocities
   for (std::uint32_t i = 0; i < v.size(); ++i) faces_.end[i] = faces_.start[i] + c.h * velocity[i].vec();
   faces_.find(fluid_);
   own_bodies_ = static_cast<std::uint32_t>(solver_bodies_.state.size());
-  FEDER_ASSERT(own_bodies_ > 0 && solver_bodies_.mass.size() == own_bodies_);  // the world is one
+  FEDER_ASSERT(own_bodies_ > 0 && solver_bodies_.mass.size() == own_bodies_);  // the first is the world
   const std::span<const Row4> delta_position = surfaces_.delta_position;
   for (const FaceContact& k : faces_.contacts) {
     const FluidPool& p = fluid_.pool_at(k.pool);
-    if (samples_.empty() || samples_.back().pool != k.pool || samples_.back().particle != k.particle) {
+    // the first contact of a particle makes its solver body
+    if (particle_bodies_.empty() || particle_bodies_.back().pool != k.pool ||
+        particle_bodies_.back().particle != k.particle) {
       FEDER_ASSERT(k.particle < p.count && p.origin.size() > k.particle);
-      BoundarySample g;
-      g.pool = k.pool, g.particle = k.particle;
-      g.solver_index = static_cast<std::uint32_t>(solver_bodies_.state.size());
-      g.given = (p.x[k.particle].vec() - p.origin[k.particle].vec()) / c.h;
+      ParticleBody body;
+      body.pool = k.pool, body.particle = k.particle;
+      body.solver_index = static_cast<std::uint32_t>(solver_bodies_.state.size());
+      body.given = (p.x[k.particle].vec() - p.origin[k.particle].vec()) / c.h;
       SolverBody s;
-      s.velocity = g.given;
+      s.velocity = body.given;
       SolverMass m;
       m.inv_mass = 1 / p.mass, m.inv_mass_axes = Vec3::Constant(1 / p.mass);
       m.center = p.origin[k.particle].vec();
       solver_bodies_.state.push_back(s), solver_bodies_.mass.push_back(m);
-      samples_.push_back(g);
+      particle_bodies_.push_back(body);
     }
+    // one row per contact, in the group of the cloth
     SurfaceRow r;
     Vec3 d = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -173,7 +167,7 @@ void FluidCloth::make_rows(StepContext& c) {
     FEDER_ASSERT(r.vertex[0] < v.size() && v.cloth[r.vertex[0]] == faces_.surfaces[k.surface].object);
     r.vertex[3] = k.vertex[0];
     r.normal = -k.normal;
-    r.solver_index = samples_.back().solver_index;
+    r.solver_index = particle_bodies_.back().solver_index;
     r.offset = k.distance - k.rest - dot(r.normal, d);
     const std::size_t cloth = faces_.surfaces[k.surface].index, group = surfaces_.group_of(cloth);
     r.relaxation = cloth_.info(cloth).relaxation;
@@ -187,28 +181,30 @@ void FluidCloth::read_back(StepContext& c) {
   std::size_t at = 0;
   next_row_.assign(surfaces_.group_count, 0);
   for (const FaceContact& k : faces_.contacts) {
-    // its row: they are in the order of the contacts, with those of bodies before or after
+    // rows are in the order of the contacts, with those of bodies before or after
     const std::size_t group = surfaces_.group_of(faces_.surfaces[k.surface].index);
     const Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
     std::uint32_t& next = next_row_[group];
     while (next < rows.size() && rows[next].contact_state != kNone) ++next;
-    FEDER_ASSERT(next < rows.size());  // no row is lost on the way, and with it its impulse
+    FEDER_ASSERT(next < rows.size());  // no row, and with it its impulse, is lost
     const SurfaceRow& r = rows[next++];
-    while (samples_[at].solver_index != r.solver_index) {
+    while (particle_bodies_[at].solver_index != r.solver_index) {
       ++at;
-      FEDER_ASSERT(at < samples_.size());
+      FEDER_ASSERT(at < particle_bodies_.size());
     }
+    // its impulse: on the particle, on the cloth, in the contact state
     const Real net = r.impulse - r.returned;
-    samples_[at].pushed -= net * r.normal;
-    FEDER_ASSERT(k.pool == samples_[at].pool && k.particle == samples_[at].particle);
+    particle_bodies_[at].pushed -= net * r.normal;
+    FEDER_ASSERT(k.pool == particle_bodies_[at].pool && k.particle == particle_bodies_[at].particle);
     if (net > 0) record(k, net, r.approach, -r.normal);
     Pressed& to = pressed_[faces_.surfaces[k.surface].index];
     to.all += std::abs(net);
     if (g > 0) to.along += net * dot(r.normal, c.gravity) / g;
     given_ += static_cast<double>(std::abs(net));
   }
-  FEDER_ASSERT(solver_bodies_.state.size() == own_bodies_ + samples_.size());
-  for (const BoundarySample& k : samples_) {
+  // particles move as their solver bodies did
+  FEDER_ASSERT(solver_bodies_.state.size() == own_bodies_ + particle_bodies_.size());
+  for (const ParticleBody& k : particle_bodies_) {
     FluidPool& p = fluid_.pool_at(k.pool);
     const Vec3 gain = solver_bodies_.state[k.solver_index].velocity - k.given;
     if (k.solver_index >= own_bodies_ && !gain.isZero(0)) {
@@ -220,16 +216,17 @@ void FluidCloth::read_back(StepContext& c) {
   }
   solver_bodies_.state.resize(own_bodies_), solver_bodies_.mass.resize(own_bodies_);
   drop_rows();
+  // non-penetration projection against the faces where they are now
   const auto now = [&](std::uint32_t i) {
     return Vec3(cloth_.vertices().position[i] + surfaces_.delta_position[i].vec());
   };
   faces_.follow(fluid_, now);
   faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
-  end_substep();
+  for (ContactState& t : contact_states_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
 }
 
-// A particle that passed a face, or is too near to it, goes back to where it was caught; the velocities towards each
-// other end.
+// Projection of a particle that passed a face, or is too near to it: back to where it met the face, and the closing
+// velocity becomes zero, by an impulse on both sides.
 void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepContext& c) {
   FluidPool& p = fluid_.pool_at(k.pool);
   ++projected_;
@@ -252,7 +249,7 @@ void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepConte
   if (length(c.gravity) > 0) to.along -= dot(impulse, c.gravity) / length(c.gravity);
 }
 
-// The mass that lies on a cloth, beside that of bodies.
+// Load of fluid on each cloth, added to that of bodies.
 void FluidCloth::finish(StepContext& c) {
   const Real g = length(c.gravity);
   for (std::size_t n = 0; n < pressed_.size(); ++n) {
@@ -270,7 +267,7 @@ void FluidCloth::finish(StepContext& c) {
   report();
 }
 
-// A particle pushed a cloth. Contacts come by pool and particle.
+// Adds an impulse to the contact state. Contacts come in the order of pools and particles.
 void FluidCloth::record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal) {
   const ObjectId cloth = faces_.surfaces[k.surface].object, fluid = fluid_of(k.pool);
   FEDER_ASSERT(!(impulse < 0 || speed < 0));
@@ -295,11 +292,7 @@ void FluidCloth::record(const FaceContact& k, Real impulse, Real speed, const Ve
   t.point = fluid_.pool_at(k.pool).x[k.particle].vec();
 }
 
-void FluidCloth::end_substep() {
-  for (ContactState& t : contact_states_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
-}
-
-// A fluid touches a cloth from its first particle that pushes to its last; the event tells how many there are.
+// A fluid is in contact with a cloth from its first particle that pushes to its last; the event has their number.
 void FluidCloth::report() {
   for (const ContactState& t : contact_states_) {
     FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0 && t.count > 0);
@@ -320,12 +313,12 @@ void FluidCloth::residuals(std::vector<Residual>& out) const {
 }
 
 void FluidCloth::validate() const {
-  FEDER_ASSERT(contact_states_.empty());  // told
+  FEDER_ASSERT(contact_states_.empty());  // reported
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     for (const SurfaceRow& r : surfaces_.groups[k]->rows)
-      FEDER_ASSERT(r.contact_state != kNone);  // theirs live in a substep
-  for (std::size_t k = 0; k < samples_.size(); ++k)
-    FEDER_ASSERT(samples_[k].solver_index == own_bodies_ + k && samples_[k].pool < fluid_.pool_count());
+      FEDER_ASSERT(r.contact_state != kNone);  // rows of particles live within a substep
+  for (std::size_t k = 0; k < particle_bodies_.size(); ++k)
+    FEDER_ASSERT(particle_bodies_[k].solver_index == own_bodies_ + k && particle_bodies_[k].pool < fluid_.pool_count());
   if (fluid_.pool_count() == 0 || cloth_.cloth_count() == 0) return;
   FEDER_ASSERT(pressed_.size() == cloth_.cloth_count());
   faces_.validate();

@@ -1,4 +1,4 @@
-// Fluids and cloth in one world: sheets hold, catch and shed fluid, and are moved by it.
+// Fluids and cloth in one world: two-way contact between particles and the triangles of sheets.
 #pragma once
 #include "couple/fluid_faces.h"
 #include "feder/cloth.h"
@@ -16,38 +16,38 @@ class FluidCloth final : public System {
   explicit FluidCloth(SystemSetup& setup);
 
   void add_passes(StepPlan& plan) override;
-  std::size_t count() const override;  // particles that touch cloth
-  void hash(Hash&) const override {}   // what it keeps follows from the two systems
+  std::size_t count() const override;  // particles in contact with cloth
+  void hash(Hash&) const override {}   // its state follows from the two systems
   void save(Writer& w) const override { w.list(pressed_); }
   void load(Reader& r) override { r.list(pressed_), contact_states_.clear(); }
   void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // fluid_cloth.impulse_mismatch, .force_n
 
  private:
-  // What fluid did to a cloth in the last step.
+  // Impulses of fluid on a cloth in the last step.
   struct Pressed {
     ObjectId cloth;
     Real along = 0;  // impulse along gravity, N s
-    Real all = 0;    // sum of the sizes of the impulses, N s
+    Real all = 0;    // sum of the magnitudes of the impulses, N s
   };
-  // A cloth and a fluid that meet in this step.
+  // Contact of a cloth and a fluid in this step.
   struct ContactState {
     ObjectId cloth, fluid;
-    std::uint32_t count = 0;                           // particles that pushed, at most in a substep
-    std::uint32_t now = 0, last = kNone;               // in this substep; the particle that was counted last
+    std::uint32_t count = 0;                           // largest number of particles in contact in a substep
+    std::uint32_t now = 0, last = kNone;               // the same in this substep; the particle counted last
     Real impulse = 0;                                  // N s
     Real speed = 0;                                    // closing, the largest, m/s
     Real strongest = 0;                                // N s
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
   };
-  // A particle that stands among the solver bodies for the surface substeps of a substep.
-  struct BoundarySample {
+  // A fluid particle in contact, as a solver body for the surface substeps of a substep.
+  struct ParticleBody {
     std::uint32_t pool = 0, particle = 0, solver_index = 0;
     Vec3 given = Vec3::Zero();   // velocity, m/s
-    Vec3 pushed = Vec3::Zero();  // by the rows, N s
+    Vec3 pushed = Vec3::Zero();  // impulse of the rows, N s
   };
 
-  // Rows.
+  // Passes.
   void wake(StepContext& c);
   void connect(StepContext& c);
   void begin(StepContext& c);
@@ -57,14 +57,13 @@ class FluidCloth final : public System {
 
   bool wet(const Aabb& box, Real seconds) const;
   void list_surfaces();
-  void place_vertices();
   void drop_rows();
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
   void record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
-  void end_substep();
   void report();
 
+  Arena& arena_;
   Fluid& fluid_;
   Cloth& cloth_;
   Surfaces& surfaces_;
@@ -73,14 +72,14 @@ class FluidCloth final : public System {
   ContactBook& contacts_;
   const std::uint32_t finder_;
   FluidFaces faces_;
-  Array<BoundarySample> samples_;
-  Array<std::uint32_t> next_row_;       // by group of cloths
-  Array<Pressed> pressed_;              // by cloth
-  Array<ContactState> contact_states_;  // in the order of the objects
-  std::uint32_t own_bodies_ = 0;        // how many there were without the samples
-  double mismatch_ = 0, given_ = 0;     // N s, of the last step
-  double force_ = 0;                    // N, of the last step, along gravity
-  std::uint64_t projected_ = 0;         // corrections of the last step
+  Array<ParticleBody> particle_bodies_{&arena_};
+  Array<std::uint32_t> next_row_{&arena_};       // by group of cloths
+  Array<Pressed> pressed_{&arena_};              // by cloth
+  Array<ContactState> contact_states_{&arena_};  // in the order of the objects
+  std::uint32_t own_bodies_ = 0;                 // number of solver bodies without those of particles
+  double mismatch_ = 0, given_ = 0;              // N s, of the last step
+  double force_ = 0;                             // N, of the last step, along gravity
+  std::uint64_t projected_ = 0;                  // corrections of the last step
 };
 
 }  // namespace feder

@@ -1,5 +1,5 @@
-// Screens and contacts. The tree of faces is built anew in every substep: a few hundred nanoseconds a face, and the
-// same order of contacts after a snapshot.
+// Screens, candidate contacts and projection of particles at faces. The tree of faces is built anew in every substep: a
+// few hundred nanoseconds a face, and the same order of contacts after a snapshot. Kept between calls: nothing.
 #include "couple/fluid_faces.h"
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 namespace feder {
 namespace {
 
-constexpr Real kSlack = Real(0.1);      // of the spacing: contacts are listed from here on
-constexpr Real kClearance = Real(0.3);  // of the distance at rest: no particle ends nearer
-// Of a triangle's weights: beyond its edges still counts, by less than a particle's own size; ways are straight to
-// second order only.
+constexpr Real kSlack = Real(0.1);      // of the spacing: margin within which contacts are listed
+constexpr Real kClearance = Real(0.3);  // of the distance at rest, that every particle keeps
+// Margin of barycentric weights: a path counts as through the triangle up to so far beyond its edges, which is less
+// than a particle's size; relative paths are straight to second order only.
 constexpr Real kInside = Real(0.1);
 
 void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Vec3& q, Real (&w)[3]) {
@@ -64,12 +64,13 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
     FluidPool& p = fluid.pool_at(n);
     if (p.count == 0 || p.frozen) continue;
     p.keep_origins();
-    const bool first = p.screened != number;  // of the couplings that do this
+    const bool first = p.screened != number;  // of the couplings that screen in this substep
     FEDER_ASSERT(p.screened <= number);
     p.screened = number;
     const Real rest = p.desc.spacing / 2;
     c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t from, std::uint32_t to, int) {
       for (std::uint32_t i = from; i < to; ++i) {
+        // nearest face within the support, as a plane boundary (sph/boundary_table.h)
         if (first) p.origin[i] = p.x[i], p.screen[i] = 0;
         const Vec3 x = p.x[i].vec();
         Aabb box{x, x};
@@ -96,6 +97,7 @@ void FluidFaces::find(Fluid& fluid) {
   allowed_ = kInfinity;
   for (std::size_t n = 0; n < fluid.pool_count(); ++n)
     allowed_ = std::min(allowed_, kSlack * fluid.pool_at(n).desc.spacing);
+  // boxes of faces swept over the substep
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     Aabb& box = box_[f];
     for (const std::uint32_t v : faces_[f].v) box.include(end[v]);
@@ -108,7 +110,7 @@ void FluidFaces::find(Fluid& fluid) {
     const Real slack = kSlack * p.desc.spacing, half = p.desc.spacing / 2;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       const Vec3 from = p.origin[i].vec(), to = p.x[i].vec();
-      if (!is_finite(to)) continue;  // taken out at the end of the step
+      if (!is_finite(to)) continue;  // removed at the end of the step
       Aabb box{from.cwiseMin(to), from.cwiseMax(to)};
       box.grow(half + slack);
       const std::size_t first = contacts.size();
@@ -120,23 +122,24 @@ void FluidFaces::find(Fluid& fluid) {
         const Vec3 a = start[f.v[0]], b = start[f.v[1]], e = start[f.v[2]];
         Vec3 q, path = to - from;
         nearest_weights(from, a, b, e, q, k.weight);
-        // who comes nearer than this pushes others, which may come as near
+        // faces within the motion of both sides
         Real fastest = 0;
         for (int j = 0; j < 3; ++j) fastest = std::max(fastest, length(Vec3(end[f.v[j]] - start[f.v[j]])));
         fastest += length(path);
         k.distance = length(Vec3(from - q));
         k.rest = half + s.half;
         if (k.distance > k.rest + slack + fastest) return;
+        // the contact, with the normal to the particle's side
         k.pool = static_cast<std::uint32_t>(n), k.particle = i, k.surface = f.surface;
         for (int j = 0; j < 3; ++j) k.vertex[j] = f.v[j];
         const Vec3 up = normalized_or(cross(Vec3(b - a), Vec3(e - a)), Vec3(0, 1, 0));
-        // on the face itself: it goes back where it came from
+        // exactly on the face: back to where it came from
         const Vec3 back = dot(up, path) > 0 ? Vec3(-up) : up;
         k.normal = k.distance > Real(1e-4) * p.desc.spacing ? Vec3((from - q) / k.distance) : back;
         FEDER_ASSERT(is_direction(k.normal) && sums_to(k.weight, 1) && k.rest > 0);
         contacts.push_back(k);
       });
-      // of all faces near, in the order of their points: the tree's own order may depend on the past
+      // in the order of the faces' points: the order of the tree may depend on earlier steps
       std::sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
                 [](const FaceContact& x, const FaceContact& y) {
                   return std::lexicographical_compare(x.vertex, x.vertex + 3, y.vertex, y.vertex + 3);
@@ -166,8 +169,9 @@ bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {
   return false;
 }
 
-// In coordinates of the triangle (weights and height over its plane) the particle goes straight, to second order in the
-// substep: it passed where its height changes sign within the triangle.
+// Continuous collision detection in coordinates of the triangle (weights, and height over its plane), in which the
+// particle's path is straight to second order in the substep: it passed where its height changes sign within the
+// triangle (compare the cubic of Provot 1997, which is exact).
 bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3],
                         FaceHit& hit) const {
   const Vec3 a = start[k.vertex[0]], b = start[k.vertex[1]], e = start[k.vertex[2]];
@@ -177,6 +181,7 @@ bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, 
   const Real side = before < 0 ? Real(-1) : Real(1), keep = kClearance * k.rest;
   Real w0[3], w1[3];
   plane_weights(from, a, b, e, w0), plane_weights(to, now[0], now[1], now[2], w1);
+  // weights where the height changes sign, or at the end
   const bool passed = after * side < 0;
   const Real s = passed ? before / (before - after) : Real(1);
   FEDER_ASSERT(!(s < 0 || s > 1));

@@ -1,16 +1,18 @@
-// Particles of fluids against triangles that move (cloth, faces of nets): what the couplings with thin things share.
-// A face stands for a solid of half its thickness on both sides. Two things keep a particle on its side:
-//  - the screen: what a face near a particle adds to its density, as if it were a wall. Without it the fluid would
-//    crowd at a sheet as at its free surface. It pushes nobody: it is one number per particle and substep;
+// Particles of fluids against moving triangles (cloth, faces of nets): shared by the couplings with thin solids. A face
+// stands for a solid of half its thickness on both sides. Two things keep a particle on its side:
+//  - the screen: the density term of a face at a particle near it, as of a boundary. Without it the fluid would crowd
+//  at a
+//    sheet as at its free surface. It exerts no force: it is one number per particle and substep;
 //  - contacts: a particle keeps half a spacing from the face. The coupling solves them with the masses of both sides,
-//    so what one side gets the other gives.
+//  by
+//    equal and opposite impulses.
 // So pressure reaches a sheet as the push of the layer of particles that lies on it. (Pressing on light sheets from
 // inside the fluid's iterations, as on bodies, either moves the sheet away from under the fluid or, with the sheet
-// held, exchanges impulses explicitly, which diverges as soon as the fluid is heavier: Causin, Gerbeau & Nobile 2005.)
-// The side is that of the substep's start, contacts and guard look along the way since. Weak spot: where particles come
-// with several spacings in a substep and fold the faces over each other, some find a gap: of 1500 in a jet on a pinned
-// sheet of 0.2 kg/m2 with cells of three spacings, 1 to 3 at 20 to 30 m/s and 11 to 41 at 40 to 80 m/s; none up to
-// 50 m/s at 0.5 kg/m2.
+// fixed, exchanges impulses explicitly, which diverges as soon as the fluid is heavier: Causin, Gerbeau & Nobile 2005.)
+// The side is that at the start of the substep; contacts and projection use the motion since. Kept between calls:
+// screens and origins, in the pools. Weak spot: where particles come with several spacings in a substep and fold the
+// faces over each other, some find a gap: of 1500 in a jet on a pinned sheet of 0.2 kg/m2 with cells of three spacings,
+// 1 to 3 at 20 to 30 m/s and 11 to 41 at 40 to 80 m/s; none up to 50 m/s at 0.5 kg/m2.
 #pragma once
 #include "bounds/box_tree.h"
 #include "feder/fluid.h"
@@ -19,32 +21,32 @@
 
 namespace feder {
 
-// Triangles of one thing. Points are numbered in arrays of the coupling's system.
+// Triangles of one object. Indices of points are those of the coupling's system.
 struct FaceSurface {
   ObjectId object;
-  std::uint32_t first = 0;                   // added to the numbers in `triangles`
+  std::uint32_t first = 0;                   // added to the indices in `triangles`
   std::span<const std::uint32_t> triangles;  // three each
   Real half = 0;                             // of the thickness, m
   std::uint32_t group = 1, mask = 0xffffffffu;
-  std::uint32_t index = 0;  // of the thing, for the coupling
+  std::uint32_t index = 0;  // of the object, for the coupling
 };
 
-// A particle that may touch a face in this substep.
+// Candidate contact of a particle and a face in this substep.
 struct FaceContact {
   std::uint32_t pool = 0, particle = 0, surface = 0;
   std::uint32_t vertex[3] = {};
   Real weight[3] = {};         // of the nearest point, at the start of the substep
-  Vec3 normal = Vec3::Zero();  // from there to the particle, then
-  Real distance = 0;           // then, m
-  Real rest = 0;               // wanted at least, m
+  Vec3 normal = Vec3::Zero();  // from there to the particle, at the start of the substep
+  Real distance = 0;           // at the start of the substep, m
+  Real rest = 0;               // least distance wanted, m
 };
 
-// Where a particle was caught.
+// Where a particle met a face.
 struct FaceHit {
   Real when = 2;
   Real weight[3] = {};           // of the face's points
-  Vec3 normal = Vec3::Zero();    // to the side it began on
-  Vec3 position = Vec3::Zero();  // where it may be, m
+  Vec3 normal = Vec3::Zero();    // to the side it started from
+  Vec3 position = Vec3::Zero();  // allowed position, m
 };
 
 class FluidFaces {
@@ -52,15 +54,15 @@ class FluidFaces {
   explicit FluidFaces(Arena& a) : start(&a), end(&a), contacts(&a), faces_(&a), box_(&a), tree_(a) {}
 
   std::vector<FaceSurface> surfaces;  // filled by the coupling; they do not change within a step
-  Array<Vec3> start, end;       // by point: at the start of the substep, and where it will be (as far as known), m
-  Array<FaceContact> contacts;  // by pool and particle
+  Array<Vec3> start, end;             // by point: at the start of the substep, and predicted for its end, m
+  Array<FaceContact> contacts;        // by pool and particle
 
-  // At the start of a substep, before the fluid moves: notes where particles are and sets their screens. `start` is
-  // filled.
+  // At the start of a substep, before the fluid moves: records the origins of particles and sets their screens. Needs
+  // `start`.
   void screen(Fluid& fluid, const StepContext& c);
-  // After the fluid has moved: who may touch whom. `end` is filled.
+  // After the fluid has moved: finds candidate contacts. Needs `end`.
   void find(Fluid& fluid);
-  // Points came to other places than `end` said: corrects it, and lists anew who may touch whom where that matters.
+  // Sets `end` to the true positions, and finds candidates again where points differ by too much from the prediction.
   template <class Point>
   void follow(Fluid& fluid, Point&& point) {
     Real far = 0;
@@ -71,8 +73,8 @@ class FluidFaces {
     }
     if (far > allowed_ * allowed_) find(fluid);
   }
-  // Calls hit(contact, FaceHit) for particles that ended beyond a face or too near, once each: the first face they
-  // passed. `point(i)`: where points are now.
+  // Calls hit(contact, FaceHit) for particles that ended beyond a face or too near to one, once each: for the first
+  // face that they passed. `point(i)`: present position of a point.
   template <class Point, class F>
   void project(Fluid& fluid, Point&& point, F&& hit) const {
     for (std::size_t n = 0; n < contacts.size();) {
@@ -91,10 +93,10 @@ class FluidFaces {
       if (by) hit(*by, best);
     }
   }
-  // Is any particle within `margin` of a face of this thing, where `start` is?
+  // A particle is within `margin` of a face of this object, at `start`.
   bool near(Fluid& fluid, const FaceSurface& s, Real margin) const;
-  // Did the particle, going from its origin to `to` while the face went from `start` to `now`, pass it, or does it end
-  // too near to it? Then `when` (0 to 1, 2: did not pass) and where it has to be.
+  // The particle, moving from `from` to `to` while the face moved from `start` to `now`, passed it or ends too near to
+  // it. Then `when` (0 to 1; 2: it did not pass) and its allowed position.
   bool caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3], FaceHit& hit) const;
   void validate() const;
 
@@ -111,7 +113,7 @@ class FluidFaces {
   Array<Face> faces_;
   Array<Aabb> box_;
   BoxTree tree_;
-  Real allowed_ = 0;  // m, by which points may miss `end` before lists are made anew
+  Real allowed_ = 0;  // m, difference of points from `end` up to which candidates stay valid
 };
 
 // Barycentric weights of the point of the plane of a, b, c nearest to x.

@@ -1,38 +1,33 @@
-// Per substep: the bodies' velocities are integrated; the walls are placed where the bodies are; the fluid moves and
-// changes the walls' velocities as it presses on them; the velocities go back to the solver bodies, so that contacts
-// and joints are solved with what the water did; then the walls are placed where the solve has taken the bodies, and
-// the fluid lets no particle stay inside. A sleeping body is a fixed wall, until fluid presses on it. Kept between
-// calls: the list of walls, for questions. Weak spot: a body that is far lighter than the fluid around it follows the
+// Per substep: the bodies' velocities are integrated; the boundary is placed at the bodies' poses; the fluid moves and
+// changes the boundary's velocities as it presses on it; the velocities go back to the solver bodies, so that contacts
+// and joints are solved with the fluid's impulses; then the boundary is placed at the poses after the solve, and the
+// fluid projects its particles out of it. A sleeping body is a fixed boundary, until fluid presses on it. Kept between
+// calls: the list of the boundary, for queries. Weak spot: a body far lighter than the fluid around it follows the
 // fluid within an iteration, its contacts with other bodies only within a substep.
 #include "couple/fluid_rigid.h"
 
 #include <cmath>
 
+#include "couple/coupling.h"
 #include "fluid/pool.h"
 #include "state/bodies.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kWakeImpulse = Real(1e-7);  // N s per kg of the body: anything that is no rounding
+constexpr Real kWakeImpulse = Real(1e-7);  // N s per kg of the body: more than rounding
 
 }  // namespace
 
 const SystemDescriptor& FluidRigid::descriptor() {
-  static const char* const joins[] = {Fluid::kName, Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "boundary shapes", .joins = joins, .make = &make_system<FluidRigid>};
-  return d;
+  return coupling_descriptor<FluidRigid, Fluid, Rigid>("boundary shapes");
 }
 
 FluidRigid::FluidRigid(SystemSetup& s)
-    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
+    : arena_(s.store.arena(kName)), fluid_(system_of<Fluid>(s)), rigid_(system_of<Rigid>(s)),
       colliders_(s.store.need<Colliders>(ContactService::kSystem)),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), boundary_(fluid_.boundary()), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)),
-      collider_(&s.store.arena(kName)), body_(&s.store.arena(kName)), index_of_body_(&s.store.arena(kName)),
-      inside_(&s.store.arena(kName)), fluid_contacts_(&s.store.arena(kName)) {}
+      contacts_(s.store.need<ContactBook>(ContactService::kSystem)), finder_(contacts_.finder(kName)) {}
 
 FluidRigid::~FluidRigid() { boundary_.shapes.clear(), boundary_.bodies.clear(); }
 
@@ -46,8 +41,8 @@ void FluidRigid::add_passes(StepPlan& plan) {
   plan.add<&F::collect>(Rank::boundary_list, "list boundary", kName, this);
   plan.add<&F::set_boundary>(Rank::boundary_place, "place boundary", kName, this);
   plan.add<&F::weigh>(Rank::boundary_weigh, "weigh impulses", kName, this);
-  plan.add<&F::push_bodies>(Rank::boundary_push, "push bodies", kName, this);
-  plan.add<&F::move_boundary>(Rank::boundary_follow, "move boundary", kName, this);
+  plan.add<&F::give_velocities>(Rank::boundary_push, "push bodies", kName, this);
+  plan.add<&F::set_boundary>(Rank::boundary_follow, "move boundary", kName, this);
   plan.add<&F::push_again>(Rank::boundary_return, "push bodies after projection", kName, this);
   plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
   plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
@@ -95,7 +90,7 @@ void FluidRigid::place_boundary(bool between_steps) {
     const std::uint32_t i = body_[n];
     const std::uint32_t at = between_steps ? 0 : solver_bodies_.index[b.solver_slot[i]];
     FEDER_ASSERT(b.object[i] == w.object && (at == 0 || at < solver_bodies_.state.size()));
-    // what the fluid gave to a body that moves has been handed over: the velocity is read anew below
+    // impulses on a body that moves have been handed over: the velocity is read anew below
     FEDER_ASSERT(w.solver_index == 0 || !w.dynamic || w.impulse.isZero(0));
     w.solver_index = at;
     w.contact_weight = 0;
@@ -121,7 +116,7 @@ void FluidRigid::place_boundary(bool between_steps) {
   }
 }
 
-void FluidRigid::give_velocities() {
+void FluidRigid::give_velocities(StepContext&) {
   for (BoundaryBody& w : boundary_.bodies) {
     if (w.solver_index == 0 || !w.dynamic) continue;
     SolverBody& s = solver_bodies_.state[w.solver_index];
@@ -160,8 +155,8 @@ void FluidRigid::weigh_fluids(double (&sum)[3]) const {
   }
 }
 
-// Two states against each other: the velocities of all particles before and after, and those of the bodies. What stands
-// fast, or is held along an axis, has no velocity to tell: there it is the sum of the impulses it took.
+// Momentum balance of two states: velocities of all particles and of the bodies, before and after. A fixed body, or one
+// locked along an axis, has no change of velocity there: its impulses are summed instead.
 void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
   if (!boundary_.weighed) return;
   double after[3], gained[3] = {0, 0, 0};
@@ -192,18 +187,12 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
   mismatch_ = std::max(mismatch_, std::sqrt(off));
 }
 
-// Right behind the fluid's own passes: couplings with nets and sheets change velocities of particles, too.
+// Directly after the fluid's own passes: couplings with nets and sheets change velocities of particles as well.
 void FluidRigid::weigh(StepContext& c) { compare_impulses(c.h * c.gravity); }
 
-void FluidRigid::push_bodies(StepContext&) { give_velocities(); }
-
-void FluidRigid::move_boundary(StepContext&) {
-  place_boundary(false);
-  if (boundary_.weighed) weigh_fluids(before_);
-}
-void FluidRigid::push_again(StepContext&) {
+void FluidRigid::push_again(StepContext& c) {
   compare_impulses(Vec3::Zero());
-  give_velocities();
+  give_velocities(c);
 }
 
 void FluidRigid::keep_awake(StepContext&) {
@@ -218,14 +207,14 @@ void FluidRigid::keep_awake(StepContext&) {
     ObjectId fluid;
     for (const FluidContactState& t : fluid_contacts_)
       if (!fluid && t.body == w.object) fluid = t.fluid;
-    objects_.for_each(kFluidKind, [&](ObjectId id) {  // pressed in passing: no particle is beside it now
+    objects_.for_each(kFluidKind, [&](ObjectId id) {  // pressed earlier in the step: no particle is in contact now
       if (!fluid) fluid = id;
     });
     rigid_.wake(b.object[i], kFluidCause, fluid);
   }
 }
 
-// A fluid touches a body from its first particle beside it to its last; the event tells how many there are.
+// A fluid is in contact with a body from its first particle at it to its last; the event has their number.
 void FluidRigid::report_contacts(StepContext&) {
   fluid_contacts_.clear();
   fluid_.list_contact_states(fluid_contacts_);
@@ -245,7 +234,7 @@ Real FluidRigid::pressed_on(ObjectId body) const {
   return 0;
 }
 
-// A fluid enters a sensor with its first particle and leaves it with its last; the event tells how many there are.
+// A fluid enters a sensor with its first particle and leaves it with its last; the event has their number.
 void FluidRigid::report_sensors(StepContext&) {
   inside_.clear();
   const Bodies& b = rigid_.bodies();

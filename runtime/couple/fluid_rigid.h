@@ -1,5 +1,5 @@
-// Fluids and rigid bodies in one world: bodies are the fluid's walls, and the fluid pushes them in the same substep.
-// Buoyancy and drag are nothing of their own: they are what the pressure and friction on the walls add up to.
+// Fluids and rigid bodies in one world: bodies are the fluid's boundary, and the fluid pushes them in the same substep.
+// Buoyancy and drag have no model of their own: they are the sums of pressure and viscosity at the boundary.
 #pragma once
 #include "feder/fluid.h"
 #include "feder/rigid.h"
@@ -19,7 +19,7 @@ class FluidRigid final : public System {
   ~FluidRigid() override;
 
   void add_passes(StepPlan& plan) override;
-  std::size_t count() const override;  // walls
+  std::size_t count() const override;  // boundary shapes
   void hash(Hash& h) const override;
   void save(Writer&) const override {}
   void load(Reader&) override { inside_.clear(), fluid_contacts_.clear(); }
@@ -33,25 +33,25 @@ class FluidRigid final : public System {
     std::uint32_t count = 0;
   };
   void list_boundary();                       // all colliders of bodies that fluids may meet
-  void place_boundary(bool before_step);      // poses and velocities as the solver bodies have them
-  void give_velocities();                     // back to the solver bodies
+  void place_boundary(bool between_steps);    // poses and velocities as the solver bodies have them
   void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
-  // What the fluids lost since `before_`, aside from what gravity gave in g h m/s, against what the bodies gained.
+  // Momentum that the fluids lost since `before_`, without that of gravity over g h m/s, against what the bodies
+  // gained.
   void compare_impulses(const Vec3& gravity_seconds);
 
-  // Rows.
+  // Passes.
   void collect(StepContext& c);
   void place_for_queries(StepContext& c);
   void set_boundary(StepContext& c);
   void weigh(StepContext& c);
-  void push_bodies(StepContext& c);
-  void move_boundary(StepContext& c);
+  void give_velocities(StepContext& c);  // back to the solver bodies
   void push_again(StepContext& c);
   void keep_awake(StepContext& c);
   Real pressed_on(ObjectId body) const;  // N s in this step
   void report_contacts(StepContext& c);
   void report_sensors(StepContext& c);
 
+  Arena& arena_;
   Fluid& fluid_;
   Rigid& rigid_;
   Colliders& colliders_;
@@ -59,15 +59,15 @@ class FluidRigid final : public System {
   Boundary& boundary_;
   Objects& objects_;
   ContactBook& contacts_;
-  const std::uint32_t finder_;               // of contacts and of what is in sensors
-  Array<std::uint32_t> collider_;            // of a wall
-  Array<std::uint32_t> body_;                // index in Bodies, of a wall body
-  Array<std::uint32_t> index_of_body_;       // of a body in Walls::bodies, kNone
-  Array<Inside> inside_;                     // of this step
-  Array<FluidContactState> fluid_contacts_;  // of this step, by fluid, then body
-  double before_[3] = {0, 0, 0};             // momentum of the fluids when the walls were placed, kg m/s
-  double mismatch_ = 0, given_ = 0;          // N s, of the last step: largest of a substep, and sum
-  double pushed_ = 0;                        // N s, on bodies that move
+  const std::uint32_t finder_;                        // of contacts and of fluids in sensors
+  Array<std::uint32_t> collider_{&arena_};            // by boundary shape
+  Array<std::uint32_t> body_{&arena_};                // by boundary body: index in Bodies
+  Array<std::uint32_t> index_of_body_{&arena_};       // by body: in Boundary::bodies; kNone: not there
+  Array<Inside> inside_{&arena_};                     // of this step
+  Array<FluidContactState> fluid_contacts_{&arena_};  // of this step, by fluid, then body
+  double before_[3] = {0, 0, 0};                      // momentum of the fluids when the boundary was placed, kg m/s
+  double mismatch_ = 0, given_ = 0;                   // N s, of the last step: largest of a substep, and sum
+  double pushed_ = 0;                                 // N s, on bodies that move
 };
 
 }  // namespace feder

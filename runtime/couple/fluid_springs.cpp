@@ -1,33 +1,30 @@
-// Per substep: the net's integrator has moved its points; its faces screen the particles near them; the fluid moves;
-// then contacts push both sides apart, by their masses, a few times over all of them (projected Gauss-Seidel). Points
-// that touch bodies are handed to the rigid solver with what the fluid did.
-// Faces do not hold fluid back along their surface. Kept between calls: nothing. Weak spot: points much lighter than
-// the particles that lie on them yield between one substep and the next, as springs are not solved together with the
-// contacts.
+// Per substep: the net's integrator has moved its points; its faces screen the particles near them (fluid_faces.h); the
+// fluid moves; then contacts push both sides apart by their masses, a few times over all of them (projected
+// Gauss-Seidel). Points in contact with bodies are handed to the rigid solver with the fluid's impulses. Contacts have
+// no friction. Kept between calls: nothing. Weak spot: points much lighter than the particles that lie on them yield
+// between one substep and the next, as springs are not solved together with the contacts.
 #include "couple/fluid_springs.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "couple/coupling.h"
+
 namespace feder {
 namespace {
 
 constexpr int kRounds = 6;
-constexpr Real kPush = Real(0.1);  // of the spacing: most that overlap from before is undone by in a substep
+constexpr Real kPush = Real(0.1);  // of the spacing: largest correction of older overlap in a substep
 
 }  // namespace
 
 const SystemDescriptor& FluidSprings::descriptor() {
-  static const char* const joins[] = {Fluid::kName, Springs::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "faces that meet fluid", .joins = joins, .make = &make_system<FluidSprings>};
-  return d;
+  return coupling_descriptor<FluidSprings, Fluid, Springs>("faces that meet fluid");
 }
 
 FluidSprings::FluidSprings(SystemSetup& s)
-    : fluid_(static_cast<Fluid&>(*s.systems.find_system(Fluid::kName))),
-      springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
-      points_(s.store.need<Particles>(Springs::kName)), faces_(s.store.arena(kName)) {}
+    : fluid_(system_of<Fluid>(s)), springs_(system_of<Springs>(s)), points_(s.store.need<Particles>(Springs::kName)),
+      faces_(s.store.arena(kName)) {}
 
 std::size_t FluidSprings::count() const {
   std::size_t sum = 0;
@@ -81,7 +78,7 @@ void FluidSprings::solve(StepContext&) {
   });
 }
 
-// Along the line from the face's nearest point to the particle, as it is now: no torque is left over.
+// Along the present line from the face's nearest point to the particle, so that no torque is left.
 void FluidSprings::push_apart(const FaceContact& k) {
   FluidPool& p = fluid_.pool_at(k.pool);
   Vec3 q = Vec3::Zero();
@@ -92,11 +89,11 @@ void FluidSprings::push_apart(const FaceContact& k) {
   }
   const Vec3 apart = p.x[k.particle].vec() - q;
   Vec3 n = normalized_or(apart, k.normal);
-  if (dot(n, k.normal) < Real(0.5)) n = k.normal;  // passed, or far aside
+  if (dot(n, k.normal) < Real(0.5)) n = k.normal;  // it passed, or lies far beside the face
   const Real gap = dot(n, apart) - k.rest;
   if (!(gap < 0)) return;
   exchange(k, k.weight, n);
-  // overlap from before goes slowly
+  // overlap from before the substep is undone slowly
   const Real older = std::max(k.rest - k.distance, Real(0));
   const Real need = std::max(-gap - older, Real(0)) + std::min({older, -gap, kPush * p.desc.spacing});
   const Real push = std::min(need, -gap) / response;
@@ -108,7 +105,7 @@ void FluidSprings::push_apart(const FaceContact& k) {
   }
 }
 
-// The velocities towards each other end.
+// The closing velocity becomes zero, by an impulse on both sides.
 void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& n) {
   FluidPool& p = fluid_.pool_at(k.pool);
   Vec3 u = p.v[k.particle].vec();
@@ -121,6 +118,7 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
   if (!(closing > 0)) return;
   FEDER_ASSERT(!(response < 0) && is_direction(n) && k.particle < p.count);
   const Vec3 impulse = (closing / response) * n;
+  // momentum before and after, for the mismatch
   double before[3], after[3];
   const auto sum = [&](double(&out)[3]) {
     for (int j = 0; j < 3; ++j) {
@@ -132,7 +130,7 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
     }
   };
   sum(before);
-  Vec3 held = Vec3::Zero();  // by pinned points
+  Vec3 held = Vec3::Zero();  // impulse on pinned points, N s
   p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
   for (int i = 0; i < 3; ++i) {
     const std::uint32_t v = k.vertex[i];
@@ -152,7 +150,7 @@ void FluidSprings::residuals(std::vector<Residual>& out) const {
 }
 
 void FluidSprings::validate() const {
-  if (fluid_.pool_count() == 0 || count() == 0) return;  // what is listed is of an earlier step
+  if (fluid_.pool_count() == 0 || count() == 0) return;  // the lists are of an earlier step
   faces_.validate();
   for (const FaceSurface& s : faces_.surfaces) FEDER_ASSERT(s.first < points_.size() && s.index < springs_.net_count());
 }

@@ -1,4 +1,4 @@
-// Fluids and nets in one world: the faces of a net hold back fluid and are pushed by it. Nets without faces let fluid
+// Fluids and nets in one world: two-way contact between particles and the faces of a net. Nets without faces let fluid
 // through.
 #pragma once
 #include "couple/fluid_faces.h"
@@ -15,7 +15,7 @@ class FluidSprings final : public System {
   explicit FluidSprings(SystemSetup& setup);
 
   void add_passes(StepPlan& plan) override;
-  std::size_t count() const override;  // faces that fluid may meet
+  std::size_t count() const override;  // faces of nets
   void hash(Hash&) const override {}   // all state is that of the two systems
   void save(Writer&) const override {}
   void load(Reader&) override {}
@@ -23,7 +23,7 @@ class FluidSprings final : public System {
   void residuals(std::vector<Residual>& out) const override;  // fluid_springs.impulse_mismatch
 
  private:
-  // Rows.
+  // Passes.
   void remember(StepContext& c);
   void begin(StepContext& c);
   void solve(StepContext& c);

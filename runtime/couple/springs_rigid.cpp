@@ -1,29 +1,24 @@
-// Structure of the coupling: which points have a collider and a solver body, the plan's passes, and what is asked from
-// outside. The rows themselves are in springs_rigid_step.cpp.
-// Everything here follows from the nets: colliders and solver bodies live in their blocks, their numbers in Particles,
-// so a snapshot needs nothing from this system.
+// Structure of the coupling: which points have a collider and a solver body, the passes, residuals and validation. The
+// passes themselves are in springs_rigid_step.cpp. All of it follows from the nets: colliders and solver bodies live in
+// their own arrays, their indices in Particles, so a snapshot needs nothing from this system.
 #include "couple/springs_rigid.h"
 
 #include <algorithm>
 
+#include "couple/coupling.h"
 #include "state/bodies.h"
 
 namespace feder {
 
 const SystemDescriptor& SpringsRigid::descriptor() {
-  static const char* const joins[] = {Springs::kName, Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "points that meet bodies", .joins = joins, .make = &make_system<SpringsRigid>};
-  return d;
+  return coupling_descriptor<SpringsRigid, Springs, Rigid>("points that meet bodies");
 }
 
 SpringsRigid::SpringsRigid(SystemSetup& s)
-    : springs_(static_cast<Springs&>(*s.systems.find_system(Springs::kName))),
-      rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+    : arena_(s.store.arena(kName)), springs_(system_of<Springs>(s)), rigid_(system_of<Rigid>(s)),
+      collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), particles_(s.store.need<Particles>(Springs::kName)),
-      objects_(s.objects), structure_changed_(s.structure_changed), coupled_(&s.store.arena(kName)),
-      attachments_(&s.store.arena(kName)), attached_to_(&s.store.arena(kName)) {}
+      objects_(s.objects), structure_changed_(s.structure_changed) {}
 
 std::size_t SpringsRigid::count() const { return coupled_.size(); }
 
@@ -58,16 +53,17 @@ void SpringsRigid::sync() {
     springs_.detach(a.net, a.point - springs_.net_info(objects_.index(a.net)).first);
   }
 
+  // coupled points, in ascending order
   std::vector<std::uint8_t> attached(particles_.size(), 0);
   for (const Springs::Attachment& a : springs_.attachments()) attached[a.point] = 1;
   coupled_.clear();
-  attachments_.clear();  // they name places in that list
+  attachments_.clear();  // they are indices of that list
   for (std::size_t n = 0; n < springs_.net_count(); ++n) {
     const Springs::NetInfo net = springs_.net_info(n);
     for (std::uint32_t i = net.first; i < net.first + net.count; ++i) {
       sync_collider(i, net, attached[i] != 0);
       if (particles_.solver_slot[i] == kNone) continue;
-      FEDER_ASSERT(coupled_.empty() || coupled_.back().particle < i);  // find_coupled searches by halves
+      FEDER_ASSERT(coupled_.empty() || coupled_.back().particle < i);  // for the binary search of find_coupled
       Coupled k;
       k.particle = i;
       k.implicit = net.implicit;
@@ -77,7 +73,7 @@ void SpringsRigid::sync() {
   }
 }
 
-// An attached point collides with nothing: the body it is part of does.
+// Collider and solver slot of a point. An attached point collides with nothing: its body does.
 void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, bool attached) {
   const bool collides = particles_.radius[i] > 0;
   std::uint32_t& slot = particles_.solver_slot[i];
@@ -143,7 +139,7 @@ void SpringsRigid::validate() const {
     const std::uint32_t i = k.particle, collider = particles_.collider[i];
     FEDER_ASSERT(i < particles_.size() && (n == 0 || coupled_[n - 1].particle < i));
     FEDER_ASSERT(particles_.solver_slot[i] < solver_bodies_.index.size());
-    FEDER_ASSERT(particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
+    FEDER_ASSERT(particles_.inertia[i] == particles_.mass[i]);  // carried inertia has been taken off
     FEDER_ASSERT(k.attached || collider != kNone);
     if (collider != kNone) {
       FEDER_ASSERT(colliders_.owner[collider] == ColliderOwner::point && colliders_.owner_index[collider] == i);

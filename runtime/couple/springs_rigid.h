@@ -1,5 +1,5 @@
-// Nets and rigid bodies in one world: net points with a radius collide with bodies, attached points hold bodies.
-// Exists as soon as a world has both. Momentum passes both ways in the same substep.
+// Nets and rigid bodies in one world: contact of net points that have a radius, and attachments of points to bodies.
+// Exists as soon as a world has both. Two-way: momentum passes both ways in the same substep.
 #pragma once
 #include "feder/net.h"
 #include "feder/query.h"
@@ -18,7 +18,7 @@ class SpringsRigid final : public System {
   explicit SpringsRigid(SystemSetup& setup);
 
   void add_passes(StepPlan& plan) override;
-  std::size_t count() const override;  // points that meet bodies
+  std::size_t count() const override;  // coupled points
   void hash(Hash&) const override {}   // all state is that of the two systems
   void save(Writer&) const override {}
   void load(Reader&) override {}
@@ -26,20 +26,20 @@ class SpringsRigid final : public System {
   void residuals(std::vector<Residual>& out) const override;  // springs_rigid.attachment_error_m
 
  private:
-  // A net point that takes part: it collides, or it is attached.
+  // A net point that collides or is attached.
   struct Coupled {
     std::uint32_t particle = 0;
     std::uint32_t solver_index = 0;  // in SolverBodies this step; 0 = pinned
     Vec3 before = Vec3::Zero();      // position before the substep, m
-    Vec3 given = Vec3::Zero();       // velocity the solver got, m/s
+    Vec3 given = Vec3::Zero();       // velocity that the solver started with, m/s
     Vec3 given_delta_position = Vec3::Zero();
-    Real added = 0;         // inertia carried this step, kg
+    Real added = 0;         // inertia of the bodies it carries in this step, kg
     bool implicit = false;  // net's integrator
     bool attached = false;
   };
   // An attachment this step.
   struct Attachment {
-    std::uint32_t coupled = 0;       // place in coupled_
+    std::uint32_t coupled = 0;       // index in coupled_
     std::uint32_t body = 0;          // index in Bodies
     std::uint32_t solver_index = 0;  // body's slot in SolverBodies; 0 = does not move
     Vec3 local = Vec3::Zero();       // from the centre of mass, body axes, m
@@ -53,7 +53,7 @@ class SpringsRigid final : public System {
   void release_removed();
   std::uint32_t find_coupled(std::uint32_t particle) const;
 
-  // Rows.
+  // Passes.
   void update_boxes(StepContext& c);
   void append(StepContext& c);
   void before_integrate(StepContext& c);
@@ -72,6 +72,7 @@ class SpringsRigid final : public System {
   Vec3 attachment_error(const Attachment& k) const;  // point minus anchor, m
   Mat3 body_response(const Attachment& k) const;     // velocity of the anchor per impulse on it, 1/kg
 
+  Arena& arena_;
   Springs& springs_;
   Rigid& rigid_;
   Collide& collide_;
@@ -80,10 +81,10 @@ class SpringsRigid final : public System {
   Particles& particles_;
   Objects& objects_;
   bool* structure_changed_;
-  Array<Coupled> coupled_;  // ascending by particle
-  Array<Attachment> attachments_;
-  Array<std::uint32_t> attached_to_;  // attachments by body
-  bool warned_ = false;               // "implicit_contact"
+  Array<Coupled> coupled_{&arena_};  // ascending by particle
+  Array<Attachment> attachments_{&arena_};
+  Array<std::uint32_t> attached_to_{&arena_};  // attachments by body
+  bool warned_ = false;                        // "implicit_contact"
 };
 
 }  // namespace feder

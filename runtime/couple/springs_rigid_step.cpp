@@ -1,13 +1,14 @@
 // The passes of the coupling. Per substep: the net's integrator has moved its points; their velocities are handed to
-// the rigid solver as solver bodies of their own, contacts push both sides, and what changed is read back. A point
-// without a contact keeps its integrator's result. Attachments are ball joints between body and point: three rows
-// solved together, with the position error taken out as bias velocity before the rigid solve and the velocity projected
-// again after it. An integrator that knew only the light point would give a hanging body too little: an implicit one
-// answers with the impulse that stops the point, not the body. So while it runs, the point has the inertia of what it
-// carries; the impulse it found is then given to the point alone and the constraint passes it on, which keeps momentum.
-// Contacts cannot be treated likewise (they may let go, and a light point with a heavy body's impulse is a bullet), so
-// an implicit net yields to a body about 1 + (h w)^2 times too far: the warning "implicit_contact" says so.
-// Kept between calls: nothing. Weak spot: that, and a long chain of bodies joined by attachments converges slowly.
+// the rigid solver as solver bodies of their own, contacts push both sides, and changes are read back. A point without
+// a contact keeps its integrator's result. Attachments are ball joints between body and point: three rows solved
+// together, with the position error taken out as bias velocity before the rigid solve (Baumgarte 1972) and the velocity
+// projected again after it. An integrator that knew only the light point would give a hanging body too little: an
+// implicit one answers with the impulse that stops the point, not the body. So while it runs, the point has the inertia
+// of what it carries; the impulse it found is then given to the point alone and the constraint passes it on, which
+// keeps momentum. Contacts cannot be treated likewise (they may separate, and a light point with a heavy body's impulse
+// is a bullet), so an implicit net yields to a body about 1 + (h w)^2 times too far: the warning "implicit_contact"
+// says so. Kept between calls: nothing. Weak spot: that, and a long chain of bodies joined by attachments converges
+// slowly.
 #include <algorithm>
 
 #include "couple/springs_rigid.h"
@@ -17,13 +18,14 @@
 namespace feder {
 namespace {
 
-constexpr Real kBoxMargin = Real(0.02);  // m, as bodies have it
+constexpr Real kBoxMargin = Real(0.02);  // m, as of bodies
 constexpr int kAttachmentRounds = 10;
 constexpr Real kAttachmentShare = Real(0.5);  // of the position error taken out in a substep
 
 constexpr Real kPullSpeed = 3;  // m/s, at which an attachment is closed at most
 
-// Attaching a point that is far from its place, or two that cannot both be there, must not throw the body.
+// Bias velocity that closes an attachment error, limited: a point attached far away, or two that contradict each other,
+// must not throw the body.
 Vec3 closing_velocity(const Vec3& error, Real rate) {
   const Real fast = rate * length(error);
   return fast > kPullSpeed ? Vec3((rate * kPullSpeed / fast) * error) : Vec3(rate * error);
@@ -111,8 +113,8 @@ void SpringsRigid::add_carried_mass() {
   }
 }
 
-// A mass point has no spin, so contacts act on its centre: the body's arm reaches there, else friction's moment about
-// the point would be lost.
+// A mass point has no angular velocity, so contacts act on its centre: the body's arm ends there, else the moment of
+// friction about the point would be lost.
 void SpringsRigid::center_contacts(StepContext& c) {
   const Contacts& contacts = collide_.contacts();
   for (const std::uint32_t slot : contacts.active) {
@@ -187,10 +189,10 @@ void SpringsRigid::before_integrate(StepContext&) {
   if (!attachments_.empty()) solve_attachments(kAttachmentRounds, 0);  // forces have moved the bodies' velocities since
   for (Coupled& k : coupled_) {
     const std::uint32_t i = k.particle;
-    if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;  // quarantined in the substep before: stays held
+    if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;  // quarantined in the substep before: stays fixed
     k.given = particles_.velocity[i] = solver_bodies_.state[k.solver_index].velocity;
     if (k.added == 0) continue;
-    FEDER_ASSERT(k.added > 0 && particles_.inertia[i] == particles_.mass[i]);  // what was carried has been put down
+    FEDER_ASSERT(k.added > 0 && particles_.inertia[i] == particles_.mass[i]);  // carried inertia has been taken off
     particles_.inertia[i] = particles_.mass[i] + k.added;
     particles_.inv_mass[i] = 1 / particles_.inertia[i];
   }
@@ -233,7 +235,7 @@ void SpringsRigid::read_back(StepContext& c) {
     if (k.solver_index == 0 || particles_.inv_mass[i] == 0) continue;
     const SolverBody& s = solver_bodies_.state[k.solver_index];
     const bool held = k.added > 0 || k.attached;
-    if (!held && s.velocity == k.given) continue;  // untouched: what the net did stays, to the bit
+    if (!held && s.velocity == k.given) continue;  // no contact: the integrator's result stays, to the bit
     particles_.velocity[i] = s.velocity;
     FEDER_ASSERT(solver_bodies_.index[particles_.solver_slot[i]] == k.solver_index);
     const Vec3 pushed = s.delta_position - k.given_delta_position - c.h * k.given;
@@ -249,8 +251,8 @@ void SpringsRigid::read_back_velocities(StepContext&) {
       particles_.velocity[k.particle] = solver_bodies_.state[k.solver_index].velocity;
 }
 
-// A sleeping body is as good as fixed, but a net never sleeps and may creep away below it: what touches or holds free
-// points stays awake.
+// A sleeping body acts as fixed, but a net never sleeps and may creep away below it: bodies in contact with free
+// points, or attached to them, stay awake.
 void SpringsRigid::keep_awake(StepContext&) {
   const Bodies& b = rigid_.bodies();
   for (const Attachment& k : attachments_)

@@ -1,38 +1,34 @@
-// Structure of the coupling, candidates of a step, and what contact did, for the contact book. The contact rows are
-// made in surface_rigid_rows.cpp. Kept between steps: which pins were warned of.
+// Structure of the coupling, candidates of a step, and reports to the contact book. The contact rows are made in
+// surface_rigid_rows.cpp. Kept between steps: the pairs of which a warning of pins was sent.
 #include "couple/surface_rigid.h"
 
 #include <algorithm>
 #include <cstdio>
 
+#include "contact/surface_contact.h"
+#include "couple/coupling.h"
 #include "couple/surface_triangle.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kMargin = Real(1.6);  // thicknesses about the way of a point: rows are made up to 1.5 of them away
-constexpr Real kMarginCoasting = Real(0.75);  // the same of what goes straight on in a substep
-constexpr Real kAside = Real(0.3);            // of its way in a step: a fast body draws cloth in from beside its path
-constexpr Real kSupport = Real(0.3);          // cosine to gravity, from which on a contact carries
-constexpr Real kInside = Real(0.1);           // thicknesses: pins less deep inside a shape lie on its surface
+constexpr Real kMargin = Real(1.6);  // thicknesses round the path of a point: rows are made up to 1.5 of them away
+constexpr Real kMarginCoasting = Real(0.75);  // the same for surfaces that coast
+constexpr Real kAside = Real(0.3);    // of its displacement in a step: a fast body draws cloth in from beside its path
+constexpr Real kSupport = Real(0.3);  // least cosine to gravity of a contact that carries
+constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a shape lie on its surface
 
 }  // namespace
 
 const SystemDescriptor& SurfaceRigid::descriptor() {
-  static const char* const joins[] = {"contact", Rigid::kName};
-  static const SystemDescriptor d = {
-      .name = kName, .units = "touchings", .joins = joins, .make = &make_system<SurfaceRigid>};
-  return d;
+  return coupling_descriptor<SurfaceRigid, SurfaceContact, Rigid>("contact pairs");
 }
 
 SurfaceRigid::SurfaceRigid(SystemSetup& s)
-    : surfaces_(s.store.get<Surfaces>()), rigid_(static_cast<Rigid&>(*s.systems.find_system(Rigid::kName))),
-      collide_(static_cast<Collide&>(*s.systems.find_system(Collide::kName))), colliders_(collide_.colliders()),
+    : arena_(s.store.arena(kName)), surfaces_(s.store.get<Surfaces>()), rigid_(system_of<Rigid>(s)),
+      collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
-      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)), candidates_(&s.store.arena(kName)),
-      contact_states_(&s.store.arena(kName)), box_(&s.store.arena(kName)), smallest_(&s.store.arena(kName)),
-      near_(&s.store.arena(kName)), pin_depth_(&s.store.arena(kName)), deep_pins_(&s.store.arena(kName)),
-      cfl_number_(&s.store.arena(kName)), warned_(&s.store.arena(kName)) {
+      contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)) {
   surfaces_.bodies = &rigid_.bodies();
 }
 
@@ -40,7 +36,7 @@ SurfaceRigid::~SurfaceRigid() { surfaces_.bodies = nullptr; }
 
 void SurfaceRigid::add_passes(StepPlan& plan) {
   wake_left();
-  candidates_.clear();  // what they name may be gone: without rows of this coupling in the plan nobody renews them
+  candidates_.clear();  // objects they name may be gone, and without passes of this coupling nothing renews them
   cfl_number_.clear();
   if (!surfaces_.wanted() || rigid_.count() == 0) return;
   contacts_.use();
@@ -59,7 +55,7 @@ std::size_t SurfaceRigid::count() const {
   return sum;
 }
 
-// A surface that lay on what is gone wakes.
+// A surface that was in contact with a body that is gone wakes.
 void SurfaceRigid::wake_left() {
   contacts_.each(finder_, [&](const ContactRecord& r) {
     for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
@@ -93,14 +89,14 @@ SurfaceRigid::BodyPose SurfaceRigid::body_pose(std::uint32_t k) const {
   return p;
 }
 
-// What is attached to a body does not collide with it.
+// A point that is attached to a body does not collide with it.
 bool SurfaceRigid::anchored(std::uint32_t point, ObjectId body) const {
   for (const Surfaces::Anchor& a : surfaces_.anchors)
     if (a.point == point && a.body == body) return true;
   return false;
 }
 
-// It is held in this step and moves from the next.
+// Wakes a surface: it is fixed in this step and moves from the next.
 void SurfaceRigid::wake(Surface& surface, ObjectId by) {
   surface.active = true, surface.sleep_candidate = false;
   surfaces_.wakes.push_back({surface.object, by, WakeCause::contact});
@@ -117,7 +113,7 @@ std::uint32_t SurfaceRigid::state_of(const Surface& surface, ObjectId body) {
 }
 
 void SurfaceRigid::begin(StepContext&) {
-  wake_left();  // a body may go without a new plan
+  wake_left();  // a body may be destroyed without a new plan
   contact_states_.clear();
 }
 
@@ -137,7 +133,7 @@ void SurfaceRigid::find_candidates(StepContext& c) {
     if (objects_.alive(a.body)) connect(a.surface, rigid_.index(a.body));
 }
 
-// What a dynamic body gets from one surface reaches the others that act on it within a substep.
+// Surfaces that act on the same dynamic body act on each other through it within a substep: one group.
 void SurfaceRigid::connect(std::uint32_t surface, std::uint32_t body) {
   const Bodies& b = rigid_.bodies();
   const std::uint32_t solver_index = solver_bodies_.index[b.solver_slot[body]];
@@ -145,11 +141,12 @@ void SurfaceRigid::connect(std::uint32_t surface, std::uint32_t body) {
     surfaces_.connections.push_back({surface, 0, solver_index});
 }
 
-// A pin inside a shape asks for what cannot be. Said once for a surface and a body, with the deepest pin.
+// A pin inside a shape contradicts its contact. One warning for a surface and a body, with the deepest pin.
 void SurfaceRigid::warn_of_pins(const Surface& s, std::uint32_t k, StepContext& c) {
   const ObjectId body = colliders_.object[k];
   for (const Warned& w : warned_)
     if (w.surface == s.object && w.body == body) return;
+  // number and depth of the pins inside
   Real deepest = 0;
   int count = 0;
   std::uint32_t point = 0;
@@ -176,6 +173,7 @@ void SurfaceRigid::warn_of_pins(const Surface& s, std::uint32_t k, StepContext& 
 void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
   const Surface& s = surfaces_.list[n];
   if (s.balls && s.triangles.empty()) return;
+  // boxes of points, swept over the step
   const Vec3 fall = c.gravity * (c.dt * c.dt);
   Aabb all;
   for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
@@ -186,6 +184,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     b.grow((s.coasts ? kMarginCoasting : kMargin) * s.thickness);
     all.include(b);
   }
+  // colliders near the surface, by their swept boxes
   Aabb wide = all;
   wide.grow(farthest_);
   collide_.near(wide, near_);
@@ -196,6 +195,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
     if (!s.active && !body_moves) continue;
+    // points, unless they are colliders of their own
     connect(n, colliders_.owner_index[k]);
     const Shape& shape = *colliders_.shape[k];
     const Aabb own = shape.bounds(Pose{});
@@ -208,7 +208,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
         if (overlaps(box_[i], box) && !anchored(i, body)) candidates_.push_back({n, k, i, 0});
     }
-    // a plane is met by corners alone
+    // triangles: not against planes, which corners alone can be in contact with
     if (!s.active || !is_finite(shape.extent(Vec3(0, 0, 0)))) continue;
     for (std::uint32_t t = 0; t < s.triangles.size() / 3; ++t) {
       const std::uint32_t* q = &s.triangles[3 * t];
@@ -221,7 +221,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
   }
 }
 
-// What the rows of this substep did.
+// Impulses of the rows of this substep, for the contact states.
 void SurfaceRigid::collect(StepContext& c) {
   for (std::size_t k = 0; k < surfaces_.group_count; ++k) collect_group(k, c);
 }
@@ -237,6 +237,7 @@ void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
     if (g > 0 && dot(r.normal, c.gravity) > kSupport * g) t.support += r.impulse;
     t.speed = std::max(t.speed, r.approach);
     if (r.impulse <= t.strongest) continue;
+    // point, normal and slip of the strongest row
     t.strongest = r.impulse;
     int heaviest = 0;
     for (int k = 1; k < 3; ++k)
@@ -260,7 +261,7 @@ const Surface* SurfaceRigid::surface_of(ObjectId object) const {
   return nullptr;
 }
 
-// In the order of the objects.
+// Reports in the order of the objects.
 void SurfaceRigid::finish(StepContext&) {
   std::sort(contact_states_.begin(), contact_states_.end(), [](const ContactState& x, const ContactState& y) {
     return x.surface != y.surface ? x.surface < y.surface : x.body < y.body;
@@ -277,9 +278,9 @@ void SurfaceRigid::finish(StepContext&) {
   surfaces_.clear_rows();
 }
 
-// Points of nets are told of by collide, in the order of the objects: so are their faces.
+// Points of nets are reported by collide, with the two objects in their order: so are their faces.
 void SurfaceRigid::report(const ContactState& t, const Surface& s) {
-  FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // a part of it
+  FEDER_ASSERT(!(t.support > Real(1.001) * t.impulse));  // support is a part of it
   surfaces_.carried.push_back({t.surface, t.body, t.impulse, t.support});
   const Bodies& b = rigid_.bodies();
   const std::uint32_t body = rigid_.index(t.body);
@@ -310,7 +311,7 @@ void SurfaceRigid::validate() const {
   for (const Warned& w : warned_) FEDER_ASSERT(objects_.alive(w.surface) && objects_.alive(w.body));
   for (std::size_t k = 0; k < surfaces_.group_count; ++k)
     for (const SurfaceRow& r : surfaces_.groups[k]->rows)
-      FEDER_ASSERT(r.contact_state == kNone);  // they live in a substep
+      FEDER_ASSERT(r.contact_state == kNone);  // rows live within a substep
   FEDER_ASSERT(!refreshing());
 }
 

@@ -1,6 +1,6 @@
-// Surfaces and rigid bodies in one world: points and triangles against every shape, by the narrow phase that bodies
-// use. Exists as soon as a world has both. Rows go to the loop of the surface's group, which pushes both sides at the
-// same moment. Points that are colliders of their own (of nets) meet bodies there, and only their triangles here.
+// Surfaces and rigid bodies in one world: contact of points and triangles with every shape, by the narrow phase that
+// bodies use. Exists as soon as a world has both. Rows go to the loop of the surface's group, which pushes both sides
+// at the same moment. Points that are colliders of their own (of nets) collide there, and only their triangles here.
 #pragma once
 #include "feder/query.h"
 #include "feder/rigid.h"
@@ -20,32 +20,32 @@ class SurfaceRigid final : public System {
   ~SurfaceRigid() override;
 
   void add_passes(StepPlan& plan) override;
-  std::size_t count() const override;  // surfaces and bodies that touch now
+  std::size_t count() const override;  // pairs of surface and body in contact now
   void hash(Hash& h) const override;
   void save(Writer& w) const override;
   void load(Reader& r) override;
   void validate() const override;
 
  private:
-  // A point or triangle near a collider in this step.
+  // Candidate of this step: a point or triangle near a collider.
   struct Candidate {
     std::uint32_t surface = 0;  // in Surfaces::list
     std::uint32_t collider = 0;
     std::uint32_t index = 0;     // of the point in Surfaces, or of the triangle within its surface
     std::uint32_t triangle = 0;  // 1: the latter
   };
-  // What a surface and a body did to each other in this step.
+  // Contact state of a surface and a body in this step.
   struct ContactState {
     ObjectId surface, body;
-    Real impulse = 0;                                  // N s; 0: they were only near
+    Real impulse = 0;                                  // N s; 0: a row, but no contact
     Real support = 0;                                  // the part of it against gravity, N s
     Real speed = 0;                                    // closing, m/s
     Real slip = 0;                                     // m/s
-    std::uint32_t index = 0;                           // of the point pushed most
+    std::uint32_t index = 0;                           // of the point with the largest impulse
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from the surface to the body
     Real strongest = 0;
   };
-  // A collider as it is now.
+  // Present pose and velocity of a collider's body.
   struct BodyPose {
     Pose pose;
     Vec3 center = Vec3::Zero();  // of mass, m
@@ -83,6 +83,7 @@ class SurfaceRigid final : public System {
     return surfaces_.position[point] + surfaces_.delta_position[point].vec();
   }
 
+  Arena& arena_;
   Surfaces& surfaces_;
   Rigid& rigid_;
   Collide& collide_;
@@ -91,24 +92,24 @@ class SurfaceRigid final : public System {
   Objects& objects_;
   ContactBook& contacts_;
   const std::uint32_t finder_;
-  Array<Candidate> candidates_;
-  Array<ContactState> contact_states_;
-  Array<Aabb> box_;                     // by point: swept over the step
-  Array<Real> smallest_;                // by collider: half of its least size, m
-  Array<std::uint32_t> near_;           // colliders near a surface
-  Real farthest_ = 0;                   // m, beyond its box that a collider may be looked for in this step
-  std::vector<ShapePtr> point_shapes_;  // by surface: a sphere of half the thickness
-  Real speculative_time_ = 0;           // s, for which rows are made
-  Array<Real> pin_depth_;               // by point: of pins in the collider whose rows are being made, m
-  Array<std::uint32_t> deep_pins_;      // those where it is not 0
-  Array<Real> cfl_number_;              // by group: the largest travel in a substep over what a row stands
-  std::uint32_t refreshing_ = kNone;    // the group whose rows are made between solver substeps
+  Array<Candidate> candidates_{&arena_};
+  Array<ContactState> contact_states_{&arena_};
+  Array<Aabb> box_{&arena_};                 // by point: swept over the step
+  Array<Real> smallest_{&arena_};            // by collider: half of its least size, m
+  Array<std::uint32_t> near_{&arena_};       // colliders near a surface
+  Real farthest_ = 0;                        // m, margin for the motion of colliders in this step
+  std::vector<ShapePtr> point_shapes_;       // by surface: a sphere of half the thickness
+  Real speculative_time_ = 0;                // s, for which rows are made
+  Array<Real> pin_depth_{&arena_};           // by point: of pins in the collider whose rows are being made, m
+  Array<std::uint32_t> deep_pins_{&arena_};  // points where it is not 0
+  Array<Real> cfl_number_{&arena_};          // by group: the largest travel in a substep over what a row allows
+  std::uint32_t refreshing_ = kNone;         // the group whose rows are made between solver substeps
   bool refreshing() const { return refreshing_ != kNone; }
   // Pairs whose warning of pins inside was sent.
   struct Warned {
     ObjectId surface, body;
   };
-  Array<Warned> warned_;
+  Array<Warned> warned_{&arena_};
 };
 
 }  // namespace feder

@@ -1,11 +1,13 @@
 // Contact rows of a substep. A point is a ball of half the thickness, a triangle three points rounded by it; both are
-// tested against a collider by the narrow phase that bodies use. Triangles give rows only where something pokes
-// between their corners (a ball, an edge, a tip), because corners have rows of their own.
-// What would pass more than part of the body's size in the substep is cast along its relative motion instead: the
-// normal is then that of the moment of impact, so nothing slips through, and nothing beside the path is caught.
-// A row acts at the cloth's point on both sides, so linear and angular momentum pass on exactly.
-// A pin that lies within half the thickness of a shape, or inside it, cannot be pushed out: triangles at it may be as
-// deep as the line from its depth to that of corners outside, and a point that is all but pinned gives no row.
+// tested against a collider by the narrow phase that bodies use. Triangles give rows only where a shape meets them
+// between their corners (a ball, an edge, a tip), because corners have rows of their own. Speculative contacts: a pair
+// within its motion of the substep gets a row before it is in contact. One that would pass more than part of the body's
+// size is cast along its relative motion instead (conservative advancement): the normal is then that of the time of
+// impact, so nothing tunnels, and nothing beside the path collides. A row acts at the cloth's point on both sides, so
+// linear and angular momentum are passed on exactly. A pin within half the thickness of a shape, or inside it, cannot
+// be pushed out: triangles at it may be as deep as the line from its depth to that of corners outside, and a point that
+// is all but pinned gives no row. Kept between calls: nothing. Weak spot: normals are frozen until rows are made again
+// (refresh_rows).
 #include <algorithm>
 #include <cmath>
 
@@ -17,11 +19,11 @@
 namespace feder {
 namespace {
 
-constexpr Real kCastShare = Real(0.25);  // of the body's half size: faster passes are cast
-constexpr Real kWatch = 1;               // thicknesses: what is nearer gets a row, as strained cloth snaps by as much
-constexpr Real kWatchCoasting = Real(0.1);  // the same of what goes straight on in a substep
-constexpr Real kCorner = Real(0.95);        // barycentric weight from which on a point is the corner's own
-constexpr Real kFreeShare = Real(0.05);     // weight of free corners up to which a point is the pinned ones' own
+constexpr Real kCastShare = Real(0.25);                   // of the body's half size: faster passes are cast
+constexpr Real kSpeculativeDistance = 1;                  // thicknesses, as strained cloth snaps back by as much
+constexpr Real kSpeculativeDistanceCoasting = Real(0.1);  // the same for surfaces that coast
+constexpr Real kCorner = Real(0.95);     // barycentric weight above which a point is that of the corner
+constexpr Real kFreeShare = Real(0.05);  // weight of free corners below which a point is that of the pinned ones
 
 // Weights of the point of the triangle 0, b, c nearest to p.
 void nearest_weights(const Vec3& p, const Vec3& b, const Vec3& c, Real (&w)[3]) {
@@ -44,19 +46,20 @@ void SurfaceRigid::make_rows(StepContext& c) {
   fill_rows(c);
 }
 
-// Where things pass each other fast, rows are made anew several times in a substep: the cloth wraps what strikes it.
+// Where the CFL number of a group is above 1, rows are made anew several times in a substep: cloth wraps round a fast
+// body.
 void SurfaceRigid::refresh_rows(StepContext& c) {
   const int done = c.inner.index, count = c.inner.count;
   const std::size_t group = static_cast<std::size_t>(c.inner.group);
   if (done == 0 || cfl_number_.size() != surfaces_.group_count || !(cfl_number_[group] > 1)) return;
-  // bounded before it becomes an int: bodies of a cloth that blows up hurry without end
+  // bounded before it becomes an int: the velocities of a cloth that diverges have no bound
   const int wanted = static_cast<int>(std::min(static_cast<Real>(count), 2 * cfl_number_[group]));
   FEDER_ASSERT(done > 0 && done < count);
   const int refreshes = std::min(count, wanted + 1), every = count / refreshes;
   if (done % every != 0) return;
   collect_group(group, c);
   Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
-  std::erase_if(rows, [](const SurfaceRow& r) { return r.contact_state != kNone; });  // those of fluids stay
+  std::erase_if(rows, [](const SurfaceRow& r) { return r.contact_state != kNone; });  // rows of fluids stay
   refreshing_ = static_cast<std::uint32_t>(group);
   speculative_time_ = c.h * static_cast<Real>(every) / static_cast<Real>(count);
   fill_rows(c);
@@ -85,7 +88,8 @@ void SurfaceRigid::fill_rows(StepContext& c) {
   }
 }
 
-// How deep a pin is in what does not give way either, half the thickness included. Its triangles come after it.
+// Depth of a pin in a collider that is not dynamic, half the thickness included. Its triangles come after it in the
+// list.
 void SurfaceRigid::measure_pin(const Candidate& k, const BodyPose& at, Real radius) {
   Vec3 normal;
   const Vec3 x = to_local(at.pose, current_position(k.index));
@@ -96,12 +100,13 @@ void SurfaceRigid::measure_pin(const Candidate& k, const BodyPose& at, Real radi
   deep_pins_.push_back(k.index);
 }
 
-// `normal` from the body to the cloth; `gap` beyond the thickness now; `point` on the cloth.
+// `normal`: from the body to the cloth; `gap`: present distance beyond the thickness; `point`: on the cloth.
 void SurfaceRigid::add_row(const Candidate& k, const BodyPose& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                            const Vec3& normal, Real gap, const Vec3& point) {
   const Surface& info = surfaces_.list[k.surface];
-  FEDER_ASSERT(info.active);  // it is woken instead
+  FEDER_ASSERT(info.active);  // sleepers are woken instead
   FEDER_ASSERT(is_direction(normal) && sums_to(weight, 1));
+  // vertices and weights; depths of pins are allowed for
   SurfaceRow r;
   Vec3 d = Vec3::Zero();
   Real free = 0;
@@ -113,6 +118,7 @@ void SurfaceRigid::add_row(const Candidate& k, const BodyPose& at, const std::ui
     if (x.w != 0) free += weight[i];
     if (k.triangle) gap += weight[i] * pin_depth_[v[i]];
   }
+  // all but pinned: only the body moves
   if (free < kFreeShare) {
     if (at.solver_index == 0) return;  // nothing here can move
     for (int i = 0; i < 3; ++i)
@@ -124,6 +130,7 @@ void SurfaceRigid::add_row(const Candidate& k, const BodyPose& at, const std::ui
   r.arm = point - at.center;
   if (refreshing() && at.solver_index)
     d -= surfaces_.body_delta_position[at.solver_index] + cross(surfaces_.body_delta_rotation[at.solver_index], r.arm);
+  // C = gap along the normal, linear in displacements since the start of the step
   r.offset = gap - dot(normal, d);
   r.friction = std::sqrt(info.friction * colliders_.friction_dynamic[k.collider]);
   const Vec3 slide = colliders_.surface_velocity[k.collider];
@@ -143,17 +150,20 @@ void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContex
   if (info.active && surfaces_.delta_position[k.index].w == 0 &&
       colliders_.motion[k.collider] != ColliderMotion::dynamic)
     return measure_pin(k, at, radius);
+  // relative motion of the time that the row is made for, and the CFL number of the group
   const Vec3 u = surfaces_.velocity[k.index].vec() - at.velocity - cross(at.angular_velocity, x - at.center);
   const Vec3 travel = speculative_time_ * u + (speculative_time_ * speculative_time_) * c.gravity;
-  const Real nearest_travel = length(travel);
+  const Real travel_length = length(travel);
+  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
   if (!refreshing()) {
     Real& cfl_number = cfl_number_[surfaces_.group_of(k.surface)];
-    cfl_number = std::max(cfl_number, nearest_travel / (radius + kCastShare * smallest_[k.collider]));
+    cfl_number = std::max(cfl_number, travel_length / cast_travel);
   }
   const std::uint32_t v[3] = {k.index, k.index, k.index};
   const Real weight[3] = {1, 0, 0};
   const Shape& shape = *colliders_.shape[k.collider];
-  if (nearest_travel > radius + kCastShare * smallest_[k.collider]) {
+  // fast: the row of the time of impact
+  if (travel_length > cast_travel) {
     CastHit hit;
     if (shape_cast(ball, {x, Quat{}}, travel, shape, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
@@ -162,9 +172,10 @@ void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContex
       return add_row(k, at, v, weight, hit.normal, hit.fraction * closing, x);
     }
   }
+  // speculative contact within the motion
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real margin = std::min(nearest_travel, radius + kCastShare * smallest_[k.collider]) + kWatch * info.thickness;
+  const Real margin = std::min(travel_length, cast_travel) + kSpeculativeDistance * info.thickness;
   Aabb near{x, x};
   near.grow(radius + margin);
   if (!overlaps(near, at.box)) return;
@@ -172,8 +183,8 @@ void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContex
   for (int i = 0; i < count; ++i) {
     if (m[i].count == 0) continue;
     if (!info.active) {
-      // something moves against a sleeper
-      if (m[i].points[0].separation < Real(0.1) * info.thickness && nearest_travel > Real(0.05) * speculative_time_)
+      // a moving body wakes a sleeper
+      if (m[i].points[0].separation < Real(0.1) * info.thickness && travel_length > Real(0.05) * speculative_time_)
         wake(info, colliders_.object[k.collider]);
       return;
     }
@@ -191,19 +202,22 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepCon
   const Vec3 body_velocity = at.velocity + cross(at.angular_velocity, middle - at.center),
              fall = (speculative_time_ * speculative_time_) * c.gravity;
   Vec3 travel = fall;
-  // a corner that goes with the body is near it now: only what comes as a whole is cast
-  Real nearest_travel = kInfinity, farthest = 0;
+  // relative motion of the corners: one that moves with the body is near it now, so only a triangle that approaches
+  // with all of them is cast
+  Real least_travel = kInfinity, most_travel = 0;
   for (int i = 0; i < 3; ++i) {
     const Vec3 u = surfaces_.velocity[v[i]].vec() - body_velocity;
     travel += speculative_time_ / 3 * u;
     const Real far = length(Vec3(speculative_time_ * u + fall));
-    nearest_travel = std::min(nearest_travel, far), farthest = std::max(farthest, far);
+    least_travel = std::min(least_travel, far), most_travel = std::max(most_travel, far);
   }
+  // fast: the row of the time of impact
   const Real radius = Real(0.5) * info.thickness;
+  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
   const SurfaceTriangle shape(b, e, radius);
   const Shape& body = *colliders_.shape[k.collider];
   Real weight[3];
-  if (nearest_travel > radius + kCastShare * smallest_[k.collider]) {
+  if (least_travel > cast_travel) {
     CastHit hit;
     if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
       const Real closing = -dot(hit.normal, travel);
@@ -212,17 +226,18 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepCon
       return;
     }
   }
+  // speculative contacts between the corners
   Manifold m[kMaxManifolds];
   PairCache cache;
-  const Real watch = info.coasts ? kWatchCoasting : kWatch;
-  const Real margin = std::min(farthest, radius + smallest_[k.collider]) + watch * info.thickness;
+  const Real speculative_distance = info.coasts ? kSpeculativeDistanceCoasting : kSpeculativeDistance;
+  const Real margin = std::min(most_travel, radius + smallest_[k.collider]) + speculative_distance * info.thickness;
   Aabb near = shape.bounds({a, Quat{}});
   near.grow(margin);
   if (!overlaps(near, at.box)) return;
   const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < m[i].count; ++j) {
-      // from midway between the surfaces to the triangle: what pushes beside the normal would turn a ball
+      // from midway between the surfaces to the triangle: a push beside the normal would spin a ball
       const ManifoldPoint& p = m[i].points[j];
       nearest_weights(p.position - (radius + p.separation / 2) * m[i].normal - a, b, e, weight);
       if (std::max({weight[0], weight[1], weight[2]}) > kCorner) continue;

@@ -1,4 +1,4 @@
-// A triangle of a surface as a convex shape: three points rounded by half the thickness. Lives in a step only.
+// A triangle of a surface as a convex shape: three points rounded by half the thickness. Made where a test needs it.
 #pragma once
 #include "feder/shape.h"
 #include "geom/closest.h"
@@ -39,7 +39,7 @@ class SurfaceTriangle final : public Shape {
       out[0] = p_[0], out[1] = p_[front ? 1 : 2], out[2] = p_[front ? 2 : 1];
       return 3;
     }
-    // seen from the side: all but the corner that lies deepest
+    // edge-on: all but the lowest corner along d
     const Real along[3] = {dot(p_[0], d), dot(p_[1], d), dot(p_[2], d)};
     const int low = along[0] <= along[1] && along[0] <= along[2] ? 0 : along[1] <= along[2] ? 1 : 2;
     out[0] = p_[(low + 1) % 3], out[1] = p_[(low + 2) % 3];

@@ -1,9 +1,9 @@
-// Particles and walls. Contacts are planes through the nearest points, found where the substep starts; while the
-// particles move, distances are read from the planes, which follow their bodies. A convex solid lies wholly behind
-// each of its planes, so what stays in front of them cannot have passed it; where a particle comes behind one, the
-// exact shape and the way since decide.
-// Kept between calls: nothing. Weak spot: a particle that is pressed between two walls that come nearer than twice the
-// guard distance has no place to go; it stays where the last wall left it.
+// Contacts of particles with the boundary: tangent planes through the nearest points, found where the substep starts.
+// While the particles move, distances are read from the planes, which follow their bodies. A convex solid lies wholly
+// behind each of its planes, so a particle that stays in front of them cannot have passed it; where one comes behind a
+// plane, the exact distance and a ray along its displacement decide (project_out).
+// Kept between calls: nothing. Weak spot: a particle pressed between two solids that come nearer than twice the
+// clearance cannot satisfy both; it stays where the last one left it.
 #include <algorithm>
 
 #include "fluid/pool.h"
@@ -11,8 +11,8 @@
 namespace feder {
 namespace {
 
-constexpr int kMaxShapes = 64;        // near a run of particles, before all are asked
-constexpr int kProjectionRounds = 4;  // corners of several walls
+constexpr int kMaxShapes = 64;        // listed near a run of particles, before all are visited
+constexpr int kProjectionRounds = 4;  // for corners of several solids
 
 struct NearShapes {
   std::uint32_t list[kMaxShapes];
@@ -22,7 +22,7 @@ struct NearShapes {
 
 Vec3 boundary_velocity(const BoundaryBody& b, const Vec3& x) { return b.velocity_at(x); }
 
-// Swept against a mesh: it has no inside, so only the way tells.
+// A mesh has no inside: whether a particle passed it follows from a ray along its displacement.
 bool crosses(const BoundaryShape& w, const Vec3& from, const Vec3& to, RayHit& hit) {
   return w.shape->raycast(from, to - from, hit) && hit.fraction < 1;
 }
@@ -59,6 +59,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   const auto swept_bounds = [&](std::uint32_t i, const BoundaryBody& b) {
     return support + fall + speculative_time * length(Vec3(v[i].vec() - boundary_velocity(b, start[i].vec())));
   };
+  // broad phase: shapes that a run of neighbouring particles may meet
   const auto near_shapes = [&](std::uint32_t first, std::uint32_t last, NearShapes& near) {
     Aabb box;
     Real speed = 0;
@@ -82,6 +83,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
       near.list[near.count++] = w;
     }
   };
+  // narrow phase: f(shape, distance, position and normal in its frame) for those near particle i
   const auto visit = [&](std::uint32_t i, const NearShapes& near, auto&& f) {
     const int n = near.all ? static_cast<int>(boundary.shapes.size()) : near.count;
     for (int k = 0; k < n; ++k) {
@@ -99,8 +101,9 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
       if (d < margin) f(w, d, local, n_local);
     }
   };
-  constexpr JobGrain kRun{64, 3'000};  // particles that share a list of walls
+  constexpr JobGrain kRun{64, 3'000};  // particles that share a list of shapes
 
+  // count the contacts of each particle, then their first indices
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
     NearShapes near;
     near_shapes(first, last, near);
@@ -119,6 +122,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   contact_first[count] = total;
   if (contacts.size() < total) contacts.resize(total + total / 4);
 
+  // fill them; with push_out, particles inside a solid leave it
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
     NearShapes near;
     near_shapes(first, last, near);
@@ -142,7 +146,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
       });
       FEDER_ASSERT(at == contact_first[i + 1]);  // as many as were counted
       if (!push_out || out.isZero(0)) continue;
-      // a wall has come over it since: moved, but not accelerated
+      // a solid has moved over it: the particle is moved, but not accelerated
       start[i].set(start[i].vec() + out);
       x[i].set(x[i].vec() + out);
     }
@@ -153,7 +157,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   record_contact_states(boundary);
 }
 
-// A particle at rest beside a wall lies half a spacing from it.
+// Particles nearer than 0.75 spacings are in contact: at rest they lie half a spacing from the boundary.
 void FluidPool::record_contact_states(const Boundary& boundary) {
   if (contact_states.size() < boundary.bodies.size()) contact_states.resize(boundary.bodies.size());
   const auto at = [&](const BoundaryContact& c) -> FluidContactState& {
@@ -204,10 +208,12 @@ void FluidPool::project_out(Boundary& boundary) {
       for (const BoundaryContact& c : contacts_of(i)) {
         FEDER_ASSERT(c.particle == i && c.shape < boundary.shapes.size());
         const BoundaryShape& w = boundary.shapes[c.shape];
+        // the plane where the body is now; nothing to do in front of it
         Vec3 at = x[i].vec(), n = rotate(w.pose.rotation, c.local_normal);
         Real d = dot(n, at - w.pose.position) - c.local_offset;
         const bool one_sided = w.shape->convex() || w.shape->extent(Vec3::Zero()) == kInfinity;
         if (one_sided && d >= clearance) continue;
+        // behind it: exact distance and the ray from where the contact was made
         const Vec3 local = to_local(w.pose, at);
         Vec3 exact;
         const Real near = w.shape->distance(local, support, exact);
@@ -221,17 +227,18 @@ void FluidPool::project_out(Boundary& boundary) {
           }
         } else {
           if (near >= clearance) continue;
-          // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, and
-          // behind that one another wall
+          // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, with
+          // another solid behind it
           if (!one_sided) n = rotate(w.pose.rotation, exact), d = near;
         }
         if (d >= clearance) continue;
+        // position, then the closing velocity
         x[i].set(at + (clearance - d) * n);
         moved = true;
         BoundaryBody& b = boundary.bodies[w.body];
         const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
         if (closing >= 0) continue;
-        // fully plastic, the pair's own masses: what the particle loses the body gains
+        // fully plastic, by the masses of the pair: the body gains the momentum that the particle loses
         const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
         FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
         const Vec3 p = (-closing * share * mass) * n;

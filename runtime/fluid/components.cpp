@@ -1,13 +1,13 @@
-// Connected components of a fluid, for the CFL number. What the number bounds is how far particles move against what
-// acts on them in a substep (Courant, Friedrichs & Lewy 1928), so a velocity that a whole component shares is none of
-// it: the equations are the same in its frame (Galilei). Components are runs of occupied cells of the neighbour grid
-// that touch, corners included, so that what is apart is farther apart than the support; as runs of pixels are labelled
-// (Rosenfeld & Pfaltz 1966). Those whose boxes come nearer than the support within the substep, along the difference of
-// their velocities, are one. A component of one particle that meets walls alone does not count: it has no pressure to
-// resolve, and the non-penetration projection keeps it from passing. One of several that meets a wall, the pool in its
-// tank, counts in the frame of the world; so does one that hardly moves as a whole.
-// Kept between calls: nothing. Weak spot: boxes. A drop within the box of a large component (between the walls of a
-// splash) or on a slanted way beside one counts as met before it is.
+// Connected components of a fluid, for the CFL number. The number bounds how far particles move relative to what acts
+// on them in a substep (Courant, Friedrichs & Lewy 1928), so a velocity that a whole component shares does not count:
+// the equations are the same in its frame (Galilei). Components are runs of occupied cells of the neighbour grid that
+// are adjacent, corners included, so separate ones are farther apart than the support; runs are labelled as runs of
+// pixels are (Rosenfeld & Pfaltz 1966). Components whose boxes come nearer than the support within the substep, along
+// the difference of their velocities, are united. A component of one particle that meets only the boundary does not
+// count: it has no pressure to resolve, and the non-penetration projection keeps it from passing. One of several
+// particles that meets the boundary, the pool in its tank, counts in the frame of the world; so does one that hardly
+// moves as a whole. Kept between calls: nothing. Weak spot: boxes. A drop within the box of a large component (between
+// the walls of a splash), or on a slanted path beside one, counts as met before it is.
 #include "fluid/components.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace feder {
 namespace {
 
-constexpr int kMaxTraceSteps = 16;  // of a way beside a wall, before it counts as met
+constexpr int kMaxTraceSteps = 16;  // of sphere tracing beside a solid, before it counts as met
 
 // Occupied cells side by side along x. Their particles are order[first .. last).
 struct CellRun {
@@ -35,7 +35,8 @@ struct Component {
 
   // Its frame, m/s: the middle of its velocities where that is faster than it moves within itself.
   Vec3 velocity() const { return moves() ? middle() : Vec3(Vec3::Zero()); }
-  // In this frame, m^2/s^2; from the middle no corner of the box is farther than half its diagonal.
+  // Largest squared speed in this frame, m^2/s^2: no corner of the box of velocities is farther from its middle than
+  // half the diagonal.
   Real frame_speed2() const { return moves() ? spread2() : speed2; }
   Real frame_speed() const { return std::sqrt(frame_speed2()); }
   bool moves() const { return !meets_shape && dot(middle(), middle()) > spread2(); }
@@ -98,7 +99,7 @@ std::uint32_t find_runs(const CellGrid& g, CellRun* runs, std::uint32_t* row_fir
   return n;
 }
 
-// Joins the runs of two rows side by side that touch.
+// Unites the adjacent runs of two neighbouring rows.
 void join_rows(CellRun* runs, const std::uint32_t* row_first, std::uint32_t a, std::uint32_t b) {
   std::uint32_t i = row_first[a], j = row_first[b];
   while (i < row_first[a + 1] && j < row_first[b + 1]) {
@@ -121,29 +122,29 @@ void join_runs(const CellGrid& g, CellRun* runs, const std::uint32_t* row_first)
     }
 }
 
-// Does a box that moves by `travel` come nearer than `margin` to a wall? The plane through the nearest point of a
-// convex shape has it all behind; else a ball about the box is traced along the way in steps of the distance, like a
-// ray in a distance field (Hart 1996). A wall beside the way is not met.
+// Whether a box that moves by `travel` comes nearer than `margin` to a solid. A convex shape lies wholly behind the
+// plane through its nearest point; for others the bounding ball of the box is traced along its path in steps of the
+// distance (sphere tracing, Hart 1996), so a solid beside the path is not met.
 bool meets_shape(const Aabb& box, const Vec3& travel, Real margin, const BoundaryShape& w) {
   const Vec3 middle = (box.lo + box.hi) / 2, half = (box.hi - box.lo) / 2;
-  const Real margin_to_center = length(half) + margin, whole = length(travel);
+  const Real ball_radius = length(half) + margin, whole = length(travel);
   Aabb swept{middle, middle};
   swept.include(Vec3(middle + travel));
-  swept.grow(margin_to_center);
+  swept.grow(ball_radius);
   if (!overlaps(swept, w.box)) return false;
-  Real gone = 0;
+  Real traced = 0;  // m
   for (int step = 0;; ++step) {
-    const Vec3 at = whole > 0 ? Vec3(middle + (gone / whole) * travel) : middle;
+    const Vec3 at = whole > 0 ? Vec3(middle + (traced / whole) * travel) : middle;
     Vec3 normal = Vec3::Zero();
-    const Real d = w.shape->distance(to_local(w.pose, at), margin_to_center + whole, normal);
-    if (d >= margin_to_center + whole) return false;
+    const Real d = w.shape->distance(to_local(w.pose, at), ball_radius + whole, normal);
+    if (d >= ball_radius + whole) return false;
     if (step == 0 && w.shape->convex()) {
       const Vec3 n = rotate(w.pose.rotation, normal);
       if (d + std::min(Real(0), dot(n, travel)) > dot(n.cwiseAbs(), half) + margin) return false;
     }
-    if (!(d > margin_to_center) || step == kMaxTraceSteps) return true;
-    gone += d - margin_to_center;
-    if (gone >= whole) return false;
+    if (!(d > ball_radius) || step == kMaxTraceSteps) return true;
+    traced += d - ball_radius;
+    if (traced >= whole) return false;
   }
 }
 
@@ -160,7 +161,7 @@ bool meets_boundary(const Component& c, const FluidPool& p, const Boundary& boun
   return false;
 }
 
-// Do they come nearer than the support within h? Of the two what moves within each counts in all directions.
+// Whether two components come nearer than the support within h; the motion within each counts in all directions.
 bool meet(const Component& a, const Component& b, Real support, Real h, Real fall) {
   Aabb swept = a.box;
   const Vec3 travel = h * (a.velocity() - b.velocity());
@@ -169,7 +170,7 @@ bool meet(const Component& a, const Component& b, Real support, Real h, Real fal
   return overlaps(swept, b.box);
 }
 
-// Unites the components that meet: sorted along x by the boxes of their ways.
+// Unites the components that meet: sort and sweep along x over their swept boxes.
 void unite_meeting(Component* list, std::uint32_t n, Real support, const StepContext& c, Real fall) {
   struct Entry {
     Aabb swept;
@@ -191,7 +192,7 @@ void unite_meeting(Component* list, std::uint32_t n, Real support, const StepCon
       const std::uint32_t a = entries[i].component, b = entries[j].component;
       if (overlaps(entries[i].swept, entries[j].swept) && meet(list[a], list[b], support, c.h, fall)) unite(list, a, b);
     }
-  // roots have the smallest number of theirs, so they come first; what moves with whom is settled before it is summed
+  // roots have the smallest index of their sets; velocities are summed only after all are united
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t root = root_of(list, k);
     FEDER_ASSERT(root <= k);
@@ -203,6 +204,7 @@ void unite_meeting(Component* list, std::uint32_t n, Real support, const StepCon
 
 FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext& c) {
   FEDER_ASSERT(p.count > 0 && c.h > 0);
+  // runs of occupied cells
   p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, p.order);
   const std::size_t rows = static_cast<std::size_t>(p.grid.cells(1)) * static_cast<std::size_t>(p.grid.cells(2));
   std::uint32_t* row_first = c.scratch->take<std::uint32_t>(rows + 1);
@@ -211,7 +213,7 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
   FEDER_ASSERT(n >= 1 && n <= p.count);
   join_runs(p.grid, runs, row_first);
 
-  // a run's root has a smaller number than the run, hence its component by now
+  // components by run: a root has a smaller index than its runs, so its component is known
   std::uint32_t components = 0;
   std::uint32_t* component_of = c.scratch->take<std::uint32_t>(n);
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -228,15 +230,17 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
       list[component_of[k]].include(x, p.v[i].vec(), dot(gravity, x));
     }
 
+  // who meets whom in the substep
   const Real fall = length(gravity) * c.h * c.h;
   for (std::uint32_t k = 0; k < components; ++k)
     list[k].meets_shape = list[k].count > 1 && meets_boundary(list[k], p, boundary, c.h, fall);
   if (components > 1) unite_meeting(list, components, p.support, c, fall);
 
+  // isolated particles do not count
   const auto alone = [](const Component& one) { return one.count == 1 && !one.meets_fluid; };
   for (std::uint32_t k = 0; k < n; ++k)
     for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at)
-      p.apart[p.order[at]] = alone(list[root_of(list, component_of[k])]);
+      p.isolated[p.order[at]] = alone(list[root_of(list, component_of[k])]);
 
   FlowScales scales;
   for (std::uint32_t k = 0; k < components; ++k) {

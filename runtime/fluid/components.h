@@ -1,17 +1,17 @@
-// Connected components of a fluid, for the CFL number: which particles can meet within a substep, and at which speed.
+// Connected components of a fluid, for the CFL number: which particles can meet within a substep, at which speed.
 #pragma once
 #include "fluid/pool.h"
 
 namespace feder {
 
-// What one fluid moves at, and the largest g H of a column in it.
+// Largest speed in the frames of a fluid's components, and the largest g H of a column in one.
 struct FlowScales {
   Real speed2 = 0;  // squared, m^2/s^2
   Real head = 0;    // m^2/s^2
 };
 
-// Of positions and velocities alone, so that a restored fluid gets the same. Sorts `grid` and `order` of the pool and
-// writes `apart`; the particles stay where they are. Walls as they start the substep of c.h seconds.
+// From positions and velocities alone, so that a restored fluid gets the same. Sorts `grid` and `order` of the pool and
+// writes `isolated`; the particles keep their order. The boundary is that at the start of the substep of c.h seconds.
 // tests/fluid/test_lone_drop.cpp.
 FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext& c);
 

@@ -1,5 +1,5 @@
-// The fluid system: pools, what is asked of them, and the plan's passes. Particles live in arrays that grow outside
-// steps only.
+// The fluid system: descriptions are checked, pools made, filled and destroyed, and the passes listed. Arrays of
+// particles grow outside steps only.
 #include "feder/fluid.h"
 
 #include <algorithm>
@@ -39,8 +39,7 @@ void check_desc(const FluidDesc& d) {
 
 Fluid::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), objects(s.objects), watched(s.store.need<Watch>("watch")),
-      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed),
-      gone(&arena), swept(&arena), group_number(&arena) {}
+      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
@@ -68,7 +67,7 @@ FluidSolver& Fluid::Impl::solver_of(const FluidPool& p) {
     solvers[k]->boundary = &boundary;
     return *solvers[k];
   }
-  find_variant(table, p.desc.solver, "fluid solver");  // throws, naming the known ones
+  find_variant(table, p.desc.solver, "fluid solver");  // throws: the error names the known solvers
   return *solvers[0];
 }
 
@@ -123,22 +122,18 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
     if (d.fluid == id) drains.push_back(d.object);
   for (const ObjectId e : emitters) destroy_emitter(e, where);
   for (const ObjectId d : drains) destroy_drain(d, where);
-  const std::uint32_t index = m.objects.index(id);
-  FEDER_ASSERT(index < m.pools.size() && m.pools[index]->object == id);
   FEDER_ASSERT(
       std::none_of(m.emitters.begin(), m.emitters.end(), [&](const FluidEmitter& e) { return e.fluid == id; }));
   FEDER_ASSERT(std::none_of(m.drains.begin(), m.drains.end(), [&](const FluidDrain& d) { return d.fluid == id; }));
-  m.pools.erase(m.pools.begin() + index);
-  for (std::uint32_t k = index; k < m.pools.size(); ++k) m.objects.set_index(m.pools[k]->object, k);
-  m.objects.remove(id, std::move(where));
-  *m.structure_changed = true;
+  m.destroy(m.pools, id, std::move(where));
 }
 
-// Whole cells of the lattice that fit into the shape's box, centred in it, but from its bottom upwards.
+// A lattice of whole cells in the shape's box: centred in it along x and z, from its bottom upwards along y.
 std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const Vec3& velocity) {
   FluidPool& p = impl_->pool(id);
   const Aabb box = shape.bounds(Pose{});
   const double d = p.desc.spacing;
+  // cells along each axis, and the middle of the first
   int cells[3];
   Vec3 first;
   double total = 1;
@@ -154,6 +149,7 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
     first[k] = static_cast<Real>(k == 1 && n * d < size ? low + d / 2 : middle - (n - 1) * d / 2);
     if (k == 2 && p.dimension == 2) first[k] = 0;
   }
+  // those whose middle lies in the shape
   std::vector<Vec3> points;
   for (int z = 0; z < cells[2]; ++z)
     for (int y = 0; y < cells[1]; ++y)
@@ -180,7 +176,7 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
                      ", got " + std::to_string(p.count) + " + " + std::to_string(points.size()));
   p.grow(p.count + static_cast<std::uint32_t>(points.size()));
   for (const Vec3& x : points) {
-    // a thousandth of a spacing aside, by its number: particles on the very same spot could not push each other apart
+    // displaced by a thousandth of a spacing, by its id: particles in the same position could not push each other apart
     Rng rng(p.next_id);
     const Real e = Real(1e-3) * p.desc.spacing;
     const Real dx = rng.uniform(-e, e), dy = rng.uniform(-e, e), dz = rng.uniform(-e, e);

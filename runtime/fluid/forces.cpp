@@ -1,13 +1,13 @@
-// Viscosity and surface tension on velocities.
-// Viscosity: the Laplacian of the velocity as a sum over pairs (Monaghan & Gingold 1983; Monaghan 2005), walls by the
-// integral of the same term over the solid with the velocity continued oddly through its face (Morris 1997).
+// Viscosity and surface tension, applied to velocities.
+// Viscosity: the Laplacian of the velocity as a sum over pairs (Monaghan & Gingold 1983; Monaghan 2005), the boundary
+// by the integral of the same term over the solid with the velocity continued oddly through its face (Morris 1997).
 // Tension: neighbours attract each other, strongest at half the support (Akinci, Akinci & Teschner 2013), with the
 // strength that gives a sharp surface the wanted tension (Kirkwood & Buff 1949, pool.cpp): sigma is in N/m. Forces
 // along the lines of pairs, so all momentum is kept. It must not have the shape of the kernel: where the density is
 // held everywhere, attraction by the same kernel is the same everywhere, and there is no tension at all. The colour
 // field's curvature (Brackbill 1992, Mueller 2003) was tried instead: where pressure does not pull, its noise tears the
-// surface apart. Walls do not attract: fluids with tension do not wet. Weak spot: cold particles order themselves; in
-// 3D a drop of a few thousand of them is held by its own lattice and swings too little.
+// surface apart. The boundary does not attract: fluids with tension do not wet. Weak spot: cold particles order
+// themselves; in 3D a drop of a few thousand of them is held by its own lattice and swings too little.
 #include <algorithm>
 #include <cmath>
 
@@ -17,8 +17,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2 over nu, in a step; 0.125 in Morris 1997
-constexpr int kMaxRounds = 64;
+constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2/nu, largest time of a round; 0.125 in Morris 1997
+constexpr int kMaxRounds = 64;             // in a solver substep
 
 Real boundary_distance(const FluidPool& p, const BoundaryContact& k) {
   return dot(k.normal, p.x[k.particle].vec()) - k.offset;
@@ -34,6 +34,7 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
     const Real norm = static_cast<Real>(p.kernel->norm_viscosity[d - 2]);
     factor = nu * p.unit * norm / (r2 * p.support * (d == 3 ? r2 : p.support));
   }
+  // between particles, explicit, all at once
   SweepInput in = p.sweep_input();
   in.soft = Real(1e-6) * r2;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -41,6 +42,7 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i) p.extra[i].set(h * factor * p.extra[i].vec());
   });
   for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + p.extra[i].vec());
+  // at the boundary, implicit in each contact
   for (std::uint32_t i = 0; i < p.count; ++i)
     for (const BoundaryContact& k : p.contacts_of(i)) {
       const Real s = boundary_distance(p, k) / p.support;
@@ -51,7 +53,7 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
       const Vec3 along = slip - dot(slip, k.normal) * k.normal;
       const Real rate = h * nu * p.table->at(std::max(s, Real(0))).friction / (std::max(s, Real(0.05)) * r2);
       FEDER_ASSERT(!(rate < 0));
-      const Vec3 change = -(rate / (1 + rate)) * along;  // implicit: never turns round
+      const Vec3 change = -(rate / (1 + rate)) * along;  // implicit: never reverses the slip
       p.v[i].set(p.v[i].vec() + change);
       if (b.dynamic)
         b.push(at, -p.mass * change);
@@ -74,7 +76,7 @@ void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
                        " are done: the fluid is thinner than asked for; take a larger spacing or more substeps",
                    p.object);
   }
-  // too much for the rounds: as much as they carry
+  // beyond kMaxRounds the viscosity is what they can carry
   const Real each = wanted > kMaxRounds ? kViscousLimit * unit * unit / nu : h / static_cast<Real>(rounds);
   for (int k = 0; k < rounds; ++k) viscous_round(p, boundary, each, c);
 }

@@ -1,8 +1,8 @@
-// Pools that take their fluid substeps together: those of a solver that iterates, where a body that the fluid moves
-// lies in reach of both, so that what one does to it the other meets within the substep. Others run their own loops,
-// one after another: the hungriest does not make all pay. By boxes of the coming substep, so that a body joins what it
-// is about to touch. The explicit solver's pools are each alone. Kept between calls: nothing. Weak spot: boxes; a pool
-// with spray all over the room is near everything.
+// Groups of pools that take their fluid substeps together: pools of a solver that iterates are connected where a body
+// that the fluid moves lies within the support of both, so that its motion by one reaches the other within the substep.
+// Others run their own loops, one after another: the most demanding pool does not set the cost of all. Connections are
+// found by boxes swept over the coming substep. Pools of the explicit solver are each a group. Kept between calls:
+// nothing. Weak spot: boxes; a pool with spray all over the scene is near everything.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@
 namespace feder {
 namespace {
 
-// Where its particles may be in the coming substep, and feel something.
+// Bounds of its particles and their supports in the coming substep.
 Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
   Aabb box;
   Real speed2 = 0;
@@ -23,7 +23,7 @@ Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
   return box;
 }
 
-// Where a wall may be then.
+// Bounds of a solid then.
 Aabb swept_bounds(const BoundaryShape& w, const BoundaryBody& b, Real h) {
   Aabb box = w.box;
   const Real arc = b.angular_velocity.isZero(0) ? Real(0) : length(b.angular_velocity) * w.shape->extent(Vec3::Zero());
@@ -31,7 +31,7 @@ Aabb swept_bounds(const BoundaryShape& w, const BoundaryBody& b, Real h) {
   return box;
 }
 
-// The first pool of its group so far; `group` counts within the solver's pools while groups grow.
+// Root of pool k, the first of its group; while groups grow, `group` counts within the solver's pools.
 std::uint32_t first_of(const std::vector<FluidPool*>& pools, std::uint32_t k) {
   while (pools[k]->group != k) k = pools[k]->group;
   return k;
@@ -66,7 +66,7 @@ void Fluid::Impl::make_groups(StepContext& c) {
     const std::vector<FluidPool*>& members = s->pools;
     for (std::uint32_t k = 0; k < members.size(); ++k) members[k]->group = k;
     if (s->iterates() && members.size() > 1) join_pools(members, c);
-    // numbers within the solver become those of the loop; who is not the first of its group comes after the first
+    // indices within the solver become those of the loop; the first of a group comes before its other members
     group_number.resize(members.size());
     for (std::uint32_t k = 0; k < members.size(); ++k) {
       const std::uint32_t first = first_of(members, k);

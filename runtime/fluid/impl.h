@@ -8,13 +8,13 @@
 
 namespace feder {
 
-// Its state is plain data; sites follow from the settings.
+// Plain data, saved as bytes; nozzle sites follow from the settings.
 struct FluidEmitter {
   ObjectId object, fluid;
   Vec3 position = Vec3::Zero(), direction = Vec3::Zero();
   Real speed = 0, radius = 0, rate = 0;  // rate: particles per second, 0 a full jet
   std::uint64_t limit = 0, made = 0;
-  double clock = 0;  // s it has been running
+  double clock = 0;  // s, for which it has been running
   std::uint32_t running = 1, done = 0;
 };
 
@@ -35,15 +35,15 @@ struct Fluid::Impl {
   Boundary& boundary;
   int dimension;
   bool* structure_changed;
-  std::vector<std::unique_ptr<FluidPool>> pools;      // the object's index is the place here
-  std::vector<std::unique_ptr<FluidSolver>> solvers;  // by row of fluid_solvers(); null while nobody chose it
-  std::vector<FluidEmitter> emitters;                 // likewise
+  std::vector<std::unique_ptr<FluidPool>> pools;      // by object index
+  std::vector<std::unique_ptr<FluidSolver>> solvers;  // by row of fluid_solvers(); null while no pool uses it
+  std::vector<FluidEmitter> emitters;                 // by object index
   std::vector<FluidDrain> drains;
-  std::vector<ShapePtr> shapes;       // of drains, for good: a snapshot may need them
-  Array<std::uint8_t> gone;           // work
-  Array<Aabb> swept;                  // work: by pool of a solver
-  Array<std::uint32_t> group_number;  // likewise
-  std::uint64_t lost = 0;             // particles taken away because they went non-finite
+  std::vector<ShapePtr> shapes;               // of drains, never removed: a snapshot may need them
+  Array<std::uint8_t> marked{&arena};         // work: particles to remove
+  Array<Aabb> swept{&arena};                  // work: by pool of a solver
+  Array<std::uint32_t> group_number{&arena};  // likewise
+  std::uint64_t lost = 0;                     // particles removed because they went non-finite
 
   FluidPool& pool(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kFluidKind);
@@ -51,9 +51,28 @@ struct Fluid::Impl {
   }
   FluidSolver& solver_of(const FluidPool& p);
   void validate_sources() const;  // validate.cpp
+  // Removes an object from its list: later ones move down.
+  template <class List>
+  void destroy(List& list, ObjectId id, std::string where) {
+    const std::uint32_t index = objects.index(id);
+    FEDER_ASSERT(index < list.size() && object_of(list[index]) == id);
+    list.erase(list.begin() + index);
+    for (std::uint32_t k = index; k < list.size(); ++k) objects.set_index(object_of(list[k]), k);
+    objects.remove(id, std::move(where));
+    *structure_changed = true;
+  }
+  static ObjectId object_of(const std::unique_ptr<FluidPool>& p) { return p->object; }
+  template <class Source>
+  static ObjectId object_of(const Source& s) {
+    return s.object;
+  }
   void group_pools();
-  void make_room();  // outside steps: for what the emitters will give
-  std::vector<Vec3> sites(const FluidEmitter& e, const FluidPool& p) const;
+  void make_room();  // outside steps: for particles of the emitters
+  // The sites of an emitter's nozzle: a lattice over its circle (2D: segment), in a fixed order. Calls f(offset, m),
+  // until it returns false.
+  template <class F>
+  static void each_site(const FluidEmitter& e, const FluidPool& p, F&& f);
+  static std::uint64_t site_count(const FluidEmitter& e, const FluidPool& p);
   double full_rate(const FluidEmitter& e, const FluidPool& p) const;
 
   // Passes.
@@ -69,8 +88,14 @@ struct Fluid::Impl {
   void suspect(const FluidPool& p);
   void run_emitter(FluidEmitter& e, StepContext& c);
 
-  void refresh(FluidPool& p);  // lists, contacts and ratios where the particles are, for questions
+  void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;
+  // value(i) of each particle, in the order of making.
+  template <class T, class F>
+  void list_by_id(const FluidPool& p, std::vector<T>& out, F&& value) const {
+    out.clear();
+    for (const std::uint32_t i : by_id(p)) out.push_back(value(i));
+  }
   JobPool one_thread{1};
 };
 

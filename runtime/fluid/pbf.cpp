@@ -1,27 +1,29 @@
-// Position based fluid: every particle has the constraint C = density / rest density - 1 <= 0, and a substep moves
-// predicted positions until the constraints hold. Macklin & Mueller, "Position Based Fluids", TOG 2013, with the
-// compliance of XPBD (Macklin, Mueller & Chentanez 2016): lambda has the unit kg m^2, and -lambda/(h^2 V) is the
-// pressure. What differs:
-//  - the iterations of a substep are Jacobi steps with Chebyshev's semi-iteration in three terms (Golub & Varga 1961):
-//    n of them hold a deep column as well as n^2 plain ones. Unlike steps of unequal length (the roots of the same
-//    polynomial) no round on the way there makes anything larger, so that a clamp in between does little harm. Where
-//    the excess grows from one round to the next all the same, the rest of the rounds are plain Jacobi steps;
-//  - lambda is clamped to pressure (p >= 0): the fluid does not pull, so it neither hangs on walls nor holds suction;
+// Position based fluids: every particle has the constraint C = density / rest density - 1 <= 0, and a substep moves
+// predicted positions until the constraints hold. Macklin & Mueller, "Position Based Fluids", TOG 2013 (eq. 1, 6-11),
+// with the compliance of XPBD (Macklin, Mueller & Chentanez 2016): lambda has the unit kg m^2, and -lambda/(h^2 V) is
+// the pressure. Differences:
+//  - the iterations of a substep are Jacobi steps accelerated by Chebyshev's semi-iteration in three terms (Golub &
+//  Varga
+//    1961): n of them hold a deep column as well as n^2 plain ones. Unlike with steps of unequal length (the roots of
+//    the same polynomial) no iteration amplifies a mode, so a clamp in between does little harm. Where the excess grows
+//    from one iteration to the next all the same, the rest are plain Jacobi steps;
+//  - lambda is clamped to pressure (p >= 0): the fluid does not pull, so it neither hangs on boundaries nor holds
+//  suction;
 //    and to what pushes a particle by a few spacings in a substep, which bounds the speed that a correction leaves. A
-//    bound on the multiplier acts on both sides of each pair, so that momentum is kept;
-//  - walls enter by a function of the distance (sph/boundary_table.h), and bodies move with the iterations.
-// All particles move at once from the same positions, so order and threads do not matter. A body that is shared by
-// many particles is given to each of them in part (Tonge, Benevolenski & Voroshilov, "Mass Splitting", TOG 2012).
-// A substep of the world is taken in several solver substeps where particles would pass each other or a column would be
-// crushed, which no number of iterations stands: by how far the fluid and the walls near it move, and by the load
-// Q = g h^2 H / d^2 of a column, which is its pressure as the way, in spacings, that it pushes a particle in a step. n
+//    bound on the multiplier acts on both sides of each pair, so momentum is kept;
+//  - the boundary enters by a function of the distance (sph/boundary_table.h), and bodies move with the iterations.
+// All particles move at once from the same positions, so order and threads do not matter. A body in contact with many
+// particles is split between them (Tonge, Benevolenski & Voroshilov, "Mass Splitting", TOG 2012).
+// A substep of the world is divided into solver substeps where particles would pass each other or a column would be
+// crushed, which no number of iterations prevents: by the CFL number of the fluid and the boundary near it, and by the
+// load Q = g h^2 H / d^2 of a column, the displacement, in spacings, that its pressure gives a particle in a substep. n
 // iterations make of a residual that they hardly change a multiplier of n^2 / 5 times it, over the diagonal: they leave
 // a compression of about 5 s Q / n^2 at the ground, s the squared gradients of a density on a lattice (0.12 in the
-// plane, 0.42 in space). And they hold the lattice in its place up to Q ~ 0.17 n (measured in columns of 8 to 200
-// layers, with 1 to 32 iterations); beyond that it buckles beside the walls. A warning says when the steps do not
-// suffice, and when the fluid is denser than wanted all the same.
-// Kept between calls: nothing; lambda stays for questions. (Keeping it as a warm start makes it the integral of the
-// error in density, which swings for seconds.) Weak spot: pressure waves are damped.
+// plane, 0.42 in space). And they keep the lattice up to Q ~ 0.17 n (measured in columns of 8 to 200 layers, with 1 to
+// 32 iterations); beyond that it buckles beside the boundary. A warning says when the substeps do not suffice, and when
+// the fluid is denser than wanted all the same. Kept between calls: nothing; lambda stays for queries. (As a warm start
+// it would be the integral of the error in density, which oscillates for seconds.) Weak spot: pressure waves are
+// damped.
 #include <algorithm>
 #include <cmath>
 
@@ -31,23 +33,25 @@
 namespace feder {
 namespace {
 
-constexpr double kSpectrum = 4.8;       // largest eigenvalue of the scaled system: 3.9 to 4.6 in columns at rest
-constexpr Real kMaxExcess = Real(0.5);  // of particles over each other that one iteration answers to: bounds their way
-constexpr Real kMaxWall = 1;            // of walls; likewise
-constexpr Real kMaxTravel = 1;          // spacings that particles or walls move in an solver substep
+constexpr double kSpectrum = 4.8;  // largest eigenvalue of the scaled system: 3.9 to 4.6 in columns at rest
+constexpr Real kMaxExcess =
+    Real(0.5);  // of density by particles, that one iteration corrects: bounds their displacement
+constexpr Real kMaxBoundaryExcess = 1;  // likewise of the boundary
+constexpr Real kMaxTravel = 1;          // CFL number: spacings that particles or bodies move in a solver substep
 constexpr Real kMaxStrain =
-    Real(0.03);                        // compression at the ground of a column at rest that an solver substep may leave
-constexpr Real kMaxLoad = Real(0.08);  // Q by iterations: half of what stands
+    Real(0.03);                        // compression at the ground of a column at rest that a solver substep may leave
+constexpr Real kMaxLoad = Real(0.08);  // Q over iterations: half of what is stable
 constexpr Real kLattice = 5;           // squared gradients on a lattice over FluidPool::least_squares
-constexpr double kMaxGrowth = 1.5;     // of the residual over its least, before the rounds go on as plain steps
-constexpr Real kMaxPush = 2;           // Q of a single particle: above a load of 1, below what throws fountains
-constexpr Real kCompany = Real(0.2);   // that neighbours add to density over density at rest of who is not alone
-constexpr Real kPatience = Real(0.25);  // s for which the fluid is too dense before a warning: splashes pass
+constexpr double kMaxGrowth = 1.5;     // of the residual over its least, before the iterations become plain steps
+constexpr Real kMaxPush = 2;           // Q of a single particle: above a load of 1, below what makes fountains
+constexpr Real kCompany =
+    Real(0.2);  // least density over density at rest by neighbours, of particles that belong to the column
+constexpr Real kPatience = Real(0.25);  // s, for which the fluid is too dense before a warning: splashes pass
 
-// The coefficients of Chebyshev's semi-iteration: the next change of the multipliers is `step` times the residual plus
-// `carry` times the last change. After n rounds a mode of eigenvalue e is left with P(e), |P| <= 1/cosh(kDecay) between
-// kSpectrum and the low end that this takes, P -> 1 below it. Over substeps, which make velocities of corrections, such
-// a mode obeys z^2 - 2 P z + P = 0: it fades for -1/3 < P < 1, hence the size of kDecay.
+// Coefficients of Chebyshev's semi-iteration: the next change of the multipliers is `step` times the residual plus
+// `carry` times the last change. After n iterations a mode of eigenvalue e is left with P(e), |P| <= 1/cosh(kDecay)
+// between kSpectrum and the low end that this takes, P -> 1 below it. Over substeps, which make velocities of
+// corrections, such a mode obeys z^2 - 2 P z + P = 0: it fades for -1/3 < P < 1, hence the size of kDecay.
 class SemiIteration {
  public:
   explicit SemiIteration(int n) {
@@ -62,16 +66,16 @@ class SemiIteration {
     rho_ = before > 0 ? 1 / (2 * ratio_ - before) : 1 / ratio_;
     step_ = before > 0 ? 2 * rho_ / half_ : rho_ / half_;
     carry_ = rho_ * before;
-    FEDER_ASSERT(rho_ > 0 && rho_ < 1 && carry_ < 1);  // else the rounds would make errors larger
+    FEDER_ASSERT(rho_ > 0 && rho_ < 1 && carry_ < 1);  // else iterations would amplify errors
   }
-  // From here on plain Jacobi steps, which never make an eigenvalue's part larger or turn it round.
+  // From here on plain Jacobi steps, which never amplify a mode or reverse it.
   void stop() { stopped_ = true; }
   Real step() const { return static_cast<Real>(stopped_ ? 1 / kSpectrum : step_); }
   Real carry() const { return static_cast<Real>(stopped_ ? 0 : carry_); }
 
  private:
   static constexpr double kDecay = 1.9;
-  // The library's differs between machines.
+  // A series of its own: that of the C library differs between machines.
   static double cosh(double t) {
     double sum = 1, term = 1;
     for (int k = 1; k < 24; k += 2) term *= t * t / (k * (k + 1)), sum += term;
@@ -104,7 +108,7 @@ class Pbf final : public FluidSolver {
  private:
   void choose_steps(StepContext& c);
   struct Wanted {
-    Real travel = 1, load = 1;  // steps for what moves, and for the weight of the column
+    Real travel = 1, load = 1;  // solver substeps by the CFL number, and by the load of the column
   };
   Wanted wanted_steps(FluidPool& p, const StepContext& c) const;
   void warn_budget(FluidPool& p, Real wanted, StepContext& c) const;
@@ -121,7 +125,7 @@ class Pbf final : public FluidSolver {
   Real h_ = 0;  // s, of a fluid substep
 };
 
-// The column is of particles in company: what flies alone does not weigh on it.
+// The column consists of particles with neighbours: isolated ones do not weigh on it.
 Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), d = p.desc.spacing;
@@ -138,11 +142,12 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
     box.include(p.x[i].vec());
   }
   Wanted wanted;
-  // who meets whom matters only where somebody goes farther than a single step carries
+  // components matter only where a particle moves by more than the CFL number in one step
   if (c.h * std::sqrt(speed2) > kMaxTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
   Real speed = std::sqrt(speed2);
   wanted.travel = c.h * speed / (kMaxTravel * d);
   if (n == 0) return wanted;
+  // bodies near the column
   box.grow(p.support);
   for (const BoundaryShape& w : boundary->shapes) {
     const BoundaryBody& b = boundary->bodies[w.body];
@@ -152,7 +157,7 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   }
   wanted.travel = c.h * speed / (kMaxTravel * d);
   if (!(g > 0)) return wanted;
-  // a column twice as high as the mean lies above the lowest
+  // load: the height of a column is twice the mean height above the lowest particle
   const Real height = 2 * (static_cast<Real>(sum / n) - low) / g + d;
   const Real load = g * c.h * c.h * height / (d * d), iterations = static_cast<Real>(p.desc.iterations);
   const Real strain = 5 * kLattice * p.least_squares * d * d * load / (iterations * iterations);
@@ -171,7 +176,7 @@ void Pbf::choose_steps(StepContext& c) {
   }
 }
 
-// After the last substep bodies are placed anew, and guarded then.
+// Non-penetration projection within a substep; after the last solver substep Fluid does it at the bodies' new poses.
 void Pbf::project(StepContext& c) {
   if (c.inner.last()) return;
   boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
@@ -179,7 +184,7 @@ void Pbf::project(StepContext& c) {
   for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
 }
 
-// Before it bursts.
+// Once, before the fluid bursts.
 void Pbf::warn_budget(FluidPool& p, Real wanted, StepContext& c) const {
   if (p.warned_budget) return;
   p.warned_budget = true;
@@ -192,7 +197,7 @@ void Pbf::warn_budget(FluidPool& p, Real wanted, StepContext& c) const {
                  p.object);
 }
 
-// After the last iteration: says once when the fluid stays denser than wanted.
+// Once, when the fluid stays denser than wanted after the iterations.
 void Pbf::check_compression(StepContext& c) {
   for (FluidPool* pool : pools) {
     FluidPool& p = *pool;
@@ -217,7 +222,7 @@ void Pbf::predict(StepContext& c) {
   FEDER_ASSERT(h_ > 0 && h_ <= c.h);
   if (c.inner.index == 0) {
     boundary->move_to(0);
-    for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;  // by the group before
+    for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;  // set by the group before
   }
   each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
@@ -244,7 +249,7 @@ void Pbf::boundary_contacts(StepContext& c) {
   });
 }
 
-// From the plane, which has gone with its body since the start of the substep.
+// Distance of a particle from its contact plane, which has moved with its body since the start of the solver substep.
 Real Pbf::distance(const FluidPool& p, const BoundaryContact& k) const {
   FEDER_ASSERT(k.particle < p.count && k.shape < boundary->shapes.size());
   const Vec3 x = p.x[k.particle].vec();
@@ -270,8 +275,9 @@ void Pbf::solve(StepContext& c) {
   });
 }
 
-// One correction of lambda; its change goes into the weight of the particle. Returns the residual before it: of who is
-// too dense, or under pressure and not dense enough, the squared excess in the norm in which the rounds reduce it.
+// One iteration of lambda (Macklin & Mueller 2013, eq. 11, with compliance); its change becomes the weight of the
+// particle in displace(). Returns the residual before it: the squared excess, in the norm that the iterations reduce,
+// of particles that are too dense, or under pressure and not dense enough.
 double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme, StepContext& c) {
   const SweepInput in = p.sweep_input();
   const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
@@ -279,12 +285,14 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
   const Real least = -kMaxPush * p.mass * p.desc.spacing * p.desc.spacing;
   const Real compliance = p.desc.stiffness > 0 ? 1 / (p.desc.stiffness * p.volume * h_ * h_) : Real(0);
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    // density of neighbours; in the first iteration with its gradients
     if (first_round)
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
     else
       p.sweeps->values(in, first, last, p.sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
       const Real crowd = p.value_factor * (first_round ? p.move[i].w : p.sum[i]) + p.own_value + p.screen[i];
+      // boundary: density, gradient, and the response of bodies
       Real walled = 0, shared = 0, opposed = 0;
       Vec3 wall = Vec3::Zero();
       for (const BoundaryContact& k : p.contacts_of(i)) {
@@ -300,37 +308,41 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       }
       if (first_round) {
         const Vec3 pair = p.slope_factor * p.move[i].vec();
-        // between two walls the slopes cancel, but each step changes one against the other: what cancels still counts
+        // diagonal of the system. Between two solids gradients cancel, but each step changes one of them against the
+        // other, so the cancelled part counts
         opposed = std::max(Real(0), opposed - wall.squaredNorm());
         p.diagonal[i] =
             inv_mass * std::max(p.least_squares, (pair + wall).squaredNorm() + opposed + rs * p.squares[i]) + shared;
       }
       p.ratio[i] = crowd + walled;
-      const Real excess = std::min(crowd - 1, kMaxExcess) + std::min(walled, kMaxWall), before = p.lambda[i];
+      const Real excess = std::min(crowd - 1, kMaxExcess) + std::min(walled, kMaxBoundaryExcess), before = p.lambda[i];
+      // Chebyshev step, clamped to pressure
       const Real stiff = p.diagonal[i] / step + compliance, carried = carry * p.x[i].w;
       const Real wanted = stiff > 0 ? before + carried - (excess + compliance * before) / stiff : Real(0);
       const Real after = clamp(wanted, least, Real(0));
       p.lambda[i] = after;
-      p.sum[i] = after - before;
+      p.next_weight[i] = after - before;
     }
   });
   double residual = 0;
   for (std::uint32_t i = 0; i < p.count; ++i) {
-    p.x[i].w = p.sum[i];
+    p.x[i].w = p.next_weight[i];
     const double excess = static_cast<double>(p.ratio[i]) - 1;
-    const bool counts = excess > 0 || p.lambda[i] < p.sum[i];  // it was under pressure before this round
+    const bool counts = excess > 0 || p.lambda[i] < p.next_weight[i];  // it was under pressure before this round
     if (counts && p.diagonal[i] > 0) residual += excess * excess / static_cast<double>(p.diagonal[i]);
   }
   FEDER_ASSERT(!(residual < 0));
   return residual;
 }
 
-// Moves particles by the weights, and bodies against them.
+// Displacements of particles by the changes of lambda (Macklin & Mueller 2013, eq. 12), and opposite impulses on
+// bodies.
 void Pbf::displace(FluidPool& p, StepContext& c) {
   SweepInput in = p.sweep_input();
   const Real inv_mass = 1 / p.mass, rate = 1 / h_;
-  // Along the lines of the substep's start, as SHAKE does, angular momentum is kept. Where the particles are predicted,
-  // pressure against cohesion turns a drop faster and faster; pressure against gravity turns nothing, and is spared it.
+  // With gradients at the start of the substep, as in SHAKE (Ryckaert et al. 1977), angular momentum is kept. With
+  // those at predicted positions, pressure against cohesion would spin a drop faster and faster; pressure against
+  // gravity does not spin anything, so without tension that cost is spared.
   FEDER_ASSERT(p.start.size() > p.count);
   p.start[p.count] = {};
   in.velocity = &p.start[0].x;
@@ -348,8 +360,8 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
     }
   });
   c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    // velocities by what the particles were moved, not by where they are: equal and opposite to the last bit nearly,
-    // wherever the origin lies
+    // velocities from displacements, not from differences of positions: these are equal and opposite nearly to the last
+    // bit, wherever the origin lies
     for (std::uint32_t i = first; i < last; ++i) {
       p.x[i].set(p.x[i].vec() + p.move[i].vec());
       p.v[i].set(p.v[i].vec() + rate * p.move[i].vec());

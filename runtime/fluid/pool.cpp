@@ -1,4 +1,4 @@
-// Particles as arrays: growing, sorting, density sums.
+// Particles as arrays: constants of the fluid, growing, sorting, density sums.
 #include "fluid/pool.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kFar = Real(1e9);  // m; its square is finite in float
+constexpr Real kFar = Real(1e9);  // m, of the sentinel; its square is finite in float
 
 Real power(Real x, int n) {
   Real p = 1;
@@ -17,10 +17,7 @@ Real power(Real x, int n) {
 
 }  // namespace
 
-FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
-    : desc(from), dimension(dim), x(&a), v(&a), lambda(&a), id(&a), screen(&a), origin(&a), start(&a), move(&a),
-      extra(&a), sum(&a), squares(&a), diagonal(&a), ratio(&a), apart(&a), order(&a), swap4(&a), swap1(&a), swap_id(&a),
-      grid(a), lists(a), contacts(&a), contact_first(&a), dynamic_contacts(&a), contact_states(&a) {
+FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(from), dimension(dim) {
   FEDER_ASSERT(dim == 2 || dim == 3);
   std::string known;
   kernel = nullptr;
@@ -30,6 +27,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
     if (desc.kernel == k.name) kernel = &k;
   }
   if (!kernel) throw SceneError("fluid.kernel: unknown kernel '" + desc.kernel + "'; known: " + known);
+  // factors that make the sum over a lattice at rest 1
   sweeps = &sweeps_of(*kernel);
   const double in_spacings = desc.support > 0 ? static_cast<double>(desc.support) : kernel->support[dim - 2];
   support = static_cast<Real>(in_spacings) * desc.spacing;
@@ -41,13 +39,14 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
   value_factor = unit * value_norm / power(support, dim);
   slope_factor = unit * slope_norm / power(support, dim + 2);
   own_value = unit * static_cast<Real>(kernel->density.value(dim, 0)) / power(support, dim);
-  // a fifth of those on a lattice: what lies on one spot has gradients near zero, and must not be thrown
+  // a fifth of those on a lattice: particles in one position have gradients near zero, and must not be thrown apart
   const LatticeSums lattice = lattice_sums(*kernel, dim, in_spacings);
   least_squares =
       static_cast<Real>(0.2 * lattice.squares / (lattice.whole * lattice.whole)) / (desc.spacing * desc.spacing);
-  // sums over few neighbours see a shear too weakly: by 5 % in 2D and 19 % in 3D while rows slide over each other, by a
-  // little less where a flow has mixed them. The power is measured: channels in 2D and square ducts in 3D then carry
-  // within 5 % what they should, except at the very start of a flow in 3D (9 % too much until the lattice breaks up)
+  // sums over few neighbours underestimate a shear: by 5 % in 2D and 19 % in 3D while rows slide over each other, by a
+  // little less where a flow has mixed them. The power is measured: the flow rates of channels in 2D and square ducts
+  // in 3D are then within 5 % of the true ones, except at the very start of a flow in 3D (9 % too high until the
+  // lattice breaks up)
   FEDER_ASSERT(lattice.whole > 0 && lattice.squares > 0 && lattice.viscosity > 0);
   viscous_scale = static_cast<Real>(std::pow(lattice.viscosity, -0.85));
   find_cohesion();
@@ -57,13 +56,13 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim)
   put_sentinel();
 }
 
-// Kirkwood & Buff 1949 for particles spread evenly up to a sharp surface, n of them in a unit of space, that pull with
-// F(r): sigma = n^2/3 int r^3 F dr in 2D, pi/8 n^2 int r^4 F dr in 3D; the pull inwards is pi/2 n^2 int r^2 F dr and
-// 2 pi/3 n^2 int r^3 F dr. Particles do not lie evenly at a surface: drops of wcsph swing as with 0.6 of that tension
-// in 2D and about 0.27 in 3D (5 to 8 spacings across a radius, widely scattered), so it is divided by it:
-// tests/fluid/test_droplet.cpp. The pull inwards is some 5 sigma/d, and R/d times 5 what makes a drop round: the
-// particles are pressed together like sand, and where nothing keeps them warm (pbf damps, artificial viscosity does)
-// they yield late. With pbf drops become round, with a first swing up to 1.7 times too fast, and do not swing on.
+// Cohesion by Kirkwood & Buff 1949, for particles spread evenly up to a sharp surface, n of them in a unit of space,
+// that pull with F(r): sigma = n^2/3 int r^3 F dr in 2D, pi/8 n^2 int r^4 F dr in 3D; the pull inwards is pi/2 n^2 int
+// r^2 F dr and 2 pi/3 n^2 int r^3 F dr. Particles do not lie evenly at a surface: drops of wcsph swing as with 0.6 of
+// that tension in 2D and about 0.27 in 3D (5 to 8 spacings across a radius, widely scattered), so the force is divided
+// by that: tests/fluid/test_droplet.cpp. The pull inwards is some 5 sigma/d, and R/d times 5 what makes a drop round:
+// the particles are pressed together like sand, and where nothing keeps them warm (pbf damps, artificial viscosity
+// does) they yield late. With pbf drops become round, with a first swing up to 1.7 times too fast, and do not swing on.
 void FluidPool::find_cohesion() {
   const double sigma = desc.surface_tension, r = support,
                n2 = 1 / (static_cast<double>(volume) * static_cast<double>(volume));
@@ -84,10 +83,11 @@ void FluidPool::grow(std::uint32_t wanted) {
   std::uint32_t room = std::max<std::uint32_t>(wanted, capacity() + capacity() / 2);
   room = std::max<std::uint32_t>(wanted, static_cast<std::uint32_t>(std::min<std::size_t>(room, desc.max_particles)));
   for (auto* array : {&x, &v, &start, &move, &extra, &swap4}) array->resize(room + 1);
-  for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &swap1}) array->resize(room);
+  for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &next_weight, &swap1}) array->resize(room);
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
-  if (!origin.empty()) origin.resize(room + 1);
-  apart.resize(room), contact_first.resize(room + 1);
+  for (auto* array : {&origin, &listed_at})
+    if (!array->empty()) array->resize(room + 1);
+  isolated.resize(room), contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
   lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
   FEDER_ASSERT(room >= wanted && room <= desc.max_particles && x.size() == room + 1);
@@ -96,6 +96,10 @@ void FluidPool::grow(std::uint32_t wanted) {
 
 void FluidPool::keep_origins() {
   if (origin.empty()) origin.resize(x.size());
+}
+
+void FluidPool::keep_listed() {
+  if (listed_at.empty()) listed_at.resize(x.size());
 }
 
 void FluidPool::put_sentinel() {
@@ -120,11 +124,11 @@ void FluidPool::add(const Vec3& position, const Vec3& velocity) {
   put_sentinel();
 }
 
-void FluidPool::remove_marked(const Array<std::uint8_t>& gone) {
-  FEDER_ASSERT(gone.size() == count);
+void FluidPool::remove_marked(const Array<std::uint8_t>& marked) {
+  FEDER_ASSERT(marked.size() == count);
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (gone[i]) {
+    if (marked[i]) {
       if constexpr (kAsserts) ids_there -= id_key(id[i]);
       continue;
     }

@@ -1,5 +1,5 @@
-// One fluid: its particles as arrays, sorted by cell of its grid so that neighbours lie near in memory; what they are
-// made of; and work arrays. Private to the module and to couplings.
+// One fluid: its particles as arrays, sorted by cell of its grid so that neighbours are near in memory; their
+// constants; and work arrays. Private to the module and to couplings.
 #pragma once
 #include "base/jobs.h"
 #include "feder/fluid.h"
@@ -12,7 +12,7 @@
 
 namespace feder {
 
-// Four numbers in a row: what the sums over neighbours load at once.
+// A row of four numbers, as the sums over neighbours load it at once.
 struct alignas(4 * sizeof(Real)) Row4Real {
   Real x = 0, y = 0, z = 0, w = 0;
   Vec3 vec() const { return Vec3(x, y, z); }
@@ -22,6 +22,7 @@ struct alignas(4 * sizeof(Real)) Row4Real {
 struct FluidPool {
   FluidPool(Arena& a, const FluidDesc& desc, int dimension);
 
+  Arena& arena;
   ObjectId object;
   FluidDesc desc;
   int dimension;
@@ -34,11 +35,11 @@ struct FluidPool {
   Real value_factor;   // unit * norm / support^D: from sums of value(u) to density over density at rest
   Real slope_factor;   // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
   Real own_value;      // what a particle adds to its own density
-  Real least_squares;  // what the squared gradients of a density are taken to be at least, 1/m^2
-  Real viscous_scale;  // of viscosity, see pool.cpp
+  Real least_squares;  // lower bound of the squared gradients of a density, 1/m^2
+  Real viscous_scale;  // correction of viscosity, see pool.cpp
   Real cohesion;       // largest force between two particles that gives the surface tension, N
   Real inward;         // pressure inside that balances it, Pa
-  Real clearance;      // least distance from a wall, m
+  Real clearance;      // least distance of a particle from the boundary, m
   const Kernel* kernel;
   const Sweeps* sweeps;
   std::unique_ptr<BoundaryTable> table;
@@ -46,59 +47,65 @@ struct FluidPool {
 
   // State.
   std::uint32_t count = 0;
-  Array<Row4Real> x;  // m; one more than the particles, far away; the fourth number is a weight of the sweeps
-  Array<Row4Real> v;  // m/s
-  // What the solver keeps of pressure. pbf: multiplier of the last substep, kg m^2, read by questions only; wcsph: what
-  // is added to Tait's, Pa.
-  Array<Real> lambda;
-  Array<std::uint32_t> id;  // numbers in the order of making
+  // Position, m, and in w the weight of the particle in the pair sums of a running sweep (sweep_table.h), else 0. One
+  // more than there are particles: the sentinel of padded lists, far away.
+  Array<Row4Real> x{&arena};
+  Array<Row4Real> v{&arena};  // m/s
+  // Pressure variable of the solver. pbf: multiplier of the last substep, kg m^2, read by queries only; wcsph: pressure
+  // that is added to Tait's, Pa.
+  Array<Real> lambda{&arena};
+  Array<std::uint32_t> id{&arena};  // in the order of making
   std::uint32_t next_id = 0;
   Real last_h = 0;          // s, of the substep that left lambda
   Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
-  Real sound_before = 0;    // wcsph: of the one before; 0: there was none. Work
-  Real settling = 0;        // wcsph: s, in which it settles to the density of a new speed of sound. Work
-  Real too_dense = 0;       // pbf: s for which it has been denser than wanted
-  std::uint64_t steps = 0;  // of its own, for reports
+  Real sound_before = 0;    // wcsph: of the one before; 0: none. Work
+  Real settling = 0;        // wcsph: time in which pressure settles after a rise of it, s. Work
+  Real too_dense = 0;       // pbf: s, for which it has been denser than wanted
+  std::uint64_t steps = 0;  // solver substeps since it was made, for reports
   bool frozen = false;      // quarantined
-  std::uint32_t group = 0;  // of the loop of fluid substeps, in this substep; work
+  std::uint32_t group = 0;  // in the loop of fluid substeps of this substep; work
   bool fresh = false;       // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
-  // For the watchdog; `kinetic` counts what is added.
+  // For the watchdog; `kinetic` includes particles added since.
   double kinetic = 0, kinetic_before = 0;  // J: at the end of the last step, at the start of the step
-  double crowded = 0;                      // s, for which new particles may lie closer than at rest
+  double crowded = 0;                      // s, for which new particles may still be closer than at rest
 
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
-  Array<Real> screen;          // what these add to density over density at rest
-  Array<Row4Real> origin;      // m, where the particle began the substep; empty until such a coupling asks for it
-  std::uint64_t screened = 0;  // number of the substep for which both were set
+  Array<Real> screen{&arena};      // their term of density over density at rest
+  Array<Row4Real> origin{&arena};  // position at the start of the substep, m; empty until such a coupling asks for it
+  std::uint64_t screened = 0;      // number of the substep for which both were set
 
   // Work.
-  Array<Row4Real> start;                      // x at the start of the substep
-  Array<Row4Real> move;                       // sums of the sweeps
-  Array<Row4Real> extra;                      // a second set
-  Array<Real> sum, squares, diagonal, ratio;  // density sums; K of pbf; density over density at rest
-  Array<std::uint8_t> apart;                  // 1: meets no other particle in this substep; see components.h
-  Array<std::uint32_t> order;
-  Array<Row4Real> swap4;
-  Array<Real> swap1;
-  Array<std::uint32_t> swap_id;
-  CellGrid grid;
-  NeighborLists lists;
-  bool lists_stale = true;                  // wcsph: in a substep
-  Array<BoundaryContact> contacts;          // by particle
-  Array<std::uint32_t> contact_first;       // of a particle; one more than particles
-  Array<std::uint32_t> dynamic_contacts;    // places of contacts with bodies that the fluid moves
-  Array<FluidContactState> contact_states;  // by body of the walls, sums in point and normal
-  std::uint32_t worst = 0;                  // bit 0: something is not finite
-  std::uint64_t ids_there = 0;              // of validate(): sum of id_key over the particles added and not removed
+  Array<Row4Real> start{&arena};             // x where contacts are found: at the start of the solver substep, or now
+  Array<Row4Real> listed_at{&arena};         // wcsph: x where the lists were made; empty until it asks for it
+  Array<Row4Real> move{&arena};              // sums of the sweeps, and the displacement or acceleration from them
+  Array<Row4Real> extra{&arena};             // further rows: changes of velocity by viscosity; last moves of relax.cpp
+  Array<Real> sum{&arena}, squares{&arena};  // density sums, sums of squared gradients
+  Array<Real> diagonal{&arena};              // K of pbf
+  Array<Real> ratio{&arena};                 // density over density at rest
+  Array<Real> next_weight{&arena};           // pbf, relax: becomes the weight in x before the next sweep
+  Array<std::uint8_t> isolated{&arena};      // 1: meets no other particle in this substep, see components.h
+  Array<std::uint32_t> order{&arena};
+  Array<Row4Real> swap4{&arena};  // these three: work of sort_by_cell
+  Array<Real> swap1{&arena};
+  Array<std::uint32_t> swap_id{&arena};
+  CellGrid grid{arena};
+  NeighborLists lists{arena};
+  bool lists_stale = true;                          // wcsph, in a substep
+  Array<BoundaryContact> contacts{&arena};          // by particle
+  Array<std::uint32_t> contact_first{&arena};       // of a particle; one more than particles
+  Array<std::uint32_t> dynamic_contacts{&arena};    // indices of contacts with bodies that the fluid moves
+  Array<FluidContactState> contact_states{&arena};  // by body of the boundary; sums in point and normal
+  std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
-  void grow(std::uint32_t wanted);                       // outside steps; all arrays by particle
-  void keep_origins();                                   // origin is there from now on, and grows with the others
-  void add(const Vec3& position, const Vec3& velocity);  // there is room
-  void remove_marked(const Array<std::uint8_t>& gone);   // keeps the order
-  static std::uint64_t id_key(std::uint32_t id);         // lists with the same numbers have the same sum; validate.cpp
+  void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle
+  void keep_origins();                                    // origin is kept from now on, and grows with the others
+  void keep_listed();                                     // likewise listed_at
+  void add(const Vec3& position, const Vec3& velocity);   // below capacity()
+  void remove_marked(const Array<std::uint8_t>& marked);  // keeps the order
+  static std::uint64_t id_key(std::uint32_t id);          // the same ids have the same sum of keys; validate.cpp
   std::uint64_t id_sum() const;
   void validate() const;
   void validate_order() const;                 // after sort_by_cell: each particle lies in its cell
@@ -106,8 +113,8 @@ struct FluidPool {
   void find_cohesion();
   void put_sentinel();
 
-  // Sorts the particles (and `start`) by the cells in which find_neighbors looks with the same skin: what comes in
-  // another order is searched one by one.
+  // Sorts the particles (and `start`) by the cells of find_neighbors with the same skin; particles in another order
+  // would be searched one by one.
   void sort_by_cell(Real skin = 0);
   void find_neighbors(JobPool& jobs, Real skin);
   SweepInput sweep_input() const;
@@ -123,20 +130,21 @@ struct FluidPool {
   Real max_speed() const;
   double kinetic_energy() const;  // J; watch.cpp
 
-  // walls.cpp. `speculative_time`: how far particles and walls may come nearer until the contacts are made again, in
-  // seconds.
+  // boundary.cpp. `speculative_time`: s, for whose approach contacts are made, until they are made again.
   void find_contacts(JobPool& jobs, const Boundary& boundary, Real speculative_time, const Vec3& gravity,
                      bool push_out);
   void record_contact_states(const Boundary& boundary);
-  void share_bodies(Boundary& boundary);       // counts the particles that touch each body
-  void weigh_fixed(Boundary& boundary) const;  // adds the impulses of this iteration to the walls that do not move
-  // Keeps every particle outside every wall: swept from where its contact was made. Velocities towards the wall end.
+  void share_bodies(Boundary& boundary);  // sums the contact weights of each body
+  void weigh_fixed(
+      Boundary& boundary) const;  // adds the impulses of this iteration to bodies that the fluid does not move
+  // Non-penetration projection: moves every particle out of the boundary, swept from where its contact was made, and
+  // ends closing velocities.
   void project_out(Boundary& boundary);
 
   bool meets(const BoundaryShape& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
 };
 
-// particles per job, where each looks at its neighbours and where not
+// Particles per job, with sums over neighbours and without.
 inline constexpr JobGrain kFluidGrain{512, 30'000}, kParticleGrain{2048, 8'000};
 
 }  // namespace feder

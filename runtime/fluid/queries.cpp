@@ -1,7 +1,8 @@
-// Questions about fluids, between steps. Neighbours are looked up where the particles are now, walls where the
-// coupling placed them (Rank::query_boundary).
+// Queries of fluids between steps. Neighbours are found at the present positions, contacts at the boundary as the
+// coupling placed it (Rank::query_boundary).
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fluid/impl.h"
 
@@ -19,7 +20,7 @@ void Fluid::Impl::refresh(FluidPool& p) {
 
 std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {
   std::vector<std::uint32_t> order(p.count);
-  for (std::uint32_t i = 0; i < p.count; ++i) order[i] = i;
+  std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
   if constexpr (kAsserts)
     for (std::size_t k = 1; k < order.size(); ++k) FEDER_ASSERT(p.id[order[k - 1]] < p.id[order[k]]);
@@ -28,29 +29,25 @@ std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {
 
 void Fluid::positions(ObjectId id, std::vector<Vec3>& out) const {
   const FluidPool& p = impl_->pool(id);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.x[i].vec());
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.x[i].vec(); });
 }
 
 void Fluid::velocities(ObjectId id, std::vector<Vec3>& out) const {
   const FluidPool& p = impl_->pool(id);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.v[i].vec());
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.v[i].vec(); });
 }
 
 void Fluid::densities(ObjectId id, std::vector<Real>& out) {
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(p.ratio[i]);
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.ratio[i]; });
 }
 
 void Fluid::pressures(ObjectId id, std::vector<Real>& out) {
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
   const FluidSolver& s = impl_->solver_of(p);
-  out.clear();
-  for (const std::uint32_t i : impl_->by_id(p)) out.push_back(s.pressure(p, i));
+  impl_->list_by_id(p, out, [&](std::uint32_t i) { return s.pressure(p, i); });
 }
 
 void Fluid::density_error(ObjectId id, double& mean, double& largest) {
@@ -80,8 +77,9 @@ double Fluid::pressure_at(ObjectId id, const Vec3& point) {
   return weights > 0 ? sum / weights : 0;
 }
 
-// The smoothed fluid over what walls leave of the kernel crosses one half at the surface. Searched downwards, within a
-// spacing of each particle of the column only: gaps cost nothing, and far from the origin no step is lost to rounding.
+// The smoothed fluid, over the share of the kernel that the boundary leaves free, crosses one half at the surface. It
+// is searched downwards, within a spacing of each particle of the column only: gaps cost nothing, and far from the
+// origin no step is lost to rounding.
 bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
   const FluidPool& p = impl_->pool(id);
   std::vector<Vec3> column;
@@ -92,6 +90,7 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
   std::sort(column.begin(), column.end(), [](const Vec3& a, const Vec3& b) { return a[1] > b[1]; });
   const double support = p.support, spacing = p.desc.spacing, step = spacing / 4;
   const double factor = static_cast<double>(p.value_factor) / p.kernel->norm_density[p.dimension - 2];
+  // share of fluid at a height
   const auto share = [&](double at) {
     const Vec3 here = vec3(x, static_cast<Real>(at), p.dimension == 2 ? Real(0) : z);
     double fluid = 0, wall = 0;
@@ -105,7 +104,8 @@ bool Fluid::height_at(ObjectId id, Real x, Real z, Real& y) {
     }
     return fluid / std::max(0.1, 1 - wall);
   };
-  double searched = kInfinity;  // down to here
+  // steps of a quarter of a spacing, then bisection
+  double searched = kInfinity;  // down to this height, m
   for (const Vec3& q : column) {
     const double from = std::min(searched, q[1] + spacing);
     searched = q[1] - spacing;
@@ -138,7 +138,8 @@ std::uint32_t Fluid::count_inside(ObjectId id, const Shape& shape, const Pose& p
 }
 
 void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& normals) {
-  constexpr Real kSurface = Real(0.45);  // gradient of the colour field times support; a flat surface has about 1.3
+  constexpr Real kSurface =
+      Real(0.45);  // least gradient of the colour field times support; flat surfaces have about 1.3
   FluidPool& p = impl_->pool(id);
   impl_->refresh(p);
   points.clear(), normals.clear();

@@ -1,9 +1,9 @@
-// New particles find room before they move: where a fill lies on another, on a body, or on a lattice that does not fit
-// between its walls, the fluid would burst at once. Positions alone are corrected, by Jacobi steps of the density
-// constraint as in pbf.cpp, each at most a fifth of a spacing; velocities stay, bodies do not feel it. A lattice
-// that fits is left as it is.
-// Weak spot: what has no room at all (a closed box that is overfull) stays too dense and is left to the solver, as are
-// thousands of particles on one spot.
+// Relaxation of new particles before they move: where a fill lies on another, on a body, or on a lattice that does not
+// fit between its boundaries, the fluid would burst at once. Only positions are corrected, by Jacobi steps of the
+// density constraint as in pbf.cpp with momentum (Polyak 1964), each of at most a fifth of a spacing; velocities and
+// bodies stay as they are. A lattice that fits is left as it is. Kept between calls: nothing. Weak spot: fluid without
+// room (a closed box that is overfull) stays too dense and is left to the solver, as are thousands of particles in one
+// position.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -14,15 +14,15 @@ namespace feder {
 namespace {
 
 constexpr int kMaxRounds = 300;
-constexpr int kPatience = 40;          // rounds in which it must get better
-constexpr Real kCarry = Real(0.85);    // of the last move into the next (Polyak's heavy ball): room spreads far sooner
-constexpr Real kAllowed = Real(0.02);  // excess of density that nobody minds
-constexpr Real kHopeless = 5;          // a crowd that rounds of a fifth of a spacing would not part
-constexpr Real kRelax = Real(0.5);     // 2 over the largest eigenvalue, see pbf.cpp
-constexpr Real kMaxExcess = Real(0.5);
-constexpr Real kMaxMove = Real(0.2);  // spacings in a round
+constexpr int kPatience = 40;           // rounds without progress, before it ends
+constexpr Real kCarry = Real(0.85);     // of the last move into the next (Polyak's heavy ball): room spreads far sooner
+constexpr Real kAllowed = Real(0.02);   // excess of density that is left
+constexpr Real kHopeless = 5;           // excess that rounds of a fifth of a spacing could not remove
+constexpr Real kRelax = Real(0.5);      // 2 over the largest eigenvalue, see pbf.cpp
+constexpr Real kMaxExcess = Real(0.5);  // that one round corrects
+constexpr Real kMaxMove = Real(0.2);    // spacings in a round
 
-// Multipliers, in m^2, into the weights of the particles; the largest excess.
+// Multipliers of the round, m^2, for the sweep of push_apart(); returns the largest excess.
 Real excess_of(FluidPool& p, JobPool& jobs) {
   const SweepInput in = p.sweep_input();
   const Real rs = p.support * p.support * p.slope_factor * p.slope_factor;
@@ -39,7 +39,7 @@ Real excess_of(FluidPool& p, JobPool& jobs) {
       const Real slope = (p.slope_factor * p.move[i].vec()).squaredNorm() + steep + rs * p.squares[i];
       const Real excess = std::min(crowd + walled - 1, kMaxExcess);
       p.ratio[i] = crowd + walled;
-      p.sum[i] = excess > 0 ? -kRelax * excess / std::max(p.least_squares, slope) : Real(0);
+      p.next_weight[i] = excess > 0 ? -kRelax * excess / std::max(p.least_squares, slope) : Real(0);
     }
   });
   Real most = 0;
@@ -48,11 +48,12 @@ Real excess_of(FluidPool& p, JobPool& jobs) {
 }
 
 void push_apart(FluidPool& p, JobPool& jobs) {
-  for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = p.sum[i];
+  for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = p.next_weight[i];
   const SweepInput in = p.sweep_input();
   const Real longest = kMaxMove * p.desc.spacing;
   if constexpr (kAsserts)
-    for (std::uint32_t i = 0; i < p.count; ++i) FEDER_ASSERT(!(p.x[i].w > 0));  // room is made, never taken
+    for (std::uint32_t i = 0; i < p.count; ++i)
+      FEDER_ASSERT(!(p.x[i].w > 0));  // particles are pushed apart, never together
   jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->push(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {

@@ -1,11 +1,10 @@
-// State hash and snapshots of fluids. Particles are saved in the order they are stored, which decides the order of
-// sums.
+// State hash and snapshots of fluids. Particles are saved in their stored order, which is the order of sums.
 #include "fluid/impl.h"
 
 namespace feder {
 namespace {
 
-// Everything of a description but its words.
+// Fields of a description that are saved as bytes; its strings follow.
 template <class D, class F>
 void each_number(D& d, F&& f) {
   f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.support), f(d.stiffness);

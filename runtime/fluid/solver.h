@@ -1,7 +1,8 @@
-// Fluid solvers: one file per solver, one feder_variant(fluid <solver>) line. A solver adds its rows for the pools that
-// chose it. Contract, checked for every row by tests/fluid/test_solver_contract.cpp: a column at rest has the pressure
-// of its weight and keeps its level; a free blob keeps its momentum; nothing passes a wall; same bits for any number
-// of threads.
+// Fluid solvers: one file per solver, one feder_variant(fluid <solver>) line. A solver adds its passes for the pools
+// that chose it. Contract, checked for every solver by tests/fluid/test_solver_contract.cpp:
+//  - a column at rest has the pressure of its weight and keeps its level;
+//  - a free blob keeps its momentum; no particle passes a boundary;
+//  - same bits for any number of threads.
 #pragma once
 #include <algorithm>
 
@@ -16,13 +17,13 @@ class FluidSolver {
  public:
   virtual ~FluidSolver() = default;
   // Passes at Rank::fluid_choose, where want_steps() says how many fluid substeps each pool needs, in the loop of fluid
-  // substeps, and at Rank::fluid_check. Before them new particles have come in and the walls are set, after them the
-  // velocities of the bodies are read; positions and velocities are those of the end of the substep.
+  // substeps, and at Rank::fluid_check. Before them new particles have been added and the boundary is set, after them
+  // the velocities of the bodies are read; positions and velocities are those of the end of the substep.
   virtual void add_passes(StepPlan& plan) = 0;
   // Pa, from `ratio` and what the pool keeps; without what balances the cohesion.
   virtual Real pressure(const FluidPool& p, std::uint32_t i) const = 0;
-  // Does a substep solve for the pressure in `iterations`, with `stiffness`? Others derive both from `compression`, and
-  // take up to `max_substeps` steps of their own.
+  // True: a substep solves for the pressure in `iterations`, with `stiffness`. Others derive both from `compression`,
+  // and take up to `max_substeps` solver substeps.
   virtual bool iterates() const { return false; }
 
   std::vector<FluidPool*> pools;
@@ -44,8 +45,8 @@ class FluidSolver {
 
 std::span<const Variant<FluidSolver>> fluid_solvers();
 
-// Friction between particles and at walls, and surface tension, applied to velocities for h seconds; bodies get what
-// the fluid loses. In substeps of their own where stability asks for them.
+// Viscosity between particles and at the boundary, and surface tension, applied to velocities for h seconds; bodies
+// take the opposite impulses. Viscosity runs in rounds where stability requires them.
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 

@@ -1,6 +1,7 @@
-// Emitters and drains. An emitter gives particles one after another at the sites of a lattice over its nozzle, each at
-// the exact time it is due: a particle that leaves the nozzle in the middle of a substep starts as far behind it as it
-// would have been at the substep's start. A full jet gives whole layers, one spacing apart along the speed.
+// Emitters and drains. An emitter adds particles one after another at the sites of a lattice over its nozzle, each at
+// the exact time it is due: a particle that leaves the nozzle within a substep starts as far behind it as it would have
+// been at the substep's start. A full jet adds whole layers, one spacing apart along the velocity. Kept between steps:
+// the clock of each emitter and how many particles it has made.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,29 +11,35 @@
 namespace feder {
 namespace {
 
-constexpr double kRoomAhead = 0.25;  // s of emission that there is room for
+constexpr double kRoomAhead = 0.25;  // s, of emission for which there is room
 
 }  // namespace
 
-std::vector<Vec3> Fluid::Impl::sites(const FluidEmitter& e, const FluidPool& p) const {
+template <class F>
+void Fluid::Impl::each_site(const FluidEmitter& e, const FluidPool& p, F&& f) {
   FEDER_ASSERT(is_direction(e.direction));
-  std::vector<Vec3> all;
   const Real d = p.desc.spacing;
-  const int n = static_cast<int>(e.radius / d);
+  const bool plane = p.dimension == 2;
+  const int n = static_cast<int>(e.radius / d), depth = plane ? 0 : n;
   Vec3 a, b;
-  if (dimension == 2)
+  if (plane)
     a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
   else
     tangent_frame(e.direction, a, b);
   for (int i = -n; i <= n; ++i)
-    for (int k = dimension == 2 ? 0 : -n; k <= (dimension == 2 ? 0 : n); ++k)
+    for (int k = -depth; k <= depth; ++k)
       if (static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius)
-        all.push_back(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b);
-  return all;
+        if (!f(Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b))) return;
+}
+
+std::uint64_t Fluid::Impl::site_count(const FluidEmitter& e, const FluidPool& p) {
+  std::uint64_t count = 0;
+  each_site(e, p, [&](const Vec3&) { return ++count > 0; });
+  return count;
 }
 
 double Fluid::Impl::full_rate(const FluidEmitter& e, const FluidPool& p) const {
-  return static_cast<double>(sites(e, p).size()) * static_cast<double>(e.speed) / static_cast<double>(p.desc.spacing);
+  return static_cast<double>(site_count(e, p)) * static_cast<double>(e.speed) / static_cast<double>(p.desc.spacing);
 }
 
 void Fluid::Impl::make_room() {
@@ -65,14 +72,14 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   e.direction = normalized_or(d.direction, vec3(0, -1, 0));
   e.speed = d.speed, e.radius = d.radius, e.rate = d.rate, e.limit = d.limit;
   const FluidPool& p = m.pool(fluid);
-  // its lattice is walked below: not before its size is known to be small
+  // the lattice of the nozzle is enumerated below, so its size is checked first
   const double across = static_cast<double>(d.radius) / static_cast<double>(p.desc.spacing);
   const double about = p.dimension == 2 ? 2 * across + 1 : 3.14159265 * across * across + 1;
   const std::string limit =
       "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
   need(about <= 1.1 * static_cast<double>(p.desc.max_particles) + 10, "radius", limit.c_str(),
        static_cast<double>(d.radius));
-  need(m.sites(e, p).size() <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
+  need(Impl::site_count(e, p) <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
     throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +
                      " particles per second, what a jet of this speed and radius holds, got " + std::to_string(d.rate));
@@ -95,25 +102,9 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
   return d.object;
 }
 
-void Fluid::destroy_emitter(ObjectId id, std::string where) {
-  Impl& m = *impl_;
-  const std::uint32_t index = m.objects.index(id);
-  FEDER_ASSERT(index < m.emitters.size() && m.emitters[index].object == id);
-  m.emitters.erase(m.emitters.begin() + index);
-  for (std::uint32_t k = index; k < m.emitters.size(); ++k) m.objects.set_index(m.emitters[k].object, k);
-  m.objects.remove(id, std::move(where));
-  *m.structure_changed = true;
-}
+void Fluid::destroy_emitter(ObjectId id, std::string where) { impl_->destroy(impl_->emitters, id, std::move(where)); }
 
-void Fluid::destroy_drain(ObjectId id, std::string where) {
-  Impl& m = *impl_;
-  const std::uint32_t index = m.objects.index(id);
-  FEDER_ASSERT(index < m.drains.size() && m.drains[index].object == id);
-  m.drains.erase(m.drains.begin() + index);
-  for (std::uint32_t k = index; k < m.drains.size(); ++k) m.objects.set_index(m.drains[k].object, k);
-  m.objects.remove(id, std::move(where));
-  *m.structure_changed = true;
-}
+void Fluid::destroy_drain(ObjectId id, std::string where) { impl_->destroy(impl_->drains, id, std::move(where)); }
 
 void Fluid::set_running(ObjectId id, bool running) {
   FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == kEmitterKind);
@@ -150,28 +141,19 @@ void Fluid::Impl::emit(StepContext& c) {
 void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   FluidPool& p = pool(e.fluid);
   const Real d = p.desc.spacing;
-  // the lattice is walked anew: no memory of its own
-  const int n = static_cast<int>(e.radius / d);
-  const auto inside = [&](int i, int k) { return static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius; };
-  const int depth = dimension == 2 ? 0 : n;
-  std::uint64_t count = 0;
-  for (int i = -n; i <= n; ++i)
-    for (int k = -depth; k <= depth; ++k) count += inside(i, k);
-  Vec3 a, b;
-  if (dimension == 2)
-    a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
-  else
-    tangent_frame(e.direction, a, b);
-  FEDER_ASSERT(count > 0);  // the nozzle's middle is one
-  // sites in an order that spreads them: steps of about the golden part of their number, which must be coprime to it
+  // sites are enumerated each time: no memory of their own
+  const std::uint64_t count = site_count(e, p);
+  FEDER_ASSERT(count > 0);  // the middle of the nozzle is one
+  // order of sites: steps of about the golden ratio of their number, made coprime to it, spread them evenly
   std::uint64_t stride = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(0.618 * static_cast<double>(count)));
   while (std::gcd(stride, count) != 1) ++stride;
   const auto site = [&](std::uint64_t number) {
-    std::uint64_t left = number;
-    for (int i = -n; i <= n; ++i)
-      for (int k = -depth; k <= depth; ++k)
-        if (inside(i, k) && left-- == 0) return Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b);
-    return Vec3(Vec3::Zero());
+    Vec3 found = Vec3::Zero();
+    each_site(e, p, [&](const Vec3& offset) {
+      found = offset;
+      return number-- > 0;
+    });
+    return found;
   };
   const double layer = static_cast<double>(d) / static_cast<double>(e.speed);
   const auto due = [&](std::uint64_t k) {
@@ -179,10 +161,11 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
     const std::uint64_t full_layers = k / count;
     return static_cast<double>(full_layers) * layer;
   };
+  // particles due in this substep, while there is room
   const double until = e.clock + static_cast<double>(c.h);
   while (due(e.made) < until && (e.limit == 0 || e.made < e.limit)) {
     if (p.count == p.capacity()) {
-      *structure_changed = true;  // grows before the next step
+      *structure_changed = true;  // arrays grow before the next step
       if (p.count < p.desc.max_particles) break;
       if (!p.warned_full)
         c.events->warn("fluid_full",
@@ -201,6 +184,7 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   e.clock = until;
   if (p.capacity() - p.count < count + 64 && p.capacity() < p.desc.max_particles) *structure_changed = true;
   if (e.limit == 0 || e.made < e.limit) return;
+  // its limit is reached
   e.running = 0, e.done = 1;
   Event event;
   event.kind = kEmitterDone;

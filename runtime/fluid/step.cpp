@@ -1,4 +1,4 @@
-// The passes of the fluid system beside those of its solvers, and what it tells about its state.
+// Passes of the fluid system beside those of its solvers, and the world's queries: energy, momentum, residuals.
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +6,7 @@
 
 namespace feder {
 
-// After the rigid solve: bodies are where they will be, and no particle may be inside one.
+// Non-penetration projection at the poses of the bodies after the rigid solve.
 void Fluid::Impl::project(StepContext&) {
   for (auto& p : pools)
     if (p->count > 0 && !p->frozen) p->project_out(boundary);
@@ -17,16 +17,16 @@ void Fluid::Impl::drain(StepContext& c) {
     FluidPool& p = pool(d.fluid);
     FEDER_ASSERT(d.shape < shapes.size() && shapes[d.shape]);
     const Shape& shape = *shapes[d.shape];
-    gone.assign(p.count, 0);
+    marked.assign(p.count, 0);
     std::uint32_t taken = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       Vec3 n;
-      gone[i] = shape.distance(to_local(d.pose, p.x[i].vec()), p.desc.spacing, n) < 0;
-      taken += gone[i];
+      marked[i] = shape.distance(to_local(d.pose, p.x[i].vec()), p.desc.spacing, n) < 0;
+      taken += marked[i];
     }
     if (taken == 0) continue;
-    p.remove_marked(gone);
-    FEDER_ASSERT(p.count + taken == gone.size());
+    p.remove_marked(marked);
+    FEDER_ASSERT(p.count + taken == marked.size());
     p.contact_first[p.count] = 0;
     d.taken += taken;
     Event e;
@@ -36,28 +36,28 @@ void Fluid::Impl::drain(StepContext& c) {
   }
 }
 
-// A particle that went non-finite is taken out; nobody else ever sees it.
+// Quarantine: particles that went non-finite are removed before anything else reads them.
 void Fluid::Impl::check(StepContext& c) {
   std::string message;
   ObjectId object;
   for (auto& pool : pools) {
     FluidPool& p = *pool;
-    gone.assign(p.count, 0);
+    marked.assign(p.count, 0);
     std::uint32_t bad = 0, first = 0;
     Real square = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) {
       square += dot(p.v[i].vec(), p.v[i].vec());
       if (is_finite(p.x[i].vec()) && is_finite(p.v[i].vec()) && is_finite(p.lambda[i])) continue;
       if (bad++ == 0) first = p.id[i];
-      gone[i] = 1;
+      marked[i] = 1;
     }
     if (bad == 0) {
       watch(p, static_cast<double>(square), c);
       continue;
     }
     suspect(p);
-    p.remove_marked(gone);
-    FEDER_ASSERT(p.count + bad == gone.size());
+    p.remove_marked(marked);
+    FEDER_ASSERT(p.count + bad == marked.size());
     p.kinetic = p.kinetic_energy();
     lost += bad;
     message += (message.empty() ? "" : "; ") + objects.describe(p.object) + ": " + std::to_string(bad) +

@@ -1,7 +1,7 @@
-// Validation of fluids: after a step the arrays of each pool, its particles' numbers and what is known of emitters,
-// drains and solvers; within it the order of the particles after a sort by cell, and a sample of the neighbours' rows.
-// That no particle is lost or doubled is told by a sum over their numbers that does not depend on the order (hash of a
-// multiset, Bellare and Micciancio 1997). No memory.
+// Validation of fluids: after a step the arrays of each pool, the ids of its particles, emitters, drains and solvers;
+// within it the order of the particles after a sort by cell, and a sample of the rows of neighbours. That no particle
+// is lost or doubled is checked by a sum over their ids that does not depend on the order (hash of a multiset, Bellare
+// and Micciancio 1997). Allocates nothing.
 #include <algorithm>
 
 #include "fluid/impl.h"
@@ -9,7 +9,7 @@
 namespace feder {
 namespace {
 
-constexpr std::uint32_t kSample = 16;  // of so many rows of neighbours one is looked at
+constexpr std::uint32_t kSample = 16;  // one row of neighbours in so many is checked
 
 bool listed(const NeighborLists& lists, std::uint32_t i, std::uint32_t j) {
   const auto row = lists.row(i);
@@ -31,14 +31,14 @@ std::uint64_t FluidPool::id_sum() const {
 }
 
 void FluidPool::validate_order() const {
-  FEDER_ASSERT(id_sum() == ids_there);  // each in one place
+  FEDER_ASSERT(id_sum() == ids_there);  // each is there once
   for (std::uint32_t i = 0; i < count; ++i) {
     const int cx = grid.coordinate(0, x[i].x), cy = grid.coordinate(1, x[i].y), cz = grid.coordinate(2, x[i].z);
     FEDER_ASSERT(grid.first(cx, cy, cz) <= i && i < grid.last(cx, cy, cz));
   }
 }
 
-// Lists made of numbers that are not finite hold places of particles, and no more is said of them.
+// Of lists that were made from non-finite positions only the range of the indices is checked.
 void FluidPool::validate_neighbors(Real radius) const {
   bool finite = true;
   for (std::uint32_t i = 0; i < count && finite; ++i) finite = is_finite(x[i].vec());
@@ -52,7 +52,7 @@ void FluidPool::validate_neighbors(Real radius) const {
       FEDER_ASSERT(j < count && j != i);
       if (!finite) continue;
       FEDER_ASSERT(k == 0 || row[k - 1] < j);
-      // pushes are equal and opposite only if both know; a crowd's row that is full may have been cut
+      // symmetric, or pair terms would not cancel; a full row may have been cut
       FEDER_ASSERT(listed(lists, j, i) || lists.count[j] == NeighborLists::kMaxNeighbors);
       FEDER_ASSERT(!(length(Vec3(x[i].vec() - x[j].vec())) > Real(1.001) * radius));
     }
@@ -65,21 +65,21 @@ void FluidPool::validate() const {
   FEDER_ASSERT(support > desc.spacing && table && search && kernel && sweeps);
   if (room > 0) {
     for (const auto* array : {&x, &v, &start, &move, &extra, &swap4}) FEDER_ASSERT(array->size() == room + 1);
-    for (const auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &swap1})
+    for (const auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &next_weight, &swap1})
       FEDER_ASSERT(array->size() == room);
     FEDER_ASSERT(swap_id.size() == room && contact_first.size() == room + 1);
-    FEDER_ASSERT(origin.empty() || origin.size() == x.size());
+    for (const auto* array : {&origin, &listed_at}) FEDER_ASSERT(array->empty() || array->size() == room + 1);
   }
   FEDER_ASSERT(x.size() > count && x[count].w == 0 && length(x[count].vec()) > Real(1e8));
-  FEDER_ASSERT(v[count].vec().isZero(0) && extra[count].vec().isZero(0));  // nobody has pushed the sentinel
+  FEDER_ASSERT(v[count].vec().isZero(0) && extra[count].vec().isZero(0));  // the sentinel does not move
 
   FEDER_ASSERT(id_sum() == ids_there);
   for (std::uint32_t i = 0; i < count; ++i) {
     FEDER_ASSERT(id[i] < next_id);
-    FEDER_ASSERT(is_finite(x[i].vec()) && is_finite(v[i].vec()) && is_finite(lambda[i]));  // else taken out
+    FEDER_ASSERT(is_finite(x[i].vec()) && is_finite(v[i].vec()) && is_finite(lambda[i]));  // else removed
     FEDER_ASSERT(x[i].w == 0);                                                             // weights live in a sweep
   }
-  FEDER_ASSERT(nearly_equal(kinetic, kinetic_energy()));  // the watchdog knows of every change
+  FEDER_ASSERT(nearly_equal(kinetic, kinetic_energy()));  // every change of a velocity is accounted for
 }
 
 void Fluid::Impl::validate_sources() const {

@@ -1,5 +1,5 @@
-// The watchdog's part in fluids, see step/watch.h. The strain of a fluid is the excess of density: while a
-// fill may lie on something, the push of a spacing in a substep, or what comes at the speed of sound.
+// Energy bounds of fluids for the watchdog (step/watch.h). Stored energy of a fluid is its excess of density: while a
+// fill may overlap something, that of a push of a spacing in a substep, or of a velocity of the speed of sound.
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +10,13 @@ namespace {
 
 constexpr const char* kCure = "take more substeps or a higher max_substeps, or a larger viscosity or compression";
 
-// J
+// Energy that the step may have given, J.
 double given(const FluidPool& p, const StepContext& c) {
   const double n = p.count, m = static_cast<double>(p.mass), d = static_cast<double>(p.desc.spacing);
   const double dt = static_cast<double>(c.dt), h = static_cast<double>(c.h);
   const double g = static_cast<double>(length(c.gravity)) * std::fabs(static_cast<double>(p.desc.gravity_scale));
   double sum = gravity_work(g, dt, n * m + 1e-30, p.kinetic_before, std::fmin(p.kinetic, 1e300));
-  sum += 8 * n * static_cast<double>(p.desc.surface_tension) * d * d;  // all the surface a particle can lose
+  sum += 8 * n * static_cast<double>(p.desc.surface_tension) * d * d;  // all the surface that particles can lose
   FEDER_ASSERT(h > 0 && !(p.kinetic_before < 0));
   const double push = d / h + static_cast<double>(p.sound);
   if (p.crowded > 0) sum += 0.5 * n * m * push * push;

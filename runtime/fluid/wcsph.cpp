@@ -1,16 +1,17 @@
-// Weakly compressible SPH: pressure from density by Tait's equation p = k ((rho/rho0)^7 - 1), k = rho0 c^2 / 7, and
-// plain forces. Monaghan 1994; Becker & Teschner, SCA 2007; pair forces in the form that follows from an energy,
-// -(p_i/rho_i^2 + p_j/rho_j^2) grad W, so linear and angular momentum are kept.
-// Nothing is tuned by hand: the speed of sound follows from the compression that is wanted, c^2 = max(v^2, g H,
-// nu v / H) / compression (Morris, Fox & Zhu 1997), with the fluid's own speed v and height H; the own time step from
-// sound, walls, acceleration, viscosity and tension. Where max_substeps do not suffice, c is lowered to what they
-// can carry, and a warning says how far the fluid will be compressed.
-// What flies alone asks for no sound (components.h). Where the sound rises, because something fast comes near, the
-// pressure that the compression had is kept, and what it would have more goes over into pressure in the time of a free
-// fall through the column: else the energy of the compression, as many times larger as c^2, would throw up what rests.
-// Negative pressure is clamped to 0: the fluid does not pull (no tensile clumping, but no suction either).
-// Kept between calls: the speed of sound, and of each particle the pressure that is held back. Weak spot: sound sets
-// the step: 10 to 70 times more steps than pbf.
+// WCSPH, weakly compressible SPH: pressure from density by Tait's equation p = k ((rho/rho0)^7 - 1), k = rho0 c^2 / 7,
+// and explicit forces. Monaghan 1994; Becker & Teschner, SCA 2007, eq. 7; pair forces in the form that follows from an
+// energy,
+// -(p_i/rho_i^2 + p_j/rho_j^2) grad W (Monaghan 2005, eq. 3.3), so linear and angular momentum are kept.
+// Nothing is tuned by hand: the speed of sound follows from the wanted compression, c^2 = max(v^2, g H,
+// nu v / H) / compression (Morris, Fox & Zhu 1997), with the fluid's own speed v and height H; the solver substep from
+// sound, boundary, acceleration, viscosity and tension. Where max_substeps do not suffice, c is lowered to what they
+// carry, and a warning says how far the fluid will be compressed.
+// Isolated particles do not count for c (components.h). Where c rises, because a fast component approaches, pressure
+// first keeps its value, and the surplus that the compression would have at the new c is blended in over the time of a
+// free fall through the column: else the energy of the compression, larger by the ratio of c^2, would throw up fluid at
+// rest. Negative pressure is clamped to 0: the fluid does not pull (no tensile clumping, but no suction either). Kept
+// between calls: the speed of sound, and of each particle the pressure that is held back (FluidPool::lambda). Weak
+// spot: sound sets the step: 10 to 70 times more solver substeps than pbf.
 #include <algorithm>
 #include <cmath>
 
@@ -21,23 +22,25 @@
 namespace feder {
 namespace {
 
-constexpr Real kCourant = Real(0.4);      // of smoothing length over speed; Monaghan 1992
+constexpr Real kCourant = Real(0.4);      // CFL number: of smoothing length over speed; Monaghan 1992
 constexpr Real kForceLimit = Real(0.25);  // of sqrt(smoothing length over acceleration)
-constexpr Real kSkin = Real(0.08);        // of the support: lists are kept until somebody moved by half of it
+constexpr Real kSkin = Real(0.08);        // of the support: lists are kept until a particle moved by half of it
 
-// Where particles lie on each other, pressure grows no further: bounded forces, and a fluid that comes apart.
+// Density over density at rest beyond which pressure grows no further: bounded forces where particles overlap.
 constexpr Real kMaxRatio = Real(1.5);
 
-// A wall throws nothing back faster than a pressure wave of the wanted compression moves the fluid, times this. What
-// hits a wall faster than steps resolve is stopped by the guard deep in the wall's pressure, as if it were compressed:
-// it would come back faster than it came, and raise the speed of sound, and come back faster still.
-constexpr Real kLeave = 1;
+// Rebound speed from a boundary, at most, over the velocity of a pressure wave of the wanted compression. A particle
+// that hits a boundary faster than solver substeps resolve is stopped by the projection deep in the boundary's
+// pressure, as if it were compressed: it would rebound faster than it came, raise the speed of sound, and rebound
+// faster still.
+constexpr Real kMaxRebound = 1;
 
 Real compression_of(const FluidPool& p) { return p.desc.compression > 0 ? p.desc.compression : Real(0.01); }
 
 class Wcsph final : public FluidSolver {
  public:
   void add_passes(StepPlan& plan) override {
+    for (FluidPool* p : pools) p->keep_listed();
     plan.add<&Wcsph::choose_steps>(Rank::fluid_choose, "wcsph substeps", Fluid::kName, this);
     plan.add<&Wcsph::begin>(Rank::fluid_predict, "wcsph begin", Fluid::kName, this);
     plan.add<&Wcsph::find_neighbors>(Rank::fluid_neighbors, "wcsph neighbors", Fluid::kName, this);
@@ -100,6 +103,7 @@ void Wcsph::project(StepContext& c) {
 int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), length_unit = p.support / 2;
+  // speed and height of the fluid as one component, as an upper bound
   Real low = kInfinity, high = -kInfinity;
   FlowScales flow;
   for (std::uint32_t i = 0; i < p.count; ++i) {
@@ -112,19 +116,20 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   Real boundary_speed = 0;
   for (const BoundaryBody& b : boundary->bodies) boundary_speed = std::max(boundary_speed, length(b.velocity));
   const Real tension = p.inward / p.desc.density;
+  // components only where they can lower the speed of sound
   const Real held = std::max({boundary_speed * boundary_speed, g * p.desc.spacing, tension});
-  p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: who is apart keeps its place
+  p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: isolated particles keep their index
   if (std::max(flow.speed2, flow.head) > held)
     flow = flow_scales(p, *boundary, c);
   else
-    std::fill(p.apart.begin(), p.apart.begin() + p.count, std::uint8_t(0));
-  // the bodies' pressure counts like a column of the same weight: what they press on is not known before
+    std::fill(p.isolated.begin(), p.isolated.begin() + p.count, std::uint8_t(0));
+  // speed of sound
   const Real gh = flow.head, nu = p.desc.viscosity / p.desc.density;
   const Real speed = std::sqrt(flow.speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
   const Real floor2 = std::max({flow.speed2, gh, nu * speed / height, held});
   Real sound = std::sqrt(floor2 / compression_of(p));
 
-  // a body lighter than the particles that press on it swings faster than they do
+  // step: a body lighter than the particles that press on it swings faster than they do
   Real light = 1;
   bool any = false;
   for (const BoundaryBody& b : boundary->bodies) any = any || (b.dynamic && !b.inv_mass.isZero(0));
@@ -140,7 +145,7 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Real wanted = std::ceil(c.h / step);
   const int steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
   if (wanted > static_cast<Real>(p.desc.max_substeps)) {
-    // the sound that the budget carries
+    // the speed of sound that max_substeps carry
     const Real carried = std::max((kCourant * length_unit * static_cast<Real>(steps) / c.h - others) / std::sqrt(light),
                                   Real(0.1) * sound / 10);
     if (!p.warned_budget) {
@@ -161,33 +166,34 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   return steps;
 }
 
-// Lists and wall contacts for the coming step.
+// Neighbour lists and boundary contacts for the coming solver substep.
 void Wcsph::refresh(FluidPool& p, StepContext& c) {
   const Real skin = kSkin * p.support;
   if (!p.lists_stale) {
     Real far = 0;
     for (std::uint32_t i = 0; i < p.count; ++i) {
-      const Vec3 d = p.x[i].vec() - p.swap4[i].vec();
-      if (!p.apart[i]) far = std::max(far, dot(d, d));
+      const Vec3 d = p.x[i].vec() - p.listed_at[i].vec();
+      if (!p.isolated[i]) far = std::max(far, dot(d, d));
     }
     p.lists_stale = far > skin * skin / 4;
   }
-  bool moving = p.lists_stale;  // planes of walls at rest hold as long as the lists
+  // contact planes at bodies at rest stay valid as long as the lists
+  bool moving = p.lists_stale;
   for (const BoundaryBody& b : boundary->bodies)
     moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
   if (p.lists_stale) {
     if (c.inner.index > 0) {
       p.sort_by_cell(skin);
-      std::fill(p.apart.begin(), p.apart.begin() + p.count, std::uint8_t(0));  // they have changed places
+      std::fill(p.isolated.begin(), p.isolated.begin() + p.count, std::uint8_t(0));  // by the order before the sort
     }
     p.find_neighbors(*c.jobs, skin);
-    std::copy(p.x.begin(), p.x.begin() + p.count, p.swap4.begin());
+    std::copy(p.x.begin(), p.x.begin() + p.count, p.listed_at.begin());
     p.lists_stale = false;
   }
   if (moving) find_contacts(p, c);
 }
 
-// Wall contacts where the particles are, good for the rest of the substep of the world.
+// Boundary contacts at the present positions, valid for the rest of the substep of the world.
 void Wcsph::find_contacts(FluidPool& p, StepContext& c) {
   std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
   p.find_contacts(*c.jobs, *boundary, c.h, c.gravity, true);
@@ -196,9 +202,10 @@ void Wcsph::find_contacts(FluidPool& p, StepContext& c) {
 }
 
 void Wcsph::accelerate(FluidPool& p, StepContext& c) {
+  // pressure over squared density, as weights of the sweep; where the speed of sound has risen, pressure keeps its
+  // value
   const Real h = h_;
   p.find_ratios(*c.jobs);
-  // where the sound has risen, pressure is what it was
   const bool risen = c.inner.index == 0 && p.sound_before > 0 && p.sound > p.sound_before;
   const Real stay = p.settling / (p.settling + h);
   for (std::uint32_t i = 0; i < p.count; ++i) {
@@ -209,12 +216,13 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
     FEDER_ASSERT(!(less > 0));
     p.x[i].w = std::max(Real(0), full + less) / (r * r);
   }
+  // accelerations by neighbours and by the boundary
   SweepInput in = p.sweep_input();
   const Real density = p.desc.density, factor = -p.slope_factor / density;
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const bool damped = in.damping > 0;
-  const Real leave = kLeave * compression_of(p) * p.sound;
+  const Real rebound = kMaxRebound * compression_of(p) * p.sound;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
@@ -222,9 +230,10 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
       for (BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i && h > 0);
         const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
+        // velocity relative to the body after this step without the push: limits the rebound
         const Vec3 off =
             p.v[i].vec() - boundary->bodies[boundary->shapes[k.shape].body].velocity_at(p.x[i].vec()) + h * a;
-        const Real most = std::max(Real(0), (leave - dot(k.normal, off)) / h);
+        const Real most = std::max(Real(0), (rebound - dot(k.normal, off)) / h);
         const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * density));
         a += push * k.normal;
         k.impulse = push * p.mass * h;
@@ -232,6 +241,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
       p.move[i].set(a);
     }
   });
+  // opposite impulses on bodies
   for (const std::uint32_t at : p.dynamic_contacts) {
     const BoundaryContact& k = p.contacts[at];
     boundary->bodies[boundary->shapes[k.shape].body].push(p.x[k.particle].vec(), -k.impulse * k.normal);

@@ -1,6 +1,6 @@
-// Integrals as sums over rings (3D) or pairs (2D) at height z above the particle: dV = 2 pi q dq dz or 2 dq dz,
-// u^2 = z^2 + q^2. Of the friction, the part of the offset along the wall counts: q^2/2 on average over a ring, q^2 in
-// 2D.
+// Integrals of boundary terms as sums over rings (3D) or pairs (2D) at height z above the particle: dV = 2 pi q dq dz
+// or 2 dq dz, u^2 = z^2 + q^2. For friction the offset along the boundary counts: q^2/2 on average over a ring, q^2 in
+// 2D. Made once per fluid.
 #include "sph/boundary_table.h"
 
 #include <algorithm>
@@ -12,14 +12,14 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kRings = 400;
 
-// Of one layer at height z, per unit of height.
+// Sums over one layer at height z, per unit of height.
 struct Layer {
   double colour = 0, friction = 0;
 };
 
 Layer layer(const Kernel& k, int d, double z) {
   Layer sum;
-  const double reach = std::sqrt(std::max(0.0, 1 - z * z)), dq = reach / kRings;
+  const double radius = std::sqrt(std::max(0.0, 1 - z * z)), dq = radius / kRings;
   for (int i = 0; i < kRings; ++i) {
     const double q = (i + 0.5) * dq, u = std::sqrt(z * z + q * q);
     const double dv = d == 3 ? 2 * kPi * q * dq : 2 * dq;
@@ -34,7 +34,7 @@ Layer layer(const Kernel& k, int d, double z) {
   return sum;
 }
 
-// Of v_x = y^2, whose Laplacian is 2: what a neighbour adds that slides by, on average over its places.
+// Viscous sum for v_x = y^2, whose Laplacian is 2: the term of a neighbour that slides by, averaged over its positions.
 double row_viscosity(const Kernel& k, int d, double support, int x, int y, int z) {
   constexpr int kPlaces = 8;
   double sum = 0;
@@ -85,8 +85,9 @@ BoundaryTable::BoundaryTable(const Kernel& kernel, int d, double support) {
   const LatticeSums l = lattice_sums(kernel, d, support);
   const double first = 0.5 / support, value = l.missing / l.whole;
   const double steep = -2 * l.missing_slope * support / l.missing;  // per support
-  // to nothing at the support, in a way that changes the first layer by less than the table's rounding
+  // shifted to 0 at the support, which changes the first layer by less than the table's rounding
   const double end = std::exp(-steep * (1 - first));
+  // cells from the far side down
   double friction = 0, share = 0;
   constexpr int kFine = 8;
   for (int i = kCells; i >= 0; --i) {
@@ -98,7 +99,7 @@ BoundaryTable::BoundaryTable(const Kernel& kernel, int d, double support) {
     out.colour = static_cast<WideReal>(layer(kernel, d, s).colour);
     out.friction = static_cast<WideReal>(friction);
     out.share = static_cast<WideReal>(share);
-    // midpoint rule downwards from the far side; the half space beyond s is what lies higher than s
+    // midpoint rule: the half space beyond s consists of the layers higher than s
     const double dz = 2.0 / kCells / kFine;
     for (int k = 0; k < kFine && i > 0; ++k) {
       const Layer slice = layer(kernel, d, s - (k + 0.5) * dz);

@@ -1,13 +1,13 @@
-// What a wall adds to a particle at signed distance s from it (in units of the support), for planes, and for other
-// solids by their nearest plane.
+// Boundary terms of a particle at signed distance s from a solid (in units of the support), exact for planes, and for
+// other solids by their nearest plane.
 // Density: not the integral of the kernel over the solid but a steeper function of the distance, a exp(-b s): it has
 // the value that the missing half of a lattice has for the first layer at rest, half a spacing from the wall, and
-// twice its slope. The force on a particle then follows from an energy alone (a wall whose pressure is mirrored needs
-// a factor 2 that follows from none, and drives currents along upright walls), and is in balance where the layer
-// belongs: nothing clumps at walls. Inside the solid it goes on in a straight line.
-// Colour and friction: true integrals over the half space (Bender et al., "Volume Maps", MIG 2019; Morris 1997).
-// Weak spot: in corners of two solids both count in full, at convex edges too: particles keep about a tenth of a
-// spacing more distance there. Thin plates weigh like thick ones, on purpose.
+// twice its slope. The force on a particle then follows from an energy alone (mirrored pressure, as of Akinci et al.
+// 2012, needs a factor 2 that follows from none, and drives currents along upright boundaries), and is in balance where
+// the layer belongs: particles do not clump at boundaries. Inside the solid it goes on in a straight line. Colour and
+// friction: true integrals over the half space (Bender et al., "Volume Maps", MIG 2019; Morris 1997). Weak spot: in
+// corners of two solids both count in full, at convex edges too: particles keep about a tenth of a spacing more
+// distance there. Thin plates weigh like thick ones, on purpose.
 #pragma once
 #include "sph/kernel.h"
 
@@ -18,7 +18,7 @@ struct BoundaryTerms {
   WideReal slope = 0;   // -d value / d s
   WideReal share = 0;   // of the kernel that lies in the solid
   WideReal colour = 0;  // -d share / d s
-  // no-slip friction with the velocity continued oddly through the wall (Morris 1997): a = -nu v friction / (s
+  // no-slip friction with the velocity continued oddly through the boundary (Morris 1997): a = -nu v friction / (s
   // support^2)
   WideReal friction = 0;
 };
@@ -26,7 +26,7 @@ struct BoundaryTerms {
 class BoundaryTable {
  public:
   static constexpr int kCells = 256;
-  // Of a fluid whose kernel reaches `support` spacings.
+  // For a kernel with a support of `support` spacings.
   BoundaryTable(const Kernel& kernel, int dimension, double support);
   // s in [-1, 1]; beyond 1 nothing, below -1 as at -1.
   BoundaryTerms at(WideReal s) const {
@@ -43,16 +43,16 @@ class BoundaryTable {
   BoundaryTerms samples_[kCells + 1];
 };
 
-// Of a particle on a lattice of spacing 1 with the kernel's support in spacings: the kernel's sum over the whole
+// Sums of a particle on a lattice of spacing 1 with the kernel's support in spacings: the kernel's sum over the whole
 // lattice (itself included), and over what lies beyond the particle's layer on one side, with the slope of that sum
 // by the distance to that side; and the sum of the squared gradients of the whole.
-// `viscosity`: what the sums over pairs make of a shear whose rows slide over each other, 1 when exact.
+// `viscosity`: viscous sum over pairs in a shear whose rows slide over each other, over the true value.
 struct LatticeSums {
   double whole = 0, missing = 0, missing_slope = 0, squares = 0, viscosity = 0;
 };
 LatticeSums lattice_sums(const Kernel& kernel, int dimension, double support);
 
-// Of the cohesion of the sums over neighbours (sweeps.h): the integral of u^power cohesion(u) over [0, 1].
+// Moment of the cohesion of the sums over neighbours (sweeps.h): the integral of u^power cohesion(u) over [0, 1].
 double cohesion_moment(int power);
 
 }  // namespace feder

@@ -1,4 +1,4 @@
-// Cubic spline: the classical kernel for all terms.
+// Cubic spline (Monaghan & Lattanzio 1985): the classical kernel, for all terms.
 #include "sph/sweeps.h"
 #ifndef FEDER_SPH_WIDE
 #include "sph/make_kernel.h"

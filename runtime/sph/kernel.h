@@ -1,6 +1,8 @@
-// Smoothing kernels of particle fluids. One file per kernel, one feder_kernel line. Contract, checked for every row by
-// tests/sph/test_kernel_contract.cpp: W integrates to 1 in 2D and 3D, slope and Laplacian are its derivatives, it is
-// zero at the support; the sums over neighbours equal plain sums.
+// Smoothing kernels of particle fluids. One file per kernel, one feder_kernel line. Contract, checked for every kernel
+// by tests/sph/test_kernel_contract.cpp:
+//  - W integrates to 1 in 2D and 3D, and is zero at the support;
+//  - slope and Laplacian are its derivatives;
+//  - the sums over neighbours equal plain sums.
 #pragma once
 #include <span>
 
@@ -24,7 +26,7 @@ struct Kernel {
   double norm_density[2], norm_gradient[2], norm_viscosity[2];  // factors the sums leave out, for 2D and 3D
   bool radial_viscosity = true;    // pair term along the offset, factor 2 (D + 2) slope; else Laplacian times velocity
   double support[2] = {0, 0};      // proposed, in particle spacings, for 2D and 3D
-  const Sweeps* sweeps = nullptr;  // null: a part of other kernels only
+  const Sweeps* sweeps = nullptr;  // null: only a part of other kernels
   const Sweeps* sweeps_wide = nullptr;  // for processors with AVX2; same bits
 };
 

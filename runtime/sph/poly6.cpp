@@ -1,4 +1,4 @@
-// Poly6: smooth density, but no push at short distance; a part of poly6_spiky.
+// Poly6: smooth density, but no push at short distance; used by poly6_spiky.
 #ifndef FEDER_SPH_WIDE
 #include "sph/make_kernel.h"
 

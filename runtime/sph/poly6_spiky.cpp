@@ -1,6 +1,6 @@
-// Mueller's set of 2003: density by poly6, pressure by the slope of spiky, viscosity by the Laplacian of its own
-// kernel. Pressure is no gradient of an energy here, and viscosity turns the fluid a little: for looks, not for
-// measuring.
+// Kernels of Mueller, Charypar & Gross 2003: density by poly6, pressure by the slope of spiky, viscosity by the
+// Laplacian of its own kernel. Pressure is no gradient of an energy here, and viscosity does not keep angular momentum:
+// for pictures, not for measurements.
 #include "sph/sweeps.h"
 #ifndef FEDER_SPH_WIDE
 #include "sph/make_kernel.h"

@@ -1,4 +1,4 @@
-// The table of kernels, generated from the feder_kernel lines.
+// The table of kernels, from the generated list of the feder_kernel lines.
 #include "sph/kernel.h"
 
 namespace feder {

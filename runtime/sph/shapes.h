@@ -57,7 +57,7 @@ struct WendlandShape {
   }
 };
 
-// Its slope vanishes at u = 0: what lies on one spot is not pushed apart.
+// Its slope vanishes at u = 0: particles in one position are not pushed apart.
 struct Poly6Shape {
   static constexpr double kNorm[2] = {4 / kPiWide, 315 / (64 * kPiWide)};
   template <class T>

@@ -1,4 +1,4 @@
-// Spiky: its slope does not vanish where particles come near; a part of poly6_spiky. (Its own sum over a lattice is 17
+// Spiky: its slope does not vanish at short distance; used by poly6_spiky. (Its own sum over a lattice is 17
 // % off one with the usual number of neighbours: no kernel for densities.)
 #ifndef FEDER_SPH_WIDE
 #include "sph/make_kernel.h"

@@ -1,8 +1,7 @@
-// Sums over neighbours, eight neighbours at a time: every particle gathers from its own list, so a sum never depends
-// on threads, and pairs that are summed from both sides cancel to rounding. Lists are padded to whole lanes with the
-// index of a point far away, where every kernel is zero. Included by files compiled twice: no std, no Eigen.
-// A pair term of two particles is the same product of the same numbers from both sides but for its sign, so what
-// one gains the other loses.
+// Sums over neighbours, eight neighbours at a time. Every particle gathers from its own list, so a sum never depends on
+// threads. A pair term is the same product of the same numbers from both sides but for its sign, so pair forces cancel
+// to the rounding of the sums. Lists are padded to whole lanes with the index of a point far away, where every kernel
+// is zero. Included by files compiled twice: no std, no Eigen.
 #pragma once
 #include "sph/shapes.h"
 #include "sph/sweep_table.h"
@@ -26,7 +25,7 @@ struct Four {
   return __builtin_shufflevector(row4(a), row4(b), 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-// Rows of four numbers at eight places, as columns.
+// Eight rows of four numbers, as columns.
 [[gnu::always_inline]] inline Four gather(const WideReal* rows, const unsigned* at) {
   const Lanes t0 = join(rows + 4ul * at[0], rows + 4ul * at[4]), t1 = join(rows + 4ul * at[1], rows + 4ul * at[5]);
   const Lanes t2 = join(rows + 4ul * at[2], rows + 4ul * at[6]), t3 = join(rows + 4ul * at[3], rows + 4ul * at[7]);
@@ -141,8 +140,8 @@ struct SweepsOf {
     }
   }
 
-  // Akinci, Akinci & Teschner 2013: attraction that is strongest at half the support and turns round close by. 1 at
-  // most.
+  // Cohesion of Akinci, Akinci & Teschner 2013, eq. 2: attraction that is 1, its maximum, at half the support, and
+  // repulsion close by.
   static void cohere(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), tiny = all_lanes(WideReal(1e-3));
     for (unsigned i = first; i < last; ++i) {
@@ -191,7 +190,8 @@ struct RadialViscosity {
   }
 };
 
-// That of Mueller 2003: along the velocities, by the Laplacian of a kernel of its own. Turns the fluid a little.
+// That of Mueller 2003: along the velocities, by the Laplacian of a kernel of its own. It does not keep angular
+// momentum.
 template <class Shape>
 struct PlainViscosity {
   static constexpr bool kRadial = false;

@@ -1,4 +1,4 @@
-// Viscosity kernel: its Laplacian is positive everywhere; a part of poly6_spiky.
+// Viscosity kernel: its Laplacian is positive everywhere; used by poly6_spiky.
 // 3D: W'' + 2 W'/u = 1 - u with W = W' = 0 at u = 1 gives W = -u^3/12 + u^2/6 + 1/(12 u) - 1/6.
 // 2D: W'' + W'/u = 1 - u likewise gives W = u^2/4 - u^3/9 - ln(u)/6 - 5/36.
 #ifndef FEDER_SPH_WIDE

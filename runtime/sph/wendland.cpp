@@ -1,4 +1,5 @@
-// Wendland C2: its Fourier transform is nowhere negative, so particles do not pair however many neighbours they have.
+// Wendland C2 (Wendland 1995): its Fourier transform is nowhere negative, so particles do not pair however many
+// neighbours they have.
 #include "sph/sweeps.h"
 #ifndef FEDER_SPH_WIDE
 #include "sph/make_kernel.h"

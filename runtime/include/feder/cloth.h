@@ -1,8 +1,7 @@
-// Cloth: sheets of triangles with stretch, shear and bending stiffness, thickness and friction. Each cloth has a
-// solver of its own. In a step they show themselves as surfaces (state/surface.h), the vertices first among the points:
-// a vertex has the same number here and there.
+// Cloth: sheets of triangles with stretch, shear and bending stiffness, thickness and friction. Each cloth has a solver
+// of its own. Cloths are surfaces of contact: in a step their vertices are its first points, with the same indices.
 // Units: stretch and shear in N/m (force per width and strain: E h for a sheet of thickness h), bend in N m
-// (E h^3 / (12 (1 - nu^2)), moment per width and curvature).
+// (E h^3 / (12 (1 - nu^2)), moment per width and curvature). One thread at a time, that of the world.
 #pragma once
 #include <memory>
 #include <span>
@@ -40,22 +39,22 @@ struct ClothDesc {
   Real thickness = Real(0.01);    // m, between two layers; half of it to bodies
   Real friction = Real(0.4);
   bool self_collision = true;
-  bool wind = true;              // forces that act on areas (wind) reach it
+  bool wind = true;              // forces that act on areas (wind) act on it
   Real drag = 1, lift = 1;       // shares of the pressure along the flow and across it
   Real tear_strain = kInfinity;  // an edge stretched more than this breaks
-  // No edge stretches more than this; kInfinity: as the material does. < 0: kMaxStrain where pins or bodies hold the
-  // cloth, and none for cloth that tears.
+  // Strain limit of edges; kInfinity: none. < 0: kMaxStrain where the cloth has pins or attachments, and none for cloth
+  // that tears.
   Real max_strain = -1;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
   // Solver substeps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
   int substeps = 0;
-  Real stretch_error = Real(0.01);              // strain that the solver may leave beside the material's
-  int max_substeps = 64;                        // where the choice ends, with a warning
+  Real stretch_error = Real(0.01);              // strain error of the solver, beside the material's strain
+  int max_substeps = 64;                        // largest number that is chosen, with a warning
   std::string solver = default_cloth_solver();  // xpbd, or the first of this build
   Params solver_options;
   // Names: "top_left" "top_right" "bottom_left" "bottom_right" "top" "bottom" "left" "right", each with "_clamped"
-  // when the slope is held too (sheets only); and vertex numbers from 0.
+  // when the slope is clamped too (sheets only); and vertex indices from 0.
   std::vector<std::string> pin_names;
   std::vector<std::uint32_t> pins;
 };
@@ -87,7 +86,7 @@ class Cloth final : public System {
   std::size_t edge_count(ObjectId cloth) const;
   // i counts from 0 within the cloth; SceneError when out of range.
   Vec3 point(ObjectId cloth, std::size_t i) const;
-  void set_point(ObjectId cloth, std::size_t i, const Vec3& x);  // moves a pinned vertex, or teleports a free one
+  void set_point(ObjectId cloth, std::size_t i, const Vec3& x);  // moves a pinned vertex, teleports a free one
   Vec3 velocity(ObjectId cloth, std::size_t i) const;
   void set_velocity(ObjectId cloth, std::size_t i, const Vec3& v);
   void apply_impulse(ObjectId cloth, std::size_t i, const Vec3& impulse);
@@ -119,7 +118,7 @@ class Cloth final : public System {
   void detach_body(ObjectId body);
   const std::vector<Attachment>& attachments() const;
 
-  // For couplings.
+  // For couplings. Cloths are numbered 0 .. cloth_count()-1, in the order of their making.
   struct Info {
     ObjectId object;
     std::uint32_t first = 0, count = 0;        // visible run in ClothVertices
@@ -131,18 +130,18 @@ class Cloth final : public System {
     bool moving = false;  // awake, and no sleep candidate
   };
   std::size_t cloth_count() const;
-  Info info(std::size_t n) const;  // 0 .. cloth_count()-1, in the order the cloths were made
+  Info info(std::size_t n) const;  // of the n-th cloth
   const ClothVertices& vertices() const;
-  // The mass that rests on a cloth, kg: smaller steps are chosen for it. Forgotten at the end of each step while the
-  // cloth is awake, then said anew. Callers stop at kMaxLoad times the cloth's own mass: what is heavier is carried by
-  // something below.
+  // Load: the mass that rests on a cloth or hangs from it, kg; more solver substeps are chosen for it. Reset at the end
+  // of each step while the cloth is awake, and set again by couplings. They limit resting mass to kMaxLoad times the
+  // cloth's own: a heavier stack is carried by something below.
   static constexpr Real kMaxLoad = 50;
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;
-  // What is about to strike it in this step: the acceleration it would give to the whole (likewise), m/s^2, and its
-  // speed beside that of the cloth, m/s.
+  // Approaching bodies of this step: the acceleration that they would give to the whole cloth, m/s^2, and their
+  // approach speed, m/s.
   void set_impact(std::size_t n, Real acceleration, Real speed);
-  void push(std::uint32_t vertex, const Vec3& impulse);  // after the solver substeps of a substep, N s
+  void push(std::uint32_t vertex, const Vec3& impulse);  // N s; after the solver substeps of a substep
 
  private:
   struct Impl;

@@ -1,7 +1,7 @@
-// Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, held by boundaries
-// (bodies, faces of cloths and nets, by couplings). Particles of different fluids do not meet. SI units; densities
-// kg/m^3, in dimension 2 kg/m^2. SceneError on impossible input, nothing changed. One thread at a time, that of the
-// world; questions that fill `out` replace its content.
+// Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, contained by
+// boundaries (bodies, faces of cloths and nets, by couplings). Particles of different fluids do not interact. SI units;
+// densities kg/m^3, in dimension 2 kg/m^2. SceneError on impossible input, nothing changed. One thread at a time, that
+// of the world; queries that fill `out` replace its content.
 #pragma once
 #include <memory>
 #include <span>
@@ -24,7 +24,7 @@ struct FluidPool;
 struct FluidContactState;
 struct Boundary;
 
-// pbf, cubic and grid, or the first of this build where they are left out.
+// pbf, cubic and grid, or the first of this build where those are left out.
 std::string default_fluid_solver();
 std::string default_fluid_kernel();
 std::string default_fluid_neighbors();
@@ -34,17 +34,17 @@ struct FluidDesc {
   TagMask tags = 0;
   Real spacing = Real(0.05);  // between particles at rest, m
   Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
-  Real viscosity = 0;         // dynamic, Pa s; walls do not slip when above 0
+  Real viscosity = 0;         // dynamic, Pa s; no slip at boundaries when above 0
   Real surface_tension = 0;   // N/m
   std::string solver = default_fluid_solver();
   std::string kernel = default_fluid_kernel();
   std::string neighbors = default_fluid_neighbors();
-  Real support = 0;      // of the kernel, in spacings; 0: what the kernel proposes
-  Real stiffness = 0;    // bulk modulus, Pa; 0: as stiff as the solver can make it
-  int iterations = 4;    // pbf, per substep
-  Real compression = 0;  // wanted: wcsph at the largest pressure, pbf on average; 0: wcsph 0.01, pbf 0.05
+  Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
+  Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
+  int iterations = 4;                     // pbf, per substep
+  Real compression = 0;                   // wanted: wcsph at the largest pressure, pbf mean; 0: wcsph 0.01, pbf 0.05
   Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
-  int max_substeps = 60;                  // most of its solver substeps in a substep of the world
+  int max_substeps = 60;                  // largest number of solver substeps in a substep of the world
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
@@ -97,8 +97,8 @@ class Fluid final : public System {
   std::uint64_t passed(ObjectId source) const;  // emitted, or drained, so far
   void aim(ObjectId emitter, const Vec3& position, const Vec3& direction);
 
-  // Questions; particles in the order they were made. What looks at neighbours and walls (from densities on) is asked
-  // of World::query<Fluid>().
+  // Queries; particles in the order of their making. Those that need neighbours and the boundary (from densities on)
+  // are asked of World::query<Fluid>().
   std::size_t particle_count(ObjectId fluid) const;
   void positions(ObjectId fluid, std::vector<Vec3>& out) const;
   void velocities(ObjectId fluid, std::vector<Vec3>& out) const;
@@ -107,26 +107,24 @@ class Fluid final : public System {
   void pressures(ObjectId fluid, std::vector<Real>& out);             // Pa
   void density_error(ObjectId fluid, double& mean, double& largest);  // excess over the density at rest, as a share
   double pressure_at(ObjectId fluid, const Vec3& point);  // Pa, mean over the particles near; 0 where there are none
-  // Height of the free surface above (x, z): where the smoothed fluid ends, coming from above. False where there is
-  // none.
+  // Height of the free surface at (x, z): where the smoothed fluid begins, from above. False where there is none.
   bool height_at(ObjectId fluid, Real x, Real z, Real& y);
   void surface(ObjectId fluid, std::vector<Vec3>& points, std::vector<Vec3>& normals);  // particles at the surface
-  // Particles whose middle lies in the shape, when the filters let them meet.
+  // Particles whose middle lies in the shape, when the filters let them collide.
   std::uint32_t count_inside(ObjectId fluid, const Shape& shape, const Pose& pose, std::uint32_t group,
                              std::uint32_t mask) const;
   Real particle_mass(ObjectId fluid) const;
   FluidDesc desc(ObjectId fluid) const;
-  std::uint64_t solver_substeps(
-      ObjectId fluid) const;                 // its solver's, since the fluid was made; wcsph takes several in a substep
-  ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
+  std::uint64_t solver_substeps(ObjectId fluid) const;  // solver substeps since the fluid was made
+  ObjectId fluid_of(ObjectId source) const;             // of an emitter or drain
 
-  // For couplings: the walls of the coming substep, filled before the fluid's passes, and before questions.
+  // For couplings: the boundary of the coming substep, filled before the fluid's passes, and before queries.
   Boundary& boundary();
-  // Which bodies of the walls particles were beside since clear_contact_states: appended, by fluid, then body.
+  // Bodies that particles were in contact with since clear_contact_states: appended, by fluid, then body.
   void clear_contact_states();
   void list_contact_states(Array<FluidContactState>& out) const;
   std::size_t pool_count() const;
-  FluidPool& pool_at(std::size_t n);  // in the order the fluids were made
+  FluidPool& pool_at(std::size_t n);  // in the order of their making
 
  private:
   struct Impl;

@@ -1,5 +1,5 @@
 // The order of a step, from top to bottom: every rank by name, once. A pass stands at a rank, or, when its system is
-// none of the house's, before or after one. Passes of one place run in the order in which their systems were made.
+// not one of the runtime's, before or after one. Passes of one place run in the order in which their systems were made.
 // A loop is a run of ranks; loops nest. tests/step/test_order.cpp.
 #pragma once
 #include "feder/types.h"
@@ -7,7 +7,7 @@
 namespace feder {
 
 enum class Rank : std::uint8_t {
-  // step: what is near what
+  // step: bounds, broad phase, narrow phase
   begin,
   body_bounds,
   point_bounds,
@@ -15,7 +15,7 @@ enum class Rank : std::uint8_t {
   narrow,
   wake_touched,
   contact_list,
-  // step: what the substeps work on
+  // step: arrays that the substeps work on
   gather_bodies,
   gather_points,
   surface_begin,
@@ -129,7 +129,7 @@ constexpr Loop loop_of(Rank rank) {
   return inner;
 }
 
-// Where a pass runs: at a rank, or just before or after all that stand there.
+// Where a pass runs: at a rank (side 0), or before (-1) or after (1) all that stand there.
 struct Place {
   constexpr Place(Rank r, int s = 0) : rank(r), side(s) {}  // implicit: a rank is a place
   Rank rank;

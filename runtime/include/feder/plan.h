@@ -18,14 +18,13 @@ namespace feder {
 
 class JobPool;
 
-// What a pass gets to see of the step it runs in.
 // How often a loop of solver substeps runs: one count per group, written before the loop by a pass of its system. A
 // group runs its whole loop before the next.
 struct LoopCounts {
   std::vector<int> count;  // by group
 };
 
-// Where an inner loop is.
+// Present iteration of an inner loop.
 struct InnerLoop {
   int group = 0;
   int index = 0;  // of the iteration, from 0
@@ -33,6 +32,7 @@ struct InnerLoop {
   bool last() const { return index + 1 == count; }
 };
 
+// The step that a pass runs in.
 struct StepContext {
   Real dt = 0;  // s, the whole step
   Real h = 0;   // s, one substep: dt / substeps
@@ -98,10 +98,10 @@ class StepPlan {
   void run_loop(PlanNode& loop, std::uint32_t first, StepContext& c);
 
   std::vector<PlanNode> nodes_, old_;
-  std::size_t step_end_ = 0;  // the passes between steps stand behind
+  std::size_t step_end_ = 0;  // the passes between steps follow
   LoopCounts counts_[kLoopCount];
   int idle_[kLoopCount] = {};            // iterations until the next that is clocked
-  static constexpr int kClockEvery = 7;  // no divisor of usual counts of substeps: the first is not like the others
+  static constexpr int kClockEvery = 7;  // no divisor of usual numbers of substeps: the first iteration is not typical
   int clock_every_ = kClockEvery;
 };
 
