@@ -65,7 +65,7 @@ const Method kClothMethods[] = {
     {"normals", guard<list_vectors<Cloth, &Cloth::normals>>, "cloth:normals([buffer]) -> buffer",
      "unit, one per vertex"},
     {"triangles", guard<cloth_triangles>, "cloth:triangles([buffer]) -> buffer", "three vertex numbers each"},
-    {"substeps", method<&Cloth::substeps>, "cloth:substeps() -> integer", "small steps per substep, as last chosen"},
+    {"substeps", method<&Cloth::substeps>, "cloth:substeps() -> integer", "solver substeps per substep, as last chosen"},
     {"awake", method<cloth_awake>, "cloth:awake() -> boolean", "does it move?"},
     {"wake", method<cloth_wake>, "cloth:wake() -> self", "lets it move again"},
     {"sleep", method<&Cloth::sleep>, "cloth:sleep() -> self", "stops it until something moves against it"},

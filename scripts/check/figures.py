@@ -170,7 +170,8 @@ def tree(feder, _):
     def flush():
         names = [n.replace(" ", "_") for i, n in enumerate(passes) if i == 0 or n != passes[i - 1]]
         indent = "  " * (depth + 1)
-        wrapped = textwrap.wrap(", ".join(names), 110, initial_indent=indent, subsequent_indent=indent)
+        wrapped = textwrap.wrap(", ".join(names), 110, initial_indent=indent, subsequent_indent=indent,
+                                break_on_hyphens=False)
         lines.extend(line.replace("_", " ") for line in wrapped)  # a name is not torn
         passes.clear()
 
