@@ -175,24 +175,12 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   std::vector<ClothGhost> ghosts;
   s->mesh.triangles.assign(triangles.begin(), triangles.end());
   s->mesh.grid = desc.nx > 0;
-  s->settings = {{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend},
-                 desc.area_density,
-                 desc.damping,
-                 desc.thickness,
-                 desc.friction,
-                 desc.drag,
-                 desc.lift,
-                 desc.tear_strain,
-                 max_strain_of(desc),
-                 desc.gravity_scale,
-                 desc.stretch_error,
-                 desc.substeps,
-                 desc.max_substeps,
-                 desc.group,
-                 desc.mask,
-                 desc.self_collision,
-                 desc.wind,
-                 desc.max_strain > 0};
+  const ClothStiffness stiffness{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend};
+  const bool limit_free = desc.max_strain > 0;
+  s->settings = {stiffness,           desc.area_density, desc.damping,      desc.thickness,      desc.friction,
+                 desc.drag,           desc.lift,         desc.tear_strain,  max_strain_of(desc), desc.gravity_scale,
+                 desc.stretch_error,  desc.substeps,     desc.max_substeps, desc.group,          desc.mask,
+                 desc.self_collision, desc.wind,         limit_free};
   make_elements(s->mesh, rest, s->settings.stiffness);
   // pins by name, with a ghost vertex for each end of a clamped border edge
   for (const std::string& name : desc.pin_names) {

@@ -22,12 +22,7 @@ void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {
   if (n < surfaces.list.size() && surfaces.list[n].object == s.object)
     surfaces.list[n].active = s.active(), surfaces.list[n].sleep_candidate = false;
   if (!slept) return;
-  Event e;
-  e.kind = EventKind::wake;
-  e.cause = cause;
-  e.a = s.object;
-  e.b = other;
-  events.add_pending(e);
+  events.add_pending({.kind = EventKind::wake, .cause = cause, .a = s.object, .b = other});
 }
 
 void Cloth::Impl::put_to_sleep(Sheet& s) {
@@ -36,10 +31,7 @@ void Cloth::Impl::put_to_sleep(Sheet& s) {
   s.set_flight(Vec3(0, 0, 0));
   s.kinetic = 0;
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) vertices.velocity[i] = Vec3::Zero();
-  Event e;
-  e.kind = EventKind::sleep;
-  e.a = s.object;
-  events.add_pending(e);
+  events.add_pending({.kind = EventKind::sleep, .a = s.object, .b = {}});
 }
 
 void Cloth::Impl::update_sleep(StepContext& c) {
