@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "cloth/impl.h"
-#include "forces/forces.h"
 
 namespace feder {
 namespace {
@@ -36,7 +35,6 @@ void Cloth::Impl::put_to_sleep(Sheet& s) {
 
 void Cloth::Impl::update_sleep(StepContext& c) {
   if (!c.sleeping) return;
-  const Forces* forces = store.find<Forces>();
   for (auto& p : sheets) {
     Sheet& s = *p;
     if (!s.active()) continue;
@@ -47,9 +45,7 @@ void Cloth::Impl::update_sleep(StepContext& c) {
     const Real cap = kSleepSpeed * kSleepSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
     s.state.sleep_energy = std::min(energy + (std::min(s.state.sleep_energy, cap) - energy) * keep, cap);
     bool steady = true;  // generators on areas may gust
-    if (forces)
-      for (const ForceEntry& f : forces->list)
-        if (acts_on(f, s.object, objects.tags(s.object))) steady = steady && !f.force->on_area();
+    each_force(s, [&](const ForceEntry& f) { steady = steady && !f.force->on_area(); });
     if (!steady || s.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
       s.state.sleep_steps = 0;
       continue;

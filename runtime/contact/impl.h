@@ -117,7 +117,6 @@ struct SurfaceContact::Impl {
 
   // surface_contact.cpp
   void wake_left();
-  const Surface* surface_of(ObjectId object) const;
   Aabb swept_bounds(const Surface& s, StepContext& c) const;
   void report(const SurfacePair& k);
   void wake(ObjectId sleeper, ObjectId other);
