@@ -15,7 +15,6 @@
 #include <tuple>
 
 #include "cloth/impl.h"
-#include "contact/surface_motion.h"
 
 namespace feder {
 namespace {
@@ -219,9 +218,12 @@ void Cloth::Impl::solve_body_ties(StepContext& c) {
       const Real response = x.w + surfaces.body_response(attachment->solver_index, attachment->arm, n);
       if (!(response > 0)) continue;
       // excess from before this solver substep is taken back at kTieSpeed
-      Vec3 change = change_of(surfaces, i, h);
-      if (attachment->solver_index != 0)
-        change -= h * velocity_at(solver_bodies->state[attachment->solver_index], attachment->arm);
+      Vec3 change = x.vec() - before[i].vec();
+      if (before[i].w != 0) change += h * velocity[i].vec();
+      if (attachment->solver_index != 0) {
+        const SolverBody& m = solver_bodies->state[attachment->solver_index];
+        change -= h * (m.velocity + cross(m.angular_velocity, attachment->arm));
+      }
       const Real need = far - std::max(far - dot(n, change) - kTieSpeed * h, Real(0));
       if (!(need > 0)) continue;
       const Vec3 push = (need / response) * n;  // kg m

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/body_point.h"
 #include "contact/impl.h"
-#include "contact/surface_motion.h"
 
 namespace feder {
 namespace {
@@ -67,7 +67,8 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
     Vec3 error = k.error + x.vec() - surfaces.body_displacement(k.solver_index, k.arm);
     // the error from before this solver substep closes at kPullSpeed: a vertex attached far away must not throw the
     // body
-    Vec3 change = change_of(surfaces, k.vertex, h);
+    Vec3 change = x.vec() - before[k.vertex].vec();
+    if (before[k.vertex].w != 0) change += h * velocity[k.vertex].vec();
     if (k.solver_index != 0) change -= h * velocity_at(solver_bodies->state[k.solver_index], k.arm);
     const Vec3 start = error - change;
     const Real open = length(start), closed = kPullSpeed * h;

@@ -11,7 +11,7 @@
 // slowly.
 #include <algorithm>
 
-#include "contact/surface_motion.h"
+#include "contact/body_point.h"
 #include "couple/springs_rigid.h"
 #include "state/bodies.h"
 #include "state/contacts.h"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "contact/body_point.h"
 #include "contact/seen_pairs.h"
 #include "contact/surface_contact.h"
-#include "contact/surface_motion.h"
 #include "couple/coupling.h"
 #include "couple/surface_triangle.h"
 
