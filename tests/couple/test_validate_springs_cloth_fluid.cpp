@@ -15,8 +15,8 @@ using test::aborts;
 
 namespace {
 
-// Two sheets on each other, a ball and water on the upper one, a net with faces beside them that holds a box and
-// catches water too, a floor, and a sensor in the water's way.
+// Two sheets on each other, a ball and water on the upper one, a net with faces beside them with a box attached, that
+// catches water too, a floor, and a sensor in the path of the water.
 struct Mixed {
   World w{WorldDesc{}, mixed_catalog()};
   Cloth& cloth = w.need<Cloth>();
