@@ -1,7 +1,5 @@
 #include "cli/app.h"
 
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <new>
 
@@ -11,11 +9,6 @@
 
 namespace feder::cli {
 namespace {
-
-void print_error(const std::string& message) {
-  std::fflush(stdout);
-  fmt::print(stderr, "{}\n", message);
-}
 
 std::string help_text() {
   std::string text = "feder: a physics sandbox scripted from Lua\n\nusage: feder COMMAND [SCENE] [options]\n\n";
@@ -31,21 +24,16 @@ const Row* find_command(const std::string& name) {
 
 std::string unknown_command(const std::string& word) {
   std::vector<std::string> known;
-  std::string list;
-  for (const Row& row : commands()) {
-    known.emplace_back(row.name);
-    list += (list.empty() ? "" : ", ") + known.back();
-  }
-  std::string message = fmt::format("feder: unknown command '{}'; known: {}", word, list);
-  const std::string near = nearest_name(word, known);
+  for (const Row& row : commands()) known.emplace_back(row.name);
+  std::string message = fmt::format("feder: unknown command '{}'; known: {}", word, fmt::join(known, ", "));
   if (word.ends_with(".lua") || word.ends_with(".yaml") || word.ends_with(".yml"))
     message += fmt::format("; to run a scene: feder run {}", word);
   else if (word == "view" || word == "render" || word == "export")
     message += "; this build has no viewer: it was left out, or GLFW, ImGui and OpenGL were not found";
   else if (word == "study" || word == "stability")
     message += "; this build has no studies";
-  else if (!near.empty())
-    message += fmt::format("; did you mean '{}'?", near);
+  else
+    message += did_you_mean("; ", word, known);
   return message;
 }
 
@@ -59,13 +47,25 @@ int run_command(const Row& row, int argc, char* argv[], const Build& build) {
   try {
     if (!arguments.parse(argc, argv)) return fmt::print("{}", arguments.help()), kPass;
   } catch (const std::invalid_argument& e) {
-    throw Failure(kUsage, fmt::format("feder {}: {}", row.name, e.what()));
+    throw Failure(kUsage, "feder {}: {}", row.name, e.what());
   }
   const TimeLimit time(timeout_seconds(options, 0), 0);
   return command->run(options);
 }
 
 }  // namespace
+
+std::string did_you_mean(const char* lead, const std::string& word, const std::vector<std::string>& known) {
+  const std::string near = nearest_name(word, known);
+  return near.empty() ? "" : fmt::format("{}did you mean '{}'?", lead, near);
+}
+
+void print_json(const report::Json& value) { std::fputs(report::to_text(value).c_str(), stdout); }
+
+void print_error(const std::string& line) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{}\n", line);
+}
 
 int run_program(int argc, char* argv[], const Build& build) {
   const std::string word = argc > 1 ? argv[1] : "";

@@ -1,6 +1,4 @@
 // feder bench: wall time per step. Each run is a fresh scene; its first step, which makes room, is not counted.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -15,17 +13,16 @@ namespace feder::cli {
 namespace {
 
 struct Measured {
-  std::string scene, title, hash, profile;
-  std::vector<double> runs;  // ms per step, sorted
-  int threads = 1;
-  std::size_t bodies = 0;
+  report::Json row;  // as --json prints it
+  std::string profile;
   bool handlers_failed = false;
-
-  double median() const {
-    const std::size_t n = runs.size();
-    return n % 2 ? runs[n / 2] : (runs[n / 2 - 1] + runs[n / 2]) / 2;
-  }
 };
+
+// Of sorted values.
+double median(const std::vector<double>& values) {
+  const std::size_t n = values.size();
+  return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
 
 class Bench final : public Command {
  public:
@@ -45,12 +42,13 @@ class Bench final : public Command {
     report::Json all = report::Json::array();
     bool failed = false;
     for (const std::string& scene : scenes_) {
-      const Measured m = measure(scene, options);
+      Measured m = measure(scene, options);
+      compare(m.row, before);
       failed = failed || m.handlers_failed;
-      all.push_back(json(m, before));
-      if (!options.json) print(m, all.back(), options.quiet);
+      if (!options.json) print(m, options.quiet);
+      all.push_back(std::move(m.row));
     }
-    if (options.json) std::fputs(report::to_text(all.size() == 1 ? all[0] : all).c_str(), stdout);
+    if (options.json) print_json(all.size() == 1 ? all[0] : all);
     return failed ? kFailed : kPass;
   }
 
@@ -66,12 +64,9 @@ class Bench final : public Command {
 
   Measured measure(const std::string& scene, const Options& options) const {
     Measured m;
-    m.scene = scene;
+    std::vector<double> runs;  // ms per step
     for (int i = 0; i < runs_; ++i) {
-      lua::HostOptions host = host_options(options);
-      host.print = [](std::string_view) {};
-      Session session(std::move(host), nullptr);
-      session.load(scene);
+      Session session(silent_host_options(options), nullptr, scene);
       if (!session.is_scene())
         throw Failure(kFailed, scene + ": bench needs a scene (a script that returns feder.scene{...})");
       session.step();
@@ -79,45 +74,44 @@ class Bench final : public Command {
       world.reset_profile();
       const std::uint64_t start = clock_nanoseconds();
       for (int k = 0; k < steps_ && session.goes_on(); ++k) session.script().step();
-      m.runs.push_back(static_cast<double>(clock_nanoseconds() - start) * 1e-6 / steps_);
+      runs.push_back(static_cast<double>(clock_nanoseconds() - start) * 1e-6 / steps_);
       session.need_to_go_on();
       if (i + 1 < runs_) continue;
-      m.title = session.title();
-      m.hash = hash_text(world.hash());
-      m.threads = world.desc().threads;
-      m.bodies = world.objects().count(kBodyKind);
+      // the last run knows them all
+      std::ranges::sort(runs);
+      m.row = {{"scene", scene},
+               {"title", session.title()},
+               {"ms_per_step", {{"median", median(runs)}, {"min", runs.front()}, {"max", runs.back()}}},
+               {"threads", world.desc().threads},
+               {"bodies", world.objects().count(kBodyKind)},
+               {"runs", runs_},
+               {"steps", steps_},
+               {"real", kRealName},
+               {"hash", hash_text(world.hash())}};
       m.profile = profile_text(session, static_cast<std::uint64_t>(steps_));
       for (const auto& e : session.script().handler_errors()) {
         m.handlers_failed = true;
-        fmt::print(stderr, "{}\n", error_text(e));
+        print_error(error_text(e));
       }
     }
-    std::sort(m.runs.begin(), m.runs.end());
     return m;
   }
 
-  report::Json json(const Measured& m, const report::Json& before) const {
-    report::Json row = {{"scene", m.scene},
-                        {"title", m.title},
-                        {"ms_per_step", {{"median", m.median()}, {"min", m.runs.front()}, {"max", m.runs.back()}}},
-                        {"threads", m.threads},
-                        {"bodies", m.bodies},
-                        {"runs", runs_},
-                        {"steps", steps_},
-                        {"real", kRealName},
-                        {"hash", m.hash}};
+  static void compare(report::Json& row, const report::Json& before) {
     for (const auto& was : before) {
-      if (!was.is_object() || was.value("scene", "") != m.scene || !was.contains("ms_per_step")) continue;
-      const double median = was["ms_per_step"].value("median", 0.0);
-      if (median > 0) row["compared"] = {{"median", median}, {"ratio", m.median() / median}};
+      if (!was.is_object() || was.value("scene", "") != row["scene"] || !was.contains("ms_per_step")) continue;
+      const double then = was["ms_per_step"].value("median", 0.0), now = row["ms_per_step"]["median"];
+      if (then > 0) row["compared"] = {{"median", then}, {"ratio", now / then}};
     }
-    return row;
   }
 
-  void print(const Measured& m, const report::Json& row, bool quiet) const {
-    fmt::print("{}: {:.4f} ms/step (min {:.4f}, max {:.4f}; {} runs of {} steps), {} bodies, {} thread{}\n", m.scene,
-               m.median(), m.runs.front(), m.runs.back(), runs_, steps_, m.bodies, m.threads,
-               m.threads == 1 ? "" : "s");
+  void print(const Measured& m, bool quiet) const {
+    const report::Json &row = m.row, &ms = row["ms_per_step"];
+    const int threads = row["threads"];
+    fmt::print("{}: {:.4f} ms/step (min {:.4f}, max {:.4f}; {} runs of {} steps), {} bodies, {} thread{}\n",
+               row["scene"].get<std::string>(), ms["median"].get<double>(), ms["min"].get<double>(),
+               ms["max"].get<double>(), runs_, steps_, row["bodies"].get<std::size_t>(), threads,
+               threads == 1 ? "" : "s");
     if (row.contains("compared")) {
       fmt::print("  {:.3f} x the {:.4f} ms/step of {}\n", row["compared"]["ratio"].get<double>(),
                  row["compared"]["median"].get<double>(), compare_);
@@ -135,9 +129,6 @@ class Bench final : public Command {
 
 }  // namespace
 
-Row cli_bench() {
-  return {"bench", "measures ms/step: median, min and max of several runs",
-          [] { return std::unique_ptr<Command>(new Bench); }};
-}
+Row cli_bench() { return command_row<Bench>("bench", "measures ms/step: median, min and max of several runs"); }
 
 }  // namespace feder::cli

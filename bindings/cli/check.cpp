@@ -1,8 +1,6 @@
 // feder check: finds mistakes without running a scene: syntax, and names that neither `feder` nor a world has.
 // It reads words, not meanings: `feder.name` and `world:name(` outside comments and strings. What the names are, the
 // binding itself is asked.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -11,7 +9,6 @@
 
 #include "cli/command.h"
 #include "cli/session.h"
-#include "feder/params.h"
 #include "report/json.h"
 
 namespace feder::cli {
@@ -110,8 +107,7 @@ if type(object) == 'table' then for name in pairs(object) do print('', name) end
   }
   for (auto& [word, answer] : answers) {
     if (!answer.empty()) continue;
-    const std::string near = nearest_name(word, known);
-    answer = fmt::format("there is no '{}'{}", word, near.empty() ? "" : "; did you mean '" + near + "'?");
+    answer = fmt::format("there is no '{}'{}", word, did_you_mean("; ", word, known));
   }
   return answers;
 }
@@ -134,7 +130,7 @@ class Check final : public Command {
       }
     }
     if (options.json) {
-      std::fputs(report::to_text({{"files", scenes_.size()}, {"findings", all}}).c_str(), stdout);
+      print_json({{"files", scenes_.size()}, {"findings", all}});
     } else if (!options.quiet && findings == 0) {
       fmt::print("{} file{}: nothing found\n", scenes_.size(), scenes_.size() == 1 ? "" : "s");
     }
@@ -149,8 +145,7 @@ class Check final : public Command {
     const std::string code = code_only(read_text(scene));
     check_words(code, "feder.", "require 'feder'", options, findings);
     check_words(code, "world:", "require 'feder'.world {}", options, findings);
-    std::stable_sort(findings.begin(), findings.end(),
-                     [](const Finding& a, const Finding& b) { return a.line < b.line; });
+    std::ranges::stable_sort(findings, [](const Finding& a, const Finding& b) { return a.line < b.line; });
     return findings;
   }
 
@@ -170,9 +165,6 @@ class Check final : public Command {
 
 }  // namespace
 
-Row cli_check() {
-  return {"check", "looks for mistakes without running: syntax and unknown names",
-          [] { return std::unique_ptr<Command>(new Check); }};
-}
+Row cli_check() { return command_row<Check>("check", "looks for mistakes without running: syntax and unknown names"); }
 
 }  // namespace feder::cli

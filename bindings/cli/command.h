@@ -1,5 +1,7 @@
 // A command of the feder program: its options and what it does. One file per command; the table is generated.
 #pragma once
+#include <fmt/format.h>
+
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -7,6 +9,7 @@
 
 #include "cli/arguments.h"
 #include "cli/options.h"
+#include "report/json.h"
 
 namespace feder::cli {
 
@@ -14,10 +17,13 @@ namespace feder::cli {
 inline constexpr int kPass = 0, kFailed = 1, kUsage = 2, kLoadError = 3, kBudget = 4, kNothingRan = 5,
                      kInterrupted = 130, kTerminated = 143;
 
-// Ends a command: what() goes to stderr as one line ("file:line: message" where a place is known).
+// Ends a command: what() goes to stderr as one line ("file:line: message" where these are known).
 class Failure : public std::runtime_error {
  public:
   Failure(int status, const std::string& message) : std::runtime_error(message), status_(status) {}
+  template <class T, class... More>
+  Failure(int status, fmt::format_string<T, More...> format, T&& first, More&&... more)
+      : Failure(status, fmt::format(format, std::forward<T>(first), std::forward<More>(more)...)) {}
   int status() const { return status_; }
 
  private:
@@ -40,5 +46,17 @@ struct Row {
 };
 
 std::span<const Row> commands();
+
+template <class C>
+Row command_row(const char* name, const char* summary) {
+  return {name, summary, [] { return std::unique_ptr<Command>(new C); }};
+}
+
+// "; did you mean 'oscillator'?" behind `lead`; empty when nothing is near.
+std::string did_you_mean(const char* lead, const std::string& word, const std::vector<std::string>& known);
+
+// To stdout: one JSON value. To stderr: a line, behind what stdout has so far.
+void print_json(const report::Json& value);
+void print_error(const std::string& line);
 
 }  // namespace feder::cli

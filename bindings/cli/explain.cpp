@@ -1,6 +1,5 @@
-// feder explain: what a scene uses and what it leaves out: systems, step rows, bytes, share of time.
-#include <fmt/format.h>
-
+// feder explain: what a scene uses and what it leaves out: systems, passes of the step plan, bytes, share of time.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -23,10 +22,7 @@ class Explain final : public Command {
   }
 
   int run(const Options& options) override {
-    lua::HostOptions host = host_options(options);
-    host.print = [](std::string_view) {};  // the scene's own words are no part of the explanation
-    Session session(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
-    session.load(scene_);
+    Session session(silent_host_options(options), print_error, scene_);
     World* world = session.world();
     if (!world) throw Failure(kFailed, scene_ + ": this script makes no world");
     std::uint64_t steps = world->step_count();
@@ -51,9 +47,8 @@ class Explain final : public Command {
     std::vector<std::pair<std::string, std::size_t>> rows;
     const auto systems = world.report();
     for (const auto& arena : world.store().arenas()) {
-      bool own = false;
-      for (const SystemReport& s : systems) own = own || s.name == arena->name();
-      if (!own) rows.emplace_back(arena->name(), arena->bytes());
+      const auto is_own = [&](const SystemReport& s) { return s.name == arena->name(); };
+      if (std::ranges::none_of(systems, is_own)) rows.emplace_back(arena->name(), arena->bytes());
     }
     rows.emplace_back("objects", world.objects().bytes());
     return rows;
@@ -77,7 +72,7 @@ class Explain final : public Command {
 
   static report::Json json(Session& session, std::uint64_t steps) {
     World& world = *session.world();
-    report::Json systems = report::Json::array(), plan = report::Json::array(), handlers = report::Json::array();
+    report::Json systems = report::Json::array(), plan = report::Json::array();
     for (const SystemReport& s : world.report())
       systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", s.units}, {"bytes", s.bytes}});
     const double sum = world.plan().total_nanoseconds();
@@ -92,15 +87,18 @@ class Explain final : public Command {
                       {"ms", ns * per_step},
                       {"share", sum > 0 ? ns / sum : 0}});
     }
-    for (const auto& h : session.script().handler_profile())
-      handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
     report::Json memory = report::Json::object();
     for (const auto& [name, bytes] : shared_arenas(world)) memory[name] = bytes;
-    return {{"title", session.title()}, {"scene", session.file()},
-            {"steps", steps},           {"systems", systems},
-            {"absent", world.absent()}, {"plan", plan},
-            {"memory", memory},         {"bytes", world.bytes()},
-            {"handlers", handlers},     {"advice", advice_json(session)}};
+    return {{"title", session.title()},
+            {"scene", session.file()},
+            {"steps", steps},
+            {"systems", systems},
+            {"absent", world.absent()},
+            {"plan", plan},
+            {"memory", memory},
+            {"bytes", world.bytes()},
+            {"handlers", handlers_json(session)},
+            {"advice", advice_json(session)}};
   }
 
   static std::string text(Session& session, std::uint64_t steps) {
@@ -130,8 +128,8 @@ class Explain final : public Command {
 }  // namespace
 
 Row cli_explain() {
-  return {"explain", "shows what a scene uses and leaves out: systems, the tree of passes, bytes, time",
-          [] { return std::unique_ptr<Command>(new Explain); }};
+  return command_row<Explain>("explain",
+                              "shows what a scene uses and leaves out: systems, the tree of passes, bytes, time");
 }
 
 }  // namespace feder::cli

@@ -32,17 +32,14 @@ class Export final : public Command {
     const PictureWish wish = read_wish(given);
     const std::string kind = std::filesystem::path(out_).extension().string();
     if (kind != ".gltf" && kind != ".glb" && kind != ".obj" && kind != ".ply")
-      throw Failure(kUsage, fmt::format("feder export: expected -o file.gltf, .glb, .obj or .ply, got {}", out_));
-    lua::HostOptions host = host_options(options);
-    host.print = [](std::string_view) {};
-    Session session(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
-    session.load(scene_);
+      throw Failure(kUsage, "feder export: expected -o file.gltf, .glb, .obj or .ply, got {}", out_);
+    Session session(silent_host_options(options), print_error, scene_);
     if (!session.world()) throw Failure(kFailed, scene_ + ": this script makes no world");
+    const bool animated = kind == ".gltf" || kind == ".glb";
     try {
-      const std::size_t samples =
-          kind == ".gltf" || kind == ".glb" ? write_run(session, wish) : write_moment(session, wish, kind);
+      const std::size_t samples = animated ? write_run(session, wish) : write_moment(session, wish, kind);
       if (options.json)
-        std::fputs(report::to_text({{"out", out_}, {"samples", samples}, {"title", session.title()}}).c_str(), stdout);
+        print_json({{"out", out_}, {"samples", samples}, {"title", session.title()}});
       else if (!options.quiet)
         fmt::print("{}{}\n", out_, samples > 1 ? fmt::format(", {} samples", samples) : "");
     } catch (const SceneError& e) {
@@ -53,7 +50,7 @@ class Export final : public Command {
 
  private:
   std::size_t write_moment(Session& session, const PictureWish& wish, const std::string& kind) const {
-    run_to(session, wish.at >= 0 ? wish.at : telling_moment(session.script()));
+    run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
     view::Collector collector;
     view::Frame frame;
     collector.collect(*session.world(), session.script().look(), wish.toggles, frame);
@@ -65,13 +62,8 @@ class Export final : public Command {
   }
 
   std::size_t write_run(Session& session, const PictureWish& wish) const {
-    const double fps = fps_.empty() ? 30 : read_number(fps_, "--fps");
-    if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
-    const double own = session.script().seconds(), from = std::max(wish.at, 0.0);
-    const double length = !session.is_scene() ? 0
-                          : !seconds_.empty() ? read_number(seconds_, "--seconds")
-                          : own > 0           ? own
-                                              : 4;
+    const double fps = read_fps(fps_, 30), from = std::max(wish.at, 0.0);
+    const double length = session.is_scene() ? animation_length(seconds_, session.script()) : 0;
     const auto count = static_cast<std::size_t>(std::min(100000.0, std::floor(length * fps + 0.5) + 1));
     view::Collector collector;
     view::Frame frame;
@@ -94,8 +86,7 @@ class Export final : public Command {
 }  // namespace
 
 Row cli_export() {
-  return {"export", "writes a scene for other programs: animated glTF 2.0, OBJ or PLY of a moment",
-          [] { return std::unique_ptr<Command>(new Export); }};
+  return command_row<Export>("export", "writes a scene for other programs: animated glTF 2.0, OBJ or PLY of a moment");
 }
 
 }  // namespace feder::cli

@@ -1,7 +1,6 @@
 #include "cli/isolate.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -55,7 +54,7 @@ class Child {
     close(ends[1]);
     if (error != 0) {
       close(read_);
-      throw Failure(kFailed, fmt::format("feder test: cannot start {}: {}", words[0], std::strerror(error)));
+      throw Failure(kFailed, "feder test: cannot start {}: {}", words[0], std::strerror(error));
     }
   }
   ~Child() {
@@ -86,15 +85,14 @@ class Child {
     }
   }
 
-  // Ends the whole group; what waitpid says.
-  int end() {
+  // Ends the whole group; what waitpid says. `closing`: the pipe has ended, the child is on its way out by itself.
+  int end(bool closing = false) {
     if (pid_ <= 0) return status_;
-    siginfo_t info;
     // an own end is waited for shortly; the group is still there then, so its number is nobody else's
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; closing && i < 100; ++i) {
+      siginfo_t info;
       info.si_pid = 0;
       if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0) break;
-      if (!closing_) break;
       usleep(10000);
     }
     kill(-pid_, SIGKILL);
@@ -103,13 +101,10 @@ class Child {
     pid_ = 0;
     return status_;
   }
-  // The pipe has ended: the child is on its way out by itself.
-  void closing() { closing_ = true; }
 
  private:
   pid_t pid_ = 0;
   int read_ = -1, status_ = 0;
-  bool closing_ = false;
   std::string buffer_;
 };
 
@@ -126,52 +121,40 @@ std::string own_program() {
   return program;
 }
 
-// Takes the results of one child; true when it has ended by itself, false when it had to be ended. `at` counts files.
-class Receiver {
- public:
-  Receiver(const std::vector<std::string>& files, std::size_t& at, const std::function<void(TestResult)>& done)
-      : files_(files), at_(at), done_(done) {}
-
-  void receive(Child& child) {
-    const double longest = kTestWallTime + 2 * TimeLimit::kGrace;
-    std::uint64_t start = clock_nanoseconds();
-    std::string line;
-    bool waiting = false;
-    while (!stop_flag()) {
-      if (child.next_line(line, waiting)) {
-        const report::Json json = report::Json::parse(line, nullptr, false);
-        start = clock_nanoseconds();
-        if (!json.is_object() || json.contains("start") || at_ >= files_.size()) continue;
-        done_(report::result_from_json(json));
-        ++at_;
-      } else if (!waiting) {
-        child.closing();
-        const int status = child.end();
-        if (at_ < files_.size()) fail(start, death_text(status), WIFEXITED(status) && WEXITSTATUS(status) == kBudget);
-        return;
-      } else if (static_cast<double>(clock_nanoseconds() - start) * 1e-9 > longest) {
-        child.end();
-        if (at_ < files_.size()) fail(start, fmt::format("no end after {:g} s of wall time", kTestWallTime), true);
-        return;
-      }
+// Takes the results of one child, until it has ended or the command has to. `at` counts files.
+void receive(Child& child, const std::vector<std::string>& files, std::size_t& at,
+             const std::function<void(TestResult)>& done) {
+  std::uint64_t start = clock_nanoseconds();
+  const auto seconds = [&] { return static_cast<double>(clock_nanoseconds() - start) * 1e-9; };
+  // the file that the child was at has failed
+  const auto fail = [&](const std::string& message, bool exceeded) {
+    if (at >= files.size()) return;
+    TestResult r;
+    r.name = files[at++];
+    r.status = TestStatus::failed;
+    r.seconds = seconds();
+    r.exceeded = exceeded;
+    r.failures.push_back({"", message});
+    done(std::move(r));
+  };
+  std::string line;
+  bool waiting = false;
+  while (!stop_flag()) {
+    if (child.next_line(line, waiting)) {
+      const report::Json json = report::Json::parse(line, nullptr, false);
+      start = clock_nanoseconds();
+      if (!json.is_object() || json.contains("start") || at >= files.size()) continue;
+      done(report::read_as<TestResult>(json));
+      ++at;
+    } else if (!waiting) {
+      const int status = child.end(true);
+      return fail(death_text(status), WIFEXITED(status) && WEXITSTATUS(status) == kBudget);
+    } else if (seconds() > kTestWallTime + 2 * TimeLimit::kGrace) {
+      child.end();
+      return fail(fmt::format("no end after {:g} s of wall time", kTestWallTime), true);
     }
   }
-
- private:
-  void fail(std::uint64_t start, const std::string& what, bool exceeded) {
-    TestResult r;
-    r.name = files_[at_++];
-    r.status = TestStatus::failed;
-    r.seconds = static_cast<double>(clock_nanoseconds() - start) * 1e-9;
-    r.exceeded = exceeded;
-    r.failures.push_back({"", what});
-    done_(std::move(r));
-  }
-
-  const std::vector<std::string>& files_;
-  std::size_t& at_;
-  const std::function<void(TestResult)>& done_;
-};
+}
 
 }  // namespace
 
@@ -179,13 +162,12 @@ void run_isolated(const std::vector<std::string>& files, const std::vector<std::
                   const std::function<void(TestResult)>& done) {
   const std::string program = own_program();
   std::size_t at = 0;
-  Receiver receiver(files, at, done);
   while (at < files.size() && !stop_flag()) {
     std::vector<std::string> words = {program, "test", "--worker"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     words.insert(words.end(), files.begin() + static_cast<std::ptrdiff_t>(at), files.end());
     Child child(words);
-    receiver.receive(child);
+    receive(child, files, at, done);
   }
 }
 

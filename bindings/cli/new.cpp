@@ -1,6 +1,4 @@
 // feder new: a first scene to change.
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -56,7 +54,7 @@ class New final : public Command {
     out << fmt::format(kTemplate, fmt::arg("file", path.filename().string()), fmt::arg("title", title));
     if (!out.flush()) throw Failure(kFailed, file + ": cannot be written");
     if (options.json) {
-      std::fputs(report::to_text({{"file", file}}).c_str(), stdout);
+      print_json({{"file", file}});
     } else if (!options.quiet) {
       fmt::print("{}\n", file);
     }
@@ -69,8 +67,6 @@ class New final : public Command {
 
 }  // namespace
 
-Row cli_new() {
-  return {"new", "writes a scene to start from", [] { return std::unique_ptr<Command>(new New); }};
-}
+Row cli_new() { return command_row<New>("new", "writes a scene to start from"); }
 
 }  // namespace feder::cli

@@ -1,7 +1,5 @@
 #include "cli/options.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -35,7 +33,7 @@ bool parse_number(const std::string& text, double& value) {
 std::pair<std::string, std::string> split(const std::string& given, const char* option) {
   const std::size_t equals = given.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw Failure(kUsage, fmt::format("{}: expected NAME=VALUE, got '{}'", option, given));
+    throw Failure(kUsage, "{}: expected NAME=VALUE, got '{}'", option, given);
   return {given.substr(0, equals), given.substr(equals + 1)};
 }
 
@@ -77,7 +75,7 @@ lua::HostOptions host_options(const Options& o) {
   if (!o.seed.empty()) {
     const auto [end, error] = std::from_chars(o.seed.data(), o.seed.data() + o.seed.size(), host.seed);
     if (error != std::errc{} || end != o.seed.data() + o.seed.size())
-      throw Failure(kUsage, fmt::format("--seed: expected a whole number >= 0, got '{}'", o.seed));
+      throw Failure(kUsage, "--seed: expected a whole number >= 0, got '{}'", o.seed);
     host.has_seed = true;
   }
   if (!o.limit.empty()) {
@@ -95,6 +93,12 @@ lua::HostOptions host_options(const Options& o) {
   return host;
 }
 
+lua::HostOptions silent_host_options(const Options& o) {
+  lua::HostOptions host = host_options(o);
+  host.print = [](std::string_view) {};
+  return host;
+}
+
 double timeout_seconds(const Options& o, double otherwise) {
   return o.timeout.empty() ? otherwise : read_number(o.timeout, "--timeout");
 }
@@ -102,9 +106,26 @@ double timeout_seconds(const Options& o, double otherwise) {
 double read_number(const std::string& text, const std::string& option) {
   double value = 0;
   if (!parse_number(text, value) || value < 0)
-    throw Failure(kUsage,
-                  fmt::format("{}: expected a number >= 0 or a quotient such as 1/240, got '{}'", option, text));
+    throw Failure(kUsage, "{}: expected a number >= 0 or a quotient such as 1/240, got '{}'", option, text);
   return value;
+}
+
+void add_options(std::vector<std::string>& words, const OptionWords& options) {
+  for (const auto& [name, value] : options)
+    if (!value.empty()) words.insert(words.end(), {name, value});
+}
+
+void add_scene_options(std::vector<std::string>& words, const Options& o) {
+  for (const std::string& s : o.set) add_options(words, {{"--set", s}});
+  for (const std::string& w : o.world) add_options(words, {{"--world", w}});
+  add_options(words, {{"--dt", o.dt}, {"--threads", o.threads > 0 ? std::to_string(o.threads) : ""}});
+}
+
+std::string command_text(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& w : words)
+    out += (out.empty() ? "" : " ") + (w.find(' ') == std::string::npos ? w : "'" + w + "'");
+  return out;
 }
 
 std::vector<std::filesystem::path> library_roots() {

@@ -27,14 +27,23 @@ struct Options {
 
 void declare(Arguments& arguments, Options& options);
 
-// The options as the script host takes them. Failure (usage) for what cannot be read.
+// The options as the script host takes them; silent: what scripts print goes nowhere. Failure (usage) for what cannot
+// be read.
 lua::HostOptions host_options(const Options& options);
+lua::HostOptions silent_host_options(const Options& options);
 
 // --timeout in s; `otherwise` when it is not given.
 double timeout_seconds(const Options& options, double otherwise);
 
 // "3", "0.5", "1/240": a finite number >= 0. Failure (usage) naming the option.
 double read_number(const std::string& text, const std::string& option);
+
+// Words of a command line: options with their values, those that were not given (empty) left out; those that change a
+// scene; and the words as one text.
+using OptionWords = std::vector<std::pair<const char*, std::string>>;
+void add_options(std::vector<std::string>& words, const OptionWords& options);
+void add_scene_options(std::vector<std::string>& words, const Options& options);
+std::string command_text(const std::vector<std::string>& words);
 
 // Where `require` looks for the scripts that come with feder.
 std::vector<std::filesystem::path> library_roots();

@@ -22,7 +22,7 @@ PictureWish read_wish(const PictureOptions& o) {
     try {
       read();
     } catch (const SceneError& e) {
-      throw Failure(kUsage, fmt::format("{}: {}", option, e.what()));
+      throw Failure(kUsage, "{}: {}", option, e.what());
     }
   };
   if (!o.at.empty()) wish.at = read_number(o.at, "--at");
@@ -32,7 +32,7 @@ PictureWish read_wish(const PictureOptions& o) {
   return wish;
 }
 
-double telling_moment(const lua::Script& script) {
+double thumbnail_time(const lua::Script& script) {
   if (script.picture() >= 0) return script.picture();
   return script.seconds() > 0 ? script.seconds() / 2 : 1;
 }
@@ -48,10 +48,22 @@ void run_to(Session& session, double seconds) {
   session.need_to_go_on();
 }
 
-view::Image take_picture(view::Studio& studio, Session& session, const PictureWish& wish) {
-  const view::Frame& frame = studio.look_at(session.script(), wish.toggles);
-  const view::Camera camera = studio.aim(session.script(), wish.camera, view::subject_of(frame), frame.dimension == 2);
-  return studio.shoot(camera, {});
+double read_fps(const std::string& given, double otherwise) {
+  const double fps = given.empty() ? otherwise : read_number(given, "--fps");
+  if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + given);
+  return fps;
+}
+
+double animation_length(const std::string& given, const lua::Script& script) {
+  if (!given.empty()) return read_number(given, "--seconds");
+  return script.seconds() > 0 ? script.seconds() : 4;
+}
+
+view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish) {
+  const view::Frame& frame = renderer.collect(session.script(), wish.toggles);
+  const view::Camera camera =
+      renderer.aim(session.script(), wish.camera, view::subject_of(frame), frame.dimension == 2);
+  return renderer.draw(camera, {});
 }
 
 }  // namespace feder::cli

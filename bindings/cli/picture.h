@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "cli/session.h"
-#include "view/studio.h"
+#include "view/renderer_host.h"
 
 namespace feder::cli {
 
@@ -22,14 +22,19 @@ struct PictureWish {
 // Failure (usage) for what cannot be read.
 PictureWish read_wish(const PictureOptions& options);
 
-// When a picture of the scene tells most: what it says, else the middle of its time.
-double telling_moment(const lua::Script& script);
+// Thumbnail time, s: what the scene says, else the middle of its time.
+double thumbnail_time(const lua::Script& script);
 
 // A plain script has run when it is loaded; a scene is stepped to `seconds`. Failure when there is no world.
 void run_to(Session& session, double seconds);
 
+// Of an animation: samples per second as given, else `otherwise`; its length, s, as given, else the scene's own,
+// else 4.
+double read_fps(const std::string& given, double otherwise);
+double animation_length(const std::string& given, const lua::Script& script);
+
 // The picture now, with the camera that fits it.
-view::Image take_picture(view::Studio& studio, Session& session, const PictureWish& wish);
+view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish);
 
 // All of `scenes` in one picture, with title and command below each; a scene that fails shows its error. Calls
 // `done(file, error)` after each.

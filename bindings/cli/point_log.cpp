@@ -1,10 +1,7 @@
 #include "cli/point_log.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "cli/command.h"
@@ -23,16 +20,13 @@ PointLog::PointLog(const std::string& folder, const Json& identity, bool resume)
   // without the line that was cut off
   if (!kept.empty()) std::filesystem::resize_file(file_, kept.size(), error);
   out_.reset(error ? nullptr : std::fopen(file_.c_str(), kept.empty() ? "wb" : "ab"));
-  if (!out_) throw Failure(kFailed, fmt::format("feder study: {}: cannot be written", file_));
+  if (!out_) throw Failure(kFailed, "feder study: {}: cannot be written", file_);
   if (kept.empty()) write({{"schema", "points/1"}, {"study", identity}});
 }
 
 // The whole lines of the file.
 std::string PointLog::read(const std::string& file, const Json& identity) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream all;
-  all << in.rdbuf();
-  std::string text = all.str();
+  std::string text = report::read_bytes(file);
   text.resize(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
   std::istringstream lines(text);
   int number = 0;
@@ -42,22 +36,21 @@ std::string PointLog::read(const std::string& file, const Json& identity) {
       if (++number == 1) {
         const auto differs = report::identity_differences(identity, json.at("study"));
         if (!differs.empty())
-          throw Failure(kFailed, fmt::format("feder study: --resume: {} holds another study: {}", file,
-                                             fmt::join(differs, "; ")));
+          throw Failure(kFailed, "feder study: --resume: {} holds another study: {}", file, fmt::join(differs, "; "));
         continue;
       }
       ProblemInfo problem;
       FinishedPoint point = report::finished_from_json(json, problem);
-      const bool again = std::any_of(done_.begin(), done_.end(),
-                                     [&](const FinishedPoint& d) { return d.point.index == point.point.index; });
+      const bool again =
+          std::ranges::any_of(done_, [&](const FinishedPoint& d) { return d.point.index == point.point.index; });
       if (again) continue;
       done_.push_back(std::move(point));
       learned_ = std::move(problem);
     } catch (const Json::exception& e) {
-      throw Failure(kFailed, fmt::format("{}:{}: no point of a study: {}", file, number, e.what()));
+      throw Failure(kFailed, "{}:{}: no point of a study: {}", file, number, e.what());
     } catch (const std::runtime_error& e) {
       if (dynamic_cast<const Failure*>(&e)) throw;
-      throw Failure(kFailed, fmt::format("{}:{}: {}", file, number, e.what()));
+      throw Failure(kFailed, "{}:{}: {}", file, number, e.what());
     }
   }
   return text;
@@ -74,7 +67,7 @@ void PointLog::attach(SweepOptions& options) {
 void PointLog::write(const Json& line) {
   const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   if (std::fwrite(text.data(), 1, text.size(), out_.get()) != text.size() || std::fflush(out_.get()) != 0)
-    throw Failure(kFailed, fmt::format("feder study: {}: cannot be written", file_));
+    throw Failure(kFailed, "feder study: {}: cannot be written", file_);
 }
 
 }  // namespace feder::cli

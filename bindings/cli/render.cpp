@@ -33,7 +33,8 @@ class Render final : public Command {
   int run(const Options& options) override {
     const PictureWish wish = read_wish(picture_);
     host_options(options);  // complain about the options before anything runs
-    const std::vector<std::string> files = scene_files(scenes_);
+    const std::vector<std::string> files =
+        find_files(scenes_, [](const std::string& f) { return looks_like_scene(f, "feder.scene"); });
     if (files.empty()) throw Failure(kNothingRan, "feder render: no scenes in " + scenes_[0]);
     const StopSignals signals;
     try {
@@ -41,39 +42,29 @@ class Render final : public Command {
       if (out_.ends_with(".png")) return still(files[0], wish, options);
       return animation(files[0], wish, options);
     } catch (const view::GlError& e) {
-      throw Failure(kFailed, fmt::format("feder render: {}", e.what()));
+      throw Failure(kFailed, "feder render: {}", e.what());
     } catch (const SceneError& e) {
       throw Failure(kFailed, e.what());
     }
   }
 
  private:
-  static std::unique_ptr<Session> load(const std::string& file, const Options& options) {
-    lua::HostOptions host = host_options(options);
-    host.print = [](std::string_view) {};
-    auto session =
-        std::make_unique<Session>(std::move(host), [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
-    session->load(file);
-    return session;
-  }
-
-  void say(const Options& options, const std::string& how, const Session* session, int frames) const {
+  void report_end(const Options& options, const std::string& how, const Session* session, int frames) const {
     if (options.json) {
       report::Json json = {{"out", out_}, {"frames", frames}, {"gl", how}};
       if (session) json["title"] = session->title();
-      std::fputs(report::to_text(json).c_str(), stdout);
+      print_json(json);
     } else if (!options.quiet) {
       fmt::print("{}{} ({})\n", out_, frames > 1 ? fmt::format(", {} frames", frames) : "", how);
     }
   }
 
   int still(const std::string& file, const PictureWish& wish, const Options& options) const {
-    view::Studio studio(wish.width, wish.height);
-    const auto loaded = load(file, options);
-    Session& session = *loaded;
-    run_to(session, wish.at >= 0 ? wish.at : telling_moment(session.script()));
-    view::write_png(take_picture(studio, session, wish), out_);
-    say(options, studio.how(), &session, 1);
+    view::RendererHost renderer(wish.width, wish.height);
+    Session session(silent_host_options(options), print_error, file);
+    run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
+    view::write_png(take_picture(renderer, session, wish), out_);
+    report_end(options, renderer.how(), &session, 1);
     return kPass;
   }
 
@@ -89,58 +80,56 @@ class Render final : public Command {
           if (!options.quiet && !options.json && isatty(STDOUT_FILENO)) fmt::print("{}\n", file);
         });
     // a sheet is never seen half written, and two runs do not disturb each other
-    const std::string part = fmt::format("{}.{}.png", out_, getpid());
-    view::write_png(image, part);
-    fs::rename(part, out_);
-    say(options, fmt::format("{} scenes", files.size()), nullptr, 1);
+    const std::string temporary = fmt::format("{}.{}.png", out_, getpid());
+    view::write_png(image, temporary);
+    fs::rename(temporary, out_);
+    report_end(options, fmt::format("{} scenes", files.size()), nullptr, 1);
     return failed ? kFailed : kPass;
   }
 
   // The subject of a whole animation, from a run of its own: the camera must not move while things do.
-  static view::Bounds subject(view::Studio& studio, const std::string& file, const PictureWish& wish, double from,
-                              double to, const Options& options) {
-    const auto probe = load(file, options);
+  static view::Bounds subject(view::RendererHost& renderer, const std::string& file, const PictureWish& wish,
+                              double from, double to, const Options& options) {
+    Session probe(silent_host_options(options), print_error, file);
     view::Bounds all;
-    constexpr int kLooks = 12;
-    for (int i = 0; i <= kLooks; ++i) {
-      run_to(*probe, from + (to - from) * i / kLooks);
-      all.include(view::subject_of(studio.look_at(probe->script(), wish.toggles)));
+    constexpr int kSamples = 12;
+    for (int i = 0; i <= kSamples; ++i) {
+      run_to(probe, from + (to - from) * i / kSamples);
+      all.include(view::subject_of(renderer.collect(probe.script(), wish.toggles)));
     }
     return all;
   }
 
-  int animation(const std::string& file, const PictureWish& asked, const Options& options) const {
+  int animation(const std::string& file, const PictureWish& given, const Options& options) const {
     const bool gif = out_.ends_with(".gif");
     if (!gif && !out_.ends_with("/") && fs::path(out_).has_extension())
-      throw Failure(kUsage, fmt::format("feder render: expected -o file.png, file.gif or a folder, got {}", out_));
-    PictureWish wish = asked;
+      throw Failure(kUsage, "feder render: expected -o file.png, file.gif or a folder, got {}", out_);
+    PictureWish wish = given;
     if (gif && picture_.size.empty()) wish.width = 640, wish.height = 360;
-    const double fps = fps_.empty() ? (gif ? 20 : 30) : read_number(fps_, "--fps");
-    if (!(fps > 0) || fps > 1000) throw Failure(kUsage, "--fps: expected a number above 0, at most 1000, got " + fps_);
-    view::Studio studio(wish.width, wish.height);
-    const auto loaded = load(file, options);
-    Session& session = *loaded;
+    const double fps = read_fps(fps_, gif ? 20 : 30);
+    view::RendererHost renderer(wish.width, wish.height);
+    Session session(silent_host_options(options), print_error, file);
     if (!session.is_scene())
       throw Failure(kUsage, file + ": this plain script has run already; an animation needs a scene");
-    const double from = std::max(wish.at, 0.0), own = session.script().seconds();
-    const double length = !seconds_.empty() ? read_number(seconds_, "--seconds") : own > 0 ? own : 4;
+    const double from = std::max(wish.at, 0.0), length = animation_length(seconds_, session.script());
     const auto count = static_cast<int>(std::min(100000.0, std::max(1.0, std::floor(length * fps + 0.5))));
-    const view::Bounds seen = subject(studio, file, wish, from, from + length, options);
-    const view::Camera camera = studio.aim(session.script(), wish.camera, seen, session.world()->desc().dimension == 2);
+    const view::Bounds seen = subject(renderer, file, wish, from, from + length, options);
+    const view::Camera camera =
+        renderer.aim(session.script(), wish.camera, seen, session.world()->desc().dimension == 2);
     std::optional<view::GifWriter> writer;
     if (gif) writer.emplace(out_, wish.width, wish.height, fps);
     if (!gif) fs::create_directories(out_);
     for (int i = 0; i < count; ++i) {
       run_to(session, from + i / fps);
-      studio.look_at(session.script(), wish.toggles);
-      const view::Image image = studio.shoot(camera, {});
+      renderer.collect(session.script(), wish.toggles);
+      const view::Image image = renderer.draw(camera, {});
       if (gif)
         writer->add(image);
       else
         view::write_png(image, fs::path(out_) / fmt::format("frame{:05d}.png", i));
     }
     if (gif) writer->close();
-    say(options, studio.how(), &session, count);
+    report_end(options, renderer.how(), &session, count);
     return kPass;
   }
 
@@ -152,8 +141,8 @@ class Render final : public Command {
 }  // namespace
 
 Row cli_render() {
-  return {"render", "draws a scene: a PNG, a GIF, a folder of frames, or a sheet of many scenes; needs no display",
-          [] { return std::unique_ptr<Command>(new Render); }};
+  return command_row<Render>(
+      "render", "draws a scene: a PNG, a GIF, a folder of frames, or a sheet of many scenes; needs no display");
 }
 
 }  // namespace feder::cli

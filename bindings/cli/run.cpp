@@ -1,6 +1,4 @@
 // feder run: a scene or a plain script without a window.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -31,14 +29,11 @@ class Run final : public Command {
     // stdout belongs to the JSON value
     if (options.json) host.print = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
     const double wanted = seconds_.empty() ? -1 : read_number(seconds_, "--seconds");
-    Session session(std::move(host), [](const std::string& line) {
-      std::fflush(stdout);
-      fmt::print(stderr, "{}\n", line);
-    });
+    Session session(std::move(host), print_error);
     const StopSignals signals;
     int status = load(session);
     if (session.is_scene() && status == kPass) step_scene(session, wanted, options);
-    if (status == kPass) status = say_end(session);
+    if (status == kPass) status = report_end(session);
     return finish(session, options, status);
   }
 
@@ -49,20 +44,18 @@ class Run final : public Command {
       session.load(scene_);
     } catch (const Failure& e) {
       if (e.status() < kBudget || session.is_scene() || !session.world()) throw;
-      std::fflush(stdout);
-      fmt::print(stderr, "{}\n", e.what());
+      print_error(e.what());
       return e.status();
     }
     return kPass;
   }
 
-  // Why the steps ended early, unless a handler's error has said it.
-  int say_end(Session& session) const {
+  // Why the steps ended early, unless a handler's error has reported it.
+  int report_end(Session& session) const {
     const auto& errors = session.script().handler_errors();
-    const bool said =
-        std::any_of(errors.begin(), errors.end(), [](const auto& e) { return e.limit != lua::Limit::none; });
+    const bool reported = std::ranges::any_of(errors, [](const auto& e) { return e.limit != lua::Limit::none; });
     const int status = session.end_status();
-    if (status != kPass && !said) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
+    if (status != kPass && !reported) fmt::print(stderr, "{}: {}\n", scene_, stop_text());
     return status;
   }
 
@@ -87,24 +80,25 @@ class Run final : public Command {
     Summary summary = summarize(session);
     summary.interrupted = status != kPass;
     if (options.json) {
-      report::Json json = summary_json(summary);
+      report::Json json = summary_json(session, summary);
       if (check_) json["check"] = check_json(result);
-      std::fputs(report::to_text(json).c_str(), stdout);
+      print_json(json);
     } else if (!options.quiet) {
-      std::fputs(summary_text(summary).c_str(), stdout);
+      std::fputs(summary_text(session, summary).c_str(), stdout);
       if (check_) fmt::print("  check   {} held, {} failed\n", result.passed, result.failures.size());
     }
     std::fflush(stdout);
     for (const auto& failure : result.failures) fmt::print(stderr, "{}: {}\n", failure.where, failure.message);
     if (!summary.finite) fmt::print(stderr, "{}: the state is not finite\n", scene_);
     bool held = false;  // what was not finite has been stopped
-    for (const Warning& w : summary.warnings) {
+    for (const Warning& w : session.warnings()) {
       if (w.code != "non_finite") continue;
       fmt::print(stderr, "{}: not finite on the way ({} x): {}\n", scene_, w.count, w.message);
       held = true;
     }
     if (status != kPass) return status;
-    return summary.finite && !held && summary.handler_errors.empty() && result.failures.empty() ? kPass : kFailed;
+    return summary.finite && !held && session.script().handler_errors().empty() && result.failures.empty() ? kPass
+                                                                                                           : kFailed;
   }
 
   lua::CheckResult run_check(Session& session) {
@@ -131,9 +125,6 @@ class Run final : public Command {
 
 }  // namespace
 
-Row cli_run() {
-  return {"run", "runs a scene without a window and prints a summary",
-          [] { return std::unique_ptr<Command>(new Run); }};
-}
+Row cli_run() { return command_row<Run>("run", "runs a scene without a window and prints a summary"); }
 
 }  // namespace feder::cli

@@ -7,13 +7,11 @@
 #include "cli/session.h"
 
 namespace feder::cli {
-namespace {
 
 namespace fs = std::filesystem;
 
-// A Lua file that makes a scene, or a YAML file with objects; tests, libraries and material tables are none.
-bool looks_like_scene(const std::string& file) {
-  if (file.ends_with(".lua")) return read_text(file).find("feder.scene") != std::string::npos;
+bool looks_like_scene(const std::string& file, const char* call) {
+  if (file.ends_with(".lua")) return read_text(file).find(call) != std::string::npos;
   if (!is_yaml(file)) return false;
   const std::string text = "\n" + read_text(file);
   for (const char* key : {"\nbodies:", "\nnets:", "\ncloths:", "\nfluids:"})
@@ -21,9 +19,8 @@ bool looks_like_scene(const std::string& file) {
   return false;
 }
 
-}  // namespace
-
-std::vector<std::string> scene_files(const std::vector<std::string>& paths) {
+std::vector<std::string> find_files(const std::vector<std::string>& paths,
+                                    const std::function<bool(const std::string&)>& wanted) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     std::error_code ignored;
@@ -33,9 +30,9 @@ std::vector<std::string> scene_files(const std::vector<std::string>& paths) {
       continue;
     }
     for (const auto& entry : fs::recursive_directory_iterator(path))
-      if (entry.is_regular_file() && looks_like_scene(entry.path().string())) files.push_back(entry.path().string());
+      if (entry.is_regular_file() && wanted(entry.path().string())) files.push_back(entry.path().string());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }

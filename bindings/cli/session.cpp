@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -39,6 +40,20 @@ int limit_status(lua::Limit limit) {
   return limit == lua::Limit::interrupted && stop_reason() != StopReason::none ? stop_status() : kBudget;
 }
 
+void fail_by_script(int status, const std::string& scene) {
+  try {
+    throw;
+  } catch (const lua::LimitError& e) {
+    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
+  } catch (const lua::OptionError& e) {
+    throw Failure(kUsage, e.what());
+  } catch (const lua::ScriptError& e) {
+    throw Failure(status, e.what());
+  } catch (const SceneError& e) {
+    throw Failure(status, scene + e.what());
+  }
+}
+
 bool is_yaml(const std::string& file) { return file.ends_with(".yaml") || file.ends_with(".yml"); }
 
 std::string read_text(const std::string& file) {
@@ -50,7 +65,7 @@ std::string read_text(const std::string& file) {
     throw Failure(kLoadError, file + ": expected a scene, got a device or a pipe");
   constexpr std::uintmax_t kLargest = 64;  // MB, as for files that scripts load
   if (std::filesystem::file_size(file, ignored) > kLargest << 20)
-    throw Failure(kLoadError, fmt::format("{}: larger than {} MB", file, kLargest));
+    throw Failure(kLoadError, "{}: larger than {} MB", file, kLargest);
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
@@ -84,6 +99,11 @@ Session::Session(lua::HostOptions host, std::function<void(const std::string&)> 
   script_->on_step([this](World& world) { after_step(world); });
 }
 
+Session::Session(lua::HostOptions host, std::function<void(const std::string&)> report, const std::string& file)
+    : Session(std::move(host), std::move(report)) {
+  load(file);
+}
+
 void Session::load(const std::string& file) {
   file_ = file;
   check_syntax(file, {});
@@ -92,14 +112,8 @@ void Session::load(const std::string& file) {
     script_->load_file(file);
     status = kLoadError;
     if (script_->is_scene()) script_->build();
-  } catch (const lua::LimitError& e) {
-    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
-  } catch (const lua::OptionError& e) {
-    throw Failure(kUsage, e.what());
-  } catch (const lua::ScriptError& e) {
-    throw Failure(status, e.what());
-  } catch (const SceneError& e) {
-    throw Failure(status, file + ": " + e.what());
+  } catch (...) {
+    fail_by_script(status, file + ": ");
   }
   report_errors();
 }
@@ -113,8 +127,7 @@ std::uint64_t Session::steps_for(double seconds) {
   constexpr double kMaxSteps = 1e9;
   const double dt = world()->desc().dt;
   if (!(seconds / dt <= kMaxSteps))
-    throw Failure(kUsage, fmt::format("{}: expected at most {:g} s, a billion steps, got {:g} s", file_, kMaxSteps * dt,
-                                      seconds));
+    throw Failure(kUsage, "{}: expected at most {:g} s, a billion steps, got {:g} s", file_, kMaxSteps * dt, seconds);
   return static_cast<std::uint64_t>(std::llround(seconds / dt));
 }
 
@@ -128,7 +141,7 @@ int Session::end_status() const {
 void Session::need_to_go_on() const {
   if (goes_on()) return;
   if (limit_error_ != kNone) throw Failure(end_status(), error_text(script_->handler_errors()[limit_error_]));
-  throw Failure(end_status(), fmt::format("{}: {}", file_, stop_text()));
+  throw Failure(end_status(), "{}: {}", file_, stop_text());
 }
 
 void Session::step() {
@@ -155,10 +168,9 @@ void Session::after_step(World& world) {
   for (const Event& e : world.events().list()) {
     if (e.kind != EventKind::warning) continue;
     const std::string& code = world.events().warning_code(e);
-    std::size_t k = 0;
-    while (k < warnings_.size() && warnings_[k].code != code) ++k;
-    if (k == warnings_.size()) warnings_.push_back({code, world.events().warning_message(e), 0});
-    ++warnings_[k].count;
+    auto at = std::ranges::find_if(warnings_, [&](const Warning& w) { return w.code == code; });
+    if (at == warnings_.end()) at = warnings_.insert(at, {code, world.events().warning_message(e), 0});
+    ++at->count;
   }
   report_errors();
 }
@@ -166,8 +178,9 @@ void Session::after_step(World& world) {
 void Session::report_errors() {
   const auto& errors = script_->handler_errors();
   for (; reported_errors_ < errors.size(); ++reported_errors_) {
-    if (errors[reported_errors_].limit != lua::Limit::none && limit_error_ == kNone) limit_error_ = reported_errors_;
-    if (report_) report_(error_text(errors[reported_errors_]));
+    const lua::HandlerError& error = errors[reported_errors_];
+    if (error.limit != lua::Limit::none && limit_error_ == kNone) limit_error_ = reported_errors_;
+    if (report_) report_(error_text(error));
   }
 }
 

@@ -18,8 +18,10 @@ struct Warning {
 
 class Session {
  public:
-  // Errors in handlers go to `report` once per place, as "file:line: message"; null keeps them silent.
+  // Errors in handlers go to `report` once per line of a script, as "file:line: message"; null keeps them silent.
   Session(lua::HostOptions host, std::function<void(const std::string&)> report);
+  // Loads the file too.
+  Session(lua::HostOptions host, std::function<void(const std::string&)> report, const std::string& file);
 
   // Reads and compiles the file, runs it and, for a scene, builds its world. Failure: kLoadError when the file cannot
   // be read, compiled or built, kFailed when a script fails while it runs, kUsage for values of --set and --world that
@@ -64,6 +66,10 @@ std::string error_text(const lua::HandlerError& error);
 // What a script that ended at a limit says, and with which status the command ends.
 std::string limit_text(const std::string& message, lua::Limit limit);
 int limit_status(lua::Limit limit);
+
+// In a handler of everything: throws what a script or a scene has thrown as a Failure: at a limit, usage for values of
+// --set and --world, `status` for all else. `scene`: put in front of what a scene refuses.
+[[noreturn]] void fail_by_script(int status, const std::string& scene = "");
 
 // Compiles without running. Failure (kLoadError) "file:line: message".
 void check_syntax(const std::string& file, const lua::HostOptions& host);

@@ -30,7 +30,7 @@ std::string fitted(const view::Font& font, std::string text, float width) {
   return text + "...";
 }
 
-// Breaks at any place: error messages hold long paths.
+// Breaks anywhere: error messages hold long paths.
 void write_block(view::Image& image, const view::Font& font, std::string text, int x, int y, int width, int lines) {
   for (int line = 0; line < lines && !text.empty(); ++line) {
     std::size_t n = text.size();
@@ -49,19 +49,16 @@ view::Image contact_sheet(const std::vector<std::string>& scenes, const Options&
   const int w = wish.width, h = wish.height, cell_w = w + kGap, cell_h = h + kCaption + kGap;
   view::Image sheet(columns * cell_w + kGap, rows * cell_h + kGap);
   fill(sheet, 0, 0, sheet.width, sheet.height, kPaper);
-  view::Studio studio(w, h);
+  view::RendererHost renderer(w, h);
   const view::Font title_font(kTitle), font(kCommand);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const int x = kGap + static_cast<int>(i) % columns * cell_w, y = kGap + static_cast<int>(i) / columns * cell_h;
     std::string title = scenes[i], error;
     try {
-      lua::HostOptions host = host_options(options);
-      host.print = [](std::string_view) {};
-      Session session(std::move(host), nullptr);
-      session.load(scenes[i]);
+      Session session(silent_host_options(options), nullptr, scenes[i]);
       title = session.title();
-      run_to(session, wish.at >= 0 ? wish.at : telling_moment(session.script()));
-      paste(sheet, take_picture(studio, session, wish), x, y);
+      run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
+      paste(sheet, take_picture(renderer, session, wish), x, y);
     } catch (const Failure& e) {
       error = e.what();
     } catch (const SceneError& e) {

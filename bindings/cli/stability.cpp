@@ -1,6 +1,4 @@
 // feder stability: verdicts over two axes for every method, with the limit found by bisection beside theory's.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 
@@ -32,21 +30,24 @@ class Stability final : public Command {
   int run(const Options& options) override {
     warn_of_scene_options(options);
     if (list_) return print_list(options);
-    report::StabilityContext context;
+    report::RunContext context;
     context.machine = report::machine_info(FEDER_VERSION, kRealName);
     context.command = command_line();
     if (suite_ == "extreme") return run_extreme_suite(context, options);
     if (!suite_.empty() && suite_ != "core" && suite_ != "full")
-      throw Failure(kUsage, fmt::format("feder stability: unknown suite '{}'; known: core, full, extreme", suite_));
+      throw Failure(kUsage, "feder stability: unknown suite '{}'; known: core, full, extreme", suite_);
     std::vector<StabilityPlan> plans;
     if (suite_.empty() || !problem_.empty())
       plans.push_back(plan_for(problem_.empty() ? "oscillator" : problem_));
     else
       for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
     for (const StabilityPlan& plan : plans) {
-      const StabilityResult result = run_plan(plan);
       const std::string folder = out_.empty() || plans.size() == 1 ? out_ : out_ + "/" + plan.problem;
-      finish(result, context, folder, options, plan.problem);
+      try {
+        finish(run_stability(plan), context, folder, options, plan.problem);
+      } catch (const SceneError& e) {
+        throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
+      }
     }
     return kPass;
   }
@@ -75,21 +76,17 @@ class Stability final : public Command {
                    p.x.name, p.x.label, p.x.values.size(), p.y.name, p.y.label, p.y.values.size(),
                    p.bisects ? "; limits by bisection" : "");
     }
-    if (options.json) std::fputs(report::to_text(json).c_str(), stdout);
+    if (options.json) print_json(json);
     return kPass;
   }
 
   std::string command_line() const {
-    std::string out = "feder stability";
-    const auto option = [&](const char* name, const std::string& value) {
-      if (!value.empty()) out += fmt::format("{}{} {}", " ", name, value);
-    };
-    if (!problem_.empty()) out += " " + problem_;
-    option("--suite", suite_), option("--methods", methods_), option("--axes", axes_), option("--x", x_),
-        option("--y", y_);
-    if (bisect_) out += " --bisect";
-    option("--out", out_);
-    return out;
+    std::vector<std::string> words = {"feder", "stability"};
+    if (!problem_.empty()) words.push_back(problem_);
+    add_options(words, {{"--suite", suite_}, {"--methods", methods_}, {"--axes", axes_}, {"--x", x_}, {"--y", y_}});
+    if (bisect_) words.emplace_back("--bisect");
+    add_options(words, {{"--out", out_}});
+    return command_text(words);
   }
 
   static std::vector<double> values(const std::string& text, const char* option) {
@@ -102,12 +99,10 @@ class Stability final : public Command {
     const std::vector<StabilityProblemInfo> infos = stability_problem_infos();
     std::vector<std::string> names;
     for (const StabilityProblemInfo& i : infos) names.push_back(i.name);
-    const auto info = std::find_if(infos.begin(), infos.end(), [&](const auto& i) { return i.name == problem; });
-    if (info == infos.end()) {
-      const std::string near = nearest_name(problem, names);
-      throw Failure(kUsage, fmt::format("feder stability: unknown problem '{}'{}; known: {}", problem,
-                                        near.empty() ? "" : ", did you mean '" + near + "'?", fmt::join(names, ", ")));
-    }
+    const auto info = std::ranges::find_if(infos, [&](const auto& i) { return i.name == problem; });
+    if (info == infos.end())
+      throw Failure(kUsage, "feder stability: unknown problem '{}'{}; known: {}", problem,
+                    did_you_mean(", ", problem, names), fmt::join(names, ", "));
     StabilityPlan plan;
     plan.problem = problem;
     if (!methods_.empty() && methods_ != "all") plan.methods = split_list(methods_);
@@ -116,8 +111,7 @@ class Stability final : public Command {
       const std::vector<std::string> axes = split_list(axes_);
       const auto known = [&](const std::string& a) { return a == info->x.name || a == info->y.name; };
       if (axes.size() != 2 || !known(axes[0]) || !known(axes[1]) || axes[0] == axes[1])
-        throw Failure(kUsage, fmt::format("feder stability: --axes: {} is mapped over {},{}", problem, info->x.name,
-                                          info->y.name));
+        throw Failure(kUsage, "feder stability: --axes: {} is mapped over {},{}", problem, info->x.name, info->y.name);
     }
     plan.x_values = values(x_, "--x"), plan.y_values = values(y_, "--y");
     if (suite_ == "core") {
@@ -137,15 +131,7 @@ class Stability final : public Command {
     return out;
   }
 
-  static StabilityResult run_plan(const StabilityPlan& plan) {
-    try {
-      return run_stability(plan);
-    } catch (const SceneError& e) {
-      throw Failure(kUsage, fmt::format("feder stability {}: {}", plan.problem, e.what()));
-    }
-  }
-
-  static void write(const std::string& folder, const StabilityResult& r, const report::StabilityContext& context,
+  static void write(const std::string& folder, const StabilityResult& r, const report::RunContext& context,
                     const std::vector<report::ExtremeRow>& extreme) {
     try {
       if (!folder.empty()) report::write_stability(folder, r, context, extreme);
@@ -154,11 +140,11 @@ class Stability final : public Command {
     }
   }
 
-  static void finish(const StabilityResult& r, const report::StabilityContext& context, const std::string& folder,
+  static void finish(const StabilityResult& r, const report::RunContext& context, const std::string& folder,
                      const Options& options, const std::string& problem) {
     write(folder, r, context, {});
     if (options.json) {
-      std::fputs(report::to_text(report::stability_json(r, context)).c_str(), stdout);
+      print_json(report::stability_json(r, context));
       return;
     }
     if (!options.quiet) fmt::print("{} ({}): {} methods\n\n", problem, r.real, r.maps.size());
@@ -167,7 +153,7 @@ class Stability final : public Command {
       fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
   }
 
-  int run_extreme_suite(const report::StabilityContext& context, const Options& options) const {
+  int run_extreme_suite(const report::RunContext& context, const Options& options) const {
     std::vector<report::ExtremeRow> rows;
     Progress bar(!options.quiet && !options.json);
     const std::vector<ExtremeCase> cases = extreme_cases();
@@ -180,17 +166,12 @@ class Stability final : public Command {
     StabilityResult none;
     none.real = kRealName;
     write(out_, none, context, rows);
-    int failed = 0;
-    report::Json json = report::Json::array();
-    for (const report::ExtremeRow& e : rows) {
-      failed += !e.pass;
-      json.push_back(
-          {{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
-    }
-    std::fputs((options.json ? report::to_text(json) : report::extreme_table(rows)).c_str(), stdout);
-    if (!options.json && !options.quiet)
-      fmt::print("  {} of {} as expected\n", rows.size() - static_cast<std::size_t>(failed), rows.size());
-    return failed ? kFailed : kPass;
+    std::fputs((options.json ? report::to_text(report::extreme_json(rows)) : report::extreme_table(rows)).c_str(),
+               stdout);
+    const auto passed =
+        static_cast<std::size_t>(std::ranges::count_if(rows, [](const report::ExtremeRow& e) { return e.pass; }));
+    if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", passed, rows.size());
+    return passed < rows.size() ? kFailed : kPass;
   }
 
   std::string problem_, methods_, suite_, axes_, x_, y_, out_;
@@ -200,8 +181,7 @@ class Stability final : public Command {
 }  // namespace
 
 Row cli_stability() {
-  return {"stability", "stability maps of every method, with the limits found beside theory's",
-          [] { return std::unique_ptr<Command>(new Stability); }};
+  return command_row<Stability>("stability", "stability maps of every method, with the limits found beside theory's");
 }
 
 }  // namespace feder::cli

@@ -1,6 +1,5 @@
 #include "cli/stop.h"
 
-#include <fmt/format.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -13,7 +12,7 @@
 namespace feder::cli {
 namespace {
 
-std::atomic<bool> asked = false;
+std::atomic<bool> stop_requested = false;
 std::atomic<int> reason = 0;
 std::atomic<int> watchers = 0;    // StopSignals alive
 char timeout_words[2][120] = {};  // of SIGPROF and SIGALRM
@@ -21,13 +20,13 @@ std::atomic<int> timeout_kind = 0;
 
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-void ask(StopReason why) {
+void request_stop(StopReason why) {
   int none = 0;
   reason.compare_exchange_strong(none, static_cast<int>(why));
-  asked = true;
+  stop_requested = true;
 }
 
-void on_signal(int signal) { ask(signal == SIGTERM ? StopReason::terminate : StopReason::interrupt); }
+void on_signal(int signal) { request_stop(signal == SIGTERM ? StopReason::terminate : StopReason::interrupt); }
 
 // Only what a signal handler may do: atomics, write and _exit.
 void on_time(int signal) {
@@ -35,7 +34,7 @@ void on_time(int signal) {
   const bool again = stop_reason() == StopReason::timeout;
   if (watchers > 0 && !again) {
     timeout_kind = kind;
-    ask(StopReason::timeout);
+    request_stop(StopReason::timeout);
     return;
   }
   const char* const words = timeout_words[kind];
@@ -64,7 +63,7 @@ void start_timer(int which, double seconds) {
 }  // namespace
 
 StopReason stop_reason() { return static_cast<StopReason>(reason.load()); }
-const std::atomic<bool>& stop_flag() { return asked; }
+const std::atomic<bool>& stop_flag() { return stop_requested; }
 
 int stop_status() {
   switch (stop_reason()) {
@@ -86,26 +85,23 @@ std::string stop_text() {
 
 StopSignals::StopSignals() {
   ++watchers;
-  handle(SIGINT, on_signal, true);
-  handle(SIGTERM, on_signal, true);
+  for (const int signal : {SIGINT, SIGTERM}) handle(signal, on_signal, true);
 }
 
 StopSignals::~StopSignals() {
   --watchers;
-  handle(SIGINT, SIG_DFL, false);
-  handle(SIGTERM, SIG_DFL, false);
+  for (const int signal : {SIGINT, SIGTERM}) handle(signal, SIG_DFL, false);
 }
 
 TimeLimit::TimeLimit(double processor, double wall) {
-  if (stop_reason() == StopReason::timeout) reason = 0, asked = false;
+  if (stop_reason() == StopReason::timeout) reason = 0, stop_requested = false;
   const auto words = [](char(&to)[120], double seconds, const char* what) {
     const std::string text = fmt::format("feder: time limit of {:g} s of {} reached (--timeout)\n", seconds, what);
     to[text.copy(to, sizeof to - 1)] = '\0';
   };
   words(timeout_words[0], processor, "processor time");
   words(timeout_words[1], wall, "wall time");
-  handle(SIGPROF, on_time, false);
-  handle(SIGALRM, on_time, false);
+  for (const int signal : {SIGPROF, SIGALRM}) handle(signal, on_time, false);
   start_timer(ITIMER_PROF, processor);
   start_timer(ITIMER_REAL, wall);
 }

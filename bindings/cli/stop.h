@@ -1,5 +1,5 @@
 // Why a command ends before its work is done: a signal, or the time it may take. Signals know no objects, so this is
-// the one place of the program with variables of its own.
+// the one file of the program with variables of its own.
 #pragma once
 #include <atomic>
 #include <string>

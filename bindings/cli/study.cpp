@@ -1,8 +1,6 @@
 // feder study: error against cost of every method on a problem with a reference: tables, CSV, JSON, SVG and one page.
 #include "feder/study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -20,7 +18,16 @@ namespace {
 
 using report::StudyContext;
 
-bool failed(const StudyPoint& p) { return p.status != PointStatus::ok && p.status != PointStatus::slow; }
+// Runs that failed where the suite does not allow it, one line each.
+void list_broken(const SuiteRow& row, const StudyResult& r, std::vector<std::string>& lines) {
+  const auto allowed = [&](const std::string& method) {
+    return std::ranges::find(row.may_diverge, method) != row.may_diverge.end();
+  };
+  for (const StudyPoint& p : r.points)
+    if (!report::succeeded(p) && !allowed("*") && !allowed(p.method))
+      lines.push_back(fmt::format("{}: {} at {}: {}{}{}", report::problem_label(r.problem), p.method,
+                                  report::rung_text(p), name_of(p.status), p.reason.empty() ? "" : ": ", p.reason));
+}
 
 class Study final : public Command {
  public:
@@ -63,34 +70,29 @@ class Study final : public Command {
     if (resume_ && out_.empty()) throw Failure(kUsage, "feder study: --resume needs the --out of the stopped study");
     StudyContext context = new_context(options);
     const auto problem = open_problem(words_[0], options);
-    StudyResult result = sweep(*problem, problem_file(words_[0]), options, methods_, ladders_, context, out_);
+    const StudyResult result = sweep(*problem, problem_file(words_[0]), options, methods_, ladders_, context, out_);
     context.machine.load_after = report::load_now();
-    gate({&result, 1}, context);
-    finish(result, context, out_, options);
-    return violated(context) ? kFailed : kPass;
+    return check_and_finish(result, context, options);
   }
 
  private:
   void check_words() const {
     for (const std::string& name : split_list(errors_))
-      if (!report::find_norm(name)) {
-        const std::string near = nearest_name(name, report::norm_names());
-        throw Failure(kUsage, fmt::format("feder study: --error: unknown norm '{}'{}; known: {}", name,
-                                          near.empty() ? "" : ", did you mean '" + near + "'?",
-                                          fmt::join(report::norm_names(), ", ")));
-      }
+      if (!report::find_norm(name))
+        throw Failure(kUsage, "feder study: --error: unknown norm '{}'{}; known: {}", name,
+                      did_you_mean(", ", name, report::norm_names()), fmt::join(report::norm_names(), ", "));
     for (const std::string& name : split_list(axes_))
       if (name != "time" && name != "force")
-        throw Failure(kUsage, fmt::format("feder study: --axis: expected time or force, got '{}'", name));
+        throw Failure(kUsage, "feder study: --axis: expected time or force, got '{}'", name);
     for (const std::string& name : split_list(gate_))
       if (name != "cost" && name != "error" && name != "size")
-        throw Failure(kUsage, fmt::format("feder study: --gate: expected cost, error or size, got '{}'", name));
+        throw Failure(kUsage, "feder study: --gate: expected cost, error or size, got '{}'", name);
     if (!gate_.empty() && baseline_.empty()) throw Failure(kUsage, "feder study: --gate needs a --baseline");
   }
 
-  int print_list(const Options& options) const {
-    std::fputs((options.json ? report::to_text(problem_list_json(options)) : problem_list_text(options)).c_str(),
-               stdout);
+  static int print_list(const Options& options) {
+    const std::string text = options.json ? report::to_text(problem_list_json(options)) : problem_list_text(options);
+    std::fputs(text.c_str(), stdout);
     return kPass;
   }
 
@@ -100,52 +102,48 @@ class Study final : public Command {
     c.command = command_line(options);
     if (!errors_.empty()) c.errors = split_list(errors_);
     if (!axes_.empty()) c.axes = split_list(axes_);
-    const auto differs = [&](const char* name, const std::string& value) {
-      if (!value.empty()) c.settings.push_back(fmt::format("{} {}", name, value));
-    };
-    differs("--methods", methods_);
-    for (const std::string& ladder : ladders_) differs("--ladder", ladder);
-    differs("--budget", budget_);
-    if (repeat_ != kRepeats) differs("--repeat", std::to_string(repeat_));
-    differs("--shard", shard_);
-    for (const std::string& w : options.world) differs("--world", w);
-    differs("--dt", options.dt);
-    if (options.threads > 0) differs("--threads", std::to_string(options.threads));
+    // options that differ from their defaults: words in pairs
+    std::vector<std::string> words;
+    add_options(words, {{"--methods", methods_}});
+    for (const std::string& ladder : ladders_) add_options(words, {{"--ladder", ladder}});
+    add_options(words, {{"--budget", budget_}, {"--repeat", repeat_text()}, {"--shard", shard_}});
+    Options without_set = options;
+    without_set.set.clear();
+    add_scene_options(words, without_set);
+    for (std::size_t k = 0; k < words.size(); k += 2) c.settings.push_back(words[k] + " " + words[k + 1]);
     return c;
   }
 
+  std::string repeat_text() const { return repeat_ == kRepeats ? "" : std::to_string(repeat_); }
+
   std::string command_line(const Options& options) const {
-    std::string out = "feder study";
-    const auto add = [&](const std::string& word) {
-      out += " " + (word.find(' ') == std::string::npos ? word : "'" + word + "'");
-    };
-    if (merge_) add("--merge");
-    for (const std::string& w : words_) add(w);
-    const auto option = [&](const char* name, const std::string& value) {
-      if (!value.empty()) add(name), add(value);
-    };
-    for (const std::string& s : options.set) option("--set", s);
-    for (const std::string& s : options.world) option("--world", s);
-    option("--dt", options.dt);
-    if (options.threads > 0) option("--threads", std::to_string(options.threads));
-    option("--suite", suite_), option("--methods", methods_);
-    for (const std::string& l : ladders_) option("--ladder", l);
-    option("--budget", budget_), option("--error", errors_), option("--axis", axes_), option("--shard", shard_),
-        option("--seed", options.seed);
-    if (repeat_ != kRepeats) option("--repeat", std::to_string(repeat_));
-    option("--baseline", baseline_), option("--gate", gate_), option("--out", out_);
-    return out;
+    std::vector<std::string> words = {"feder", "study"};
+    if (merge_) words.emplace_back("--merge");
+    words.insert(words.end(), words_.begin(), words_.end());
+    add_scene_options(words, options);
+    add_options(words, {{"--suite", suite_}, {"--methods", methods_}});
+    for (const std::string& ladder : ladders_) add_options(words, {{"--ladder", ladder}});
+    add_options(words, {{"--budget", budget_},
+                        {"--error", errors_},
+                        {"--axis", axes_},
+                        {"--shard", shard_},
+                        {"--seed", options.seed},
+                        {"--repeat", repeat_text()},
+                        {"--baseline", baseline_},
+                        {"--gate", gate_},
+                        {"--out", out_}});
+    return command_text(words);
   }
 
   // What was asked for besides the plan, and where it runs.
   Provenance provenance(const Options& options, const StudyContext& context, const std::string& scene) const {
+    std::vector<std::string> given = options.set;
+    given.insert(given.end(), options.world.begin(), options.world.end());
+    if (!options.dt.empty()) given.push_back("dt=" + options.dt);
+    if (!options.seed.empty()) given.push_back("seed=" + options.seed);
+    if (!budget_.empty()) given.push_back("budget " + budget_);
     Provenance p;
-    const auto add = [&](const std::string& word) { p.overrides += (p.overrides.empty() ? "" : "; ") + word; };
-    for (const std::string& s : options.set) add(s);
-    for (const std::string& w : options.world) add(w);
-    if (!options.dt.empty()) add("dt=" + options.dt);
-    if (!options.seed.empty()) add("seed=" + options.seed);
-    if (!budget_.empty()) add("budget " + budget_);
+    p.overrides = fmt::format("{}", fmt::join(given, "; "));
     p.real = context.machine.real, p.git = context.machine.git, p.tool = context.machine.tool;
     p.build = context.machine.compiler + " " + context.machine.flags;
     if (!scene.empty()) p.scene_hash = report::file_hash(scene);
@@ -188,13 +186,13 @@ class Study final : public Command {
       report::round_series(result);
       return result;
     } catch (const SceneError& e) {
-      throw Failure(kUsage, fmt::format("feder study {}: {}", problem.info().name, e.what()));
+      throw Failure(kUsage, "feder study {}: {}", problem.info().name, e.what());
     }
   }
 
   double read_budget() const {
     if (!budget_.starts_with("force="))
-      throw Failure(kUsage, fmt::format("feder study: --budget: expected force=NUMBER, got '{}'", budget_));
+      throw Failure(kUsage, "feder study: --budget: expected force=NUMBER, got '{}'", budget_);
     const double budget = read_number(budget_.substr(6), "--budget force");
     if (!(budget > 0)) throw Failure(kUsage, "feder study: --budget: expected more than 0 force evaluations");
     return budget;
@@ -203,14 +201,13 @@ class Study final : public Command {
   void read_shard(SweepOptions& o) const {
     const std::size_t slash = shard_.find('/');
     int i = -1, n = 0;
-    const char* const text = shard_.c_str();
-    if (slash != std::string::npos) {
-      const bool good = std::from_chars(text, text + slash, i).ptr == text + slash &&
-                        std::from_chars(text + slash + 1, text + shard_.size(), n).ptr == text + shard_.size();
-      if (!good) i = -1;
-    }
+    const auto whole = [](const std::string& text, int& value) {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      return error == std::errc() && end == text.data() + text.size();
+    };
+    if (slash == std::string::npos || !whole(shard_.substr(0, slash), i) || !whole(shard_.substr(slash + 1), n)) i = -1;
     if (n < 1 || i < 0 || i > n)
-      throw Failure(kUsage, fmt::format("feder study: --shard: expected I/N with I from 1 to N, got '{}'", shard_));
+      throw Failure(kUsage, "feder study: --shard: expected I/N with I from 1 to N, got '{}'", shard_);
     o.shard = i % n;
     o.shards = n;
   }
@@ -218,9 +215,13 @@ class Study final : public Command {
   int merge(const Options& options) const {
     if (words_.empty()) throw Failure(kUsage, "feder study: --merge expects the report.json files of shards");
     StudyContext context = new_context(options);
-    StudyResult whole = merge_reports(words_, context.machine);
-    gate({&whole, 1}, context);
-    finish(whole, context, out_, options);
+    const StudyResult whole = merge_reports(words_, context.machine);
+    return check_and_finish(whole, context, options);
+  }
+
+  int check_and_finish(const StudyResult& result, StudyContext& context, const Options& options) const {
+    gate({&result, 1}, context);
+    finish(result, context, out_, options);
     return violated(context) ? kFailed : kPass;
   }
 
@@ -236,14 +237,7 @@ class Study final : public Command {
       const std::string methods = fmt::format("{}", fmt::join(row.methods, ","));
       all.push_back(sweep(*problem, problem_file(row.problem), of_row, methods, row.ladders, context, ""));
       const StudyResult& r = all.back();
-      for (const StudyPoint& p : r.points) {
-        const auto& may = row.may_diverge;
-        if (!failed(p) || std::find(may.begin(), may.end(), "*") != may.end() ||
-            std::find(may.begin(), may.end(), p.method) != may.end())
-          continue;
-        broken.push_back(fmt::format("{}: {} at {}: {}{}{}", report::problem_label(r.problem), p.method,
-                                     report::rung_text(p), name_of(p.status), p.reason.empty() ? "" : ": ", p.reason));
-      }
+      list_broken(row, r, broken);
       if (!out_.empty())
         finish(r, context, out_ + "/" + report::file_name(report::problem_label(r.problem)), options, true);
       if (!options.quiet && !options.json)
@@ -251,18 +245,12 @@ class Study final : public Command {
     }
     context.machine.load_after = report::load_now();
     gate(all, context);
-    std::string csv = report::csv_header() + "\n";
-    for (const StudyResult& r : all)
-      for (const StudyPoint& p : r.points) csv += report::csv_row(report::problem_label(r.problem), r, p) + "\n";
     if (!out_.empty()) {
-      report::write_text(out_ + "/points.csv", csv);
+      report::write_text(out_ + "/points.csv", report::points_csv(all, true));
       report::write_text(out_ + "/index.html", report::suite_page(suite_, all, context));
     }
     if (options.json)
-      std::fputs(
-          report::to_text({{"suite", suite_}, {"problems", all.size()}, {"diverged", broken}, {"gate", context.gate}})
-              .c_str(),
-          stdout);
+      print_json({{"suite", suite_}, {"problems", all.size()}, {"diverged", broken}, {"gate", context.gate}});
     for (const std::string& line : broken) fmt::print(stderr, "{}\n", line);
     print_violations(context);
     return violated(context) || !broken.empty() ? kFailed : kPass;
@@ -273,18 +261,12 @@ class Study final : public Command {
     report::GateTiers tiers;
     if (!gate_.empty()) {
       const std::vector<std::string> names = split_list(gate_);
-      const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+      const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
       tiers.cost = has("cost"), tiers.error = has("error"), tiers.size = has("size");
     }
-    std::string csv = report::csv_header() + "\n";
     std::vector<double> floors;
-    for (const StudyResult& r : results)
-      for (const StudyPoint& p : r.points) {
-        csv += report::csv_row(
-                   results.size() > 1 || !suite_.empty() ? report::problem_label(r.problem) : r.problem.name, r, p) +
-               "\n";
-        floors.push_back(r.problem.reference.floor());
-      }
+    for (const StudyResult& r : results) floors.insert(floors.end(), r.points.size(), r.problem.reference.floor());
+    const std::string csv = report::points_csv(results, !suite_.empty());
     try {
       context.gate =
           report::check_gate(baseline_, report::read_baseline(baseline_), report::read_csv(csv), floors, tiers);
@@ -306,16 +288,15 @@ class Study final : public Command {
               bool silent = false) const {
     try {
       if (!folder.empty()) report::write_study(folder, r, context);
+      const std::string drawn = folder.empty() ? "" : folder + "/error_vs_work.svg";
       if (!markdown_.empty() && !silent)
-        report::write_text(markdown_,
-                           report::study_markdown(
-                               r, picture_.empty() ? (folder.empty() ? "" : folder + "/error_vs_work.svg") : picture_));
+        report::write_text(markdown_, report::study_markdown(r, picture_.empty() ? drawn : picture_));
     } catch (const std::runtime_error& e) {
       throw Failure(kFailed, std::string("feder study: ") + e.what());
     }
     if (silent) return;
     if (options.json) {
-      std::fputs(report::to_text(report::study_json(r, context)).c_str(), stdout);
+      print_json(report::study_json(r, context));
     } else {
       std::fputs(report::study_summary(r, options.quiet).c_str(), stdout);
       if (!folder.empty() && !options.quiet)
@@ -335,8 +316,7 @@ class Study final : public Command {
 }  // namespace
 
 Row cli_study() {
-  return {"study", "error against run time and work, with figures and a table of what to pick",
-          [] { return std::unique_ptr<Command>(new Study); }};
+  return command_row<Study>("study", "error against run time and work, with figures and a table of what to pick");
 }
 
 }  // namespace feder::cli

@@ -1,6 +1,4 @@
 // The problems of `feder study`: found by name, listed with parameters and reference.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -17,15 +15,13 @@ fs::path study_folder() { return library_roots().front().parent_path() / "scenes
 
 std::string unknown_problem(const std::string& name) {
   const std::vector<std::string> known = problem_names();
-  std::string message = fmt::format("feder study: unknown problem '{}'", name);
-  const std::string near = nearest_name(name, known);
-  if (!near.empty()) message += fmt::format("; did you mean '{}'?", near);
-  return fmt::format("{} known: {}; or the file of a scene", message, fmt::join(known, ", "));
+  return fmt::format("feder study: unknown problem '{}'{} known: {}; or the file of a scene", name,
+                     did_you_mean("; ", name, known), fmt::join(known, ", "));
 }
 
 bool in_table(const std::string& name) {
   const auto rows = study_problems();
-  return std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return name == row.name; });
+  return std::ranges::any_of(rows, [&](const auto& row) { return name == row.name; });
 }
 
 // All that this build can run: scenes whose systems it lacks do not open.
@@ -42,11 +38,7 @@ std::vector<std::unique_ptr<StudyProblem>> all_problems(const Options& options) 
 }
 
 std::string range_text(const ProblemParam& p) {
-  if (!p.choices.empty()) {
-    std::string list;
-    for (const std::string& c : p.choices) list += (list.empty() ? "" : "|") + c;
-    return list;
-  }
+  if (!p.choices.empty()) return fmt::format("{}", fmt::join(p.choices, "|"));
   return std::isfinite(p.lo) && std::isfinite(p.hi) ? fmt::format("{:g} .. {:g}", p.lo, p.hi) : "";
 }
 
@@ -73,7 +65,7 @@ std::vector<std::string> problem_names() {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(study_folder(), ignored))
     if (is_scene_file(entry.path().string())) scenes.push_back(entry.path().stem().string());
-  std::sort(scenes.begin(), scenes.end());
+  std::ranges::sort(scenes);
   names.insert(names.end(), scenes.begin(), scenes.end());
   return names;
 }
@@ -97,7 +89,7 @@ std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Option
     for (const std::string& assignment : options.set) set_option(params, assignment);
     return make_study_problem(name, params);
   } catch (const SceneError& e) {
-    throw Failure(kUsage, fmt::format("feder study {}: --set: {}", name, e.what()));
+    throw Failure(kUsage, "feder study {}: --set: {}", name, e.what());
   }
 }
 

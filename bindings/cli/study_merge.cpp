@@ -1,7 +1,5 @@
 // Shards of a study put together: what belongs to another study, what was altered and what is missing is refused by
 // name.
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "cli/command.h"
@@ -21,8 +19,7 @@ Json read_shard(const std::string& file) {
   if (json.is_object() && json.value("schema", "") == "accuracy/1") {
     const auto altered = report::altered_fields(json);
     if (!altered.empty())
-      throw Failure(kFailed,
-                    fmt::format("{}: no longer what the study wrote: {} does not fit", file, fmt::join(altered, ", ")));
+      throw Failure(kFailed, "{}: no longer what the study wrote: {} does not fit", file, fmt::join(altered, ", "));
   }
   return json;
 }
@@ -36,7 +33,7 @@ std::string missing_shards(const StudyResult& whole, int shards) {
   std::vector<int> missing;
   for (std::size_t k = 0; k < there.size(); ++k)
     if (!there[k]) missing.push_back(static_cast<int>((k + n - 1) % n) + 1);  // shard I holds index % N == I, 0 is N
-  std::sort(missing.begin(), missing.end());
+  std::ranges::sort(missing);
   missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
   return fmt::format("{}", fmt::join(missing, ", "));
 }
@@ -53,7 +50,7 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
       shards.push_back(report::study_from_json(json));
       if (shards.size() == 1) {
         // measured there, not here
-        machine = report::machine_from_json(json.at("run"));
+        machine = report::read_as<report::MachineInfo>(json.at("run"));
         first = json.at("study"), count = shards[0].shards;
         continue;
       }
@@ -61,8 +58,7 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
       if (shards.back().shards != count)
         differs.push_back(fmt::format("shards are {}, expected {}", shards.back().shards, count));
       if (!differs.empty())
-        throw Failure(
-            kFailed, fmt::format("{}: a shard of another study than {}: {}", file, files[0], fmt::join(differs, "; ")));
+        throw Failure(kFailed, "{}: a shard of another study than {}: {}", file, files[0], fmt::join(differs, "; "));
     } catch (const Failure&) {
       throw;
     } catch (const std::exception& e) {
@@ -74,11 +70,11 @@ StudyResult merge_reports(const std::vector<std::string>& files, report::Machine
   try {
     whole = merge_shards(std::move(shards));
   } catch (const SceneError& e) {
-    throw Failure(kUsage, fmt::format("feder study: {}", e.what()));
+    throw Failure(kUsage, "feder study: {}", e.what());
   }
   if (whole.points.size() < whole.planned)
-    throw Failure(kFailed, fmt::format("feder study: --merge: {} of {} points; missing: shard {} of {}",
-                                       whole.points.size(), whole.planned, missing_shards(whole, count), count));
+    throw Failure(kFailed, "feder study: --merge: {} of {} points; missing: shard {} of {}", whole.points.size(),
+                  whole.planned, missing_shards(whole, count), count);
   return whole;
 }
 

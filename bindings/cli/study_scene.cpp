@@ -1,6 +1,4 @@
 // Scenes as study problems: each run is a script of its own, loaded with the parameters of its rung.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +13,7 @@ namespace feder::cli {
 namespace {
 
 // How what a rung says reaches the script: --set NAME, --world KEY; empty: not at all.
-struct RungPlace {
+struct RungTargets {
   std::string method_param;
   std::string system;  // whose option "solver" it is, where no parameter names it
   std::string iterations_param, tolerance_param;
@@ -23,9 +21,9 @@ struct RungPlace {
 
 // Calls into the script; its errors become those of studies.
 template <class F>
-auto asked(F&& question) {
+auto call_script(F&& call) {
   try {
-    return question();
+    return call();
   } catch (const lua::LimitError& e) {
     throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
   } catch (const lua::OptionError&) {
@@ -42,7 +40,7 @@ void take(lua::StudyState&& from, Observation& to) {
 class ScriptWorld final : public SceneWorld {
  public:
   ScriptWorld(const std::string& file, lua::HostOptions host) : script_(std::move(host)) {
-    asked([&] { script_.load_file(file), script_.build(); });
+    call_script([&] { script_.load_file(file), script_.build(); });
     need_no_errors();
   }
   World& world() override { return *script_.world(); }
@@ -52,20 +50,20 @@ class ScriptWorld final : public SceneWorld {
   }
   void observe(Observation& out) override {
     if (!study().has_observe) return observe_world(world(), out);
-    take(asked([&] { return script_.study_state("observe"); }), out);
+    take(call_script([&] { return script_.study_state("observe"); }), out);
   }
   std::vector<double> measure() override {
     if (!study().has_measure) return SceneWorld::measure();
-    return asked([&] { return script_.study_numbers("measure"); });
+    return call_script([&] { return script_.study_numbers("measure"); });
   }
   double own_error(std::span<const double> refined) override {
-    return asked([&] { return script_.study_error(refined); });
+    return call_script([&] { return script_.study_error(refined); });
   }
   double event_error() override { return study().has_event ? number("event", 0) : NAN; }
   double constraint() override { return study().has_constraint ? number("constraint", 0) : NAN; }
   double sweeps() const override { return script_.study().sweeps; }
   void reference(double t, Observation& out) override {
-    take(asked([&] { return script_.study_state("reference", t); }), out);
+    take(call_script([&] { return script_.study_state("reference", t); }), out);
   }
   double reference_energy(double t) override { return study().has_energy ? number("energy", t) : NAN; }
   lua::Script& script() { return script_; }
@@ -73,7 +71,7 @@ class ScriptWorld final : public SceneWorld {
  private:
   const lua::StudyDeclaration& study() const { return script_.study(); }
   double number(const char* name, double t) {
-    const std::vector<double> all = asked([&] { return script_.study_numbers(name, t); });
+    const std::vector<double> all = call_script([&] { return script_.study_numbers(name, t); });
     return all.empty() ? NAN : all.front();
   }
   void need_no_errors() {
@@ -85,11 +83,6 @@ class ScriptWorld final : public SceneWorld {
 
   lua::Script script_;
 };
-
-lua::HostOptions silent(lua::HostOptions host) {
-  host.print = [](std::string_view) {};
-  return host;
-}
 
 MethodInfo method_named(const std::string& name) {
   Arena arena("study");
@@ -111,9 +104,7 @@ const lua::ParamInfo* find_param(const std::vector<lua::ParamInfo>& params, cons
 std::vector<std::string> solvers_of(const World& world, std::string& system) {
   for (const SystemDescriptor* d : world.catalog()) {
     const auto present = world.report();
-    if (!d->joins.empty() ||
-        std::none_of(present.begin(), present.end(), [&](const auto& s) { return s.name == d->name; }))
-      continue;
+    if (!d->joins.empty() || std::ranges::none_of(present, [&](const auto& s) { return s.name == d->name; })) continue;
     for (const OptionInfo& o : lua::system_options(world.catalog(), d->name)) {
       if (std::string_view(o.row.name) != "solver") continue;
       system = d->name;
@@ -122,7 +113,7 @@ std::vector<std::string> solvers_of(const World& world, std::string& system) {
       const std::string own = options.text({"solver"}, o.fallback);
       std::vector<std::string> names;
       for (std::string_view name : split_choices(o.choices)) names.emplace_back(name);
-      std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
+      std::ranges::stable_partition(names, [&](const std::string& n) { return n == own; });
       return names;
     }
   }
@@ -130,90 +121,84 @@ std::vector<std::string> solvers_of(const World& world, std::string& system) {
 }
 
 // The methods a scene offers: the choices of a parameter, or the solvers of its bodies.
-RungPlace find_methods(const std::string& file, lua::Script& script, SceneDescription& scene) {
+RungTargets find_methods(const std::string& file, lua::Script& script, SceneDescription& scene) {
   const std::vector<lua::ParamInfo> params = script.params();
   const lua::StudyDeclaration& study = script.study();
   std::vector<std::string> names;
-  RungPlace place;
+  RungTargets targets;
   for (const std::string& name : study.method.empty() ? std::vector<std::string>{"integrator", "solver"}
                                                       : std::vector<std::string>{study.method}) {
     const lua::ParamInfo* p = find_param(params, name);
     if (!p || p->choices.empty()) continue;
-    place.method_param = name;
+    targets.method_param = name;
     names = p->choices;
     // the scene's own comes first
-    std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == p->value; });
+    std::ranges::stable_partition(names, [&](const std::string& n) { return n == p->value; });
     break;
   }
-  if (!study.method.empty() && place.method_param.empty())
-    throw Failure(kUsage,
-                  fmt::format("{}: study.method: expected a feder.param with choices, got '{}'", file, study.method));
+  if (!study.method.empty() && targets.method_param.empty())
+    throw Failure(kUsage, "{}: study.method: expected a feder.param with choices, got '{}'", file, study.method);
   World& world = *script.world();
-  if (place.method_param.empty()) names = solvers_of(world, place.system);
+  if (targets.method_param.empty()) names = solvers_of(world, targets.system);
   if (names.empty()) names = {"scene"};
   for (const std::string& n : study.methods)
-    if (std::find(names.begin(), names.end(), n) == names.end())
-      throw Failure(kUsage,
-                    fmt::format("{}: study.methods: unknown method '{}'; known: {}", file, n, fmt::join(names, ", ")));
+    if (std::ranges::find(names, n) == names.end())
+      throw Failure(kUsage, "{}: study.methods: unknown method '{}'; known: {}", file, n, fmt::join(names, ", "));
   for (const std::string& n : study.methods.empty() ? names : study.methods) scene.methods.push_back(method_named(n));
-  if (find_param(params, "iterations")) place.iterations_param = "iterations";
+  if (find_param(params, "iterations")) targets.iterations_param = "iterations";
   if (!study.tolerance.empty() && !find_param(params, study.tolerance))
-    throw Failure(kUsage, fmt::format("{}: study.tolerance: expected the name of a feder.param, got '{}'", file,
-                                      study.tolerance));
-  place.tolerance_param = study.tolerance;
-  return place;
+    throw Failure(kUsage, "{}: study.tolerance: expected the name of a feder.param, got '{}'", file, study.tolerance);
+  targets.tolerance_param = study.tolerance;
+  return targets;
 }
 
-// One set of axes as rungs. `way`: told by the axis that has several values, where there are several sets.
+// One set of axes as rungs. Where there are several sets, the axis with several values is what the set refines.
 SceneLadder read_ladder(const std::string& what, const lua::StudyAxes& axes, lua::Script& script,
-                        const RungPlace& place, SceneDescription& scene) {
+                        const RungTargets& targets, SceneDescription& scene) {
   const std::vector<lua::ParamInfo> params = script.params();
   SceneLadder ladder;
   std::vector<std::string> known = {"dt", "substeps", "iterations", "solver"};
   for (const lua::ParamInfo& p : params) known.push_back(p.name);
   for (const auto& [name, values] : axes) {
     const std::string where = what + "." + name;
-    const auto numbers = [&, &all = values](auto& out, auto read, const char* way) {
+    const auto numbers = [&, &all = values](auto& out, auto read, const char* refinement_axis) {
       for (const std::string& v : all) out.push_back(read(read_number(v, where)));
-      if (all.size() > 1) ladder.way = way;
+      if (all.size() > 1) ladder.refinement_axis = refinement_axis;
     };
     const auto whole = [](double x) { return static_cast<int>(x); };
+    const auto steps = [&](double h) { return whole(std::max(1.0, std::round(scene.info.t_end / h))); };
     if (name == "dt") {
-      numbers(
-          ladder.steps, [&](double h) { return static_cast<int>(std::max(1.0, std::round(scene.info.t_end / h))); },
-          "steps");
+      numbers(ladder.steps, steps, "steps");
     } else if (name == "substeps") {
       numbers(ladder.substeps, whole, "substeps");
     } else if (name == "iterations") {
       numbers(ladder.iterations, whole, "iters");
-    } else if (!name.empty() && name == place.tolerance_param) {
-      numbers(
-          ladder.tolerances, [](double x) { return x; }, "tol");
-    } else if (name == place.method_param ||
-               (!place.system.empty() && (name == "solver" || name == place.system + ".solver"))) {
+    } else if (!name.empty() && name == targets.tolerance_param) {
+      numbers(ladder.tolerances, std::identity(), "tol");
+    } else if (name == targets.method_param ||
+               (!targets.system.empty() && (name == "solver" || name == targets.system + ".solver"))) {
       scene.methods.clear();
       for (const std::string& v : values) scene.methods.push_back(method_named(v));
     } else if (find_param(params, name) || name.find('.') != std::string::npos) {
       ladder.settings.emplace_back(name, values);
     } else {
-      const std::string near = nearest_name(name, known);
-      throw Failure(kUsage, fmt::format("{}: expected dt, substeps, iterations, solver or a parameter of the scene{}",
-                                        where, near.empty() ? "" : "; did you mean '" + near + "'?"));
+      throw Failure(kUsage, "{}: expected dt, substeps, iterations, solver or a parameter of the scene{}", where,
+                    did_you_mean("; ", name, known));
     }
   }
   if (ladder.substeps.empty()) ladder.substeps = {script.world()->desc().substeps};
   return ladder;
 }
 
-void read_ladders(const std::string& file, lua::Script& script, const RungPlace& place, SceneDescription& scene) {
+void read_ladders(const std::string& file, lua::Script& script, const RungTargets& targets, SceneDescription& scene) {
   const lua::StudyDeclaration& study = script.study();
   if (study.ladders.empty() || !study.axes.empty()) {
-    scene.ladders.push_back(read_ladder(file + ": study.axes", study.axes, script, place, scene));
-    if (study.ladders.empty()) scene.ladders.back().way.clear();
+    scene.ladders.push_back(read_ladder(file + ": study.axes", study.axes, script, targets, scene));
+    if (study.ladders.empty()) scene.ladders.back().refinement_axis.clear();
   }
   for (std::size_t k = 0; k < study.ladders.size(); ++k) {
     scene.ladders.push_back(
-        read_ladder(fmt::format("{}: study.ladders[{}]", file, k + 1), study.ladders[k].axes, script, place, scene));
+        read_ladder(fmt::format("{}: study.ladders[{}]", file, k + 1), study.ladders[k].axes, script, targets, scene));
     scene.ladders.back().methods = study.ladders[k].methods;
   }
 }
@@ -225,19 +210,19 @@ std::vector<ProblemParam> listed(const std::vector<lua::ParamInfo>& params) {
   return out;
 }
 
-void apply(const RunSpec& spec, double t_end, const RungPlace& place, lua::HostOptions& host) {
+void apply(const RunSpec& spec, double t_end, const RungTargets& targets, lua::HostOptions& host) {
   for (const auto& [name, value] : spec.settings)
     (name.find('.') == std::string::npos ? host.set : host.world)[name] = value;
   host.world["dt"] = fmt::format("{:.17g}", t_end / spec.steps);
   if (spec.substeps > 0) host.world["substeps"] = std::to_string(spec.substeps);
-  if (!place.method_param.empty()) host.set[place.method_param] = spec.method;
-  if (!place.system.empty()) host.world[place.system + ".solver"] = spec.method;
-  if (spec.iterations > 0 && !place.iterations_param.empty())
-    host.set[place.iterations_param] = std::to_string(spec.iterations);
-  else if (spec.iterations > 0 && !place.system.empty())
-    host.world[place.system + ".iterations"] = std::to_string(spec.iterations);
-  if (spec.tolerance > 0 && !place.tolerance_param.empty())
-    host.set[place.tolerance_param] = fmt::format("{:.17g}", spec.tolerance);
+  if (!targets.method_param.empty()) host.set[targets.method_param] = spec.method;
+  if (!targets.system.empty()) host.world[targets.system + ".solver"] = spec.method;
+  if (spec.iterations > 0 && !targets.iterations_param.empty())
+    host.set[targets.iterations_param] = std::to_string(spec.iterations);
+  else if (spec.iterations > 0 && !targets.system.empty())
+    host.world[targets.system + ".iterations"] = std::to_string(spec.iterations);
+  if (spec.tolerance > 0 && !targets.tolerance_param.empty())
+    host.set[targets.tolerance_param] = fmt::format("{:.17g}", spec.tolerance);
 }
 
 // What the scene says of its reference, scales and invariants.
@@ -251,7 +236,7 @@ void read_reference(ScriptWorld& probe, SceneDescription& scene) {
   if (study.reference == Said::course)
     scene.reference = Reference::course;
   else if (study.has_error && study.reference != Said::refined)
-    scene.reference = Reference::none;  // or told to the error alone
+    scene.reference = Reference::none;  // or known to the error alone
   else if (study.reference == Said::stated) {
     lua::StudyState stated = probe.script().study_state("reference", info.t_end);
     scene.reference = Reference::stated, scene.stated = std::move(stated.x);
@@ -263,14 +248,13 @@ void read_reference(ScriptWorld& probe, SceneDescription& scene) {
   }
   info.x_scale = study.length, info.v_scale = study.velocity;
   if (study.energy > 0) info.energy_scale = study.energy;
-  info.reference = {study.kind == "quad"        ? ReferenceKind::quad
-                    : study.kind == "published" ? ReferenceKind::published
-                                                : ReferenceKind::closed,
-                    0,
-                    study.uncertainty,
-                    0,
-                    study.source,
-                    study.resolution};
+  info.reference.kind = study.kind == "quad"        ? ReferenceKind::quad
+                        : study.kind == "published" ? ReferenceKind::published
+                                                    : ReferenceKind::closed;
+  info.reference.digits = 0;
+  info.reference.uncertainty = study.uncertainty;
+  info.reference.source = study.source;
+  info.reference.resolution = study.resolution;
   scene.rounding = study.rounding;
   info.dense = study.interpolate;
   for (const std::string& word : study.conserves)
@@ -281,7 +265,7 @@ void read_reference(ScriptWorld& probe, SceneDescription& scene) {
 }  // namespace
 
 std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options) {
-  const lua::HostOptions host = silent(host_options(options));
+  const lua::HostOptions host = silent_host_options(options);
   try {
     ScriptWorld probe(file, host);
     lua::Script& script = probe.script();
@@ -295,11 +279,11 @@ std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options&
     scene.dt = probe.world().desc().dt;
     if (!(scene.info.t_end > 0)) throw Failure(kUsage, file + ": a study expects the scene to say seconds");
     read_reference(probe, scene);
-    const RungPlace place = find_methods(file, script, scene);
-    read_ladders(file, script, place, scene);
-    scene.make = [file, host, place, t_end = scene.info.t_end](const RunSpec& spec) {
+    const RungTargets targets = find_methods(file, script, scene);
+    read_ladders(file, script, targets, scene);
+    scene.make = [file, host, targets, t_end = scene.info.t_end](const RunSpec& spec) {
       lua::HostOptions with = host;
-      apply(spec, t_end, place, with);
+      apply(spec, t_end, targets, with);
       try {
         return std::make_unique<ScriptWorld>(file, std::move(with));
       } catch (const lua::OptionError& e) {
@@ -308,14 +292,8 @@ std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options&
       }
     };
     return std::make_unique<SceneProblem>(std::move(scene));
-  } catch (const SceneError& e) {
-    throw Failure(kLoadError, e.what());
-  } catch (const lua::LimitError& e) {
-    throw Failure(limit_status(e.limit()), limit_text(e.what(), e.limit()));
-  } catch (const lua::OptionError& e) {
-    throw Failure(kUsage, e.what());
-  } catch (const lua::ScriptError& e) {
-    throw Failure(kLoadError, e.what());
+  } catch (...) {
+    fail_by_script(kLoadError);
   }
 }
 

@@ -1,6 +1,4 @@
 // The suites of `feder study --suite`: as rows. A row whose problem this build lacks is left out.
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "cli/command.h"
@@ -83,9 +81,9 @@ std::vector<SuiteRow> suite_rows(const std::string& suite) {
   for (const SuiteRow& row : all_rows()) {
     if (row.suite != suite) continue;
     any = true;
-    if (std::find(known.begin(), known.end(), row.problem) != known.end()) out.push_back(row);
+    if (std::ranges::find(known, row.problem) != known.end()) out.push_back(row);
   }
-  if (!any) throw Failure(kUsage, fmt::format("feder study: unknown suite '{}'; known: {}", suite, suite_names()));
+  if (!any) throw Failure(kUsage, "feder study: unknown suite '{}'; known: {}", suite, suite_names());
   return out;
 }
 

@@ -27,13 +27,6 @@ std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash);
 
 Summary summarize(Session& session) {
   Summary s;
-  s.title = session.title();
-  s.file = session.file();
-  s.steps = session.steps();
-  s.ms_per_step = session.step_milliseconds();
-  s.warnings = session.warnings();
-  s.handler_errors = session.script().handler_errors();
-  s.handlers = session.script().handler_profile();
   World* world = session.world();
   if (!world) return s;
   s.seconds = world->time();
@@ -45,41 +38,47 @@ Summary summarize(Session& session) {
   return s;
 }
 
-std::string summary_text(const Summary& s) {
-  std::string text = fmt::format("{}\n", s.title);
-  const double speed =
-      s.ms_per_step > 0 && s.steps > 0 ? s.seconds * 1000 / (s.ms_per_step * static_cast<double>(s.steps)) : 0;
+std::string summary_text(Session& session, const Summary& s) {
+  std::string text = fmt::format("{}\n", session.title());
+  const double ms = session.step_milliseconds(), all_ms = ms * static_cast<double>(session.steps());
   text += fmt::format("  time    {:g} s simulated{}, {} steps, {:.3f} ms/step ({:.3g} x real time), {} thread{}\n",
-                      s.seconds, s.interrupted ? " (interrupted)" : "", s.steps, s.ms_per_step, speed, s.threads,
-                      s.threads == 1 ? "" : "s");
+                      s.seconds, s.interrupted ? " (interrupted)" : "", session.steps(), ms,
+                      all_ms > 0 ? s.seconds * 1000 / all_ms : 0, s.threads, s.threads == 1 ? "" : "s");
   text += "  counts  " + counts_text(s) + "\n";
   text += fmt::format("  energy  kinetic {:.6g} J, potential {:.6g} J, elastic {:.6g} J\n", s.energy.kinetic,
                       s.energy.potential, s.energy.elastic);
   if (!s.finite) text += "  state   NOT FINITE\n";
   if (!s.hash.empty()) text += fmt::format("  hash    {}\n", s.hash);
-  for (const auto& h : s.handlers)
+  for (const auto& h : session.script().handler_profile())
     if (h.calls)
       text += fmt::format("  lua     {}: {} calls, {:.3f} ms\n", h.where, h.calls,
                           static_cast<double>(h.nanoseconds) * 1e-6);
-  for (const Warning& w : s.warnings) text += fmt::format("  warning {} ({} x): {}\n", w.code, w.count, w.message);
-  for (const auto& e : s.handler_errors) text += fmt::format("  error   {} ({} x)\n", error_text(e), e.count);
+  for (const Warning& w : session.warnings())
+    text += fmt::format("  warning {} ({} x): {}\n", w.code, w.count, w.message);
+  for (const auto& e : session.script().handler_errors())
+    text += fmt::format("  error   {} ({} x)\n", error_text(e), e.count);
   return text;
 }
 
-report::Json summary_json(const Summary& s) {
-  report::Json warnings = report::Json::array(), errors = report::Json::array(), handlers = report::Json::array();
-  for (const Warning& w : s.warnings)
-    warnings.push_back({{"code", w.code}, {"message", w.message}, {"count", w.count}});
-  for (const auto& e : s.handler_errors)
-    errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
-  for (const auto& h : s.handlers)
+report::Json handlers_json(Session& session) {
+  report::Json handlers = report::Json::array();
+  for (const auto& h : session.script().handler_profile())
     handlers.push_back({{"where", h.where}, {"calls", h.calls}, {"ms", static_cast<double>(h.nanoseconds) * 1e-6}});
+  return handlers;
+}
+
+report::Json summary_json(Session& session, const Summary& s) {
+  report::Json warnings = report::Json::array(), errors = report::Json::array();
+  for (const Warning& w : session.warnings())
+    warnings.push_back({{"code", w.code}, {"message", w.message}, {"count", w.count}});
+  for (const auto& e : session.script().handler_errors())
+    errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
   report::Json all = {
-      {"title", s.title},
-      {"scene", s.file},
+      {"title", session.title()},
+      {"scene", session.file()},
       {"seconds", s.seconds},
-      {"steps", s.steps},
-      {"ms_per_step", s.ms_per_step},
+      {"steps", session.steps()},
+      {"ms_per_step", session.step_milliseconds()},
       {"threads", s.threads},
       {"real", kRealName},
       {"hash", s.hash},
@@ -88,7 +87,7 @@ report::Json summary_json(const Summary& s) {
       {"interrupted", s.interrupted},
       {"warnings", warnings},
       {"handler_errors", errors},
-      {"handlers", handlers}};
+      {"handlers", handlers_json(session)}};
   for (const KindCount& k : s.counts) {
     all[k.kind.plural()] = k.count;
     if (k.parts) all[k.parts->units] = k.part_count;

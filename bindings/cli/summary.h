@@ -7,28 +7,24 @@
 
 namespace feder::cli {
 
+// The world at the end; as it stands where there is none.
 struct Summary {
-  std::string title, file;
   double seconds = 0;  // simulated
-  std::uint64_t steps = 0;
-  double ms_per_step = 0;
   int threads = 1;
   std::vector<KindCount> counts;
   std::string hash;  // 16 hex digits; empty without a world
   Energy energy;
   bool finite = true;
   bool interrupted = false;
-  std::vector<Warning> warnings;
-  std::vector<lua::HandlerError> handler_errors;
-  std::vector<lua::HandlerProfile> handlers;
 };
 
 Summary summarize(Session& session);
-std::string summary_text(const Summary& s);
-report::Json summary_json(const Summary& s);
+std::string summary_text(Session& session, const Summary& s);
+report::Json summary_json(Session& session, const Summary& s);
+report::Json handlers_json(Session& session);
 
 std::string hash_text(std::uint64_t hash);
-// Rows of the step plan and Lua handlers with their time over `steps` steps.
+// Passes of the step plan and Lua handlers with their time over `steps` steps.
 std::string profile_text(Session& session, std::uint64_t steps);
 
 }  // namespace feder::cli

@@ -1,14 +1,12 @@
 // feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 #include "cli/command.h"
 #include "cli/isolate.h"
+#include "cli/scene_files.h"
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/test_file.h"
@@ -16,37 +14,11 @@
 namespace feder::cli {
 namespace {
 
-namespace fs = std::filesystem;
 using report::TestResult;
 using report::TestStatus;
 
-// Folders also hold modules and material tables: a file counts when its text looks like a scene's.
-bool looks_like_test(const std::string& file) {
-  if (is_plain_test(file)) return true;
-  if (file.ends_with(".lua")) return read_text(file).find(".scene") != std::string::npos;
-  if (!is_yaml(file)) return false;
-  const std::string text = "\n" + read_text(file);
-  for (const char* key : {"\nbodies:", "\nnets:", "\ncloths:", "\nfluids:"})
-    if (text.find(key) != std::string::npos) return true;
-  return false;
-}
-
-std::vector<std::string> discover(const std::vector<std::string>& paths) {
-  std::vector<std::string> files;
-  for (const std::string& path : paths) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) throw Failure(kUsage, path + ": no such file or folder");
-    if (!fs::is_directory(path, ignored)) {
-      files.push_back(path);
-      continue;
-    }
-    for (const auto& entry : fs::recursive_directory_iterator(path))
-      if (entry.is_regular_file() && looks_like_test(entry.path().string())) files.push_back(entry.path().string());
-  }
-  std::sort(files.begin(), files.end());
-  files.erase(std::unique(files.begin(), files.end()), files.end());
-  return files;
-}
+// Folders also hold modules and material tables.
+bool looks_like_test(const std::string& file) { return is_plain_test(file) || looks_like_scene(file, ".scene"); }
 
 class Test final : public Command {
  public:
@@ -64,7 +36,7 @@ class Test final : public Command {
     host_options(options);  // complain about the options before the first test
     if (tap_ && options.json) throw Failure(kUsage, "feder test: choose one of --tap and --json");
     if (paths_.empty()) paths_ = {"scenes"};
-    std::vector<std::string> files = discover(paths_);
+    std::vector<std::string> files = find_files(paths_, looks_like_test);
     std::erase_if(files, [&](const std::string& f) { return f.find(filter_) == std::string::npos; });
     const bool lines = !tap_ && !options.json;
     const StopSignals signals;
@@ -93,7 +65,7 @@ class Test final : public Command {
   static int work(const std::vector<std::string>& files, const Options& options) {
     for (const std::string& file : files) {
       send_line({{"start", file}});
-      send_line(report::result_to_json(run_test(file, options)));
+      send_line(report::written(run_test(file, options)));
       if (stop_flag() && stop_reason() != StopReason::timeout) return stop_status();
     }
     return kPass;
@@ -101,14 +73,8 @@ class Test final : public Command {
 
   static std::vector<std::string> worker_arguments(const Options& o) {
     std::vector<std::string> words;
-    const auto option = [&](const char* name, const std::string& value) {
-      if (!value.empty()) words.insert(words.end(), {name, value});
-    };
-    option("--seed", o.seed), option("--dt", o.dt), option("--limit", o.limit), option("--memory", o.memory);
-    option("--timeout", o.timeout);
-    if (o.threads > 0) option("--threads", std::to_string(o.threads));
-    for (const std::string& s : o.set) option("--set", s);
-    for (const std::string& w : o.world) option("--world", w);
+    add_scene_options(words, o);
+    add_options(words, {{"--seed", o.seed}, {"--limit", o.limit}, {"--memory", o.memory}, {"--timeout", o.timeout}});
     return words;
   }
 
@@ -116,9 +82,9 @@ class Test final : public Command {
     const bool failed = r.status == TestStatus::failed;
     if (quiet && !failed) return;
     const char* const word = failed ? "FAIL" : r.status == TestStatus::skipped ? "skip" : "ok";
-    std::string note = r.notice;
-    if (r.status == TestStatus::passed && r.checks) note = fmt::format("{} checks", r.checks);
-    fmt::print("{:<4} {:8.3f} s  {}{}\n", word, r.seconds, r.name, note.empty() ? "" : " (" + note + ")");
+    std::string detail = r.notice;
+    if (r.status == TestStatus::passed && r.checks) detail = fmt::format("{} checks", r.checks);
+    fmt::print("{:<4} {:8.3f} s  {}{}\n", word, r.seconds, r.name, detail.empty() ? "" : " (" + detail + ")");
     constexpr std::size_t kShown = 10;  // a check in a loop fails for every body
     for (std::size_t i = 0; i < std::min(kShown, r.failures.size()); ++i)
       fmt::print("{}: {}\n", r.failures[i].where.empty() ? r.name : r.failures[i].where, r.failures[i].message);
@@ -136,14 +102,14 @@ class Test final : public Command {
     }
     const report::TestCounts counts = report::count(results);
     if (options.json) {
-      std::fputs(report::to_text(report::test_json(results)).c_str(), stdout);
+      print_json(report::test_json(results));
     } else {
       if (tap_) std::fputs(report::tap_text(results).c_str(), stdout);
       fmt::print("{}{} passed, {} failed, {} skipped\n", tap_ ? "# " : "", counts.passed, counts.failed,
                  counts.skipped);
     }
-    if (std::any_of(results.begin(), results.end(), [](const TestResult& r) { return r.exceeded; })) return kBudget;
-    const bool unloaded = std::any_of(results.begin(), results.end(), [](const TestResult& r) { return !r.loaded; });
+    if (std::ranges::any_of(results, [](const TestResult& r) { return r.exceeded; })) return kBudget;
+    const bool unloaded = std::ranges::any_of(results, [](const TestResult& r) { return !r.loaded; });
     if (unloaded) return kLoadError;
     if (counts.failed) return kFailed;
     if (counts.passed == 0) {
@@ -162,9 +128,6 @@ class Test final : public Command {
 
 }  // namespace
 
-Row cli_test() {
-  return {"test", "runs scenes that have a check, and *_test.lua scripts",
-          [] { return std::unique_ptr<Command>(new Test); }};
-}
+Row cli_test() { return command_row<Test>("test", "runs scenes that have a check, and *_test.lua scripts"); }
 
 }  // namespace feder::cli

@@ -50,8 +50,7 @@ void run_session(const std::string& file, const Options& options, TestResult& re
   host.print = [&result](std::string_view text) {
     if (result.output.size() < kKeptOutput) result.output += text.substr(0, kKeptOutput - result.output.size());
   };
-  Session session(std::move(host), nullptr);
-  session.load(file);
+  Session session(std::move(host), nullptr, file);
   if (session.is_scene()) {
     step_and_check(session, result);
   } else if (!is_plain_test(file)) {

@@ -1,6 +1,4 @@
 // feder view: the interactive viewer.
-#include <fmt/format.h>
-
 #include <cstdio>
 
 #include "cli/command.h"
@@ -52,7 +50,7 @@ class View final : public Command {
     } catch (const view::WindowError& e) {
       throw Failure(kFailed, e.what());
     } catch (const view::GlError& e) {
-      throw Failure(kFailed, fmt::format("feder view: {}", e.what()));
+      throw Failure(kFailed, "feder view: {}", e.what());
     }
     if (!end.has_scene) throw Failure(kLoadError, end.error);
     if (options.json)
@@ -68,7 +66,7 @@ class View final : public Command {
     if (on_save_ == "catch_up") return view::ReloadMode::catch_up;
     if (on_save_ == "start_over") return view::ReloadMode::from_start;
     if (on_save_ == "keep") return view::ReloadMode::keep;
-    throw Failure(kUsage, fmt::format("--on-save: expected catch_up, start_over or keep, got '{}'", on_save_));
+    throw Failure(kUsage, "--on-save: expected catch_up, start_over or keep, got '{}'", on_save_);
   }
 
   view::Detail detail() const {
@@ -76,7 +74,7 @@ class View final : public Command {
     if (detail_ == "full") return view::Detail::full;
     if (detail_ == "plain") return view::Detail::plain;
     if (detail_ == "least") return view::Detail::least;
-    throw Failure(kUsage, fmt::format("--detail: expected auto, full, plain or least, got '{}'", detail_));
+    throw Failure(kUsage, "--detail: expected auto, full, plain or least, got '{}'", detail_);
   }
 
   void read_size() {
@@ -84,7 +82,7 @@ class View final : public Command {
     char rest = 0;
     if (std::sscanf(size_.c_str(), "%dx%d%c", &o_.width, &o_.height, &rest) != 2 || o_.width < 320 || o_.height < 240 ||
         o_.width > 16384 || o_.height > 16384)
-      throw Failure(kUsage, fmt::format("--size: expected WIDTHxHEIGHT of at least 320x240, got '{}'", size_));
+      throw Failure(kUsage, "--size: expected WIDTHxHEIGHT of at least 320x240, got '{}'", size_);
   }
 
   std::string scene_, size_, seconds_, on_save_ = "catch_up", detail_ = "auto";
@@ -94,9 +92,6 @@ class View final : public Command {
 
 }  // namespace
 
-Row cli_view() {
-  return {"view", "shows a scene in a window, and reloads it when it is saved",
-          [] { return std::unique_ptr<Command>(new View); }};
-}
+Row cli_view() { return command_row<View>("view", "shows a scene in a window, and reloads it when it is saved"); }
 
 }  // namespace feder::cli

@@ -1,19 +1,7 @@
 // What systems say about their objects before a world runs: feder.advise, `feder explain`.
 #pragma once
-#include <cstdint>
-#include <span>
-#include <string>
-#include <utility>
-#include <variant>
-#include <vector>
+#include "lua/state.h"
 
-#include "feder/lua.h"
-
-struct lua_State;
-
-namespace feder {
-class World;
-}
 namespace feder::lua {
 
 struct Part;

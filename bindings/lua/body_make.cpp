@@ -10,13 +10,13 @@ namespace {
 
 constexpr const char* kTypes = "static, kinematic, dynamic";  // BodyType, from fixed on
 
-BodyType type_at(std::ptrdiff_t place) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + place); }
+BodyType type_at(std::ptrdiff_t index) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + index); }
 
 using BodyReading = Making<BodyDesc>;
 
 void read_type(Options& o, const OptionRow& row, BodyReading& b) {
-  int place = 0;
-  if (o.choice("type", row.choices, place)) b.type = type_at(place);
+  int index = 0;
+  if (o.choice("type", row.choices, index)) b.type = type_at(index);
 }
 
 std::string show_type(const BodyReading& b) { return print_value(std::string(body_type_name(b.type))); }
@@ -41,12 +41,10 @@ void read_material(Options& o, const OptionRow&, BodyReading& b) {
   if (!o.text("material", b.material)) return;
   const auto& materials = b.record->settings.materials;
   const auto found = materials.find(b.material);
-  if (found == materials.end()) {
-    std::vector<std::string> known;
-    for (const auto& m : materials) known.push_back(m.first);
+  if (found == materials.end())
     o.raise("material", "unknown material '" + b.material + "'; " +
-                            (known.empty() ? "the world has no materials" : "known: " + join(known)));
-  }
+                            (materials.empty() ? "the world has no materials"
+                                               : "known: " + join(material_names(b.record->settings))));
   const Material& m = found->second;
   if (m.has_friction) b.friction_static = m.friction_static, b.friction_dynamic = m.friction_dynamic;
   if (m.has_restitution) b.restitution = m.restitution;
@@ -113,17 +111,11 @@ BodyType body_type_from_name(lua_State* L, int index) {
   return type_at(found - names.begin());
 }
 
-int world_body(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  BodyReading body;
-  body.record = &r;
-  o.read(kBody, body);
-  body.tags = tag_option(o, r);
-  const ObjectId id = lua::rigid(r).add_body(body);
-  if (body.painted) r.look.colors[id] = body.color;
-  push_handle(L, r, id);
-  return 1;
+ObjectId world_body(WorldRecord& r, lua_State* L) {
+  const BodyReading body = read_description(L, r, kBody);
+  const ObjectId id = system_of<Rigid>(r).add_body(body);
+  if (body.painted) r.appearance.colors[id] = body.color;
+  return id;
 }
 
 }  // namespace feder::lua

@@ -1,3 +1,4 @@
+// Volumes in options tables: box = {min, max}, or a shape with its pose.
 #include "lua/box_option.h"
 
 #include "lua/shapes.h"

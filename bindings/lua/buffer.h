@@ -10,7 +10,8 @@ namespace feder::lua {
 
 // The numbers of the buffer at `index`; empty `data()` when it is none.
 std::span<double> test_buffer(lua_State* L, int index);
-std::span<double> push_buffer(lua_State* L, std::size_t count);
+// Pushes the buffer at index 2, which must have room for `count` numbers, or a new one when there is none.
+std::span<double> push_output(lua_State* L, std::size_t count);
 // Three numbers per point into the buffer at index 2, or into a new one. Returns 1: the buffer is on top.
 int push_vectors(lua_State* L, const std::vector<Vec3>& points);
 int feder_buffer(lua_State* L);

@@ -1,5 +1,4 @@
 // world:cloth{ ... }: a sheet or a mesh, its stiffness, pins, and what it does with bodies and itself.
-#include <algorithm>
 
 #include "cloth/solver.h"
 #include "lua/buffer.h"
@@ -36,19 +35,10 @@ void read_triangles(Options& o, ClothDesc& desc) {
   const auto size = lua_rawlen(L, -1);
   if (size > kMaxTriangles) o.raise("triangles", "expected at most " + std::to_string(kMaxTriangles));
   charge(L, size);
-  for (std::size_t t = 1; t <= size; ++t) {
-    lua_rawgeti(L, -1, static_cast<lua_Integer>(t));
+  each_entry(L, -1, [&](lua_Integer t) {
     const std::string what = o.path("triangles") + "[" + std::to_string(t) + "]";
-    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3)
-      fail(L, what + ": expected three vertex numbers, got " + describe(L, -1));
-    for (int k = 1; k <= 3; ++k) {
-      lua_rawgeti(L, -1, k);
-      desc.triangles.push_back(
-          static_cast<std::uint32_t>(check_integer(L, -1, what, 1, static_cast<std::int64_t>(count)) - 1));
-      lua_pop(L, 1);
-    }
-    lua_pop(L, 1);
-  }
+    check_indices(L, -1, what, "three vertex numbers", 3, 3, count, desc.triangles);
+  });
   lua_pop(L, 1);
 }
 
@@ -57,26 +47,21 @@ bool read_pair(Options& o, const OptionRow& row, double (&out)[2], bool whole) {
   lua_State* L = o.L();
   if (!o.push(row.name, LUA_TTABLE, "two numbers")) return false;
   if (lua_rawlen(L, -1) != 2) o.wrong(row.name, "two numbers");
-  for (int k = 0; k < 2; ++k) {
-    lua_rawgeti(L, -1, k + 1);
-    const std::string what = o.path(row.name) + "[" + std::to_string(k + 1) + "]";
-    out[k] = whole ? static_cast<double>(check_integer(L, -1, what, static_cast<std::int64_t>(row.range.lo),
-                                                       static_cast<std::int64_t>(row.range.hi)))
-                   : check_number(L, -1, what, row.range);
-    lua_pop(L, 1);
-  }
+  each_entry(L, -1, [&](lua_Integer k) {
+    const std::string what = o.path(row.name) + "[" + std::to_string(k) + "]";
+    out[k - 1] = whole ? static_cast<double>(check_integer(L, -1, what, static_cast<std::int64_t>(row.range.lo),
+                                                           static_cast<std::int64_t>(row.range.hi)))
+                       : check_number(L, -1, what, row.range);
+  });
   lua_pop(L, 1);
   return true;
 }
 
 void read_vertices(Options& o, const OptionRow&, ClothReading& desc) {
-  lua_State* L = o.L();
   if (o.has("vertices")) {
     for (const char* key : {"size", "resolution"})
       if (o.has(key)) o.raise(key, "goes with a sheet; vertices and triangles make a mesh");
-    o.push_any("vertices");
-    desc.vertices = check_points(L, -1, o.path("vertices"));
-    lua_pop(L, 1);
+    points_option(o, "vertices", desc.vertices);
     read_triangles(o, desc);
     return;
   }
@@ -104,29 +89,21 @@ void read_pins(Options& o, const OptionRow&, ClothReading& desc) {
     if (lua_type(L, index) == LUA_TSTRING)
       desc.pin_names.emplace_back(lua_tostring(L, index));
     else if (lua_type(L, index) == LUA_TNUMBER)
-      desc.pins.push_back(
-          static_cast<std::uint32_t>(check_integer(L, index, what, 1, static_cast<std::int64_t>(count)) - 1));
+      desc.pins.push_back(check_index(L, index, what, count));
     else
       fail(L, what + ": expected a vertex number or a name, got " + describe(L, index));
   };
-  if (lua_type(L, -1) == LUA_TTABLE) {
-    const auto count = lua_rawlen(L, -1);
-    for (std::size_t k = 1; k <= count; ++k) {
-      lua_rawgeti(L, -1, static_cast<lua_Integer>(k));
-      one(-1, o.path("pins") + "[" + std::to_string(k) + "]");
-      lua_pop(L, 1);
-    }
-  } else {
+  if (lua_type(L, -1) == LUA_TTABLE)
+    each_entry(L, -1, [&](lua_Integer k) { one(-1, o.path("pins") + "[" + std::to_string(k) + "]"); });
+  else
     one(-1, o.path("pins"));
-  }
   lua_pop(L, 1);
 }
 
-constexpr Option<ClothDesc> kWind[] = {
+constexpr Option<ClothReading> kWind[] = {
     field<&ClothDesc::drag>("drag", "", kNotNegative),
     field<&ClothDesc::lift>("lift", "", kNotNegative),
 };
-std::vector<OptionInfo> wind_rows() { return describe_rows(kWind); }
 
 // wind = true | false | { drag =, lift = }
 void read_wind(Options& o, const OptionRow&, ClothReading& desc) {
@@ -136,8 +113,7 @@ void read_wind(Options& o, const OptionRow&, ClothReading& desc) {
     desc.wind = lua_toboolean(L, -1) != 0;
   } else if (lua_type(L, -1) == LUA_TTABLE) {
     Options inner(L, -1, o.path("wind"));
-    ClothDesc& own = desc;
-    inner.read(kWind, own);
+    inner.read(kWind, desc);
   } else {
     o.wrong("wind", "true, false or { drag =, lift = }");
   }
@@ -185,7 +161,7 @@ constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::thickness>("thickness", "m", kPositive),
     field<&ClothDesc::friction>("friction", "", kNotNegative),
     field<&ClothDesc::self_collision>("self_collision"),
-    {{.name = "wind"}, "boolean or table", read_wind, nullptr, wind_rows},
+    {{.name = "wind"}, "boolean or table", read_wind, nullptr, rows_of<kWind>},
     field<&ClothDesc::tear_strain>("tear_strain", "", kPositive),
     {{.name = "max_strain", .range = kPositive}, "number or false", read_max_strain},
     field<&ClothDesc::gravity_scale>("gravity_scale", "", kGravityScale),
@@ -206,18 +182,13 @@ constexpr Option<ClothReading> kCloth[] = {
 
 std::vector<OptionInfo> cloth_rows() { return describe_rows(kCloth); }
 
-int world_cloth(lua_State* L) {
-  WorldRecord& r = check_world(L);
+ObjectId world_cloth(WorldRecord& r, lua_State* L) {
   if (r.planar()) fail_here(L, "expected a world of dimension 3: cloth has no 2D section; take a net");
-  Options o(L, 2, function_name(L));
-  ClothReading cloth;
-  o.read(kCloth, cloth);
+  ClothReading cloth = read_description(L, r, kCloth);
   cloth.pose = {cloth.position, cloth.rotation};
-  cloth.tags = tag_option(o, r);
   const ObjectId id = r.world->need<Cloth>().add_cloth(cloth);
-  if (cloth.painted) r.look.colors[id] = cloth.color;
-  push_handle(L, r, id);
-  return 1;
+  if (cloth.painted) r.appearance.colors[id] = cloth.color;
+  return id;
 }
 
 }  // namespace feder::lua

@@ -1,8 +1,9 @@
 // Colours in options tables.
-#include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -12,7 +13,7 @@ struct NamedColor {
   std::uint32_t rgb;
 };
 
-// Muted versions of the plain words, so that a scene of several looks of one piece.
+// Muted versions of the plain words, so that several in a scene appear of one piece.
 constexpr NamedColor kNames[] = {
     {"white", 0xf2f2ee},  {"grey", 0x9a9a98},   {"gray", 0x9a9a98},  {"black", 0x33363b}, {"red", 0xd1495b},
     {"orange", 0xe8893c}, {"yellow", 0xe9c46a}, {"green", 0x5aa469}, {"teal", 0x2a9d8f},  {"cyan", 0x4fb3c8},
@@ -23,11 +24,8 @@ constexpr NamedColor kNames[] = {
 
 bool parse_hex(const std::string& text, std::uint32_t& out) {
   if (text.size() != 7 || text[0] != '#') return false;
-  if (!std::all_of(text.begin() + 1, text.end(),
-                   [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }))
-    return false;
-  out = static_cast<std::uint32_t>(std::stoul(text.substr(1), nullptr, 16));
-  return true;
+  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + 7, out, 16);
+  return error == std::errc() && end == text.data() + 7;
 }
 
 std::uint32_t parse_word(Options& o, const char* key, const std::string& text) {
@@ -38,28 +36,25 @@ std::uint32_t parse_word(Options& o, const char* key, const std::string& text) {
     if (text == c.name) return c.rgb;
     known.emplace_back(c.name);
   }
-  const std::string near = nearest_name(text, known);
-  o.raise(key, "unknown colour '" + text + "'; " +
-                   (near.empty() ? "known: " + join(known) + ", or \"#rrggbb\"" : "did you mean '" + near + "'?"));
+  const std::string near = did_you_mean(text, known);
+  o.raise(key,
+          "unknown colour '" + text + "'" + (near.empty() ? "; known: " + join(known) + ", or \"#rrggbb\"" : near));
 }
 
 }  // namespace
 
 bool Options::color(const char* key, std::uint32_t& out) {
   if (!push_any(key)) return false;
-  const char* expected = "{r, g, b} of numbers from 0 to 1, \"#rrggbb\" or a name";
   if (lua_type(L_, -1) == LUA_TSTRING) {
     out = parse_word(*this, key, lua_tostring(L_, -1));
   } else if (lua_type(L_, -1) == LUA_TTABLE && lua_rawlen(L_, -1) == 3) {
     out = 0;
-    for (int i = 1; i <= 3; ++i) {
-      lua_rawgeti(L_, -1, i);
+    each_entry(L_, -1, [&](lua_Integer i) {
       const double part = check_number(L_, -1, path(key) + "[" + std::to_string(i) + "]", Range{0, 1});
       out = out << 8 | static_cast<std::uint32_t>(std::lround(255 * part));
-      lua_pop(L_, 1);
-    }
+    });
   } else {
-    wrong(key, expected);
+    wrong(key, "{r, g, b} of numbers from 0 to 1, \"#rrggbb\" or a name");
   }
   lua_pop(L_, 1);
   return true;

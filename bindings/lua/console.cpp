@@ -1,3 +1,4 @@
+// The console: text runs in an environment of its own, which falls back on the globals of the script.
 #include "lua/console.h"
 
 #include "lua/records.h"
@@ -18,8 +19,8 @@ void push_environment(lua_State* L) {
     s.console_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   }
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.console_ref);
-  if (s.last_world < s.worlds.size() && s.worlds[s.last_world]->world)
-    push_world(L, *s.worlds[s.last_world]);
+  if (const WorldRecord* r = s.current(); r && r->world)
+    push_world(L, *r);
   else
     lua_pushnil(L);
   lua_setfield(L, -2, "world");
@@ -27,10 +28,8 @@ void push_environment(lua_State* L) {
     lua_rawgeti(L, LUA_REGISTRYINDEX, s.scene.passed);
     lua_setfield(L, -2, "scene");
   }
-  lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
-  lua_getfield(L, -1, "feder");
-  lua_setfield(L, -3, "feder");
-  lua_pop(L, 1);
+  push_module(L);
+  lua_setfield(L, -2, "feder");
 }
 
 // Pushes the text as a function: as an expression when it is one.
@@ -49,15 +48,7 @@ std::string run_console(lua_State* L, std::string_view text, const std::string& 
   push_environment(L);
   if (!lua_setupvalue(L, -2, 1)) lua_pop(L, 1);
   lua_call(L, 0, LUA_MULTRET);
-  std::string result;
-  for (int i = base + 1, top = lua_gettop(L); i <= top; ++i) {
-    push_text(L, i);
-    std::size_t size = 0;
-    const char* shown = lua_tolstring(L, -1, &size);
-    if (i > base + 1) result += '\t';
-    result.append(shown, size);
-    lua_pop(L, 1);
-  }
+  const std::string result = text_of_values(L, base + 1);
   lua_settop(L, base);
   return result;
 }

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "feder/profile.h"
-#include "lua/records.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -18,99 +17,87 @@ bool has_two(EventKind k) { return k.has(EventKind::kPair | EventKind::kSensed);
 struct EventBlock {
   std::uint32_t world = 0;
   bool valid = false;
-  bool turned = false;
+  bool swapped = false;
   Event event;
 };
 
-enum Field : int {
-  f_kind = 1,
-  f_time,
-  f_step,
-  f_a,
-  f_b,
-  f_x,
-  f_y,
-  f_z,
-  f_nx,
-  f_ny,
-  f_nz,
-  f_impulse,
-  f_slip,
-  f_speed,
-  f_object,
-  f_cause,
-  f_other,
-  f_sensor,
-  f_index,
-  f_force,
-  f_count,
-  f_code,
-  f_message,
-  f_copy
-};
-const char* const kFields[] = {"kind",  "time",   "step",  "a",       "b",     "x",     "y",       "z",
-                               "nx",    "ny",     "nz",    "impulse", "slip",  "speed", "object",  "cause",
-                               "other", "sensor", "index", "force",   "count", "code",  "message", "copy"};
-
-// Do contacts with that object tell where on it, under this name?
-bool tells(lua_State* L, const WorldRecord& r, ObjectId id, std::string_view place) {
+// Do contacts with that object report where on it, under this name?
+bool reports(lua_State* L, const WorldRecord& r, ObjectId id, std::string_view field) {
   const State& s = state(L);
   const ObjectClass* row = id ? class_row(s, class_of(s, r, id)) : nullptr;
-  return row && row->place && place == row->place;
+  return row && row->contact_field && field == row->contact_field;
 }
 
-// Does the event tell about a point?
-bool has_index(lua_State* L, const WorldRecord& r, const Event& e) {
-  if (e.kind.has(EventKind::kPlace)) return true;
-  return has_two(e.kind) && (tells(L, r, e.a, "index") || tells(L, r, e.b, "index"));
-}
+// An event as a subscription sees it: a and b change places when it is swapped.
+struct EventView {
+  lua_State* L;
+  WorldRecord& record;
+  const Event& e;
+  bool swapped;
 
-// Pushes a field, or nil when the event has none of that name.
-void push_field(lua_State* L, WorldRecord& r, const Event& e, bool turned, int field) {
-  const EventKind k = e.kind;
-  const Real sign = turned ? Real(-1) : Real(1);
-  const auto number = [&](bool present, double x) { present ? lua_pushnumber(L, x) : lua_pushnil(L); };
-  const auto object = [&](bool present, ObjectId id) { present ? push_handle(L, r, id) : lua_pushnil(L); };
-  switch (field) {
-    case f_kind: lua_pushstring(L, k.text()); return;
-    case f_time: lua_pushnumber(L, r.world->time()); return;
-    case f_step: lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count())); return;
-    case f_a: object(is_contact(k), turned ? e.b : e.a); return;
-    case f_b: object(is_contact(k), turned ? e.a : e.b); return;
-    case f_x:
-    case f_y:
-    case f_z: number(is_contact(k), e.point[field - f_x]); return;
-    case f_nx:
-    case f_ny:
-    case f_nz: number(is_contact(k), sign * e.normal[field - f_nx]); return;
-    case f_impulse: number(k.has(EventKind::kImpulse), e.impulse); return;
-    case f_slip: number(k.has(EventKind::kSlip), e.slip); return;
-    case f_speed: number(k.has(EventKind::kSpeed), e.speed); return;
-    case f_object: object(!has_two(k) && !k.has(EventKind::kAlone), e.a); return;
-    case f_cause: k.has(EventKind::kCause) ? (void)lua_pushstring(L, e.cause.text()) : lua_pushnil(L); return;
-    case f_other: object(k.has(EventKind::kOther | EventKind::kSensed), e.b); return;
-    case f_sensor: object(is_sensor(k), e.a); return;
-    case f_index:
-      has_index(L, r, e) ? lua_pushinteger(L, static_cast<lua_Integer>(e.index) + 1) : lua_pushnil(L);
-      return;
-    case f_force: number(k.has(EventKind::kForce), e.force); return;
-    case f_count:
-      if (is_source(k) || ((is_sensor(k) || is_contact(k)) && tells(L, r, e.b, "count")))
-        lua_pushinteger(L, static_cast<lua_Integer>(e.index));
-      else
-        lua_pushnil(L);
-      return;
-    case f_code:
-    case f_message:
-      if (k.has(EventKind::kText) && e.text != kNone)
-        lua_pushstring(
-            L, (field == f_code ? r.world->events().warning_code(e) : r.world->events().warning_message(e)).c_str());
-      else
-        lua_pushnil(L);
-      return;
-    default: lua_pushnil(L);
+  bool has(std::uint32_t any) const { return e.kind.has(any); }
+  // Pushes the value, or nil when the event has no such field.
+  template <class T>
+  void value(bool present, const T& x) const {
+    present ? push(L, x) : push(L, nullptr);
   }
+  void object(bool present, ObjectId id) const { push_handle(L, record, present ? id : ObjectId{}); }
+  // Does it say which point of an object, or how many?
+  bool has_index() const {
+    if (has(EventKind::kPlace)) return true;
+    return has_two(e.kind) && (reports(L, record, e.a, "index") || reports(L, record, e.b, "index"));
+  }
+  bool has_count() const { return is_source(e.kind) || (has_two(e.kind) && reports(L, record, e.b, "count")); }
+  bool has_text() const { return has(EventKind::kText) && e.text != kNone; }
+};
+
+template <std::uint32_t kFlag, Real Event::*Member>
+void push_number(const EventView& v) {
+  v.value(v.has(kFlag), v.e.*Member);
 }
+template <int kAxis>
+void push_coordinate(const EventView& v) {
+  v.value(is_contact(v.e.kind), v.e.point[kAxis]);
+}
+template <int kAxis>
+void push_normal(const EventView& v) {
+  v.value(is_contact(v.e.kind), (v.swapped ? Real(-1) : Real(1)) * v.e.normal[kAxis]);
+}
+template <auto Text>
+void push_warning(const EventView& v) {
+  v.has_text() ? push(v.L, (v.record.world->events().*Text)(v.e)) : push(v.L, nullptr);
+}
+
+struct EventField {
+  const char* name;
+  void (*push)(const EventView& v);  // or nil; none: of a method
+};
+constexpr EventField kFields[] = {
+    {"kind", [](const EventView& v) { v.value(true, v.e.kind.text()); }},
+    {"time", [](const EventView& v) { v.value(true, v.record.world->time()); }},
+    {"step", [](const EventView& v) { v.value(true, v.record.world->step_count()); }},
+    {"a", [](const EventView& v) { v.object(is_contact(v.e.kind), v.swapped ? v.e.b : v.e.a); }},
+    {"b", [](const EventView& v) { v.object(is_contact(v.e.kind), v.swapped ? v.e.a : v.e.b); }},
+    {"x", push_coordinate<0>},
+    {"y", push_coordinate<1>},
+    {"z", push_coordinate<2>},
+    {"nx", push_normal<0>},
+    {"ny", push_normal<1>},
+    {"nz", push_normal<2>},
+    {"impulse", push_number<EventKind::kImpulse, &Event::impulse>},
+    {"slip", push_number<EventKind::kSlip, &Event::slip>},
+    {"speed", push_number<EventKind::kSpeed, &Event::speed>},
+    {"object", [](const EventView& v) { v.object(!has_two(v.e.kind) && !v.has(EventKind::kAlone), v.e.a); }},
+    {"cause", [](const EventView& v) { v.value(v.has(EventKind::kCause), v.e.cause.text()); }},
+    {"other", [](const EventView& v) { v.object(v.has(EventKind::kOther | EventKind::kSensed), v.e.b); }},
+    {"sensor", [](const EventView& v) { v.object(is_sensor(v.e.kind), v.e.a); }},
+    {"index", [](const EventView& v) { v.value(v.has_index(), static_cast<lua_Integer>(v.e.index) + 1); }},
+    {"force", push_number<EventKind::kForce, &Event::force>},
+    {"count", [](const EventView& v) { v.value(v.has_count(), v.e.index); }},
+    {"code", push_warning<&Events::warning_code>},
+    {"message", push_warning<&Events::warning_message>},
+    {"copy", nullptr},
+};
 
 bool readable(lua_State* L, const EventBlock& block) { return block.valid && state(L).worlds[block.world]->world; }
 
@@ -118,7 +105,7 @@ int event_copy(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
   if (!block) fail(L, "event:copy: expected an event before the ':', got " + describe(L, 1));
   if (!readable(L, *block)) fail(L, "event:copy: an event is valid inside its handler only; copy it there");
-  push_event_copy(L, *state(L).worlds[block->world], block->event, block->turned);
+  push_event_copy(L, *state(L).worlds[block->world], block->event, block->swapped);
   return 1;
 }
 
@@ -126,39 +113,34 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
   lua_pushvalue(L, 2);
   lua_rawget(L, lua_upvalueindex(1));
-  const int field = static_cast<int>(lua_tointeger(L, -1));
-  if (field == 0) {
-    const std::vector<std::string> known(std::begin(kFields), std::end(kFields));
-    const std::string near = lua_type(L, 2) == LUA_TSTRING ? nearest_name(lua_tostring(L, 2), known) : "";
-    fail(L, "event: no field " + describe(L, 2) +
-                (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+  const auto number = static_cast<std::size_t>(lua_tointeger(L, -1));
+  if (number == 0) {
+    std::vector<std::string> known;
+    for (const EventField& f : kFields) known.emplace_back(f.name);
+    fail(L,
+         "event: no field " + describe(L, 2) +
+             (lua_type(L, 2) == LUA_TSTRING ? did_you_mean_or(lua_tostring(L, 2), known) : "; known: " + join(known)));
   }
-  if (field == f_copy) {
+  const EventField& field = kFields[number - 1];
+  if (!field.push) {
     lua_pushvalue(L, lua_upvalueindex(2));
     return 1;
   }
   if (!readable(L, *block))
-    fail(L, "event." + std::string(kFields[field - 1]) +
-                ": an event is valid inside its handler only; keep it with e:copy()");
-  push_field(L, *state(L).worlds[block->world], block->event, block->turned, field);
+    fail(L, "event." + std::string(field.name) + ": an event is valid inside its handler only; keep it with e:copy()");
+  field.push({L, *state(L).worlds[block->world], block->event, block->swapped});
   return 1;
 }
 
 int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
 
-int event_tostring(lua_State* L) {
+std::string event_tostring(lua_State* L) {
   const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
-  lua_pushstring(L, block->valid ? (std::string("event ") + block->event.kind.text()).c_str() : "event (over)");
-  return 1;
+  return block->valid ? std::string("event ") + block->event.kind.text() : "event (over)";
 }
 
 EventBlock& push_event(lua_State* L, const WorldRecord& record) {
-  auto* block = static_cast<EventBlock*>(lua_newuserdatauv(L, sizeof(EventBlock), 0));
-  new (block) EventBlock;
-  block->world = record.id;
-  push_class(L, Class::event);
-  lua_setmetatable(L, -2);
-  return *block;
+  return push_userdata(L, Class::event, EventBlock{record.id, false, false, {}});
 }
 
 void forget_subscription(lua_State* L, WorldRecord& record, Subscription& s) {
@@ -213,7 +195,7 @@ void deliver_to_task(lua_State* L, WorldRecord& record, Subscription& s, const E
   Task* task = find_task(record, s.task);
   s.live = false;
   if (!task) return;
-  push_event_copy(L, record, e, match(record, s, e) == Side::turned);
+  push_event_copy(L, record, e, match(record, s, e) == Side::swapped);
   task->event = keep(L, record, -1);
   task->state = TaskState::ready;
   lua_pop(L, 1);
@@ -237,18 +219,16 @@ int next_event(lua_State* L) {  // upvalues: position, kind, step count, event u
   return 0;
 }
 
-int connection_disconnect(lua_State* L) {
+bool connection_disconnect(lua_State* L) {
   const auto* c = static_cast<const Connection*>(self_block(L));
   if (!c) wrong_self(L, "connection");
   WorldRecord& r = *state(L).worlds[c->world];
-  bool was = false;
-  if (r.world) was = c->kind == ConnectionKind::event ? unsubscribe(L, r, c->id) : cancel_timer(L, r, c->id);
-  lua_pushboolean(L, was);
-  return 1;
+  if (!r.world) return false;
+  return c->kind == ConnectionKind::event ? unsubscribe(L, r, c->id) : cancel_timer(L, r, c->id);
 }
 
 const Method kConnectionMethods[] = {
-    {"disconnect", guard<connection_disconnect>, "c:disconnect() -> boolean",
+    {"disconnect", method<connection_disconnect>, "c:disconnect() -> boolean",
      "ends a subscription or timer; false when it had ended"},
 };
 const Method kEventMethods[] = {
@@ -261,11 +241,12 @@ const Method kEventMethods[] = {
 std::span<const Method> event_methods() { return kEventMethods; }
 std::span<const Method> connection_methods() { return kConnectionMethods; }
 
-void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool turned) {
+void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool swapped) {
   lua_newtable(L);
-  for (int field = f_kind; field < f_copy; ++field) {
-    push_field(L, record, e, turned, field);
-    lua_setfield(L, -2, kFields[field - 1]);
+  for (const EventField& field : kFields) {
+    if (!field.push) continue;
+    field.push({L, record, e, swapped});
+    lua_setfield(L, -2, field.name);
   }
 }
 
@@ -291,7 +272,7 @@ Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
     }
   }
   if ((!a || e.a == a) && (!b || e.b == b)) return Side::same;
-  if (is_contact(e.kind) && (!a || e.b == a) && (!b || e.a == b)) return Side::turned;
+  if (is_contact(e.kind) && (!a || e.b == a) && (!b || e.a == b)) return Side::swapped;
   return Side::none;
 }
 
@@ -340,18 +321,12 @@ void dispatch_events(lua_State* L, WorldRecord& record) {
         continue;
       }
       block.event = e;
-      block.turned = match(record, *sub, e) == Side::turned;
+      block.swapped = match(record, *sub, e) == Side::swapped;
       block.valid = true;
       lua_rawgeti(L, data, sub->function);
       lua_pushvalue(L, data + 1);
-      const std::size_t profile = sub->profile;
-      const std::uint64_t start = clock_nanoseconds();
-      Failure failure;
-      const bool good = s.call(L, 1, 0, failure);
+      s.call_handler(L, sub->profile, 1);
       block.valid = false;
-      s.profile[profile].calls += 1;
-      s.profile[profile].nanoseconds += clock_nanoseconds() - start;
-      if (!good) s.report(failure);
     }
     subs.matches = std::move(matches);
   }
@@ -369,8 +344,7 @@ EventKind check_event_kind(lua_State* L, int index, const WorldRecord& record) {
     known.emplace_back(k.text());
   }
   if (lua_type(L, index) != LUA_TSTRING) fail_here(L, "expected the name of an event, got " + describe(L, index));
-  const std::string near = nearest_name(lua_tostring(L, index), known);
-  fail_here(L, "unknown event " + describe(L, index) + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+  fail_here(L, "unknown event " + describe(L, index) + did_you_mean(lua_tostring(L, index), known) +
                    "; known: " + join(known));
 }
 
@@ -431,10 +405,7 @@ EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind 
 }
 
 void push_connection(lua_State* L, const WorldRecord& record, ConnectionKind kind, std::uint64_t id) {
-  auto* c = static_cast<Connection*>(lua_newuserdatauv(L, sizeof(Connection), 0));
-  *c = {record.id, kind, id};
-  push_class(L, Class::connection);
-  lua_setmetatable(L, -2);
+  push_userdata(L, Class::connection, Connection{record.id, kind, id});
 }
 
 int push_subscription(lua_State* L, WorldRecord& record, ObjectId self) {
@@ -461,9 +432,7 @@ int world_events(lua_State* L) {
   WorldRecord& r = check_world(L);
   const EventKind kind = check_event_kind(L, 2, r);
   r.world->events().set_wanted(kind, true);  // from the next step on, for the kinds that cost something
-  lua_pushinteger(L, 0);
-  lua_pushstring(L, kind.text());
-  lua_pushinteger(L, static_cast<lua_Integer>(r.world->step_count()));
+  push(L, 0, kind.text(), r.world->step_count());
   push_event(L, r);
   lua_pushvalue(L, 1);
   lua_pushcclosure(L, guard<next_event>, 5);
@@ -471,19 +440,13 @@ int world_events(lua_State* L) {
 }
 
 void open_events(lua_State* L) {
+  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}});
   push_class(L, Class::event);
   lua_newtable(L);
-  for (int i = 0; i < static_cast<int>(std::size(kFields)); ++i) {
-    lua_pushinteger(L, i + 1);
-    lua_setfield(L, -2, kFields[i]);
-  }
-  lua_pushcfunction(L, guard<event_copy>);
+  for (std::size_t i = 0; i < std::size(kFields); ++i) set_field(L, kFields[i].name, i + 1);
+  push(L, guard<event_copy>);
   lua_pushcclosure(L, guard<event_index>, 2);
   lua_setfield(L, -2, "__index");
-  lua_pushcfunction(L, event_no_write);
-  lua_setfield(L, -2, "__newindex");
-  lua_pushcfunction(L, event_tostring);
-  lua_setfield(L, -2, "__tostring");
   lua_pop(L, 1);
 }
 

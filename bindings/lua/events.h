@@ -1,7 +1,6 @@
 // Subscriptions of one world, and their dispatch after a step. Filters are evaluated here, before any Lua call.
 #pragma once
 #include <memory>
-#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -15,7 +14,7 @@ class Options;
 struct EventFilter {
   bool has_tags = false;
   TagMask tags = 0;       // one of the objects has one of them
-  ObjectId a, b, object;  // a and b also turn the event so that e.a is a
+  ObjectId a, b, object;  // a and b also swap the sides of the event so that e.a is a
   Real min_speed = 0, min_impulse = 0, min_force = 0, min_slip = 0;
   WakeCause cause = WakeCause::none;  // wake; none: any
 };
@@ -51,8 +50,8 @@ struct Subscriptions {
   std::vector<Subscription*> matches;
 };
 
-// Which side of an event a subscription sees as `a`: no match, as it is, or turned.
-enum class Side { none, same, turned };
+// Which side of an event a subscription sees as `a`: no match, as it is, or swapped.
+enum class Side { none, same, swapped };
 Side match(const WorldRecord& record, const Subscription& s, const Event& e);
 
 Subscription& subscribe(WorldRecord& record, EventKind kind, const EventFilter& filter, ObjectId self);
@@ -64,7 +63,7 @@ void dispatch_events(lua_State* L, WorldRecord& record);
 EventKind check_event_kind(lua_State* L, int index, const WorldRecord& record);
 EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind kind);
 // A plain table with the fields of the event.
-void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool turned);
+void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool swapped);
 // self:on(kind, [filter], fn); pushes the connection.
 int push_subscription(lua_State* L, WorldRecord& record, ObjectId self);
 int world_on(lua_State* L);

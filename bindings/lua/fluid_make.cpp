@@ -47,6 +47,7 @@ constexpr Option<FluidReading> kFluid[] = {
 // What a fluid is filled into, or drained from.
 struct Volume {
   std::string name;
+  TagMask tags = 0;
   std::vector<Vec3> points;
   ShapePtr shape;
   Pose pose;
@@ -61,10 +62,9 @@ void read_volume(Options& o, const OptionRow&, Volume& v) {
 }
 
 void read_points(Options& o, const OptionRow&, Volume& v) {
-  if (!o.push_any("points")) return;
+  if (!o.has("points")) return;
   if (has_volume(o)) o.raise("points", "expected points or a volume, got both");
-  v.points = check_points(o.L(), -1, o.path("points"), o.planar());
-  lua_pop(o.L(), 1);
+  points_option(o, "points", v.points);
 }
 
 constexpr Option<Volume> kFill[] = {
@@ -85,7 +85,7 @@ constexpr Option<Volume> kDrain[] = {
 constexpr Option<EmitterDesc> kEmitter[] = {
     field<&EmitterDesc::name>("name"),
     field<&EmitterDesc::position>("position", "m"),
-    direction<&EmitterDesc::direction>("direction"),
+    direction<EmitterDesc, &EmitterDesc::direction>("direction"),
     field<&EmitterDesc::speed>("speed", "m/s", kPositive),
     field<&EmitterDesc::radius>("radius", "m", kNotNegative),
     field<&EmitterDesc::rate>("rate", "1/s", kPositive).unset(),
@@ -95,54 +95,36 @@ constexpr Option<EmitterDesc> kEmitter[] = {
 
 }  // namespace
 
-Fluid& fluids(WorldRecord& record) { return record.world->need<Fluid>(); }
-
 std::vector<OptionInfo> fluid_rows() { return describe_rows(kFluid); }
 std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
 std::vector<OptionInfo> emitter_rows() { return describe_rows(kEmitter); }
 std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
 
-int world_fluid(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  FluidReading fluid;
-  o.read(kFluid, fluid);
-  fluid.tags = tag_option(o, r);
-  push_handle(L, r, fluids(r).add_fluid(fluid));
-  return 1;
+ObjectId world_fluid(WorldRecord& r, lua_State* L) {
+  const FluidReading fluid = read_description(L, r, kFluid);
+  return system_of<Fluid>(r).add_fluid(fluid);
 }
 
-int fluid_fill(lua_State* L) {
-  Self self = check_self(L);
-  Options o(L, 2, function_name(L), self.record.planar());
+std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {
+  Options o(L, 2, function_name(L), f.record.planar());
   Volume v;
   o.read(kFill, v);
-  if (!v.shape) charge(L, v.points.size());
-  const std::size_t made = v.shape ? fluids(self.record).fill(self.id, *v.shape, v.pose, v.velocity)
-                                   : fluids(self.record).fill(self.id, v.points, v.velocity);
-  if (v.shape) charge(L, made);
-  lua_pushinteger(L, static_cast<lua_Integer>(made));
-  return 1;
+  if (!v.shape) {
+    charge(L, v.points.size());
+    return f.system.fill(f.id, v.points, v.velocity);
+  }
+  const std::size_t made = f.system.fill(f.id, *v.shape, v.pose, v.velocity);
+  charge(L, made);
+  return made;
 }
 
-int fluid_emitter(lua_State* L) {
-  Self self = check_self(L);
-  Options o(L, 2, function_name(L), self.record.planar());
-  EmitterDesc emitter;
-  o.read(kEmitter, emitter);
-  emitter.tags = tag_option(o, self.record);
-  push_handle(L, self.record, fluids(self.record).add_emitter(self.id, emitter));
-  return 1;
+ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L) {
+  return f.system.add_emitter(f.id, read_description(L, f.record, kEmitter));
 }
 
-int fluid_drain(lua_State* L) {
-  Self self = check_self(L);
-  Options o(L, 2, function_name(L), self.record.planar());
-  Volume v;
-  o.read(kDrain, v);
-  const TagMask tags = tag_option(o, self.record);
-  push_handle(L, self.record, fluids(self.record).add_drain(self.id, v.name, tags, std::move(v.shape), v.pose));
-  return 1;
+ObjectId fluid_drain(const Object<Fluid>& f, lua_State* L) {
+  Volume v = read_description(L, f.record, kDrain);
+  return f.system.add_drain(f.id, v.name, v.tags, std::move(v.shape), v.pose);
 }
 
 }  // namespace feder::lua

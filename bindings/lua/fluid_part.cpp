@@ -1,10 +1,127 @@
+// Fluids in Lua: methods of fluids, emitters and drains, and the part. Particles are numbered in the order they were
+// made, from 1.
 #include "lua/fluid_part.h"
 
-#include "lua/shapes.h"
+#include "lua/buffer.h"
 #include "lua/yaml_scene.h"
 
 namespace feder::lua {
 namespace {
+
+using Liquid = Object<Fluid>;
+
+// Particles see their neighbours and walls as they are now.
+Fluid& asked(const Liquid& f) { return *f.world.query<Fluid>(); }
+
+// fn(x, y, z, i) -> vx, vy, vz; or a buffer of three numbers per particle.
+void fluid_set_velocities(const Liquid& f, lua_State* L) {
+  const std::size_t count = f.system.particle_count(f.id);
+  std::vector<Vec3> v(count);
+  const auto numbers = test_buffer(L, 2);
+  if (numbers.data()) {
+    if (numbers.size() < 3 * count)
+      fail_here(L, "expected a buffer of at least " + std::to_string(3 * count) + " numbers, got one of " +
+                       std::to_string(numbers.size()));
+    for (std::size_t i = 0; i < count; ++i)
+      for (int k = 0; k < 3; ++k) v[i][k] = static_cast<Real>(numbers[3 * i + static_cast<std::size_t>(k)]);
+  } else if (lua_type(L, 2) == LUA_TFUNCTION) {
+    std::vector<Vec3> x;
+    f.system.positions(f.id, x);
+    for (std::size_t i = 0; i < count; ++i) {
+      lua_pushvalue(L, 2);
+      push(L, x[i], i + 1);
+      lua_call(L, 4, 3);
+      const std::string what = std::string(function_name(L)) + ": velocity of particle " + std::to_string(i + 1);
+      for (int k = 0; k < 3; ++k)
+        v[i][k] = lua_isnil(L, k - 3) ? Real(0) : static_cast<Real>(check_number(L, k - 3, what));
+      lua_pop(L, 3);
+    }
+    if (f.system.particle_count(f.id) != count) fail_here(L, "the function must not change the fluid");
+  } else {
+    fail_here(L, "expected a function (x, y, z, i) -> vx, vy, vz or a buffer, got " + describe(L, 2));
+  }
+  if (f.record.planar())
+    for (Vec3& u : v) u[2] = 0;
+  f.system.set_velocities(f.id, v);
+}
+
+std::array<double, 2> fluid_density_error(const Liquid& f) {
+  double mean = 0, largest = 0;
+  asked(f).density_error(f.id, mean, largest);
+  return {mean, largest};
+}
+
+double fluid_pressure_at(const Liquid& f, const Vec3& point) { return asked(f).pressure_at(f.id, point); }
+
+int fluid_height_at(lua_State* L) {
+  const Liquid f(L);
+  const Real x = static_cast<Real>(check_number(L, 2, std::string(function_name(L)) + ": x"));
+  const Real z =
+      lua_isnoneornil(L, 3) ? Real(0) : static_cast<Real>(check_number(L, 3, std::string(function_name(L)) + ": z"));
+  Real y = 0;
+  return asked(f).height_at(f.id, x, z, y) ? push(L, y) : push(L, nullptr);
+}
+
+int fluid_surface(lua_State* L) {
+  const Liquid f(L);
+  std::vector<Vec3> x, n;
+  asked(f).surface(f.id, x, n);
+  push_vectors(L, x);
+  push(L, x.size());
+  return 2;
+}
+
+std::array<double, 2> fluid_mass(const Liquid& f) {
+  const double each = static_cast<double>(f.system.particle_mass(f.id));
+  return {each * static_cast<double>(f.system.particle_count(f.id)), each};
+}
+
+Real fluid_spacing(const Liquid& f) { return f.system.desc(f.id).spacing; }
+
+template <bool kRunning>
+void set_running(const Liquid& f) {
+  f.system.set_running(f.id, kRunning);
+}
+
+const Method kFluidMethods[] = {
+    {"fill", method<fluid_fill>,
+     "fluid:fill{ box = {min, max} | shape =, position =, rotation = | points =, velocity = } -> count",
+     "particles on a lattice, or at the points", fill_rows},
+    {"emitter", method<fluid_emitter>,
+     "fluid:emitter{ position =, direction =, speed =, radius =, rate =, limit = } -> emitter",
+     "rate in particles per second (a full jet when left out), limit in particles", emitter_rows},
+    {"drain", method<fluid_drain>, "fluid:drain{ box = {min, max} | shape =, position =, rotation = } -> drain",
+     "takes the particles in it away after each step", drain_rows},
+    {"count", method<&Fluid::particle_count>, "fluid:count() -> integer", "particles"},
+    {"positions", guard<list_vectors<Fluid, &Fluid::positions>>, "fluid:positions([buffer]) -> buffer",
+     "x, y, z of all, in the order they were made"},
+    {"velocities", guard<list_vectors<Fluid, &Fluid::velocities>>, "fluid:velocities([buffer]) -> buffer",
+     "likewise, m/s"},
+    {"set_velocities", method<fluid_set_velocities>, "fluid:set_velocities(fn | buffer) -> self",
+     "fn(x, y, z, i) -> vx, vy, vz"},
+    {"density_error", method<fluid_density_error>, "fluid:density_error() -> mean, largest",
+     "excess over the density at rest, as a share of it"},
+    {"pressure_at", method<fluid_pressure_at>, "fluid:pressure_at(x, y, z) -> number",
+     "mean of the particles near, Pa"},
+    {"height_at", guard<fluid_height_at>, "fluid:height_at(x, z) -> y", "of the free surface, or nil"},
+    {"surface", guard<fluid_surface>, "fluid:surface([buffer]) -> buffer, count", "particles at the surface"},
+    {"mass", method<fluid_mass>, "fluid:mass() -> number, number", "of all, and of one particle, kg"},
+    {"spacing", method<fluid_spacing>, "fluid:spacing() -> number", "m"},
+};
+
+const Method kEmitterMethods[] = {
+    {"start", method<set_running<true>>, "emitter:start() -> self", "goes on where it stopped; not beyond its limit"},
+    {"stop", method<set_running<false>>, "emitter:stop() -> self", "holds it"},
+    {"running", method<&Fluid::running>, "emitter:running() -> boolean", "does it emit?"},
+    {"count", method<&Fluid::passed>, "emitter:count() -> integer", "particles emitted so far"},
+    {"fluid", method<&Fluid::fluid_of>, "emitter:fluid() -> fluid", "what it feeds"},
+    {"aim", method<&Fluid::aim>, "emitter:aim(x, y, z, dx, dy, dz) -> self", "new place and direction of the nozzle"},
+};
+
+const Method kDrainMethods[] = {
+    {"count", method<&Fluid::passed>, "drain:count() -> integer", "particles taken so far"},
+    {"fluid", method<&Fluid::fluid_of>, "drain:fluid() -> fluid", "what it empties"},
+};
 
 std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std::string& where) {
   Fluid& fluid = record.world->need<Fluid>();
@@ -17,63 +134,31 @@ std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std:
   return sources;
 }
 
-std::vector<ObjectId> destroy_emitter(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Fluid>().destroy_emitter(id, where);
-  return {};
-}
-
-std::vector<ObjectId> destroy_drain(WorldRecord& record, ObjectId id, const std::string& where) {
-  record.world->need<Fluid>().destroy_drain(id, where);
-  return {};
-}
-
 // A fluid with its fill, emitters and drains: each a table or a list of tables of the method of that name.
 void make_fluid(lua_State* L, int world) {
   const int options = lua_gettop(L);
   lua_newtable(L);  // the options without them
-  copy_places(L, options, -1);
-  for (lua_pushnil(L); lua_next(L, options);) {
-    const std::string key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-    lua_pushvalue(L, -2), lua_insert(L, -2);
-    if (key == "fill" || key == "emitter" || key == "drain")
-      lua_pop(L, 2);
-    else
-      lua_rawset(L, -4);
-  }
-  lua_getfield(L, world, "fluid");
-  lua_pushvalue(L, world);
-  lua_pushvalue(L, options + 1);
-  lua_call(L, 2, 1);
+  copy_locations(L, options, -1);
+  copy_fields(L, options);
+  for (const char* part : {"fill", "emitter", "drain"}) set_field(L, part, nullptr);
+  call_maker(L, world, "fluid", options + 1, 1);
   const int fluid = lua_gettop(L);
   for (const char* part : {"fill", "emitter", "drain"}) {
-    if (lua_getfield(L, options, part) == LUA_TTABLE) {
-      const int given = lua_gettop(L);
-      const bool list = lua_rawlen(L, given) > 0;
-      for (lua_Integer i = 1; i <= (list ? static_cast<lua_Integer>(lua_rawlen(L, given)) : 1); ++i) {
-        if (list)
-          lua_rawgeti(L, given, i);
-        else
-          lua_pushvalue(L, given);
-        if (lua_type(L, -1) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
-          make_shape(L);
-          lua_setfield(L, -2, "shape");
-        } else {
-          lua_settop(L, given + 1);
-        }
-        lua_getfield(L, fluid, part);
-        lua_pushvalue(L, fluid);
-        lua_pushvalue(L, given + 1);
-        lua_call(L, 2, 0);
-        lua_settop(L, given);
-      }
-    }
+    const auto make = [&](int entry) {
+      if (lua_type(L, entry) == LUA_TTABLE) make_shape_field(L, entry);
+      call_maker(L, fluid, part, entry, 0);
+    };
+    if (lua_getfield(L, options, part) == LUA_TTABLE && lua_rawlen(L, -1) > 0)
+      each_entry(L, -1, [&](lua_Integer) { make(lua_gettop(L)); });
+    else if (lua_type(L, -1) == LUA_TTABLE)
+      make(lua_gettop(L));
     lua_settop(L, fluid);
   }
   lua_settop(L, options - 1);
 }
 
 const Method kWorld[] = {
-    {"fluid", guard<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
+    {"fluid", method<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
      "particles of a liquid", fluid_rows},
 };
 const YamlList kYaml[] = {{"fluids", make_fluid}};
@@ -82,10 +167,10 @@ const YamlList kYaml[] = {{"fluids", make_fluid}};
 
 const Part& fluid_part() {
   static const ObjectClass classes[] = {
-      {.name = "fluid", .methods = fluid_methods(), .destroy = &destroy_fluid, .place = "count"},
-      {.name = "emitter", .methods = emitter_methods(), .destroy = &destroy_emitter},
-      {.name = "drain", .methods = drain_methods(), .destroy = &destroy_drain}};
-  static const Part part = {.name = "fluid", .functions = {}, .world = kWorld, .classes = classes, .yaml = kYaml};
+      {.name = "fluid", .methods = kFluidMethods, .destroy = &destroy_fluid, .contact_field = "count"},
+      {.name = "emitter", .methods = kEmitterMethods, .destroy = destroy_alone<&Fluid::destroy_emitter>},
+      {.name = "drain", .methods = kDrainMethods, .destroy = destroy_alone<&Fluid::destroy_drain>}};
+  static const Part part = {.name = "fluid", .world = kWorld, .classes = classes, .yaml = kYaml};
   return part;
 }
 

@@ -4,44 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/registry.h"
-#include "feder/profile.h"
 #include "forces/forces.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
-
-// One evaluation. False: the function failed, or answered something else than three finite numbers.
-bool evaluate(lua_State* L, WorldRecord& record, const ScriptForce& f, const Vec3& x, const Vec3& v, Real mass,
-              Vec3& out) {
-  State& s = state(L);
-  push_data(L, record);
-  lua_rawgeti(L, -1, f.function);
-  lua_remove(L, -2);
-  for (int i = 0; i < 3; ++i) lua_pushnumber(L, x[i]);
-  for (int i = 0; i < 3; ++i) lua_pushnumber(L, v[i]);
-  lua_pushnumber(L, mass);
-  lua_pushnumber(L, record.world->time());
-  Failure failure;
-  if (!s.call(L, 8, 3, failure)) {
-    s.report(failure);
-    return false;
-  }
-  for (int i = 0; i < 3; ++i) {
-    const int at = -3 + i;
-    // nil counts as 0, so that a function may return nothing
-    const double value = lua_isnil(L, at) ? 0 : lua_type(L, at) == LUA_TNUMBER ? lua_tonumber(L, at) : std::nan("");
-    if (!(std::abs(value) <= kHuge)) {
-      s.report({s.profile[f.profile].where, "world:force.each: expected three finite numbers, got " + describe(L, at)});
-      lua_pop(L, 3);
-      return false;
-    }
-    out[i] = static_cast<Real>(value);
-  }
-  lua_pop(L, 3);
-  return true;
-}
 
 // "a body, a net or a cloth": the classes that f accepts.
 template <class F>
@@ -55,6 +22,8 @@ std::string classes_text(const State& s, F&& f) {
   return text;
 }
 
+bool has_points(const ObjectClass& c) { return c.point_count != nullptr; }
+
 // points = {i, ...}: some of the net that `on` names, ascending and each once.
 std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId target) {
   std::vector<std::uint32_t> points;
@@ -62,18 +31,12 @@ std::vector<std::uint32_t> read_points(Options& o, WorldRecord& record, ObjectId
   lua_State* L = o.L();
   const ObjectClass* row = target ? class_row(state(L), class_of(state(L), record, target)) : nullptr;
   if (!row || !row->point_count)
-    o.raise("points", "expected on = " + classes_text(state(L), [](const ObjectClass& c) {
-                        return c.point_count != nullptr;
-                      }) + ", whose points these are");
-  const auto last = static_cast<std::int64_t>(row->point_count(record, target));
-  const auto count = static_cast<lua_Integer>(lua_rawlen(L, -1));
-  if (count == 0) o.raise("points", "expected at least one point number, got none");
-  for (lua_Integer k = 1; k <= count; ++k) {
-    lua_rawgeti(L, -1, k);
-    const std::string what = o.path("points") + "[" + std::to_string(k) + "]";
-    points.push_back(static_cast<std::uint32_t>(check_integer(L, -1, what, 1, last) - 1));
-    lua_pop(L, 1);
-  }
+    o.raise("points", "expected on = " + classes_text(state(L), has_points) + ", whose points these are");
+  const std::size_t count = row->point_count(record, target);
+  if (lua_rawlen(L, -1) == 0) o.raise("points", "expected at least one point number, got none");
+  each_entry(L, -1, [&](lua_Integer k) {
+    points.push_back(check_index(L, -1, o.path("points") + "[" + std::to_string(k) + "]", count));
+  });
   lua_pop(L, 1);
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -103,12 +66,6 @@ void read_target(Options& o, WorldRecord& record, Target& target) {
   std::vector<std::string> words;
   o.words("on", words);
   for (const std::string& w : words) target.tags |= record.world->objects().tag_bit(w);
-}
-
-ForceEntry entry_of(const ScriptForce& f) {
-  ForceEntry entry;
-  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
-  return entry;
 }
 
 struct ForceReading {
@@ -142,11 +99,12 @@ int add_script_force(Options& o, WorldRecord& record, const ForceReading& readin
   f.profile = state(L).profile_slot(L, -1);
   f.function = keep(L, record, -1);
   lua_pop(L, 1);
-  ForceEntry entry = entry_of(f);
+  ForceEntry entry;
+  entry.all = f.all, entry.tags = f.tags, entry.target = f.target, entry.points = f.points;
   if (reading.stages) entry.force = make_stage_force(record, f.function, f.profile);
   f.object = record.world->add_force(std::move(entry), reading.name, tags);
   push_handle(L, record, f.object);
-  if (!reading.stages) record.forces.list.push_back(std::move(f));
+  if (!reading.stages) record.forces.push_back(std::move(f));
   return 1;
 }
 
@@ -203,8 +161,7 @@ void read_between(Options& o, WorldRecord& record, ForceEntry& target, Params& o
   const State& s = state(o.L());
   const ObjectClass* row = nullptr;
   if (object_option(o, "between", record, target.target)) row = class_row(s, class_of(s, record, target.target));
-  if (!row || !row->point_count)
-    o.raise("between", "expected " + classes_text(s, [](const ObjectClass& c) { return c.point_count != nullptr; }));
+  if (!row || !row->point_count) o.raise("between", "expected " + classes_text(s, has_points));
   options.set("between", true);
 }
 
@@ -216,29 +173,46 @@ ForceEntry* find_entry(World& world, ObjectId id) {
   return nullptr;
 }
 
-int force_set_enabled(lua_State* L) {
-  Self self = check_self(L);
-  if (lua_type(L, 2) != LUA_TBOOLEAN) fail_here(L, "expected true or false, got " + describe(L, 2));
-  if (ForceEntry* e = find_entry(self.world, self.id)) e->enabled = lua_toboolean(L, 2) != 0;
-  lua_settop(L, 1);
-  return 1;
+void force_set_enabled(const Self& self, bool enabled) {
+  if (ForceEntry* e = find_entry(self.world, self.id)) e->enabled = enabled;
 }
 
-int force_enabled(lua_State* L) {
-  Self self = check_self(L);
+bool force_enabled(const Self& self) {
   const ForceEntry* e = find_entry(self.world, self.id);
-  lua_pushboolean(L, e && e->enabled);
-  return 1;
+  return e && e->enabled;
 }
 
 const Method kForceMethods[] = {
-    {"enabled", guard<force_enabled>, "force:enabled() -> boolean", "does the force act?"},
-    {"set_enabled", guard<force_set_enabled>, "force:set_enabled(on) -> self", "switches the force on or off"},
+    {"enabled", method<force_enabled>, "force:enabled() -> boolean", "does the force act?"},
+    {"set_enabled", method<force_set_enabled>, "force:set_enabled(on) -> self", "switches the force on or off"},
 };
 
 }  // namespace
 
 std::span<const Method> force_methods() { return kForceMethods; }
+
+bool ask_force(lua_State* L, WorldRecord& record, int function, std::size_t profile, const MassPoint& p, double time,
+               Vec3& out, Failure& failure) {
+  State& s = state(L);
+  push_data(L, record);
+  lua_rawgeti(L, -1, function);
+  lua_remove(L, -2);
+  push(L, p.position, p.velocity, p.mass, time);
+  if (!s.call(L, 8, 3, failure)) return false;
+  bool good = true;
+  for (int k = 0; k < 3 && good; ++k) {
+    const int at = -3 + k;
+    // nil counts as 0, so that a function may return nothing
+    const double value = lua_isnil(L, at) ? 0 : lua_type(L, at) == LUA_TNUMBER ? lua_tonumber(L, at) : std::nan("");
+    good = std::abs(value) <= kHuge;
+    if (good)
+      out[k] = static_cast<Real>(value);
+    else
+      failure = {s.profile[profile].where, "world:force.each: expected three finite numbers, got " + describe(L, at)};
+  }
+  lua_pop(L, 3);
+  return good;
+}
 
 ForceRun::ForceRun(lua_State* L, WorldRecord& record, std::vector<ScriptForce> forces)
     : L_(L), record_(record), forces_(std::move(forces)), failed_(forces_.size(), 0) {}
@@ -257,12 +231,18 @@ bool ForceRun::any(ObjectId object) const {
 bool ForceRun::ask(std::size_t k, const Vec3& position, const Vec3& velocity, Real mass, Vec3& out) {
   out = Vec3::Zero();
   if (failed_[k]) return false;
-  const std::uint64_t start = clock_nanoseconds();
-  failed_[k] = !evaluate(L_, record_, forces_[k], position, velocity, mass, out);
-  HandlerProfile& profile = state(L_).profile[forces_[k].profile];
-  profile.calls += 1, profile.nanoseconds += clock_nanoseconds() - start;
-  if (failed_[k]) out = Vec3::Zero();
-  return !failed_[k];
+  State& s = state(L_);
+  const ScriptForce& f = forces_[k];
+  const MassPoint point{.position = position, .velocity = velocity, .mass = mass};
+  Failure failure;
+  if (s.profiled(f.profile, [&] {
+        return ask_force(L_, record_, f.function, f.profile, point, record_.world->time(), out, failure);
+      }))
+    return true;
+  s.report(failure);
+  failed_[k] = 1;
+  out = Vec3::Zero();
+  return false;
 }
 
 Vec3 ForceRun::sum(ObjectId object, std::uint32_t point, const Vec3& position, const Vec3& velocity, Real mass) {
@@ -277,26 +257,23 @@ Vec3 ForceRun::sum(ObjectId object, std::uint32_t point, const Vec3& position, c
 }
 
 void apply_script_forces(lua_State* L, WorldRecord& record) {
-  if (record.forces.list.empty()) return;
+  if (record.forces.empty()) return;
   luaL_checkstack(L, 16, "forces");
   std::vector<ScriptForce> enabled;
-  for (ScriptForce& f : record.forces.list) {
+  for (ScriptForce& f : record.forces) {
     const ForceEntry* e = find_entry(*record.world, f.object);
     if (e && e->enabled) enabled.push_back(f);
   }
   ForceRun run(L, record, std::move(enabled));  // a copy: a function may destroy forces, its own too
   for (const Part* part : state(L).options.parts)
     if (part->apply_forces) part->apply_forces(run);
-  for (ScriptForce& f : record.forces.list)
+  for (ScriptForce& f : record.forces)
     for (ScriptForce& g : run.forces())
       if (g.object == f.object) f.held = std::move(g.held);
 }
 
 std::vector<OptionInfo> force_rows() {
-  std::vector<OptionInfo> all = describe_rows(kForce);
-  for (const std::vector<OptionInfo>& more : {describe_rows(kEach), variant_options(force_kinds())})
-    all.insert(all.end(), more.begin(), more.end());
-  return all;
+  return join_rows(join_rows(describe_rows(kForce), describe_rows(kEach)), variant_options(force_kinds()));
 }
 
 int world_force(lua_State* L) {

@@ -22,12 +22,8 @@ struct ScriptForce {
   std::map<std::uint32_t, Vec3> held;  // by index in a system: the force when it was last awake
 };
 
-struct ScriptForces {
-  std::vector<ScriptForce> list;
-};
-
 // The functions of a step, for the parts that hand what they say to their objects. A function that fails is not asked
-// again in the step. It may destroy anything: who walks over objects looks whether they are still there.
+// again in the step. It may destroy anything: who walks over objects checks that they are still alive.
 class ForceRun {
  public:
   ForceRun(lua_State* L, WorldRecord& record, std::vector<ScriptForce> forces);
@@ -72,6 +68,11 @@ void clear_script_forces(World& world) {
   if (System* system = world.find<System>()) system->clear_script_forces();
 }
 
+// One evaluation of a script's force, N. False: the function failed, or answered something else than three finite
+// numbers; `failure` says so, and `out` may be written in part.
+bool ask_force(lua_State* L, WorldRecord& record, int function, std::size_t profile, const MassPoint& p, double time,
+               Vec3& out, Failure& failure);
+
 // Evaluates the functions for every point and body they act on, and hands the sums to the systems.
 void apply_script_forces(lua_State* L, WorldRecord& record);
 
@@ -79,7 +80,7 @@ void apply_script_forces(lua_State* L, WorldRecord& record);
 std::unique_ptr<Force> make_stage_force(WorldRecord& record, int function, std::size_t profile);
 void begin_stages(lua_State* L, WorldRecord& record);
 void end_stages(lua_State* L, WorldRecord& record);
-// May a script call this API function ("net:point") while a stage asks it? Those that only tell the state.
+// May a script call this API function ("net:point") while a stage asks it? Those that only report the state.
 bool answers_in_step(const char* function);
 
 int world_force(lua_State* L);

@@ -1,8 +1,6 @@
 // Forces of scripts that are asked at every stage of the integrators (stages = true): a generator that calls its Lua
 // function on the stepping thread, points in order. The world is between two states then and only answers questions.
 // An error ends the force for the step and is raised behind it, because nothing may unwind a step.
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "lua/objects.h"
@@ -41,30 +39,11 @@ class StageForce final : public Force {
 
  private:
   bool ask(lua_State* L, const MassPoint& p, double time, Vec3& out, Failure& failure) const {
-    State& s = state(L);
-    push_data(L, record_);
-    lua_rawgeti(L, -1, function_);
-    lua_remove(L, -2);
-    for (int k = 0; k < 3; ++k) lua_pushnumber(L, p.position[k]);
-    for (int k = 0; k < 3; ++k) lua_pushnumber(L, p.velocity[k]);
-    lua_pushnumber(L, p.mass), lua_pushnumber(L, time);
-    s.profile[profile_].calls += 1;
-    if (!s.call(L, 8, 3, failure)) return false;
+    state(L).profile[profile_].calls += 1;
     Vec3 force = Vec3::Zero();
-    bool good = true;
-    for (int k = 0; k < 3 && good; ++k) {
-      const int at = -3 + k;
-      const double value = lua_isnil(L, at) ? 0 : lua_type(L, at) == LUA_TNUMBER ? lua_tonumber(L, at) : std::nan("");
-      good = std::abs(value) <= kHuge;
-      if (good)
-        force[k] = static_cast<Real>(value);
-      else
-        failure = {s.profile[profile_].where,
-                   "world:force.each: expected three finite numbers, got " + describe(L, at)};
-    }
-    lua_pop(L, 3);
-    if (good) out += force;
-    return good;
+    if (!ask_force(L, record_, function_, profile_, p, time, force, failure)) return false;
+    out += force;
+    return true;
   }
 
   WorldRecord& record_;
@@ -91,20 +70,14 @@ void end_stages(lua_State* L, WorldRecord& record) {
 }
 
 bool answers_in_step(const char* function) {
-  static constexpr std::string_view kQuestions[] = {"alive",         "angle",       "angular_velocity",
-                                                    "awake",         "bodies",      "center_of_mass",
-                                                    "count",         "dimension",   "dt",
-                                                    "enabled",       "gravity",     "inertia",
-                                                    "is_sensor",     "kind",        "length",
-                                                    "local_point",   "mass",        "name",
-                                                    "pinned",        "point",       "position",
-                                                    "positions",     "rotation",    "spring",
-                                                    "spring_limits", "step_count",  "strain",
-                                                    "tags",          "time",        "type",
-                                                    "velocity",      "velocity_at", "world_point"};
-  const std::string_view whole(function);
-  const std::string_view word = whole.substr(whole.rfind(':') + 1);
-  return std::find(std::begin(kQuestions), std::end(kQuestions), word) != std::end(kQuestions);
+  static constexpr std::string_view kQuestions =
+      " alive angle angular_velocity awake bodies center_of_mass count dimension dt enabled gravity inertia is_sensor "
+      "kind"
+      " length local_point mass name pinned point position positions rotation spring spring_limits step_count strain "
+      "tags"
+      " time type velocity velocity_at world_point ";
+  const std::string whole(function);
+  return kQuestions.find(" " + whole.substr(whole.rfind(':') + 1) + " ") != kQuestions.npos;
 }
 
 }  // namespace feder::lua

@@ -1,7 +1,7 @@
 // Handles and worlds as userdata.
 #include <random>
 
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -28,7 +28,7 @@ void push_name(lua_State* L, int index, const Handle& h) {
 
 std::string describe_handle(lua_State* L, int index, const Handle& h) {
   push_name(L, index, h);
-  const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+  const std::string name(text_at(L, -1));
   lua_pop(L, 1);
   const std::string kind = class_name(state(L), h.kind);
   return name.empty() ? kind + " #" + std::to_string(h.id.slot) : kind + " \"" + name + "\"";
@@ -47,7 +47,7 @@ bool is_alive(lua_State* L, const Handle& h) {
   std::string where;
   if (h.dead) {
     lua_getiuservalue(L, index, 3);
-    where = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
+    where = text_at(L, -1);
     lua_pop(L, 1);
   } else {
     where = r->world->objects().destroyed_at(h.id);
@@ -55,8 +55,8 @@ bool is_alive(lua_State* L, const Handle& h) {
   fail(L, what + " was destroyed" + (where.empty() ? "" : " at " + where));
 }
 
-// Leaves name and place in the handle, if a script holds one.
-void bury(lua_State* L, WorldRecord& record, ObjectId id, const std::string& name, const std::string& where) {
+// Leaves name and location in the handle, if a script holds one.
+void invalidate(lua_State* L, WorldRecord& record, ObjectId id, const std::string& name, const std::string& where) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
   if (lua_rawgeti(L, -1, cache_key(id)) == LUA_TUSERDATA) {
     static_cast<Handle*>(lua_touserdata(L, -1))->dead = true;
@@ -74,16 +74,14 @@ int world_collected(lua_State* L) {
   return 0;
 }
 
-int handle_tostring(lua_State* L) {
+std::string handle_tostring(lua_State* L) {
   const Handle* h = test_handle(L, 1);
-  lua_pushstring(L, h ? describe_handle(L, 1, *h).c_str() : "?");
-  return 1;
+  return h ? describe_handle(L, 1, *h) : "?";
 }
 
-int world_tostring(lua_State* L) {
+std::string world_tostring(lua_State* L) {
   const auto* block = static_cast<const WorldBlock*>(test_class(L, 1, Class::world));
-  lua_pushstring(L, block ? ("world #" + std::to_string(block->world + 1)).c_str() : "?");
-  return 1;
+  return block ? "world #" + std::to_string(block->world + 1) : "?";
 }
 
 Handle& self_handle(lua_State* L) {
@@ -95,15 +93,8 @@ Handle& self_handle(lua_State* L) {
   return *static_cast<Handle*>(block);
 }
 
-int object_alive(lua_State* L) {
-  lua_pushboolean(L, is_alive(L, self_handle(L)));
-  return 1;
-}
-
-int object_kind(lua_State* L) {
-  lua_pushstring(L, class_name(state(L), self_handle(L).kind));
-  return 1;
-}
+bool object_alive(lua_State* L) { return is_alive(L, self_handle(L)); }
+const char* object_kind(lua_State* L) { return class_name(state(L), self_handle(L).kind); }
 
 int object_name(lua_State* L) {
   push_name(L, 1, self_handle(L));
@@ -112,7 +103,7 @@ int object_name(lua_State* L) {
 
 int object_destroy(lua_State* L) {
   Self self = check_self(L);
-  destroy_object(L, self.record, self.id, short_place(L));
+  destroy_object(L, self.record, self.id, short_location(L));
   return 0;
 }
 
@@ -125,19 +116,16 @@ int object_tags(lua_State* L) {
   Self self = check_self(L);
   const Objects& objects = self.world.objects();
   const TagMask tags = objects.tags(self.id);
-  lua_newtable(L);
-  lua_Integer n = 0;
-  for (std::size_t i = 0; i < objects.tag_names().size(); ++i) {
-    if (!(tags >> i & 1)) continue;
-    lua_pushstring(L, objects.tag_names()[i].c_str());
-    lua_rawseti(L, -2, ++n);
-  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < objects.tag_names().size(); ++i)
+    if (tags >> i & 1) names.push_back(objects.tag_names()[i]);
+  push_list(L, names, [&](const std::string& name) { push(L, name); });
   return 1;
 }
 
 const Method kObjectMethods[] = {
-    {"alive", guard<object_alive>, "h:alive() -> boolean", "is the object still there?"},
-    {"kind", guard<object_kind>, "h:kind() -> string", "the name of its class: \"body\", \"force\" ..."},
+    {"alive", method<object_alive>, "h:alive() -> boolean", "is the object still there?"},
+    {"kind", method<object_kind>, "h:kind() -> string", "the name of its class: \"body\", \"force\" ..."},
     {"name", guard<object_name>, "h:name() -> string", "the name it was made with, or \"\"; also of the destroyed"},
     {"destroy", guard<object_destroy>, "h:destroy()", "takes the object, and what hangs on it, out of the world"},
     {"on", guard<object_on>, "h:on(kind, [filter], fn) -> connection", "events of this object; it is e.a in contacts"},
@@ -168,23 +156,16 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   record->key.a = word(), record->key.b = word();
   record->world = std::make_unique<World>(settings.desc, s.options.systems);
 
-  auto* block = static_cast<WorldBlock*>(lua_newuserdatauv(L, sizeof(WorldBlock), 1));
-  block->world = 0xffffffffu;
-  push_class(L, Class::world);
-  lua_setmetatable(L, -2);
+  WorldBlock& block = push_userdata(L, Class::world, WorldBlock{kNone}, 1);
   lua_newtable(L);
   lua_setiuservalue(L, -2, 1);
-  lua_newtable(L);
-  lua_newtable(L);
-  lua_pushstring(L, "v");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
+  push_weak_table(L, "v");
   record->cache_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.worlds_ref);
   lua_pushvalue(L, -2);
   lua_rawseti(L, -2, static_cast<lua_Integer>(record->id) + 1);
   lua_pop(L, 1);
-  block->world = record->id;
+  block.world = record->id;
   s.worlds.push_back(std::move(record));
   return *s.worlds.back();
 }
@@ -253,12 +234,20 @@ Self check_self(lua_State* L) {
   return {*r, *r->world, h.id};
 }
 
+// Calls f(class) for the classes whose userdata are handles, until it says true.
+template <class F>
+static void find_handle_class(const State& s, F&& f) {
+  for (int c = 0; c < static_cast<int>(s.class_ref.size()); ++c) {
+    const bool own = c < kOwnClasses;
+    const auto kind = static_cast<Class>(c);
+    if ((!own || kind == Class::force || kind == Class::object) && f(kind)) return;
+  }
+}
+
 Handle* test_handle(lua_State* L, int index) {
-  for (Class c : {Class::force, Class::object})
-    if (void* block = test_class(L, index, c)) return static_cast<Handle*>(block);
-  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
-    if (void* block = test_class(L, index, static_cast<Class>(c))) return static_cast<Handle*>(block);
-  return nullptr;
+  void* block = nullptr;
+  find_handle_class(state(L), [&](Class c) { return (block = test_class(L, index, c)) != nullptr; });
+  return static_cast<Handle*>(block);
 }
 
 ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::string& what) {
@@ -294,10 +283,8 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
     return;
   }
   lua_pop(L, 1);
-  auto* h = static_cast<Handle*>(lua_newuserdatauv(L, sizeof(Handle), 3));
-  new (h) Handle{record.id, class_of(state(L), record, id), false, id};
-  push_class(L, h->kind);
-  lua_setmetatable(L, -2);
+  const Class kind = class_of(state(L), record, id);
+  push_userdata(L, kind, Handle{record.id, kind, false, id}, 3);
   push_world(L, record);
   lua_setiuservalue(L, -2, 1);
   lua_pushvalue(L, -1);
@@ -307,7 +294,7 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
 
 static void destroy_force(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
   record.world->remove_force(id, where);
-  std::erase_if(record.forces.list, [&](const ScriptForce& f) {
+  std::erase_if(record.forces, [&](const ScriptForce& f) {
     if (f.object == id) drop(L, record, f.function);
     return f.object == id;
   });
@@ -325,50 +312,47 @@ void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::s
     destroy_force(L, record, id, where);
   else
     fail_here(L, "this host has no part that destroys " + objects.describe(id));
-  bury(L, record, id, name, where);
+  invalidate(L, record, id, name, where);
   record.special.erase(id);
-  for (ObjectId other : others) bury(L, record, other, objects.name(other), where);
+  for (ObjectId other : others) invalidate(L, record, other, objects.name(other), where);
 }
 
-void note_names(lua_State* L, WorldRecord& record) {
+// Calls f(handle) for what scripts hold, each on top of the stack meanwhile.
+template <class F>
+static void each_handle(lua_State* L, const WorldRecord& record, F&& f) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
-    if (h->dead) continue;
-    lua_pushstring(L, record.world->objects().name(h->id).c_str());
-    lua_setiuservalue(L, -2, 2);
-  }
+  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) f(*static_cast<Handle*>(lua_touserdata(L, -1)));
   lua_pop(L, 1);
 }
 
-void bury_lost(lua_State* L, WorldRecord& record, const std::string& where) {
+void record_names(lua_State* L, WorldRecord& record) {
+  each_handle(L, record, [&](const Handle& h) {
+    if (h.dead) return;
+    push(L, record.world->objects().name(h.id));
+    lua_setiuservalue(L, -2, 2);
+  });
+}
+
+void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where) {
   const Objects& objects = record.world->objects();
-  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
-  lua_newtable(L);
-  lua_Integer lost = 0;
-  for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) {
-    auto* h = static_cast<Handle*>(lua_touserdata(L, -1));
-    const bool alive = objects.alive(h->id);
-    if (alive) h->dead = false;
-    if (alive) continue;
-    lua_pushvalue(L, -1);
-    lua_rawseti(L, -4, ++lost);
-  }
+  std::vector<ObjectId> lost;
+  each_handle(L, record, [&](Handle& h) {
+    const bool alive = objects.alive(h.id);
+    if (!alive) lost.push_back(h.id);
+    if (!alive && !h.dead) {
+      push(L, where);
+      lua_setiuservalue(L, -2, 3);
+    }
+    h.dead = !alive;
+  });
   // ids of the lost are given again: their handles must never be found under them
-  for (lua_Integer i = 1; i <= lost; ++i) {
-    lua_rawgeti(L, -1, i);
-    const auto* h = static_cast<const Handle*>(lua_touserdata(L, -1));
-    const ObjectId id = h->id;
-    lua_getiuservalue(L, -1, 2);
-    const std::string name = lua_tostring(L, -1) ? lua_tostring(L, -1) : "";
-    const bool known = h->dead;
-    lua_pop(L, 2);
-    if (!known) bury(L, record, id, name, where);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, record.cache_ref);
+  for (ObjectId id : lost) {
     lua_pushnil(L);
-    lua_rawseti(L, -3, cache_key(id));
+    lua_rawseti(L, -2, cache_key(id));
   }
-  lua_pop(L, 2);
-  std::erase_if(record.forces.list, [&](const ScriptForce& f) { return !objects.alive(f.object); });
+  lua_pop(L, 1);
+  std::erase_if(record.forces, [&](const ScriptForce& f) { return !objects.alive(f.object); });
 }
 
 std::string describe_object(lua_State* L, int index, Class c) {
@@ -393,21 +377,11 @@ TagMask tag_option(Options& o, WorldRecord& record) {
 }
 
 void open_classes(lua_State* L) {
-  std::vector<Class> classes = {Class::force, Class::object};
-  for (int c = kOwnClasses; c < static_cast<int>(state(L).class_ref.size()); ++c)
-    classes.push_back(static_cast<Class>(c));
-  for (Class c : classes) {
-    push_class(L, c);
-    lua_pushcfunction(L, guard<handle_tostring>);
-    lua_setfield(L, -2, "__tostring");
-    lua_pop(L, 1);
-  }
-  push_class(L, Class::world);
-  lua_pushcfunction(L, world_tostring);
-  lua_setfield(L, -2, "__tostring");
-  lua_pushcfunction(L, world_collected);
-  lua_setfield(L, -2, "__gc");
-  lua_pop(L, 1);
+  find_handle_class(state(L), [L](Class c) {
+    set_metamethods(L, c, {{"__tostring", method<handle_tostring>}});
+    return false;
+  });
+  set_metamethods(L, Class::world, {{"__tostring", method<world_tostring>}, {"__gc", world_collected}});
 }
 
 }  // namespace feder::lua

@@ -12,7 +12,7 @@ namespace feder::lua {
 namespace {
 
 int step_world(lua_State* L) {
-  run_step(L, *state(L).worlds[state(L).last_world]);
+  run_step(L, *state(L).current());
   return 0;
 }
 
@@ -54,16 +54,7 @@ struct Script::Impl {
     begin_load();
     if (!state.options.load_yaml) throw ScriptError(name + ": this host reads no YAML");
     protect([&](lua_State* L) {
-      std::string error;
-      try {
-        state.options.load_yaml(L, name, text);
-      } catch (const ScriptError& e) {
-        error = e.what();
-      }
-      if (!error.empty()) {
-        lua_pushstring(L, error.c_str());
-        lua_error(L);
-      }
+      push_yaml(L, name, text);
       yaml_to_scene(L, name);
       state.is_scene = take_scene(L, name);
     });
@@ -88,6 +79,15 @@ struct Script::Impl {
     ~InPhase() { state.phase = before; }
   };
 
+  // What f(L) gives under Lua's protection.
+  template <class F>
+  auto run_in(Phase p, F&& f) {
+    const InPhase phase(state, p);
+    decltype(f(state.L)) out{};
+    protect([&](lua_State* L) { out = f(L); });
+    return out;
+  }
+
   State state;
   bool loaded = false;
 };
@@ -99,7 +99,7 @@ void Script::load_file(const std::filesystem::path& file) {
   State& s = impl_->state;
   std::string text;
   try {
-    note_file(s, file);
+    record_file(s, file);
     text = read_text(file);
   } catch (const SceneError& e) {
     throw ScriptError(e.what());
@@ -121,8 +121,8 @@ double Script::seconds() const { return impl_->state.scene.seconds; }
 double Script::picture() const { return impl_->state.scene.picture; }
 const SceneCamera& Script::camera() const { return impl_->state.scene.camera; }
 const Look* Script::look() const {
-  const State& s = impl_->state;
-  return s.last_world < s.worlds.size() ? &s.worlds[s.last_world]->look : nullptr;
+  const WorldRecord* r = impl_->state.current();
+  return r ? &r->appearance : nullptr;
 }
 std::vector<ParamInfo> Script::params() const { return impl_->state.params; }
 
@@ -136,8 +136,8 @@ void Script::build() {
 }
 
 World* Script::world() {
-  State& s = impl_->state;
-  return s.last_world < s.worlds.size() ? s.worlds[s.last_world]->world.get() : nullptr;
+  const WorldRecord* r = impl_->state.current();
+  return r ? r->world.get() : nullptr;
 }
 
 void Script::step() {
@@ -154,24 +154,15 @@ void Script::step() {
 const StudyDeclaration& Script::study() const { return impl_->state.scene.study; }
 
 double Script::study_error(std::span<const double> refined) {
-  const Impl::InPhase phase(impl_->state, Phase::checking);
-  double error = 0;
-  impl_->protect([&](lua_State* L) { error = scene_error(L, refined); });
-  return error;
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return scene_error(L, refined); });
 }
 
 StudyState Script::study_state(const char* name, double t) {
-  const Impl::InPhase phase(impl_->state, Phase::checking);
-  StudyState out;
-  impl_->protect([&](lua_State* L) { read_study_state(L, name, t, out); });
-  return out;
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return read_study_state(L, name, t); });
 }
 
 std::vector<double> Script::study_numbers(const char* name, double t) {
-  const Impl::InPhase phase(impl_->state, Phase::checking);
-  std::vector<double> out;
-  impl_->protect([&](lua_State* L) { read_study_numbers(L, name, t, out); });
-  return out;
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return read_study_numbers(L, name, t); });
 }
 
 CheckResult Script::check() {
@@ -181,9 +172,8 @@ CheckResult Script::check() {
 
 const std::vector<HandlerError>& Script::handler_errors() const { return impl_->state.errors; }
 std::vector<HandlerProfile> Script::handler_profile() const {
-  std::vector<HandlerProfile> used;
-  for (const HandlerProfile& p : impl_->state.profile)
-    if (p.calls > 0) used.push_back(p);
+  std::vector<HandlerProfile> used = impl_->state.profile;
+  std::erase_if(used, [](const HandlerProfile& p) { return p.calls == 0; });
   return used;
 }
 
@@ -196,10 +186,7 @@ const std::vector<PlotSeries>& Script::plots() const { return impl_->state.plots
 const std::vector<std::filesystem::path>& Script::files() const { return impl_->state.files; }
 
 std::string Script::run_string(std::string_view text, const std::string& chunk) {
-  const Impl::InPhase phase(impl_->state, Phase::running);
-  std::string result;
-  impl_->protect([&](lua_State* L) { result = run_console(L, text, chunk); });
-  return result;
+  return impl_->run_in(Phase::running, [&](lua_State* L) { return run_console(L, text, chunk); });
 }
 
 void Script::set_instruction_limit(std::uint64_t per_call) { impl_->state.options.instruction_limit = per_call; }

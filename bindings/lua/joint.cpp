@@ -1,6 +1,8 @@
 // world:joint{ ... } and the methods of joints.
 #include "constrain/joint.h"
 
+#include <algorithm>
+
 #include "lua/rigid_part.h"
 
 namespace feder::lua {
@@ -21,13 +23,11 @@ void read_kind(Options& o, const OptionRow&, JointReading& j) {
   }
   if (j.kind) return;
   // named in the API, to come
-  static const char* const later[] = {"slider", "rope", "wheel",  "cone_twist", "six_dof",
-                                      "gear",   "rack", "pulley", "motor",      "mouse"};
-  for (const char* name : later)
-    if (type == name) o.raise("type", "this build has no joint type '" + type + "'; known: " + join(known));
-  const std::string near = nearest_name(type, known);
-  o.raise("type", "unknown joint type '" + type + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-                      "; known: " + join(known));
+  static constexpr std::string_view later[] = {"slider", "rope", "wheel",  "cone_twist", "six_dof",
+                                               "gear",   "rack", "pulley", "motor",      "mouse"};
+  if (std::ranges::find(later, type) != std::end(later))
+    o.raise("type", "this build has no joint type '" + type + "'; known: " + join(known));
+  o.raise("type", "unknown joint type '" + type + "'" + did_you_mean(type, known) + "; known: " + join(known));
 }
 
 ObjectId body_option(Options& o, const char* key, WorldRecord& record) {
@@ -105,8 +105,8 @@ void read_limits(Options& o, const OptionRow&, JointReading& reading) {
 // Kinds with two: anchor_a (a's origin) and anchor_b (b's origin; against the world `anchor` says where).
 void read_anchors(Options& o, const OptionRow&, JointReading& desc) {
   WorldRecord& r = *desc.record;
-  const Vec3 at_a = lua::rigid(r).pose(desc.a).position;
-  const Vec3 at_b = desc.b ? lua::rigid(r).pose(desc.b).position : at_a;
+  const Vec3 at_a = system_of<Rigid>(r).pose(desc.a).position;
+  const Vec3 at_b = desc.b ? system_of<Rigid>(r).pose(desc.b).position : at_a;
   Vec3 anchor = Vec3::Zero();
   const bool has_anchor = o.vector("anchor", anchor);
   if (!(desc.kind->uses & kUsesTwoAnchors)) {
@@ -130,9 +130,6 @@ void read_rest_length(Options& o, const OptionRow& row, JointReading& j) {
   if (used(o, *j.kind, kUsesTwoAnchors, "rest_length")) o.real("rest_length", j.options.rest_length, row.range);
 }
 
-std::vector<OptionInfo> spring_rows() { return describe_rows(kSpring); }
-std::vector<OptionInfo> motor_rows() { return describe_rows(kMotor); }
-
 constexpr Option<JointReading> kJoint[] = {
     special("type", "string", read_kind),
     field<&JointDesc::name>("name"),
@@ -143,62 +140,48 @@ constexpr Option<JointReading> kJoint[] = {
     later<JointReading>("anchor_b", "vector", "m"),
     special("axis", "direction", read_axis),
     special("limits", "{lo, hi}", read_limits, "m or rad"),
-    {{.name = "motor"}, "table", read_motor_option, nullptr, motor_rows},
-    {{.name = "spring"}, "table", read_spring_option, nullptr, spring_rows},
+    {{.name = "motor"}, "table", read_motor_option, nullptr, rows_of<kMotor>},
+    {{.name = "spring"}, "table", read_spring_option, nullptr, rows_of<kSpring>},
     {{.name = "rest_length", .unit = "m", .range = kNotNegative}, "number", read_rest_length},
     field<&JointDesc::break_force>("break_force", "N", kPositive),
     field<&JointDesc::collide>("collide"),
     later<JointReading>("tags", kWordsType),
 };
 
-int joint_vector(lua_State* L, Vec3 (Rigid::*get)(ObjectId) const) {
-  Self self = check_self(L);
-  return push_vector(L, (lua::rigid(self.record).*get)(self.id));
-}
-
-int joint_force(lua_State* L) { return joint_vector(L, &Rigid::joint_force); }
-int joint_torque(lua_State* L) { return joint_vector(L, &Rigid::joint_torque); }
+using Joint = Object<Rigid>;
 
 // Makes sure that the kind has what is asked for.
-void need_use(lua_State* L, Self& self, unsigned uses, const char* what) {
-  const JointKind& kind = *lua::rigid(self.record).joint_info(self.id).kind;
+void need_use(lua_State* L, const Joint& j, unsigned uses, const char* what) {
+  const JointKind& kind = *j.system.joint_info(j.id).kind;
   if (!(kind.uses & uses)) fail_here(L, std::string("a ") + kind.name + " joint has no " + what);
 }
 
-int joint_angle(lua_State* L) {
-  Self self = check_self(L);
-  need_use(L, self, kUsesAxis, "angle");
-  lua_pushnumber(L, lua::rigid(self.record).joint_coordinate(self.id));
-  return 1;
+Real joint_angle(const Joint& j, lua_State* L) {
+  need_use(L, j, kUsesAxis, "angle");
+  return j.system.joint_coordinate(j.id);
 }
 
-int joint_length(lua_State* L) {
-  Self self = check_self(L);
-  need_use(L, self, kUsesTwoAnchors, "length");
-  lua_pushnumber(L, lua::rigid(self.record).joint_coordinate(self.id));
-  return 1;
+Real joint_length(const Joint& j, lua_State* L) {
+  need_use(L, j, kUsesTwoAnchors, "length");
+  return j.system.joint_coordinate(j.id);
 }
 
-int joint_set_motor(lua_State* L) {
-  Self self = check_self(L);
-  need_use(L, self, kUsesMotor, "motor");
-  double speed = 0, force = 0;
+void joint_set_motor(const Joint& j, lua_State* L) {
+  need_use(L, j, kUsesMotor, "motor");
+  JointOptions motor;
   if (lua_type(L, 2) == LUA_TTABLE) {
-    JointOptions motor;
     Options o(L, 2, function_name(L));
     read_motor(o, motor);
-    speed = motor.motor_speed, force = motor.motor_max;
   } else {
-    speed = check_number(L, 2, std::string(function_name(L)) + ".speed");
-    force = check_number(L, 3, std::string(function_name(L)) + ".max_force", kNotNegative);
+    const std::string name = function_name(L);
+    motor.motor_speed = static_cast<Real>(check_number(L, 2, name + ".speed"));
+    motor.motor_max = static_cast<Real>(check_number(L, 3, name + ".max_force", kNotNegative));
   }
-  lua::rigid(self.record).set_motor(self.id, static_cast<Real>(speed), static_cast<Real>(force));
-  return return_self(L);
+  j.system.set_motor(j.id, motor.motor_speed, motor.motor_max);
 }
 
-int joint_set_limits(lua_State* L) {
-  Self self = check_self(L);
-  need_use(L, self, kUsesLimits, "limits");
+void joint_set_limits(const Joint& j, lua_State* L) {
+  need_use(L, j, kUsesLimits, "limits");
   if (lua_type(L, 2) == LUA_TTABLE) {
     lua_settop(L, 2);
     lua_rawgeti(L, 2, 1), lua_rawgeti(L, 2, 2);
@@ -207,33 +190,28 @@ int joint_set_limits(lua_State* L) {
   const double lo = check_number(L, 2, std::string(function_name(L)) + ".lo");
   const double hi = check_number(L, 3, std::string(function_name(L)) + ".hi");
   if (lo > hi) fail_here(L, "expected lo at most hi, got " + print_number(lo) + ", " + print_number(hi));
-  lua::rigid(self.record).set_limits(self.id, static_cast<Real>(lo), static_cast<Real>(hi));
-  return return_self(L);
+  j.system.set_limits(j.id, static_cast<Real>(lo), static_cast<Real>(hi));
 }
 
-int joint_type(lua_State* L) {
-  Self self = check_self(L);
-  lua_pushstring(L, lua::rigid(self.record).joint_info(self.id).kind->name);
-  return 1;
-}
+const char* joint_type(const Joint& j) { return j.system.joint_info(j.id).kind->name; }
 
 int joint_bodies(lua_State* L) {
-  Self self = check_self(L);
-  const Rigid::JointInfo joint = lua::rigid(self.record).joint_info(self.id);
-  push_handle(L, self.record, joint.a);
-  push_handle(L, self.record, joint.b);
+  const Joint j(L);
+  const Rigid::JointInfo joint = j.system.joint_info(j.id);
+  push_handle(L, j.record, joint.a);
+  push_handle(L, j.record, joint.b);
   return 2;
 }
 
 const Method kJointMethods[] = {
-    {"force", guard<joint_force>, "joint:force() -> x, y, z", "on b in the last step, N"},
-    {"torque", guard<joint_torque>, "joint:torque() -> x, y, z", "on b in the last step, N m"},
-    {"angle", guard<joint_angle>, "joint:angle() -> number", "of a hinge since it was made, rad"},
-    {"length", guard<joint_length>, "joint:length() -> number", "between the anchors now, m"},
-    {"set_motor", guard<joint_set_motor>, "joint:set_motor(speed, max_force) -> self",
+    {"force", method<&Rigid::joint_force>, "joint:force() -> x, y, z", "on b in the last step, N"},
+    {"torque", method<&Rigid::joint_torque>, "joint:torque() -> x, y, z", "on b in the last step, N m"},
+    {"angle", method<joint_angle>, "joint:angle() -> number", "of a hinge since it was made, rad"},
+    {"length", method<joint_length>, "joint:length() -> number", "between the anchors now, m"},
+    {"set_motor", method<joint_set_motor>, "joint:set_motor(speed, max_force) -> self",
      "or { speed =, max_force = }; rad/s, N m"},
-    {"set_limits", guard<joint_set_limits>, "joint:set_limits(lo, hi) -> self", "rad or m"},
-    {"type", guard<joint_type>, "joint:type() -> string", "\"ball\", \"hinge\" ..."},
+    {"set_limits", method<joint_set_limits>, "joint:set_limits(lo, hi) -> self", "rad or m"},
+    {"type", method<joint_type>, "joint:type() -> string", "\"ball\", \"hinge\" ..."},
     {"bodies", guard<joint_bodies>, "joint:bodies() -> a, b", "b is nil for the world"},
 };
 
@@ -243,15 +221,9 @@ std::span<const Method> joint_methods() { return kJointMethods; }
 
 std::vector<OptionInfo> joint_rows() { return describe_rows(kJoint); }
 
-int world_joint(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  JointReading joint;
-  joint.record = &r;
-  o.read(kJoint, joint);
-  joint.tags = tag_option(o, r);
-  push_handle(L, r, lua::rigid(r).add_joint(joint));
-  return 1;
+ObjectId world_joint(WorldRecord& r, lua_State* L) {
+  const JointReading joint = read_description(L, r, kJoint);
+  return system_of<Rigid>(r).add_joint(joint);
 }
 
 }  // namespace feder::lua

@@ -1,3 +1,4 @@
+// Files of scripts: modules (require) and YAML (feder.load), from the library folders and the folder of the scene.
 #include "lua/library.h"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <system_error>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -14,18 +16,9 @@ namespace fs = std::filesystem;
 
 // lower_case words with dots between: no "..", no slash, nothing hidden.
 bool is_module_name(const std::string& name) {
-  bool start = true;
-  for (char c : name) {
-    if (c == '.') {
-      if (start) return false;
-      start = true;
-    } else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_') {
-      start = false;
-    } else {
-      return false;
-    }
-  }
-  return !start && name.size() <= 200;
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.'; };
+  return !name.empty() && name.size() <= 200 && std::ranges::all_of(name, allowed) && name.front() != '.' &&
+         name.back() != '.' && name.find("..") == std::string::npos;
 }
 
 // The file `name` in `folder`, when it is a regular file that really lies inside.
@@ -48,7 +41,7 @@ bool is_left_out(const std::string& name) {
 
 void run_module(lua_State* L, const std::string& name, const fs::path& file) {
   State& s = state(L);
-  note_file(s, file);
+  record_file(s, file);
   const std::string text = read_text(file);
   if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + chunk_name(file)).c_str(), "t") != LUA_OK) lua_error(L);
   struct Loading {
@@ -85,7 +78,7 @@ std::string read_text(const fs::path& file) {
   return text.str();
 }
 
-void note_file(State& s, const fs::path& file) {
+void record_file(State& s, const fs::path& file) {
   std::error_code error;
   fs::path full = fs::absolute(file, error).lexically_normal();
   if (std::find(s.files.begin(), s.files.end(), full) == s.files.end()) s.files.push_back(std::move(full));
@@ -105,9 +98,8 @@ std::string chunk_name(const fs::path& file) {
 int lua_require(lua_State* L) {
   State& s = state(L);
   if (lua_type(L, 1) != LUA_TSTRING) fail(L, "require: expected the name of a module, got " + describe(L, 1));
-  std::size_t size = 0;
-  const char* given = lua_tolstring(L, 1, &size);
-  const std::string name(given, size);
+  const std::string name(text_at(L, 1));
+  // a module that has been loaded is given again
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
   lua_pushvalue(L, 1);
   if (lua_rawget(L, -2) != LUA_TNIL) return 1;
@@ -119,6 +111,7 @@ int lua_require(lua_State* L) {
     for (const std::string& m : s.loading) chain += m + " -> ";
     fail(L, "require: modules need each other in a circle: " + chain + name);
   }
+  // its file: the libraries first, then the folder of the scene
   std::string relative = name;
   std::replace(relative.begin(), relative.end(), '.', '/');
   relative += ".lua";
@@ -131,6 +124,7 @@ int lua_require(lua_State* L) {
     fail(L, "require: no module '" + name + "': no file " + relative + " in the " +
                 std::to_string(s.options.library_roots.size()) + " library folders" + where);
   }
+  // what it returns is kept under its name; true for nothing
   run_module(L, name, file);
   if (lua_isnil(L, -1)) lua_pop(L, 1), lua_pushboolean(L, 1);
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.modules_ref);
@@ -153,18 +147,20 @@ int feder_load(lua_State* L) {
          {root, root / "materials", root / "scenes" / "materials", root / ".." / "scenes" / "materials"})
       if (file.empty()) file = inside(folder, name);
   if (file.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
-  note_file(s, file);
-  const std::string text = read_text(file);
+  record_file(s, file);
+  push_yaml(L, chunk_name(file), read_text(file));
+  return 1;
+}
+
+void push_yaml(lua_State* L, const std::string& file, const std::string& text) {
   std::string error;
   try {
-    s.options.load_yaml(L, chunk_name(file), text);
-    return 1;
+    state(L).options.load_yaml(L, file, text);
+    return;
   } catch (const ScriptError& e) {
     error = e.what();
   }
-  // the error has the place in the file; the script's own place would hide it
-  lua_pushstring(L, error.c_str());
-  return lua_error(L);
+  raise_error(L, error);
 }
 
 }  // namespace feder::lua

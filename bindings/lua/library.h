@@ -6,8 +6,10 @@ namespace feder::lua {
 
 int lua_require(lua_State* L);
 int feder_load(lua_State* L);
+// Pushes what the text of a YAML file says, by the host's reader; its error has the location in the file.
+void push_yaml(lua_State* L, const std::string& file, const std::string& text);
 // Remembers that the script reads this file, for Script::files.
-void note_file(State& s, const std::filesystem::path& file);
+void record_file(State& s, const std::filesystem::path& file);
 // Reads a file of at most 64 MB; SceneError when it cannot.
 std::string read_text(const std::filesystem::path& file);
 // The name of a file in messages: as short as it can be said from here, at most 58 characters.

@@ -3,7 +3,7 @@
 #include "lua/buffer.h"
 #include "lua/docs.h"
 #include "lua/library.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 #include "lua/params.h"
 #include "lua/plot.h"
 #include "lua/sandbox.h"
@@ -13,8 +13,6 @@
 
 namespace feder::lua {
 namespace {
-
-constexpr const char* kVersion = FEDER_VERSION;
 
 int feder_world(lua_State* L) {
   State& s = state(L);
@@ -26,17 +24,12 @@ int feder_world(lua_State* L) {
   WorldRecord& r = push_new_world(L, settings);
   // a scene's own world stays the host's
   if (s.is_scene && s.phase != Phase::loading) return 1;
-  luaL_unref(L, LUA_REGISTRYINDEX, s.last_world_ref);
-  lua_pushvalue(L, -1);
-  s.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.last_world_ref);
   s.last_world = r.id;
   return 1;
 }
 
-int feder_deg(lua_State* L) {
-  lua_pushnumber(L, check_number(L, 1, function_name(L)) * 0.01745329251994329577);
-  return 1;
-}
+double feder_deg(lua_State* L) { return check_number(L, 1, function_name(L)) * 0.01745329251994329577; }
 
 // The names that an option of a class takes: "cloth.solver".
 int feder_choices(lua_State* L) {
@@ -44,23 +37,13 @@ int feder_choices(lua_State* L) {
   for (const DocRow& row : docs(state(L).options.parts))
     for (const OptionInfo& o : row.options) {
       if (row.name + "." + o.row.name != wanted || o.choices.empty()) continue;
-      lua_newtable(L);
-      std::size_t from = 0;
-      for (lua_Integer k = 1; from < o.choices.size(); ++k) {
-        const std::size_t end = std::min(o.choices.find(", ", from), o.choices.size());
-        lua_pushlstring(L, o.choices.data() + from, end - from);
-        lua_rawseti(L, -2, k);
-        from = end + 2;
-      }
+      push_list(L, split_choices(o.choices), [&](std::string_view choice) { push(L, choice); });
       return 1;
     }
   fail_here(L, "expected an option with choices, such as \"fluid.solver\", got " + describe(L, 1));
 }
 
-int feder_version(lua_State* L) {
-  lua_pushstring(L, kVersion);
-  return 1;
-}
+const char* feder_version(lua_State*) { return FEDER_VERSION; }
 
 const Method kFederFunctions[] = {
     {"world", guard<feder_world>, "feder.world{ gravity =, dt =, substeps =, ... } -> world",
@@ -74,7 +57,7 @@ const Method kFederFunctions[] = {
      "a YAML file beside the scene or in the libraries"},
     {"choices", guard<feder_choices>, "feder.choices(option) -> {name, ...}",
      "what an option takes in this build: \"cloth.solver\", \"net.integrator\""},
-    {"deg", guard<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
+    {"deg", method<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
     {"buffer", guard<feder_buffer>, "feder.buffer(n) -> buffer", "n numbers for bulk data; buf[i] counts from 1"},
     {"wait", guard<feder_wait>, "feder.wait(seconds)", "in a task: simulated seconds, at least one step"},
     {"wait_until", guard<feder_wait_until>, "feder.wait_until(fn)",
@@ -85,32 +68,34 @@ const Method kFederFunctions[] = {
      "what systems say before a run; per net: verdict, method, limit, h, hw, frequency, decay, substeps, integrator, "
      "error, error_class, resolved_hertz: is the step stable, how large are its errors, what would do"},
     {"plot", guard<feder_plot>, "feder.plot(name, value)", "a value over simulated time; the viewer draws it"},
-    {"version", guard<feder_version>, "feder.version() -> string", "of feder"},
+    {"version", method<feder_version>, "feder.version() -> string", "of feder"},
 };
 
 }  // namespace
 
-std::span<const Method> feder_functions() { return kFederFunctions; }
-
 void open_module(lua_State* L) {
-  const std::span<const Method> shape[] = {shape_methods()}, buffer[] = {buffer_methods()},
-                                connection[] = {connection_methods()}, task[] = {task_methods()},
-                                event[] = {event_methods()};
-  make_class(L, Class::shape, shape), make_class(L, Class::buffer, buffer),
-      make_class(L, Class::connection, connection);
-  make_class(L, Class::task, task), make_class(L, Class::event, event);
+  make_class(L, Class::shape, {shape_methods()});
+  make_class(L, Class::buffer, {buffer_methods()});
+  make_class(L, Class::connection, {connection_methods()});
+  make_class(L, Class::task, {task_methods()});
+  make_class(L, Class::event, {event_methods()});
   open_shapes(L);
   open_buffer(L);
   open_events(L);
   lua_newtable(L);
-  add_methods(L, feder_functions(), "feder.", 0);
+  add_methods(L, kFederFunctions, "feder.", 0);
   add_methods(L, shape_functions(), "feder.", 0);
   for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
-  lua_pushnumber(L, 3.14159265358979323846);
-  lua_setfield(L, -2, "pi");
+  set_field(L, "pi", 3.14159265358979323846);
   lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
   lua_pushvalue(L, -2);
   lua_setfield(L, -2, "feder");
+}
+
+void push_module(lua_State* L) {
+  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
+  lua_getfield(L, -1, "feder");
+  lua_remove(L, -2);
 }
 
 std::vector<DocRow> docs(std::span<const Part* const> parts) {
@@ -119,7 +104,7 @@ std::vector<DocRow> docs(std::span<const Part* const> parts) {
     for (const Method& m : methods)
       rows.push_back({owner, m.name, m.signature, m.doc, m.options ? m.options() : std::vector<OptionInfo>{}});
   };
-  add("feder", feder_functions()), add("feder", shape_functions());
+  add("feder", kFederFunctions), add("feder", shape_functions());
   for (const Part* p : parts) add("feder", p->functions);
   add("world", world_methods());
   for (const Part* p : parts) add("world", p->world);
@@ -151,19 +136,17 @@ std::vector<OptionInfo> system_options(Catalog systems, std::string_view system)
   std::vector<std::vector<OptionInfo>> each;
   const std::string names = solver->choices;
   for (std::string_view name : split_choices(names)) each.push_back(read(std::string(name)));
-  std::vector<OptionInfo> out;
-  std::size_t k = 0;
+  std::vector<OptionInfo> shared;
   for (const OptionInfo& o : all)
     if (std::all_of(each.begin(), each.end(), [&](const auto& rows) { return known(rows, o.row.name) != rows.end(); }))
+      shared.push_back(o);
+  std::vector<OptionInfo> out = shared;
+  for (std::size_t k = 0; k < each.size(); ++k)
+    for (OptionInfo& o : each[k]) {
+      if (known(shared, o.row.name) != shared.end()) continue;
+      o.of = std::string(split_choices(names)[k]);
       out.push_back(o);
-  const std::size_t shared = out.size();
-  for (std::string_view name : split_choices(names)) {
-    for (const OptionInfo& o : each[k])
-      if (std::none_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(shared),
-                       [&](const OptionInfo& s) { return std::string_view(s.row.name) == o.row.name; }))
-        out.push_back(o), out.back().of = std::string(name);
-    ++k;
-  }
+    }
   return out;
 }
 

@@ -17,7 +17,7 @@ struct AdviceRow {
   std::string error_class;  // "1e-2": the decade above the error of the fastest mode per period; "exact", "tolerance"
 };
 
-constexpr int kMostSubsteps = 200;  // beyond, an implicit method is cheaper
+constexpr int kMaxSubsteps = 200;  // beyond, an implicit method is cheaper
 
 std::string number(double x) {
   char text[32];
@@ -50,7 +50,7 @@ std::string plain_method(const NetAdvice& a, int substeps, int& needed) {
     const IntegratorInfo info = v.make(arena, Params())->info();
     if (!info.symplectic || info.implicit || info.evals_per_step != 1) continue;
     const double count = std::ceil(a.h * a.frequency * substeps / (NetAdvice::kSafeShare * info.stability_limit));
-    needed = count <= kMostSubsteps ? std::max(1, static_cast<int>(count)) : 0;
+    needed = count <= kMaxSubsteps ? std::max(1, static_cast<int>(count)) : 0;
     return needed > 0 ? v.name : "";
   }
   return "";
@@ -61,7 +61,7 @@ void suggest(AdviceRow& row, int substeps) {
   row.integrator = a.integrator;
   row.substeps = substeps;
   if (a.stable) return;
-  if (!a.never_stable && a.substeps > 0 && a.substeps <= kMostSubsteps) {
+  if (!a.never_stable && a.substeps > 0 && a.substeps <= kMaxSubsteps) {
     row.substeps = a.substeps;
     return;
   }
@@ -118,15 +118,14 @@ std::vector<Advice> advise_nets(World& world) {
     const NetAdvice& a = row.numbers;
     row.object = world.objects().describe(id);
     const char* verdict = a.never_stable ? "never stable" : a.stable ? "stable" : "unstable";
-    const std::string error = a.method.adaptive ? "tolerance" : a.method.exact_linear ? "exact" : decade(a.error);
-    row.error_class = error;
+    row.error_class = a.method.adaptive ? "tolerance" : a.method.exact_linear ? "exact" : decade(a.error);
     suggest(row, d.substeps);
     rows.push_back({id,
                     sentence(row, d.substeps),
                     {{"verdict", verdict},
                      {"method", a.integrator},
                      {"integrator", row.integrator},
-                     {"error_class", error},
+                     {"error_class", row.error_class},
                      {"limit", a.method.stability_limit},
                      {"h", a.h},
                      {"hw", a.stability_number},

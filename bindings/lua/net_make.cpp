@@ -1,5 +1,4 @@
 // world:net{ ... }: points, masses, springs, pins, and what the net does with bodies.
-#include <algorithm>
 
 #include "integrate/integrator.h"
 #include "lua/buffer.h"
@@ -26,8 +25,6 @@ constexpr Option<SpringDesc> kSpring[] = {
     field<&SpringDesc::power>("power", "", {1, 9}),
     field<&SpringDesc::tension_only>("tension_only"),
 };
-
-std::vector<OptionInfo> spring_rows() { return describe_rows(kSpring); }
 
 // More than the two numbers, which is all that most springs of a large net have?
 bool has_options(lua_State* L, int index) {
@@ -56,10 +53,7 @@ void read_masses(Options& o, const OptionRow& row, NetReading& desc) {
     if (given != count)
       o.raise("masses", "expected " + std::to_string(count) + " numbers, one per point, got " + std::to_string(given));
     for (std::size_t i = 0; i < count; ++i) {
-      if (numbers.data())
-        lua_pushnumber(L, numbers[i]);
-      else
-        lua_rawgeti(L, -1, static_cast<lua_Integer>(i) + 1);
+      numbers.data() ? push(L, numbers[i]) : lua_rawgeti(L, -1, static_cast<lua_Integer>(i) + 1);
       desc.masses[i] =
           static_cast<Real>(check_number(L, -1, o.path("masses") + "[" + std::to_string(i + 1) + "]", row.range));
       lua_pop(L, 1);
@@ -75,14 +69,13 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
   if (lua_type(L, index) != LUA_TTABLE)
     fail(L, what + ": expected {i, j, stiffness =, ...}, got " + describe(L, index));
   SpringDesc s = defaults;
-  const auto last = static_cast<std::int64_t>(count);
   const auto field = [&](int k, const char* name) {
     if (lua_rawgeti(L, index, k) == LUA_TNIL) {
       lua_pop(L, 1);
       lua_pushstring(L, name);
       lua_rawget(L, index);
     }
-    const auto i = static_cast<std::uint32_t>(check_integer(L, -1, what + "." + name, 1, last) - 1);
+    const std::uint32_t i = check_index(L, -1, what + "." + name, count);
     lua_pop(L, 1);
     return i;
   };
@@ -90,7 +83,7 @@ SpringDesc read_spring_row(lua_State* L, int index, const std::string& what, std
   if (s.i == s.j) fail(L, what + ": expected two different points, got " + std::to_string(s.i + 1) + " twice");
   if (has_options(L, index)) {
     Options o(L, index, what);
-    o.skip_places(2);
+    o.skip_entries(2);
     o.read(kSpring, s);
   }
   return s;
@@ -105,72 +98,47 @@ void read_springs(Options& o, const OptionRow&, NetReading& desc) {
     o.raise("springs", "expected at most " + std::to_string(kMaxSprings) + " springs, got " + std::to_string(count));
   desc.springs.reserve(count);
   charge(L, count);
-  for (std::size_t k = 1; k <= count; ++k) {
-    lua_rawgeti(L, -1, static_cast<lua_Integer>(k));
+  each_entry(L, -1, [&](lua_Integer k) {
     const std::string what = o.path("springs") + "[" + std::to_string(k) + "]";
     const SpringDesc s = read_spring_row(L, -1, what, desc.points.size(), defaults);
     if (s.rest_length < 0 && !(length(desc.points[s.i] - desc.points[s.j]) > 0))
       fail(L, what + ": points " + std::to_string(s.i + 1) + " and " + std::to_string(s.j + 1) +
                   " are at the same place; expected a rest_length, got nil");
     desc.springs.push_back(s);
-    lua_pop(L, 1);
-  }
+  });
   lua_pop(L, 1);
 }
 
 // A list of point numbers.
 void read_pins(Options& o, const OptionRow&, NetReading& desc) {
-  const std::size_t points = desc.points.size();
   if (!o.push("pins", LUA_TTABLE, "a list of point numbers")) return;
-  lua_State* L = o.L();
-  const auto count = lua_rawlen(L, -1);
-  for (std::size_t k = 1; k <= count; ++k) {
-    lua_rawgeti(L, -1, static_cast<lua_Integer>(k));
-    desc.pins.push_back(static_cast<std::size_t>(
-        check_integer(L, -1, o.path("pins") + "[" + std::to_string(k) + "]", 1, static_cast<std::int64_t>(points)) -
-        1));
-    lua_pop(L, 1);
-  }
-  lua_pop(L, 1);
+  each_entry(o.L(), -1, [&](lua_Integer k) {
+    desc.pins.push_back(check_index(o.L(), -1, o.path("pins") + "[" + std::to_string(k) + "]", desc.points.size()));
+  });
+  lua_pop(o.L(), 1);
 }
 
 // Triangles of point numbers, for drawing, export and fluids; a face of four is cut in two.
 void read_faces(Options& o, const OptionRow&, NetReading& desc) {
-  const std::size_t points = desc.points.size();
   if (!o.push("faces", LUA_TTABLE, "a list of {i, j, k}")) return;
-  lua_State* L = o.L();
-  const auto count = lua_rawlen(L, -1);
-  for (std::size_t f = 1; f <= count; ++f) {
-    lua_rawgeti(L, -1, static_cast<lua_Integer>(f));
+  std::vector<std::uint32_t> corner;
+  each_entry(o.L(), -1, [&](lua_Integer f) {
     const std::string what = o.path("faces") + "[" + std::to_string(f) + "]";
-    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) < 3 || lua_rawlen(L, -1) > 4)
-      fail(L, what + ": expected three or four point numbers, got " + describe(L, -1));
-    const int corners = static_cast<int>(lua_rawlen(L, -1));
-    std::uint32_t corner[4] = {};
-    for (int k = 0; k < corners; ++k) {
-      lua_rawgeti(L, -1, k + 1);
-      corner[k] = static_cast<std::uint32_t>(check_integer(L, -1, what, 1, static_cast<std::int64_t>(points)) - 1);
-      lua_pop(L, 1);
-    }
+    corner.clear();
+    check_indices(o.L(), -1, what, "three or four point numbers", 3, 4, desc.points.size(), corner);
     desc.faces.insert(desc.faces.end(), {corner[0], corner[1], corner[2]});
-    if (corners == 4) desc.faces.insert(desc.faces.end(), {corner[0], corner[2], corner[3]});
-    lua_pop(L, 1);
-  }
-  lua_pop(L, 1);
+    if (corner.size() == 4) desc.faces.insert(desc.faces.end(), {corner[0], corner[2], corner[3]});
+  });
+  lua_pop(o.L(), 1);
 }
 
 void read_points(Options& o, const OptionRow&, NetReading& desc) {
-  if (!o.push_any("points")) o.wrong("points", "a list of {x, y, z} or a buffer");
-  desc.points = check_points(o.L(), -1, o.path("points"), o.planar());
-  lua_pop(o.L(), 1);
+  if (!points_option(o, "points", desc.points)) o.wrong("points", "a list of {x, y, z} or a buffer");
   if (desc.points.empty()) o.raise("points", "expected at least one point, got none");
 }
 
 void read_velocities(Options& o, const OptionRow&, NetReading& desc) {
-  if (!o.push_any("velocities")) return;
-  desc.velocities = check_points(o.L(), -1, o.path("velocities"), o.planar());
-  lua_pop(o.L(), 1);
-  if (desc.velocities.size() != desc.points.size())
+  if (points_option(o, "velocities", desc.velocities) && desc.velocities.size() != desc.points.size())
     o.raise("velocities", "expected " + std::to_string(desc.points.size()) + ", one per point, got " +
                               std::to_string(desc.velocities.size()));
 }
@@ -192,7 +160,7 @@ constexpr Option<NetReading> kNet[] = {
     field<&SpringDesc::break_strain>("break_strain", "", kPositive),
     field<&SpringDesc::tension_only>("tension_only"),
     field<&SpringDesc::power>("power", "", {1, 9}),
-    {{.name = "springs"}, "list of {i, j, ...}", read_springs, nullptr, spring_rows},
+    {{.name = "springs"}, "list of {i, j, ...}", read_springs, nullptr, rows_of<kSpring>},
     special("faces", "list of {i, j, k}", read_faces),
     {{.name = "integrator"}, "string", read_integrator, show_integrator, nullptr, names_of<integrators>},
     field<&NetDesc::integrator_options>("integrator_options").with(options_of<integrators>),
@@ -217,18 +185,14 @@ SpringDesc read_spring(Options& o, std::size_t point_count) {
 
 std::vector<OptionInfo> net_rows() { return describe_rows(kNet); }
 
-int world_net(lua_State* L) {
-  WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  NetReading net;
-  o.read(kNet, net);
-  net.tags = tag_option(o, r);
-  const ObjectId id = r.world->need<Springs>().add_net(net);
-  for (std::size_t i : net.pins) r.world->need<Springs>().pin(id, i);
-  if (!net.faces.empty()) r.look.faces[id] = net.faces;
-  if (net.painted) r.look.colors[id] = net.color;
-  push_handle(L, r, id);
-  return 1;
+ObjectId world_net(WorldRecord& r, lua_State* L) {
+  const NetReading net = read_description(L, r, kNet);
+  Springs& springs = system_of<Springs>(r);
+  const ObjectId id = springs.add_net(net);
+  for (std::size_t i : net.pins) springs.pin(id, i);
+  if (!net.faces.empty()) r.appearance.faces[id] = net.faces;
+  if (net.painted) r.appearance.colors[id] = net.color;
+  return id;
 }
 
 }  // namespace feder::lua

@@ -7,7 +7,6 @@ namespace feder::lua {
 
 std::span<const Method> world_methods();
 
-int push_vector(lua_State* L, const Vec3& v);  // three numbers
 // The argument, a number from 1 to `count`, as an index from 0; an error says what there is so many of ("point").
 std::size_t number_in(lua_State* L, int index, std::size_t count, const char* what);
 inline int return_self(lua_State* L) {

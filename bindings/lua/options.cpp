@@ -1,3 +1,4 @@
+// Options tables and arguments: types and ranges, messages of mistakes, and where they stand.
 #include "lua/options.h"
 
 #include <algorithm>
@@ -5,6 +6,7 @@
 #include <cstring>
 
 #include "feder/error.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -13,44 +15,59 @@ namespace {
   fail(L, what + ": expected " + expected + ", got " + describe(L, index));
 }
 
-Real to_real(lua_State* L, int index, const std::string& what) {
-  return static_cast<Real>(check_number(L, index, what));
+// What the number at `index` should have been; empty when it is right.
+std::string expected_number(lua_State* L, int index, const Range& range) {
+  if (lua_type(L, index) != LUA_TNUMBER) return range.text();
+  const double x = lua_tonumber(L, index);
+  if (!std::isfinite(x)) return "a finite number";
+  // an open bound is compared in Real: what is positive in double may be zero in float
+  if (x >= range.lo && x <= range.hi && (!range.open || static_cast<Real>(x) > static_cast<Real>(range.lo))) return {};
+  return std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30" : range.text();
 }
 
-// The number at t[i] of the table at `index`.
-Real component(lua_State* L, int index, int i, const std::string& what) {
-  static const char* const names[] = {"x", "y", "z", "w"};
-  lua_rawgeti(L, index, i);
-  const Real value = to_real(L, -1, what + "." + names[i - 1]);
-  lua_pop(L, 1);
-  return value;
+// The vector at `index`. wrong(i, expected, got) raises what is none: component i from 1 on, or the whole of it (0).
+template <class F>
+Vec3 read_vector(lua_State* L, int index, bool planar, F&& wrong) {
+  index = lua_absindex(L, index);
+  const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";
+  if (lua_type(L, index) != LUA_TTABLE) wrong(0, expected, describe(L, index));
+  const auto size = lua_rawlen(L, index);
+  if (size != 3 && !(planar && size == 2))
+    wrong(0, expected, "a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+  Vec3 v = Vec3::Zero();
+  each_entry(L, index, [&](lua_Integer i) {
+    const double x = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : std::nan("");
+    if (!(std::abs(x) <= kHuge)) wrong(static_cast<int>(i), "a finite number", describe(L, -1));
+    v[i - 1] = static_cast<Real>(x);
+  });
+  return v;
 }
 
-struct Turn {
+struct RotationOptions {
   Vec3 axis = Vec3::Zero(), euler = Vec3::Zero();
   Real angle = 0;
   std::string order = "xyz";
   bool fixed = false;
 };
 
-constexpr Option<Turn> kTurn[] = {
-    direction<&Turn::axis>("axis"),
-    field<&Turn::angle>("angle", "rad").unset(),
-    field<&Turn::euler>("euler", "rad").unset(),
-    field<&Turn::order>("order"),
-    field<&Turn::fixed>("fixed"),
+constexpr Option<RotationOptions> kRotation[] = {
+    direction<RotationOptions, &RotationOptions::axis>("axis"),
+    field<&RotationOptions::angle>("angle", "rad").unset(),
+    field<&RotationOptions::euler>("euler", "rad").unset(),
+    field<&RotationOptions::order>("order"),
+    field<&RotationOptions::fixed>("fixed"),
 };
 
-Quat euler_rotation(Options& o, const Turn& turn) {
-  if (turn.order.size() != 3 || turn.order.find_first_not_of("xyz") != std::string::npos)
-    o.raise("order", "expected three of the letters x, y, z, got '" + turn.order + "'");
-  // turning about the body's own axes multiplies on the right, about the fixed axes on the left
+Quat euler_rotation(Options& o, const RotationOptions& rotation) {
+  if (rotation.order.size() != 3 || rotation.order.find_first_not_of("xyz") != std::string::npos)
+    o.raise("order", "expected three of the letters x, y, z, got '" + rotation.order + "'");
+  // rotating about the body's own axes multiplies on the right, about the fixed axes on the left
   Quat q;
   for (int k = 0; k < 3; ++k) {
     Vec3 axis = Vec3::Zero();
-    axis[turn.order[static_cast<std::size_t>(k)] - 'x'] = 1;
-    const Quat one = from_axis_angle(axis, turn.euler[k]);
-    q = turn.fixed ? one * q : q * one;
+    axis[rotation.order[static_cast<std::size_t>(k)] - 'x'] = 1;
+    const Quat one = from_axis_angle(axis, rotation.euler[k]);
+    q = rotation.fixed ? one * q : q * one;
   }
   return normalized(q);
 }
@@ -58,16 +75,9 @@ Quat euler_rotation(Options& o, const Turn& turn) {
 }  // namespace
 
 double check_number(lua_State* L, int index, const std::string& what, const Range& range) {
-  if (lua_type(L, index) != LUA_TNUMBER) wrong_value(L, index, what, range.text());
-  const double x = lua_tonumber(L, index);
-  if (!std::isfinite(x)) wrong_value(L, index, what, "a finite number");
-  if (x < range.lo || x > range.hi || (range.open && x <= range.lo)) {
-    const bool huge = std::abs(x) > kHuge && range.hi >= kHuge;
-    wrong_value(L, index, what, huge ? "a number of at most 1e30" : range.text());
-  }
-  // positive in double, zero in float
-  if (range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo))) wrong_value(L, index, what, range.text());
-  return x;
+  const std::string expected = expected_number(L, index, range);
+  if (!expected.empty()) wrong_value(L, index, what, expected);
+  return lua_tonumber(L, index);
 }
 
 std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi) {
@@ -79,22 +89,36 @@ std::int64_t check_integer(lua_State* L, int index, const std::string& what, std
   return i;
 }
 
+std::uint32_t check_index(lua_State* L, int index, const std::string& what, std::size_t count) {
+  return static_cast<std::uint32_t>(check_integer(L, index, what, 1, static_cast<std::int64_t>(count)) - 1);
+}
+
+void check_indices(lua_State* L, int index, const std::string& what, const char* expected, std::size_t least,
+                   std::size_t most, std::size_t count, std::vector<std::uint32_t>& out) {
+  if (lua_type(L, index) != LUA_TTABLE || lua_rawlen(L, index) < least || lua_rawlen(L, index) > most)
+    wrong_value(L, index, what, expected);
+  each_entry(L, index, [&](lua_Integer) { out.push_back(check_index(L, -1, what, count)); });
+}
+
 const char* check_text(lua_State* L, int index, const std::string& what) {
   if (lua_type(L, index) != LUA_TSTRING) wrong_value(L, index, what, "a string");
   return lua_tostring(L, index);
 }
 
+bool flag_argument(lua_State* L, int index) {
+  if (lua_type(L, index) != LUA_TBOOLEAN) fail_here(L, "expected true or false, got " + describe(L, index));
+  return lua_toboolean(L, index) != 0;
+}
+
+Real number_argument(lua_State* L, int index, const Range& range) {
+  return static_cast<Real>(check_number(L, index, function_name(L), range));
+}
+
 Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar) {
-  index = lua_absindex(L, index);
-  const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";
-  if (lua_type(L, index) != LUA_TTABLE) wrong_value(L, index, what, expected);
-  const auto size = lua_rawlen(L, index);
-  if (size != 3 && !(planar && size == 2))
-    fail(L, what + ": expected " + expected + ", got a table of " + std::to_string(size) +
-                (size == 1 ? " value" : " values"));
-  Vec3 v = Vec3::Zero();
-  for (int i = 1; i <= static_cast<int>(size); ++i) v[i - 1] = component(L, index, i, what);
-  return v;
+  return read_vector(L, index, planar, [&](int i, const char* expected, const std::string& got) {
+    if (i > 0) check_number(L, -1, what + "." + "xyz"[i - 1]);
+    fail(L, what + ": expected " + expected + ", got " + got);
+  });
 }
 
 Quat check_rotation(lua_State* L, int index, const std::string& what) {
@@ -102,24 +126,25 @@ Quat check_rotation(lua_State* L, int index, const std::string& what) {
   if (lua_type(L, index) != LUA_TTABLE)
     wrong_value(L, index, what, "{x, y, z, w}, {axis =, angle =} or {euler = {..}}");
   if (lua_rawlen(L, index) == 4) {
-    Quat q;
-    q.x = component(L, index, 1, what), q.y = component(L, index, 2, what);
-    q.z = component(L, index, 3, what), q.w = component(L, index, 4, what);
-    const double n = static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z +
-                     static_cast<double>(q.w) * q.w;
+    Real q[4] = {};
+    double n = 0;
+    each_entry(L, index, [&](lua_Integer i) {
+      q[i - 1] = static_cast<Real>(check_number(L, -1, what + "." + "xyzw"[i - 1]));
+      n += static_cast<double>(q[i - 1]) * q[i - 1];
+    });
     if (!(n > 1e-12 && n < 1e12))
       fail(L, what + ": expected a quaternion of length 1, got one of length " + print_number(std::sqrt(n)));
-    return normalized(q);
+    return normalized({q[0], q[1], q[2], q[3]});
   }
   Options o(L, index, what);
-  Turn turn;
-  o.read(kTurn, turn);
-  if (o.has("euler")) return euler_rotation(o, turn);
+  RotationOptions rotation;
+  o.read(kRotation, rotation);
+  if (o.has("euler")) return euler_rotation(o, rotation);
   if (!o.has("axis") || !o.has("angle"))
     fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
                 (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values"
                                       : "a table without them"));
-  return from_axis_angle(turn.axis, turn.angle);
+  return from_axis_angle(rotation.axis, rotation.angle);
 }
 
 Vec3 vector_argument(lua_State* L, int index, bool planar, int* next) {
@@ -150,11 +175,9 @@ void set_param(lua_State* L, int index, const std::string& key, const std::strin
       const auto size = lua_rawlen(L, index);
       if (size > 1024) fail(L, what + ": expected a list of at most 1024 numbers, got " + std::to_string(size));
       std::vector<double> list;
-      for (std::size_t i = 1; i <= size; ++i) {
-        lua_rawgeti(L, index, static_cast<lua_Integer>(i));
+      each_entry(L, index, [&](lua_Integer i) {
         list.push_back(check_number(L, -1, what + "[" + std::to_string(i) + "]", Range{}));
-        lua_pop(L, 1);
-      }
+      });
       out.set(key, std::move(list));
       return;
     }
@@ -168,25 +191,30 @@ Options::Options(lua_State* L, int index, std::string owner, bool planar)
   if (lua_type(L, index_) != LUA_TTABLE) wrong_value(L, index_, owner_, "a table of options { ... }");
 }
 
-void Options::raise_at(const std::string& key, const std::string& message) {
-  // tables read from a YAML file remember where their keys stood
+std::string yaml_location(lua_State* L, int table, std::string_view key) {
+  const int top = lua_gettop(L);
+  table = lua_absindex(L, table);
   std::string at;
-  if (lua_getfield(L_, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L_, index_);
-    if (lua_rawget(L_, -2) == LUA_TTABLE) {
-      lua_pushlstring(L_, key.data(), key.size());
-      if (lua_rawget(L_, -2) != LUA_TSTRING) {
-        lua_pop(L_, 1);
-        lua_pushboolean(L_, 1);
-        lua_rawget(L_, -2);
+  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
+    lua_pushvalue(L, table);
+    if (lua_rawget(L, -2) == LUA_TTABLE) {
+      // of the key; else of the table, under true
+      push(L, key);
+      if (lua_rawget(L, -2) != LUA_TSTRING) {
+        push(L, true);
+        lua_rawget(L, top + 2);
       }
-      if (lua_type(L_, -1) == LUA_TSTRING) at = lua_tostring(L_, -1);
+      if (lua_type(L, -1) == LUA_TSTRING) at = lua_tostring(L, -1);
     }
   }
+  lua_settop(L, top);
+  return at;
+}
+
+void Options::raise_at(const std::string& key, const std::string& message) {
+  const std::string at = yaml_location(L_, index_, key);
   if (at.empty()) fail(L_, message);
-  lua_pushstring(L_, (at + ": " + message).c_str());
-  lua_error(L_);
-  std::abort();  // lua_error does not return
+  raise_error(L_, at + ": " + message);
 }
 
 void Options::raise(const char* key, const std::string& message) {
@@ -221,24 +249,16 @@ bool Options::given(const char* key) const {
 }
 
 bool Options::has(const char* key) {
-  if (!push_any(key)) return false;
-  lua_pop(L_, 1);
-  return true;
+  FEDER_ASSERT(std::find(known_.begin(), known_.end(), key) != known_.end());  // its row
+  return given(key);
 }
 
 bool Options::number(const char* key, double& out, const Range& range) {
   if (!push_any(key)) return false;
-  const double x = lua_type(L_, -1) == LUA_TNUMBER ? lua_tonumber(L_, -1) : std::nan("");
-  const bool good = std::isfinite(x) && x >= range.lo && x <= range.hi &&
-                    !(range.open && !(static_cast<Real>(x) > static_cast<Real>(range.lo)));
-  if (!good) {
-    const bool finite = lua_type(L_, -1) != LUA_TNUMBER || std::isfinite(x);
-    wrong(key, !finite                                    ? "a finite number"
-               : std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30"
-                                                          : range.text());
-  }
+  const std::string expected = expected_number(L_, -1, range);
+  if (!expected.empty()) wrong(key, expected);
+  out = lua_tonumber(L_, -1);
   lua_pop(L_, 1);
-  out = x;
   return true;
 }
 
@@ -272,26 +292,11 @@ bool Options::text(const char* key, std::string& out) {
 
 bool Options::vector(const char* key, Vec3& out) {
   if (!push_any(key)) return false;
-  const char* expected = planar_ ? "{x, y} or {x, y, z}" : "{x, y, z}";
-  if (lua_type(L_, -1) != LUA_TTABLE) wrong(key, expected);
-  const int at = lua_gettop(L_);
-  const auto size = lua_rawlen(L_, at);
-  if (size != 3 && !(planar_ && size == 2))
-    raise(key, std::string("expected ") + expected + ", got a table of " + std::to_string(size) +
-                   (size == 1 ? " value" : " values"));
-  Vec3 v = Vec3::Zero();
-  for (int i = 1; i <= static_cast<int>(size); ++i) {
-    lua_rawgeti(L_, at, i);
-    const double x = lua_type(L_, -1) == LUA_TNUMBER ? lua_tonumber(L_, -1) : std::nan("");
-    if (!(std::abs(x) <= kHuge)) {
-      const std::string which = std::string(key) + "." + "xyz"[i - 1];
-      raise_at(key, path(which.c_str()) + ": expected a finite number, got " + describe(L_, -1));
-    }
-    v[i - 1] = static_cast<Real>(x);
-    lua_pop(L_, 1);
-  }
+  out = read_vector(L_, -1, planar_, [&](int i, const char* expected, const std::string& got) {
+    const std::string what = i > 0 ? path(key) + "." + "xyz"[i - 1] : path(key);
+    raise_at(key, what + ": expected " + expected + ", got " + got);
+  });
   lua_pop(L_, 1);
-  out = v;
   return true;
 }
 
@@ -331,13 +336,11 @@ bool Options::words(const char* key, std::vector<std::string>& out) {
     if (lua_type(L_, -1) != LUA_TTABLE) wrong(key, "a string or a list of strings");
     const auto size = lua_rawlen(L_, -1);
     if (size > 64) raise(key, "expected at most 64 strings, got " + std::to_string(size));
-    for (std::size_t i = 1; i <= size; ++i) {
-      lua_rawgeti(L_, -1, static_cast<lua_Integer>(i));
+    each_entry(L_, -1, [&](lua_Integer i) {
       if (lua_type(L_, -1) != LUA_TSTRING)
         raise(key, "expected a list of strings, got " + describe(L_, -1) + " at " + std::to_string(i));
       list.emplace_back(lua_tostring(L_, -1));
-      lua_pop(L_, 1);
-    }
+    });
   }
   lua_pop(L_, 1);
   out = std::move(list);
@@ -376,7 +379,7 @@ void Options::finish() {
   lua_pushnil(L_);
   while (lua_next(L_, index_)) {
     lua_pop(L_, 1);
-    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= places_) continue;
+    if (lua_isinteger(L_, -1) && lua_tointeger(L_, -1) >= 1 && lua_tointeger(L_, -1) <= entries_) continue;
     if (lua_type(L_, -1) != LUA_TSTRING) raise(nullptr, "expected options by name, got the key " + describe(L_, -1));
     const std::string key = lua_tostring(L_, -1);
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
@@ -385,9 +388,7 @@ void Options::finish() {
   }
   if (!found) return;
   const std::vector<std::string> names(known_.begin(), known_.end());
-  const std::string near = nearest_name(unknown, names);
-  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" +
-                        (near.empty() ? "; known: " + join(names) : "; did you mean '" + near + "'?"));
+  raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" + did_you_mean_or(unknown, names));
 }
 
 }  // namespace feder::lua

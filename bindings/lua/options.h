@@ -50,7 +50,7 @@ class Options {
   }
 
   // The first `count` values by number are no options: {"ice", "rubber", friction = 0.1}.
-  void skip_places(lua_Integer count) { places_ = count; }
+  void skip_entries(lua_Integer count) { entries_ = count; }
 
   // By key, which must have a row. Each returns false, `out` untouched, when it is absent.
   bool has(const char* key);
@@ -77,12 +77,12 @@ class Options {
   bool rotation(const char* key, Quat& out);  // {x,y,z,w} | {axis=, angle=} | {euler=, order=, fixed=}
   // A colour as 0xrrggbb: { r, g, b } with parts of 0..1, "#rrggbb", or a name.
   bool color(const char* key, std::uint32_t& out);
-  // The place of the word in "a, b, c".
+  // The index of the word in "a, b, c".
   template <class Enum>
   bool choice(const char* key, const char* choices, Enum& out) {
-    int place = 0;
-    if (!word(key, choices, place)) return false;
-    out = static_cast<Enum>(place);
+    int index = 0;
+    if (!word(key, choices, index)) return false;
+    out = static_cast<Enum>(index);
     return true;
   }
   bool words(const char* key, std::vector<std::string>& out);  // "a" or {"a", "b"}
@@ -114,7 +114,7 @@ class Options {
   int index_;
   std::string owner_;
   bool planar_;
-  lua_Integer places_ = 0;
+  lua_Integer entries_ = 0;
   std::vector<std::string_view> known_;
 };
 
@@ -174,17 +174,9 @@ std::vector<OptionInfo> options_of() {
   return variant_options(Table());
 }
 
-template <auto Member>
-struct Direction {
-  OptionRow row;
-  template <class T>
-  constexpr operator Option<T>() const {
-    return {row, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
-  }
-};
-template <auto Member>
-constexpr Direction<Member> direction(const char* name) {
-  return {{.name = name}};
+template <class T, Vec3 T::*Member>
+constexpr Option<T> direction(const char* name) {
+  return {{.name = name}, "direction", [](Options& o, const OptionRow& r, T& t) { o.unit(r.name, t.*Member); }};
 }
 
 // Read by a function; without one, by whoever reads the rows.
@@ -198,7 +190,7 @@ constexpr Option<T> later(const char* name, const char* type, const char* unit =
   return {{.name = name, .unit = unit}, type, [](Options&, const OptionRow&, T&) {}};
 }
 
-// What a reference says of rows.
+// What a reference says of rows: describe_rows(kBody), or as a function: rows_of<kBody>.
 template <class T, std::size_t N>
 std::vector<OptionInfo> describe_rows(const Option<T> (&rows)[N]) {
   std::vector<OptionInfo> out;
@@ -212,14 +204,35 @@ std::vector<OptionInfo> describe_rows(const Option<T> (&rows)[N]) {
   return out;
 }
 
+// Where a table that was read from a YAML file, or one of its keys, stands there: "scene.yaml:12"; "" when unknown.
+std::string yaml_location(lua_State* L, int table, std::string_view key = {});
+
+template <auto& Rows>
+std::vector<OptionInfo> rows_of() {
+  return describe_rows(Rows);
+}
+
+inline std::vector<OptionInfo> join_rows(std::vector<OptionInfo> rows, const std::vector<OptionInfo>& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
 // Readers of a single value at `index`; `what` is named in messages.
 double check_number(lua_State* L, int index, const std::string& what, const Range& range = kAny);
 std::int64_t check_integer(lua_State* L, int index, const std::string& what, std::int64_t lo, std::int64_t hi);
+// A whole number from 1 to `count` as an index from 0.
+std::uint32_t check_index(lua_State* L, int index, const std::string& what, std::size_t count);
+// A list of `least` to `most` of them: their indices behind those in `out`.
+void check_indices(lua_State* L, int index, const std::string& what, const char* expected, std::size_t least,
+                   std::size_t most, std::size_t count, std::vector<std::uint32_t>& out);
 Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar = false);  // a table {x, y, z}
 Quat check_rotation(lua_State* L, int index, const std::string& what);
 // Hot verbs: x, y, z as numbers from `index` on, or one table. `next` is the index after what was read.
 Vec3 vector_argument(lua_State* L, int index, bool planar, int* next = nullptr);
 const char* check_text(lua_State* L, int index, const std::string& what);
+// Arguments of the running API function, under its name in messages.
+bool flag_argument(lua_State* L, int index);
+Real number_argument(lua_State* L, int index, const Range& range);
 void set_param(lua_State* L, int index, const std::string& key, const std::string& what, Params& out);
 
 }  // namespace feder::lua

@@ -6,6 +6,7 @@
 
 #include "lua/records.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -17,7 +18,7 @@ struct Key {
   lua_Integer second = 0;
   double number = 0;
   std::string_view text;  // anchored by the table
-  int at = 0;             // place in the list of keys
+  int at = 0;             // index in the list of keys
 };
 
 // a < b for a mix of integers and floats, exactly.
@@ -44,12 +45,7 @@ Key read_key(lua_State* L, int index) {
       k.integer = k.is_integer ? lua_tointeger(L, index) : 0;
       k.number = lua_tonumber(L, index);
       return k;
-    case LUA_TSTRING: {
-      std::size_t size = 0;
-      const char* text = lua_tolstring(L, index, &size);
-      k.rank = 1, k.text = {text, size};
-      return k;
-    }
+    case LUA_TSTRING: k.rank = 1, k.text = text_at(L, index); return k;
     case LUA_TBOOLEAN: k.rank = 2, k.integer = lua_toboolean(L, index); return k;
     default: break;
   }
@@ -124,8 +120,8 @@ int ordered_pairs(lua_State* L) {
 
 const char kWalks = 0;  // registry key of a weak table: table -> its walk
 
-// What next remembers of a table: a list {keys, place of each key, first place that may be alive, stale}.
-enum WalkField : int { kKeys = 1, kPlaces, kFirst, kStale };
+// What next remembers of a table: a list {keys, index of each key, first index that may be alive, stale}.
+enum WalkField : int { kKeys = 1, kIndices, kFirst, kStale };
 
 lua_Integer get_integer(lua_State* L, int table, int field) {
   lua_rawgeti(L, table, field);
@@ -139,20 +135,30 @@ void set_integer(lua_State* L, int table, int field, lua_Integer x) {
   lua_rawseti(L, table, field);
 }
 
+// What the table at `indices` says of the key at `key`; 0 where it has none.
+lua_Integer index_in(lua_State* L, int indices, int key) {
+  indices = lua_absindex(L, indices);
+  lua_pushvalue(L, key);
+  lua_rawget(L, indices);
+  const lua_Integer index = lua_tointeger(L, -1);
+  lua_pop(L, 1);
+  return index;
+}
+
 // Fills the walk at `walk` with the sorted keys of the table at 1 that `missing` accepts, behind those it has.
 template <class F>
 void list_keys(lua_State* L, int walk, F&& missing) {
-  lua_rawgeti(L, walk, kKeys), lua_rawgeti(L, walk, kPlaces);
-  const int keys = lua_gettop(L) - 1, places = keys + 1;
+  lua_rawgeti(L, walk, kKeys), lua_rawgeti(L, walk, kIndices);
+  const int keys = lua_gettop(L) - 1, indices = keys + 1;
   push_keys(L, 1);
   auto n = static_cast<lua_Integer>(lua_rawlen(L, keys));
-  for (lua_Integer i = 1; lua_rawgeti(L, places + 1, i) != LUA_TNIL; ++i) {
-    if (missing(places)) {
+  for (lua_Integer i = 1; lua_rawgeti(L, indices + 1, i) != LUA_TNIL; ++i) {
+    if (missing(indices)) {
       lua_pushvalue(L, -1);
       lua_rawseti(L, keys, ++n);
       lua_pushvalue(L, -1);
       lua_pushinteger(L, n);
-      lua_rawset(L, places);
+      lua_rawset(L, indices);
     }
     lua_pop(L, 1);
   }
@@ -163,7 +169,7 @@ void list_keys(lua_State* L, int walk, F&& missing) {
 void start_walk(lua_State* L, int walks, int walk) {
   lua_createtable(L, 4, 0);
   lua_newtable(L), lua_rawseti(L, -2, kKeys);
-  lua_newtable(L), lua_rawseti(L, -2, kPlaces);
+  lua_newtable(L), lua_rawseti(L, -2, kIndices);
   lua_replace(L, walk);
   set_integer(L, walk, kFirst, 1), set_integer(L, walk, kStale, 0);
   list_keys(L, walk, [](int) { return true; });
@@ -171,7 +177,7 @@ void start_walk(lua_State* L, int walks, int walk) {
   lua_rawset(L, walks);
 }
 
-// Pushes the first key from place `at` on that has a value, and the value; its place, or 0 behind the last.
+// Pushes the first key from index `at` on that has a value, and the value; its index, or 0 behind the last.
 lua_Integer push_alive(lua_State* L, int walk, lua_Integer at) {
   lua_rawgeti(L, walk, kKeys);
   const int keys = lua_gettop(L);
@@ -197,40 +203,33 @@ int ordered_next(lua_State* L) {
   const bool known = lua_rawget(L, 3) != LUA_TNIL;  // 4: the walk
   const bool first = lua_isnil(L, 2);
   if (!known || (first && get_integer(L, 4, kStale) != 0)) start_walk(L, 3, 4);
+  // where it goes on: at the first key, or behind the key that was given
   lua_Integer at = get_integer(L, 4, kFirst);
   if (!first) {
-    const auto place_of_key = [L] {
-      lua_rawgeti(L, 4, kPlaces);
-      lua_pushvalue(L, 2);
-      lua_rawget(L, -2);
-      const lua_Integer place = lua_tointeger(L, -1);
-      lua_pop(L, 2);
-      return place;
+    const auto index_of_key = [L] {
+      lua_rawgeti(L, 4, kIndices);
+      const lua_Integer index = index_in(L, -1, 2);
+      lua_pop(L, 1);
+      return index;
     };
-    lua_Integer place = place_of_key();
-    if (place == 0) {
+    lua_Integer index = index_of_key();
+    if (index == 0) {
       lua_pushvalue(L, 2);
       if (lua_rawget(L, 1) == LUA_TNIL) return luaL_error(L, "invalid key to 'next'");
       start_walk(L, 3, 4);
-      place = place_of_key();
+      index = index_of_key();
     }
-    at = place + 1;
+    at = index + 1;
   }
   lua_settop(L, 4);
   lua_Integer found = push_alive(L, 4, at);
   if (found == 0) {
-    // behind the last: what is alive and not in the list, or before its first place, has come in meanwhile
+    // behind the last: what is alive and not in the list, or before its first index, has come in meanwhile
     const lua_Integer before = get_integer(L, 4, kFirst);
     lua_rawgeti(L, 4, kKeys);
     const auto end = static_cast<lua_Integer>(lua_rawlen(L, -1));
     lua_pop(L, 1);
-    list_keys(L, 4, [L, before](int places) {
-      lua_pushvalue(L, -1);
-      lua_rawget(L, places);
-      const lua_Integer place = lua_tointeger(L, -1);
-      lua_pop(L, 1);
-      return place < before;
-    });
+    list_keys(L, 4, [L, before](int indices) { return index_in(L, indices, -1) < before; });
     found = push_alive(L, 4, end + 1);
     if (found != 0) set_integer(L, 4, kStale, 1);
   }
@@ -251,6 +250,7 @@ int stable_sort(lua_State* L) {
   if (count > kMaxLength) fail(L, "table.sort: expected at most 50 million values, got " + std::to_string(count));
   const bool custom = !lua_isnoneornil(L, 2);
   if (custom && count > 1) luaL_checktype(L, 2, LUA_TFUNCTION);
+  // the values are copied, so that a comparison may do to the list what it wants
   lua_settop(L, 2);
   lua_newtable(L);
   for (lua_Integer i = 1; i <= count; ++i) lua_geti(L, 1, i), lua_rawseti(L, 3, i);
@@ -268,6 +268,7 @@ int stable_sort(lua_State* L) {
     lua_pop(L, 1);
     return yes;
   };
+  // runs of doubling width are merged
   const int n = static_cast<int>(std::max<lua_Integer>(count, 0));
   std::vector<int> order(static_cast<std::size_t>(n)), merged(order.size());
   for (int i = 0; i < n; ++i) order[static_cast<std::size_t>(i)] = i + 1;
@@ -328,12 +329,12 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
     charge_range(L, name, name[0] == 'c' ? 3 : 2, true);
   } else {
     check_length(L, name);
-    // the values behind the place move
+    // the values behind the index move
     const int least = name[0] == 'i' ? 3 : 2;
-    int has_place = 0;
-    const lua_Integer place = lua_tointegerx(L, 2, &has_place);
-    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && has_place && place > 0)
-      charge(L, count_between(place, static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
+    int has_index = 0;
+    const lua_Integer index = lua_tointegerx(L, 2, &has_index);
+    if (lua_type(L, 1) == LUA_TTABLE && lua_gettop(L) >= least && has_index && index > 0)
+      charge(L, count_between(index, static_cast<lua_Integer>(lua_rawlen(L, 1))) / 2);
   }
   return lua_tocfunction(L, lua_upvalueindex(1))(L);
 }
@@ -343,27 +344,14 @@ int bounded_list(lua_State* L) {  // upvalues: the library's function, its name
 void open_ordered(lua_State* L) {
   lua_register(L, "pairs", guard<ordered_pairs>);
   lua_register(L, "next", guard<ordered_next>);
-  lua_newtable(L);
-  lua_createtable(L, 0, 1);
-  lua_pushstring(L, "k");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
+  push_weak_table(L, "k");
   lua_rawsetp(L, LUA_REGISTRYINDEX, &kWalks);
   lua_getglobal(L, "table");
-  lua_pushcfunction(L, guard<stable_sort>);
-  lua_setfield(L, -2, "sort");
-  static constexpr luaL_Reg kWalks[] = {{"insert", guard<bounded_list<Walk::shift>>},
-                                        {"remove", guard<bounded_list<Walk::shift>>},
-                                        {"move", guard<bounded_list<Walk::move>>},
-                                        {"concat", guard<bounded_list<Walk::range>>},
-                                        {"unpack", guard<bounded_list<Walk::range>>}};
-  for (const luaL_Reg& walk : kWalks) {
-    lua_getfield(L, -1, walk.name);
-    lua_pushstring(L, walk.name);
-    lua_pushcclosure(L, walk.func, 2);
-    lua_setfield(L, -2, walk.name);
-  }
+  set_field(L, "sort", guard<stable_sort>);
   lua_pop(L, 1);
+  wrap(L, "table", {"insert", "remove"}, guard<bounded_list<Walk::shift>>, true);
+  wrap(L, "table", {"move"}, guard<bounded_list<Walk::move>>, true);
+  wrap(L, "table", {"concat", "unpack"}, guard<bounded_list<Walk::range>>, true);
 }
 
 }  // namespace feder::lua

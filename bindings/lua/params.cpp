@@ -1,3 +1,4 @@
+// Parameters: declarations by feder.param, and values of the command line in their place.
 #include "lua/params.h"
 
 #include <algorithm>
@@ -5,6 +6,7 @@
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -59,13 +61,11 @@ ParamInfo read_options(lua_State* L, const std::string& name) {
   if (o.push("choices", LUA_TTABLE, "a list")) {
     const auto count = lua_rawlen(L, -1);
     if (count == 0 || count > 1000) o.raise("choices", "expected 1 to 1000 values, got " + std::to_string(count));
-    for (std::size_t i = 1; i <= count; ++i) {
-      lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
+    each_entry(L, -1, [&](lua_Integer) {
       if (lua_type(L, -1) != lua_type(L, 2))
         o.raise("choices", "expected values of the default's type, got " + describe(L, -1));
       p.choices.push_back(value_text(L, -1));
-      lua_pop(L, 1);
-    }
+    });
     lua_pop(L, 1);
   }
   if (p.has_min && p.has_max && p.min > p.max) o.raise("min", "expected at most max, got " + print_number(p.min));
@@ -92,7 +92,7 @@ void push_override(lua_State* L, const ParamInfo& p, const std::string& text) {
   if (!parse(text, x)) fail(L, what + ": expected a number, got '" + text + "'");
   check_range(L, p, x, what);
   check_choice(L, p, print_number(x), what);
-  // a whole number stays an integer when the default is one: names and loops look the same
+  // a whole number stays an integer when the default is one: names and loops stay the same
   if (lua_isinteger(L, 2) && x == std::floor(x) && std::abs(x) < 1e15)
     lua_pushinteger(L, static_cast<lua_Integer>(x));
   else
@@ -105,6 +105,7 @@ std::vector<OptionInfo> param_rows() { return describe_rows(kParam); }
 
 int feder_param(lua_State* L) {
   State& s = state(L);
+  // name and default
   const std::string name = check_text(L, 1, "feder.param: name");
   const bool word = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -113,11 +114,13 @@ int feder_param(lua_State* L) {
   const int type = lua_type(L, 2);
   if (type != LUA_TNUMBER && type != LUA_TSTRING && type != LUA_TBOOLEAN)
     fail_here(L, "expected a number, a string or a boolean as default of '" + name + "', got " + describe(L, 2));
-  if (type == LUA_TNUMBER) check_number(L, 2, "feder.param(\"" + name + "\")");
+  const std::string call = "feder.param(\"" + name + "\")";
+  if (type == LUA_TNUMBER) check_number(L, 2, call);
   ParamInfo p = read_options(L, name);
   p.fallback = value_text(L, 2);
-  if (type == LUA_TNUMBER) check_range(L, p, lua_tonumber(L, 2), "feder.param(\"" + name + "\"): default");
-  check_choice(L, p, p.fallback, "feder.param(\"" + name + "\"): default");
+  if (type == LUA_TNUMBER) check_range(L, p, lua_tonumber(L, 2), call + ": default");
+  check_choice(L, p, p.fallback, call + ": default");
+  // a parameter that is known has its value
   lua_rawgeti(L, LUA_REGISTRYINDEX, s.params_ref);
   for (const ParamInfo& known : s.params) {
     if (known.name != name) continue;
@@ -128,6 +131,7 @@ int feder_param(lua_State* L) {
   }
   if (s.phase != Phase::loading)
     fail_here(L, "parameters are declared while the file loads, not in build() or later; got '" + name + "'");
+  // its value: the default, or that of --set
   const auto set = s.options.set.find(name);
   if (set == s.options.set.end()) {
     lua_pushvalue(L, 2);
@@ -149,9 +153,7 @@ void check_set_names(const State& s) {
   for (const ParamInfo& p : s.params) known.push_back(p.name);
   for (const auto& [name, value] : s.options.set) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::string near = nearest_name(name, known);
-    throw OptionError("--set " + name + "=" + value + ": unknown parameter '" + name + "'" +
-                      (near.empty() ? "" : "; did you mean '" + near + "'?") +
+    throw OptionError("--set " + name + "=" + value + ": unknown parameter '" + name + "'" + did_you_mean(name, known) +
                       (known.empty() ? "; the script has none" : "; known: " + join(known)));
   }
 }

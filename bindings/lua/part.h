@@ -17,10 +17,11 @@ class Options;
 struct ObjectClass {
   const char* name;                 // of the kind of its objects; of its own (region), see WorldRecord::special
   std::span<const Method> methods;  // besides those of every object
-  // Takes one out of the world; tells what else went with it.
+  // Takes one out of the world; reports what else went with it.
   std::vector<ObjectId> (*destroy)(WorldRecord& record, ObjectId id, const std::string& where);
-  const char* place = nullptr;  // the field of contact events that says where on it: "index" (a point) or "count"
-  bool takes_forces = false;    // `on` of world:force may name one
+  // The field of contact events that says where on it: "index" (a point) or "count".
+  const char* contact_field = nullptr;
+  bool takes_forces = false;                                 // `on` of world:force may name one
   Pose (*pose)(WorldRecord& record, ObjectId id) = nullptr;  // of bodies: what else may be attached to
   // Of those whose points forces may pick one by one.
   std::size_t (*point_count)(WorldRecord& record, ObjectId id) = nullptr;

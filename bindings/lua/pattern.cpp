@@ -1,6 +1,7 @@
 // Compiling and matching of patterns: recursive backtracking over the compiled elements, 200 levels deep at most.
 #include "lua/pattern.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace feder::lua {
@@ -9,52 +10,34 @@ namespace {
 constexpr int kMaxDepth = 200;            // of the C stack; a quantifier or capture takes one level
 constexpr std::size_t kStepsPerUnit = 8;  // byte comparisons that take as long as one Lua instruction
 
-constexpr bool in_class(char lower, int c) {
-  const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'), digit = c >= '0' && c <= '9';
-  switch (lower) {
-    case 'a': return letter;
-    case 'c': return c < 32 || c == 127;
-    case 'd': return digit;
-    case 'g': return c > 32 && c < 127;
-    case 'l': return c >= 'a' && c <= 'z';
-    case 'p': return c > 32 && c < 127 && !letter && !digit;
-    case 's': return c == ' ' || (c >= 9 && c <= 13);
-    case 'u': return c >= 'A' && c <= 'Z';
-    case 'w': return letter || digit;
-    case 'x': return digit || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
-    case 'z': return c == 0;
-    default: return false;
-  }
-}
-
-constexpr CharSet class_set(char lower) {
-  CharSet set = {};
-  for (int c = 0; c < 256; ++c)
-    if (in_class(lower, c)) set[static_cast<std::size_t>(c / 64)] |= std::uint64_t(1) << c % 64;
-  return set;
-}
-
-constexpr auto kClasses = [] {
-  std::array<CharSet, 26> all = {};
-  for (char c = 'a'; c <= 'z'; ++c) all[static_cast<std::size_t>(c - 'a')] = class_set(c);
-  return all;
-}();
+// What a class of bytes holds: pairs of first and last.
+struct ByteClass {
+  char name;
+  std::string_view ranges;
+};
+constexpr ByteClass kClasses[] = {{'a', "AZaz"},     {'c', {"\0\x1f\x7f\x7f", 4}},
+                                  {'d', "09"},       {'g', "!~"},
+                                  {'l', "az"},       {'p', "!/:@[`{~"},
+                                  {'s', "\t\r  "},   {'u', "AZ"},
+                                  {'w', "09AZaz"},   {'x', "09AFaf"},
+                                  {'z', {"\0\0", 2}}};
 
 void add(CharSet& set, unsigned char c) { set[c / 64] |= std::uint64_t(1) << c % 64; }
 
-void add(CharSet& set, const CharSet& other, bool inverted) {
-  for (std::size_t k = 0; k < set.size(); ++k) set[k] |= inverted ? ~other[k] : other[k];
+// All from `first` to `last`.
+void add(CharSet& set, char first, char last) {
+  for (int c = static_cast<unsigned char>(first); c <= static_cast<unsigned char>(last); ++c)
+    add(set, static_cast<unsigned char>(c));
 }
 
-// What '%' and `c` stand for.
+// What '%' and `c` stand for: a class, all but that for its capital, or the byte itself.
 void add_escaped(CharSet& set, char c) {
   const bool upper = c >= 'A' && c <= 'Z';
-  const char lower = upper ? static_cast<char>(c - 'A' + 'a') : c;
-  const bool is_class = lower >= 'a' && lower <= 'z' && std::strchr("acdglpsuwxz", lower);
-  if (is_class)
-    add(set, kClasses[static_cast<std::size_t>(lower - 'a')], upper);
-  else
-    add(set, static_cast<unsigned char>(c));
+  const auto* found = std::ranges::find(kClasses, upper ? static_cast<char>(c - 'A' + 'a') : c, &ByteClass::name);
+  if (found == std::end(kClasses)) return add(set, static_cast<unsigned char>(c));
+  CharSet members = {};
+  for (std::size_t k = 0; k < found->ranges.size(); k += 2) add(members, found->ranges[k], found->ranges[k + 1]);
+  for (std::size_t k = 0; k < set.size(); ++k) set[k] |= upper ? ~members[k] : members[k];
 }
 
 class Compiler {
@@ -145,8 +128,7 @@ class Compiler {
         add_escaped(set, p[1]);
         p += 2;
       } else if (p + 2 < set_end && p[1] == '-') {
-        for (int c = static_cast<unsigned char>(*p); c <= static_cast<unsigned char>(p[2]); ++c)
-          add(set, static_cast<unsigned char>(c));
+        add(set, *p, p[2]);
         p += 3;
       } else {
         add(set, static_cast<unsigned char>(*p++));

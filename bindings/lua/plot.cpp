@@ -1,4 +1,4 @@
-// feder.plot(name, value): keeps the last values per name in a small ring, whether somebody looks or not, so that a
+// feder.plot(name, value): keeps the last values per name in a small ring, whether somebody watches or not, so that a
 // scene does the same in the viewer and without.
 #include "lua/plot.h"
 
@@ -24,8 +24,8 @@ int feder_plot(lua_State* L) {
     s.plots.push_back({name, {}});
     series = s.plots.end() - 1;
   }
-  const World* world = s.last_world < s.worlds.size() ? s.worlds[s.last_world]->world.get() : nullptr;
-  series->points.push_back({world ? world->time() : 0, value});
+  const WorldRecord* r = s.current();
+  series->points.push_back({r && r->world ? r->world->time() : 0, value});
   if (series->points.size() > kPoints) series->points.pop_front();
   return 0;
 }

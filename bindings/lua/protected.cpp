@@ -2,6 +2,7 @@
 // through all of them; text becomes code only as source.
 #include "lua/library.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -82,18 +83,17 @@ bool read_pieces(lua_State* L, std::string& text) {
     s.check_limits(L, status);
     if (status != LUA_OK) return false;
     if (lua_isnil(L, -1)) break;
-    std::size_t size = 0;
-    const char* const piece = lua_tolstring(L, -1, &size);
-    if (!piece) {
+    if (!lua_isstring(L, -1)) {
       luaL_where(L, 1);
       lua_pushstring(L, "reader function must return a string");
       lua_concat(L, 2);
       return false;
     }
-    if (size == 0) break;
-    text.append(piece, size);
+    const std::string_view piece = text_at(L, -1);
+    if (piece.empty()) break;
+    text += piece;
     lua_pop(L, 1);
-    charge(L, size);
+    charge(L, piece.size());
     if (text.size() > (std::size_t(64) << 20)) fail(L, "load: more than 64 MB of text");
   }
   lua_pop(L, 1);
@@ -111,16 +111,15 @@ int safe_load(lua_State* L) {
   lua_settop(L, lua_gettop(L) > 4 ? 4 : lua_gettop(L));
   const bool has_environment = lua_gettop(L) == 4;
   const std::string mode = luaL_optstring(L, 3, "bt");
-  std::size_t size = 0;
-  const char* const given = lua_tolstring(L, 1, &size);
+  const bool given = lua_isstring(L, 1);
   std::string text;
   if (given) {
-    text.assign(given, size);
-    charge(L, size);
+    text = text_at(L, 1);
+    charge(L, text.size());
   } else {
     luaL_checktype(L, 1, LUA_TFUNCTION);
   }
-  const std::string name = luaL_optstring(L, 2, given ? given : "=(load)");
+  const std::string name = luaL_optstring(L, 2, given ? lua_tostring(L, 1) : "=(load)");
   if (!given && !read_pieces(L, text)) return load_failed(L);
   if (mode.find('t') == std::string::npos && !text.starts_with("\27")) {
     lua_pushfstring(L, "attempt to load a text chunk (mode is '%s')", mode.c_str());
@@ -142,7 +141,7 @@ int safe_resume(lua_State* L) {  // upvalue 1: the library's function
   const int results = original(L);
   State& s = state(L);
   const bool no_memory = thread && lua_status(thread) == LUA_ERRMEM;
-  if (no_memory && s.limit == Limit::none) s.memory_place = place(thread);
+  if (no_memory && s.limit == Limit::none) s.memory_location = location(thread);
   s.check_limits(L, no_memory ? LUA_ERRMEM : LUA_OK);
   return results;
 }
@@ -155,13 +154,7 @@ void open_protected(lua_State* L) {
   lua_register(L, "setmetatable", guard<safe_setmetatable>);
   lua_register(L, "load", guard<safe_load>);
   lua_register(L, "require", guard<lua_require>);
-  lua_getglobal(L, "coroutine");
-  for (const char* name : {"resume", "close"}) {
-    lua_getfield(L, -1, name);
-    lua_pushcclosure(L, safe_resume, 1);
-    lua_setfield(L, -2, name);
-  }
-  lua_pop(L, 1);
+  wrap(L, "coroutine", {"resume", "close"}, safe_resume);
 }
 
 }  // namespace feder::lua

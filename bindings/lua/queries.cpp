@@ -12,8 +12,6 @@ namespace {
 constexpr double kFar = 1e5;  // m: how far a ray goes when nothing is said
 
 // Queries see the world as it is now; a world without colliders has nothing to hit.
-Collide* collide_of(WorldRecord& r) { return r.world->query<Collide>(); }
-
 struct Query : QueryFilter {
   WorldRecord* record = nullptr;
   ShapePtr shape;
@@ -53,16 +51,23 @@ constexpr Option<Query> kOverlap[] = {
     later<Query>("rotation", "rotation"),
 };
 
-std::vector<OptionInfo> filter_rows() { return describe_rows(kFilter); }
-
-template <std::size_t N>
-std::vector<OptionInfo> with_filter(const Option<Query> (&rows)[N]) {
-  std::vector<OptionInfo> all = describe_rows(rows), filter = filter_rows();
-  all.insert(all.end(), filter.begin(), filter.end());
-  return all;
+template <auto& Rows>
+std::vector<OptionInfo> with_filter() {
+  return join_rows(describe_rows(Rows), describe_rows(kFilter));
 }
-std::vector<OptionInfo> cast_rows() { return with_filter(kCast); }
-std::vector<OptionInfo> overlap_rows() { return with_filter(kOverlap); }
+
+// What a convex shape asks: the rows of its kind, and the filter; in 2D of its section.
+template <std::size_t N>
+Query read_query(lua_State* L, WorldRecord& r, const Option<Query> (&rows)[N]) {
+  Options o(L, 2, function_name(L), r.planar());
+  Query q;
+  q.record = &r;
+  o.read_some(rows, q);
+  o.read(kFilter, q);
+  if (!q.shape->convex()) o.raise("shape", std::string("expected a convex shape, got a ") + q.shape->kind());
+  if (r.planar()) q.shape = q.shape->section();
+  return q;
+}
 
 struct RayArguments {
   Vec3 origin, direction;  // unit
@@ -97,22 +102,16 @@ RayArguments ray_arguments(lua_State* L, WorldRecord& r) {
 
 int push_hit(lua_State* L, WorldRecord& r, const RaycastHit& hit, Real distance) {
   push_handle(L, r, hit.object);
-  push_vector(L, hit.point);
-  push_vector(L, hit.normal);
-  lua_pushnumber(L, distance);
-  return 8;
+  return 1 + push(L, hit.point, hit.normal, distance);
 }
 
 int world_raycast(lua_State* L) {
   WorldRecord& r = check_world(L);
   const RayArguments a = ray_arguments(L, r);
-  Collide* collide = collide_of(r);
+  Collide* collide = r.world->query<Collide>();
   RaycastHit hit;
   const Vec3 ray = a.direction * static_cast<Real>(a.reach);
-  if (!collide || !collide->raycast(a.origin, ray, a.filter, hit)) {
-    lua_pushnil(L);
-    return 1;
-  }
+  if (!collide || !collide->raycast(a.origin, ray, a.filter, hit)) return push(L, nullptr);
   // a fraction of a very long ray is coarse: ask again with a ray that ends just behind the hit
   Real distance = hit.fraction * static_cast<Real>(a.reach);
   const Real near = distance * Real(1.01) + Real(0.01);
@@ -127,70 +126,37 @@ int world_raycast_all(lua_State* L) {
   RayArguments a = ray_arguments(L, r);
   if (!a.limited) a.reach = 1000;
   std::vector<RaycastHit> hits;
-  if (Collide* collide = collide_of(r))
+  if (Collide* collide = r.world->query<Collide>())
     collide->raycast_all(a.origin, a.direction * static_cast<Real>(a.reach), a.filter, hits);
   std::stable_sort(hits.begin(), hits.end(),
                    [](const RaycastHit& x, const RaycastHit& y) { return x.fraction < y.fraction; });
-  lua_newtable(L);
-  lua_Integer n = 0;
-  for (const RaycastHit& hit : hits) {
+  push_list(L, hits, [&](const RaycastHit& hit) {
     lua_createtable(L, 0, 8);
     push_handle(L, r, hit.object);
     lua_setfield(L, -2, "object");
-    static const char* const names[] = {"x", "y", "z", "nx", "ny", "nz"};
-    for (int k = 0; k < 3; ++k) {
-      lua_pushnumber(L, hit.point[k]);
-      lua_setfield(L, -2, names[k]);
-      lua_pushnumber(L, hit.normal[k]);
-      lua_setfield(L, -2, names[k + 3]);
-    }
-    lua_pushnumber(L, hit.fraction * static_cast<Real>(a.reach));
-    lua_setfield(L, -2, "distance");
-    lua_rawseti(L, -2, ++n);
-  }
+    set_point_and_normal(L, hit.point, hit.normal);
+    set_field(L, "distance", hit.fraction * static_cast<Real>(a.reach));
+  });
   return 1;
-}
-
-ShapePtr convex_shape(Options& o, const WorldRecord& r, ShapePtr shape) {
-  if (!shape->convex()) o.raise("shape", std::string("expected a convex shape, got a ") + shape->kind());
-  return r.planar() ? shape->section() : shape;
 }
 
 int world_shape_cast(lua_State* L) {
   WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  Query q;
-  q.record = &r;
-  o.read_some(kCast, q);
-  o.read(kFilter, q);
-  const ShapePtr shape = convex_shape(o, r, q.shape);
-  Collide* collide = collide_of(r);
+  const Query q = read_query(L, r, kCast);
+  Collide* collide = r.world->query<Collide>();
   RaycastHit hit;
-  if (!collide || !collide->shape_cast(*shape, q.pose, q.motion, q, hit)) {
-    lua_pushnil(L);
-    return 1;
-  }
+  if (!collide || !collide->shape_cast(*q.shape, q.pose, q.motion, q, hit)) return push(L, nullptr);
   return push_hit(L, r, hit, hit.fraction * length(q.motion));
 }
 
 int world_overlap(lua_State* L) {
   WorldRecord& r = check_world(L);
-  Options o(L, 2, function_name(L), r.planar());
-  Query q;
-  q.record = &r;
-  o.read_some(kOverlap, q);
-  o.read(kFilter, q);
-  const ShapePtr shape = convex_shape(o, r, q.shape);
+  const Query q = read_query(L, r, kOverlap);
   std::vector<ObjectId> found;
-  if (Collide* collide = collide_of(r)) collide->overlap(*shape, q.pose, q, found);
+  if (Collide* collide = r.world->query<Collide>()) collide->overlap(*q.shape, q.pose, q, found);
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  lua_newtable(L);
-  lua_Integer n = 0;
-  for (ObjectId id : found) {
-    push_handle(L, r, id);
-    lua_rawseti(L, -2, ++n);
-  }
+  push_list(L, found, [&](ObjectId id) { push_handle(L, r, id); });
   return 1;
 }
 
@@ -199,15 +165,15 @@ const Method kQueryMethods[] = {
      "world:raycast(x, y, z, dx, dy, dz, [max], [filter]) -> object, x, y, z, nx, ny, nz, distance",
      "the nearest hit along the direction within max metres (100 km), or nil; filter = { group, mask, sensors, ignore "
      "}",
-     filter_rows},
+     rows_of<kFilter>},
     {"raycast_all", guard<world_raycast_all>,
      "world:raycast_all(x, y, z, dx, dy, dz, [max], [filter]) -> {{object, x, y, z, nx, ny, nz, distance}, ...}",
-     "all hits within max metres (1 km), nearest first", filter_rows},
+     "all hits within max metres (1 km), nearest first", rows_of<kFilter>},
     {"shape_cast", guard<world_shape_cast>,
      "world:shape_cast{ shape=, position=, rotation=, motion=, ... } -> object, x, y, z, nx, ny, nz, distance",
-     "the first thing a convex shape meets along its motion, or nil", cast_rows},
+     "the first thing a convex shape meets along its motion, or nil", with_filter<kCast>},
     {"overlap", guard<world_overlap>, "world:overlap{ shape= | box=, position=, rotation=, ... } -> {object, ...}",
-     "what a convex shape overlaps", overlap_rows},
+     "what a convex shape overlaps", with_filter<kOverlap>},
 };
 
 }  // namespace

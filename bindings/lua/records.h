@@ -35,7 +35,7 @@ struct WorldSettings {
   std::vector<NamedMaterialPair> material_pairs;
 };
 
-// Of the seal on snapshots: random, and never part of a result.
+// Of the owner keys of snapshots: random, and never part of a result.
 struct SipKey {
   std::uint64_t a = 0, b = 0;
 };
@@ -54,9 +54,9 @@ struct WorldRecord {
   Subscriptions subscriptions;
   Timers timers;
   Tasks tasks;
-  ScriptForces forces;
+  std::vector<ScriptForce> forces;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
-  Look look;
+  Look appearance;
 
   bool planar() const { return settings.desc.dimension == 2; }
 };
@@ -68,7 +68,7 @@ struct WorldBlock {
 struct Handle {
   std::uint32_t world = 0;
   Class kind = Class::force;
-  bool dead = false;  // destroyed for sure: name and place are in user values 2 and 3
+  bool dead = false;  // destroyed for sure: name and location are in user values 2 and 3
   ObjectId id;
 };
 
@@ -102,11 +102,11 @@ ObjectId check_object(lua_State* L, int index, WorldRecord& record, const std::s
 bool object_option(Options& o, const char* key, WorldRecord& record, ObjectId& out);
 
 void push_handle(lua_State* L, WorldRecord& record, ObjectId id);
-// Destroys the object, with whatever depends on it; handles learn name and place.
+// Destroys the object, with whatever depends on it; handles learn name and location.
 void destroy_object(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where);
 // Before and after restore: handles learn their names, and which objects are no more.
-void note_names(lua_State* L, WorldRecord& record);
-void bury_lost(lua_State* L, WorldRecord& record, const std::string& where);
+void record_names(lua_State* L, WorldRecord& record);
+void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where);
 std::string describe_object(lua_State* L, int index, Class c);
 Class class_of(const State& s, const WorldRecord& record, ObjectId id);
 

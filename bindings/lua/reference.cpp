@@ -1,3 +1,4 @@
+// Sentences on options, from the options.txt of all folders.
 #include <string>
 
 #include "lua/docs.h"

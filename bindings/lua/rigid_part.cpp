@@ -1,7 +1,7 @@
+// The part "rigid": makers, queries, forces of scripts on bodies, and its lists in YAML.
 #include "lua/rigid_part.h"
 
 #include "constrain/joint.h"
-#include "lua/shapes.h"
 #include "lua/yaml_scene.h"
 #include "state/bodies.h"
 
@@ -26,24 +26,21 @@ int world_bodies(lua_State* L) {
     filtered = o.has("tag");
     for (const std::string& w : filter.tag) tags |= objects.known_tag(w);
   }
-  lua_newtable(L);
-  lua_Integer n = 0;
+  std::vector<ObjectId> found;
   objects.for_each(kBodyKind, [&](ObjectId id) {
-    if (r.special.count(id) || (filtered && !(objects.tags(id) & tags))) return;
-    push_handle(L, r, id);
-    lua_rawseti(L, -2, ++n);
+    if (!r.special.count(id) && (!filtered || (objects.tags(id) & tags))) found.push_back(id);
   });
+  push_list(L, found, [&](ObjectId id) { push_handle(L, r, id); });
   return 1;
 }
 
-int world_max_penetration(lua_State* L) {
-  Collide* collide = check_world(L).world->query<Collide>();
-  lua_pushnumber(L, collide ? collide->max_penetration() : Real(0));
-  return 1;
+Real world_max_penetration(WorldRecord& r) {
+  Collide* collide = r.world->query<Collide>();
+  return collide ? collide->max_penetration() : Real(0);
 }
 
 std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::string& where) {
-  Rigid& bodies = rigid(record);
+  Rigid& bodies = system_of<Rigid>(record);
   std::vector<ObjectId> joints;  // go with their bodies
   if (bodies.joint_count() > 0) {
     record.world->objects().for_each(kJointKind, [&](ObjectId joint) {
@@ -55,12 +52,7 @@ std::vector<ObjectId> destroy_body(WorldRecord& record, ObjectId id, const std::
   return joints;
 }
 
-std::vector<ObjectId> destroy_joint(WorldRecord& record, ObjectId id, const std::string& where) {
-  rigid(record).destroy_joint(id, where);
-  return {};
-}
-
-Pose body_pose(WorldRecord& record, ObjectId id) { return rigid(record).pose(id); }
+Pose body_pose(WorldRecord& record, ObjectId id) { return system_of<Rigid>(record).pose(id); }
 
 void gravity_changed(World& world) {
   if (Rigid* bodies = world.find<Rigid>()) bodies->wake_all(WakeCause::script);
@@ -95,61 +87,51 @@ struct Repeat {
 constexpr Option<Repeat> kRepeat[] = {field<&Repeat::count>("count", "", {0, 1000000}),
                                       field<&Repeat::step>("step", "m")};
 
-// repeat: { count:, step: }: how many, and how far apart.
-void read_repeat(lua_State* L, int options, lua_Integer& count, double step[3]) {
-  count = 1;
+// repeat: { count:, step: }: how many, and how far apart. Takes it out of the options.
+Repeat read_repeat(lua_State* L, int options) {
+  Repeat repeat;
   if (lua_getfield(L, options, "repeat") != LUA_TNIL) {
     Options o(L, -1, "repeat");
-    Repeat repeat;
     o.read(kRepeat, repeat);
     if (!o.has("count")) o.wrong("count", kRepeat[0].row.range.whole());
-    count = repeat.count;
-    for (int k = 0; k < 3; ++k) step[k] = repeat.step[k];
     lua_pushnil(L);
     lua_setfield(L, options, "repeat");
   }
   lua_pop(L, 1);
+  return repeat;
+}
+
+// Of the options on top, those of copy i: a name with its number, a position some steps on.
+void move_copy(lua_State* L, lua_Integer i, const Vec3& step) {
+  const int copy = lua_gettop(L);
+  if (lua_getfield(L, copy, "name") == LUA_TSTRING) {
+    lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
+    lua_setfield(L, copy, "name");
+  }
+  const bool placed = lua_getfield(L, copy, "position") == LUA_TTABLE;
+  const int position = lua_gettop(L);
+  lua_newtable(L);
+  for (int k = 1; k <= 3; ++k) {
+    const bool given = placed && lua_rawgeti(L, position, k) != LUA_TNIL;
+    const double x = given ? check_number(L, -1, "position") : 0;
+    push(L, x + static_cast<double>(i) * static_cast<double>(step[k - 1]));
+    lua_rawseti(L, position + 1, k);
+    lua_settop(L, position + 1);
+  }
+  lua_setfield(L, copy, "position");
+  lua_settop(L, copy);
 }
 
 void make_bodies(lua_State* L, int world, const char* maker) {
   const int options = lua_gettop(L);
   if (lua_type(L, options) != LUA_TTABLE) fail(L, "bodies: expected a list of tables, got " + describe(L, options));
-  lua_Integer count = 1;
-  double step[3] = {0, 0, 0};
-  read_repeat(L, options, count, step);
-  if (lua_getfield(L, options, "shape") != LUA_TNIL) {
-    make_shape(L);
-    lua_setfield(L, options, "shape");
-  } else {
-    lua_pop(L, 1);
-  }
-  for (lua_Integer i = 0; i < count; ++i) {
+  const Repeat repeat = read_repeat(L, options);
+  make_shape_field(L, options);
+  for (lua_Integer i = 0; i < repeat.count; ++i) {
     lua_newtable(L);
-    copy_places(L, options, -1);
-    for (lua_pushnil(L); lua_next(L, options);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
-    if (count > 1) {
-      lua_getfield(L, -1, "name");
-      if (lua_type(L, -1) == LUA_TSTRING) {
-        lua_pushfstring(L, "%s%I", lua_tostring(L, -1), i + 1);
-        lua_setfield(L, -3, "name");
-      }
-      lua_pop(L, 1);
-      lua_getfield(L, -1, "position");
-      const int position = lua_gettop(L);
-      lua_newtable(L);
-      for (int k = 1; k <= 3; ++k) {
-        double x = 0;
-        if (lua_type(L, position) == LUA_TTABLE) {
-          lua_rawgeti(L, position, k);
-          x = lua_isnil(L, -1) ? 0 : check_number(L, -1, "position");
-          lua_pop(L, 1);
-        }
-        lua_pushnumber(L, x + static_cast<double>(i) * step[k - 1]);
-        lua_rawseti(L, -2, k);
-      }
-      lua_setfield(L, -3, "position");
-      lua_pop(L, 1);
-    }
+    copy_locations(L, options, -1);
+    copy_fields(L, options);
+    if (repeat.count > 1) move_copy(L, i, repeat.step);
     make_object(L, world, maker);
   }
   lua_settop(L, options - 1);
@@ -163,14 +145,14 @@ void make_joint(lua_State* L, int world) {
 }
 
 const Method kWorld[] = {
-    {"body", guard<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
-    {"joint", guard<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
+    {"body", method<world_body>, "world:body{ shape =, ... } -> body", "a rigid body", body_rows},
+    {"joint", method<world_joint>, "world:joint{ type =, a =, b =, ... } -> joint",
      "joins two bodies, or one and the world", joint_rows},
-    {"region", guard<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
+    {"region", method<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
      "sensor_enter and sensor_leave events", region_rows},
     {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag",
-     [] { return describe_rows(kBodiesFilter); }},
-    {"max_penetration", guard<world_max_penetration>, "world:max_penetration() -> number",
+     rows_of<kBodiesFilter>},
+    {"max_penetration", method<world_max_penetration>, "world:max_penetration() -> number",
      "of touching contacts now, m"},
 };
 
@@ -188,7 +170,8 @@ const YamlList kYaml[] = {{"bodies", [](lua_State* L, int world) { make_bodies(L
 
 }  // namespace
 
-Rigid& rigid(WorldRecord& record) {
+template <>
+Rigid& system_of<Rigid>(WorldRecord& record) {
   Rigid& r = record.world->need<Rigid>();
   if (record.has_pairs) return r;
   record.has_pairs = true;
@@ -203,10 +186,9 @@ const Part& rigid_part() {
   static const std::vector<Method> world = world_rows();
   static const ObjectClass classes[] = {
       {.name = "body", .methods = body_methods(), .destroy = &destroy_body, .takes_forces = true, .pose = &body_pose},
-      {.name = "joint", .methods = joint_methods(), .destroy = &destroy_joint},
+      {.name = "joint", .methods = joint_methods(), .destroy = destroy_alone<&Rigid::destroy_joint>},
       {.name = "region", .methods = region_methods(), .destroy = &destroy_body}};
   static const Part part = {.name = "rigid",
-                            .functions = {},
                             .world = world,
                             .classes = classes,
                             .yaml = kYaml,

@@ -2,19 +2,20 @@
 #pragma once
 #include "feder/query.h"
 #include "feder/rigid.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 
 const Part& rigid_part();
 
-Rigid& rigid(WorldRecord& record);  // made on first use, with the material pairs
+template <>
+Rigid& system_of<Rigid>(WorldRecord& record);  // with the material pairs
 
-int world_body(lua_State* L);
+ObjectId world_body(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> body_rows();
-int world_joint(lua_State* L);
+ObjectId world_joint(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> joint_rows();
-int world_region(lua_State* L);
+ObjectId world_region(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> region_rows();
 std::span<const Method> body_methods();
 std::span<const Method> joint_methods();

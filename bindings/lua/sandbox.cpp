@@ -1,3 +1,4 @@
+// The sandbox: which of the standard library scripts see, and what takes the place of the rest.
 #include "lua/sandbox.h"
 
 #include <cmath>
@@ -5,21 +6,13 @@
 
 #include "base/trig.h"
 #include "lua/objects.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
 
 int lua_print(lua_State* L) {
-  const int count = lua_gettop(L);
-  std::string line;
-  for (int i = 1; i <= count; ++i) {
-    push_text(L, i);
-    std::size_t size = 0;
-    const char* text = lua_tolstring(L, -1, &size);
-    if (i > 1) line += '\t';
-    line.append(text, size);
-    lua_pop(L, 1);
-  }
+  std::string line = text_of_values(L, 1);
   // terminal escapes stay text
   for (char& c : line)
     if ((static_cast<unsigned char>(c) < 32 && c != '\t' && c != '\n') || c == 127) c = '?';
@@ -48,18 +41,16 @@ int lua_collectgarbage(lua_State* L) {
     case 0:
       charge(L, s.memory_used / 16);
       lua_gc(L, LUA_GCCOLLECT, 0);
-      lua_pushinteger(L, 0);
-      break;
-    case 1: lua_pushinteger(L, static_cast<lua_Integer>(s.memory_used / 1024)); break;
+      return push(L, 0);
+    case 1: return push(L, s.memory_used / 1024);
     case 4:  // a cycle has ended: a loop until it has ends too
-    case 5: lua_pushboolean(L, 1); break;
+    case 5: return push(L, true);
     case 6:
-    case 7: lua_pushstring(L, "incremental"); break;
-    case 8: lua_pushinteger(L, 200); break;
-    case 9: lua_pushinteger(L, 100); break;
-    default: lua_pushinteger(L, 0);
+    case 7: return push(L, "incremental");
+    case 8: return push(L, 200);
+    case 9: return push(L, 100);
+    default: return push(L, 0);
   }
-  return 1;
 }
 
 // Uniform in [lo, hi], without the bias of a plain remainder.
@@ -79,22 +70,17 @@ lua_Integer random_between(Rng& rng, lua_Integer lo, lua_Integer hi) {
 int math_random(lua_State* L) {
   Rng& rng = state(L).random();
   switch (lua_gettop(L)) {
-    case 0: lua_pushnumber(L, rng.unit53()); return 1;
+    case 0: return push(L, rng.unit53());
     case 1: {
       const lua_Integer hi = luaL_checkinteger(L, 1);
-      if (hi == 0) {  // all bits
-        lua_pushinteger(L, random_between(rng, LUA_MININTEGER, LUA_MAXINTEGER));
-        return 1;
-      }
+      if (hi == 0) return push(L, random_between(rng, LUA_MININTEGER, LUA_MAXINTEGER));  // all bits
       if (hi < 1) fail(L, "math.random: expected a whole number of at least 1, got " + describe(L, 1));
-      lua_pushinteger(L, random_between(rng, 1, hi));
-      return 1;
+      return push(L, random_between(rng, 1, hi));
     }
     case 2: {
       const lua_Integer lo = luaL_checkinteger(L, 1), hi = luaL_checkinteger(L, 2);
       if (lo > hi) fail(L, "math.random: expected lo at most hi, got " + describe(L, 1) + ", " + describe(L, 2));
-      lua_pushinteger(L, random_between(rng, lo, hi));
-      return 1;
+      return push(L, random_between(rng, lo, hi));
     }
     default: fail(L, "math.random: expected at most two numbers");
   }
@@ -119,59 +105,26 @@ int math_randomseed(lua_State* L) {
   // without a second number, the sequences of Rng(seed)
   constexpr std::uint64_t kStream = 54;
   rng = Rng(static_cast<std::uint64_t>(seed), kStream ^ static_cast<std::uint64_t>(stream));
-  lua_pushinteger(L, seed);
-  lua_pushinteger(L, stream);
-  return 2;
+  return push(L, seed, stream);
 }
 
 // The runtime's own: the same on every machine.
 template <double (*F)(double)>
 int math_wave(lua_State* L) {
-  lua_pushnumber(L, F(luaL_checknumber(L, 1)));
-  return 1;
+  return push(L, F(luaL_checknumber(L, 1)));
 }
 
 void make_classes(lua_State* L) {
-  using List = std::span<const Method>;
   const State& s = state(L);
-  const List force[] = {object_methods(), force_methods()};
-  make_class(L, Class::force, force);
-  const List object[] = {object_methods()};
-  make_class(L, Class::object, object);
-  for (std::size_t i = 0; i < s.object_classes.size(); ++i) {
-    const List own[] = {object_methods(), s.object_classes[i]->methods};
-    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)), own);
-  }
-  std::vector<List> world = {world_methods()};
+  make_class(L, Class::force, {object_methods(), force_methods()});
+  make_class(L, Class::object, {object_methods()});
+  for (std::size_t i = 0; i < s.object_classes.size(); ++i)
+    make_class(L, static_cast<Class>(kOwnClasses + static_cast<int>(i)),
+               {object_methods(), s.object_classes[i]->methods});
+  std::vector<std::span<const Method>> world = {world_methods()};
   for (const Part* part : s.options.parts) world.push_back(part->world);
   make_class(L, Class::world, world);
   open_classes(L);
-}
-
-int make_weak_table(lua_State* L, const char* mode) {
-  lua_newtable(L);
-  lua_newtable(L);
-  lua_pushstring(L, mode);
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
-  return luaL_ref(L, LUA_REGISTRYINDEX);
-}
-
-void remove_globals(lua_State* L, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    lua_pushnil(L);
-    lua_setglobal(L, name);
-  }
-}
-
-void set_field(lua_State* L, const char* table, const char* name, lua_CFunction f) {
-  lua_getglobal(L, table);
-  if (f)
-    lua_pushcfunction(L, f);
-  else
-    lua_pushnil(L);
-  lua_setfield(L, -2, name);
-  lua_pop(L, 1);
 }
 
 }  // namespace
@@ -192,6 +145,17 @@ lua_Integer value_id(lua_State* L, int index) {
   }
   lua_pop(L, 1);
   return id;
+}
+
+std::string text_of_values(lua_State* L, int first) {
+  std::string line;
+  for (int i = first, last = lua_gettop(L); i <= last; ++i) {
+    push_text(L, i);
+    if (i > first) line += '\t';
+    line += text_at(L, -1);
+    lua_pop(L, 1);
+  }
+  return line;
 }
 
 void push_text(lua_State* L, int index) {
@@ -223,19 +187,28 @@ int open_sandbox(lua_State* L) {
   luaL_requiref(L, "utf8", luaopen_utf8, 1);
   luaL_requiref(L, "coroutine", luaopen_coroutine, 1);
   lua_settop(L, 0);
-  remove_globals(L, {"dofile", "loadfile", "load", "warn", "collectgarbage", "print", "tostring"});
-  set_field(L, "string", "dump", nullptr);
-  set_field(L, "math", "random", guard<math_random>);
-  set_field(L, "math", "randomseed", guard<math_randomseed>);
-  set_field(L, "math", "sin", math_wave<sine>);
-  set_field(L, "math", "cos", math_wave<cosine>);
-  set_field(L, "math", "tan", math_wave<tangent>);
-  lua_register(L, "print", guard<lua_print>);
-  lua_register(L, "tostring", guard<lua_tostring_safe>);
-  lua_register(L, "collectgarbage", guard<lua_collectgarbage>);
+  for (const char* name : {"dofile", "loadfile", "warn"}) {
+    lua_pushnil(L);
+    lua_setglobal(L, name);
+  }
+  set_functions(L, "math",
+                {{"random", guard<math_random>},
+                 {"randomseed", guard<math_randomseed>},
+                 {"sin", math_wave<sine>},
+                 {"cos", math_wave<cosine>},
+                 {"tan", math_wave<tangent>}});
+  set_functions(L, "_G",
+                {{"print", guard<lua_print>},
+                 {"tostring", guard<lua_tostring_safe>},
+                 {"collectgarbage", guard<lua_collectgarbage>}});
+  lua_getglobal(L, "string");
+  set_field(L, "dump", nullptr);
+  lua_pop(L, 1);
 
-  s.worlds_ref = make_weak_table(L, "v");
-  s.ids_ref = make_weak_table(L, "k");
+  push_weak_table(L, "v");
+  s.worlds_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  push_weak_table(L, "k");
+  s.ids_ref = luaL_ref(L, LUA_REGISTRYINDEX);
   lua_newtable(L);
   // files written for stock Lua begin with local string = require "string"
   for (const char* name : {"_G", "table", "string", "math", "utf8", "coroutine"}) {
@@ -254,8 +227,7 @@ int open_sandbox(lua_State* L) {
   // one script cannot change the strings of another
   lua_pushstring(L, "");
   lua_getmetatable(L, -1);
-  lua_pushboolean(L, 0);
-  lua_setfield(L, -2, "__metatable");
+  set_field(L, "__metatable", false);
   lua_settop(L, 0);
   return 0;
 }

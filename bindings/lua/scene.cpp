@@ -1,8 +1,8 @@
 // feder.scene{...} and what the host does with it.
 #include "lua/scene.h"
 
-#include "feder/profile.h"
 #include "lua/options.h"
+#include "lua/stack.h"
 #include "lua/study.h"
 #include "lua/world_options.h"
 
@@ -21,7 +21,6 @@ constexpr Option<CameraReading> kCamera[] = {
     field<&SceneCamera::yaw>("yaw", "rad").unset(),
     field<&SceneCamera::pitch>("pitch", "rad", {-1.57, 1.57}).unset(),
 };
-std::vector<OptionInfo> camera_rows() { return describe_rows(kCamera); }
 
 // camera = { target = {x, y, z}, distance =, yaw =, pitch = }
 void read_camera(Options& o, const OptionRow&, SceneState& scene) {
@@ -65,7 +64,7 @@ constexpr Option<SceneState> kScene[] = {
     field<&SceneState::title>("title"),
     field<&SceneState::seconds>("seconds", "s", {0, 1e9, true}).unset(),
     field<&SceneState::picture>("picture", "s", {0, 1e9}).unset(),
-    {{.name = "camera"}, "table", read_camera, nullptr, camera_rows},
+    {{.name = "camera"}, "table", read_camera, nullptr, rows_of<kCamera>},
     {{.name = "world"}, "table", read_world, nullptr, world_rows},
     special("build", "function(world, scene)", read_build),
     special("update", "function(world, scene)", read_update),
@@ -73,21 +72,12 @@ constexpr Option<SceneState> kScene[] = {
     {{.name = "study"}, "table", read_study_table, nullptr, study_rows},
 };
 
-void read_scene(lua_State* L, int index, SceneState& out, const std::string& owner) {
-  Options o(L, index, owner);
-  o.read(kScene, out);
-}
-
 // A fresh copy of the scene for build, update and check: what a build leaves there does not reach the next.
 void push_scene_copy(lua_State* L) {
-  lua_newtable(L);
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
-  for (lua_pushnil(L); lua_next(L, -2);) {
-    lua_pushvalue(L, -2);
-    lua_insert(L, -2);
-    lua_rawset(L, -5);
-  }
-  lua_pop(L, 1);
+  lua_newtable(L);
+  copy_fields(L, -2);
+  lua_remove(L, -2);
 }
 
 CheckResult& result_of(lua_State* L) {  // upvalue 1, light
@@ -107,9 +97,9 @@ int expect(lua_State* L) {  // (expect, condition, [message])
     lua_getglobal(L, "tostring");
     lua_pushvalue(L, 2);
     lua_call(L, 1, 1);
-    message = lua_tostring(L, -1) ? lua_tostring(L, -1) : "?";
+    message = lua_isstring(L, -1) ? lua_tostring(L, -1) : "?";
   }
-  result_of(L).failures.push_back({place(L), message});
+  result_of(L).failures.push_back({location(L), message});
   lua_pushvalue(L, 1);
   return 1;
 }
@@ -136,9 +126,8 @@ int expect_error(lua_State* L) {
     ++result_of(L).passed;
   else
     result_of(L).failures.push_back(
-        {place(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
-  lua_pushboolean(L, holds);
-  return 1;
+        {location(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
+  return push(L, holds);
 }
 
 // A table that is called, and has comparisons by name.
@@ -166,7 +155,7 @@ void push_callback(lua_State* L, const char* name) {
 
 // World and scene copy, as build, update and check get them.
 void push_scene_world(lua_State* L) {
-  push_world(L, *state(L).worlds[state(L).last_world]);
+  push_world(L, *state(L).current());
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
 }
 
@@ -174,7 +163,7 @@ std::vector<OptionInfo> scene_rows() { return describe_rows(kScene); }
 
 int feder_scene(lua_State* L) {
   SceneState read;
-  read_scene(L, 1, read, "feder.scene");
+  Options(L, 1, "feder.scene").read(kScene, read);
   // the world's options are read here too, where the script's line is known
   lua_pushstring(L, "world");
   if (lua_rawget(L, 1) == LUA_TTABLE) {
@@ -186,29 +175,22 @@ int feder_scene(lua_State* L) {
     }
   }
   SceneState& s = scene(L);
-  luaL_unref(L, LUA_REGISTRYINDEX, s.last);
-  s.where = place(L);
+  s.where = location(L);
   lua_settop(L, 1);
-  lua_pushvalue(L, 1);
-  s.last = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.last);
   return 1;
 }
 
 bool take_scene(lua_State* L, const std::string& file) {
   SceneState& s = scene(L);
   if (lua_type(L, -1) != LUA_TTABLE && s.last == LUA_NOREF) return false;  // a plain script, whatever it returns
-  if (lua_isnil(L, -1)) {
-    lua_pushstring(
-        L, (s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'").c_str());
-    lua_error(L);
-  }
-  if (lua_type(L, -1) != LUA_TTABLE) {
-    lua_pushstring(L, (s.where + ": expected the file to return the scene made here, got " + describe(L, -1)).c_str());
-    lua_error(L);
-  }
+  if (lua_isnil(L, -1))
+    raise_error(L, s.where + ": the file makes a scene and does not return it; write 'return feder.scene { ... }'");
+  if (lua_type(L, -1) != LUA_TTABLE)
+    raise_error(L, s.where + ": expected the file to return the scene made here, got " + describe(L, -1));
   const std::string where = s.where;
   s.title.clear(), s.seconds = 0, s.picture = -1, s.camera = {};
-  read_scene(L, lua_gettop(L), s, "feder.scene");
+  Options(L, lua_gettop(L), "feder.scene").read(kScene, s);
   s.where = where.empty() ? file : where;
   lua_pushvalue(L, -1);
   s.table = luaL_ref(L, LUA_REGISTRYINDEX);
@@ -230,22 +212,15 @@ int build_scene(lua_State* L) {
     error = e.what();
     if (error.rfind("--world", 0) != 0 && error.rfind("world", 0) != 0) error = "world: " + error;
   }
-  if (!error.empty()) {
-    // a mistake on the command line has no place in the script
-    lua_pushstring(L, (error.rfind("--world", 0) == 0 ? error : s.where + ": " + error).c_str());
-    return lua_error(L);
-  }
-  WorldRecord* old = st.last_world < st.worlds.size() ? st.worlds[st.last_world].get() : nullptr;
+  // a mistake on the command line has no location in the script
+  if (!error.empty()) raise_error(L, error.rfind("--world", 0) == 0 ? error : s.where + ": " + error);
+  WorldRecord* old = st.current();
   WorldRecord& record = push_new_world(L, settings);  // at 3
-  luaL_unref(L, LUA_REGISTRYINDEX, st.last_world_ref);
-  lua_pushvalue(L, 3);
-  st.last_world_ref = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, st.last_world_ref);
   st.last_world = record.id;
   if (old && s.passed != LUA_NOREF) close_world(L, *old);
-  luaL_unref(L, LUA_REGISTRYINDEX, s.passed);
   push_scene_copy(L);  // at 4
-  lua_pushvalue(L, 4);
-  s.passed = luaL_ref(L, LUA_REGISTRYINDEX);
+  replace_reference(L, s.passed);
   push_callback(L, "build");
   lua_pushvalue(L, 3);
   lua_pushvalue(L, 4);
@@ -259,23 +234,17 @@ void run_update(lua_State* L, WorldRecord& record) {
   if (!s.has_update || st.last_world != record.id || st.phase != Phase::running) return;
   push_callback(L, "update");
   const std::size_t profile = st.profile_slot(L, -1);
-  push_world(L, record);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, s.passed);
-  const std::uint64_t start = clock_nanoseconds();
-  Failure failure;
-  if (!st.call(L, 2, 0, failure)) st.report(failure);
-  st.profile[profile].calls += 1;
-  st.profile[profile].nanoseconds += clock_nanoseconds() - start;
+  push_scene_world(L);
+  st.call_handler(L, profile, 2);
 }
 
 CheckResult run_check(lua_State* L) {
   State& st = state(L);
   CheckResult result;
   result.has_check = scene(L).has_check;
-  if (!result.has_check || st.last_world >= st.worlds.size()) return result;
+  if (!result.has_check || !st.current()) return result;
   push_callback(L, "check");
-  push_world(L, *st.worlds[st.last_world]);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).passed);
+  push_scene_world(L);
   push_expect(L, result);
   Failure failure;
   if (!st.call(L, 3, 0, failure)) {

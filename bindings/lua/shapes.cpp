@@ -1,9 +1,11 @@
+// Shapes: makers by the rows of the runtime, userdata that share a shape, and lists of points.
 #include "lua/shapes.h"
 
 #include <cmath>
 #include <deque>
 
 #include "lua/buffer.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -16,20 +18,14 @@ double size_argument(lua_State* L, int index, const char* name) {
   return check_number(L, index, std::string(function_name(L)) + "." + name, Range{0, 1e9, true});
 }
 
-void no_more(lua_State* L, int count) {
-  if (lua_gettop(L) > count)
-    fail_here(L, "expected at most " + std::to_string(count) + " arguments, got " + std::to_string(lua_gettop(L)));
-}
-
 int shape_collected(lua_State* L) {
   static_cast<ShapePtr*>(lua_touserdata(L, 1))->~shared_ptr();
   return 0;
 }
 
-int shape_tostring(lua_State* L) {
+std::string shape_tostring(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(test_class(L, 1, Class::shape));
-  lua_pushstring(L, shape ? (std::string("shape ") + (*shape)->kind()).c_str() : "?");
-  return 1;
+  return shape ? std::string("shape ") + (*shape)->kind() : "?";
 }
 
 // Triangles as {i, j, k} tables counting from 1.
@@ -40,19 +36,9 @@ std::vector<std::uint32_t> check_triangles(lua_State* L, int index, std::size_t 
   if (count > kMaxPoints)
     fail(L, name + ": expected at most " + std::to_string(kMaxPoints) + " triangles, got " + std::to_string(count));
   std::vector<std::uint32_t> out;
-  for (std::size_t t = 1; t <= count; ++t) {
-    lua_rawgeti(L, index, static_cast<lua_Integer>(t));
-    const std::string at = name + "[" + std::to_string(t) + "]";
-    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3)
-      fail(L, at + ": expected {i, j, k}, got " + describe(L, -1));
-    for (int k = 1; k <= 3; ++k) {
-      lua_rawgeti(L, -1, k);
-      out.push_back(
-          static_cast<std::uint32_t>(check_integer(L, -1, at, 1, static_cast<std::int64_t>(vertex_count)) - 1));
-      lua_pop(L, 1);
-    }
-    lua_pop(L, 1);
-  }
+  each_entry(L, index, [&](lua_Integer t) {
+    check_indices(L, -1, name + "[" + std::to_string(t) + "]", "{i, j, k}", 3, 3, vertex_count, out);
+  });
   return out;
 }
 
@@ -75,39 +61,27 @@ std::vector<CompoundPart> check_parts(lua_State* L, int index) {
   const auto count = lua_rawlen(L, index);
   if (count == 0 || count > 4096) fail_here(L, "expected 1 to 4096 parts, got " + std::to_string(count));
   std::vector<CompoundPart> parts;
-  for (std::size_t i = 1; i <= count; ++i) {
-    lua_rawgeti(L, index, static_cast<lua_Integer>(i));
-    Options o(L, -1, name + "[" + std::to_string(i) + "]", true);
-    CompoundPart part;
-    o.read(kPart, part);
-    parts.push_back(std::move(part));
-    lua_pop(L, 1);
-  }
+  each_entry(L, index, [&](lua_Integer i) {
+    Options(L, -1, name + "[" + std::to_string(i) + "]", true).read(kPart, parts.emplace_back());
+  });
   return parts;
-}
-
-// The kind whose maker runs, by its name.
-const ShapeKind& kind_here(lua_State* L) {
-  const std::string_view name = function_name(L);
-  return shape_kinds()[static_cast<std::size_t>(shape_kind_id(name.substr(name.rfind('.') + 1).data()))];
-}
-
-bool three_sizes(const ShapeKind& kind) {
-  return kind.arguments.size() == 3 && kind.arguments[2].type == ShapeArgumentType::size;
 }
 
 // feder.<kind>(...), by the arguments of the kind's row.
 int feder_shape(lua_State* L) {
-  const ShapeKind& kind = kind_here(L);
   const std::string name = function_name(L);
-  if (three_sizes(kind) && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
+  // the kind whose maker runs, by its name
+  const ShapeKind& kind = shape_kinds()[static_cast<std::size_t>(shape_kind_id(name.c_str() + name.rfind('.') + 1))];
+  const bool three_sizes = kind.arguments.size() == 3 && kind.arguments[2].type == ShapeArgumentType::size;
+  if (three_sizes && lua_gettop(L) == 1 && lua_type(L, 1) == LUA_TTABLE) {  // as one vector
     const Vec3 size = check_vector(L, 1, name);
     lua_settop(L, 0);
-    for (int i = 0; i < 3; ++i) lua_pushnumber(L, size[i]);
+    push(L, size);
   }
   int most = 0;
   for (const ShapeArgument& a : kind.arguments) most += a.type == ShapeArgumentType::direction ? 3 : 1;
-  no_more(L, most);
+  if (lua_gettop(L) > most)
+    fail_here(L, "expected at most " + std::to_string(most) + " arguments, got " + std::to_string(lua_gettop(L)));
   ShapeInput in;
   std::vector<Vec3> points;
   std::vector<std::uint32_t> triangles;
@@ -133,21 +107,20 @@ int feder_shape(lua_State* L) {
     }
   }
   in.points = points, in.triangles = triangles, in.parts = parts;
-  push_shape(L, kind.make(in));
+  push_userdata(L, Class::shape, kind.make(in));
   return 1;
 }
 
 int feder_left_out_shape(lua_State* L) { fail_here(L, "this build has no such shape"); }
 
-int shape_kind(lua_State* L) {
+const char* shape_kind(lua_State* L) {
   const auto* shape = static_cast<const ShapePtr*>(self_block(L));
   if (!shape) wrong_self(L, "shape");
-  lua_pushstring(L, (*shape)->kind());
-  return 1;
+  return (*shape)->kind();
 }
 
 const Method kShapeMethods[] = {
-    {"kind", guard<shape_kind>, "shape:kind() -> string", "\"box\", \"sphere\" ..."},
+    {"kind", method<shape_kind>, "shape:kind() -> string", "\"box\", \"sphere\" ..."},
 };
 
 }  // namespace
@@ -175,23 +148,11 @@ std::span<const Method> shape_functions() {
 }
 std::span<const Method> shape_methods() { return kShapeMethods; }
 
-void push_shape(lua_State* L, ShapePtr shape) {
-  void* block = lua_newuserdatauv(L, sizeof(ShapePtr), 0);
-  new (block) ShapePtr(std::move(shape));
-  push_class(L, Class::shape);
-  lua_setmetatable(L, -2);
-}
-
-ShapePtr check_shape(lua_State* L, int index, const std::string& what) {
-  const auto* shape = static_cast<const ShapePtr*>(test_class(L, index, Class::shape));
-  if (!shape) fail(L, what + ": expected a shape (feder.box(1, 1, 1) ...), got " + describe(L, index));
-  return *shape;
-}
-
 bool shape_option(Options& o, const char* key, ShapePtr& out) {
   if (!o.push_any(key)) return false;
-  if (!test_class(o.L(), -1, Class::shape)) o.wrong(key, "a shape (feder.box(1, 1, 1) ...)");
-  out = check_shape(o.L(), -1, o.path(key));
+  const auto* shape = static_cast<const ShapePtr*>(test_class(o.L(), -1, Class::shape));
+  if (!shape) o.wrong(key, "a shape (feder.box(1, 1, 1) ...)");
+  out = *shape;
   lua_pop(o.L(), 1);
   return true;
 }
@@ -217,21 +178,20 @@ std::vector<Vec3> check_points(lua_State* L, int index, const std::string& what,
     fail(L, what + ": expected at most " + std::to_string(kMaxPoints) + " points, got " + std::to_string(count));
   out.reserve(count);
   charge(L, count);
-  for (std::size_t i = 1; i <= count; ++i) {
-    lua_rawgeti(L, index, static_cast<lua_Integer>(i));
-    out.push_back(check_vector(L, -1, what + "[" + std::to_string(i) + "]", planar));
-    lua_pop(L, 1);
-  }
+  each_entry(L, index,
+             [&](lua_Integer i) { out.push_back(check_vector(L, -1, what + "[" + std::to_string(i) + "]", planar)); });
   return out;
 }
 
+bool points_option(Options& o, const char* key, std::vector<Vec3>& out) {
+  if (!o.push_any(key)) return false;
+  out = check_points(o.L(), -1, o.path(key), o.planar());
+  lua_pop(o.L(), 1);
+  return true;
+}
+
 void open_shapes(lua_State* L) {
-  push_class(L, Class::shape);
-  lua_pushcfunction(L, shape_tostring);
-  lua_setfield(L, -2, "__tostring");
-  lua_pushcfunction(L, shape_collected);
-  lua_setfield(L, -2, "__gc");
-  lua_pop(L, 1);
+  set_metamethods(L, Class::shape, {{"__tostring", method<shape_tostring>}, {"__gc", shape_collected}});
 }
 
 }  // namespace feder::lua

@@ -1,15 +1,14 @@
 // Nets in Lua.
 #pragma once
 #include "feder/net.h"
-#include "lua/objects.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 
 const Part& springs_part();
 
-int world_net(lua_State* L);
+ObjectId world_net(WorldRecord& r, lua_State* L);
 std::vector<OptionInfo> net_rows();
-std::span<const Method> net_methods();
 std::vector<Advice> advise_nets(World& world);
 SpringDesc read_spring(Options& o, std::size_t point_count);
 

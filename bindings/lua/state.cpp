@@ -1,23 +1,22 @@
+// The Lua state: memory and instruction limits, calls and their errors, classes of userdata.
 #include "lua/state.h"
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 
-#include "base/rng.h"
 #include "feder/params.h"
-#include "feder/profile.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
 
-constexpr int kHookSlice = 1000;                 // instructions between two looks at the limits
+constexpr int kHookSlice = 1000;                 // instructions between two checks of the limits
 constexpr double kSecondsPerInstruction = 1e-7;  // of processor time, about ten times the usual
 constexpr std::size_t kLongBlock = 512;          // bytes; making and copying longer ones is charged
 constexpr int kBytesPerUnit = 16;
@@ -32,8 +31,8 @@ void* allocate(void* self, void* block, std::size_t old_size, std::size_t new_si
     return nullptr;
   }
   if (new_size > old_size && s.memory_used + (new_size - old_size) > s.options.memory_limit) {
-    // Lua collects garbage and asks again; only the second refusal is an error, without a place of its own
-    if (s.L) s.memory_place = place(s.L);
+    // Lua collects garbage and asks again; only the second refusal is an error, without a location of its own
+    if (s.L) s.memory_location = location(s.L);
     return nullptr;
   }
   // concatenation, buffers and growing tables are long work of one instruction; the next hook sees the charge
@@ -53,10 +52,10 @@ void limit_hook(lua_State* L, lua_Debug*) {
   State& s = state(L);
   s.spend(L, std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit));
   const std::uint64_t now = clock_nanoseconds();
-  if (s.lua_start > 0 && now - s.last_look < 100'000'000) return;
+  if (s.lua_start > 0 && now - s.last_time_check < 100'000'000) return;
   const double time = State::thread_seconds();
   if (s.lua_start <= 0) s.lua_start = time;
-  s.last_look = now;
+  s.last_time_check = now;
   if (time - s.lua_start > 1 + kSecondsPerInstruction * static_cast<double>(s.allowed_instructions()))
     s.trip(L, Limit::time);
 }
@@ -65,9 +64,7 @@ void limit_hook(lua_State* L, lua_Debug*) {
 std::string error_text(lua_State* L, int index) {
   if (lua_type(L, index) == LUA_TSTRING || lua_type(L, index) == LUA_TNUMBER) {
     lua_pushvalue(L, index);
-    std::size_t size = 0;
-    const char* text = lua_tolstring(L, -1, &size);
-    std::string copy(text, size);
+    std::string copy(text_at(L, -1));
     lua_pop(L, 1);
     return copy;
   }
@@ -81,12 +78,12 @@ std::string error_text(lua_State* L, int index) {
   return text.empty() ? "error object is " + describe(L, index) : text;
 }
 
-// Message handler of State::call: the error becomes text with a place while the stack still stands.
+// Message handler of State::call: the error becomes text with a location while the stack still stands.
 int on_error(lua_State* L) {
   if (state(L).limit != Limit::none) return 1;
   std::string text = error_text(L, 1);
-  if (split_place(text).where.empty()) {
-    const std::string at = place(L, 1);
+  if (split_location(text).where.empty()) {
+    const std::string at = location(L, 1);
     if (!at.empty()) text = at + ": " + text;
   }
   lua_pushlstring(L, text.data(), text.size());
@@ -116,9 +113,7 @@ int unknown_member(lua_State* L) {  // upvalues: class name, methods
   std::sort(known.begin(), known.end());
   if (lua_type(L, 2) != LUA_TSTRING) fail(L, std::string("a ") + name + " has no member " + describe(L, 2));
   const std::string asked = lua_tostring(L, 2);
-  const std::string near = nearest_name(asked, known);
-  fail(L, std::string("a ") + name + " has no method '" + asked + "'" +
-              (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  fail(L, std::string("a ") + name + " has no method '" + asked + "'" + did_you_mean(asked, known));
 }
 
 int no_fields(lua_State* L) {
@@ -178,7 +173,7 @@ std::uint64_t State::allowed_instructions() const {
 void State::begin_call() {
   budget = allowed_instructions();
   limit = Limit::none;
-  limit_place.clear();
+  limit_location.clear();
   lua_start = 0;
 }
 
@@ -217,9 +212,9 @@ bool State::resume(lua_State* thread, lua_State* from, int args, bool& yielded, 
     lua_pop(thread, results);
     return true;
   }
-  if (status == LUA_ERRMEM) memory_place = place(thread);
+  if (status == LUA_ERRMEM) memory_location = location(thread);
   if (status == LUA_OK || yielded) lua_pushnil(thread);
-  const std::string at = place(thread);
+  const std::string at = location(thread);
   take_failure(thread, nullptr, status, failure);
   if (failure.where.empty()) failure.where = at;
   lua_resetthread(thread);
@@ -229,12 +224,12 @@ bool State::resume(lua_State* thread, lua_State* from, int args, bool& yielded, 
 }
 
 void State::take_failure(lua_State* on, lua_State* outer, int status, Failure& failure) {
-  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_place = memory_place;
+  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_location = memory_location;
   if (limit == Limit::none) {
-    failure = split_place(one_line(error_text(on, -1)));
+    failure = split_location(one_line(error_text(on, -1)));
     return;
   }
-  failure = {limit_place, limit_text(), limit};
+  failure = {limit_location, limit_text(), limit};
   if (depth > 0 && outer) raise_limit(outer);
 }
 
@@ -248,7 +243,7 @@ void State::spend(lua_State* on, std::uint64_t units) {
 
 void State::trip(lua_State* on, Limit reached) {
   limit = reached;
-  limit_place = place(on);
+  limit_location = location(on);
   raise_limit(on);
 }
 
@@ -259,7 +254,7 @@ void State::raise_limit(lua_State* on) {
 }
 
 void State::check_limits(lua_State* on, int status) {
-  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_place = memory_place;
+  if (status == LUA_ERRMEM && limit == Limit::none) limit = Limit::memory, limit_location = memory_location;
   if (limit != Limit::none) raise_limit(on);
 }
 
@@ -283,7 +278,7 @@ double State::thread_seconds() {
 }
 
 void State::report(const Failure& failure) {
-  // with no place, the message tells places apart
+  // without a location, the message tells errors apart
   for (HandlerError& e : errors) {
     if (e.where == failure.where && (!e.where.empty() || e.message == failure.message)) {
       ++e.count;
@@ -314,12 +309,16 @@ std::size_t State::profile_slot(lua_State* on, int index) {
   return profile.size() - 1;
 }
 
-Rng& State::random() {
-  if (last_world < worlds.size() && worlds[last_world]->world) return worlds[last_world]->world->rng();
-  return rng;
+void State::call_handler(lua_State* on, std::size_t slot, int args) {
+  Failure failure;
+  if (!profiled(slot, [&] { return call(on, args, 0, failure); })) report(failure);
 }
 
-std::string place(lua_State* L, int level) {
+WorldRecord* State::current() const { return last_world < worlds.size() ? worlds[last_world].get() : nullptr; }
+
+Rng& State::random() { return current() && current()->world ? current()->world->rng() : rng; }
+
+std::string location(lua_State* L, int level) {
   lua_Debug ar;
   for (; lua_getstack(L, level, &ar); ++level) {
     lua_getinfo(L, "Sl", &ar);
@@ -330,17 +329,21 @@ std::string place(lua_State* L, int level) {
   return {};
 }
 
-std::string short_place(lua_State* L) {
-  const std::string at = place(L);
+std::string short_location(lua_State* L) {
+  const std::string at = location(L);
   const std::size_t slash = at.find_last_of('/');
   return slash == std::string::npos ? at : at.substr(slash + 1);
 }
 
-void fail(lua_State* L, const std::string& message) {
-  const std::string at = place(L);
-  lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
+void raise_error(lua_State* L, const std::string& message) {
+  lua_pushstring(L, message.c_str());
   lua_error(L);
   std::abort();  // lua_error does not return
+}
+
+void fail(lua_State* L, const std::string& message) {
+  const std::string at = location(L);
+  raise_error(L, at.empty() ? message : at + ": " + message);
 }
 
 void fail_here(lua_State* L, const std::string& message) {
@@ -378,9 +381,8 @@ std::string describe(lua_State* L, int index) {
     case LUA_TBOOLEAN: return lua_toboolean(L, index) ? "true" : "false";
     case LUA_TNUMBER: return print_number(lua_tonumber(L, index));
     case LUA_TSTRING: {
-      std::size_t size = 0;
-      const char* text = lua_tolstring(L, index, &size);
-      return "'" + std::string(text, std::min<std::size_t>(size, 40)) + (size > 40 ? "...'" : "'");
+      const std::string_view text = text_at(L, index);
+      return "'" + std::string(text.substr(0, 40)) + (text.size() > 40 ? "...'" : "'");
     }
     case LUA_TTABLE: return "a table";
     case LUA_TFUNCTION: return "a function";
@@ -392,8 +394,8 @@ std::string describe(lua_State* L, int index) {
   return "a userdata";
 }
 
-Failure split_place(std::string_view text) {
-  // the first ":<digits>: " ends a place
+Failure split_location(std::string_view text) {
+  // the first ":<digits>: " ends a location
   for (std::size_t i = text.find(':'); i != std::string_view::npos; i = text.find(':', i + 1)) {
     std::size_t end = i + 1;
     while (end < text.size() && text[end] >= '0' && text[end] <= '9') ++end;
@@ -412,37 +414,42 @@ std::string join(std::span<const std::string> words) {
   return all;
 }
 
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
+  const std::string near = nearest_name(word, known);
+  return near.empty() ? "" : "; did you mean '" + near + "'?";
+}
+
+std::string did_you_mean_or(std::string_view word, const std::vector<std::string>& known) {
+  const std::string near = did_you_mean(word, known);
+  return near.empty() ? "; known: " + join(known) : near;
+}
+
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable) {
   if (metatable) metatable = lua_absindex(L, metatable);
   for (const Method& row : rows) {
-    if (metatable)
-      lua_pushvalue(L, metatable);
-    else
-      lua_pushnil(L);
-    lua_pushstring(L, (prefix + row.name).c_str());
+    metatable ? lua_pushvalue(L, metatable) : lua_pushnil(L);
+    push(L, prefix + row.name);
     lua_pushcclosure(L, row.fn, 2);
     lua_setfield(L, -2, row.name);
   }
 }
 
-void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists) {
+void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists) {
   const char* name = class_name(state(L), c);
   lua_newtable(L);
   lua_pushvalue(L, -1);
   state(L).class_ref[static_cast<std::size_t>(c)] = luaL_ref(L, LUA_REGISTRYINDEX);
   const int metatable = lua_gettop(L);
-  lua_pushboolean(L, 0);
-  lua_setfield(L, metatable, "__metatable");
-  lua_pushstring(L, name);
-  lua_setfield(L, metatable, "__name");
-  lua_pushstring(L, name);
+  set_field(L, "__metatable", false);
+  set_field(L, "__name", name);
+  push(L, name);
   lua_pushcclosure(L, &no_fields, 1);
   lua_setfield(L, metatable, "__newindex");
   lua_newtable(L);
   for (const auto& rows : method_lists) add_methods(L, rows, std::string(name) + ":", metatable);
   // a miss in the method table names the nearest method
   lua_newtable(L);
-  lua_pushstring(L, name);
+  push(L, name);
   lua_pushvalue(L, -3);
   lua_pushcclosure(L, &unknown_member, 2);
   lua_setfield(L, -2, "__index");
@@ -469,6 +476,10 @@ void* test_class(lua_State* L, int index, Class c) {
   const bool same = lua_rawequal(L, -1, -2);
   lua_pop(L, 2);
   return same ? lua_touserdata(L, index) : nullptr;
+}
+
+void check_function(lua_State* L, int index) {
+  if (lua_type(L, index) != LUA_TFUNCTION) fail_here(L, "expected a function, got " + describe(L, index));
 }
 
 void wrong_self(lua_State* L, const char* expected) {

@@ -18,6 +18,7 @@
 #include "feder/error.h"
 #include "feder/lua.h"
 #include "feder/params.h"
+#include "feder/profile.h"
 
 namespace feder::lua {
 
@@ -81,7 +82,7 @@ struct State {
   // The error of a call that ended with `status`, on top of the stack; a limit of an outer call is raised again.
   void take_failure(lua_State* on, lua_State* outer, int status, Failure& failure);
   void begin_call();
-  // An error in a handler, timer, task or update(): counted by place.
+  // An error in a handler, timer, task or update(): counted by location.
   void report(const Failure& failure);
   void print(std::string_view text) const;
   // Takes `units` instructions off the budget of the outermost call; raises a limit that is reached, or was.
@@ -104,19 +105,31 @@ struct State {
   static double thread_seconds();  // processor time of this thread
   // The slot of handler_profile for the function at `index`.
   std::size_t profile_slot(lua_State* on, int index);
-  Rng& random();  // of the current world; before the first world, the state's own
+  // Runs a call of that function, f() -> did it end well, and counts it.
+  template <class F>
+  bool profiled(std::size_t slot, F&& f) {
+    const std::uint64_t start = clock_nanoseconds();
+    const bool good = f();
+    profile[slot].calls += 1;
+    profile[slot].nanoseconds += clock_nanoseconds() - start;
+    return good;
+  }
+  // Calls a handler, the function below `args` arguments on the stack; an error in it is reported.
+  void call_handler(lua_State* on, std::size_t slot, int args);
+  WorldRecord* current() const;  // the scene's world, or the last of a plain script; null before
+  Rng& random();                 // of the current world; before the first world, the state's own
 
   HostOptions options;
   std::vector<const ObjectClass*> object_classes;  // from Class::parts on
   lua_State* L = nullptr;
-  std::size_t memory_used = 0;  // bytes
-  std::uint64_t budget = 0;     // instructions left of the outermost call
-  Limit limit = Limit::none;    // reached: every hook raises until the outermost call has ended
-  std::string limit_place;      // file:line where it was reached
-  std::string memory_place;     // where the allocator last refused
-  double lua_start = 0;         // s of thread_seconds at the first hook of the outermost call; 0: none yet
-  std::uint64_t last_look = 0;  // ns, wall clock of the last look at thread_seconds
-  std::uint64_t printed = 0;    // bytes
+  std::size_t memory_used = 0;        // bytes
+  std::uint64_t budget = 0;           // instructions left of the outermost call
+  Limit limit = Limit::none;          // reached: every hook raises until the outermost call has ended
+  std::string limit_location;         // file:line where it was reached
+  std::string memory_location;        // where the allocator last refused
+  double lua_start = 0;               // s of thread_seconds at the first hook of the outermost call; 0: none yet
+  std::uint64_t last_time_check = 0;  // ns, wall clock when thread_seconds was last read
+  std::uint64_t printed = 0;          // bytes
   std::atomic<bool> interrupted = false;
   bool wrong_option = false;   // the error on its way is one of HostOptions::set or ::world
   int depth = 0;               // calls from the host into Lua, nested
@@ -156,9 +169,11 @@ const ObjectClass* class_row(const State& s, Class c);
 inline State& state(lua_State* L) { return **static_cast<State**>(lua_getextraspace(L)); }
 
 // "file:line" of the innermost Lua function at or above `level`; "" when there is none.
-std::string place(lua_State* L, int level = 0);
+std::string location(lua_State* L, int level = 0);
 // The same with the file's name alone: what a destroyed object remembers.
-std::string short_place(lua_State* L);
+std::string short_location(lua_State* L);
+// Raises the message as it is.
+[[noreturn]] void raise_error(lua_State* L, const std::string& message);
 // Raises "file:line: message".
 [[noreturn]] void fail(lua_State* L, const std::string& message);
 // Raises "file:line: function: message", with the name of the running API function.
@@ -167,11 +182,15 @@ std::string short_place(lua_State* L);
 const char* function_name(lua_State* L);
 // A value for messages: -5, 'text', a table, body "crate3" ...
 std::string describe(lua_State* L, int index);
-// Splits "file:line: message"; where stays empty when the text has no place.
-Failure split_place(std::string_view text);
+// Splits "file:line: message"; where stays empty when the text has no location.
+Failure split_location(std::string_view text);
 // Takes `units` instructions off the budget, for C functions that work long.
 void charge(lua_State* L, std::uint64_t units);
 std::string join(std::span<const std::string> words);
+// "; did you mean 'box'?" when one of the known is near, else "".
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
+// The same, but "; known: a, b" when none is near.
+std::string did_you_mean_or(std::string_view word, const std::vector<std::string>& known);
 
 // A SceneError of the runtime as the error of the running API function: "density: ..." thrown under world:body becomes
 // "world:body.density: ...".
@@ -194,12 +213,14 @@ int guard(lua_State* L) {
 // Fills the table on top of the stack: each function gets upvalues (metatable of its class or nil, qualified name).
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable);
 // Makes the metatable of a class from its methods; leaves it on the stack for metamethods.
-void make_class(lua_State* L, Class c, std::span<const std::span<const Method>> method_lists);
+void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists);
 void push_class(lua_State* L, Class c);
 
 // The block of the userdata at `index` when it is of the class in upvalue 1 (methods) or `c`; else null.
 void* self_block(lua_State* L);
 void* test_class(lua_State* L, int index, Class c);
+// A function is expected there.
+void check_function(lua_State* L, int index);
 [[noreturn]] void wrong_self(lua_State* L, const char* expected);
 
 }  // namespace feder::lua

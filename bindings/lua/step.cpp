@@ -1,5 +1,7 @@
+// A step as scripts see it, and snapshots with their owner key.
 #include "lua/step.h"
 
+#include <bit>
 #include <cstring>
 
 #include "lua/scene.h"
@@ -7,18 +9,17 @@
 namespace feder::lua {
 namespace {
 
-// SipHash-2-4 (Aumasson and Bernstein 2012), keyed per world: a script that edits a snapshot cannot seal it again.
-
-std::uint64_t turn(std::uint64_t x, int bits) { return x << bits | x >> (64 - bits); }
+// SipHash-2-4 (Aumasson and Bernstein 2012), keyed per world: a script that edits a snapshot cannot make its owner key
+// again.
 
 std::uint64_t sip_hash(const SipKey& key, std::string_view text) {
   std::uint64_t v[4] = {key.a ^ 0x736f6d6570736575ull, key.b ^ 0x646f72616e646f6dull, key.a ^ 0x6c7967656e657261ull,
                         key.b ^ 0x7465646279746573ull};
   const auto round = [&v] {
-    v[0] += v[1], v[1] = turn(v[1], 13) ^ v[0], v[0] = turn(v[0], 32);
-    v[2] += v[3], v[3] = turn(v[3], 16) ^ v[2];
-    v[0] += v[3], v[3] = turn(v[3], 21) ^ v[0];
-    v[2] += v[1], v[1] = turn(v[1], 17) ^ v[2], v[2] = turn(v[2], 32);
+    v[0] += v[1], v[1] = std::rotl(v[1], 13) ^ v[0], v[0] = std::rotl(v[0], 32);
+    v[2] += v[3], v[3] = std::rotl(v[3], 16) ^ v[2];
+    v[0] += v[3], v[3] = std::rotl(v[3], 21) ^ v[0];
+    v[2] += v[1], v[1] = std::rotl(v[1], 17) ^ v[2], v[2] = std::rotl(v[2], 32);
   };
   const auto absorb = [&](std::uint64_t m) {
     v[3] ^= m;
@@ -65,25 +66,25 @@ void run_step(lua_State* L, WorldRecord& record) {
   lua_settop(L, top);
 }
 
-std::string seal_snapshot(const WorldRecord& record) {
+std::string write_snapshot(WorldRecord& record) {
   std::string body;
   Writer w(body);
   w.add(static_cast<std::uint64_t>(record.special.size()));
   for (const auto& [id, kind] : record.special) w.add(id), w.add(kind);
   body += record.world->snapshot();
-  const std::uint64_t seal = sip_hash(record.key, body);
+  const std::uint64_t owner_key = sip_hash(record.key, body);
   std::string text(kHeader);
-  text.append(reinterpret_cast<const char*>(&seal), sizeof seal);
+  text.append(reinterpret_cast<const char*>(&owner_key), sizeof owner_key);
   return text + body;
 }
 
 void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) {
-  std::uint64_t seal = 0;
-  if (text.substr(0, kHeader.size()) != kHeader || text.size() < kHeader.size() + sizeof seal)
+  std::uint64_t owner_key = 0;
+  if (text.substr(0, kHeader.size()) != kHeader || text.size() < kHeader.size() + sizeof owner_key)
     throw SceneError("expected a string that world:snapshot() gave");
-  std::memcpy(&seal, text.data() + kHeader.size(), sizeof seal);
-  text.remove_prefix(kHeader.size() + sizeof seal);
-  if (seal != sip_hash(record.key, text)) throw SceneError("the snapshot is another world's, or has been changed");
+  std::memcpy(&owner_key, text.data() + kHeader.size(), sizeof owner_key);
+  text.remove_prefix(kHeader.size() + sizeof owner_key);
+  if (owner_key != sip_hash(record.key, text)) throw SceneError("the snapshot is another world's, or has been changed");
   Reader r(text);
   std::map<ObjectId, Class> special;
   std::uint64_t count = 0;
@@ -92,14 +93,14 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
     ObjectId id;
     r.get(id), r.get(special[id]);
   }
-  note_names(L, record);
+  record_names(L, record);
   record.world->restore(text.substr(used));
   record.special = std::move(special);
   record.subscriptions.events.clear();
-  for (ScriptForce& f : record.forces.list) f.held.clear();
+  for (ScriptForce& f : record.forces) f.held.clear();
   for (auto& s : record.subscriptions.all)
     if (s->self && !record.world->objects().alive(s->self)) unsubscribe(L, record, s->id);
-  bury_lost(L, record, short_place(L) + " (world:restore)");
+  invalidate_lost(L, record, short_location(L) + " (world:restore)");
 }
 
 }  // namespace feder::lua

@@ -6,8 +6,8 @@ namespace feder::lua {
 
 // Script forces, the step, then timers, events, tasks and the scene's update(). The host's callback is the caller's.
 void run_step(lua_State* L, WorldRecord& record);
-// A snapshot as scripts hold it: the image with a seal, so that an edited one is refused.
-std::string seal_snapshot(const WorldRecord& record);
+// A snapshot as scripts hold it: the image with its owner key, so that an edited one is refused.
+std::string write_snapshot(WorldRecord& record);
 void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text);
 
 }  // namespace feder::lua

@@ -1,12 +1,13 @@
+// Studies: reads the table `study` of a scene, and asks its functions for references, errors and numbers.
 #include "lua/study.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 
 #include "lua/buffer.h"
 #include "lua/scene.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -28,20 +29,16 @@ constexpr Option<Axis> kAxis[] = {
     field<&Axis::factor>("factor", "", {1, 1e6, true}).unset(),
     field<&Axis::step>("step", "", kPositive).unset(),
 };
-std::vector<OptionInfo> axis_rows() { return describe_rows(kAxis); }
 
 // { v1, v2, ... } or { from =, to =, factor = | step = }
 std::vector<std::string> read_axis(lua_State* L, int index, const std::string& what) {
   std::vector<std::string> values;
   if (lua_type(L, index) != LUA_TTABLE)
     fail(L, what + ": expected a list or { from =, to =, factor = }, got " + describe(L, index));
-  const auto n = static_cast<lua_Integer>(lua_rawlen(L, index));
-  for (lua_Integer k = 1; k <= n; ++k) {
-    lua_rawgeti(L, index, k);
+  each_entry(L, index, [&](lua_Integer k) {
     values.push_back(axis_value(L, lua_gettop(L), what + "[" + std::to_string(k) + "]"));
-    lua_pop(L, 1);
-  }
-  if (n > 0) return values;
+  });
+  if (!values.empty()) return values;
   Options o(L, index, what);
   Axis axis;
   o.read(kAxis, axis);
@@ -78,11 +75,9 @@ StudyAxes read_axes(lua_State* L, int index, const std::string& what) {
   return axes;
 }
 
-// After loading no line of the script runs: the place is that of the scene.
+// After loading no line of the script runs: the location is that of the scene.
 [[noreturn]] void complain(lua_State* L, const std::string& message) {
-  lua_pushstring(L, (state(L).scene.where + ": " + message).c_str());
-  lua_error(L);
-  std::abort();
+  raise_error(L, state(L).scene.where + ": " + message);
 }
 
 // Numbers of the value at `index`, depth first.
@@ -97,17 +92,11 @@ void collect(lua_State* L, int index, const std::string& what, int depth, std::v
   }
   if (lua_type(L, index) != LUA_TTABLE || depth > 8)
     complain(L, "study." + what + ": expected numbers or lists of numbers, got " + describe(L, index));
-  const auto n = static_cast<lua_Integer>(lua_rawlen(L, index));
-  for (lua_Integer k = 1; k <= n; ++k) {
-    lua_rawgeti(L, index, k);
-    collect(L, lua_gettop(L), what, depth + 1, out);
-    lua_pop(L, 1);
-  }
+  each_entry(L, index, [&](lua_Integer) { collect(L, lua_gettop(L), what, depth + 1, out); });
 }
 
 void need_world(lua_State* L) {
-  const State& s = state(L);
-  if (s.last_world >= s.worlds.size()) complain(L, "study: the scene has no world yet; build() makes it");
+  if (!state(L).current()) complain(L, "study: the scene has no world yet; build() makes it");
 }
 
 // Pushes study.<name>.
@@ -139,10 +128,6 @@ void push_value(lua_State* L, const char* name, double t) {
   if (has_time) lua_pushnumber(L, t);
   push_scene_world(L);
   lua_call(L, has_time ? 3 : 2, 1);
-}
-
-void pad(std::vector<double>& out) {
-  while (out.size() % 3 != 0) out.push_back(0);
 }
 
 // study.<key> = function
@@ -188,17 +173,14 @@ constexpr Option<StudyDeclaration::Ladder> kLadder[] = {field<&StudyDeclaration:
 void read_ladders(Options& o, const OptionRow& row, StudyDeclaration& out) {
   lua_State* L = o.L();
   if (!o.push(row.name, LUA_TTABLE, "a list of tables of name = values")) return;
-  const auto n = static_cast<lua_Integer>(lua_rawlen(L, -1));
-  for (lua_Integer k = 1; k <= n; ++k) {
-    lua_rawgeti(L, -1, k);
+  each_entry(L, -1, [&](lua_Integer k) {
     const std::string what = o.path(row.name) + "[" + std::to_string(k) + "]";
     if (lua_type(L, -1) != LUA_TTABLE) fail(L, what + ": expected a table of name = values, got " + describe(L, -1));
     StudyDeclaration::Ladder ladder;
     Options(L, lua_gettop(L), what).read_some(kLadder, ladder);
     ladder.axes = read_axes(L, lua_gettop(L), what);
     out.ladders.push_back(std::move(ladder));
-    lua_pop(L, 1);
-  }
+  });
   lua_pop(L, 1);
 }
 
@@ -213,18 +195,13 @@ constexpr Option<StudyDeclaration> kCertainty[] = {
     {{.name = "kind", .choices = "closed, quad, published"},
      "string",
      [](Options& o, const OptionRow& row, StudyDeclaration& out) {
-       int place = 0;
-       if (o.choice(row.name, row.choices, place)) o.text(row.name, out.kind);
+       int index = 0;
+       if (o.choice(row.name, row.choices, index)) o.text(row.name, out.kind);
      }},
     field<&StudyDeclaration::uncertainty>("uncertainty", "", kNotNegative),
     field<&StudyDeclaration::rounding>("rounding", "", kPositive),
     field<&StudyDeclaration::resolution>("resolution", "", kNotNegative),
 };
-
-template <auto& Rows>
-std::vector<OptionInfo> rows_of() {
-  return describe_rows(Rows);
-}
 
 template <auto& Rows>
 void read_table(Options& o, const OptionRow& row, StudyDeclaration& out) {
@@ -249,7 +226,7 @@ constexpr Option<StudyDeclaration> kStudy[] = {
     field<&StudyDeclaration::methods>("methods"),
     field<&StudyDeclaration::tolerance>("tolerance"),
     field<&StudyDeclaration::seconds>("seconds", "s", kPositive).unset(),
-    {{.name = "axes"}, "table", read_all_axes, nullptr, axis_rows},
+    {{.name = "axes"}, "table", read_all_axes, nullptr, rows_of<kAxis>},
     {{.name = "ladders"}, "list", read_ladders, nullptr, rows_of<kLadder>},
     field<&StudyDeclaration::refined_substeps>("refined_substeps", "", {1, 1e6}).unset(),
     field<&StudyDeclaration::sweeps>("sweeps", "", kPositive),
@@ -273,14 +250,17 @@ StudyDeclaration read_study(Options& scene) {
   return out;
 }
 
-void read_study_numbers(lua_State* L, const char* name, double t, std::vector<double>& out) {
+std::vector<double> read_study_numbers(lua_State* L, const char* name, double t) {
+  std::vector<double> out;
   push_value(L, name, t);
   if (!lua_isnil(L, -1)) collect(L, lua_gettop(L), name, 0, out);
+  return out;
 }
 
-void read_study_state(lua_State* L, const char* name, double t, StudyState& out) {
+StudyState read_study_state(lua_State* L, const char* name, double t) {
   push_value(L, name, t);
   const int value = lua_gettop(L);
+  StudyState out;
   const std::pair<const char*, std::vector<double>*> parts[] = {{"x", &out.x}, {"v", &out.v}, {"q", &out.q}};
   bool named = false;
   for (const auto& [key, numbers] : parts) {
@@ -290,7 +270,9 @@ void read_study_state(lua_State* L, const char* name, double t, StudyState& out)
     lua_pop(L, 1);
   }
   if (!named && !lua_isnil(L, value)) collect(L, value, name, 0, out.x);
-  pad(out.x), pad(out.v);
+  // whole points
+  for (std::vector<double>* numbers : {&out.x, &out.v}) numbers->resize((numbers->size() + 2) / 3 * 3);
+  return out;
 }
 
 double scene_error(lua_State* L, std::span<const double> refined) {
@@ -302,11 +284,9 @@ double scene_error(lua_State* L, std::span<const double> refined) {
   const bool scene_second = takes_scene(L);
   push_scene_world(L);
   if (state(L).scene.study.reference == StudyDeclaration::Reference::refined) {
-    lua_createtable(L, static_cast<int>(refined.size()), 0);
-    for (std::size_t k = 0; k < refined.size(); ++k)
-      lua_pushnumber(L, refined[k]), lua_rawseti(L, -2, static_cast<lua_Integer>(k + 1));
+    push_list(L, refined, [&](double x) { push(L, x); });
   } else {
-    push_value(L, "reference", state(L).worlds[state(L).last_world]->world->time());
+    push_value(L, "reference", state(L).current()->world->time());
   }
   if (!scene_second) lua_insert(L, -2);
   lua_call(L, 3, LUA_MULTRET);

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "feder/profile.h"
-#include "lua/records.h"
+#include "lua/method.h"
 
 namespace feder::lua {
 namespace {
@@ -16,12 +15,17 @@ std::uint64_t whole_steps(const WorldRecord& record, double seconds) {
   return static_cast<std::uint64_t>(std::min(std::max(x, 0.0), 1e15));
 }
 
+// Steps from now until `seconds` have passed: at least one.
+std::uint64_t steps_until(const WorldRecord& record, double seconds) {
+  return std::max<std::uint64_t>(1, whole_steps(record, seconds));
+}
+
 std::uint64_t now(const WorldRecord& record) { return record.world->step_count(); }
 
 int add_timer(lua_State* L, bool repeat) {
   WorldRecord& r = check_world(L);
   const double seconds = check_number(L, 2, function_name(L), repeat ? kPositive : kNotNegative);
-  if (lua_type(L, 3) != LUA_TFUNCTION) fail_here(L, "expected a function, got " + describe(L, 3));
+  check_function(L, 3);
   if (r.timers.due.size() >= 1000000) fail_here(L, "expected at most a million timers");
   Timer t;
   t.made = now(r);
@@ -45,6 +49,7 @@ void finish_task(lua_State* L, WorldRecord& record, Task& task) {
 
 void resume_task(lua_State* L, WorldRecord& record, Task& task) {
   State& s = state(L);
+  // its coroutine, with the event that it waited for
   luaL_checkstack(L, 8, "tasks");
   push_data(L, record);
   lua_rawgeti(L, -1, task.thread);
@@ -72,17 +77,15 @@ void resume_task(lua_State* L, WorldRecord& record, Task& task) {
   ++record.tasks.running;
   s.task_world = &record, s.task = &task, s.task_thread = thread;
 
-  const std::uint64_t start = clock_nanoseconds();
   bool yielded = false;
   Failure failure;
-  const bool good = s.resume(thread, L, args, yielded, failure);
-  s.profile[task.profile].calls += 1;
-  s.profile[task.profile].nanoseconds += clock_nanoseconds() - start;
+  const bool good = s.profiled(task.profile, [&] { return s.resume(thread, L, args, yielded, failure); });
   lua_pop(L, 2);
   if (!good) {
     failure.message += " (in the task made at " + task.made_at + ")";
     s.report(failure);
   }
+  // ended, or where it waits
   if (!record.world) return;
   if (!good || !yielded || task.state == TaskState::done) {
     finish_task(L, record, task);
@@ -124,7 +127,7 @@ Task* self_task(lua_State* L, WorldRecord*& record) {
   return record->world ? find_task(*record, block->id) : nullptr;
 }
 
-int task_cancel(lua_State* L) {
+bool task_cancel(lua_State* L) {
   WorldRecord* record = nullptr;
   Task* task = self_task(L, record);
   const bool live = task && task->state != TaskState::done;
@@ -138,29 +141,24 @@ int task_cancel(lua_State* L) {
     finish_task(L, *record, *task);
     if (thread) lua_resetthread(thread);
   }
-  lua_pushboolean(L, live);
-  return 1;
+  return live;
 }
 
-int task_alive(lua_State* L) {
+bool task_alive(lua_State* L) {
   WorldRecord* record = nullptr;
   const Task* task = self_task(L, record);
-  lua_pushboolean(L, task && task->state != TaskState::done);
-  return 1;
+  return task && task->state != TaskState::done;
 }
 
 const Method kTaskMethods[] = {
-    {"cancel", guard<task_cancel>, "task:cancel() -> boolean", "ends the task where it waits; false when it had ended"},
-    {"alive", guard<task_alive>, "task:alive() -> boolean", "does the task still run?"},
+    {"cancel", method<task_cancel>, "task:cancel() -> boolean",
+     "ends the task where it waits; false when it had ended"},
+    {"alive", method<task_alive>, "task:alive() -> boolean", "does the task still run?"},
 };
 
 }  // namespace
 
 std::span<const Method> task_methods() { return kTaskMethods; }
-
-std::uint64_t steps_until(const WorldRecord& record, double seconds) {
-  return std::max<std::uint64_t>(1, whole_steps(record, seconds));
-}
 
 void run_timers(lua_State* L, WorldRecord& record) {
   State& s = state(L);
@@ -180,11 +178,7 @@ void run_timers(lua_State* L, WorldRecord& record) {
     } else {
       drop(L, record, t.function);
     }
-    const std::uint64_t start = clock_nanoseconds();
-    Failure failure;
-    if (!s.call(L, 0, 0, failure)) s.report(failure);
-    s.profile[t.profile].calls += 1;
-    s.profile[t.profile].nanoseconds += clock_nanoseconds() - start;
+    s.call_handler(L, t.profile, 0);
   }
 }
 
@@ -222,11 +216,11 @@ int world_every(lua_State* L) { return add_timer(L, true); }
 
 int world_task(lua_State* L) {
   WorldRecord& r = check_world(L);
-  if (lua_type(L, 2) != LUA_TFUNCTION) fail_here(L, "expected a function, got " + describe(L, 2));
+  check_function(L, 2);
   if (r.tasks.list.size() >= 100000) fail_here(L, "expected at most 100000 tasks");
   auto task = std::make_unique<Task>();
   task->id = r.tasks.next_id++;
-  task->made_at = place(L);
+  task->made_at = location(L);
   task->profile = state(L).profile_slot(L, 2);
   lua_State* thread = lua_newthread(L);
   lua_pushvalue(L, 2);
@@ -234,10 +228,7 @@ int world_task(lua_State* L) {
   task->thread = keep(L, r, -1);
   Task& made = *task;
   r.tasks.list.push_back(std::move(task));
-  auto* block = static_cast<TaskBlock*>(lua_newuserdatauv(L, sizeof(TaskBlock), 0));
-  *block = {r.id, made.id};
-  push_class(L, Class::task);
-  lua_setmetatable(L, -2);
+  push_userdata(L, Class::task, TaskBlock{r.id, made.id});
   resume_task(L, r, made);
   return 1;
 }
@@ -252,7 +243,7 @@ int feder_wait(lua_State* L) {
 
 int feder_wait_until(lua_State* L) {
   running_task(L);
-  if (lua_type(L, 1) != LUA_TFUNCTION) fail_here(L, "expected a function, got " + describe(L, 1));
+  check_function(L, 1);
   return ask_again(L, LUA_OK, 0);
 }
 

@@ -41,8 +41,6 @@ struct Tasks {
   int running = 0;  // tasks on the C stack: the world cannot close meanwhile
 };
 
-// Steps from now until `seconds` have passed: at least one.
-std::uint64_t steps_until(const WorldRecord& record, double seconds);
 void run_timers(lua_State* L, WorldRecord& record);
 void run_tasks(lua_State* L, WorldRecord& record);
 Task* find_task(WorldRecord& record, std::uint64_t id);

@@ -5,6 +5,7 @@
 
 #include "lua/pattern.h"
 #include "lua/sandbox.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -45,46 +46,46 @@ int charged_rep(lua_State* L) {
   return call_original(L);
 }
 
-// Work by the length of the first argument: upper, lower, reverse, pack formats, utf8 and numbers in long strings.
+// Work by the length of the first kTexts arguments: one of upper, lower, reverse, pack formats, utf8 and numbers in
+// long strings; unpack walks over its format and, for zero-terminated strings, over its data.
+template <int kTexts>
 int charged_text(lua_State* L) {
-  if (lua_type(L, 1) == LUA_TSTRING) charge(L, lua_rawlen(L, 1) / kTextPerUnit);
-  return call_original(L);
-}
-
-// unpack walks over its format and, for zero-terminated strings, over its data.
-int charged_unpack(lua_State* L) {
-  for (int i = 1; i <= 2; ++i)
+  for (int i = 1; i <= kTexts; ++i)
     if (lua_type(L, i) == LUA_TSTRING) charge(L, lua_rawlen(L, i) / kTextPerUnit);
   return call_original(L);
 }
 
-void wrap(lua_State* L, const char* table, std::initializer_list<const char*> names, lua_CFunction f) {
+}  // namespace
+
+void set_functions(lua_State* L, const char* table, std::initializer_list<luaL_Reg> rows) {
+  lua_getglobal(L, table);
+  for (const luaL_Reg& row : rows) set_field(L, row.name, row.func);
+  lua_pop(L, 1);
+}
+
+void wrap(lua_State* L, const char* table, std::initializer_list<const char*> names, lua_CFunction f, bool named) {
   lua_getglobal(L, table);
   for (const char* name : names) {
     lua_getfield(L, -1, name);
-    lua_pushcclosure(L, f, 1);
+    if (named) lua_pushstring(L, name);
+    lua_pushcclosure(L, f, named ? 2 : 1);
     lua_setfield(L, -2, name);
   }
   lua_pop(L, 1);
 }
 
-}  // namespace
-
 void open_text(lua_State* L) {
   wrap(L, "string", {"format"}, guard<safe_format>);
   wrap(L, "string", {"rep"}, guard<charged_rep>);
-  wrap(L, "string", {"upper", "lower", "reverse", "byte", "pack", "packsize"}, guard<charged_text>);
-  wrap(L, "string", {"unpack"}, guard<charged_unpack>);
-  wrap(L, "utf8", {"len", "offset", "codepoint"}, guard<charged_text>);
-  wrap(L, "_G", {"tonumber"}, guard<charged_text>);
-  static constexpr luaL_Reg kSearch[] = {{"find", guard<pattern_find>},
-                                         {"match", guard<pattern_match>},
-                                         {"gmatch", guard<pattern_gmatch>},
-                                         {"gsub", guard<pattern_gsub>},
-                                         {nullptr, nullptr}};
-  lua_getglobal(L, "string");
-  luaL_setfuncs(L, kSearch, 0);
-  lua_pop(L, 1);
+  wrap(L, "string", {"upper", "lower", "reverse", "byte", "pack", "packsize"}, guard<charged_text<1>>);
+  wrap(L, "string", {"unpack"}, guard<charged_text<2>>);
+  wrap(L, "utf8", {"len", "offset", "codepoint"}, guard<charged_text<1>>);
+  wrap(L, "_G", {"tonumber"}, guard<charged_text<1>>);
+  set_functions(L, "string",
+                {{"find", guard<pattern_find>},
+                 {"match", guard<pattern_match>},
+                 {"gmatch", guard<pattern_gmatch>},
+                 {"gsub", guard<pattern_gsub>}});
 }
 
 }  // namespace feder::lua

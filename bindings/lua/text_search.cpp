@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "lua/pattern.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
@@ -22,7 +23,7 @@ std::size_t start_argument(lua_State* L, int index, std::size_t size) {
   return given == 0 || given < -length ? 0 : static_cast<std::size_t>(length + given);
 }
 
-// The first place of `what` in `in`, charged by what is compared; null when there is none.
+// The first occurrence of `what` in `in`, charged by what is compared; null when there is none.
 const char* find_plain(lua_State* L, std::string_view in, std::string_view what) {
   if (what.empty()) return in.data();
   std::uint64_t compared = 0;
@@ -46,19 +47,12 @@ const char* find_plain(lua_State* L, std::string_view in, std::string_view what)
 int search(lua_State* L, bool find) {
   const std::string_view subject = text_argument(L, 1), pattern = text_argument(L, 2);
   const std::size_t start = start_argument(L, 3, subject.size());
-  if (start > subject.size()) {
-    luaL_pushfail(L);
-    return 1;
-  }
+  if (start > subject.size()) return push(L, nullptr);
   if (find && (lua_toboolean(L, 4) || pattern.find_first_of("^$*+?.([%-") == std::string_view::npos)) {
     const char* const at = find_plain(L, subject.substr(start), pattern);
-    if (!at) {
-      luaL_pushfail(L);
-      return 1;
-    }
-    lua_pushinteger(L, at - subject.data() + 1);
-    lua_pushinteger(L, at - subject.data() + static_cast<lua_Integer>(pattern.size()));
-    return 2;
+    if (!at) return push(L, nullptr);
+    const auto from = at - subject.data();
+    return push(L, from + 1, from + static_cast<lua_Integer>(pattern.size()));
   }
   const Pattern compiled = compile_pattern(L, pattern, true);
   Matcher matcher(L, compiled.items, compiled.captures, subject);
@@ -68,13 +62,11 @@ int search(lua_State* L, bool find) {
     matcher.settle();
     if (!e) break;
     if (!find) return matcher.push_captures(s, e);
-    lua_pushinteger(L, s - matcher.begin() + 1);
-    lua_pushinteger(L, e - matcher.begin());
+    push(L, s - matcher.begin() + 1, e - matcher.begin());
     return 2 + matcher.push_captures(nullptr, nullptr);
   }
   matcher.settle();
-  luaL_pushfail(L);
-  return 1;
+  return push(L, nullptr);
 }
 
 // What gmatch keeps between two matches, followed by the elements of the pattern.

@@ -1,21 +1,16 @@
+// Options of a world: rows, materials, systems, and overrides of the command line.
 #include "lua/world_options.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 #include "feder/system.h"
 #include "forces/area.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
-
-bool in_catalog(Catalog systems, std::string_view name) {
-  for (const SystemDescriptor* d : systems)
-    if (name == d->name) return true;
-  return false;
-}
 
 struct Friction {
   Real fixed = 0, dynamic = 0;
@@ -29,25 +24,24 @@ void read_friction(Options& o, const OptionRow&, T& made) {
   if (friction_option(o, "friction", made.friction_static, made.friction_dynamic)) made.has_friction = true;
 }
 
-void read_restitution(Options& o, const OptionRow& row, Material& m) {
-  m.has_restitution = o.real("restitution", m.restitution, row.range);
-}
-
-void read_density(Options& o, const OptionRow& row, Material& m) {
-  m.has_density = o.real("density", m.density, row.range);
-}
-
-void read_rolling(Options& o, const OptionRow& row, Material& m) {
-  m.has_rolling = o.real("rolling_friction", m.rolling_friction, row.range);
+template <bool Material::*Has, Real Material::*Value>
+void read_number(Options& o, const OptionRow& row, Material& m) {
+  m.*Has = o.real(row.name, m.*Value, row.range);
 }
 
 void read_color(Options& o, const OptionRow&, Material& m) { m.has_color = o.color("color", m.color); }
 
 constexpr Option<Material> kMaterial[] = {
     {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
-    {{.name = "restitution", .range = kUnitRange}, "number", read_restitution},
-    {{.name = "density", .unit = "kg/m3", .range = kPositive}, "number", read_density},
-    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative}, "number", read_rolling},
+    {{.name = "restitution", .range = kUnitRange},
+     "number",
+     read_number<&Material::has_restitution, &Material::restitution>},
+    {{.name = "density", .unit = "kg/m3", .range = kPositive},
+     "number",
+     read_number<&Material::has_density, &Material::density>},
+    {{.name = "rolling_friction", .unit = "m", .range = kNotNegative},
+     "number",
+     read_number<&Material::has_rolling, &Material::rolling_friction>},
     special("color", "color", read_color),
     later<Material>("title", "string"),
     later<Material>("description", "string"),
@@ -57,9 +51,6 @@ constexpr Option<NamedMaterialPair> kMaterialPair[] = {
     {{.name = "friction"}, "number or table", read_friction, nullptr, friction_rows},
     field<&NamedMaterialPair::restitution>("restitution", "", kUnitRange).unset(),
 };
-
-std::vector<OptionInfo> material_rows() { return describe_rows(kMaterial); }
-std::vector<OptionInfo> material_pair_rows() { return describe_rows(kMaterialPair); }
 
 // Calls read(key, options of the value) for each entry of a table by name, in the order of the names.
 template <class F>
@@ -90,8 +81,7 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
   lua_State* L = o.L();
   const auto count = lua_rawlen(L, -1);
   if (count > 4096) o.raise("material_pairs", "expected at most 4096 pairs");
-  for (std::size_t i = 1; i <= count; ++i) {
-    lua_rawgeti(L, -1, static_cast<lua_Integer>(i));
+  each_entry(L, -1, [&](lua_Integer i) {
     const std::string what = o.path("material_pairs") + "[" + std::to_string(i) + "]";
     if (lua_type(L, -1) != LUA_TTABLE)
       fail(L, what + ": expected { \"a\", \"b\", friction =, restitution = }, got " + describe(L, -1));
@@ -99,20 +89,16 @@ void read_material_pairs(Options& o, const OptionRow&, WorldSettings& w) {
     for (int k = 1; k <= 2; ++k) {
       lua_rawgeti(L, -1, k);
       const std::string name = check_text(L, -1, what);
-      if (!w.materials.count(name)) {
-        std::vector<std::string> known;
-        for (const auto& m : w.materials) known.push_back(m.first);
-        fail(L, what + ": unknown material '" + name + "'; known: " + join(known));
-      }
+      if (!w.materials.count(name))
+        fail(L, what + ": unknown material '" + name + "'; known: " + join(material_names(w)));
       (k == 1 ? pair.a : pair.b) = name;
       lua_pop(L, 1);
     }
     Options p(L, -1, what);
-    p.skip_places(2);
+    p.skip_entries(2);
     p.read(kMaterialPair, pair);
     w.material_pairs.push_back(pair);
-    lua_pop(L, 1);
-  }
+  });
   lua_pop(L, 1);
 }
 
@@ -141,8 +127,8 @@ constexpr Option<WorldSettings> kWorld[] = {
     special("broad_phase", "string", read_world_text),
     special("narrow_phase", "string", read_world_text),
     {kAirDensity, "number", read_air_density},
-    {{.name = "materials"}, "table", read_materials, nullptr, material_rows},
-    {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, material_pair_rows},
+    {{.name = "materials"}, "table", read_materials, nullptr, rows_of<kMaterial>},
+    {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, rows_of<kMaterialPair>},
 };
 
 // "0.25", "1/240".
@@ -161,7 +147,7 @@ bool parse_number(const std::string& text, double& out) {
   return std::isfinite(out);
 }
 
-// A value from the command line by its looks: number, boolean, list of numbers, else text.
+// A value from the command line by its form: number, boolean, list of numbers, else text.
 Params::Value parse_value(const std::string& text) {
   double x = 0;
   if (parse_number(text, x)) return x;
@@ -197,10 +183,12 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
       throw SceneError(what + ": expected a whole number from " + print_number(lo) + " to " + print_number(hi));
     return x;
   };
+  // "rigid.solver" is an option of a system, the rest are the world's own
   const std::size_t dot = key.find('.');
   if (dot != std::string::npos) {
     const std::string system = key.substr(0, dot);
-    if (!in_catalog(systems, system)) throw SceneError(what + ": unknown system '" + system + "'");
+    if (std::ranges::none_of(systems, [&](const SystemDescriptor* d) { return system == d->name; }))
+      throw SceneError(what + ": unknown system '" + system + "'");
     w.desc.systems[system].set(key.substr(dot + 1), value);
   } else if (key == "dt") {
     w.desc.dt = number();
@@ -226,9 +214,9 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
   } else if (key == "broad_phase" || key == "narrow_phase") {
     w.desc.options.set(key, value);
   } else {
-    const std::string near = nearest_name(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
-                                                "air_density", "broad_phase", "narrow_phase", "rigid.solver"});
-    throw SceneError(what + ": unknown option '" + key + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    throw SceneError(what + ": unknown option '" + key + "'" +
+                     did_you_mean(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
+                                        "air_density", "broad_phase", "narrow_phase", "rigid.solver"}));
   }
 }
 
@@ -253,6 +241,12 @@ void try_options(Catalog systems, const WorldSettings& w) {
 
 }  // namespace
 
+std::vector<std::string> material_names(const WorldSettings& settings) {
+  std::vector<std::string> names;
+  for (const auto& m : settings.materials) names.push_back(m.first);
+  return names;
+}
+
 void friction_table(Options& o, Real& fixed, Real& dynamic) {
   Friction friction{fixed, dynamic};
   o.read(kFriction, friction);
@@ -276,11 +270,7 @@ bool friction_option(Options& o, const char* key, Real& fixed, Real& dynamic) {
 }
 
 std::vector<OptionInfo> friction_rows() { return describe_rows(kFriction); }
-std::vector<OptionInfo> world_rows() {
-  std::vector<OptionInfo> all = describe_rows(kWorldDesc), more = describe_rows(kWorld);
-  all.insert(all.end(), more.begin(), more.end());
-  return all;
-}
+std::vector<OptionInfo> world_rows() { return join_rows(describe_rows(kWorldDesc), describe_rows(kWorld)); }
 
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {
   State& s = state(L);

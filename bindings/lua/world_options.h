@@ -11,6 +11,7 @@ namespace feder::lua {
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides = true);
 
 std::vector<OptionInfo> world_rows();
+std::vector<std::string> material_names(const WorldSettings& settings);
 
 // key = number | { static =, dynamic = }, of which one may be missing; and that table alone.
 void friction_table(Options& o, Real& fixed, Real& dynamic);

@@ -10,29 +10,20 @@
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/sandbox.h"
 #include "lua/scene.h"
 #include "lua/shapes.h"
+#include "lua/stack.h"
 
 namespace feder::lua {
 namespace {
 
 const char* const kSceneKeys[] = {"title", "seconds", "picture", "camera", "world", "params", "forces", "check"};
 
-// Raises an error at a place in the file, when the table remembers one.
+// Raises an error at the table's line of the file, when it is known.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
-  table = lua_absindex(L, table);
-  std::string at;
-  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L, table);
-    if (lua_rawget(L, -2) == LUA_TTABLE) {
-      lua_pushboolean(L, 1);
-      lua_rawget(L, -2);
-      if (lua_type(L, -1) == LUA_TSTRING) at = lua_tostring(L, -1);
-    }
-  }
-  lua_pushstring(L, (at.empty() ? message : at + ": " + message).c_str());
-  lua_error(L);
-  std::abort();  // lua_error does not return
+  const std::string at = yaml_location(L, table);
+  raise_error(L, at.empty() ? message : at + ": " + message);
 }
 
 // Replaces "$name" by the parameter's value in a deep copy of the value on top. YAML values have no cycles.
@@ -50,7 +41,7 @@ void fill_in(lua_State* L, int params) {
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;
   lua_newtable(L);
-  copy_places(L, -2, -1);
+  copy_locations(L, -2, -1);
   for (lua_pushnil(L); lua_next(L, -3);) {
     fill_in(L, params);
     lua_pushvalue(L, -2);
@@ -87,6 +78,29 @@ int build_yaml(lua_State* L) {  // (world, scene); upvalue 1: the file's table, 
   return 0;
 }
 
+// Pushes the value of a parameter: feder.param(name, default, options), as the table at `params` has it under its name.
+void declare_param(lua_State* L, int params, const std::string& name) {
+  push_module(L);
+  lua_getfield(L, -1, "param");
+  lua_remove(L, -2);
+  push(L, name);
+  if (lua_getfield(L, params, name.c_str()) == LUA_TTABLE) {
+    // { value: 10, min: 1 }: a copy without the value has the options
+    lua_newtable(L);
+    copy_locations(L, -2, -1);
+    copy_fields(L, -2);
+    lua_remove(L, -2);
+    lua_getfield(L, -1, "value");
+    if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
+    lua_pushnil(L);
+    lua_setfield(L, -3, "value");
+    lua_insert(L, -2);
+  } else {
+    lua_pushnil(L);
+  }
+  lua_call(L, 3, 1);
+}
+
 // Declares the parameters; leaves a table of their values.
 void declare_params(lua_State* L, int scene) {
   lua_newtable(L);
@@ -98,27 +112,8 @@ void declare_params(lua_State* L, int scene) {
       if (lua_type(L, -2) == LUA_TSTRING) names.emplace_back(lua_tostring(L, -2));
     std::sort(names.begin(), names.end());
     for (const std::string& name : names) {
-      lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
-      lua_getfield(L, -1, "feder");
-      lua_getfield(L, -1, "param");
-      lua_pushstring(L, name.c_str());
-      lua_getfield(L, values + 1, name.c_str());
-      if (lua_type(L, -1) == LUA_TTABLE) {
-        lua_newtable(L);
-        copy_places(L, -2, -1);
-        for (lua_pushnil(L); lua_next(L, -3);) lua_pushvalue(L, -2), lua_insert(L, -2), lua_rawset(L, -4);
-        lua_remove(L, -2);
-        lua_getfield(L, -1, "value");
-        if (lua_isnil(L, -1)) fail_in(L, -2, "params." + name + ": expected value: and min:, max:, ...");
-        lua_pushnil(L);
-        lua_setfield(L, -3, "value");
-        lua_insert(L, -2);
-      } else {
-        lua_pushnil(L);
-      }
-      lua_call(L, 3, 1);
+      declare_param(L, values + 1, name);
       lua_setfield(L, values, name.c_str());
-      lua_settop(L, values + 1);
     }
   } else if (!lua_isnil(L, -1)) {
     fail_in(L, scene, "params: expected a table by name, got " + describe(L, -1));
@@ -131,14 +126,8 @@ void push_check(lua_State* L, int scene, const std::string& file) {
   if (lua_getfield(L, scene, "check") == LUA_TNIL) return;
   if (lua_type(L, -1) != LUA_TSTRING) fail_in(L, scene, "check: expected Lua text, got " + describe(L, -1));
   const std::string text = lua_tostring(L, -1);
-  int line = 0;
-  if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
-    lua_pushvalue(L, scene);
-    if (lua_rawget(L, -2) == LUA_TTABLE && lua_getfield(L, -1, "check") == LUA_TSTRING) {
-      const std::string at = lua_tostring(L, -1);
-      line = std::atoi(at.c_str() + at.rfind(':') + 1);
-    }
-  }
+  const std::string at = yaml_location(L, scene, "check");
+  const int line = std::atoi(at.c_str() + at.rfind(':') + 1);
   const bool block = !text.empty() && text.back() == '\n';
   std::string code(static_cast<std::size_t>(std::max(0, block ? line : line - 1)), '\n');
   code += "local world, scene, expect = ... " + text;
@@ -147,7 +136,7 @@ void push_check(lua_State* L, int scene, const std::string& file) {
 
 }  // namespace
 
-void copy_places(lua_State* L, int from, int to) {
+void copy_locations(lua_State* L, int from, int to) {
   from = lua_absindex(L, from), to = lua_absindex(L, to);
   if (lua_getfield(L, LUA_REGISTRYINDEX, "feder.places") == LUA_TTABLE) {
     lua_pushvalue(L, to);
@@ -165,11 +154,9 @@ const ShapeKind& shape_kind_of(lua_State* L, int table, const std::string& name)
     if (name == kind.name) return kind;
     known.emplace_back(kind.name);
   }
-  const std::string near = nearest_name(name, known);
   fail_in(L, table,
           name.empty() ? "shape: expected one of " + join(known)
-                       : "shape: unknown shape '" + name + "'" +
-                             (near.empty() ? "; known: " + join(known) : "; did you mean '" + near + "'?"));
+                       : "shape: unknown shape '" + name + "'" + did_you_mean_or(name, known));
 }
 
 // Is a list behind the shape's name its one argument, and not the list of them?
@@ -208,10 +195,9 @@ void make_shape(lua_State* L) {
     lua_setfield(L, -2, "type");
   }
   if (lua_type(L, -1) != LUA_TTABLE) return;  // the body's own reader complains
+  // the name of the shape: under "type", or the one key
   const int table = lua_gettop(L);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
-  lua_getfield(L, -1, "feder");
-  lua_remove(L, -2);
+  push_module(L);
   const bool typed = lua_getfield(L, table, "type") == LUA_TSTRING;
   std::string name;
   if (typed) {
@@ -220,6 +206,7 @@ void make_shape(lua_State* L) {
     lua_pop(L, 1), lua_pushnil(L);
     if (lua_next(L, table) && lua_type(L, -2) == LUA_TSTRING) name = lua_tostring(L, -2);
   }
+  // its maker, and the arguments by name or as a list
   const ShapeKind& kind = shape_kind_of(L, table, name);
   const int maker = table + 1;
   lua_getfield(L, maker, kind.name);
@@ -234,27 +221,34 @@ void make_shape(lua_State* L) {
       arguments = spread(L, static_cast<int>(std::min<lua_Unsigned>(lua_rawlen(L, -1), 100)));
   }
   // parts are shapes themselves
-  if (kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE) {
-    const int parts = lua_gettop(L);
-    for (lua_Integer i = 1; i <= static_cast<lua_Integer>(lua_rawlen(L, parts)); ++i) {
-      if (lua_rawgeti(L, parts, i) == LUA_TTABLE && lua_getfield(L, -1, "shape") != LUA_TNIL) {
-        make_shape(L);
-        lua_setfield(L, -2, "shape");
-      }
-      lua_settop(L, parts);
-    }
-  }
+  if (kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE)
+    each_entry(L, -1, [&](lua_Integer) {
+      if (lua_type(L, -1) == LUA_TTABLE) make_shape_field(L, lua_gettop(L));
+    });
   lua_call(L, arguments, 1);
   lua_replace(L, table);
   lua_settop(L, table);
 }
 
+void make_shape_field(lua_State* L, int table) {
+  if (lua_getfield(L, table, "shape") != LUA_TNIL) {
+    make_shape(L);
+    lua_setfield(L, table, "shape");
+  } else {
+    lua_pop(L, 1);
+  }
+}
+
+void call_maker(lua_State* L, int object, const char* maker, int options, int results) {
+  lua_getfield(L, object, maker);
+  lua_pushvalue(L, object);
+  lua_pushvalue(L, options);
+  lua_call(L, 2, results);
+}
+
 void make_object(lua_State* L, int world, const char* maker) {
   const int options = lua_gettop(L);
-  lua_getfield(L, world, maker);
-  lua_pushvalue(L, world);
-  lua_pushvalue(L, options);
-  lua_call(L, 2, 0);
+  call_maker(L, world, maker, options, 0);
   lua_settop(L, options - 1);
 }
 
@@ -284,7 +278,7 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   fill_in(L, given + 1);
   const int scene = lua_gettop(L);
   lua_newtable(L);
-  copy_places(L, scene, -1);
+  copy_locations(L, scene, -1);
   for (const char* key : {"title", "seconds", "picture", "camera", "world"}) {
     lua_getfield(L, scene, key);
     lua_setfield(L, -2, key);

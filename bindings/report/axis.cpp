@@ -32,43 +32,43 @@ std::string label_of(TickStyle style, double mantissa, int exponent) {
   return mantissa == 1 ? power : fmt::format("{:g}·", mantissa) + power;
 }
 
-std::vector<Tick> log_ticks(const Axis& a, int most) {
+std::vector<Tick> log_ticks(const Axis& a, int max_labels) {
   std::vector<Tick> out;
   const double lo = std::log10(a.lo), hi = std::log10(a.hi);
   const int first = static_cast<int>(std::floor(lo + 1e-9)), last = static_cast<int>(std::ceil(hi - 1e-9));
   const int decades = last - first;
   int every = 1;
-  while (decades / every + 1 > most) every = every == 1 ? 2 : every == 2 ? 3 : every + 3;
-  const bool with_2_5 = decades <= 2 && 3 * decades + 1 <= most;
+  while (decades / every + 1 > max_labels) every = every == 1 ? 2 : every == 2 ? 3 : every + 3;
+  const bool with_2_5 = decades <= 2 && 3 * decades + 1 <= max_labels;
   for (int k = first; k <= last; ++k) {
     for (int m = 1; m <= 9; ++m) {
       const double value = m * decade(k);
       if (value < a.lo * (1 - 1e-9) || value > a.hi * (1 + 1e-9)) continue;
       const bool labelled = (m == 1 && k % every == 0) || (with_2_5 && (m == 2 || m == 5));
-      if (m > 1 && !labelled && 2 * decades > most) continue;  // too dense for a grid
+      if (m > 1 && !labelled && 2 * decades > max_labels) continue;  // too dense for a grid
       out.push_back({value, labelled ? label_of(a.style, m, k) : ""});
     }
   }
   return out;
 }
 
-std::vector<Tick> linear_ticks(const Axis& a, int most) {
+std::vector<Tick> linear_ticks(const Axis& a, int max_labels) {
   const double span = a.hi - a.lo;
   if (!(span > 0)) return {{a.lo, number_text(a.lo, 6)}};
   // the finest step of 1, 2, 5 times a power of ten that gives few enough labels
-  int exponent = static_cast<int>(std::floor(std::log10(span / most))) - 1;
+  int exponent = static_cast<int>(std::floor(std::log10(span / max_labels))) - 1;
   double mantissa = 1;
-  while (span / (mantissa * decade(exponent)) > most - 1 + 1e-9) {
+  while (span / (mantissa * decade(exponent)) > max_labels - 1 + 1e-9) {
     mantissa = mantissa == 1 ? 2 : mantissa == 2 ? 5 : 1;
     exponent += mantissa == 1;
   }
   const double step = mantissa * decade(exponent);
-  const int parts = mantissa == 2 ? 4 : 5;
+  const int minor_count = mantissa == 2 ? 4 : 5;
   std::vector<Tick> out;
   const double first = std::ceil(a.lo / step - 1e-9) - 1;
   for (double n = first; n * step <= a.hi + 1e-9 * span; n += 1) {
-    for (int k = 0; k < parts; ++k) {
-      const double value = (n + static_cast<double>(k) / parts) * step;
+    for (int k = 0; k < minor_count; ++k) {
+      const double value = (n + static_cast<double>(k) / minor_count) * step;
       if (value < a.lo - 1e-9 * span || value > a.hi + 1e-9 * span) continue;
       const double shown = std::fabs(value) < 1e-9 * span ? 0 : value;
       const int digits =
@@ -113,9 +113,9 @@ double Axis::at(double value) const {
   return value > 0 && hi > lo && lo > 0 ? std::log10(value / lo) / std::log10(hi / lo) : 0;
 }
 
-std::vector<Tick> Axis::ticks(int most) const {
+std::vector<Tick> Axis::ticks(int max_labels) const {
   if (!fixed.empty()) return fixed;
-  return log ? log_ticks(*this, most) : linear_ticks(*this, most);
+  return log ? log_ticks(*this, max_labels) : linear_ticks(*this, max_labels);
 }
 
 Axis fit_axis(const std::string& label, bool log, const std::vector<double>& values, TickStyle style) {
@@ -136,19 +136,13 @@ Axis fit_axis(const std::string& label, bool log, const std::vector<double>& val
   }
   // ends on ticks
   a.lo = lo, a.hi = hi;
-  const std::vector<Tick> ticks = linear_ticks(a, 6);
-  double step = 0, last = 0;
-  bool seen = false;
-  for (const Tick& t : ticks) {
-    if (t.label.empty()) continue;
-    if (seen && step == 0) step = t.value - last;
-    last = t.value;
-    seen = true;
-  }
-  if (step > 0) {
-    a.lo = std::floor(lo / step + 1e-9) * step;
-    a.hi = std::ceil(hi / step - 1e-9) * step;
-  }
+  std::vector<double> labelled;
+  for (const Tick& t : linear_ticks(a, 6))
+    if (!t.label.empty()) labelled.push_back(t.value);
+  if (labelled.size() < 2) return a;
+  const double step = labelled[1] - labelled[0];
+  a.lo = std::floor(lo / step + 1e-9) * step;
+  a.hi = std::ceil(hi / step - 1e-9) * step;
   return a;
 }
 

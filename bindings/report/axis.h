@@ -25,12 +25,12 @@ struct Axis {
 
   // 0 at `lo`, 1 at `hi`; not cut. NaN and what has no logarithm lie at 0.
   double at(double value) const;
-  // Major and minor ticks within [lo, hi], ascending; at most `most` labels.
-  std::vector<Tick> ticks(int most) const;
+  // Major and minor ticks within [lo, hi], ascending; at most `max_labels` labels.
+  std::vector<Tick> ticks(int max_labels) const;
 };
 
-// An axis that holds all `values` with round ends; what has no place (not finite; log: <= 0) is left out of account. At
-// least one decade (log) or a span that is not empty (linear).
+// An axis that holds all `values` with round ends; what does not lie on it (not finite; log: <= 0) is left out of
+// account. At least one decade (log) or a span that is not empty (linear).
 Axis fit_axis(const std::string& label, bool log, const std::vector<double>& values,
               TickStyle style = TickStyle::plain);
 

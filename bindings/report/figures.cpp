@@ -11,8 +11,7 @@ std::vector<const PlotSeries*> distinct(const RowChart& chart) {
   std::vector<const PlotSeries*> out;
   for (const auto& row : chart.rows)
     for (const PlotSeries& s : row.series)
-      if (std::none_of(out.begin(), out.end(), [&](const PlotSeries* o) { return o->name == s.name; }))
-        out.push_back(&s);
+      if (std::ranges::find(out, s.name, &PlotSeries::name) == out.end()) out.push_back(&s);
   return out;
 }
 
@@ -26,23 +25,22 @@ void draw_row(Svg& svg, const Box& f, const RowChart::Row& row, const Axis& x, b
   svg.begin_clip({f.left, f.top - 1, f.width, f.height + 2});
   for (const PlotSeries& s : row.series) {
     const CurveStyle style = curve_style(s.number);
+    const auto drawn = [&](const PlotPoint& p) { return std::isfinite(p.y) && !(row.log && p.y <= 0); };
     std::vector<XY> run;
-    for (const PlotPoint& p : s.points) {
-      if (std::isfinite(p.y) && !(row.log && p.y <= 0)) {
-        run.push_back({f.left + f.width * x.at(p.x), f.bottom() - f.height * y.at(p.y)});
-        continue;
-      }
+    const auto flush = [&] {
       svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
       run.clear();
-    }
-    svg.polyline(run, {style.color, 1.5, style.dash}, s.name);
-    // a few markers, at other places for each curve
-    const std::size_t n = s.points.size();
-    for (std::size_t k = static_cast<std::size_t>(7 * s.number) % 40; k < n; k += 48) {
-      const PlotPoint& p = s.points[k];
-      if (!std::isfinite(p.y) || (row.log && p.y <= 0)) continue;
-      draw_mark(svg, {f.left + f.width * x.at(p.x), f.bottom() - f.height * y.at(p.y)}, MarkKind::filled, style, 6, "");
-    }
+    };
+    for (const PlotPoint& p : s.points)
+      if (drawn(p))
+        run.push_back(position(f, x, y, {p.x, p.y}));
+      else
+        flush();
+    flush();
+    // a few markers, at other times for each curve
+    for (std::size_t k = static_cast<std::size_t>(7 * s.number) % 40; k < s.points.size(); k += 48)
+      if (const PlotPoint& p = s.points[k]; drawn(p))
+        draw_mark(svg, position(f, x, y, {p.x, p.y}), MarkKind::filled, style, 6, "");
   }
   svg.end();
 }
@@ -60,9 +58,7 @@ std::string row_chart_svg(const RowChart& chart, bool inline_page) {
   const double height = std::max(top + static_cast<double>(chart.rows.size()) * row_height + 40,
                                  top + 20 + 16.0 * static_cast<double>(names.size()));
   Svg svg(chart.name, width, height, chart.title);
-  svg.text({left, 26}, words_cut(chart.title, 16, width - left - 10), {16, "start", kInk, true});
-  if (!chart.subtitle.empty())
-    svg.text({left, 46}, words_cut(chart.subtitle, 12, width - left - 10), {12, "start", kQuiet});
+  draw_titles(svg, left, width, chart.title, chart.subtitle);
   std::vector<double> xs;
   for (const auto& row : chart.rows)
     for (const PlotSeries& s : row.series)
@@ -90,10 +86,8 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
   const double cell_w = (width - left - 10) / columns, cell_h = 215;
   const double height = top + rows * cell_h + 22;
   Svg svg(name, width, height, title);
-  svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
-  if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
-  const bool mixed =
-      std::any_of(plots.begin(), plots.end(), [&](const Plot& p) { return p.x.label != plots[0].x.label; });
+  draw_titles(svg, left, width, title, subtitle);
+  const bool mixed = std::ranges::any_of(plots, [&](const Plot& p) { return p.x.label != plots[0].x.label; });
   for (int k = 0; k < count; ++k) {
     const Plot& p = plots[static_cast<std::size_t>(k)];
     const int row = k / columns, column = k % columns;
@@ -111,28 +105,6 @@ std::string plot_sheet_svg(const std::string& name, const std::string& title, co
   if (count) {
     if (!mixed) svg.text({left + std::min(columns, count) * cell_w / 2, height - 10}, plots[0].x.label, {13, "middle"});
     svg.text({18, top + rows * cell_h / 2}, plots[0].y.label, {13, "middle", kInk, false, -90});
-  }
-  return svg.text(inline_page);
-}
-
-std::string bar_chart_svg(const BarChart& chart, bool inline_page) {
-  double names = 60, words = 30, most = 0;
-  for (const auto& b : chart.bars) {
-    names = std::max(names, words_width(b.label, 12) + 12);
-    words = std::max(words, words_width(b.words, 12) + 16);
-    if (std::isfinite(b.value)) most = std::max(most, b.value);
-  }
-  const double width = 900, row = 24, top = 60, full = width - names - words - 20;
-  Svg svg(chart.name, width, top + row * static_cast<double>(chart.bars.size()) + 16, chart.title);
-  svg.text({10, 26}, words_cut(chart.title, 16, width - 20), {16, "start", kInk, true});
-  svg.text({10, 46}, chart.unit, {12, "start", kQuiet});
-  double y = top;
-  for (const auto& b : chart.bars) {
-    const double length = std::isfinite(b.value) && most > 0 ? std::max(0.0, full * b.value / most) : 0;
-    svg.text({names, y + 15}, b.label, {12, "end"});
-    svg.rect({names + 8, y + 3, length, row - 7}, curve_style(b.number).color, "none", b.label + " " + b.words, "bar");
-    svg.text({names + 14 + length, y + 15}, b.words, {12});
-    y += row;
   }
   return svg.text(inline_page);
 }

@@ -1,4 +1,4 @@
-// Small drawings besides the plot: rows of curves over one time axis, sheets of small plots, bars.
+// Small drawings besides the plot: rows of curves over one time axis, sheets of small plots.
 #pragma once
 #include <string>
 #include <vector>
@@ -23,17 +23,5 @@ std::string row_chart_svg(const RowChart& chart, bool inline_page = false);
 // Small plots with shared axes (the first one's labels). Each has its own title; the subtitle stands in its corner.
 std::string plot_sheet_svg(const std::string& name, const std::string& title, const std::string& subtitle,
                            const std::vector<Plot>& plots, int columns, bool inline_page = false);
-
-// Bars to the right, longest scale first given; a value that is not finite has no bar but its words.
-struct BarChart {
-  std::string name, title, unit;
-  struct Bar {
-    std::string label, words;  // words: what stands behind the bar
-    double value = 0;
-    int number = 0;  // of the colour
-  };
-  std::vector<Bar> bars;
-};
-std::string bar_chart_svg(const BarChart& chart, bool inline_page = false);
 
 }  // namespace feder::report

@@ -4,8 +4,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "report/study_text.h"
 #include "report/xml.h"
@@ -24,7 +22,7 @@ double number(const std::string& text) {
   return value;
 }
 
-// A point's place in the plan: what it is called in both tables.
+// A point's identity in the plan: its name in both tables.
 std::string key(const CsvRow& row) {
   std::string out = cell(row, "problem") + " " + cell(row, "method");
   for (const char* rung : {"h_s", "tol", "iters", "substeps"})
@@ -83,11 +81,7 @@ std::vector<CsvRow> read_csv(const std::string& text) {
 std::vector<CsvRow> read_baseline(const std::string& file) {
   try {
     if (file.ends_with(".json")) return read_csv(points_csv(study_from_json(read_json(file))));
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in) throw std::runtime_error("cannot be read");
-    std::vector<CsvRow> rows = read_csv(text.str());
+    std::vector<CsvRow> rows = read_csv(read_bytes(file));
     if (rows.empty() || !rows[0].contains("method") || !rows[0].contains("status"))
       throw std::runtime_error("expected a points.csv or a report.json of a study");
     return rows;

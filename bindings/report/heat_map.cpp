@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "report/plot.h"
 #include "report/xml.h"
@@ -72,8 +73,8 @@ std::vector<double> edges(const std::vector<double>& values, bool log) {
 void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::*member, std::vector<XY>* lines[2],
                   double XY::*on) {
   const std::vector<double> values = sorted_values(cells, member);
-  const auto place = [&](double v) {
-    const auto above = std::lower_bound(values.begin(), values.end(), v);
+  const auto index_of = [&](double v) {
+    const auto above = std::ranges::lower_bound(values, v);
     const auto k = static_cast<double>(above - values.begin());
     if (above == values.end()) return k - 1;
     if (*above == v || above == values.begin()) return k;
@@ -81,9 +82,9 @@ void make_ordinal(Axis& axis, std::vector<HeatCell>& cells, double HeatCell::*me
   };
   for (std::size_t k = 0; k < values.size(); ++k)
     axis.fixed.push_back({static_cast<double>(k), number_text(values[k], 4)});
-  for (HeatCell& c : cells) c.*member = place(c.*member);
+  for (HeatCell& c : cells) c.*member = index_of(c.*member);
   for (int k = 0; k < 2; ++k)
-    for (XY& p : *lines[k]) p.*on = place(p.*on);
+    for (XY& p : *lines[k]) p.*on = index_of(p.*on);
 }
 
 HeatMap with_ends(HeatMap m) {
@@ -109,17 +110,16 @@ void draw_cells(Svg& svg, const Box& f, const HeatMap& m) {
   const std::vector<double> xs = sorted_values(m.cells, &HeatCell::x), ys = sorted_values(m.cells, &HeatCell::y);
   const std::vector<double> xe = edges(xs, m.x.log), ye = edges(ys, m.y.log);
   for (const HeatCell& c : m.cells) {
-    const auto i = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), c.x) - xs.begin());
-    const auto k = static_cast<std::size_t>(std::lower_bound(ys.begin(), ys.end(), c.y) - ys.begin());
-    const double left = f.left + f.width * m.x.at(xe[i]), right = f.left + f.width * m.x.at(xe[i + 1]);
-    const double bottom = f.bottom() - f.height * m.y.at(ye[k]), top = f.bottom() - f.height * m.y.at(ye[k + 1]);
-    svg.rect({left, top, right - left, bottom - top}, fill_of(svg, c), "#ffffff", c.title, "cell");
+    const auto i = static_cast<std::size_t>(std::ranges::lower_bound(xs, c.x) - xs.begin());
+    const auto k = static_cast<std::size_t>(std::ranges::lower_bound(ys, c.y) - ys.begin());
+    const XY low = position(f, m.x, m.y, {xe[i], ye[k]}), high = position(f, m.x, m.y, {xe[i + 1], ye[k + 1]});
+    svg.rect({low.x, high.y, high.x - low.x, low.y - high.y}, fill_of(svg, c), "#ffffff", c.title, "cell");
   }
 }
 
 void draw_curve(Svg& svg, const Box& f, const HeatMap& m, const std::vector<XY>& curve, const Stroke& stroke) {
   std::vector<XY> points;
-  for (const XY& p : curve) points.push_back({f.left + f.width * m.x.at(p.x), f.bottom() - f.height * m.y.at(p.y)});
+  for (const XY& p : curve) points.push_back(position(f, m.x, m.y, p));
   if (stroke.dash.empty()) svg.polyline(points, {"#ffffff", stroke.width + 2.5, "", 0.8});
   svg.polyline(points, stroke);
 }
@@ -138,16 +138,15 @@ void draw_map(Svg& svg, const Box& f, const HeatMap& m, double label_size, bool 
   svg.rect(f, "none", kFrame);
 }
 
-// Returns the lowest line used.
-double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMap*>& maps) {
+void draw_legend(Svg& svg, XY at, double width, std::span<const HeatMap> maps) {
   std::set<std::string> seen;
   std::string theory, boundary;
   bool unknown = false;
-  for (const HeatMap* m : maps) {
-    for (const HeatCell& c : m->cells)
+  for (const HeatMap& m : maps) {
+    for (const HeatCell& c : m.cells)
       seen.insert(c.verdict), unknown = unknown || (c.verdict == "stable" && std::isnan(c.error));
-    if (m->theory.size() > 1) theory = m->theory_label;
-    if (m->boundary.size() > 1) boundary = m->boundary_label;
+    if (m.theory.size() > 1) theory = m.theory_label;
+    if (m.boundary.size() > 1) boundary = m.boundary_label;
   }
   double y = at.y;
   const auto entry = [&](const std::string& fill, const std::string& words, const std::string& more) {
@@ -175,7 +174,6 @@ double draw_legend(Svg& svg, XY at, double width, const std::vector<const HeatMa
   };
   line(theory, kTheory);
   line(boundary, kBoundary);
-  return y;
 }
 
 }  // namespace
@@ -203,7 +201,7 @@ std::string heat_map_svg(const HeatMap& given, bool inline_page) {
   draw_map(svg, f, m, 11.5, true, true);
   svg.text({f.left + f.width / 2, f.bottom() + 42}, m.x.label, {13, "middle"});
   svg.text({22, f.top + f.height / 2}, m.y.label, {13, "middle", kInk, false, -90});
-  draw_legend(svg, {f.right() + 22, f.top + 10}, legend, {&m});
+  draw_legend(svg, {f.right() + 22, f.top + 10}, legend, {&m, 1});
   return svg.text(inline_page);
 }
 
@@ -217,10 +215,8 @@ std::string heat_sheet_svg(const std::string& name, const std::string& title, co
   const double height = std::max(top + rows * cell_h + 60, 460.0);
   Svg svg(name, width, height, title);
   svg.text({left, 28}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
-  std::vector<const HeatMap*> all;
   std::vector<HeatMap> fitted;
   for (const HeatMap& m : maps) fitted.push_back(with_ends(m));
-  for (const HeatMap& m : fitted) all.push_back(&m);
   for (int k = 0; k < count; ++k) {
     const HeatMap& m = fitted[static_cast<std::size_t>(k)];
     const int row = k / columns, column = k % columns;
@@ -232,7 +228,7 @@ std::string heat_sheet_svg(const std::string& name, const std::string& title, co
     svg.text({left + columns * cell_w / 2, top + rows * cell_h + 44}, fitted[0].x.label, {13, "middle"});
     svg.text({18, top + rows * cell_h / 2}, fitted[0].y.label, {13, "middle", kInk, false, -90});
   }
-  draw_legend(svg, {width - legend, top + 28}, legend - 10, all);
+  draw_legend(svg, {width - legend, top + 28}, legend - 10, fitted);
   return svg.text(inline_page);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 
 namespace feder::report {
 
@@ -38,11 +39,18 @@ std::string to_text(const Json& value) {
   return out + "\n";
 }
 
-Json read_json(const std::string& file) {
+std::string read_bytes(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
   if (!in) throw std::runtime_error(file + ": cannot be read");
+  return text.str();
+}
+
+Json read_json(const std::string& file) {
+  const std::string text = read_bytes(file);
   try {
-    return Json::parse(in);
+    return Json::parse(text);
   } catch (const Json::parse_error& e) {
     throw std::runtime_error(file + ": no JSON: " + e.what());
   }

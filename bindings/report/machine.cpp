@@ -81,50 +81,10 @@ MachineInfo machine_info(const std::string& tool_version, const std::string& rea
   m.cpu = first_value("/proc/cpuinfo", "model name");
   m.cores = static_cast<int>(std::thread::hardware_concurrency());
   m.os = first_value("/etc/os-release", "PRETTY_NAME");
-  std::ifstream flags("/proc/cpuinfo");
-  for (std::string line; std::getline(flags, line);)
-    if (line.starts_with("flags")) {
-      m.virtualization = line.find(" hypervisor") != std::string::npos ? "yes" : "no";
-      break;
-    }
+  const std::string features = " " + first_value("/proc/cpuinfo", "flags");
+  if (features != " ") m.virtualization = features.find(" hypervisor") != std::string::npos ? "yes" : "no";
   m.load_before = m.load_after = load_now();
   m.timer_resolution_ns = timer_resolution();
-  return m;
-}
-
-Json machine_json(const MachineInfo& m) {
-  return {{"git", m.git},
-          {"tool", m.tool},
-          {"date", m.date},
-          {"build", {{"compiler", m.compiler}, {"flags", m.flags}, {"real", m.real}, {"fma", m.fma}, {"ftz", m.ftz}}},
-          {"machine",
-           {{"cpu", m.cpu},
-            {"cores", m.cores},
-            {"os", m.os},
-            {"virtual", m.virtualization},
-            {"load_before", m.load_before},
-            {"load_after", m.load_after},
-            {"timer_resolution_ns", m.timer_resolution_ns}}}};
-}
-
-MachineInfo machine_from_json(const Json& run) {
-  MachineInfo m;
-  m.git = run.value("git", "");
-  m.tool = run.value("tool", "");
-  m.date = run.value("date", "");
-  const Json build = run.value("build", Json::object()), machine = run.value("machine", Json::object());
-  m.compiler = build.value("compiler", "");
-  m.flags = build.value("flags", "");
-  m.real = build.value("real", "");
-  m.fma = build.value("fma", false);
-  m.ftz = build.value("ftz", false);
-  m.cpu = machine.value("cpu", "");
-  m.cores = machine.value("cores", 0);
-  m.os = machine.value("os", "");
-  m.virtualization = machine.value("virtual", "");
-  m.load_before = machine.value("load_before", 0.0);
-  m.load_after = machine.value("load_after", 0.0);
-  m.timer_resolution_ns = machine.value("timer_resolution_ns", 0.0);
   return m;
 }
 

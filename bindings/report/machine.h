@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "report/json.h"
+#include "report/json_fields.h"
 
 namespace feder::report {
 
@@ -16,11 +16,26 @@ struct MachineInfo {
   double timer_resolution_ns = 0;
 };
 
+// A run of the program as its report names it.
+struct RunContext {
+  MachineInfo machine;
+  std::string command;  // the command line
+};
+
 // Now; load_after is filled by load_now() when the work is done.
 MachineInfo machine_info(const std::string& tool_version, const std::string& real);
 double load_now();
 
-Json machine_json(const MachineInfo& m);  // the key `run` of a report
-MachineInfo machine_from_json(const Json& run);
+// The key `run` of a report.
+void fields(auto& m, auto& v, const MachineInfo*) {
+  v("git", m.git)("tool", m.tool)("date", m.date);
+  v.object("build", [&m](auto& build) {
+    build("compiler", m.compiler)("flags", m.flags)("real", m.real)("fma", m.fma)("ftz", m.ftz);
+  });
+  v.object("machine", [&m](auto& machine) {
+    machine("cpu", m.cpu)("cores", m.cores)("os", m.os)("virtual", m.virtualization)("load_before", m.load_before);
+    machine("load_after", m.load_after)("timer_resolution_ns", m.timer_resolution_ns);
+  });
+}
 
 }  // namespace feder::report

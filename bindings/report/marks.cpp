@@ -68,12 +68,6 @@ CurveStyle curve_style(int number) {
 
 bool is_failure(MarkKind kind) { return kind >= MarkKind::diverged; }
 
-const char* mark_word(MarkKind kind) {
-  static const char* const words[] = {"measured", "on the front",  "below the reference's certainty", "diverged", "NaN",
-                                      "refused",  "no measurement"};
-  return words[static_cast<int>(kind)];
-}
-
 void draw_mark(Svg& svg, XY c, MarkKind kind, const CurveStyle& style, double size, const std::string& title) {
   const double r = size / 2;
   const Stroke pen{style.color, 1.5};

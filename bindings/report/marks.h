@@ -1,4 +1,4 @@
-// How a curve is told from its neighbours: colour, marker and dash together, never colour alone.
+// How a curve differs from its neighbours: colour, marker and dash together, never colour alone.
 #pragma once
 #include <string>
 
@@ -25,7 +25,6 @@ enum class MarkKind {
   other,     // any other verdict that is no measurement: triangle with a bar
 };
 bool is_failure(MarkKind kind);
-const char* mark_word(MarkKind kind);  // "diverged" ...
 
 // A marker of about `size` px around `at`; class "point" or "point failed", none without a title (legends).
 void draw_mark(Svg& svg, XY at, MarkKind kind, const CurveStyle& style, double size, const std::string& title);

@@ -38,6 +38,7 @@ Page::Page(const std::string& title) : title_(title) {}
 
 void Page::lead(const std::string& words) { body_ += "<p class=\"lead\">" + escaped(words) + "</p>\n"; }
 void Page::heading(const std::string& words) { body_ += "<h2>" + escaped(words) + "</h2>\n"; }
+void Page::table(const Table& table) { body_ += table.html(); }
 void Page::paragraph(const std::string& words) { body_ += "<p>" + escaped(words) + "</p>\n"; }
 
 void Page::list(const std::vector<std::string>& items) {
@@ -45,23 +46,6 @@ void Page::list(const std::vector<std::string>& items) {
   body_ += "<ul>\n";
   for (const std::string& item : items) body_ += "<li>" + escaped(item) + "</li>\n";
   body_ += "</ul>\n";
-}
-
-void Page::table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows,
-                 const std::vector<std::string>& marks) {
-  body_ += "<div class=\"wide\"><table>\n<thead><tr>";
-  const auto number = [&](std::size_t k) { return k < columns.size() && columns[k].starts_with(">"); };
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    body_ +=
-        (number(k) ? "<th class=\"n\">" : "<th>") + escaped(number(k) ? columns[k].substr(1) : columns[k]) + "</th>";
-  body_ += "</tr></thead>\n<tbody>\n";
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    body_ += r < marks.size() && !marks[r].empty() ? "<tr class=\"" + marks[r] + "\">" : "<tr>";
-    for (std::size_t k = 0; k < rows[r].size(); ++k)
-      body_ += (number(k) ? "<td class=\"n\">" : "<td>") + escaped(rows[r][k]) + "</td>";
-    body_ += "</tr>\n";
-  }
-  body_ += "</tbody></table></div>\n";
 }
 
 void Page::figure(const std::string& svg, const std::string& caption) {
@@ -77,8 +61,8 @@ void Page::definitions(const std::vector<std::pair<std::string, std::string>>& t
 
 void Page::links(const std::vector<std::pair<std::string, std::string>>& items) {
   body_ += "<ul>\n";
-  for (const auto& [words, place] : items)
-    body_ += "<li><a href=\"" + xml_escape(place) + "\">" + escaped(words) + "</a></li>\n";
+  for (const auto& [words, target] : items)
+    body_ += "<li><a href=\"" + xml_escape(target) + "\">" + escaped(words) + "</a></li>\n";
   body_ += "</ul>\n";
 }
 

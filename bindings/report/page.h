@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "report/table.h"
+
 namespace feder::report {
 
 class Page {
@@ -13,13 +15,11 @@ class Page {
   void heading(const std::string& words);
   void paragraph(const std::string& words);
   void list(const std::vector<std::string>& items);
-  // Columns whose name starts with '>' hold numbers. A row may be marked: "bad" or "good" in `marks`.
-  void table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows,
-             const std::vector<std::string>& marks = {});
+  void table(const Table& table);
   void figure(const std::string& svg, const std::string& caption);
   // Terms with their meaning.
   void definitions(const std::vector<std::pair<std::string, std::string>>& terms);
-  // Words with the place they lead to, relative to the page.
+  // Words with the address they lead to, relative to the page.
   void links(const std::vector<std::pair<std::string, std::string>>& items);
   // Fixed-width words, as typed.
   void code(const std::string& text);

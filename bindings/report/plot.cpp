@@ -6,23 +6,23 @@
 namespace feder::report {
 namespace {
 
+// px of the whole drawing; it grows when the legend or the gutter needs it
+constexpr double kWidth = 1100, kHeight = 620;
 constexpr double kRow = 16;      // px of a line in the gutter and the legend
 constexpr double kTicks = 11.5;  // size of the tick labels
 
 struct Layout {
   Box frame, gutter, legend;
-  double width = 0, height = 0;
+  double height = 0;
 };
 
 bool has(const Plot& p, MarkKind kind) {
-  for (const PlotSeries& s : p.series)
-    for (const PlotPoint& q : s.points)
-      if (q.kind == kind) return true;
-  return false;
+  return std::ranges::any_of(
+      p.series, [&](const PlotSeries& s) { return std::ranges::count(s.points, kind, &PlotPoint::kind) > 0; });
 }
 
 bool has_failure(const PlotSeries& s) {
-  return std::any_of(s.points.begin(), s.points.end(), [](const PlotPoint& q) { return is_failure(q.kind); });
+  return std::ranges::any_of(s.points, [](const PlotPoint& q) { return is_failure(q.kind); });
 }
 
 struct Explained {
@@ -42,28 +42,28 @@ constexpr Explained kExplained[] = {
 Layout lay_out(const Plot& p) {
   Layout l;
   double names = 0, left_names = 0;
-  int failing = 0, kinds = 0;
+  int failing = 0;
   for (const PlotSeries& s : p.series) {
     names = std::max(names, words_width(s.name, 12));
     if (!has_failure(s)) continue;
     ++failing;
     left_names = std::max(left_names, words_width(s.name, 11));
   }
-  for (const Explained& e : kExplained) kinds += has(p, e.kind);
-  const double left = std::clamp(std::max(74.0, left_names + 16), 74.0, 190.0);
+  const auto kinds =
+      static_cast<std::size_t>(std::ranges::count_if(kExplained, [&](const Explained& e) { return has(p, e.kind); }));
+  const double left = std::clamp(left_names + 16, 74.0, 190.0);
   const double legend = std::clamp(names + 52, 185.0, 260.0);
   const double top = p.subtitle.empty() ? 44 : 62;
   const double gutter = failing ? failing * kRow + 26 : 0;
-  const double legend_height = static_cast<double>(p.series.size() + static_cast<std::size_t>(kinds) + 3) * kRow + 30;
-  l.width = p.width;
-  l.height = std::max(p.height + gutter, top + legend_height + 56);
-  l.gutter = {left, top, p.width - left - legend - 24, gutter};
+  const double legend_height = static_cast<double>(p.series.size() + kinds + 3) * kRow + 30;
+  l.height = std::max(kHeight + gutter, top + legend_height + 56);
+  l.gutter = {left, top, kWidth - left - legend - 24, gutter};
   l.frame = {left, top + gutter, l.gutter.width, l.height - top - gutter - 56};
   l.legend = {l.frame.right() + 18, top, legend, l.height - top - 56};
   return l;
 }
 
-XY place(const Box& f, const Plot& p, double x, double y) {
+XY position(const Box& f, const Plot& p, double x, double y) {
   return {f.left + f.width * std::clamp(p.x.at(x), 0.0, 1.0), f.bottom() - f.height * p.y.at(y)};
 }
 
@@ -83,7 +83,7 @@ void draw_gutter(Svg& svg, const Layout& l, const Plot& p) {
     double edge = box.left + 8;  // those cheaper than the axis stand side by side at its left end
     for (const PlotPoint& q : s.points) {
       if (!is_failure(q.kind)) continue;
-      double x = place(l.frame, p, q.x, 1).x;
+      double x = position(l.frame, p, q.x, 1).x;
       if (x <= l.frame.left) x = edge, edge += 12;
       draw_mark(svg, {x, y}, q.kind, style, 9, q.title);
     }
@@ -106,7 +106,7 @@ void draw_legend(Svg& svg, const Box& box, const Plot& p) {
     svg.text({box.left + 42, y}, e.words, {11.5, "start", kQuiet});
     y += kRow;
   }
-  if (std::any_of(p.fronts.begin(), p.fronts.end(), [](const auto& front) { return front.size() > 1; })) {
+  if (std::ranges::any_of(p.fronts, [](const auto& front) { return front.size() > 1; })) {
     svg.line({box.left, y - 4}, {box.left + 34, y - 4}, {"#b6c2cf", 7, "", 0.5});
     svg.text({box.left + 42, y}, "Pareto front", {11.5, "start", kQuiet});
     y += kRow;
@@ -122,7 +122,7 @@ void draw_fronts(Svg& svg, const Box& f, const Plot& p) {
     if (front.size() < 2) continue;
     std::vector<XY> stair;
     for (const XY& q : front) {
-      const XY at = place(f, p, q.x, q.y);
+      const XY at = position(f, p, q.x, q.y);
       if (!stair.empty()) stair.push_back({at.x, stair.back().y});
       stair.push_back(at);
     }
@@ -133,9 +133,9 @@ void draw_fronts(Svg& svg, const Box& f, const Plot& p) {
 void draw_slopes(Svg& svg, const Box& f, const Plot& p) {
   for (const SlopeMark& s : p.slopes) {
     const double wide = std::pow(10.0, 0.5);
-    const XY a = place(f, p, s.at.x, s.at.y);
-    const XY b = place(f, p, s.at.x * wide, s.at.y);
-    const XY c = place(f, p, s.at.x * wide, s.at.y * std::pow(wide, s.slope));
+    const XY a = position(f, p, s.at.x, s.at.y);
+    const XY b = position(f, p, s.at.x * wide, s.at.y);
+    const XY c = position(f, p, s.at.x * wide, s.at.y * std::pow(wide, s.slope));
     const XY corners[] = {a, b, c};
     svg.polygon(corners, "none", {kQuiet, 1});
     svg.text({b.x + 4, (b.y + c.y) / 2 + 4}, s.label, {10.5, "start", kQuiet});
@@ -143,6 +143,15 @@ void draw_slopes(Svg& svg, const Box& f, const Plot& p) {
 }
 
 }  // namespace
+
+void draw_titles(Svg& svg, double left, double width, const std::string& title, const std::string& subtitle) {
+  svg.text({left, 26}, words_cut(title, 16, width - left - 10), {16, "start", kInk, true});
+  if (!subtitle.empty()) svg.text({left, 46}, words_cut(subtitle, 12, width - left - 10), {12, "start", kQuiet});
+}
+
+XY position(const Box& f, const Axis& x, const Axis& y, XY p) {
+  return {f.left + f.width * x.at(p.x), f.bottom() - f.height * y.at(p.y)};
+}
 
 void draw_axes(Svg& svg, const Box& f, const Axis& x, const Axis& y, double size, bool x_words, bool y_words) {
   const std::vector<Tick> xs = x.ticks(std::max(2, static_cast<int>(f.width / 62)));
@@ -173,7 +182,7 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
   svg.begin_clip(f);
   draw_fronts(svg, f, p);
   for (const PlotLine& l : p.lines) {
-    const XY ends[] = {place(f, p, l.from.x, l.from.y), place(f, p, l.to.x, l.to.y)};
+    const XY ends[] = {position(f, p, l.from.x, l.from.y), position(f, p, l.to.x, l.to.y)};
     svg.polyline(ends, l.stroke);
   }
   for (const PlotSeries& s : p.series) {
@@ -188,8 +197,8 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
         flush();
         continue;
       }
-      run.push_back(place(f, p, q.x, q.y));
-      if (q.x_far > q.x) svg.line(run.back(), place(f, p, q.x_far, q.y), {style.color, 1, "", 0.3});
+      run.push_back(position(f, p, q.x, q.y));
+      if (q.x_far > q.x) svg.line(run.back(), position(f, p, q.x_far, q.y), {style.color, 1, "", 0.3});
     }
     flush();
   }
@@ -197,7 +206,7 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
   for (const PlotSeries& s : p.series)
     for (const PlotPoint& q : s.points) {
       if (is_failure(q.kind)) continue;
-      XY at = place(f, p, q.x, q.y);
+      XY at = position(f, p, q.x, q.y);
       at.y = std::clamp(at.y, f.top, f.bottom());
       draw_mark(svg, at, q.kind, curve_style(s.number), mark_size, q.title);
     }
@@ -206,10 +215,8 @@ void draw_curves(Svg& svg, const Box& f, const Plot& p, double mark_size) {
 
 std::string plot_svg(const Plot& p, bool inline_page) {
   const Layout l = lay_out(p);
-  Svg svg(p.name, l.width, l.height, p.title);
-  svg.text({l.frame.left, 26}, words_cut(p.title, 16, l.width - l.frame.left - 10), {16, "start", kInk, true});
-  if (!p.subtitle.empty())
-    svg.text({l.frame.left, 46}, words_cut(p.subtitle, 12, l.width - l.frame.left - 10), {12, "start", kQuiet});
+  Svg svg(p.name, kWidth, l.height, p.title);
+  draw_titles(svg, l.frame.left, kWidth, p.title, p.subtitle);
   draw_gutter(svg, l, p);
   draw_axes(svg, l.frame, p.x, p.y, kTicks);
   draw_curves(svg, l.frame, p, 8);

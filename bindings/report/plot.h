@@ -1,5 +1,5 @@
-// A drawing of curves over two axes: one polyline per method, a gutter above for the points that have no place on the
-// y axis, a band below what the reference can tell, and the Pareto front as a pale stair. Every point that is put in
+// A drawing of curves over two axes: one polyline per method, a gutter above for the points without a value on the
+// y axis, a band below what the reference resolves, and the Pareto front as a pale stair. Every point that is put in
 // comes out as one mark with its own title.
 #pragma once
 #include <string>
@@ -47,10 +47,15 @@ struct Plot {
   std::string uncertain_label;
   std::vector<PlotLine> lines;
   std::vector<SlopeMark> slopes;
-  double width = 1100, height = 620;  // px of the whole drawing; it grows when the legend or the gutter needs it
 };
 
 std::string plot_svg(const Plot& plot, bool inline_page = false);
+
+// Title and, where there is one, subtitle above a drawing of `width` px whose frame begins at `left`.
+void draw_titles(Svg& svg, double left, double width, const std::string& title, const std::string& subtitle);
+
+// A point in the units of the axes within the frame.
+XY position(const Box& frame, const Axis& x, const Axis& y, XY point);
 
 // Only axes, curves and marks, into `area` (the frame; tick labels stand outside). For sheets of small drawings.
 void draw_curves(Svg& svg, const Box& area, const Plot& plot, double mark_size);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "report/heat_map.h"
 #include "report/page.h"
@@ -13,21 +12,21 @@
 #include "report/xml.h"
 
 namespace feder::report {
+
+void fields(auto& c, auto& v, const StabilityCell*) {
+  v.derived("verdict", name_of(c.verdict));
+  v("t_fail", c.t_fail)("entity", c.entity)("error", c.error)("energy_ratio", c.energy_ratio);
+  v("constraint", c.constraint)("iters_mean", c.iters_mean)("iters_max", c.iters_max)("missed", c.missed);
+}
+void fields(auto& l, auto& v, const StabilityLimit*) {
+  v("predicted_limit", l.predicted)("observed_limit", l.observed)("z_predicted", l.z_predicted);
+  v("z_observed", l.z_observed).derived("relative", l.relative());
+}
+void fields(auto& e, auto& v, const ExtremeRow*) {
+  v("input", e.input)("expected", e.expected)("got", e.got)("detail", e.detail)("pass", e.pass);
+}
+
 namespace {
-
-Json number_json(double v) {
-  if (std::isnan(v)) return nullptr;
-  if (std::isinf(v)) return v > 0 ? "inf" : "-inf";
-  return v;
-}
-
-std::string csv_number(double v) { return std::isnan(v) ? "" : fmt::format("{}", v); }
-
-std::string csv_text(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return text.find_first_of(",\"\n") == std::string::npos ? text : out + "\"";
-}
 
 std::string axis_label(const StabilityAxis& a) { return a.unit.empty() ? a.label : a.label + ", " + a.unit; }
 
@@ -65,7 +64,7 @@ std::string cell_title(const StabilityMap& m, const StabilityCell& c) {
 Axis cell_axis(const StabilityAxis& a) {
   Axis out{axis_label(a), a.logarithmic, 0, 1, a.logarithmic ? TickStyle::power : TickStyle::plain, {}};
   const auto counted = [](double v) { return v == std::round(v) && v >= 1 && v <= 999; };
-  if (a.logarithmic && a.values.size() <= 10 && std::all_of(a.values.begin(), a.values.end(), counted))
+  if (a.logarithmic && a.values.size() <= 10 && std::ranges::all_of(a.values, counted))
     for (const double v : a.values) out.fixed.push_back({v, number_text(v, 3)});
   return out;
 }
@@ -90,49 +89,35 @@ HeatMap heat_map(const StabilityMap& m, bool small) {
   return h;
 }
 
-struct Deviation {
-  double worst = NAN;
-  int limits = 0;
-};
-Deviation deviation(const StabilityMap& m) {
-  Deviation d;
-  for (const StabilityLimit& l : m.limits) {
-    if (!std::isfinite(l.predicted) || !std::isfinite(l.observed) || l.predicted == 0) continue;
-    ++d.limits;
-    if (!(d.worst >= l.relative())) d.worst = l.relative();
-  }
-  return d;
+// Both known and finite.
+bool comparable(const StabilityLimit& l) {
+  return std::isfinite(l.predicted) && std::isfinite(l.observed) && l.predicted != 0;
 }
 
-std::string limit_words(double v) { return std::isnan(v) ? "–" : std::isinf(v) ? "none" : number_text(v, 7); }
+std::string limit_text(double v, const char* unknown, int digits) {
+  return std::isnan(v) ? unknown : std::isinf(v) ? "none" : number_text(v, digits);
+}
 
 void boundary_part(Page& page, const StabilityResult& r) {
-  bool any = false;
-  for (const StabilityMap& m : r.maps) any = any || !m.limits.empty();
-  if (!any) return;
+  const auto bisected = [](const StabilityMap& m) { return !m.limits.empty(); };
+  if (std::ranges::none_of(r.maps, bisected)) return;
   page.heading("Boundaries");
   page.paragraph(
       "The largest stable value on the x axis, found by bisection, beside what theory says; h·ω is the same in units "
-      "of the "
-      "fastest angular frequency.");
-  for (const StabilityMap& m : r.maps)
-    if (!m.limit_how.empty()) {
-      page.paragraph("How: " + m.limit_how);
-      break;
-    }
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> marks;
+      "of the fastest angular frequency.");
+  const auto explained = std::ranges::find_if(r.maps, [](const StabilityMap& m) { return !m.limit_how.empty(); });
+  if (explained != r.maps.end()) page.paragraph("How: " + explained->limit_how);
+  Table table({"method", ">" + r.maps[0].y.label, ">predicted", ">observed", ">relative deviation", ">h·ω predicted",
+               ">h·ω observed"});
+  const auto limit = [](double v) { return limit_text(v, "–", 7); };
   for (const StabilityMap& m : r.maps)
     for (const StabilityLimit& l : m.limits) {
-      const bool both = std::isfinite(l.predicted) && std::isfinite(l.observed) && l.predicted != 0;
-      rows.push_back({m.method, number_text(l.y, 4), limit_words(l.predicted), limit_words(l.observed),
-                      both ? number_text(l.relative(), 2) : "–", limit_words(l.z_predicted),
-                      limit_words(l.z_observed)});
-      marks.push_back(both && l.relative() > 0.01 ? "bad" : "");
+      const bool both = comparable(l);
+      table.add({m.method, number_text(l.y, 4), limit(l.predicted), limit(l.observed),
+                 both ? number_text(l.relative(), 2) : "–", limit(l.z_predicted), limit(l.z_observed)},
+                both && l.relative() > 0.01 ? "bad" : "");
     }
-  const std::string y = r.maps.empty() ? "y" : r.maps[0].y.label;
-  page.table({"method", ">" + y, ">predicted", ">observed", ">relative deviation", ">h·ω predicted", ">h·ω observed"},
-             rows, marks);
+  page.table(table);
 }
 
 void verdict_part(Page& page, const StabilityResult& r) {
@@ -166,16 +151,14 @@ void verdict_part(Page& page, const StabilityResult& r) {
 }  // namespace
 
 std::string verdict_shares(const StabilityMap& m) {
-  std::vector<std::pair<std::string, int>> counts;
+  std::vector<std::pair<std::string, int>> counts;  // in the order of the cells
   for (const StabilityCell& c : m.cells) {
     const std::string name = name_of(c.verdict);
-    const auto found = std::find_if(counts.begin(), counts.end(), [&](const auto& n) { return n.first == name; });
-    if (found == counts.end())
-      counts.push_back({name, 1});
-    else
-      ++found->second;
+    auto found = std::ranges::find_if(counts, [&](const auto& n) { return n.first == name; });
+    if (found == counts.end()) found = counts.insert(counts.end(), {name, 0});
+    ++found->second;
   }
-  std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(counts, [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string out;
   for (const auto& [name, n] : counts)
     out += fmt::format("{}{} % {}", out.empty() ? "" : ", ",
@@ -183,49 +166,36 @@ std::string verdict_shares(const StabilityMap& m) {
   return out;
 }
 
-Json stability_json(const StabilityResult& r, const StabilityContext& context) {
+Json stability_json(const StabilityResult& r, const RunContext& context) {
   Json rows = Json::array(), limits = Json::array(), shares = Json::array();
   for (const StabilityMap& m : r.maps) {
     for (const StabilityCell& c : m.cells) {
       const StabilityLimit* l = limit_at(m, c.y);
-      rows.push_back({{"problem", m.problem},
-                      {"method", m.method},
-                      {"axes", {{m.x.name, number_json(c.x)}, {m.y.name, number_json(c.y)}}},
-                      {"verdict", name_of(c.verdict)},
-                      {"t_fail", number_json(c.t_fail)},
-                      {"entity", c.entity},
-                      {"error", number_json(c.error)},
-                      {"energy_ratio", number_json(c.energy_ratio)},
-                      {"constraint", number_json(c.constraint)},
-                      {"iters_mean", number_json(c.iters_mean)},
-                      {"iters_max", number_json(c.iters_max)},
-                      {"missed", number_json(c.missed)},
-                      {"predicted_limit", l ? number_json(l->predicted) : Json()},
-                      {"observed_limit", l ? number_json(l->observed) : Json()}});
+      Json& row = rows.emplace_back(Json{{"problem", m.problem}, {"method", m.method}});
+      row["axes"] = {{m.x.name, json_value(c.x)}, {m.y.name, json_value(c.y)}};
+      row.update(written(c));
+      row["predicted_limit"] = l ? json_value(l->predicted) : Json();
+      row["observed_limit"] = l ? json_value(l->observed) : Json();
     }
     for (const StabilityLimit& l : m.limits)
-      limits.push_back({{"problem", m.problem},
-                        {"method", m.method},
-                        {m.y.name, number_json(l.y)},
-                        {"predicted_limit", number_json(l.predicted)},
-                        {"observed_limit", number_json(l.observed)},
-                        {"z_predicted", number_json(l.z_predicted)},
-                        {"z_observed", number_json(l.z_observed)},
-                        {"relative", number_json(l.relative())}});
+      limits.emplace_back(Json{{"problem", m.problem}, {"method", m.method}, {m.y.name, json_value(l.y)}})
+          .update(written(l));
     shares.push_back({{"problem", m.problem},
                       {"method", m.method},
                       {"order", m.order},
                       {"implicit", m.implicit},
-                      {"stable_share", number_json(m.stable_share)}});
+                      {"stable_share", json_value(m.stable_share)}});
   }
   return {{"schema", "stability/1"},
-          {"run", machine_json(context.machine)},
+          {"run", written(context.machine)},
           {"command", context.command},
           {"real", r.real},
           {"methods", shares},
           {"limits", limits},
           {"rows", rows}};
 }
+
+Json extreme_json(const std::vector<ExtremeRow>& rows) { return written(rows); }
 
 std::string cells_csv(const StabilityResult& r) {
   std::string out =
@@ -234,11 +204,10 @@ std::string cells_csv(const StabilityResult& r) {
   for (const StabilityMap& m : r.maps)
     for (const StabilityCell& c : m.cells) {
       const StabilityLimit* l = limit_at(m, c.y);
-      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", m.problem, m.method, m.x.name,
-                         csv_number(c.x), m.y.name, csv_number(c.y), name_of(c.verdict), csv_number(c.t_fail),
-                         csv_text(c.entity), csv_number(c.error), csv_number(c.energy_ratio), csv_number(c.constraint),
-                         csv_number(c.iters_mean), csv_number(c.iters_max), l ? csv_number(l->predicted) : "",
-                         l ? csv_number(l->observed) : "");
+      out += csv_line(m.problem, m.method, m.x.name, c.x, m.y.name, c.y, name_of(c.verdict), c.t_fail, c.entity,
+                      c.error, c.energy_ratio, c.constraint, c.iters_mean, c.iters_max, l ? l->predicted : NAN,
+                      l ? l->observed : NAN) +
+             "\n";
     }
   return out;
 }
@@ -247,23 +216,22 @@ std::string limits_csv(const StabilityResult& r) {
   std::string out = "problem,method,y_name,y,predicted,observed,relative,z_predicted,z_observed\n";
   for (const StabilityMap& m : r.maps)
     for (const StabilityLimit& l : m.limits)
-      out += fmt::format("{},{},{},{},{},{},{},{},{}\n", m.problem, m.method, m.y.name, csv_number(l.y),
-                         csv_number(l.predicted), csv_number(l.observed), csv_number(l.relative()),
-                         csv_number(l.z_predicted), csv_number(l.z_observed));
+      out += csv_line(m.problem, m.method, m.y.name, l.y, l.predicted, l.observed, l.relative(), l.z_predicted,
+                      l.z_observed) +
+             "\n";
   return out;
 }
 
 std::string stability_table(const StabilityResult& r) {
   Table table({"method", ">stable", ">h w limit", ">theory", ">worst deviation", "verdicts"});
   for (const StabilityMap& m : r.maps) {
-    const Deviation d = deviation(m);
-    const StabilityLimit* first = m.limits.empty() ? nullptr : &m.limits.front();
-    const auto words = [](double v) {
-      return std::isnan(v) ? std::string("-") : std::isinf(v) ? "none" : number_text(v, 6);
-    };
+    double worst = NAN;
+    for (const StabilityLimit& l : m.limits)
+      if (comparable(l) && !(worst >= l.relative())) worst = l.relative();
+    const StabilityLimit first = m.limits.empty() ? StabilityLimit{} : m.limits.front();
     table.add({m.method, m.cells.empty() ? "-" : fmt::format("{} %", number_text(100 * m.stable_share, 3)),
-               first ? words(first->z_observed) : "-", first ? words(first->z_predicted) : "-",
-               d.limits ? number_text(d.worst, 2) : "-", verdict_shares(m)});
+               limit_text(first.z_observed, "-", 6), limit_text(first.z_predicted, "-", 6),
+               std::isnan(worst) ? "-" : number_text(worst, 2), verdict_shares(m)});
   }
   return table.text("  ");
 }
@@ -291,8 +259,8 @@ std::vector<Figure> stability_figures(const StabilityResult& r) {
   return out;
 }
 
-std::string stability_page(const StabilityResult& r, const StabilityContext& context,
-                           const std::vector<Figure>& figures, const std::vector<ExtremeRow>& extreme) {
+std::string stability_page(const StabilityResult& r, const RunContext& context, const std::vector<Figure>& figures,
+                           const std::vector<ExtremeRow>& extreme) {
   Page page("Stability: " + (r.maps.empty() ? std::string("extreme inputs") : r.maps[0].problem));
   page.lead(lead(r));
   // the overview first
@@ -300,13 +268,9 @@ std::string stability_page(const StabilityResult& r, const StabilityContext& con
     if (f.file == "sheet.svg") page.figure(f.inline_svg, f.caption);
   if (!extreme.empty()) {
     page.heading("Extreme inputs");
-    std::vector<std::vector<std::string>> rows;
-    std::vector<std::string> marks;
-    for (const ExtremeRow& e : extreme) {
-      rows.push_back({e.input, e.expected, e.got, e.detail});
-      marks.push_back(e.pass ? "good" : "bad");
-    }
-    page.table({"input", "expected", "got", "detail"}, rows, marks);
+    Table table({"input", "expected", "got", "detail"});
+    for (const ExtremeRow& e : extreme) table.add({e.input, e.expected, e.got, e.detail}, e.pass ? "good" : "bad");
+    page.table(table);
   }
   boundary_part(page, r);
   if (!figures.empty()) page.heading("Each method");
@@ -321,24 +285,16 @@ std::string stability_page(const StabilityResult& r, const StabilityContext& con
   return page.text();
 }
 
-void write_stability(const std::string& folder, const StabilityResult& r, const StabilityContext& context,
+void write_stability(const std::string& folder, const StabilityResult& r, const RunContext& context,
                      const std::vector<ExtremeRow>& extreme) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
   const std::vector<Figure> figures = stability_figures(r);
   Json json = stability_json(r, context);
-  if (!extreme.empty()) {
-    json["extreme"] = Json::array();
-    for (const ExtremeRow& e : extreme)
-      json["extreme"].push_back(
-          {{"input", e.input}, {"expected", e.expected}, {"got", e.got}, {"detail", e.detail}, {"pass", e.pass}});
-  }
-  write_text(folder + "/stability.json", to_text(json));
-  write_text(folder + "/cells.csv", cells_csv(r));
-  write_text(folder + "/limits.csv", limits_csv(r));
-  for (const Figure& f : figures) write_text(folder + "/" + f.file, f.svg);
-  write_text(folder + "/index.html", stability_page(r, context, figures, extreme));
+  if (!extreme.empty()) json["extreme"] = extreme_json(extreme);
+  write_folder(folder, figures,
+               {{"stability.json", to_text(json)},
+                {"cells.csv", cells_csv(r)},
+                {"limits.csv", limits_csv(r)},
+                {"index.html", stability_page(r, context, figures, extreme)}});
 }
 
 }  // namespace feder::report

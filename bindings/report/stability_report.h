@@ -16,12 +16,8 @@ struct ExtremeRow {
   bool pass = false;
 };
 
-struct StabilityContext {
-  MachineInfo machine;
-  std::string command;
-};
-
-Json stability_json(const StabilityResult& r, const StabilityContext& context);
+Json stability_json(const StabilityResult& r, const RunContext& context);
+Json extreme_json(const std::vector<ExtremeRow>& rows);
 std::string cells_csv(const StabilityResult& r);
 std::string limits_csv(const StabilityResult& r);
 // Methods against limits and shares, as text.
@@ -30,10 +26,10 @@ std::string extreme_table(const std::vector<ExtremeRow>& rows);
 
 // One per method, then the sheet.
 std::vector<Figure> stability_figures(const StabilityResult& r);
-std::string stability_page(const StabilityResult& r, const StabilityContext& context,
-                           const std::vector<Figure>& figures, const std::vector<ExtremeRow>& extreme);
+std::string stability_page(const StabilityResult& r, const RunContext& context, const std::vector<Figure>& figures,
+                           const std::vector<ExtremeRow>& extreme);
 // std::runtime_error "file: cannot be written".
-void write_stability(const std::string& folder, const StabilityResult& r, const StabilityContext& context,
+void write_stability(const std::string& folder, const StabilityResult& r, const RunContext& context,
                      const std::vector<ExtremeRow>& extreme = {});
 
 // Shares of the verdicts: "62 % stable, 30 % diverged, 8 % damped".

@@ -12,8 +12,26 @@
 namespace feder::report {
 namespace {
 
-bool measured(const StudyPoint& p, const ErrorNorm& norm) {
-  return (p.status == PointStatus::ok || p.status == PointStatus::slow) && std::isfinite(p.*norm.value);
+// What a point cost.
+struct CostAxis {
+  const char *title, *label;
+  double StudyPoint::*cost;
+  double StudyPoint::*whisker;  // end of the whisker; null: none
+  bool StudyPoint::*on_front;
+  std::vector<std::size_t> StudyResult::*front;
+  TickStyle ticks;
+};
+constexpr CostAxis kRunTime{"run time",           "run time (least of the repeats)", &StudyPoint::t_min_s,
+                            &StudyPoint::t_p90_s, &StudyPoint::on_front_time,        &StudyResult::front_time,
+                            TickStyle::seconds};
+constexpr CostAxis kWork{"work",          "work, in force evaluations", &StudyPoint::work,
+                         nullptr,         &StudyPoint::on_front_work,   &StudyResult::front_work,
+                         TickStyle::power};
+
+bool measured(const StudyPoint& p, const ErrorNorm& norm) { return succeeded(p) && std::isfinite(p.*norm.value); }
+
+bool any_measured(const StudyResult& r, const ErrorNorm& norm) {
+  return std::ranges::any_of(r.points, [&](const StudyPoint& p) { return measured(p, norm); });
 }
 
 MarkKind kind_of(const StudyResult& r, const StudyPoint& p, const ErrorNorm& norm, bool on_front) {
@@ -48,30 +66,30 @@ std::string reference_words(const StudyResult& r) {
   return fmt::format("reference: {}; t = {} s", reference_text(r.problem.reference), number_text(r.problem.t_end, 6));
 }
 
-// The runs of a method that a line joins: they differ in one thing only, the step or what is refined in its place. All
-// else that a study varies makes lines of their own, and so does each part of a ladder that has several.
-struct Way {
-  std::string name;
+// The runs of a method that a curve joins: they differ in one thing only, the step or what is refined in its stead. All
+// else that a study varies makes curves of their own, and so does each refinement axis of a ladder that has several.
+struct RefinementCurve {
+  std::string name, method;
   int number = 0;  // of the curve style
   std::vector<const StudyPoint*> points;
-  std::string part;  // StudyPoint::way
+  std::string axis;  // StudyPoint::refinement_axis
 };
 
-std::string part_words(const std::string& part) {
-  if (part == "steps") return "shorter steps";
-  if (part == "iters") return "more iterations";
-  return part == "tol" ? "smaller tolerance" : "more " + part;
+std::string axis_name(const std::string& axis) {
+  if (axis == "steps") return "shorter steps";
+  if (axis == "iters") return "more iterations";
+  return axis == "tol" ? "smaller tolerance" : "more " + axis;
 }
 
 std::string beside_rung(const StudyPoint& p, bool steps_vary, bool substeps_vary) {
   std::string out;
   if (steps_vary && substeps_vary && p.substeps >= 0) out += fmt::format(", {} substeps", p.substeps);
   if ((steps_vary || substeps_vary) && p.iters >= 0) out += fmt::format(", {} iterations", p.iters);
-  for (const auto& [name, value] : p.settings) out += fmt::format(", {} = {}", name, value);
-  return out;
+  return out + listed_settings(p.settings);
 }
 
-std::vector<Way> ways_of(const StudyResult& r, const std::string& method) {
+std::vector<RefinementCurve> refinement_curves(const StudyResult& r, const std::string& method) {
+  // what varies besides the axis is named with the curve
   const StudyPoint* first = nullptr;
   bool steps_vary = false, substeps_vary = false;
   for (const StudyPoint& p : r.points) {
@@ -81,38 +99,41 @@ std::vector<Way> ways_of(const StudyResult& r, const std::string& method) {
     steps_vary = steps_vary || p.h_s != first->h_s || !same_tolerance;
     substeps_vary = substeps_vary || p.substeps != first->substeps;
   }
-  std::vector<Way> ways;
+  std::vector<RefinementCurve> curves;
   for (const StudyPoint& p : r.points) {
     if (p.method != method) continue;
-    const std::string name =
-        p.way.empty() ? method + beside_rung(p, steps_vary, substeps_vary) : method + ", " + part_words(p.way);
-    auto at = std::find_if(ways.begin(), ways.end(), [&](const Way& w) { return w.name == name; });
-    if (at == ways.end()) at = ways.insert(ways.end(), {name, 0, {}, p.way});
+    const std::string name = p.refinement_axis.empty() ? method + beside_rung(p, steps_vary, substeps_vary)
+                                                       : method + ", " + axis_name(p.refinement_axis);
+    auto at = std::ranges::find_if(curves, [&](const RefinementCurve& c) { return c.name == name; });
+    if (at == curves.end()) at = curves.insert(curves.end(), {name, method, 0, {}, p.refinement_axis});
     at->points.push_back(&p);
   }
-  const int count = static_cast<int>(ways.size());
-  if (count == 1) ways[0].name = method;
-  for (int k = 0; k < count; ++k) ways[static_cast<std::size_t>(k)].number = number_of(r, method) * count + k;
-  return ways;
+  if (curves.size() == 1) curves[0].name = method;
+  return curves;
 }
 
-// Parts of a ladder get numbers beside those of the other methods' parts, of which there may be fewer.
-std::vector<Way> numbered_ways(const StudyResult& r, const std::string& method) {
-  std::vector<Way> ways = ways_of(r, method);
-  if (ways.empty() || ways[0].part.empty()) return ways;
-  int number = 0;
+// Those of all methods, numbered. Curves of several refinement axes get numbers beside those of the other methods,
+// which may have fewer.
+std::vector<RefinementCurve> refinement_curves(const StudyResult& r) {
+  std::vector<RefinementCurve> all;
   for (const MethodInfo& m : r.methods) {
-    if (m.name == method) break;
-    number += static_cast<int>(ways_of(r, m.name).size());
+    std::vector<RefinementCurve> curves = refinement_curves(r, m.name);
+    const auto before = static_cast<int>(all.size()), count = static_cast<int>(curves.size());
+    int number = curves.empty() || !curves[0].axis.empty() ? before : number_of(r, m.name) * count;
+    for (RefinementCurve& curve : curves) curve.number = number++;
+    all.insert(all.end(), curves.begin(), curves.end());
   }
-  for (Way& way : ways) way.number = number++;
-  return ways;
+  return all;
 }
 
-double cut_high(double error) { return std::isfinite(error) ? std::min(error, 100.0) : error; }
+// An error as it counts for the ends of an axis: those of 0 and of a blow-up get no say.
+double cut_error(double error) {
+  const double e = std::max(error, error > 0 ? 1e-17 : 0.0);
+  return std::isfinite(e) ? std::min(e, 100.0) : e;
+}
 
-// Axis ends from the points that can be shown; an error of 0 gets no say.
-void fit_axes(Plot& plot, const std::string& x_label, bool seconds, const std::string& y_label, bool more_is_better) {
+// Axis ends from the points that can be shown.
+void fit_axes(Plot& plot, const CostAxis& axis, const ErrorNorm& norm) {
   std::vector<double> xs, ys;
   double cheapest = INFINITY;
   for (const PlotSeries& s : plot.series)
@@ -123,45 +144,42 @@ void fit_axes(Plot& plot, const std::string& x_label, bool seconds, const std::s
       // runs that failed at once cost next to nothing: they must not push the others aside
       xs.push_back(is_failure(p.kind) && std::isfinite(cheapest) ? std::max(p.x, cheapest / 10) : p.x);
       if (p.x_far > p.x) xs.push_back(p.x_far);
-      if (!is_failure(p.kind)) ys.push_back(cut_high(std::max(p.y, p.y > 0 ? 1e-17 : 0.0)));
+      if (!is_failure(p.kind)) ys.push_back(cut_error(p.y));
     }
   if (plot.uncertain_below > 0) ys.push_back(plot.uncertain_below);
-  plot.x = fit_axis(x_label, true, xs, seconds ? TickStyle::seconds : TickStyle::power);
-  if (more_is_better) ys.push_back(0);
-  plot.y = fit_axis(y_label, !more_is_better, ys, more_is_better ? TickStyle::plain : TickStyle::power);
+  plot.x = fit_axis(axis.label, true, xs, axis.ticks);
+  if (norm.more_is_better) ys.push_back(0);
+  plot.y = fit_axis(norm.label, !norm.more_is_better, ys, norm.more_is_better ? TickStyle::plain : TickStyle::power);
 }
 
 Plot cost_plot(const StudyResult& r, const ErrorNorm& norm, const CostAxis& axis, const std::string& file) {
-  const bool by_time = axis.seconds, ranked = norm.ranks(r.problem);
+  const bool ranked = norm.ranks(r.problem);
   Plot plot;
   plot.name = file.substr(0, file.find('.'));
-  plot.title = fmt::format("{}: error against {}", problem_label(r.problem),
-                           by_time                             ? "run time"
-                           : std::string(axis.name) == "force" ? "work"
-                                                               : "instructions");
+  plot.title = fmt::format("{}: error against {}", problem_label(r.problem), axis.title);
   plot.subtitle = (norm.more_is_better ? "upper left is better; " : "lower left is better; ") + reference_words(r);
-  for (const MethodInfo& m : r.methods)
-    for (const Way& way : numbered_ways(r, m.name)) {
-      PlotSeries series{way.name, way.number, {}};
-      for (const StudyPoint* p : way.points) {
-        const bool front = ranked && (by_time ? p->on_front_time : p->on_front_work);
-        series.points.push_back({axis.value(*p), p->*norm.value, by_time && std::isfinite(p->t_p90_s) ? p->t_p90_s : 0,
-                                 kind_of(r, *p, norm, front), point_title(r, *p, norm)});
-      }
-      plot.series.push_back(series);
+  for (const RefinementCurve& curve : refinement_curves(r)) {
+    PlotSeries series{curve.name, curve.number, {}};
+    for (const StudyPoint* p : curve.points) {
+      const double whisker = axis.whisker && std::isfinite(p->*axis.whisker) ? p->*axis.whisker : 0;
+      series.points.push_back({p->*axis.cost, p->*norm.value, whisker,
+                               kind_of(r, *p, norm, ranked && p->*axis.on_front), point_title(r, *p, norm)});
     }
+    plot.series.push_back(series);
+  }
+  // the Pareto front of each setting, and the band below what the reference resolves
   if (ranked) {
     std::map<Settings, std::vector<XY>> fronts;
-    for (const std::size_t k : by_time ? r.front_time : r.front_work)
-      fronts[r.points[k].settings].push_back({axis.value(r.points[k]), r.points[k].*norm.value});
+    for (const std::size_t k : r.*axis.front)
+      fronts[r.points[k].settings].push_back({r.points[k].*axis.cost, r.points[k].*norm.value});
     for (auto& [settings, front] : fronts) plot.fronts.push_back(std::move(front));
     const double floor = r.problem.reference.floor();
-    const bool near = !norm.more_is_better && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) {
+    const bool near = !norm.more_is_better && std::ranges::any_of(r.points, [&](const StudyPoint& p) {
       return measured(p, norm) && p.*norm.value < 30 * floor;
     });
     if (near) plot.uncertain_below = floor, plot.uncertain_label = "reference or rounding";
   }
-  fit_axes(plot, axis.label, axis.seconds, norm.label, norm.more_is_better);
+  fit_axes(plot, axis, norm);
   return plot;
 }
 
@@ -173,7 +191,7 @@ const StudyPoint* point_of(const StudyResult& r, const StudySeries& s) {
 
 const OrderFit* fit_of(const StudyResult& r, const StudyPoint& p) {
   for (const OrderFit& f : r.fits)
-    if (f.method == p.method && f.settings == p.settings && f.way == p.way) return &f;
+    if (f.method == p.method && f.settings == p.settings && f.refinement_axis == p.refinement_axis) return &f;
   return nullptr;
 }
 
@@ -184,7 +202,7 @@ double rung_value(const StudyPoint& p, const std::string& axis) {
   return p.h_s;
 }
 
-std::string axis_words(const std::string& axis) {
+std::string rung_label(const std::string& axis) {
   if (axis == "tol") return "tolerance";
   if (axis == "iters") return "iterations";
   return axis == "h" ? "step h, s" : axis;
@@ -208,50 +226,55 @@ void draw_fit(Plot& plot, const OrderFit& fit, const PlotSeries& series) {
   plot.slopes.push_back({{x0, line_y(x0) * std::pow(10.0, -1.2)}, fit.expected, number_text(fit.expected, 2)});
 }
 
-// One small plot per method, or part of its ladder: its points over the rung, with the order.
-Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& part, const ErrorNorm& norm) {
-  std::string axis = part.empty() ? (m.adaptive ? "tol" : "h") : part == "steps" ? "h" : part;
+// One small plot per method, or refinement axis of its ladder: its points over the rung, with the order.
+Plot order_panel(const StudyResult& r, const MethodInfo& m, const std::string& refined, const ErrorNorm& norm,
+                 const std::vector<RefinementCurve>& curves) {
+  std::string axis = refined.empty() ? (m.adaptive ? "tol" : "h") : refined == "steps" ? "h" : refined;
   for (const OrderFit& f : r.fits)
-    if (f.method == m.name && f.way == part) axis = f.axis;
+    if (f.method == m.name && f.refinement_axis == refined) axis = f.axis;
   Plot plot;
   plot.title = m.name;
   bool any = false;
-  for (const Way& way : numbered_ways(r, m.name)) {
-    if (way.part != part) continue;
-    PlotSeries series{way.name, way.number, {}};
-    for (const StudyPoint* p : way.points) {
+  for (const RefinementCurve& curve : curves) {
+    if (curve.method != m.name || curve.axis != refined) continue;
+    PlotSeries series{curve.name, curve.number, {}};
+    for (const StudyPoint* p : curve.points) {
       if (!measured(*p, norm)) continue;
       const MarkKind kind = p->below_floor ? MarkKind::uncertain : MarkKind::hollow;
       series.points.push_back({rung_value(*p, axis), p->*norm.value, 0, kind, point_title(r, *p, norm)});
       any = true;
     }
-    if (const OrderFit* fit = fit_of(r, *way.points.front())) draw_fit(plot, *fit, series);
+    if (const OrderFit* fit = fit_of(r, *curve.points.front())) draw_fit(plot, *fit, series);
     plot.series.push_back(series);
   }
   if (!plot.slopes.empty()) plot.subtitle += ", expected " + plot.slopes[0].label;
   if (plot.subtitle.empty()) plot.subtitle = any ? "no range that shows an order" : "no run reached the end";
-  plot.x.label = axis_words(axis);
+  plot.x.label = rung_label(axis);
   return plot;
 }
 
 std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_page) {
+  const auto add_new = [](std::vector<std::string>& all, const std::string& one) {
+    if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+  };
+  const std::vector<RefinementCurve> curves = refinement_curves(r);
   std::vector<Plot> panels;
   for (const MethodInfo& m : r.methods) {
-    std::vector<std::string> parts;
-    for (const Way& way : ways_of(r, m.name))
-      if (std::find(parts.begin(), parts.end(), way.part) == parts.end()) parts.push_back(way.part);
-    for (const std::string& part : parts) panels.push_back(order_panel(r, m, part, norm));
+    std::vector<std::string> axes;
+    for (const RefinementCurve& curve : curves)
+      if (curve.method == m.name) add_new(axes, curve.axis);
+    for (const std::string& axis : axes) panels.push_back(order_panel(r, m, axis, norm, curves));
   }
   // panels of one axis side by side
   std::vector<std::string> labels;
-  for (const Plot& p : panels)
-    if (std::find(labels.begin(), labels.end(), p.x.label) == labels.end()) labels.push_back(p.x.label);
-  const auto place = [&](const Plot& p) { return std::find(labels.begin(), labels.end(), p.x.label); };
-  std::stable_sort(panels.begin(), panels.end(), [&](const Plot& a, const Plot& b) { return place(a) < place(b); });
+  for (const Plot& p : panels) add_new(labels, p.x.label);
+  const auto rank = [&](const Plot& p) { return std::ranges::find(labels, p.x.label); };
+  std::ranges::stable_sort(panels, [&](const Plot& a, const Plot& b) { return rank(a) < rank(b); });
+  // one y axis for all, an x axis for those of a label
   std::vector<double> ys;
   for (const Plot& p : panels)
     for (const PlotSeries& s : p.series)
-      for (const PlotPoint& q : s.points) ys.push_back(cut_high(std::max(q.y, q.y > 0 ? 1e-17 : 0.0)));
+      for (const PlotPoint& q : s.points) ys.push_back(cut_error(q.y));
   const Axis y = fit_axis(norm.label, true, ys, TickStyle::power);
   for (Plot& p : panels) {
     std::vector<double> xs;
@@ -259,7 +282,7 @@ std::string order_svg(const StudyResult& r, const ErrorNorm& norm, bool inline_p
       if (o.x.label == p.x.label)
         for (const PlotSeries& s : o.series)
           for (const PlotPoint& q : s.points) xs.push_back(q.x);
-    const bool counted = p.x.label != axis_words("h") && p.x.label != axis_words("tol");
+    const bool counted = p.x.label != rung_label("h") && p.x.label != rung_label("tol");
     p.x = fit_axis(p.x.label, true, xs, counted ? TickStyle::plain : TickStyle::power);
     p.y = y;
   }
@@ -288,14 +311,14 @@ RowChart invariants(const StudyResult& r) {
       const StudyPoint& point = *point_of(r, *s);
       PlotSeries curve{fmt::format("{}, {}", point.method, rung_text(point)), number_of(r, point.method), {}};
       const std::vector<double>& values = s->*kind.values;
-      double most = 0;
+      double largest = 0;
       for (std::size_t k = 0; k < values.size() && k < s->t.size(); ++k) {
         // an envelope: curves that swing through zero would hide each other; a blow-up leaves through the top
         const double v = std::fabs(values[k]);
-        if (std::isfinite(v)) most = std::max(most, v);
-        any = any || most > 0;
-        curve.points.push_back(
-            {s->t[k], std::isfinite(v) && most > 0 ? std::clamp(most, 1e-17, 1e3) : NAN, 0, MarkKind::hollow, ""});
+        if (std::isfinite(v)) largest = std::max(largest, v);
+        any = any || largest > 0;
+        curve.points.push_back({s->t[k], std::isfinite(v) && largest > 0 ? std::clamp(largest, 1e-17, 1e3) : NAN, 0,
+                                MarkKind::hollow, ""});
       }
       row.series.push_back(curve);
     }
@@ -314,8 +337,7 @@ const ErrorNorm& plotted_norm(const StudyResult& r, const StudyContext& context)
   for (const char* more : {"end", "traj", "orient", "event", "energy", "constraint"}) names.emplace_back(more);
   for (const std::string& name : names) {
     const ErrorNorm* norm = find_norm(name);
-    if (norm && std::any_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *norm); }))
-      return *norm;
+    if (norm && any_measured(r, *norm)) return *norm;
   }
   return *find_norm("end");
 }
@@ -325,7 +347,7 @@ std::vector<const StudySeries*> drawn_series(const StudyResult& r) {
   for (const StudyPoint& p : r.points)
     if (p.completed && p.work > 0) works.push_back(p.work);
   if (works.empty()) return {};
-  std::sort(works.begin(), works.end());
+  std::ranges::sort(works);
   const double middle = works[works.size() / 2];
   std::vector<const StudySeries*> out;
   for (const MethodInfo& m : r.methods) {
@@ -345,36 +367,32 @@ std::vector<const StudySeries*> drawn_series(const StudyResult& r) {
 std::vector<Figure> study_figures(const StudyResult& r, const StudyContext& context) {
   std::vector<Figure> out;
   const ErrorNorm& norm = plotted_norm(r, context);
-  const auto wants = [&](const char* axis) {
-    return std::find(context.axes.begin(), context.axes.end(), axis) != context.axes.end();
-  };
-  const auto add_plot = [&](const ErrorNorm& n, const char* axis, const std::string& file, const std::string& caption) {
-    const Plot plot = cost_plot(r, n, *find_axis(axis), file);
+  const auto wants = [&](const char* axis) { return std::ranges::find(context.axes, axis) != context.axes.end(); };
+  const auto add_plot = [&](const ErrorNorm& n, const CostAxis& axis, const std::string& file,
+                            const std::string& caption) {
+    const Plot plot = cost_plot(r, n, axis, file);
     out.push_back({file, caption, plot_svg(plot), plot_svg(plot, true)});
   };
   if (wants("time") && has_times(r))
-    add_plot(norm, "time", "error_vs_time.svg",
+    add_plot(norm, kRunTime, "error_vs_time.svg",
              "Error against run time. The whisker ends at the 90th percentile of the repeats.");
   if (wants("force"))
     add_plot(
-        norm, "force", "error_vs_work.svg",
+        norm, kWork, "error_vs_work.svg",
         fmt::format(
             "Error against work, which does not depend on the machine: force evaluations, plus {} per Jacobian, {} per "
             "step of conjugate gradients, {} per direct solve.",
             number_text(r.weights.jacobian), number_text(r.weights.cg_iteration), number_text(r.weights.direct_solve)));
-  if (wants("instr")) add_plot(norm, "instr", "error_vs_instructions.svg", "Error against instructions.");
   for (std::size_t k = 1; k < context.errors.size(); ++k) {
     const ErrorNorm* more = find_norm(context.errors[k]);
-    if (!more || more == &norm ||
-        std::none_of(r.points.begin(), r.points.end(), [&](const StudyPoint& p) { return measured(p, *more); }))
-      continue;
-    add_plot(*more, "force", fmt::format("error_vs_work_{}.svg", more->name),
+    if (!more || more == &norm || !any_measured(r, *more)) continue;
+    add_plot(*more, kWork, fmt::format("error_vs_work_{}.svg", more->name),
              fmt::format("{} against work.", more->label));
   }
-  const bool parts = std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return !p.way.empty(); });
+  const bool several = std::ranges::any_of(r.points, [](const StudyPoint& p) { return !p.refinement_axis.empty(); });
   out.push_back({"order.svg",
-                 parts ? "Error against what is refined, one frame for each method and way to refine."
-                       : "Error against the step, one frame per method.",
+                 several ? "Error against what is refined, one frame for each method and way to refine."
+                         : "Error against the step, one frame per method.",
                  order_svg(r, norm, false), order_svg(r, norm, true)});
   const RowChart rows = invariants(r);
   if (!rows.rows.empty())

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/hash.h"
@@ -36,42 +34,21 @@ std::string plan_hash(const std::vector<PlannedPoint>& plan) {
   std::string text;
   for (const PlannedPoint& p : plan)
     text += fmt::format("{} {} {} {} {} {} {} {}\n", p.index, p.spec.method, p.spec.steps, p.spec.tolerance,
-                        p.spec.iterations, p.spec.substeps, settings_text(p.spec.settings), p.spec.way);
+                        p.spec.iterations, p.spec.substeps, settings_text(p.spec.settings), p.spec.refinement_axis);
   return hex_hash(text);
 }
 
-std::string file_hash(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw std::runtime_error(file + ": cannot be read");
-  return hex_hash(text.str());
-}
+std::string file_hash(const std::string& file) { return hex_hash(read_bytes(file)); }
 
 Json identity_json(const StudyResult& r) {
-  const Provenance& p = r.provenance;
   Json params = Json::object();
   for (const ProblemParam& param : r.problem.params) params[param.name] = param.value;
-  Json out = {{"problem", r.problem.name},
-              {"params", params},
-              {"t_end", r.problem.t_end},
-              {"threads", r.problem.threads},
-              {"overrides", p.overrides},
-              {"real", p.real},
-              {"git", p.git},
-              {"tool", p.tool},
-              {"build", p.build},
-              {"scene_hash", p.scene_hash},
-              {"plan_hash", p.plan_hash},
-              {"points", r.planned}};
+  Json out = {
+      {"problem", r.problem.name}, {"params", params}, {"t_end", r.problem.t_end}, {"threads", r.problem.threads}};
+  out.update(written(r.provenance));
+  out["points"] = r.planned;
   out["hash"] = hash_of(out);
   return out;
-}
-
-void read_identity(const Json& j, Provenance& out) {
-  out.overrides = j.value("overrides", ""), out.real = j.value("real", ""), out.git = j.value("git", "");
-  out.tool = j.value("tool", ""), out.build = j.value("build", "");
-  out.scene_hash = j.value("scene_hash", ""), out.plan_hash = j.value("plan_hash", "");
 }
 
 std::vector<std::string> altered_fields(const Json& report) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "feder/study.h"
-#include "report/json.h"
+#include "report/json_fields.h"
 
 namespace feder::report {
 
@@ -16,7 +16,10 @@ std::string file_hash(const std::string& file);
 // The key `study` of a report: {hash, problem, params, t_end, threads, overrides, real, git, tool, build, scene_hash,
 // plan_hash, points}. `hash` is that of all other fields (FNV-1a, 16 hex digits).
 Json identity_json(const StudyResult& r);
-void read_identity(const Json& json, Provenance& out);
+void fields(auto& p, auto& v, const Provenance*) {
+  v("overrides", p.overrides)("real", p.real)("git", p.git)("tool", p.tool)("build", p.build);
+  v("scene_hash", p.scene_hash)("plan_hash", p.plan_hash);
+}
 
 // What the identity says against the other parts of the same report (they are written twice): the names of fields that
 // were altered. Empty when all is well.

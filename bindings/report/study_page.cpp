@@ -13,90 +13,52 @@
 namespace feder::report {
 namespace {
 
-std::string seconds(double s) {
-  if (!std::isfinite(s)) return "–";
-  if (s >= 1) return number_text(s) + " s";
-  return s >= 1e-3 ? number_text(s * 1e3) + " ms" : number_text(s * 1e6) + " µs";
-}
-
-std::string count(double value) {
-  return !std::isfinite(value) ? "–" : value < 1e6 ? fmt::format("{:.0f}", value) : number_text(value);
-}
-
-std::string step(const CostToAccuracy& c) {
-  if (c.method.empty()) return "–";
-  return std::isfinite(c.tol) && c.tol > 0 ? "tol = " + number_text(c.tol, 2) : "h = " + number_text(c.h_s, 2) + " s";
-}
-
-void decision_table(Page& page, const StudyResult& r) {
+void decision_part(Page& page, const StudyResult& r) {
   page.heading("Which method to pick");
   page.paragraph("For each error the cheapest method, between two of its own points (log-log), never beyond them.");
-  const bool times = has_times(r);
-  std::vector<std::string> columns = {">error below", "least work", "step", ">force evaluations", ">work"};
-  if (times) columns.insert(columns.end(), {"least run time", "step", ">time"});
-  columns.emplace_back("verdict");
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> marks;
-  for (const Decision& d : decisions(r)) {
-    const auto name = [](const CostToAccuracy& c) { return c.method.empty() ? std::string("–") : c.method; };
-    std::vector<std::string> row = {target_text(d.target), name(d.by_work), step(d.by_work),
-                                    count(d.reached ? d.by_work.force_evals : NAN),
-                                    count(d.reached ? d.by_work.work : NAN)};
-    if (times) row.insert(row.end(), {name(d.by_time), step(d.by_time), seconds(d.reached ? d.by_time.time_s : NAN)});
-    row.push_back(d.verdict);
-    rows.push_back(row);
-    marks.push_back(d.reached ? "" : "bad");
-  }
-  page.table(columns, rows, marks);
+  page.table(decision_table(r, kPaper));
 }
 
-// The orders of a method: of each part of its ladder, or the range over settings.
+// The orders of a method: of each refinement axis of its ladder, or the range over settings.
 std::string fitted_words(const StudyResult& r, const MethodInfo& m) {
   std::string each, axis;
   double low = NAN, high = NAN;
   for (const OrderFit& f : r.fits) {
     if (f.method != m.name || !std::isfinite(f.slope)) continue;
     low = std::fmin(low, f.slope), high = std::fmax(high, f.slope), axis = f.axis;
-    if (!f.way.empty()) each += fmt::format("{}{:.2f} ({})", each.empty() ? "" : ", ", f.slope, f.axis);
+    if (!f.refinement_axis.empty()) each += fmt::format("{}{:.2f} ({})", each.empty() ? "" : ", ", f.slope, f.axis);
   }
   if (!each.empty()) return each;
   if (high - low > 0.005) return fmt::format("{:.2f} to {:.2f} ({})", low, high, axis);
   return std::isfinite(low) ? fmt::format("{:.2f} ({})", low, axis) : "–";
 }
 
-void method_table(Page& page, const StudyResult& r) {
+void method_part(Page& page, const StudyResult& r) {
   page.heading("Methods");
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> marks;
+  Table table({"method", ">order", ">fitted", "kind", ">evaluations per step", ">limit h·ω, undamped",
+               ">runs that held", ">least end error", "what it is"});
   for (const MethodInfo& m : r.methods) {
-    std::string best = "–", runs;
-    const std::string fitted = fitted_words(r, m);
     int ok = 0, all = 0;
     double least = INFINITY;
     for (const StudyPoint& p : r.points) {
       if (p.method != m.name) continue;
       ++all;
-      if (p.status != PointStatus::ok && p.status != PointStatus::slow) continue;
+      if (!succeeded(p)) continue;
       ++ok;
       if (std::isfinite(p.err_end)) least = std::min(least, p.err_end);
     }
-    if (std::isfinite(least)) best = number_text(least, 2);
     const std::string limit = std::isnan(m.limit_hw)   ? "–"
                               : std::isinf(m.limit_hw) ? "always stable"
                               : m.limit_hw == 0        ? "never stable"
                                                        : number_text(m.limit_hw, 4);
-    rows.push_back({m.name, m.order ? std::to_string(m.order) : "–", fitted,
-                    m.implicit   ? "implicit"
-                    : m.adaptive ? "adaptive"
-                                 : "explicit",
-                    std::to_string(m.evals_per_step), limit, fmt::format("{} of {}", ok, all), best, m.summary});
-    const bool missed =
-        std::any_of(r.fits.begin(), r.fits.end(), [&](const OrderFit& f) { return f.method == m.name && f.off(); });
-    marks.push_back(missed ? "bad" : "");
+    const char* const kind = m.implicit ? "implicit" : m.adaptive ? "adaptive" : "explicit";
+    const bool missed = std::ranges::any_of(r.fits, [&](const OrderFit& f) { return f.method == m.name && f.off(); });
+    table.add(
+        {m.name, m.order ? std::to_string(m.order) : "–", fitted_words(r, m), kind, std::to_string(m.evals_per_step),
+         limit, fmt::format("{} of {}", ok, all), std::isfinite(least) ? number_text(least, 2) : "–", m.summary},
+        missed ? "bad" : "");
   }
-  page.table({"method", ">order", ">fitted", "kind", ">evaluations per step", ">limit h·ω, undamped", ">runs that held",
-              ">least end error", "what it is"},
-             rows, marks);
+  page.table(table);
   const std::vector<std::string> off = off_orders(r);
   if (!off.empty()) {
     page.paragraph(
@@ -114,34 +76,29 @@ void problem_part(Page& page, const StudyResult& r, const StudyContext& context)
   const ProblemInfo& p = r.problem;
   page.heading("The problem and its reference");
   const ReferenceInfo& ref = p.reference;
-  std::vector<std::vector<std::string>> facts = {
-      {"reference", fmt::format("{}: {}", reference_text(ref), ref.source)},
-      {"its uncertainty", number_text(ref.uncertainty, 2) + " of the end error; rounding to the scalar type makes " +
-                              number_text(ref.rounding, 2)},
-      {"simulated time", number_text(p.t_end, 6) + " s"},
-      {"degrees of freedom", std::to_string(p.dof)},
+  Table facts({"", ""});
+  facts.add({"reference", fmt::format("{}: {}", reference_text(ref), ref.source)});
+  facts.add({"its uncertainty", number_text(ref.uncertainty, 2) +
+                                    " of the end error; rounding to the scalar type makes " +
+                                    number_text(ref.rounding, 2)});
+  facts.add({"simulated time", number_text(p.t_end, 6) + " s"});
+  facts.add({"degrees of freedom", std::to_string(p.dof)});
+  facts.add(
       {"scales", fmt::format("length {}, speed {}, energy {}", number_text(p.x_scale, 4), number_text(p.v_scale, 4),
-                             std::isfinite(p.energy_scale) ? number_text(p.energy_scale, 4) + " J" : "–")},
-  };
+                             std::isfinite(p.energy_scale) ? number_text(p.energy_scale, 4) + " J" : "–")});
   if (ref.resolution > 0)
-    facts.push_back({"what the spacing leaves",
-                     "about " + number_text(ref.resolution, 2) + " of the end error, however short the steps"});
+    facts.add({"what the spacing leaves",
+               "about " + number_text(ref.resolution, 2) + " of the end error, however short the steps"});
   if (p.frequency > 0)
-    facts.push_back(
+    facts.add(
         {"fastest frequency", number_text(p.frequency, 5) + " 1/s (explicit methods need h below limit / frequency)"});
   if (p.chaotic)
-    facts.push_back(
-        {"chaotic", "yes: the horizon, until when the error stays below 1e-3, counts instead of the end error"});
-  page.table({"", ""}, facts);
-  if (!p.params.empty()) {
-    std::vector<std::vector<std::string>> rows;
-    std::vector<std::string> marks;
-    for (const ProblemParam& q : p.params) {
-      rows.push_back({q.name, value_text(q.value), value_text(q.fallback), q.help});
-      marks.push_back(q.value == q.fallback ? "" : "good");
-    }
-    page.table({"parameter", ">value", ">default", "meaning"}, rows, marks);
-  }
+    facts.add({"chaotic", "yes: the horizon, until when the error stays below 1e-3, counts instead of the end error"});
+  page.table(facts);
+  Table params({"parameter", ">value", ">default", "meaning"});
+  for (const ProblemParam& q : p.params)
+    params.add({q.name, value_text(q.value), value_text(q.fallback), q.help}, q.value == q.fallback ? "" : "good");
+  if (!params.empty()) page.table(params);
   if (!context.settings.empty()) {
     page.paragraph("Options that differ from their defaults:");
     page.list(context.settings);
@@ -190,17 +147,18 @@ void definitions_part(Page& page, const StudyResult& r) {
 void machine_part(Page& page, const StudyContext& context) {
   const MachineInfo& m = context.machine;
   page.heading("Machine and build");
-  page.table({"", ""},
-             {{"tool", m.tool + (m.git.empty() ? "" : ", commit " + m.git)},
-              {"scalar type", m.real},
-              {"compiler", m.compiler + " " + m.flags},
-              {"contraction, flush to zero", std::string(m.fma ? "on" : "off") + ", " + (m.ftz ? "on" : "off")},
-              {"processor",
-               fmt::format("{}, {} cores{}", m.cpu, m.cores, m.virtualization == "yes" ? ", virtual machine" : "")},
-              {"system", m.os},
-              {"load before and after", fmt::format("{}, {}", number_text(m.load_before), number_text(m.load_after))},
-              {"timer resolution", number_text(m.timer_resolution_ns) + " ns"},
-              {"date", m.date}});
+  Table facts({"", ""});
+  facts.add({"tool", m.tool + (m.git.empty() ? "" : ", commit " + m.git)});
+  facts.add({"scalar type", m.real});
+  facts.add({"compiler", m.compiler + " " + m.flags});
+  facts.add({"contraction, flush to zero", fmt::format("{}, {}", m.fma ? "on" : "off", m.ftz ? "on" : "off")});
+  facts.add({"processor",
+             fmt::format("{}, {} cores{}", m.cpu, m.cores, m.virtualization == "yes" ? ", virtual machine" : "")});
+  facts.add({"system", m.os});
+  facts.add({"load before and after", fmt::format("{}, {}", number_text(m.load_before), number_text(m.load_after))});
+  facts.add({"timer resolution", number_text(m.timer_resolution_ns) + " ns"});
+  facts.add({"date", m.date});
+  page.table(facts);
   page.code(context.command);
   page.paragraph("A large study runs in parts under any job scheduler; with GNU parallel:");
   page.code(
@@ -213,18 +171,17 @@ void gate_part(Page& page, const StudyContext& context) {
   page.heading("Gate");
   const Json& violations = context.gate.at("violations");
   page.paragraph(fmt::format("Against {}: {} violations.", context.gate.value("baseline", ""), violations.size()));
-  std::vector<std::vector<std::string>> rows;
+  Table table({"point", "field", ">was", ">now", "limit"});
   for (const Json& v : violations)
-    rows.push_back(
+    table.add(
         {v.value("point", ""), v.value("field", ""), v.at("was").dump(), v.at("now").dump(), v.value("limit", "")});
-  if (!rows.empty()) page.table({"point", "field", ">was", ">now", "limit"}, rows);
+  if (!table.empty()) page.table(table);
 }
 
 }  // namespace
 
 std::string study_page(const StudyResult& r, const StudyContext& context, const std::vector<Figure>& figures) {
-  std::string title = "Error against cost: " + r.problem.name;
-  Page page(title);
+  Page page("Error against cost: " + r.problem.name);
   std::string lead = r.problem.summary;
   for (const ProblemParam& p : r.problem.params)
     if (p.value != p.fallback) lead += fmt::format("; {} = {}", p.name, value_text(p.value));
@@ -232,8 +189,8 @@ std::string study_page(const StudyResult& r, const StudyContext& context, const 
   if (r.shards > 1 && r.points.size() < r.planned)
     page.paragraph(fmt::format("Part {} of {}: {} of {} points.", r.shard, r.shards, r.points.size(), r.planned));
   for (const Figure& f : figures) page.figure(f.inline_svg, f.caption);
-  decision_table(page, r);
-  method_table(page, r);
+  decision_part(page, r);
+  method_part(page, r);
   problem_part(page, r, context);
   gate_part(page, context);
   definitions_part(page, r);
@@ -243,21 +200,20 @@ std::string study_page(const StudyResult& r, const StudyContext& context, const 
 
 std::string suite_page(const std::string& suite, const std::vector<StudyResult>& results, const StudyContext& context) {
   Page page("Studies of the suite " + suite);
-  std::vector<std::vector<std::string>> rows;
+  Table table({"problem", "reference", ">runs", ">failed", "cheapest at the smallest error reached"});
   std::vector<std::pair<std::string, std::string>> links;
   for (const StudyResult& r : results) {
     const std::string label = problem_label(r.problem);
     links.push_back({label, file_name(label) + "/index.html"});
-    int failed = 0;
-    for (const StudyPoint& p : r.points) failed += p.status != PointStatus::ok && p.status != PointStatus::slow;
+    const auto failed = r.points.size() - static_cast<std::size_t>(std::ranges::count_if(r.points, succeeded));
     std::string best = "–";
     for (const Decision& d : decisions(r))
       if (d.reached) best = d.by_work.method + " to " + target_text(d.target);
-    rows.push_back(
+    table.add(
         {label, name_of(r.problem.reference.kind), std::to_string(r.points.size()), std::to_string(failed), best});
   }
   page.links(links);
-  page.table({"problem", "reference", ">runs", ">failed", "cheapest at the smallest error reached"}, rows);
+  page.table(table);
   gate_part(page, context);
   machine_part(page, context);
   return page.text();
@@ -270,15 +226,21 @@ void write_text(const std::string& file, const std::string& text) {
   if (!out) throw std::runtime_error(file + ": cannot be written");
 }
 
-void write_study(const std::string& folder, const StudyResult& r, const StudyContext& context) {
+void write_folder(const std::string& folder, const std::vector<Figure>& figures,
+                  const std::vector<std::pair<std::string, std::string>>& texts) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error(folder + ": cannot be made: " + error.message());
-  const std::vector<Figure> figures = study_figures(r, context);
-  write_text(folder + "/report.json", to_text(study_json(r, context)));
-  write_text(folder + "/points.csv", points_csv(r));
   for (const Figure& f : figures) write_text(folder + "/" + f.file, f.svg);
-  write_text(folder + "/index.html", study_page(r, context, figures));
+  for (const auto& [file, text] : texts) write_text(folder + "/" + file, text);
+}
+
+void write_study(const std::string& folder, const StudyResult& r, const StudyContext& context) {
+  const std::vector<Figure> figures = study_figures(r, context);
+  write_folder(folder, figures,
+               {{"report.json", to_text(study_json(r, context))},
+                {"points.csv", points_csv(r)},
+                {"index.html", study_page(r, context, figures)}});
 }
 
 }  // namespace feder::report

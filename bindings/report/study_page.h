@@ -14,6 +14,10 @@ std::string suite_page(const std::string& suite, const std::vector<StudyResult>&
 // Writes report.json, points.csv, the figures and index.html. std::runtime_error "file: cannot be written".
 void write_study(const std::string& folder, const StudyResult& r, const StudyContext& context);
 
+// The figures and the texts by the names of their files; the folder is made.
+void write_folder(const std::string& folder, const std::vector<Figure>& figures,
+                  const std::vector<std::pair<std::string, std::string>>& texts);
+
 // The whole text, or std::runtime_error.
 void write_text(const std::string& file, const std::string& text);
 

@@ -12,27 +12,31 @@
 namespace feder::report {
 namespace {
 
-std::string count_text(double value) {
-  if (!std::isfinite(value)) return "-";
-  if (value < 1e6) return fmt::format("{:.0f}", value);
-  return number_text(value, 3);
+std::string method_text(const CostToAccuracy& c, const DecisionFormat& f) {
+  return c.method.empty() ? f.none : c.method;
 }
 
-std::string step_text(const CostToAccuracy& c) {
-  if (c.method.empty()) return "-";
-  return std::isfinite(c.tol) && c.tol > 0 ? "tol " + number_text(c.tol, 2) : "h " + number_text(c.h_s, 2);
+std::string step_text(const CostToAccuracy& c, const DecisionFormat& f) {
+  if (c.method.empty()) return f.none;
+  if (std::isfinite(c.tol) && c.tol > 0) return fmt::format("tol{}{}", f.equals, number_text(c.tol, 2));
+  return fmt::format("h{}{}{}", f.equals, number_text(c.h_s, 2), f.step_unit);
 }
 
-std::string time_text(double seconds) {
-  if (!std::isfinite(seconds)) return "-";
-  if (seconds >= 1) return number_text(seconds, 3) + " s";
-  return seconds >= 1e-3 ? number_text(seconds * 1e3, 3) + " ms" : number_text(seconds * 1e6, 3) + " us";
+std::string count_text(double value, const DecisionFormat& f) {
+  if (!std::isfinite(value)) return f.none;
+  return value < 1e6 ? fmt::format("{:.0f}", value) : number_text(value);
+}
+
+std::string time_text(double seconds, const DecisionFormat& f) {
+  if (!std::isfinite(seconds)) return f.none;
+  if (seconds >= 1) return number_text(seconds) + " s";
+  return seconds >= 1e-3 ? number_text(seconds * 1e3) + " ms" : number_text(seconds * 1e6) + f.microseconds;
 }
 
 // Did the solver of this method miss its tolerance anywhere near?
 bool has_slow_points(const StudyResult& r, const std::string& method) {
-  return std::any_of(r.points.begin(), r.points.end(),
-                     [&](const StudyPoint& p) { return p.method == method && p.status == PointStatus::slow; });
+  return std::ranges::any_of(r.points,
+                             [&](const StudyPoint& p) { return p.method == method && p.status == PointStatus::slow; });
 }
 
 std::string best_text(const StudyResult& r) {
@@ -63,14 +67,11 @@ std::vector<Decision> decisions(const StudyResult& r) {
   std::vector<Decision> out;
   for (double target = 0.1; target > 0.9e-10; target /= 10) {
     const double exact = std::stod(fmt::format("{:.0e}", target));
-    const auto found = std::find_if(by_target.begin(), by_target.end(),
-                                    [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
+    const auto found =
+        std::ranges::find_if(by_target, [&](const auto& d) { return std::fabs(d.first / exact - 1) < 1e-6; });
     if (found == by_target.end()) {
-      out.push_back({exact,
-                     false,
-                     {},
-                     {},
-                     exact < r.problem.reference.floor() ? "below the certainty of the reference" : best_text(r)});
+      const bool uncertain = exact < r.problem.reference.floor();
+      out.push_back({exact, false, {}, {}, uncertain ? "below the certainty of the reference" : best_text(r)});
       if (out.size() > 1 || exact < 1e-2) break;
       continue;
     }
@@ -83,26 +84,24 @@ std::vector<Decision> decisions(const StudyResult& r) {
   return out;
 }
 
-std::string study_table(const StudyResult& r) {
+Table decision_table(const StudyResult& r, const DecisionFormat& f) {
   const bool times = has_times(r);
-  std::vector<std::string> columns = {">error below", "least work", "step", ">force evals", ">work"};
-  if (times) columns.insert(columns.end(), {"least time", "step", ">time"});
-  columns.push_back("verdict");
+  std::vector<std::string> columns = {">error below", "least work", "step", f.force_evals, ">work"};
+  if (times) columns.insert(columns.end(), {f.least_time, "step", ">time"});
+  columns.emplace_back("verdict");
   Table table(columns);
   for (const Decision& d : decisions(r)) {
-    std::vector<std::string> row = {target_text(d.target), d.by_work.method.empty() ? "-" : d.by_work.method,
-                                    step_text(d.by_work), count_text(d.reached ? d.by_work.force_evals : NAN),
-                                    count_text(d.reached ? d.by_work.work : NAN)};
-    if (times) {
-      row.push_back(d.by_time.method.empty() ? "-" : d.by_time.method);
-      row.push_back(step_text(d.by_time));
-      row.push_back(time_text(d.reached ? d.by_time.time_s : NAN));
-    }
+    std::vector<std::string> row = {target_text(d.target), method_text(d.by_work, f), step_text(d.by_work, f),
+                                    count_text(d.by_work.force_evals, f), count_text(d.by_work.work, f)};
+    if (times)
+      row.insert(row.end(), {method_text(d.by_time, f), step_text(d.by_time, f), time_text(d.by_time.time_s, f)});
     row.push_back(d.verdict);
-    table.add(row);
+    table.add(row, d.reached ? "" : "bad");
   }
-  return table.text("  ");
+  return table;
 }
+
+std::string study_table(const StudyResult& r) { return decision_table(r, kTerminal).text("  "); }
 
 std::string study_summary(const StudyResult& r, bool table_only) {
   if (table_only) return study_table(r);
@@ -111,12 +110,12 @@ std::string study_summary(const StudyResult& r, bool table_only) {
   out += fmt::format("  reference: {}; t = {} s; {} methods, {} runs\n\n", reference_text(ref),
                      number_text(r.problem.t_end, 6), r.methods.size(), r.points.size());
   out += study_table(r);
-  const std::vector<std::string> lines = failed_methods(r);
-  if (!lines.empty()) out += "\n";
-  for (const std::string& line : lines) out += "  failed  " + line + "\n";
-  const std::vector<std::string> off = off_orders(r);
-  if (!off.empty()) out += "\n";
-  for (const std::string& line : off) out += "  order   " + line + "\n";
+  const auto list = [&](const char* word, const std::vector<std::string>& lines) {
+    if (!lines.empty()) out += "\n";
+    for (const std::string& line : lines) out += fmt::format("  {} {}\n", word, line);
+  };
+  list("failed ", failed_methods(r));
+  list("order  ", off_orders(r));
   return out;
 }
 
@@ -126,8 +125,7 @@ std::vector<std::string> off_orders(const StudyResult& r) {
     if (!f.off()) continue;
     std::string line = fmt::format("{}: fitted {:.2f}, expected {}, over h = {} to {} s", f.method, f.slope,
                                    number_text(f.expected, 2), number_text(f.lo, 2), number_text(f.hi, 2));
-    for (const auto& [name, value] : f.settings) line += fmt::format(", {} = {}", name, value);
-    out.push_back(line);
+    out.push_back(line + listed_settings(f.settings));
   }
   return out;
 }
@@ -141,7 +139,7 @@ std::vector<std::string> failed_methods(const StudyResult& r) {
     for (const StudyPoint& p : r.points) {
       if (p.method != m.name) continue;
       ++all;
-      if (p.status == PointStatus::ok || p.status == PointStatus::slow) continue;
+      if (succeeded(p)) continue;
       ++by_status[name_of(p.status)];
       if (!first) first = &p;
     }
@@ -169,10 +167,12 @@ std::string study_markdown(const StudyResult& r, const std::string& picture) {
       out += fmt::format("| {} | {} | | | |{}\n", target_text(d.target), d.verdict, times ? " | | |" : "");
       continue;
     }
-    out += fmt::format("| {} | `{}` | {} | {} | {} |", target_text(d.target), d.by_work.method, step_text(d.by_work),
-                       count_text(d.by_work.force_evals), count_text(d.by_work.work));
+    const CostToAccuracy &work = d.by_work, &time = d.by_time;
+    out += fmt::format("| {} | `{}` | {} | {} | {} |", target_text(d.target), work.method, step_text(work, kTerminal),
+                       count_text(work.force_evals, kTerminal), count_text(work.work, kTerminal));
     if (times)
-      out += fmt::format(" `{}` | {} | {} |", d.by_time.method, step_text(d.by_time), time_text(d.by_time.time_s));
+      out +=
+          fmt::format(" `{}` | {} | {} |", time.method, step_text(time, kTerminal), time_text(time.time_s, kTerminal));
     out += "\n";
   }
   return out;

@@ -26,26 +26,6 @@ constexpr ErrorNorm kNorms[] = {
     {"orient", "err_orient_rad", "orientation error at the end, rad", &StudyPoint::err_orient_rad},
     {"horizon", "err_horizon_s", "time until the trajectory error exceeds 1e-3, s", &StudyPoint::err_horizon_s, true},
 };
-constexpr CostAxis kAxes[] = {
-    {"time", "run time (least of the repeats)", [](const StudyPoint& p) { return p.t_min_s; }, true},
-    {"force", "work, in force evaluations", [](const StudyPoint& p) { return p.work; }, false},
-    {"instr", "instructions", [](const StudyPoint& p) { return p.instr; }, false},
-};
-
-// "" where something does not apply.
-std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
-std::string cell(std::int64_t value) { return value < 0 ? "" : fmt::format("{}", value); }
-std::string cell(int value) { return value < 0 ? "" : fmt::format("{}", value); }
-std::string cell(bool value) { return value ? "1" : "0"; }
-
-// RFC 4180.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
 }  // namespace
 
 bool ErrorNorm::ranks(const ProblemInfo& problem) const {
@@ -65,57 +45,19 @@ std::vector<std::string> norm_names() {
   return out;
 }
 
-const CostAxis* find_axis(const std::string& name) {
-  for (const CostAxis& a : kAxes)
-    if (name == a.name) return &a;
-  return nullptr;
-}
-
-std::string csv_header() {
-  return "problem,method,order,h_s,tol,iters,substeps,status,status_t_s,steps,rejected,force_evals,jac_evals,linear_"
-         "solves,"
-         "cg_iters,sweeps,instr,t_min_s,t_med_s,t_p90_s,n_rep,noisy,rtf,err_end,err_traj_rms,err_traj_max,err_energy_"
-         "max,"
-         "err_energy_drift_per_s,err_mom,err_angmom,err_constraint,err_event_s,mescd,peak_bytes,on_front_time,on_front_"
-         "work,settings,overrides,threads,real,git,scene_hash,machine";
-}
-
 std::string settings_text(const Settings& settings) {
   std::string out;
   for (const auto& [name, value] : settings) out += (out.empty() ? "" : "; ") + name + "=" + value;
   return out;
 }
 
-std::string csv_measured(const std::string& problem, const StudyPoint& p) {
-  std::string row = quoted(problem);
-  const auto add = [&](const std::string& text) { row += "," + text; };
-  const auto numbers = [&](auto... values) { (add(cell(values)), ...); };
-  add(quoted(p.method));
-  numbers(p.order, p.h_s, p.tol, p.iters, p.substeps);
-  add(name_of(p.status));
-  numbers(p.status_t_s, p.count.steps, p.count.rejected, p.count.force_evals, p.count.jac_evals, p.count.linear_solves,
-          p.count.cg_iters, p.count.sweeps, p.instr, p.t_min_s, p.t_med_s, p.t_p90_s, p.n_rep, p.noisy, p.rtf,
-          p.err_end, p.err_traj_rms, p.err_traj_max, p.err_energy_max, p.err_energy_drift_per_s, p.err_mom,
-          p.err_angmom, p.err_constraint, p.err_event_s, p.mescd, p.peak_bytes, p.on_front_time, p.on_front_work);
-  add(quoted(settings_text(p.settings)));
-  return row;
-}
-
-std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p) {
-  std::string row = csv_measured(problem, p);
-  const auto add = [&](const std::string& text) { row += "," + text; };
-  const Provenance& from = r.provenance;
-  add(quoted(from.overrides));
-  add(cell(r.problem.threads));
-  for (const std::string* text : {&from.real, &from.git, &from.scene_hash, &p.machine}) add(quoted(*text));
-  return row;
-}
-
-std::string points_csv(const StudyResult& r) {
-  std::string out = csv_header() + "\n";
-  for (const StudyPoint& p : r.points) out += csv_row(r.problem.name, r, p) + "\n";
+std::string listed_settings(const Settings& settings) {
+  std::string out;
+  for (const auto& [name, value] : settings) out += fmt::format(", {} = {}", name, value);
   return out;
 }
+
+std::string csv_cell(const Settings& settings) { return csv_cell(settings_text(settings)); }
 
 std::string reference_text(const ReferenceInfo& reference) {
   static const char* const kinds[] = {"closed form", "high-precision run", "published digits", "self-refined run"};
@@ -128,8 +70,7 @@ std::string rung_text(const StudyPoint& p) {
       std::isfinite(p.tol) && p.tol > 0 ? "tol = " + number_text(p.tol, 3) : "h = " + number_text(p.h_s, 4) + " s";
   if (p.substeps >= 0) out += fmt::format(", {} substeps", p.substeps);
   if (p.iters >= 0) out += fmt::format(", {} iterations", p.iters);
-  for (const auto& [name, value] : p.settings) out += fmt::format(", {} = {}", name, value);
-  return out;
+  return out + listed_settings(p.settings);
 }
 
 std::string value_text(const std::string& value) {
@@ -158,8 +99,10 @@ std::string file_name(const std::string& label) {
   return out.empty() || out[0] == '.' ? "_" + out : out;
 }
 
+bool succeeded(const StudyPoint& p) { return p.status == PointStatus::ok || p.status == PointStatus::slow; }
+
 bool has_times(const StudyResult& r) {
-  return std::any_of(r.points.begin(), r.points.end(), [](const StudyPoint& p) { return std::isfinite(p.t_min_s); });
+  return std::ranges::any_of(r.points, [](const StudyPoint& p) { return std::isfinite(p.t_min_s); });
 }
 
 }  // namespace feder::report

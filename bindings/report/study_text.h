@@ -1,18 +1,18 @@
 // A study as text: points.csv, report.json and the tables of the terminal; and back from JSON, for merging shards.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
 #include "feder/study.h"
 #include "report/json.h"
 #include "report/machine.h"
+#include "report/table.h"
 
 namespace feder::report {
 
 // How a study was asked for: what the page names besides the numbers.
-struct StudyContext {
-  MachineInfo machine;
-  std::string command;                // the command line
+struct StudyContext : RunContext {
   std::vector<std::string> settings;  // options that differ from their default, "substeps = 8"
   std::vector<std::string> errors;    // norms, the plotted one first; empty: what points are ranked by
   std::vector<std::string> axes = {"time", "force"};
@@ -33,21 +33,16 @@ struct ErrorNorm {
 const ErrorNorm* find_norm(const std::string& name);
 std::vector<std::string> norm_names();
 
-// What a point cost.
-struct CostAxis {
-  const char* name;  // "time", "force", "instr"
-  const char* label;
-  double (*value)(const StudyPoint&);
-  bool seconds;
-};
-const CostAxis* find_axis(const std::string& name);
-
-std::string settings_text(const Settings& settings);  // "angle=20; mu=0.3"
+std::string settings_text(const Settings& settings);    // "angle=20; mu=0.3"
+std::string listed_settings(const Settings& settings);  // ", angle = 20, mu = 0.3"
+std::string csv_cell(const Settings& settings);
 std::string csv_header();
 // `problem` as the row names it. The row without what all points of a study have in common; the whole row.
 std::string csv_measured(const std::string& problem, const StudyPoint& p);
 std::string csv_row(const std::string& problem, const StudyResult& r, const StudyPoint& p);
-std::string points_csv(const StudyResult& r);
+// `labelled`: problems are named with the parameters that differ from their defaults.
+std::string points_csv(std::span<const StudyResult> results, bool labelled = false);
+inline std::string points_csv(const StudyResult& r) { return points_csv({&r, 1}); }
 
 Json study_json(const StudyResult& r, const StudyContext& context);
 // The result that study_json wrote. std::runtime_error "what is missing".
@@ -74,7 +69,7 @@ std::string rung_text(const StudyPoint& p);
 // "published digits, 8 digits": what kind of reference, and how good.
 std::string reference_text(const ReferenceInfo& reference);
 
-// One row of the decision table: the cheapest way to an error.
+// One row of the decision table: the cheapest method to an error.
 struct Decision {
   double target = 0;
   bool reached = false;
@@ -85,9 +80,20 @@ std::string target_text(double target);  // "0.01", "1e-4"
 // Targets from 1e-1 down, ending with the first one that no method reaches.
 std::vector<Decision> decisions(const StudyResult& r);
 
+// ok or slow; the others failed.
+bool succeeded(const StudyPoint& p);
+
 // "By time" columns make sense only when there was a timing pass.
 bool has_times(const StudyResult& r);
 
+// How an output writes the cells of the decision table: the terminal and Markdown with less room, in ASCII.
+struct DecisionFormat {
+  const char *none, *equals, *step_unit, *microseconds;
+  const char *force_evals, *least_time;  // columns
+};
+inline constexpr DecisionFormat kTerminal{"-", " ", "", " us", ">force evals", "least time"};
+inline constexpr DecisionFormat kPaper{"–", " = ", " s", " µs", ">force evaluations", "least run time"};
+Table decision_table(const StudyResult& r, const DecisionFormat& format);
 std::string study_table(const StudyResult& r);
 // What the terminal shows: the problem, the table, and the methods that failed.
 std::string study_summary(const StudyResult& r, bool table_only);

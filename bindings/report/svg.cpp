@@ -1,5 +1,7 @@
 #include "report/svg.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -11,10 +13,16 @@ namespace {
 constexpr const char* kFonts = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
 std::string stroke_text(const Stroke& s) {
-  std::string out = " stroke=\"" + s.color + "\" stroke-width=\"" + px(s.width) + "\"";
-  if (!s.dash.empty()) out += " stroke-dasharray=\"" + s.dash + "\"";
-  if (s.opacity < 1) out += " stroke-opacity=\"" + px(s.opacity) + "\"";
+  std::string out = fmt::format(" stroke=\"{}\" stroke-width=\"{}\"", s.color, px(s.width));
+  if (!s.dash.empty()) out += fmt::format(" stroke-dasharray=\"{}\"", s.dash);
+  if (s.opacity < 1) out += fmt::format(" stroke-opacity=\"{}\"", px(s.opacity));
   return out;
+}
+
+std::string class_text(const std::string& kind) { return kind.empty() ? "" : fmt::format(" class=\"{}\"", kind); }
+
+std::string box_text(const Box& b) {
+  return fmt::format(" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"", px(b.left), px(b.top), px(b.width), px(b.height));
 }
 
 std::string close(const char* tag, const std::string& title) {
@@ -72,8 +80,8 @@ Svg::Svg(const std::string& name, double width, double height, const std::string
 }
 
 void Svg::line(XY a, XY b, const Stroke& s) {
-  body_ += "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"" +
-           stroke_text(s) + "/>\n";
+  body_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"{}/>\n", px(a.x), px(a.y), px(b.x), px(b.y),
+                       stroke_text(s));
 }
 
 void Svg::polyline(std::span<const XY> points, const Stroke& s, const std::string& title) {
@@ -88,24 +96,20 @@ void Svg::polygon(std::span<const XY> points, const std::string& fill, const Str
 
 void Svg::rect(const Box& b, const std::string& fill, const std::string& stroke, const std::string& title,
                const std::string& kind) {
-  body_ += "<rect";
-  if (!kind.empty()) body_ += " class=\"" + kind + "\"";
-  body_ += " x=\"" + px(b.left) + "\" y=\"" + px(b.top) + "\" width=\"" + px(b.width) + "\" height=\"" + px(b.height) +
-           "\" fill=\"" + fill + "\"";
-  if (stroke != "none") body_ += " stroke=\"" + stroke + "\"";
+  body_ += fmt::format("<rect{}{} fill=\"{}\"", class_text(kind), box_text(b), fill);
+  if (stroke != "none") body_ += fmt::format(" stroke=\"{}\"", stroke);
   body_ += close("rect", title);
 }
 
 void Svg::path(const std::string& d, const std::string& fill, const Stroke& s, const std::string& title,
                const std::string& kind) {
-  body_ += "<path";
-  if (!kind.empty()) body_ += " class=\"" + kind + "\"";
-  body_ += " d=\"" + d + "\" fill=\"" + fill + "\"" + stroke_text(s) + close("path", title);
+  body_ +=
+      fmt::format("<path{} d=\"{}\" fill=\"{}\"{}", class_text(kind), d, fill, stroke_text(s)) + close("path", title);
 }
 
 void Svg::text(XY at, const std::string& words, const Words& s) {
   std::string head =
-      "<text x=\"" + px(at.x) + "\" y=\"" + px(at.y) + "\" font-size=\"" + px(s.size) + "\" fill=\"" + s.color + "\"";
+      fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\" fill=\"{}\"", px(at.x), px(at.y), px(s.size), s.color);
   if (std::string(s.anchor) != "start") head += std::string(" text-anchor=\"") + s.anchor + "\"";
   if (s.bold) head += " font-weight=\"bold\"";
   if (s.turn != 0) head += " transform=\"rotate(" + px(s.turn) + " " + px(at.x) + " " + px(at.y) + ")\"";
@@ -115,8 +119,7 @@ void Svg::text(XY at, const std::string& words, const Words& s) {
 
 void Svg::begin_clip(const Box& b) {
   const std::string id = name_ + "_c" + std::to_string(clips_++);
-  defs_ += "<clipPath id=\"" + id + "\"><rect x=\"" + px(b.left) + "\" y=\"" + px(b.top) + "\" width=\"" + px(b.width) +
-           "\" height=\"" + px(b.height) + "\"/></clipPath>\n";
+  defs_ += fmt::format("<clipPath id=\"{}\"><rect{}/></clipPath>\n", id, box_text(b));
   body_ += "<g clip-path=\"url(#" + id + ")\">\n";
 }
 
@@ -124,7 +127,7 @@ void Svg::end() { body_ += "</g>\n"; }
 
 std::string Svg::hatch(Hatch kind, const std::string& color, const std::string& ground) {
   const std::string key = std::to_string(static_cast<int>(kind)) + color + ground;
-  const auto found = std::find(hatches_.begin(), hatches_.end(), key);
+  const auto found = std::ranges::find(hatches_, key);
   const std::string id = name_ + "_h" + std::to_string(found - hatches_.begin());
   if (found == hatches_.end()) {
     hatches_.push_back(key);
@@ -138,8 +141,10 @@ std::string Svg::hatch(Hatch kind, const std::string& color, const std::string& 
 std::string Svg::text(bool inline_page) const {
   const std::string w = px(width_), h = px(height_);
   std::string out = inline_page ? "" : "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  out += "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h + "\" viewBox=\"0 0 " + w + " " +
-         h + "\" role=\"img\" font-family=\"" + kFonts + "\">\n<title>" + xml_escape(title_) + "</title>\n";
+  out += fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
+      "font-family=\"{2}\">\n<title>{3}</title>\n",
+      w, h, kFonts, xml_escape(title_));
   if (!defs_.empty()) out += "<defs>\n" + defs_ + "</defs>\n";
   out += "<rect width=\"" + w + "\" height=\"" + h + "\" fill=\"#ffffff\"/>\n";
   return out + body_ + "</svg>\n";

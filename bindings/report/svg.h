@@ -46,9 +46,6 @@ class Svg {
   // `name` goes into ids: letters, digits and '_' of it. `title` is what a screen reader says.
   Svg(const std::string& name, double width, double height, const std::string& title);
 
-  double width() const { return width_; }
-  double height() const { return height_; }
-
   void line(XY a, XY b, const Stroke& stroke);
   void polyline(std::span<const XY> points, const Stroke& stroke, const std::string& title = "");
   void polygon(std::span<const XY> points, const std::string& fill, const Stroke& stroke);

@@ -40,43 +40,37 @@ void junit_case(const TestResult& r, std::string& out) {
 }
 
 Json row_json(const TestResult& r) {
-  Json failures = Json::array();
-  for (const TestFailure& f : r.failures) failures.push_back({{"where", f.where}, {"message", f.message}});
-  Json row = {{"name", r.name}, {"status", status_name(r.status)}, {"seconds", r.seconds}, {"checks", r.checks}};
+  Json row = {{"name", r.name}, {"status", name_of(r.status)}, {"seconds", r.seconds}, {"checks", r.checks}};
   if (!r.notice.empty()) row["notice"] = r.notice;
-  row["failures"] = failures;
+  row["failures"] = written(r.failures);
   return row;
 }
 
 }  // namespace
 
-const char* status_name(TestStatus status) {
+const char* name_of(TestStatus status) {
   static const char* const names[] = {"passed", "failed", "skipped"};
   return names[static_cast<int>(status)];
 }
 
 TestCounts count(const std::vector<TestResult>& results) {
   TestCounts c;
-  for (const TestResult& r : results) {
-    c.passed += r.status == TestStatus::passed;
-    c.failed += r.status == TestStatus::failed;
-    c.skipped += r.status == TestStatus::skipped;
-  }
+  for (const TestResult& r : results)
+    ++(r.status == TestStatus::passed ? c.passed : r.status == TestStatus::failed ? c.failed : c.skipped);
   return c;
 }
 
 std::string junit_text(const std::vector<TestResult>& results) {
-  int failures = 0, errors = 0, skipped = 0;
+  const TestCounts c = count(results);
+  int errors = 0;
   double seconds = 0;
   for (const TestResult& r : results) {
-    failures += r.status == TestStatus::failed && r.loaded;
     errors += r.status == TestStatus::failed && !r.loaded;
-    skipped += r.status == TestStatus::skipped;
     seconds += r.seconds;
   }
   const std::string attributes =
-      fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"", results.size(), failures,
-                  errors, skipped, seconds);
+      fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"", results.size(),
+                  c.failed - errors, errors, c.skipped, seconds);
   std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   out += fmt::format("<testsuites {}>\n<testsuite name=\"feder\" {}>\n", attributes, attributes);
   for (const TestResult& r : results) junit_case(r, out);
@@ -100,25 +94,6 @@ Json test_json(const std::vector<TestResult>& results) {
   Json tests = Json::array();
   for (const TestResult& r : results) tests.push_back(row_json(r));
   return {{"passed", c.passed}, {"failed", c.failed}, {"skipped", c.skipped}, {"tests", tests}};
-}
-
-Json result_to_json(const TestResult& r) {
-  Json row = row_json(r);
-  row["output"] = r.output, row["loaded"] = r.loaded, row["exceeded"] = r.exceeded;
-  return row;
-}
-
-TestResult result_from_json(const Json& json) {
-  TestResult r;
-  r.name = json.at("name");
-  const std::string status = json.at("status");
-  for (const TestStatus s : {TestStatus::passed, TestStatus::failed, TestStatus::skipped})
-    if (status == status_name(s)) r.status = s;
-  r.seconds = json.at("seconds"), r.checks = json.at("checks");
-  r.notice = json.value("notice", ""), r.output = json.at("output");
-  r.loaded = json.at("loaded"), r.exceeded = json.at("exceeded");
-  for (const Json& f : json.at("failures")) r.failures.push_back({f.at("where"), f.at("message")});
-  return r;
 }
 
 }  // namespace feder::report

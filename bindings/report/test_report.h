@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "report/json.h"
+#include "report/json_fields.h"
 
 namespace feder::report {
 
 enum class TestStatus { passed, failed, skipped };
-const char* status_name(TestStatus status);
+const char* name_of(TestStatus status);
 
 struct TestFailure {
   std::string where;  // file:line, may be empty
@@ -35,8 +35,13 @@ TestCounts count(const std::vector<TestResult>& results);
 std::string junit_text(const std::vector<TestResult>& results);
 std::string tap_text(const std::vector<TestResult>& results);  // version 13
 Json test_json(const std::vector<TestResult>& results);
+
 // One result between two processes.
-Json result_to_json(const TestResult& result);
-TestResult result_from_json(const Json& json);
+void fields(auto& f, auto& v, const TestFailure*) { v("where", f.where)("message", f.message); }
+void fields(auto& r, auto& v, const TestResult*) {
+  v("name", r.name).named("status", r.status, {TestStatus::passed, TestStatus::failed, TestStatus::skipped});
+  v("seconds", r.seconds)("checks", r.checks)("notice", r.notice).part("failures", r.failures);
+  v("output", r.output)("loaded", r.loaded)("exceeded", r.exceeded);
+}
 
 }  // namespace feder::report

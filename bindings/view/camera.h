@@ -10,28 +10,32 @@ struct Matrix4 {
 };
 Matrix4 operator*(const Matrix4& a, const Matrix4& b);
 
+struct CameraAxes {
+  Float3 right, up, back;
+};
+
 struct Camera {
-  float target[3] = {0, 0, 0};  // m
-  float distance = 10;          // m
-  float yaw = 0.6f;             // 0 looks along -z, positive turns the eye towards +x
-  float pitch = 0.35f;          // above the horizon
-  float fov = 0.7f;             // vertical
+  Float3 target;        // m
+  float distance = 10;  // m
+  float yaw = 0.6f;     // 0 looks along -z, positive turns the eye towards +x
+  float pitch = 0.35f;  // above the horizon
+  float fov = 0.7f;     // vertical
 
   // Turns towards the subject and stands back just far enough for an image of that aspect (width / height). Keeps
   // yaw and pitch.
   void fit(const Bounds& subject, float aspect);
   // The same for subject_of(frame); a 2D frame is seen from the front.
   void fit(const Frame& frame, float aspect);
-  void look(const float eye[3], const float at[3]);
+  void look_at(Float3 eye, Float3 at);
 
-  void eye(float out[3]) const;
-  void axes(float right[3], float up[3], float back[3]) const;
+  Float3 eye() const { return target + distance * axes().back; }
+  CameraAxes axes() const;
   Matrix4 view() const;
   Matrix4 projection(float aspect) const;  // near and far follow the distance
   // The ray through a pixel (0, 0 is the top left corner): origin and unit direction, for picking.
-  void ray(float x, float y, int width, int height, float origin[3], float direction[3]) const;
+  std::pair<Float3, Float3> ray(float x, float y, int width, int height) const;
   // Pixel of a world point; false when behind the camera.
-  bool project(const float point[3], int width, int height, float& x, float& y) const;
+  bool project(Float3 point, int width, int height, float& x, float& y) const;
 };
 
 inline constexpr float kPlanarFov = 0.35f;  // nearly without perspective

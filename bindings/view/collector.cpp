@@ -40,9 +40,7 @@ void collect_plots(World& world, Frame& frame) {
 void collect_marks(World& world, Frame& frame) {
   for (const Event& e : world.events().list()) {
     if (e.kind == EventKind::step || e.kind == EventKind::contact_stay || e.kind == EventKind::warning) continue;
-    EventMark m{e.kind, e.a, e.b, {}, static_cast<float>(std::max(e.impulse, e.force))};
-    put(m.position, e.point);
-    frame.marks.push_back(m);
+    frame.marks.push_back({e.kind, e.a, e.b, to_float3(e.point), static_cast<float>(std::max(e.impulse, e.force))});
   }
 }
 
@@ -52,12 +50,12 @@ Collector::Collector(std::span<const Row> sources) {
   for (const Row& row : sources) sources_.push_back(row.make());
 }
 
-void Collector::collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame) {
+void Collector::collect(World& world, const lua::Look* appearance, const Toggles& toggles, Frame& frame) {
   frame.clear();
   frame.time = world.time();
   frame.step = world.step_count();
   frame.dimension = world.desc().dimension;
-  Collecting c{world, look ? *look : no_look_, toggles, geometry_, frame};
+  Collecting c{world, appearance ? *appearance : no_appearance_, toggles, geometry_, frame};
   for (const auto& source : sources_) source->collect(c);
   if (toggles.plots) collect_plots(world, frame);
   if (toggles.marks) collect_marks(world, frame);
@@ -66,11 +64,7 @@ void Collector::collect(World& world, const lua::Look* look, const Toggles& togg
 }
 
 void add_line(std::vector<Line>& lines, const Vec3& a, const Vec3& b, Color color, float width) {
-  Line line{};
-  put(line.a, a), put(line.b, b);
-  line.color_a = line.color_b = color;
-  line.width = width;
-  lines.push_back(line);
+  lines.push_back({to_float3(a), to_float3(b), color, color, width});
 }
 
 void add_arrow(std::vector<Line>& lines, const Vec3& from, const Vec3& along, Color color, float width) {
@@ -99,12 +93,55 @@ void add_box(std::vector<Line>& lines, const Aabb& box, Color color) {
     }
 }
 
-void add_label(Frame& frame, const Vec3& at, std::string_view text, Color color) {
-  Label label{};
-  put(label.position, at);
-  label.color = color;
-  text.copy(label.text, sizeof label.text - 1);
+std::optional<Color> Collecting::own_color(ObjectId object) const {
+  const auto own = appearance.colors.find(object);
+  return own != appearance.colors.end() ? std::optional(rgb(own->second)) : std::nullopt;
+}
+
+Color Collecting::color(ObjectId object, std::string_view group) const {
+  const std::string_view stem = name_stem(world.objects().name(object));
+  return own_color(object).value_or(group_color(stem.empty() ? group : stem, object.slot));
+}
+
+void Collecting::label(ObjectId object, const Vec3& at, Color color) const {
+  const std::string& name = world.objects().name(object);
+  if (!toggles.labels || name.empty()) return;
+  Label label{to_float3(at), color, {}};
+  name.copy(label.text, sizeof label.text - 1);
   frame.labels.push_back(label);
 }
+
+void add_mesh(Frame& f, ObjectId object, Color color, std::span<const Vec3> points,
+              std::span<const std::uint32_t> faces) {
+  f.meshes.push_back({static_cast<std::uint32_t>(f.vertices.size()), static_cast<std::uint32_t>(points.size()),
+                      static_cast<std::uint32_t>(f.indices.size()), static_cast<std::uint32_t>(faces.size()), color,
+                      object});
+  for (const Vec3& p : points) f.vertices.push_back({to_float3(p), {}});
+  f.indices.insert(f.indices.end(), faces.begin(), faces.end());
+  MeshVertex* v = f.vertices.data() + f.meshes.back().first_vertex;
+  for (std::size_t t = 0; t + 2 < faces.size(); t += 3) {
+    const Float3 a = v[faces[t]].position;
+    const Float3 n = cross(v[faces[t + 1]].position - a, v[faces[t + 2]].position - a);
+    for (std::size_t k = 0; k < 3; ++k) v[faces[t + k]].normal = v[faces[t + k]].normal + n;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float size = length(v[i].normal);
+    v[i].normal = size > 0 ? v[i].normal / size : Float3{v[i].normal.x, 1, v[i].normal.z};
+  }
+}
+
+PointGroup begin_points(const Frame& frame, ObjectId object, Color color) {
+  PointGroup group;
+  group.first = static_cast<std::uint32_t>(frame.points.size());
+  group.color = color, group.object = object;
+  return group;
+}
+
+void end_points(Frame& frame, PointGroup group) {
+  group.count = static_cast<std::uint32_t>(frame.points.size()) - group.first;
+  if (group.count > 0) frame.point_groups.push_back(group);
+}
+
+void add_bounds(Frame& frame, const Bounds& moving) { frame.bounds.include(moving), frame.moving.include(moving); }
 
 }  // namespace feder::view

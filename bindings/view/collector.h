@@ -3,6 +3,7 @@
 // not have costs one null check.
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,10 +18,16 @@ namespace feder::view {
 // What a source works with.
 struct Collecting {
   World& world;
-  const lua::Look& look;  // colours and faces that the script gave
+  const lua::Look& appearance;  // colours and faces that the script gave
   const Toggles& toggles;
   GeometryCache& geometry;
   Frame& frame;
+
+  std::optional<Color> own_color(ObjectId object) const;  // that the script gave it
+  // Its own, else that of the stem of its name, else that of the group.
+  Color color(ObjectId object, std::string_view group) const;
+  // The object's name, when names are drawn and it has one.
+  void label(ObjectId object, const Vec3& at, Color color) const;
 };
 
 class FrameSource {
@@ -33,29 +40,34 @@ struct Row {
   const char* system;
   std::unique_ptr<FrameSource> (*make)();
 };
+template <class Source>
+std::unique_ptr<FrameSource> make_source() {
+  return std::make_unique<Source>();
+}
 std::span<const Row> frame_sources();
 
 class Collector {
  public:
   explicit Collector(std::span<const Row> sources = frame_sources());
-  // `look` may be null.
-  void collect(World& world, const lua::Look* look, const Toggles& toggles, Frame& frame);
+  // `appearance` may be null.
+  void collect(World& world, const lua::Look* appearance, const Toggles& toggles, Frame& frame);
 
  private:
   GeometryCache geometry_;
   std::vector<std::unique_ptr<FrameSource>> sources_;
-  const lua::Look no_look_;
+  const lua::Look no_appearance_;
 };
 
 // For sources.
-inline void put(float out[3], const Vec3& v) {
-  out[0] = static_cast<float>(v[0]), out[1] = static_cast<float>(v[1]), out[2] = static_cast<float>(v[2]);
-}
 void add_line(std::vector<Line>& lines, const Vec3& a, const Vec3& b, Color color, float width = 1.5f);
 void add_arrow(std::vector<Line>& lines, const Vec3& from, const Vec3& along, Color color, float width = 1.5f);
 void add_box(std::vector<Line>& lines, const Aabb& box, Color color);
-// Normals of a mesh from its faces, weighted by area; those in the frame must be zero.
-void smooth_normals(Frame& frame, const DynamicMesh& mesh);
-void add_label(Frame& frame, const Vec3& at, std::string_view text, Color color);
+// Triangles between points, with smooth normals: those of the faces, weighted by area.
+void add_mesh(Frame& frame, ObjectId object, Color color, std::span<const Vec3> points,
+              std::span<const std::uint32_t> faces);
+// A group of the points that are added to the frame from now on; it is left out when none came.
+PointGroup begin_points(const Frame& frame, ObjectId object, Color color);
+void end_points(Frame& frame, PointGroup group);
+void add_bounds(Frame& frame, const Bounds& moving);
 
 }  // namespace feder::view

@@ -5,8 +5,8 @@
 #include <tiny_gltf.h>
 
 #include <cmath>
-#include <cstring>
 #include <map>
+#include <numeric>
 
 #include "feder/error.h"
 #include "view/export.h"
@@ -17,7 +17,6 @@
 namespace feder::view {
 namespace {
 
-using Float3 = std::array<float, 3>;
 using Float4 = std::array<float, 4>;
 
 struct TrackKey {
@@ -30,9 +29,9 @@ struct Track {
   Instance first;
   std::shared_ptr<const Geometry> geometry;
   std::string name;
-  std::size_t start = 0;      // sample it first appears in
-  std::vector<Float3> place;  // one per sample from `start` on; repeated while it is away
-  std::vector<Float4> turn;
+  std::size_t start = 0;         // sample it first appears in
+  std::vector<Float3> position;  // one per sample from `start` on; repeated while it is away
+  std::vector<Float4> rotation;
   std::vector<std::uint8_t> seen;
 };
 
@@ -45,11 +44,6 @@ struct Soft {
   std::vector<std::vector<MeshVertex>> samples;  // [sample][vertex]
   std::size_t start = 0;
 };
-
-float linear(std::uint8_t c) {
-  const float s = static_cast<float>(c) / 255;
-  return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-}
 
 // Appends to the one buffer and describes what was appended.
 class Package {
@@ -72,6 +66,10 @@ class Package {
     model_.accessors.push_back(std::move(accessor));
     return static_cast<int>(model_.accessors.size() - 1);
   }
+  int indices(const std::vector<std::uint32_t>& x) {
+    return add(x, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER,
+               false);
+  }
   int floats(const std::vector<float>& x, bool with_range) {
     return add(x, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, with_range);
   }
@@ -93,19 +91,191 @@ class Package {
 }  // namespace
 
 struct GltfWriter::Impl {
-  void add_instance(const Instance& instance, const std::shared_ptr<const Geometry>& geometry, std::string name);
-  void add_soft(std::size_t number, bool lines, Color color, std::string name, std::vector<MeshVertex> vertices,
-                std::vector<std::uint32_t> indices);
-  void add_points(const Frame& f, const Objects& objects);
-  void pad_tracks();
+  void add_instance(const Instance& in, const std::shared_ptr<const Geometry>& geometry, std::string name) {
+    const TrackKey key{in.object, numbers[in.object]++, geometry.get()};
+    auto [found, fresh] = tracks.try_emplace(key);
+    Track& t = found->second;
+    if (fresh) {
+      t.first = in, t.geometry = geometry, t.name = std::move(name), t.start = times.size() - 1;
+      order.push_back(key);
+    }
+    t.position.push_back(in.position);
+    Float4 q{in.rotation[0], in.rotation[1], in.rotation[2], in.rotation[3]};
+    const float n = std::sqrt(std::inner_product(q.begin(), q.end(), q.begin(), 0.0f));
+    for (float& x : q) x = n > 0 ? x / n : 0;
+    if (!(n > 0)) q[3] = 1;
+    // the nearer of the two quaternions of a rotation, so that what is between samples is the short way
+    if (!t.rotation.empty() && std::inner_product(q.begin(), q.end(), t.rotation.back().begin(), 0.0f) < 0)
+      for (float& x : q) x = -x;
+    t.rotation.push_back(q);
+    t.seen.push_back(1);
+  }
 
-  int material(Color c);
-  int mesh(const Geometry& geometry, float stretch, Color color);
-  int solid_mesh(const Solid& s);
-  void sampler(int node, const char* path, int input, int output, const char* interpolation);
-  void write_track(const Track& track);
-  void write_soft(const Soft& soft);
-  void write_grounds();
+  void pad_tracks() {
+    for (auto& [key, t] : tracks)
+      while (t.start + t.seen.size() < times.size()) {
+        t.position.push_back(t.position.back()), t.rotation.push_back(t.rotation.back());
+        t.seen.push_back(0);
+      }
+  }
+
+  void add_soft(std::size_t number, bool lines, Color color, std::string name, std::vector<MeshVertex> vertices,
+                std::vector<std::uint32_t> indices) {
+    if (vertices.empty()) return;
+    if (number >= softs.size()) softs.resize(number + 1);
+    Soft& s = softs[number];
+    if (s.samples.empty()) {
+      s.lines = lines, s.color = color, s.name = std::move(name), s.indices = std::move(indices),
+      s.start = times.size() - 1;
+    } else if (s.samples.back().size() != vertices.size()) {
+      vertices = s.samples.back();  // springs broke: topology cannot change within a mesh
+    }
+    s.samples.push_back(std::move(vertices));
+  }
+
+  void add_points(const Frame& f, const Objects& objects) {
+    if (f.points.size() > kMaxAnimatedPoints) {
+      left_out = f.points.size();
+      return;
+    }
+    for (const PointGroup& g : f.point_groups)
+      for (std::uint32_t i = g.first; i < g.first + g.count; ++i)
+        add_instance(ball_instance(f.points[i], point_color(g, f.points[i]), g.object.slot), ball,
+                     objects.name(g.object) + " point");
+  }
+
+  int material(Color c) {
+    const std::uint32_t key = std::uint32_t(c.r) << 24 | std::uint32_t(c.g) << 16 | std::uint32_t(c.b) << 8 | c.a;
+    const auto [found, fresh] = materials.try_emplace(key, static_cast<int>(model.materials.size()));
+    if (!fresh) return found->second;
+    tinygltf::Material m;
+    m.pbrMetallicRoughness.baseColorFactor = {to_linear(c.r / 255.0f), to_linear(c.g / 255.0f), to_linear(c.b / 255.0f),
+                                              c.a / 255.0};
+    m.pbrMetallicRoughness.metallicFactor = 0, m.pbrMetallicRoughness.roughnessFactor = 0.6;
+    if (c.a < 255) m.alphaMode = "BLEND";
+    m.doubleSided = true;
+    model.materials.push_back(std::move(m));
+    return found->second;
+  }
+
+  // A geometry stretched by `stretch` (in units of its scale along y), with a colour.
+  int mesh(const Geometry& g, float stretch, Color color) {
+    const auto [found, fresh] =
+        meshes.try_emplace({&g, stretch, material(color)}, static_cast<int>(model.meshes.size()));
+    if (!fresh) return found->second;
+    const auto [shape, unknown] = shapes.try_emplace({&g, stretch});
+    if (unknown) {
+      std::vector<Float3> positions, normals;
+      for (const Vertex& v : g.vertices) {
+        positions.push_back(v.position);
+        positions.back().y += v.side * stretch;
+        normals.push_back(v.normal);
+      }
+      tinygltf::Primitive& p = shape->second;
+      p.attributes["POSITION"] = package->vectors(positions, TINYGLTF_TARGET_ARRAY_BUFFER, true);
+      p.attributes["NORMAL"] = package->vectors(normals, TINYGLTF_TARGET_ARRAY_BUFFER, false);
+      p.indices = package->indices(g.indices), p.mode = TINYGLTF_MODE_TRIANGLES;
+    }
+    tinygltf::Mesh m;
+    m.name = g.kind;
+    m.primitives.push_back(shape->second);
+    m.primitives[0].material = material(color);
+    model.meshes.push_back(std::move(m));
+    return found->second;
+  }
+
+  int add_node(tinygltf::Node node) {
+    const auto id = static_cast<int>(model.nodes.size());
+    model.nodes.push_back(std::move(node));
+    model.scenes[0].nodes.push_back(id);
+    return id;
+  }
+
+  void sampler(int node, const char* path, int output, const char* interpolation) {
+    tinygltf::Animation& a = model.animations[0];
+    tinygltf::AnimationSampler s;
+    s.input = time_input, s.output = output, s.interpolation = interpolation;
+    a.samplers.push_back(std::move(s));
+    tinygltf::AnimationChannel c;
+    c.sampler = static_cast<int>(a.samplers.size() - 1), c.target_node = node, c.target_path = path;
+    a.channels.push_back(std::move(c));
+  }
+
+  void write_track(const Track& t) {
+    const float sy = t.first.scale.y;
+    tinygltf::Node node;
+    node.name = t.name.empty() ? t.geometry->kind : t.name;
+    node.mesh = mesh(*t.geometry, sy > 0 ? t.first.stretch / sy : 0, t.first.color);
+    node.translation = {t.position[0].x, t.position[0].y, t.position[0].z};
+    node.rotation.assign(t.rotation[0].begin(), t.rotation[0].end());
+    node.scale = {t.first.scale.x, t.first.scale.y, t.first.scale.z};
+    const int id = add_node(std::move(node));
+    if (times.size() < 2) return;
+
+    const auto varies = [](const auto& list) {
+      return std::any_of(list.begin(), list.end(), [&](const auto& x) { return x != list[0]; });
+    };
+    // what comes later waits where it will appear
+    const auto whole = [&](const auto& list) {
+      auto all = list;
+      all.insert(all.begin(), t.start, list.front());
+      return all;
+    };
+    if (varies(t.position)) sampler(id, "translation", package->vectors(whole(t.position), 0, false), "LINEAR");
+    if (varies(t.rotation))
+      sampler(id, "rotation",
+              package->add(whole(t.rotation), TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, false), "LINEAR");
+    if (t.start == 0 && std::count(t.seen.begin(), t.seen.end(), 0) == 0) return;
+    std::vector<Float3> scale(t.start);
+    for (const std::uint8_t seen : t.seen) scale.push_back(seen ? t.first.scale : Float3{});
+    sampler(id, "scale", package->vectors(scale, 0, false), "STEP");
+  }
+
+  void write_soft(const Soft& s) {
+    // one attribute of all vertices, itself or as its difference from the first sample
+    const auto split = [](const std::vector<MeshVertex>& v, const std::vector<MeshVertex>* base,
+                          Float3 MeshVertex::*field) {
+      std::vector<Float3> out(v.size());
+      for (std::size_t i = 0; i < v.size(); ++i) out[i] = base ? v[i].*field - (*base)[i].*field : v[i].*field;
+      return out;
+    };
+    const auto attributes = [&](const std::vector<MeshVertex>& v, const std::vector<MeshVertex>* base) {
+      std::map<std::string, int> all;
+      all["POSITION"] = package->vectors(split(v, base, &MeshVertex::position), TINYGLTF_TARGET_ARRAY_BUFFER, true);
+      if (!s.lines)
+        all["NORMAL"] = package->vectors(split(v, base, &MeshVertex::normal), TINYGLTF_TARGET_ARRAY_BUFFER, false);
+      return all;
+    };
+    tinygltf::Primitive p;
+    p.attributes = attributes(s.samples[0], nullptr);
+    p.indices = package->indices(s.indices);
+    p.material = material(s.color), p.mode = s.lines ? TINYGLTF_MODE_LINE : TINYGLTF_MODE_TRIANGLES;
+    tinygltf::Mesh m;
+    m.name = s.name.empty() ? "net" : s.name;
+    const std::size_t targets = s.samples.size() - 1;
+    for (std::size_t k = 1; k <= targets; ++k) p.targets.push_back(attributes(s.samples[k], &s.samples[0]));
+    m.weights.assign(targets, 0.0);
+    m.primitives.push_back(std::move(p));
+    tinygltf::Node node;
+    node.name = m.name, node.mesh = static_cast<int>(model.meshes.size());
+    model.meshes.push_back(std::move(m));
+    const int id = add_node(std::move(node));
+    if (targets == 0) return;
+    // before its first sample it is there as it begins; sample k is target k alone
+    std::vector<float> weights;
+    for (std::size_t i = 0; i < times.size(); ++i)
+      for (std::size_t k = 1; k <= targets; ++k)
+        weights.push_back(std::min(i < s.start ? 0 : i - s.start, targets) == k ? 1.0f : 0.0f);
+    sampler(id, "weights", package->floats(weights, false), "LINEAR");
+  }
+
+  void write_grounds() {
+    for (const Solid& s : grounds) {
+      Soft still;
+      still.color = s.color, still.name = "ground", still.indices = s.indices, still.samples = {s.vertices};
+      write_soft(still);
+    }
+  }
 
   std::vector<float> times;
   std::vector<TrackKey> order;
@@ -120,68 +290,13 @@ struct GltfWriter::Impl {
   std::unique_ptr<Package> package;
   int time_input = -1;
   std::map<std::uint32_t, int> materials;
-  std::map<std::pair<const Geometry*, float>, std::pair<Float3, std::array<int, 3>>> shapes;
+  std::map<std::pair<const Geometry*, float>, tinygltf::Primitive> shapes;  // without a material
   std::map<std::tuple<const Geometry*, float, int>, int> meshes;
 };
 
 GltfWriter::GltfWriter() : impl_(std::make_unique<Impl>()) { impl_->ball = std::make_shared<Geometry>(unit_ball()); }
 GltfWriter::~GltfWriter() = default;
 std::size_t GltfWriter::left_out() const { return impl_->left_out; }
-
-void GltfWriter::Impl::add_instance(const Instance& in, const std::shared_ptr<const Geometry>& geometry,
-                                    std::string name) {
-  const TrackKey key{in.object, numbers[in.object]++, geometry.get()};
-  auto [found, fresh] = tracks.try_emplace(key);
-  Track& t = found->second;
-  if (fresh) {
-    t.first = in, t.geometry = geometry, t.name = std::move(name), t.start = times.size() - 1;
-    order.push_back(key);
-  }
-  t.place.push_back({in.position[0], in.position[1], in.position[2]});
-  Float4 q{in.rotation[0], in.rotation[1], in.rotation[2], in.rotation[3]};
-  const float n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (float& x : q) x = n > 0 ? x / n : 0;
-  if (!(n > 0)) q[3] = 1;
-  // the nearer of the two quaternions of a rotation, so that what is between samples is the short way
-  if (!t.turn.empty() &&
-      q[0] * t.turn.back()[0] + q[1] * t.turn.back()[1] + q[2] * t.turn.back()[2] + q[3] * t.turn.back()[3] < 0)
-    for (float& x : q) x = -x;
-  t.turn.push_back(q);
-  t.seen.push_back(1);
-}
-
-void GltfWriter::Impl::pad_tracks() {
-  for (auto& [key, t] : tracks)
-    while (t.start + t.seen.size() < times.size()) {
-      t.place.push_back(t.place.back()), t.turn.push_back(t.turn.back());
-      t.seen.push_back(0);
-    }
-}
-
-void GltfWriter::Impl::add_soft(std::size_t number, bool lines, Color color, std::string name,
-                                std::vector<MeshVertex> vertices, std::vector<std::uint32_t> indices) {
-  if (vertices.empty()) return;
-  if (number >= softs.size()) softs.resize(number + 1);
-  Soft& s = softs[number];
-  if (s.samples.empty()) {
-    s.lines = lines, s.color = color, s.name = std::move(name), s.indices = std::move(indices),
-    s.start = times.size() - 1;
-  } else if (s.samples.back().size() != vertices.size()) {
-    vertices = s.samples.back();  // springs broke: topology cannot change within a mesh
-  }
-  s.samples.push_back(std::move(vertices));
-}
-
-void GltfWriter::Impl::add_points(const Frame& f, const Objects& objects) {
-  if (f.points.size() > kMaxAnimatedPoints) {
-    left_out = f.points.size();
-    return;
-  }
-  for (const PointGroup& g : f.point_groups)
-    for (std::uint32_t i = g.first; i < g.first + g.count; ++i)
-      add_instance(ball_instance(f.points[i], point_color(g, f.points[i]), g.object.slot), ball,
-                   objects.name(g.object) + " point");
-}
 
 void GltfWriter::add(const Frame& f, const Objects& objects) {
   Impl& w = *impl_;
@@ -202,149 +317,13 @@ void GltfWriter::add(const Frame& f, const Objects& objects) {
   std::vector<MeshVertex> ends;
   std::vector<std::uint32_t> pairs;
   for (const Line& l : f.lines)
-    for (const float* p : {l.a, l.b}) {
+    for (const Float3 p : {l.a, l.b}) {
       pairs.push_back(static_cast<std::uint32_t>(ends.size()));
-      ends.push_back({{p[0], p[1], p[2]}, {0, 1, 0}});
+      ends.push_back({p, {0, 1, 0}});
     }
   w.add_soft(number, true, rgb(0x50555c), "springs", std::move(ends), std::move(pairs));
   if (w.times.size() == 1)
     for (const Ground& g : f.grounds) w.grounds.push_back(solid(g, f));
-}
-
-int GltfWriter::Impl::material(Color c) {
-  const std::uint32_t key = std::uint32_t(c.r) << 24 | std::uint32_t(c.g) << 16 | std::uint32_t(c.b) << 8 | c.a;
-  const auto [found, fresh] = materials.try_emplace(key, static_cast<int>(model.materials.size()));
-  if (!fresh) return found->second;
-  tinygltf::Material m;
-  m.pbrMetallicRoughness.baseColorFactor = {linear(c.r), linear(c.g), linear(c.b), c.a / 255.0};
-  m.pbrMetallicRoughness.metallicFactor = 0, m.pbrMetallicRoughness.roughnessFactor = 0.6;
-  if (c.a < 255) m.alphaMode = "BLEND";
-  m.doubleSided = true;
-  model.materials.push_back(std::move(m));
-  return found->second;
-}
-
-// A geometry stretched by `stretch` (in units of its scale along y), with a colour.
-int GltfWriter::Impl::mesh(const Geometry& g, float stretch, Color color) {
-  const auto [found, fresh] = meshes.try_emplace({&g, stretch, material(color)}, static_cast<int>(model.meshes.size()));
-  if (!fresh) return found->second;
-  auto& shape = shapes[{&g, stretch}];
-  if (shape.first[0] == 0) {
-    shape.first[0] = 1;
-    std::vector<Float3> places, normals;
-    for (const Vertex& v : g.vertices) {
-      places.push_back({v.position[0], v.position[1] + v.side * stretch, v.position[2]});
-      normals.push_back({v.normal[0], v.normal[1], v.normal[2]});
-    }
-    shape.second = {package->vectors(places, TINYGLTF_TARGET_ARRAY_BUFFER, true),
-                    package->vectors(normals, TINYGLTF_TARGET_ARRAY_BUFFER, false),
-                    package->add(g.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-                                 TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false)};
-  }
-  tinygltf::Primitive p;
-  p.attributes = {{"POSITION", shape.second[0]}, {"NORMAL", shape.second[1]}};
-  p.indices = shape.second[2], p.material = material(color), p.mode = TINYGLTF_MODE_TRIANGLES;
-  tinygltf::Mesh m;
-  m.name = g.kind;
-  m.primitives.push_back(std::move(p));
-  model.meshes.push_back(std::move(m));
-  return found->second;
-}
-
-void GltfWriter::Impl::sampler(int node, const char* path, int input, int output, const char* interpolation) {
-  tinygltf::Animation& a = model.animations[0];
-  tinygltf::AnimationSampler s;
-  s.input = input, s.output = output, s.interpolation = interpolation;
-  a.samplers.push_back(std::move(s));
-  tinygltf::AnimationChannel c;
-  c.sampler = static_cast<int>(a.samplers.size() - 1), c.target_node = node, c.target_path = path;
-  a.channels.push_back(std::move(c));
-}
-
-void GltfWriter::Impl::write_track(const Track& t) {
-  const float sy = t.first.scale[1];
-  tinygltf::Node node;
-  node.name = t.name.empty() ? t.geometry->kind : t.name;
-  node.mesh = mesh(*t.geometry, sy > 0 ? t.first.stretch / sy : 0, t.first.color);
-  node.translation.assign(t.place[0].begin(), t.place[0].end());
-  node.rotation.assign(t.turn[0].begin(), t.turn[0].end());
-  node.scale.assign(t.first.scale, t.first.scale + 3);
-  const auto id = static_cast<int>(model.nodes.size());
-  model.nodes.push_back(std::move(node));
-  model.scenes[0].nodes.push_back(id);
-  if (times.size() < 2) return;
-
-  bool moves = false, turns = false, blinks = t.start > 0;
-  for (std::size_t i = 0; i < t.seen.size(); ++i) {
-    moves = moves || t.place[i] != t.place[0], turns = turns || t.turn[i] != t.turn[0], blinks = blinks || !t.seen[i];
-  }
-  // what comes later waits where it will appear
-  const auto whole = [&](const auto& list) {
-    auto all = list;
-    all.insert(all.begin(), t.start, list.front());
-    return all;
-  };
-  if (moves) sampler(id, "translation", time_input, package->vectors(whole(t.place), 0, false), "LINEAR");
-  if (turns)
-    sampler(id, "rotation", time_input,
-            package->add(whole(t.turn), TINYGLTF_TYPE_VEC4, TINYGLTF_COMPONENT_TYPE_FLOAT, 0, false), "LINEAR");
-  if (!blinks) return;
-  std::vector<Float3> scale(t.start, Float3{0, 0, 0});
-  for (const std::uint8_t seen : t.seen)
-    scale.push_back(seen ? Float3{t.first.scale[0], t.first.scale[1], t.first.scale[2]} : Float3{0, 0, 0});
-  sampler(id, "scale", time_input, package->vectors(scale, 0, false), "STEP");
-}
-
-void GltfWriter::Impl::write_soft(const Soft& s) {
-  const auto split = [](const std::vector<MeshVertex>& v, const std::vector<MeshVertex>* base, bool normals) {
-    std::vector<Float3> out(v.size());
-    for (std::size_t i = 0; i < v.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        out[i][k] = (normals ? v[i].normal[k] : v[i].position[k]) -
-                    (base ? (normals ? (*base)[i].normal[k] : (*base)[i].position[k]) : 0);
-    return out;
-  };
-  const auto& base = s.samples[0];
-  tinygltf::Primitive p;
-  p.attributes["POSITION"] = package->vectors(split(base, nullptr, false), TINYGLTF_TARGET_ARRAY_BUFFER, true);
-  if (!s.lines)
-    p.attributes["NORMAL"] = package->vectors(split(base, nullptr, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
-  p.indices = package->add(s.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-                           TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, false);
-  p.material = material(s.color), p.mode = s.lines ? TINYGLTF_MODE_LINE : TINYGLTF_MODE_TRIANGLES;
-  tinygltf::Mesh m;
-  m.name = s.name.empty() ? "net" : s.name;
-  const std::size_t targets = s.samples.size() - 1;
-  for (std::size_t k = 1; k <= targets; ++k) {
-    std::map<std::string, int> target;
-    target["POSITION"] = package->vectors(split(s.samples[k], &base, false), TINYGLTF_TARGET_ARRAY_BUFFER, true);
-    if (!s.lines)
-      target["NORMAL"] = package->vectors(split(s.samples[k], &base, true), TINYGLTF_TARGET_ARRAY_BUFFER, false);
-    p.targets.push_back(std::move(target));
-  }
-  m.weights.assign(targets, 0.0);
-  m.primitives.push_back(std::move(p));
-  tinygltf::Node node;
-  node.name = m.name, node.mesh = static_cast<int>(model.meshes.size());
-  model.meshes.push_back(std::move(m));
-  const auto id = static_cast<int>(model.nodes.size());
-  model.nodes.push_back(std::move(node));
-  model.scenes[0].nodes.push_back(id);
-  if (targets == 0) return;
-  // before its first sample it is there as it begins; sample k is target k alone
-  std::vector<float> weights;
-  for (std::size_t i = 0; i < times.size(); ++i)
-    for (std::size_t k = 1; k <= targets; ++k)
-      weights.push_back(std::min(i < s.start ? 0 : i - s.start, targets) == k ? 1.0f : 0.0f);
-  sampler(id, "weights", time_input, package->floats(weights, false), "LINEAR");
-}
-
-void GltfWriter::Impl::write_grounds() {
-  for (const Solid& s : grounds) {
-    Soft still;
-    still.color = s.color, still.name = "ground", still.indices = s.indices, still.samples = {s.vertices};
-    write_soft(still);
-  }
 }
 
 void GltfWriter::write(const std::filesystem::path& file) {

@@ -41,9 +41,8 @@ void FileWatch::set(const std::vector<fs::path>& files) {
   old.swap(files_);
   touched_ = old.empty() ? -1 : 0;
   for (const fs::path& file : files) {
-    const auto found = old.find(file);
-    if (found != old.end()) {
-      files_[file] = found->second;
+    if (const auto known = old.find(file); known != old.end()) {
+      files_.insert(*known);
       continue;
     }
     Known known;
@@ -62,9 +61,8 @@ void FileWatch::watch_folders() {
   for (const auto& [file, known] : files_) {
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     if (wanted.count(folder)) continue;
-    const auto old = folders_.find(folder);
-    if (old != folders_.end()) {
-      wanted[folder] = old->second;
+    if (auto old = folders_.extract(folder)) {
+      wanted.insert(std::move(old));
       continue;
     }
     const int watch = inotify_add_watch(
@@ -78,8 +76,7 @@ void FileWatch::watch_folders() {
     }
     wanted[folder] = watch;
   }
-  for (const auto& [folder, watch] : folders_)
-    if (!wanted.count(folder)) inotify_rm_watch(descriptor_, watch);
+  for (const auto& [folder, watch] : folders_) inotify_rm_watch(descriptor_, watch);
   folders_ = std::move(wanted);
 }
 
@@ -101,7 +98,7 @@ bool FileWatch::drain() {
   return any;
 }
 
-bool FileWatch::look_again() {
+bool FileWatch::poll() {
   bool any = false;
   for (auto& [file, known] : files_) {
     std::error_code gone;
@@ -120,7 +117,7 @@ bool FileWatch::changed(double now) {
     touched = drain();
   } else if (now - looked_ >= kPoll) {
     looked_ = now;
-    touched = look_again();
+    touched = poll();
   }
   if (touched) touched_ = now;
   const bool complete = descriptor_ >= 0 && open_.empty();

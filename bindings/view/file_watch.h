@@ -28,15 +28,15 @@ class FileWatch {
 
  private:
   static constexpr double kQuiet = 0.04;  // s without another write: a file that stays open is complete
-  static constexpr double kPoll = 0.1;    // s between two looks at times and sizes
+  static constexpr double kPoll = 0.1;    // s between two polls of times and sizes
 
   struct Known {
     std::uint64_t content = 0;
     std::filesystem::file_time_type time;
     std::uintmax_t size = 0;
   };
-  bool drain();       // inotify: was something written?
-  bool look_again();  // polling: is a time or size other than last time?
+  bool drain();  // inotify: was something written?
+  bool poll();   // polling: is a time or size other than last time?
   void watch_folders();
 
   int descriptor_ = -1;
@@ -44,7 +44,7 @@ class FileWatch {
   std::map<std::filesystem::path, int> folders_;
   std::set<std::pair<int, std::string>> open_;  // (watch, name) of files that are being written
   double age_ = 0;
-  double touched_ = -1;  // last write that has not been looked at
+  double touched_ = -1;  // last write that has not been polled
   double looked_ = -1;
 };
 

@@ -6,25 +6,26 @@
 #include <filesystem>
 
 namespace feder::view {
-namespace {
 
-constexpr const char* kFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                  "/usr/share/fonts/TTF/DejaVuSans.ttf",
-                                  "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"};
-
-}  // namespace
+std::string dejavu_file(bool mono) {
+  const std::string name = mono ? "/DejaVuSansMono.ttf" : "/DejaVuSans.ttf";
+  std::error_code ignored;
+  for (const char* folder : {"truetype/dejavu", "TTF", mono ? "dejavu-sans-mono-fonts" : "dejavu-sans-fonts"}) {
+    const std::string file = std::string("/usr/share/fonts/") + folder + name;
+    if (std::filesystem::exists(file, ignored)) return file;
+  }
+  return "";
+}
 
 Font::Font(float pixels) {
   ImFontAtlas atlas;
-  ImFont* font = nullptr;
   ImFontConfig config;
   config.SizePixels = pixels;
   config.OversampleH = config.OversampleV = 1;  // a texel is a pixel
   config.PixelSnapH = true;
-  std::error_code ignored;
-  for (const char* file : kFiles)
-    if (!font && std::filesystem::exists(file, ignored)) font = atlas.AddFontFromFileTTF(file, pixels, &config);
-  if (!font) font = atlas.AddFontDefault(&config);
+  const std::string file = dejavu_file(false);
+  const ImFont* font =
+      file.empty() ? atlas.AddFontDefault(&config) : atlas.AddFontFromFileTTF(file.c_str(), pixels, &config);
   unsigned char* grey = nullptr;
   atlas.GetTexDataAsAlpha8(&grey, &width_, &atlas_height_);
   atlas_.assign(grey, grey + static_cast<std::size_t>(width_) * static_cast<std::size_t>(atlas_height_));

@@ -1,12 +1,16 @@
 // A font baked into a grey picture, for labels and for the captions of contact sheets: DejaVu Sans where it is
 // installed, else the one that Dear ImGui carries.
 #pragma once
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "view/image.h"
 
 namespace feder::view {
+
+// DejaVu Sans where distributions put it; "" when it is not installed.
+std::string dejavu_file(bool mono);
 
 class Font {
  public:

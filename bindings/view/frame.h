@@ -20,9 +20,9 @@ struct Color {
 // A shape in the world: vertex v of the geometry stands at position + rotation * (v * scale + (0, side * stretch, 0)).
 // Uploaded as it is.
 struct Instance {
-  float position[3] = {0, 0, 0};     // m
+  Float3 position;                   // m
   float rotation[4] = {0, 0, 0, 1};  // x y z w
-  float scale[3] = {1, 1, 1};
+  Float3 scale{1, 1, 1};
   float stretch = 0;  // m; capsules: half the length of the straight part
   Color color;
   std::uint32_t object = kNone;  // slot of the object
@@ -39,7 +39,7 @@ struct Batch {
 
 // A half-space: n.x <= distance is solid. Renderers draw a large patch of it with a fading grid.
 struct Ground {
-  float normal[3] = {0, 1, 0};
+  Float3 normal{0, 1, 0};
   float distance = 0;  // m
   Color color;
   ObjectId object;
@@ -53,12 +53,11 @@ struct DynamicMesh {
   ObjectId object;
 };
 struct MeshVertex {
-  float position[3];
-  float normal[3];
+  Float3 position, normal;
 };
 
 struct Point {
-  float position[3];
+  Float3 position;
   float radius;  // m
   float value;   // of the group's scalar
 };
@@ -73,13 +72,13 @@ struct PointGroup {
 };
 
 struct Line {
-  float a[3], b[3];
+  Float3 a, b;
   Color color_a, color_b;
   float width = 1.5f;  // pixels
 };
 
 struct Label {
-  float position[3];
+  Float3 position;
   Color color;
   char text[48];
 };
@@ -93,18 +92,19 @@ struct PlotValue {
 struct EventMark {
   EventKind kind;
   ObjectId a, b;
-  float position[3];
+  Float3 position;
   float size;  // strength: impulse in N s, 0 for kinds without one
 };
 
 struct Bounds {
-  float low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f};
-  bool empty() const { return !(low[0] <= high[0]); }
-  void include(const float p[3], float radius = 0) {
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i] - radius), high[i] = std::max(high[i], p[i] + radius);
-  }
-  void include(const Bounds& b) {
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], b.low[i]), high[i] = std::max(high[i], b.high[i]);
+  Float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  bool empty() const { return !(low.x <= high.x); }
+  Float3 center() const { return (low + high) / 2; }
+  float longest_side() const { return std::max({0.0f, high.x - low.x, high.y - low.y, high.z - low.z}); }
+  void include(const Bounds& b) { low = min(low, b.low), high = max(high, b.high); }
+  void include(Float3 p, float radius = 0) {
+    const Float3 r{radius, radius, radius};
+    include(Bounds{p - r, p + r});
   }
 };
 

@@ -1,5 +1,4 @@
-// Cloth: triangles with smooth normals, seen from both sides. Pinned vertices get
-// a mark.
+// Cloth: triangles with smooth normals, seen from both sides. Pinned vertices get a mark.
 #include <algorithm>
 
 #include "feder/cloth.h"
@@ -18,65 +17,28 @@ class ClothSource final : public FrameSource {
       const Cloth::Info sheet = cloth->info(n);
       cloth->smooth_positions(sheet.object, points_);
       Bounds b;
-      for (const Vec3& p : points_) {
-        float x[3];
-        put(x, p);
-        b.include(x, static_cast<float>(sheet.thickness / 2));
-      }
-      c.frame.bounds.include(b), c.frame.moving.include(b);
-      if (c.toggles.meshes) add_mesh(c, sheet);
+      for (const Vec3& p : points_) b.include(to_float3(p), static_cast<float>(sheet.thickness / 2));
+      add_bounds(c.frame, b);
+      if (c.toggles.meshes) add_mesh(c.frame, sheet.object, c.color(sheet.object, "cloth"), points_, sheet.triangles);
       if (c.toggles.points) add_pins(c, *cloth, sheet);
-      const std::string& name = c.world.objects().name(sheet.object);
-      if (c.toggles.labels && !name.empty()) add_label(c.frame, points_[0], name, rgb(0x1d2126));
+      if (!points_.empty()) c.label(sheet.object, points_[0], rgb(0x1d2126));
     }
   }
 
  private:
-  static Color color_of(const Collecting& c, ObjectId object) {
-    if (const auto own = c.look.colors.find(object); own != c.look.colors.end()) return rgb(own->second);
-    const std::string_view stem = name_stem(c.world.objects().name(object));
-    return group_color(stem.empty() ? "cloth" : stem, object.slot);
-  }
-
-  void add_mesh(Collecting& c, const Cloth::Info& sheet) const {
-    Frame& f = c.frame;
-    DynamicMesh mesh;
-    mesh.object = sheet.object, mesh.color = color_of(c, sheet.object);
-    mesh.first_vertex = static_cast<std::uint32_t>(f.vertices.size()), mesh.vertex_count = sheet.count;
-    mesh.first_index = static_cast<std::uint32_t>(f.indices.size());
-    mesh.index_count = static_cast<std::uint32_t>(sheet.triangles.size());
-    for (const Vec3& p : points_) {
-      MeshVertex v{};
-      put(v.position, p);
-      f.vertices.push_back(v);
-    }
-    f.indices.insert(f.indices.end(), sheet.triangles.begin(), sheet.triangles.end());
-    smooth_normals(f, mesh);
-    f.meshes.push_back(mesh);
-  }
-
   void add_pins(Collecting& c, const Cloth& cloth, const Cloth::Info& sheet) const {
     Frame& f = c.frame;
-    PointGroup group;
-    group.first = static_cast<std::uint32_t>(f.points.size());
-    group.object = sheet.object, group.color = rgb(0x3a3f45);
-    for (std::uint32_t i = 0; i < sheet.count; ++i) {
-      if (cloth.vertices().inv_mass[sheet.first + i] != 0) continue;
-      Point p{};
-      put(p.position, points_[i]);
-      p.radius = static_cast<float>(sheet.thickness);
-      f.points.push_back(p);
-    }
-    group.count = static_cast<std::uint32_t>(f.points.size()) - group.first;
-    if (group.count > 0) f.point_groups.push_back(group);
+    const PointGroup group = begin_points(f, sheet.object, rgb(0x3a3f45));
+    for (std::uint32_t i = 0; i < sheet.count; ++i)
+      if (cloth.vertices().inv_mass[sheet.first + i] == 0)
+        f.points.push_back({to_float3(points_[i]), static_cast<float>(sheet.thickness), 0});
+    end_points(f, group);
   }
 
   std::vector<Vec3> points_;
 };
 }  // namespace
 
-Row view_cloth() {
-  return {"cloth", [] { return std::unique_ptr<FrameSource>(new ClothSource); }};
-}
+Row view_cloth() { return {"cloth", make_source<ClothSource>}; }
 
 }  // namespace feder::view

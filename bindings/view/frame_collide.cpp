@@ -49,8 +49,6 @@ class ContactSource final : public FrameSource {
 
 }  // namespace
 
-Row view_collide() {
-  return {"collide", [] { return std::unique_ptr<FrameSource>(new ContactSource); }};
-}
+Row view_collide() { return {"collide", make_source<ContactSource>}; }
 
 }  // namespace feder::view

@@ -21,32 +21,23 @@ class FluidSource final : public FrameSource {
     fluid.positions(id, x_);
     const float radius = 0.5f * static_cast<float>(fluid.desc(id).spacing);
     Bounds b;
-    PointGroup g;
-    g.first = static_cast<std::uint32_t>(f.points.size());
-    g.count = static_cast<std::uint32_t>(x_.size());
-    g.object = id;
-    const auto own = c.look.colors.find(id);
-    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0x3b7dbb);
-    if (own == c.look.colors.end())
-      values(c, fluid, id, g);
-    else
-      value_.assign(x_.size(), 0);
+    const std::optional<Color> own = c.own_color(id);
+    PointGroup group = begin_points(f, id, own.value_or(rgb(0x3b7dbb)));
+    value_.assign(x_.size(), 0);
+    if (!own) values(c, fluid, id, group);
     for (std::size_t i = 0; i < x_.size(); ++i) {
-      Point p{};
-      put(p.position, x_[i]);
-      p.radius = radius, p.value = value_[i];
+      const Point p{to_float3(x_[i]), radius, value_[i]};
       b.include(p.position, radius);
       if (c.toggles.points) f.points.push_back(p);
     }
-    f.bounds.include(b), f.moving.include(b);
-    if (c.toggles.points && g.count > 0) f.point_groups.push_back(g);
+    add_bounds(f, b);
+    end_points(f, group);
   }
 
   // What the points are coloured by, and the ends of its scale: 0 to the largest now (of the speeds, to the 98th part
   // in a hundred, so that one drop does not darken the rest).
   void values(Collecting& c, Fluid& fluid, ObjectId id, PointGroup& g) {
     const std::string_view by = c.toggles.point_scalar;
-    value_.assign(x_.size(), 0);
     if (by == "none" || x_.empty()) return;
     g.scalar = c.toggles.point_scalar;
     if (by == "density" || by == "pressure") {
@@ -76,8 +67,6 @@ class FluidSource final : public FrameSource {
 
 }  // namespace
 
-Row view_fluid() {
-  return {"fluid", [] { return std::unique_ptr<FrameSource>(new FluidSource); }};
-}
+Row view_fluid() { return {"fluid", make_source<FluidSource>}; }
 
 }  // namespace feder::view

@@ -1,5 +1,5 @@
-// Rigid bodies as instances, grouped by geometry in two passes (count, place); planes as grounds. What a collider
-// looks like is worked out when it is first seen and kept by collider index.
+// Rigid bodies as instances, grouped by geometry in two passes (count, fill); planes as grounds. What a collider
+// appears as is worked out when it is first seen and kept by collider index.
 #include <algorithm>
 #include <bit>
 
@@ -13,6 +13,7 @@ namespace feder::view {
 namespace {
 
 constexpr std::uint8_t kSensorAlpha = 70;
+constexpr std::uint32_t kAxisColors[] = {0xd03a2f, 0x3a9d3a, 0x2f62d0};
 
 class RigidSource final : public FrameSource {
  public:
@@ -23,7 +24,7 @@ class RigidSource final : public FrameSource {
     const Bodies& bodies = rigid->bodies();
     const Colliders& colliders = collide->colliders();
     if (c.toggles.shapes) collect_shapes(c, bodies, colliders);
-    if (c.toggles.velocities || c.toggles.axes || c.toggles.labels) collect_notes(c, bodies);
+    if (c.toggles.velocities || c.toggles.axes || c.toggles.labels) collect_records(c, bodies);
     if (c.toggles.bounds)
       for (std::uint32_t k = 0; k < colliders.size(); ++k)
         if (colliders.motion[k] != ColliderMotion::none)
@@ -46,7 +47,7 @@ class RigidSource final : public FrameSource {
   }
 
   void collect_shapes(Collecting& c, const Bodies& bodies, const Colliders& colliders) {
-    if (look_version_ != c.look.version) seen_.clear(), look_version_ = c.look.version;
+    if (appearance_version_ != c.appearance.version) seen_.clear(), appearance_version_ = c.appearance.version;
     seen_.resize(colliders.size());
     std::fill(count_.begin(), count_.end(), 0);
     for (std::uint32_t k = 0; k < colliders.size(); ++k) {
@@ -57,12 +58,12 @@ class RigidSource final : public FrameSource {
         continue;
       }
       const std::size_t key = 2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0);
-      if (key >= count_.size()) count_.resize(key + 1, 0), place_.resize(key + 1, 0);
+      if (key >= count_.size()) count_.resize(key + 1, 0), index_.resize(key + 1, 0);
       ++count_[key];
     }
     make_batches(c.frame);
     for (std::uint32_t k = 0; k < colliders.size(); ++k)
-      if (drawn(c, colliders, k) && seen_[k].fitted.geometry != kNone) place(c.frame, bodies, colliders, k);
+      if (drawn(c, colliders, k) && seen_[k].fitted.geometry != kNone) add_instance(c.frame, bodies, colliders, k);
   }
 
   // Opaque batches first.
@@ -72,7 +73,7 @@ class RigidSource final : public FrameSource {
       for (std::size_t key = translucent; key < count_.size(); key += 2) {
         if (count_[key] == 0) continue;
         f.batches.push_back({static_cast<std::uint32_t>(key / 2), at, count_[key], translucent == 1});
-        place_[key] = at;
+        index_[key] = at;
         at += count_[key];
       }
     f.instances.resize(at);
@@ -92,22 +93,13 @@ class RigidSource final : public FrameSource {
   }
 
   static Color color_of(Collecting& c, const Seen& s) {
-    Color color;
     const Objects& objects = c.world.objects();
-    if (const auto own = c.look.colors.find(s.object); own != c.look.colors.end()) {
-      color = rgb(own->second);
-    } else if (s.motion == ColliderMotion::fixed && !s.sensor) {
-      color = fixed_color(s.object.slot);
-    } else {
-      const std::string_view stem = name_stem(objects.name(s.object));
-      const TagMask tags = objects.tags(s.object);
-      std::string_view group = stem;
-      if (stem.empty() && tags)
-        group = objects.tag_names()[static_cast<std::size_t>(std::countr_zero(tags))];
-      else if (stem.empty())
-        group = s.shape->kind();
-      color = group_color(group, s.object.slot);
-    }
+    std::string_view group = s.shape->kind();
+    if (const TagMask tags = objects.tags(s.object))
+      group = objects.tag_names()[static_cast<std::size_t>(std::countr_zero(tags))];
+    Color color = s.motion == ColliderMotion::fixed && !s.sensor
+                      ? c.own_color(s.object).value_or(fixed_color(s.object.slot))
+                      : c.color(s.object, group);
     if (s.sensor) color.a = kSensorAlpha;
     return color;
   }
@@ -118,37 +110,32 @@ class RigidSource final : public FrameSource {
     if (!colliders.shape[k]->half_space(normal, distance)) return;
     const Pose pose = bodies.com_pose(colliders.owner_index[k]) * colliders.local[k];
     const Vec3 n = rotate(pose.rotation, normal);
-    Ground g;
-    put(g.normal, n);
-    g.distance = static_cast<float>(distance + dot(n, pose.position));
-    const auto own = c.look.colors.find(colliders.object[k]);
-    g.color = own != c.look.colors.end() ? rgb(own->second) : rgb(0xc2c1bd);
-    g.object = colliders.object[k];
-    c.frame.grounds.push_back(g);
+    const ObjectId object = colliders.object[k];
+    c.frame.grounds.push_back({to_float3(n), static_cast<float>(distance + dot(n, pose.position)),
+                               c.own_color(object).value_or(rgb(0xc2c1bd)), object});
   }
 
-  void place(Frame& f, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
+  void add_instance(Frame& f, const Bodies& bodies, const Colliders& colliders, std::uint32_t k) {
     const Seen& s = seen_[k];
     const std::uint32_t body = colliders.owner_index[k];
     const Pose pose = bodies.com_pose(body) * colliders.local[k];
     const bool rests = s.motion == ColliderMotion::dynamic && !bodies.awake[body];
-    Instance& out = f.instances[place_[2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0)]++];
-    put(out.position, pose.position);
-    out.rotation[0] = static_cast<float>(pose.rotation.x), out.rotation[1] = static_cast<float>(pose.rotation.y);
-    out.rotation[2] = static_cast<float>(pose.rotation.z), out.rotation[3] = static_cast<float>(pose.rotation.w);
-    for (int i = 0; i < 3; ++i) out.scale[i] = s.fitted.scale[i];
-    out.stretch = s.fitted.stretch;
-    out.color = rests ? s.asleep : s.awake;
-    out.object = s.object.slot;
-    out.flags = (rests ? kAsleep : 0u) | (s.sensor ? kSensor : 0u) | (s.motion == ColliderMotion::fixed ? kFixed : 0u);
+    Instance& out = f.instances[index_[2 * s.fitted.geometry + (s.awake.a < 255 ? 1 : 0)]++];
+    const Quat& q = pose.rotation;
+    out = {to_float3(pose.position),
+           {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)},
+           s.fitted.scale,
+           s.fitted.stretch,
+           rests ? s.asleep : s.awake,
+           s.object.slot,
+           (rests ? kAsleep : 0u) | (s.sensor ? kSensor : 0u) | (s.motion == ColliderMotion::fixed ? kFixed : 0u)};
     const Aabb box = s.shape->bounds(pose);
-    Bounds b;
-    put(b.low, box.lo), put(b.high, box.hi);
+    const Bounds b{to_float3(box.lo), to_float3(box.hi)};
     f.bounds.include(b);
     if (s.motion != ColliderMotion::fixed && !s.sensor) f.moving.include(b);
   }
 
-  static void collect_notes(Collecting& c, const Bodies& bodies) {
+  static void collect_records(Collecting& c, const Bodies& bodies) {
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
       if (bodies.type[i] == BodyType::free) continue;
       const Vec3& x = bodies.position[i];
@@ -158,27 +145,19 @@ class RigidSource final : public FrameSource {
       if (c.toggles.axes && bodies.type[i] != BodyType::fixed)
         for (int axis = 0; axis < 3; ++axis) {
           const Vec3 e = vec3(axis == 0, axis == 1, axis == 2);
-          add_line(c.frame.overlay_lines, x, Vec3(x + size * rotate(bodies.rotation[i], e)),
-                   rgb(axis == 0   ? 0xd03a2f
-                       : axis == 1 ? 0x3a9d3a
-                                   : 0x2f62d0),
-                   2);
+          add_line(c.frame.overlay_lines, x, Vec3(x + size * rotate(bodies.rotation[i], e)), rgb(kAxisColors[axis]), 2);
         }
-      const std::string& name = c.world.objects().name(bodies.object[i]);
-      if (c.toggles.labels && !name.empty() && std::isfinite(bodies.extent[i]))
-        add_label(c.frame, x, name, rgb(0x1d2126));
+      if (std::isfinite(bodies.extent[i])) c.label(bodies.object[i], x, rgb(0x1d2126));
     }
   }
 
   std::vector<Seen> seen_;                    // by collider
-  std::vector<std::uint32_t> count_, place_;  // by 2 * geometry + translucent
-  std::uint64_t look_version_ = 0;
+  std::vector<std::uint32_t> count_, index_;  // by 2 * geometry + translucent
+  std::uint64_t appearance_version_ = 0;
 };
 
 }  // namespace
 
-Row view_rigid() {
-  return {"rigid", [] { return std::unique_ptr<FrameSource>(new RigidSource); }};
-}
+Row view_rigid() { return {"rigid", make_source<RigidSource>}; }
 
 }  // namespace feder::view

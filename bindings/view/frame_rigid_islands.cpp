@@ -66,8 +66,6 @@ class IslandSource final : public FrameSource {
 
 }  // namespace
 
-Row view_rigid_islands() {
-  return {"rigid", [] { return std::unique_ptr<FrameSource>(new IslandSource); }};
-}
+Row view_rigid_islands() { return {"rigid", make_source<IslandSource>}; }
 
 }  // namespace feder::view

@@ -33,15 +33,12 @@ class JointSource final : public FrameSource {
     if (length(j.anchor_b - j.anchor_a) > Real(1e-4)) add_line(lines, j.anchor_a, j.anchor_b, rgb(0xd8402c), 2);
     if (j.kind->uses & kUsesAxis)
       add_line(lines, Vec3(j.anchor_a - size * j.axis), Vec3(j.anchor_a + size * j.axis), rgb(0x2f62d0), 2.5f);
-    const std::string& name = c.world.objects().name(id);
-    if (c.toggles.labels && !name.empty()) add_label(c.frame, j.anchor_a, name, rgb(0x6b4c06));
+    c.label(id, j.anchor_a, rgb(0x6b4c06));
   }
 };
 
 }  // namespace
 
-Row view_rigid_joints() {
-  return {"rigid", [] { return std::unique_ptr<FrameSource>(new JointSource); }};
-}
+Row view_rigid_joints() { return {"rigid", make_source<JointSource>}; }
 
 }  // namespace feder::view

@@ -19,10 +19,8 @@ std::span<const ShapeDrawing> shape_drawings() {
 }
 
 void measure(Geometry& g) {
-  for (int k = 0; k < 3; ++k) g.low[k] = 1e30f, g.high[k] = -1e30f;
-  for (const Vertex& v : g.vertices)
-    for (int k = 0; k < 3; ++k)
-      g.low[k] = std::min(g.low[k], v.position[k]), g.high[k] = std::max(g.high[k], v.position[k]);
+  g.low = {1e30f, 1e30f, 1e30f}, g.high = {-1e30f, -1e30f, -1e30f};
+  for (const Vertex& v : g.vertices) g.low = min(g.low, v.position), g.high = max(g.high, v.position);
 }
 
 }  // namespace
@@ -53,8 +51,7 @@ Fitted GeometryCache::make(const Shape& shape) {
     d.own = shape.convex() ? tessellate_convex(shape) : tessellate_mesh(shape);
   if (d.own && d.own->vertices.empty()) return f;  // a plane is a ground; parts of a compound are fitted one by one
   f.geometry = d.own ? keep(std::move(*d.own)) : shared(d.unit);
-  f.scale[0] = d.scale.x, f.scale[1] = d.scale.y, f.scale[2] = d.scale.z;
-  f.stretch = d.stretch;
+  f.scale = d.scale, f.stretch = d.stretch;
   return f;
 }
 

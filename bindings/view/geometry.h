@@ -8,28 +8,29 @@
 #include <vector>
 
 #include "feder/shape.h"
+#include "view/float3.h"
 
 namespace feder::view {
 
 struct Vertex {
-  float position[3];
-  float normal[3];  // unit, outward
-  float side;       // -1, 0, 1: which way the instance's stretch moves it along y
-  float edge;       // 1 on a drawn edge of the face, falling linearly to 0 in its middle; 0 all over: no edges
+  Float3 position;
+  Float3 normal;  // unit, outward
+  float side;     // -1, 0, 1: which way the instance's stretch moves it along y
+  float edge;     // 1 on a drawn edge of the face, falling linearly to 0 in its middle; 0 all over: no edges
 };
 
 struct Geometry {
   const char* kind = "";  // of the shape
   std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> indices;             // counter-clockwise seen from outside
-  bool two_sided = false;                         // open surfaces
-  float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  // box of the vertices, unscaled, m
+  std::vector<std::uint32_t> indices;  // counter-clockwise seen from outside
+  bool two_sided = false;              // open surfaces
+  Float3 low, high;                    // box of the vertices, unscaled, m
 };
 
 // A shape as an instance sees it: its geometry and how to scale it.
 struct Fitted {
   std::uint32_t geometry = kNone;  // kNone: nothing to draw (planes are Frame::grounds)
-  float scale[3] = {1, 1, 1};
+  Float3 scale{1, 1, 1};
   float stretch = 0;
 };
 

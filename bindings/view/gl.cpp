@@ -18,8 +18,6 @@ GLuint compile(const Gl& gl, const char* name, GLenum kind, std::string_view tex
   throw GlError(std::string("shader '") + name + "' does not compile: " + log);
 }
 
-const void* place(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
-
 }  // namespace
 
 Gl::Gl(const GlLoader& load) {
@@ -71,16 +69,22 @@ Program::Program(const Gl& gl, const char* name, std::string_view vertex, std::s
 
 Program::~Program() { gl_.DeleteProgram(id_); }
 
-void VertexArray::floats(GLuint at, int count, std::size_t stride, std::size_t offset, GLuint divisor) const {
-  gl_.EnableVertexAttribArray(at);
-  gl_.VertexAttribPointer(at, count, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), place(offset));
-  gl_.VertexAttribDivisor(at, divisor);
+void attach_renderbuffer(const Gl& gl, const GlObject& buffer, GLenum format, GLenum point, int width, int height,
+                         int samples) {
+  gl.BindRenderbuffer(GL_RENDERBUFFER, buffer.id());
+  gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffer.id());
 }
 
-void VertexArray::bytes(GLuint at, std::size_t stride, std::size_t offset, GLuint divisor) const {
-  gl_.EnableVertexAttribArray(at);
-  gl_.VertexAttribPointer(at, 4, GL_UNSIGNED_BYTE, GL_TRUE, static_cast<GLsizei>(stride), place(offset));
-  gl_.VertexAttribDivisor(at, divisor);
+void VertexArray::attributes(std::initializer_list<Attribute> list, std::size_t stride, std::size_t offset,
+                             GLuint divisor) const {
+  for (const Attribute& a : list) {
+    gl_.EnableVertexAttribArray(a.index);
+    gl_.VertexAttribPointer(a.index, a.count == kColor ? 4 : a.count, a.count == kColor ? GL_UNSIGNED_BYTE : GL_FLOAT,
+                            a.count == kColor ? GL_TRUE : GL_FALSE, static_cast<GLsizei>(stride),
+                            reinterpret_cast<const void*>(offset + a.offset));
+    gl_.VertexAttribDivisor(a.index, divisor);
+  }
 }
 
 }  // namespace feder::view

@@ -19,6 +19,9 @@ struct Image {
   const std::uint8_t* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
+// From OpenGL's rows, bottom first, to a picture's; opaque.
+void turn_over(Image& image);
+
 // SceneError when the file cannot be written.
 void write_png(const Image& image, const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// The layers of a picture, one file each (draw_shapes.cpp ...): what they keep in the driver, how they upload their
+// The layers of a picture: what they keep in the driver, how they upload their
 // part of a frame, and how they draw it. The renderer sets the passes up and calls them in order.
 #pragma once
 #include <memory>
@@ -14,6 +14,17 @@ struct Pass {
   const Gl& gl;
   Stage stage;
   DrawStats& stats;
+
+  void draw_squares(std::size_t count) const {
+    gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count));
+    ++stats.draw_calls;
+  }
+  void draw_triangles(std::size_t index_count, std::size_t first_index, std::size_t instances) const {
+    gl.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(index_count), GL_UNSIGNED_INT,
+                             reinterpret_cast<const void*>(sizeof(std::uint32_t) * first_index),
+                             static_cast<GLsizei>(instances));
+    ++stats.draw_calls;
+  }
 };
 
 // A program whose uniform block `Shared` is at binding 0 and whose shadow map, if it has one, is texture unit 0.
@@ -24,7 +35,7 @@ std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::strin
 class ShapeLayer {
  public:
   explicit ShapeLayer(const Gl& gl);
-  void upload(const Frame& frame, DrawStats& stats);
+  void upload(const Frame& frame);
   void draw(const Frame& frame, const Pass& pass);
 
  private:
@@ -33,7 +44,7 @@ class ShapeLayer {
     std::unique_ptr<VertexArray> array;
     std::unique_ptr<Buffer> vertices, indices;
   };
-  void store(std::size_t id, const std::shared_ptr<const Geometry>& geometry, DrawStats& stats);
+  void store(std::size_t id, const std::shared_ptr<const Geometry>& geometry);
   void aim(const Stored& stored, std::uint32_t first) const;  // at the instances from `first` on
 
   const Gl& gl_;
@@ -47,7 +58,7 @@ class ShapeLayer {
 class PointLayer {
  public:
   explicit PointLayer(const Gl& gl);
-  void upload(const Frame& frame, DrawStats& stats);
+  void upload(const Frame& frame);
   void draw(const Frame& frame, const Pass& pass);
 
  private:
@@ -61,7 +72,7 @@ class PointLayer {
 class LineLayer {
  public:
   explicit LineLayer(const Gl& gl);
-  void upload(const Frame& frame, DrawStats& stats);
+  void upload(const Frame& frame);
   void draw(const Frame& frame, const Pass& pass);
 
  private:
@@ -88,8 +99,7 @@ class BackdropLayer {
 class TextLayer {
  public:
   explicit TextLayer(const Gl& gl);
-  ~TextLayer();
-  void upload(const Frame& frame, const Camera& camera, const Target& target, float scale, DrawStats& stats);
+  void upload(const Frame& frame, const Camera& camera, const Target& target, float scale);
   void draw(const Pass& pass);
 
  private:
@@ -101,7 +111,7 @@ class TextLayer {
 
   const Gl& gl_;
   std::unique_ptr<Program> program_;
-  GLuint atlas_ = 0;
+  GlObject atlas_;
   Buffer glyphs_;
   VertexArray array_;
   std::vector<Glyph> list_;

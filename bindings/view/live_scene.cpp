@@ -73,10 +73,7 @@ bool LiveScene::make_anew(Recipe recipe, ReloadMode mode, bool forgiving) {
   const bool catch_up = mode == ReloadMode::catch_up && world_time > 0;
   adopt(std::move(run), std::move(recipe));
   clock_offset_ = recipe_.kept ? recipe_.kept->time : 0;
-  if (catch_up) {
-    catch_up_from_ = 0;
-    catch_up_to_ = static_cast<std::uint64_t>(std::llround(clock / world().desc().dt));
-  }
+  if (catch_up) catch_up_to_ = static_cast<std::uint64_t>(std::llround(clock / world().desc().dt));
   return true;
 }
 
@@ -143,7 +140,7 @@ void LiveScene::one_step() {
     paused_ = true;
   }
   smooth(step_seconds_, wall_seconds() - began, 0.1);
-  note_marks();
+  record_marks();
   record();
 }
 
@@ -156,7 +153,7 @@ void LiveScene::record() {
   smooth(snapshot_seconds_, wall_seconds() - began, 0.1);
 }
 
-void LiveScene::note_marks() {
+void LiveScene::record_marks() {
   World& w = world();
   for (const Event& e : w.events().list()) {
     if (!is_marked(e.kind)) continue;
@@ -352,13 +349,6 @@ void LiveScene::let_go(bool pin) {
 void LiveScene::set_param(const std::string& name, const std::string& value) {
   if (!run_) return;
   recipe_.host.set[name] = value;
-  make_anew(recipe_, mode_ == ReloadMode::keep ? mode_ : ReloadMode::from_start, false);
-}
-
-void LiveScene::reset_params() {
-  if (!run_) return;
-  recipe_.host.set = options_.host.set;
-  recipe_.host.world = options_.host.world;
   make_anew(recipe_, mode_ == ReloadMode::keep ? mode_ : ReloadMode::from_start, false);
 }
 

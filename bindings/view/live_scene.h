@@ -13,8 +13,8 @@
 #include <optional>
 
 #include "view/file_watch.h"
-#include "view/hand.h"
 #include "view/history.h"
+#include "view/picking.h"
 #include "view/scene_run.h"
 
 namespace feder::view {
@@ -80,10 +80,8 @@ class LiveScene {
 
   // Values of the user; each change makes the scene anew. The value stays when that fails.
   void set_param(const std::string& name, const std::string& value);
-  void reset_params();
   void set_world_option(const std::string& key, const std::string& value);
   const std::map<std::string, std::string>& user_params() const { return recipe_.host.set; }
-  const std::map<std::string, std::string>& user_world() const { return recipe_.host.world; }
   void restart();  // from time 0
   void reload();   // as when the file was saved
   void set_reload_mode(ReloadMode mode) { mode_ = mode; }
@@ -106,7 +104,7 @@ class LiveScene {
   bool drop_refused_param(Recipe& recipe, const std::string& message);
   void one_step();
   void record();
-  void note_marks();
+  void record_marks();
   void play_recording(double seconds);
   void run_live(double seconds);
   void catch_up();
@@ -123,7 +121,7 @@ class LiveScene {
   ReloadMode mode_;
   bool paused_ = false, rewriting_ = false;
   double speed_ = 1, due_ = 0;  // due_: simulated seconds not yet run
-  std::uint64_t stop_at_ = ~std::uint64_t(0), catch_up_to_ = 0, catch_up_from_ = 0;
+  std::uint64_t stop_at_ = ~std::uint64_t(0), catch_up_to_ = 0;
   std::optional<std::uint64_t> cursor_;  // step that is shown, when it is past
   std::string present_;                  // snapshot of the present while the past is shown
   std::uint64_t present_step_ = 0;

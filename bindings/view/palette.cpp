@@ -13,7 +13,6 @@ struct Lab {
   float l, a, b;
 };
 
-float to_linear(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f); }
 float to_srgb(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f; }
 std::uint8_t byte(float x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255)); }
 
@@ -52,6 +51,8 @@ float unit(std::uint32_t bits) { return static_cast<float>(bits & 0xffff) / 6553
 constexpr float kHues[] = {72, 195, 32, 252, 145, 305, 95, 225, 5, 275};
 
 }  // namespace
+
+float to_linear(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
 
 Color rgb(std::uint32_t hex) {
   return {static_cast<std::uint8_t>(hex >> 16 & 255), static_cast<std::uint8_t>(hex >> 8 & 255),

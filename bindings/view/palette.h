@@ -18,6 +18,7 @@ Color asleep(Color c);                    // greyer
 Color mixed(Color a, Color b, float t);   // t = 0: a
 // Blue (compressed) over grey (at rest) to red (stretched); `strain` -1..1 of full scale.
 Color strain_color(float strain);
+float to_linear(float srgb);  // 0 .. 1
 // Perceptual ramp for scalars, t in 0..1: deep blue, teal, green, yellow.
 Color ramp_color(float t);
 

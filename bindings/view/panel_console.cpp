@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 #include "view/window.h"
 
@@ -30,12 +30,12 @@ int on_history(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
-void run_line(Desk& desk, const std::string& text) {
-  Console& c = desk.console;
+void run_line(PanelLayout& layout, const std::string& text) {
+  Console& c = layout.console;
   c.add(ConsoleLine::input, "> " + text);
   if (c.past.empty() || c.past.back() != text) c.past.push_back(text);
   c.past_at = -1;
-  desk.live.run_text(
+  layout.live.run_text(
       text, [&c](const std::string& said, bool good) { c.add(good ? ConsoleLine::output : ConsoleLine::error, said); });
 }
 
@@ -57,18 +57,16 @@ void draw_lines(Console& c, float height) {
 
 }  // namespace
 
-void draw_console(Desk& desk, const Layout& l) {
-  if (l.console == 0) return;
-  Console& c = desk.console;
-  ImGui::SetNextWindowPos({l.left, l.height - l.bottom - l.console});
-  ImGui::SetNextWindowSize({l.width - l.left - l.right, l.console});
-  ImGui::Begin("console", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+void draw_console(PanelLayout& layout, const PanelSizes& sizes) {
+  if (sizes.console == 0) return;
+  Console& c = layout.console;
+  begin_panel("console", {sizes.left, sizes.height - sizes.bottom - sizes.console},
+              {sizes.width - sizes.left - sizes.right, sizes.console}, ImGuiWindowFlags_NoDecoration);
   if (code_font()) ImGui::PushFont(code_font());
   if (c.lines.empty())
     c.add(ConsoleLine::print,
           "Lua in the scene: world, scene and feder are there. Try  world:find(\"crate1\"):position()");
-  draw_lines(c, l.console - ImGui::GetFrameHeight() - 28);
+  draw_lines(c, sizes.console - ImGui::GetFrameHeight() - 28);
   char text[1000];
   std::snprintf(text, sizeof text, "%s", c.input.c_str());
   ImGui::SetNextItemWidth(-1);
@@ -79,7 +77,7 @@ void draw_console(Desk& desk, const Layout& l) {
       &on_history, &c);
   c.input = text;
   if (entered) {
-    if (!c.input.empty()) run_line(desk, c.input);
+    if (!c.input.empty()) run_line(layout, c.input);
     c.input.clear();
     c.focus = true;
   }

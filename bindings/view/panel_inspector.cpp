@@ -1,15 +1,9 @@
-// The selected object: what it is, how it moves, and fields that can be edited. Every edit is a deed of the hand.
-#include "view/desk.h"
+// The selected object: what it is, how it moves, and fields that can be edited. Every edit is a Command.
 #include "view/fields.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 
 namespace feder::view {
-namespace {
-
-constexpr float kLabel = 92;
-
-}  // namespace
-
 using Row = SystemPanel;
 #include "window_declare.inc"
 
@@ -20,16 +14,16 @@ std::span<const SystemPanel> system_panels() {
   return {table.begin(), table.size()};
 }
 
-void label(const char* name) {
+void label(const char* name, float at) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(kLabel);
+  ImGui::SameLine(at);
   ImGui::SetNextItemWidth(-1);
 }
 
 void fact(const char* name, const std::string& value) {
   ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(kLabel);
+  ImGui::SameLine(92);
   ImGui::TextUnformatted(value.c_str());
 }
 
@@ -55,21 +49,21 @@ bool edit_number(const char* name, Real now, float low, float high, Real& out) {
   return changed;
 }
 
-void draw_inspector(Desk& desk) {
-  if (!desk.has_selection()) {
+void draw_inspector(PanelLayout& layout) {
+  if (!layout.has_selection()) {
     ImGui::TextWrapped("Click a thing to look at it; drag it to pull it.");
     return;
   }
-  const Objects& objects = desk.live.world().objects();
-  const ObjectId id = desk.selected->object;
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kAccent), "%s", objects.describe(id).c_str());
+  const Objects& objects = layout.live.world().objects();
+  const ObjectId id = layout.selected->object;
+  colored_text(ink::kAccent, objects.describe(id).c_str());
   for (const SystemPanel& panel : system_panels())
-    if (objects.kind(id) == *panel.kind) panel.inspect(desk, id);
-  ImGui::Checkbox("camera follows", &desk.follow);
+    if (objects.kind(id) == *panel.kind) panel.inspect(layout, id);
+  ImGui::Checkbox("camera follows", &layout.follow);
   ImGui::SameLine();
-  const bool pinned = is_pinned(desk.live.world(), *desk.selected);
+  const bool pinned = is_pinned(layout.live.world(), *layout.selected);
   if (ImGui::Button(pinned ? "free" : "pin"))
-    desk.live.act(pin_command(desk.live.world(), *desk.selected), pinned ? "free" : "pin");
+    layout.live.act(pin_command(layout.live.world(), *layout.selected), pinned ? "free" : "pin");
 }
 
 }  // namespace feder::view

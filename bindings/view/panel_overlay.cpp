@@ -1,8 +1,8 @@
-// What lies over the view: errors, the hand's spring, the scene picker and the help.
+// What lies over the view: errors, the grip's spring, the scene picker and the help.
 #include <algorithm>
 #include <cstdio>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 
 namespace feder::view {
@@ -17,7 +17,7 @@ bool message(const char* id, const char* title, const std::string& text, ImU32 c
   ImGui::PushID(id);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Indent(10);
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s", title);
+  colored_text(color, title);
   bool closed = false;
   if (closable) {
     ImGui::SameLine(width - 30);
@@ -34,14 +34,15 @@ bool message(const char* id, const char* title, const std::string& text, ImU32 c
 
 }  // namespace
 
-void draw_messages(Desk& desk, const Layout& l) {
-  LiveScene& live = desk.live;
+void draw_messages(PanelLayout& layout, const PanelSizes& sizes) {
+  LiveScene& live = layout.live;
   static const std::vector<lua::HandlerError> none;
   const auto& errors = live.has_scene() ? live.script().handler_errors() : none;
-  if (desk.show_picker) return;  // it stands in the same place
+  if (layout.show_picker) return;  // it stands in the same place
   if (live.error().empty() && live.notice().empty() && errors.empty()) return;
-  const float width = std::min(720.0f, l.width - l.left - l.right - 40);
-  ImGui::SetNextWindowPos({l.left + (l.width - l.left - l.right) / 2, l.top + 14}, ImGuiCond_Always, {0.5f, 0});
+  const float width = std::min(720.0f, sizes.width - sizes.left - sizes.right - 40);
+  ImGui::SetNextWindowPos({sizes.left + (sizes.width - sizes.left - sizes.right) / 2, sizes.top + 14}, ImGuiCond_Always,
+                          {0.5f, 0});
   ImGui::SetNextWindowSize({width, 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(38, 28, 30, 236));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
@@ -64,18 +65,17 @@ void draw_messages(Desk& desk, const Layout& l) {
   ImGui::PopStyleColor();
 }
 
-void draw_hand(Desk& desk, float scale, const Target& t) {
-  if (!desk.live.has_scene()) return;
+void draw_grip(PanelLayout& layout, float scale, const Target& t) {
+  if (!layout.live.has_scene()) return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const auto screen = [&](const Vec3& x, ImVec2& out) {
-    const float p[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
-    if (!desk.camera.project(p, t.width, t.height, out.x, out.y)) return false;
+    if (!layout.camera.project(to_float3(x), t.width, t.height, out.x, out.y)) return false;
     out.x /= scale, out.y /= scale;
     return true;
   };
-  if (desk.live.held() && alive(desk.live.world(), *desk.live.held())) {
+  if (layout.live.held() && alive(layout.live.world(), *layout.live.held())) {
     ImVec2 a, b;
-    if (screen(grip_position(desk.live.world(), *desk.live.held()), a) && screen(desk.live.held()->target, b)) {
+    if (screen(grip_position(layout.live.world(), *layout.live.held()), a) && screen(layout.live.held()->target, b)) {
       list->AddLine(a, b, ink::kAccent, 2);
       list->AddCircleFilled(a, 4, ink::kText);
       list->AddCircle(b, 6, ink::kAccent, 0, 2);
@@ -83,28 +83,23 @@ void draw_hand(Desk& desk, float scale, const Target& t) {
   }
 }
 
-void draw_picker(Desk& desk, const Layout& l) {
-  if (!desk.show_picker) return;
-  const float width = std::min(520.0f, l.width - 40), height = std::min(520.0f, l.height - 120);
-  ImGui::SetNextWindowPos({l.width / 2, l.top + 30}, ImGuiCond_Always, {0.5f, 0});
+void draw_picker(PanelLayout& layout, const PanelSizes& sizes) {
+  if (!layout.show_picker) return;
+  const float width = std::min(520.0f, sizes.width - 40), height = std::min(520.0f, sizes.height - 120);
   ImGui::SetNextWindowSize({width, height});
-  ImGui::SetNextWindowFocus();
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
-  ImGui::Begin("scenes", &desk.show_picker,
-               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoSavedSettings);
+  begin_dialog("scenes", layout.show_picker, {sizes.width / 2, sizes.top + 30}, {0.5f, 0});
   char text[120];
-  std::snprintf(text, sizeof text, "%s", desk.search.c_str());
+  std::snprintf(text, sizeof text, "%s", layout.search.c_str());
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   const bool enter =
       ImGui::InputTextWithHint("##search", "search", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue);
-  desk.search = text;
+  layout.search = text;
   ImGui::BeginChild("list");
   bool first = true;
-  for (const SceneEntry& e : desk.scenes) {
-    if (!matches(e, desk.search)) continue;
-    const bool here = std::filesystem::absolute(desk.live.file()).lexically_normal() == e.file;
+  for (const SceneEntry& e : layout.scenes) {
+    if (!matches(e, layout.search)) continue;
+    const bool here = std::filesystem::absolute(layout.live.file()).lexically_normal() == e.file;
     ImGui::PushID(e.name.c_str());
     const bool clicked = ImGui::Selectable("##scene", here, 0, {0, 22});
     ImGui::PopID();
@@ -113,17 +108,16 @@ void draw_picker(Desk& desk, const Layout& l) {
     ImGui::TextUnformatted(e.name.c_str());
     ImGui::SameLine(220);
     ImGui::TextDisabled("%s", e.title.c_str());
-    if (clicked || (enter && first)) desk.open_file = e.file.string(), desk.show_picker = false;
+    if (clicked || (enter && first)) layout.open_file = e.file.string(), layout.show_picker = false;
     first = false;
   }
   if (first) ImGui::TextDisabled("no scene has these words");
   ImGui::EndChild();
-  ImGui::End();
-  ImGui::PopStyleVar();
+  end_dialog();
 }
 
-void draw_help(Desk& desk, const Layout& l) {
-  if (!desk.show_help) return;
+void draw_help(PanelLayout& layout, const PanelSizes& sizes) {
+  if (!layout.show_help) return;
   static const char* const rows[][2] = {{"space", "run, pause"},
                                         {"right, left", "one step, one step back"},
                                         {"R", "start over"},
@@ -148,23 +142,18 @@ void draw_help(Desk& desk, const Layout& l) {
                                         {"F5", "reload"},
                                         {"F12", "save a picture"},
                                         {"F1", "this help"}};
-  ImGui::SetNextWindowPos({l.width / 2, l.height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowFocus();
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
-  ImGui::Begin("keys and mouse", &desk.show_help,
-               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize);
+  begin_dialog("keys and mouse", layout.show_help, {sizes.width / 2, sizes.height / 2}, {0.5f, 0.5f},
+               ImGuiWindowFlags_AlwaysAutoResize);
   for (const auto& row : rows) {
     if (!row[0][0]) {
       ImGui::Spacing();
       continue;
     }
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink::kAccent), "%s", row[0]);
+    colored_text(ink::kAccent, row[0]);
     ImGui::SameLine(160);
     ImGui::TextUnformatted(row[1]);
   }
-  ImGui::End();
-  ImGui::PopStyleVar();
+  end_dialog();
 }
 
 }  // namespace feder::view

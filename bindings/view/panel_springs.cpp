@@ -1,5 +1,6 @@
 // Nets and their points in the inspector.
-#include <cstdio>
+
+#include <fmt/format.h>
 
 #include "feder/net.h"
 #include "view/fields.h"
@@ -7,21 +8,18 @@
 namespace feder::view {
 namespace {
 
-void inspect_net(Desk& desk, ObjectId id) {
-  Springs& springs = *desk.live.world().find<Springs>();
-  char text[80];
-  std::snprintf(text, sizeof text, "%zu points, %zu springs", springs.point_count(id), springs.spring_count(id));
-  fact("net", text);
-  if (desk.selected->point == kNone) return;
-  const std::uint32_t i = desk.selected->point;
-  std::snprintf(text, sizeof text, "%u of %zu, %.4g kg%s", i + 1, springs.point_count(id),
-                static_cast<double>(springs.point_mass(id, i)), springs.pinned(id, i) ? ", pinned" : "");
-  fact("point", text);
+void inspect_net(PanelLayout& layout, ObjectId id) {
+  Springs& springs = *layout.live.world().find<Springs>();
+  fact("net", fmt::format("{} points, {} springs", springs.point_count(id), springs.spring_count(id)));
+  if (layout.selected->point == kNone) return;
+  const std::uint32_t i = layout.selected->point;
+  fact("point", fmt::format("{} of {}, {:.4g} kg{}", i + 1, springs.point_count(id), springs.point_mass(id, i),
+                            springs.pinned(id, i) ? ", pinned" : ""));
   Vec3 x = springs.point(id, i), v = springs.velocity(id, i);
   if (edit_vector("position", x, 0.01f))
-    desk.live.act([id, i, x](lua::Script& s) { s.world()->find<Springs>()->set_point(id, i, x); }, "position");
+    layout.live.act([id, i, x](lua::Script& s) { s.world()->find<Springs>()->set_point(id, i, x); }, "position");
   if (edit_vector("velocity", v, 0.05f))
-    desk.live.act([id, i, v](lua::Script& s) { s.world()->find<Springs>()->set_velocity(id, i, v); }, "velocity");
+    layout.live.act([id, i, v](lua::Script& s) { s.world()->find<Springs>()->set_velocity(id, i, v); }, "velocity");
 }
 
 }  // namespace

@@ -1,23 +1,16 @@
 // The bar below: run, step, speed, and the timeline with its marks.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 #include "view/theme.h"
 
 namespace feder::view {
 namespace {
 
 enum class Icon { play, pause, forward, back, start, present };
-
-void bar_window(const char* name, float x, float y, float w, float h) {
-  ImGui::SetNextWindowPos({x, y});
-  ImGui::SetNextWindowSize({w, h});
-  ImGui::Begin(name, nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus);
-}
 
 bool icon_button(Icon icon, const char* help, bool wide = false) {
   ImGui::PushID(static_cast<int>(icon));
@@ -53,8 +46,8 @@ ImU32 mark_color(const std::string& kind) {
   return IM_COL32(120, 128, 140, 255);
 }
 
-void draw_buttons(Desk& desk) {
-  LiveScene& live = desk.live;
+void draw_buttons(PanelLayout& layout) {
+  LiveScene& live = layout.live;
   if (icon_button(Icon::start, "start over (R)")) live.restart();
   if (icon_button(Icon::back, "one step back (left arrow)")) live.step_back();
   const bool running = !live.paused();
@@ -74,10 +67,10 @@ void draw_buttons(Desk& desk) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("simulated seconds per second (+ and -; right click: 1x)");
 }
 
-const Mark* mark_near(const Desk& desk, double from, double to, float low, float width) {
+const Mark* mark_near(const PanelLayout& layout, double from, double to, float low, float width) {
   const Mark* best = nullptr;
   float nearest = 5;
-  for (const Mark& m : desk.live.history().marks()) {
+  for (const Mark& m : layout.live.history().marks()) {
     const float x = low + width * static_cast<float>((m.time - from) / (to - from));
     const float away = std::abs(ImGui::GetIO().MousePos.x - x);
     if (away < nearest) nearest = away, best = &m;
@@ -85,8 +78,8 @@ const Mark* mark_near(const Desk& desk, double from, double to, float low, float
   return best;
 }
 
-void draw_timeline(Desk& desk) {
-  LiveScene& live = desk.live;
+void draw_timeline(PanelLayout& layout) {
+  LiveScene& live = layout.live;
   const History& h = live.history();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const float width = std::max(60.0f, ImGui::GetContentRegionAvail().x), height = 28;
@@ -109,16 +102,14 @@ void draw_timeline(Desk& desk) {
     d->AddRectFilled({low.x, high.y - 4}, {low.x + width * static_cast<float>(live.catch_up_share()), high.y},
                      ink::kAccent, 2);
   d->AddRectFilled({at(shown) - 1.5f, low.y}, {at(shown) + 1.5f, high.y}, live.in_past() ? ink::kWarn : ink::kText);
-  char text[80];
-  std::snprintf(text, sizeof text, "%.2f s", live.clock_of(from));
-  d->AddText({low.x + 6, low.y + 2}, ink::kDim, text);
+  d->AddText({low.x + 6, low.y + 2}, ink::kDim, fmt::format("{:.2f} s", live.clock_of(from)).c_str());
   if (ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - low.x) / width, 0.0f, 1.0f);
     live.set_paused(true);
     live.scrub(static_cast<std::uint64_t>(std::llround((from + share * (to - from)) / live.world().desc().dt)));
   } else if (ImGui::IsItemHovered()) {
     const double time = from + (ImGui::GetIO().MousePos.x - low.x) / width * (to - from);
-    if (const Mark* m = mark_near(desk, from, to, low.x, width))
+    if (const Mark* m = mark_near(layout, from, to, low.x, width))
       ImGui::SetTooltip("%.3f s, step %llu: %s %s%s", live.clock_of(m->time), static_cast<unsigned long long>(m->step),
                         m->kind.c_str(), m->label.c_str(),
                         m->count > 1 ? (" and " + std::to_string(m->count - 1) + " more").c_str() : "");
@@ -129,43 +120,41 @@ void draw_timeline(Desk& desk) {
 
 }  // namespace
 
-void draw_transport(Desk& desk, const Layout& l) {
-  bar_window("transport", 0, l.height - l.bottom, l.width, l.bottom);
-  if (desk.live.has_scene()) {
-    LiveScene& live = desk.live;
-    ImGui::SetCursorPosY((l.bottom - 28) / 2);
-    draw_buttons(desk);
+void draw_transport(PanelLayout& layout, const PanelSizes& sizes) {
+  begin_panel("transport", {0, sizes.height - sizes.bottom}, {sizes.width, sizes.bottom}, kBar);
+  if (layout.live.has_scene()) {
+    LiveScene& live = layout.live;
+    ImGui::SetCursorPosY((sizes.bottom - 28) / 2);
+    draw_buttons(layout);
     ImGui::SameLine(0, 14);
-    char clock[96];
-    std::snprintf(clock, sizeof clock, "%.3f s", live.shown_time());
     ImGui::BeginGroup();
-    const float y = (l.bottom - 36) / 2;
+    const float y = (sizes.bottom - 36) / 2;
     ImGui::SetCursorPosY(y);
-    ImGui::TextUnformatted(clock);
+    ImGui::TextUnformatted(fmt::format("{:.3f} s", live.shown_time()).c_str());
     ImGui::SetCursorPosY(y + 18);
     const char* state = live.rewriting()     ? "living again"
                         : live.catching_up() ? "catching up"
                         : live.in_past()     ? "past"
                         : live.paused()      ? "paused"
                                              : "running";
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(live.in_past() || live.catching_up() ? ink::kWarn : ink::kDim),
-                       "%s, step %llu", state, static_cast<unsigned long long>(live.shown_step()));
+    colored_text(live.in_past() || live.catching_up() ? ink::kWarn : ink::kDim,
+                 fmt::format("{}, step {}", state, live.shown_step()).c_str());
     ImGui::EndGroup();
     ImGui::SameLine(620);
-    ImGui::SetCursorPosY((l.bottom - 28) / 2);
-    draw_timeline(desk);
+    ImGui::SetCursorPosY((sizes.bottom - 28) / 2);
+    draw_timeline(layout);
   } else {
     ImGui::TextDisabled("no scene");
   }
   ImGui::End();
 }
 
-void draw_top_bar(Desk& desk, const Layout& l) {
-  bar_window("top", 0, 0, l.width, l.top);
-  LiveScene& live = desk.live;
+void draw_top_bar(PanelLayout& layout, const PanelSizes& sizes) {
+  begin_panel("top", {0, 0}, {sizes.width, sizes.top}, kBar);
+  LiveScene& live = layout.live;
   ImGui::SetCursorPosY(6);
   const std::string name = live.has_scene() ? live.title() : live.file().filename().string();
-  if (ImGui::Button((name + "  ##scene").c_str())) desk.show_picker = true;
+  if (ImGui::Button((name + "  ##scene").c_str())) layout.show_picker = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nclick for other scenes (/)", live.file().string().c_str());
   ImGui::SameLine(0, 14);
   ImGui::AlignTextToFramePadding();
@@ -179,21 +168,21 @@ void draw_top_bar(Desk& desk, const Layout& l) {
     ImGui::SetTooltip(
         "catch up: made anew and run to the same time\nstart over: made anew\n"
         "keep objects: those with the same name stay where they are");
-  char text[160];
-  std::snprintf(text, sizeof text, "%.2f ms/step   %s%.0f fps   draw %.1f ms", live.step_seconds() * 1000,
-                live.slowness() < 0.9 ? "slower than real time   " : "", 1000 / std::max(desk.frame_ms, 1e-3),
-                desk.cpu_ms);
+  const std::string text = fmt::format("{:.2f} ms/step   {}{:.0f} fps   draw {:.1f} ms", live.step_seconds() * 1000,
+                                       live.slowness() < 0.9 ? "slower than real time   " : "",
+                                       1000 / std::max(layout.frame_ms, 1e-3), layout.cpu_ms);
+  const float text_width = ImGui::CalcTextSize(text.c_str()).x;
   const char* const buttons[] = {"console", "panels", "help"};
-  float right = ImGui::CalcTextSize(text).x + 24;
+  float right = text_width + 24;
   for (const char* b : buttons) right += ImGui::CalcTextSize(b).x + 24;
-  ImGui::SameLine(std::max(ImGui::GetCursorPosX() + 420, l.width - right - 12));
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(live.slowness() < 0.9 ? ink::kWarn : ink::kDim), "%s", text);
-  ImGui::SameLine(l.width - (right - ImGui::CalcTextSize(text).x - 24) - 8);
-  if (ImGui::Button("console")) desk.show_console = !desk.show_console, desk.console.focus = true;
+  ImGui::SameLine(std::max(ImGui::GetCursorPosX() + 420, sizes.width - right - 12));
+  colored_text(live.slowness() < 0.9 ? ink::kWarn : ink::kDim, text.c_str());
+  ImGui::SameLine(sizes.width - (right - text_width - 24) - 8);
+  if (ImGui::Button("console")) layout.show_console = !layout.show_console, layout.console.focus = true;
   ImGui::SameLine();
-  if (ImGui::Button("panels")) desk.show_left = desk.show_right = !(desk.show_left || desk.show_right);
+  if (ImGui::Button("panels")) layout.show_left = layout.show_right = !(layout.show_left || layout.show_right);
   ImGui::SameLine();
-  if (ImGui::Button("help")) desk.show_help = !desk.show_help;
+  if (ImGui::Button("help")) layout.show_help = !layout.show_help;
   ImGui::End();
 }
 

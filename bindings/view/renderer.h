@@ -33,8 +33,6 @@ struct DrawOptions {
 
 struct DrawStats {
   int draw_calls = 0;
-  std::size_t bytes_uploaded = 0;
-  std::size_t triangles = 0;
 };
 
 class Renderer {

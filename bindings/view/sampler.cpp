@@ -28,7 +28,7 @@ void Sampler::sample(LiveScene& live, bool curves) {
   if (fresh) {
     generation_ = live.generation();
     for (Curve& c : curves_) c.clear();
-    rows_.clear(), counted_.clear();
+    rows_.clear();
     step_ = times_step_ = 0;
   }
   if (!fresh && step_ == live.world_step()) return;
@@ -47,13 +47,12 @@ void Sampler::sample(LiveScene& live, bool curves) {
 TimeRow& Sampler::row(const std::string& label, const std::string& detail) {
   for (TimeRow& r : rows_)
     if (r.label == label && r.detail == detail) return r;
-  rows_.push_back({label, detail, 0, 0, 0});
-  counted_.push_back({0, 0});
+  rows_.push_back({label, detail});
   return rows_.back();
 }
 
 void Sampler::sample_times(LiveScene& live) {
-  // ten looks a second of simulated time are enough, and steadier
+  // ten samples a second of simulated time are enough, and steadier
   const std::uint64_t steps = step_ - times_step_;
   if (steps < 6 && times_step_ > 0) return;
   if (steps == 0) return;
@@ -62,14 +61,13 @@ void Sampler::sample_times(LiveScene& live) {
                          std::uint64_t calls) {
     TimeRow& r = row(label, detail);
     r.depth = depth;
-    auto& last = counted_[static_cast<std::size_t>(&r - rows_.data())];
-    if (calls < last.second) last = {0, 0};  // counters were reset
-    last.first = std::min(last.first, ns);   // what was not clocked is estimated
+    if (calls < r.counted_calls) r.counted_ns = r.counted_calls = 0;  // counters were reset
+    r.counted_ns = std::min(r.counted_ns, ns);                        // what was not clocked is estimated
     const double per_step = 1.0 / static_cast<double>(steps);
-    const double ms = static_cast<double>(ns - last.first) * 1e-6 * per_step;
-    r.ms = last.second == 0 ? ms : r.ms + 0.3 * (ms - r.ms);
-    r.calls = static_cast<double>(calls - last.second) * per_step;
-    last = {ns, calls};
+    const double ms = static_cast<double>(ns - r.counted_ns) * 1e-6 * per_step;
+    r.ms = r.counted_calls == 0 ? ms : r.ms + 0.3 * (ms - r.ms);
+    r.calls = static_cast<double>(calls - r.counted_calls) * per_step;
+    r.counted_ns = ns, r.counted_calls = calls;
   };
   for (const PlanNode& n : live.world().plan().nodes())
     count(n.name, n.system, StepPlan::depth(n), static_cast<std::uint64_t>(n.counter.total_nanoseconds()),

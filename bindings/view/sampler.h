@@ -1,5 +1,5 @@
 // Curves and times for the panels: values over simulated time, and how long each pass of the plan and each
-// handler takes. Looks at a scene once per picture; computes nothing that is not asked for.
+// handler takes. Samples a scene once per picture; computes nothing that is not asked for.
 #pragma once
 #include <string>
 #include <vector>
@@ -33,6 +33,7 @@ struct TimeRow {
   int depth = 0;              // loops around it, below the step
   double ms = 0;              // per step, smoothed
   double calls = 0;           // per step
+  std::uint64_t counted_ns = 0, counted_calls = 0;  // at the last sample
 };
 
 class Sampler {
@@ -49,7 +50,6 @@ class Sampler {
   std::vector<Curve> curves_ = {Curve("energy", "J"), Curve("kinetic energy", "J"), Curve("deepest contact", "mm"),
                                 Curve("step", "ms")};
   std::vector<TimeRow> rows_;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> counted_;  // (ns, calls) per row at the last look
   std::uint64_t generation_ = 0, step_ = 0, times_step_ = 0;
 };
 

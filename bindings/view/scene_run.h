@@ -3,14 +3,31 @@
 // cannot be copied, but it can be lived again.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "feder/lua.h"
-#include "view/kept_state.h"
+#include "view/picking.h"
 
 namespace feder::view {
+
+// What survives a reload that keeps the world: objects with the same name go on from where they are.
+// Named objects that can move, by view and name; those that share a name are told apart by their order.
+using NamedStates = std::map<const ObjectView*, std::map<std::string, std::vector<Kept>>>;
+
+NamedStates named_states(World& world);
+
+struct KeptState {
+  NamedStates start;  // as the old scene file built them
+  NamedStates now;    // when the new file came
+  double time = 0;    // s, shown by the clock then
+};
+
+// `world` has just been built. An object that the old and the new file start in the same way goes on from where it was;
+// where the file says something new, the file is right.
+void apply_kept(World& world, const KeptState& kept);
 
 // What a scene is made from.
 struct Recipe {
@@ -47,7 +64,6 @@ class SceneRun {
   lua::Script& script() { return *script_; }
   World& world() { return *script_->world(); }
   const NamedStates& start() const { return start_; }
-  int kept_objects() const { return kept_; }
 
  private:
   SceneRun() = default;
@@ -55,7 +71,6 @@ class SceneRun {
 
   std::unique_ptr<lua::Script> script_;
   NamedStates start_;
-  int kept_ = 0;
   std::vector<Deed> deeds_, due_;
   std::size_t next_due_ = 0;
 };

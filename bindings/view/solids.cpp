@@ -6,27 +6,17 @@
 #include "view/palette.h"
 
 namespace feder::view {
-namespace {
-
-Vec3 vec(const float v[3]) { return vec3(Real(v[0]), Real(v[1]), Real(v[2])); }
-void put(float out[3], const Vec3& v) {
-  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
-}
-
-}  // namespace
 
 Solid solid(const Instance& in, const Geometry& g) {
   Solid s;
   s.object = in.object, s.color = in.color, s.indices = g.indices;
   const Quat q{Real(in.rotation[0]), Real(in.rotation[1]), Real(in.rotation[2]), Real(in.rotation[3])};
   for (const Vertex& v : g.vertices) {
-    Vec3 x = vec(v.position), n = vec(v.normal);
+    Vec3 x = to_vec3(v.position), n = to_vec3(v.normal);
     for (int k = 0; k < 3; ++k) x[k] *= Real(in.scale[k]), n[k] /= Real(in.scale[k]);
     x[1] += Real(v.side * in.stretch);
-    MeshVertex out{};
-    put(out.position, vec(in.position) + rotate(q, x));
-    put(out.normal, normalized_or(rotate(q, n), vec3(0, 1, 0)));
-    s.vertices.push_back(out);
+    s.vertices.push_back(
+        {to_float3(to_vec3(in.position) + rotate(q, x)), to_float3(normalized_or(rotate(q, n), vec3(0, 1, 0)))});
   }
   return s;
 }
@@ -35,28 +25,25 @@ Solid solid(const Ground& ground, const Frame& frame) {
   Vec3 center = Vec3::Zero();
   Real half = 5;
   if (!frame.bounds.empty()) {
-    center = (vec(frame.bounds.low) + vec(frame.bounds.high)) / 2;
-    half = std::max(half, 2 * (vec(frame.bounds.high) - vec(frame.bounds.low)).cwiseAbs().maxCoeff());
+    const Vec3 low = to_vec3(frame.bounds.low), high = to_vec3(frame.bounds.high);
+    center = (low + high) / 2;
+    half = std::max(half, 2 * (high - low).cwiseAbs().maxCoeff());
   }
-  const Vec3 n = vec(ground.normal);
+  const Vec3 n = to_vec3(ground.normal);
   center -= (dot(n, center) - Real(ground.distance)) * n;
   Vec3 u = vec3(1, 0, 0), v = vec3(0, 0, -1);
   if (n[1] < Real(0.9999)) tangent_frame(n, u, v);
   Solid s;
   s.object = ground.object.slot, s.color = ground.color;
   s.indices = {0, 1, 2, 0, 2, 3};
-  for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    MeshVertex vertex{};
-    put(vertex.position, center + half * (Real(a) * u + Real(b) * v));
-    put(vertex.normal, n);
-    s.vertices.push_back(vertex);
-  }
+  for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+    s.vertices.push_back({to_float3(center + half * (Real(a) * u + Real(b) * v)), to_float3(n)});
   return s;
 }
 
 Instance ball_instance(const Point& p, Color color, std::uint32_t object) {
   Instance i;
-  for (int k = 0; k < 3; ++k) i.position[k] = p.position[k], i.scale[k] = p.radius;
+  i.position = p.position, i.scale = {p.radius, p.radius, p.radius};
   i.color = color, i.object = object;
   return i;
 }

@@ -15,14 +15,13 @@ using report::Json;
 Json vector_json(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
 
 // Where the named bodies and the ends of the nets are on the screen, in mouse units.
-Json screen_json(Desk& desk, const Target& t, float scale) {
+Json screen_json(PanelLayout& layout, const Target& t, float scale) {
   constexpr std::size_t kNames = 64;
-  World& w = desk.live.world();
+  World& w = layout.live.world();
   Json all = Json::object();
   const auto add = [&](const std::string& name, const Vec3& x) {
-    const float p[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
     float sx = 0, sy = 0;
-    if (name.empty() || all.size() >= kNames || !desk.camera.project(p, t.width, t.height, sx, sy)) return;
+    if (name.empty() || all.size() >= kNames || !layout.camera.project(to_float3(x), t.width, t.height, sx, sy)) return;
     all[name] = {{"screen", {sx / scale, sy / scale}}, {"position", vector_json(x)}};
   };
   for (const ObjectView* view : object_views())
@@ -33,8 +32,8 @@ Json screen_json(Desk& desk, const Target& t, float scale) {
   return all;
 }
 
-void scene_json(Desk& desk, const Target& t, float scale, Json& json) {
-  LiveScene& live = desk.live;
+void scene_json(PanelLayout& layout, const Target& t, float scale, Json& json) {
+  LiveScene& live = layout.live;
   char hash[20];
   std::snprintf(hash, sizeof hash, "%016" PRIx64, live.world().hash());
   json["time"] = live.shown_time();
@@ -50,14 +49,14 @@ void scene_json(Desk& desk, const Target& t, float scale, Json& json) {
   json["handler_errors"] = errors;
   json["params"] = live.user_params();
   json["held"] = live.held().has_value();
-  json["selected"] = desk.has_selection() ? Json(live.world().objects().describe(desk.selected->object)) : Json();
-  json["objects"] = screen_json(desk, t, scale);
+  json["selected"] = layout.has_selection() ? Json(live.world().objects().describe(layout.selected->object)) : Json();
+  json["objects"] = screen_json(layout, t, scale);
 }
 
 }  // namespace
 
-void write_status(Desk& desk, const Target& t, float scale, const std::string& file) {
-  LiveScene& live = desk.live;
+void write_status(PanelLayout& layout, const Target& t, float scale, const std::string& file) {
+  LiveScene& live = layout.live;
   Json json;
   json["file"] = live.file().string();
   json["title"] = live.title();
@@ -66,10 +65,10 @@ void write_status(Desk& desk, const Target& t, float scale, const std::string& f
   json["generation"] = live.generation();
   json["reloads"] = live.reloads();
   json["reload_seconds"] = live.reload_seconds();
-  json["pictures"] = desk.pictures;
-  json["frame_ms"] = desk.frame_ms;
-  json["camera"] = {{"yaw", desk.camera.yaw}, {"pitch", desk.camera.pitch}, {"distance", desk.camera.distance}};
-  if (live.has_scene()) scene_json(desk, t, scale, json);
+  json["pictures"] = layout.pictures;
+  json["frame_ms"] = layout.frame_ms;
+  json["camera"] = {{"yaw", layout.camera.yaw}, {"pitch", layout.camera.pitch}, {"distance", layout.camera.distance}};
+  if (live.has_scene()) scene_json(layout, t, scale, json);
   const std::string part = file + ".part";
   std::ofstream(part, std::ios::binary) << report::to_text(json);
   std::error_code ignored;

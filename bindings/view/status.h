@@ -2,11 +2,11 @@
 #pragma once
 #include <string>
 
-#include "view/desk.h"
+#include "view/panel_layout.h"
 
 namespace feder::view {
 
 // Written beside the file and renamed, so that readers never see half of it.
-void write_status(Desk& desk, const Target& target, float pixels_per_unit, const std::string& file);
+void write_status(PanelLayout& layout, const Target& target, float pixels_per_unit, const std::string& file);
 
 }  // namespace feder::view

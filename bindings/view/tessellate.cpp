@@ -1,20 +1,20 @@
 #include "view/tessellate.h"
 
 #include <cmath>
+#include <tuple>
 
 namespace feder::view {
 namespace {
 
 constexpr int kRings = 8;  // from equator to pole
 
-P cross(P a, P b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-P unit(P a) {
-  const float n = std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
-  return n > 0 ? (1 / n) * a : P{0, 1, 0};
+Float3 unit(Float3 a) {
+  const float n = length(a);
+  return n > 0 ? (1 / n) * a : Float3{0, 1, 0};
 }
 
-std::uint32_t add(Geometry& g, P p, P n, float edge = 0, float side = 0) {
-  g.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, side, edge});
+std::uint32_t add(Geometry& g, Float3 p, Float3 n, float edge = 0, float side = 0) {
+  g.vertices.push_back({p, n, side, edge});
   return static_cast<std::uint32_t>(g.vertices.size() - 1);
 }
 void triangle(Geometry& g, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -23,18 +23,18 @@ void triangle(Geometry& g, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
 
 }  // namespace
 
-void face(Geometry& g, const std::vector<P>& loop, P normal) {
-  P middle{0, 0, 0};
-  for (P p : loop) middle = middle + (1 / static_cast<float>(loop.size())) * p;
+void face(Geometry& g, const std::vector<Float3>& loop, Float3 normal) {
+  Float3 middle{0, 0, 0};
+  for (Float3 p : loop) middle = middle + (1 / static_cast<float>(loop.size())) * p;
   const std::uint32_t center = add(g, middle, normal);
-  for (P p : loop) add(g, p, normal, 1);
+  for (Float3 p : loop) add(g, p, normal, 1);
   const auto n = static_cast<std::uint32_t>(loop.size());
   for (std::uint32_t i = 0; i < n; ++i) triangle(g, center, center + 1 + i, center + 1 + (i + 1) % n);
 }
 
 void prism(Geometry& g, const std::vector<Outline>& outline, float depth) {
   const float h = depth / 2;
-  std::vector<P> front, back;
+  std::vector<Float3> front, back;
   for (const Outline& o : outline) front.push_back({o.at.x, o.at.y, h});
   for (std::size_t i = outline.size(); i-- > 0;) back.push_back({outline[i].at.x, outline[i].at.y, -h});
   face(g, front, {0, 0, 1});
@@ -42,20 +42,22 @@ void prism(Geometry& g, const std::vector<Outline>& outline, float depth) {
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Outline &a = outline[i], &b = outline[(i + 1) % outline.size()];
     const std::uint32_t v = add(g, {a.at.x, a.at.y, -h}, a.normal);
-    add(g, {b.at.x, b.at.y, -h}, b.normal), add(g, {b.at.x, b.at.y, h}, b.normal),
-        add(g, {a.at.x, a.at.y, h}, a.normal);
+    add(g, {b.at.x, b.at.y, -h}, b.normal);
+    add(g, {b.at.x, b.at.y, h}, b.normal);
+    add(g, {a.at.x, a.at.y, h}, a.normal);
     triangle(g, v, v + 1, v + 2), triangle(g, v, v + 2, v + 3);
   }
 }
 
-Geometry frustum(float bottom, float top) {
+Geometry frustum(const char* kind, float bottom, float top) {
   Geometry g;
-  std::vector<P> low, high;
+  g.kind = kind;
+  std::vector<Float3> low, high;
   const float slope = bottom - top;
   for (int i = 0; i <= kRound; ++i) {
     const float a = kTurn * static_cast<float>(i) / kRound, half = kTurn * (static_cast<float>(i) + 0.5f) / kRound;
     const float c = std::cos(a), s = -std::sin(a);
-    const P n = unit({c, slope, s}), tip = unit({std::cos(half), slope, -std::sin(half)});
+    const Float3 n = unit({c, slope, s}), tip = unit({std::cos(half), slope, -std::sin(half)});
     add(g, {bottom * c, -0.5f, bottom * s}, n), add(g, {top * c, 0.5f, top * s}, top > 0 ? n : tip);
     if (i == kRound) break;
     low.insert(low.begin(), {bottom * c, -0.5f, bottom * s});
@@ -78,7 +80,7 @@ Geometry unit_ball() {
       const float latitude = kTurn / 4 * (static_cast<float>(ring) / kRings - (half == 0 ? 1 : 0));
       for (int i = 0; i <= kRound; ++i) {
         const float a = kTurn * static_cast<float>(i) / kRound;
-        const P p{std::cos(latitude) * std::cos(a), std::sin(latitude), -std::cos(latitude) * std::sin(a)};
+        const Float3 p{std::cos(latitude) * std::cos(a), std::sin(latitude), -std::cos(latitude) * std::sin(a)};
         add(g, p, p, 0, half == 0 ? -1.0f : 1.0f);
       }
     }
@@ -96,17 +98,14 @@ Geometry tessellate_mesh(const Shape& shape) {
   Geometry g;
   g.kind = shape.kind();
   g.two_sided = true;
-  struct Walk {
-    const Shape& shape;
-    Geometry& g;
-  } walk{shape, g};
+  auto walk = std::tie(shape, g);
   const auto visit = [](void* context, std::uint32_t index) {
-    auto& w = *static_cast<Walk*>(context);
-    const Triangle t = w.shape.triangle(index);
-    const P a = point(t.a), b = point(t.b), c = point(t.c), n = unit(cross(b - a, c - a));
-    const std::uint32_t v = add(w.g, a, n);
-    add(w.g, b, n), add(w.g, c, n);
-    triangle(w.g, v, v + 1, v + 2);
+    auto& [from, to] = *static_cast<decltype(walk)*>(context);
+    const Triangle t = from.triangle(index);
+    const Float3 a = to_float3(t.a), b = to_float3(t.b), c = to_float3(t.c), n = unit(cross(b - a, c - a));
+    const std::uint32_t v = add(to, a, n);
+    add(to, b, n), add(to, c, n);
+    triangle(to, v, v + 1, v + 2);
   };
   shape.triangles_in(Aabb::everything(), visit, &walk);
   return g;
@@ -116,12 +115,20 @@ Geometry tessellate_convex(const Shape& shape) {
   Geometry g = unit_ball();
   g.kind = "convex";
   for (Vertex& v : g.vertices) {
-    const Vec3 d = vec3(Real(v.normal[0]), Real(v.normal[1]), Real(v.normal[2]));
-    const P p = point(shape.support(d)) + static_cast<float>(shape.radius()) * P{v.normal[0], v.normal[1], v.normal[2]};
-    v.position[0] = p.x, v.position[1] = p.y, v.position[2] = p.z;
+    v.position = to_float3(shape.support(to_vec3(v.normal))) + static_cast<float>(shape.radius()) * v.normal;
     v.side = 0;
   }
   return g;
+}
+
+Drawing scaled_ball(const Shape& shape, float stretch) {
+  const auto r = static_cast<float>(shape.radius());
+  return {unit_ball, {r, r, r}, stretch};
+}
+
+Drawing scaled_frustum(const Shape& shape, Geometry (*unit)()) {
+  const float radius = reach(shape, vec3(1, -1, 0), 0);
+  return {unit, {radius, 2 * reach(shape, vec3(0, 1, 0), 1), radius}};
 }
 
 }  // namespace feder::view

@@ -10,25 +10,17 @@ namespace feder::view {
 constexpr int kRound = 32;  // segments of a circle
 constexpr float kTurn = 6.28318530718f;
 
-struct P {
-  float x, y, z;
-};
-inline P operator-(P a, P b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline P operator+(P a, P b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline P operator*(float s, P a) { return {s * a.x, s * a.y, s * a.z}; }
-inline P point(const Vec3& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])}; }
-
 // A flat face, corners counter-clockwise seen from outside.
-void face(Geometry& g, const std::vector<P>& loop, P normal);
+void face(Geometry& g, const std::vector<Float3>& loop, Float3 normal);
 
 // Outline in the xy plane, counter-clockwise, with outward normals; drawn as a prism along z.
 struct Outline {
-  P at, normal;
+  Float3 at, normal;
 };
 void prism(Geometry& g, const std::vector<Outline>& outline, float depth);
 
 // Round sides between two radii, normals by the slope, and the discs that close them; y from -1/2 to 1/2.
-Geometry frustum(float bottom, float top);
+Geometry frustum(const char* kind, float bottom, float top);
 Geometry unit_ball();  // radius 1; the equator doubled, so that a stretch makes it a capsule
 Geometry tessellate_mesh(const Shape& shape);
 Geometry tessellate_convex(const Shape& shape);  // any convex shape, by its support function
@@ -36,7 +28,7 @@ Geometry tessellate_convex(const Shape& shape);  // any convex shape, by its sup
 // How a shape is drawn: a geometry that all of its kind share, scaled, or one of its own.
 struct Drawing {
   Geometry (*unit)() = nullptr;
-  P scale{1, 1, 1};
+  Float3 scale{1, 1, 1};
   float stretch = 0;  // see Vertex::side
   std::optional<Geometry> own = {};
 };
@@ -47,6 +39,9 @@ struct ShapeDrawing {
   Drawing (*draw)(const Shape&);
 };
 
+// The unit ball with the radius of a shape, and a frustum of height 1 with its extent across and along y.
+Drawing scaled_ball(const Shape& shape, float stretch);
+Drawing scaled_frustum(const Shape& shape, Geometry (*unit)());
 // Coordinate of the support point in a direction.
 inline float reach(const Shape& shape, const Vec3& direction, int axis) {
   return static_cast<float>(shape.support(direction)[axis]);

@@ -37,4 +37,26 @@ void apply_theme() {
   c[ImGuiCol_TextSelectedBg] = color(ink::kAccent, 0.4f);
 }
 
+void colored_text(ImU32 c, const char* text) { ImGui::TextColored(color(c), "%s", text); }
+
+void begin_panel(const char* name, ImVec2 at, ImVec2 size, ImGuiWindowFlags more) {
+  ImGui::SetNextWindowPos(at);
+  ImGui::SetNextWindowSize(size);
+  ImGui::Begin(name, nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | more);
+}
+
+void begin_dialog(const char* name, bool& open, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags more) {
+  ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
+  ImGui::SetNextWindowFocus();
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 6);
+  ImGui::Begin(name, &open,
+               ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoSavedSettings | more);
+}
+
+void end_dialog() {
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
 }  // namespace feder::view

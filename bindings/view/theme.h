@@ -1,10 +1,20 @@
-// Colours and sizes of the panels.
+// Colours, sizes and windows of the panels.
 #pragma once
 #include <imgui.h>
 
 namespace feder::view {
 
 void apply_theme();
+inline constexpr ImGuiWindowFlags kBar = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBringToFrontOnFocus;
+inline constexpr ImGuiWindowFlags kSidePanel =
+    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoBringToFrontOnFocus;
+void colored_text(ImU32 color, const char* text);
+
+// A panel in its place; ImGui::End closes it.
+void begin_panel(const char* name, ImVec2 at, ImVec2 size, ImGuiWindowFlags more);
+// A window over everything with a cross that sets `open`; `pivot` of its size stands at `at`.
+void begin_dialog(const char* name, bool& open, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags more = 0);
+void end_dialog();
 
 namespace ink {
 inline constexpr ImU32 kText = IM_COL32(222, 226, 232, 255);

@@ -1,5 +1,6 @@
 #include "view/toggles.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "feder/error.h"
@@ -34,36 +35,28 @@ std::span<const char* const> point_scalars() {
 }
 
 void set_toggles(Toggles& toggles, std::string_view list) {
+  std::vector<std::string> names;
+  for (const ToggleInfo& t : toggle_list()) names.emplace_back(t.name);
+  names.insert(names.end(), point_scalars().begin(), point_scalars().end());
   while (!list.empty()) {
     const std::size_t comma = list.find(',');
     std::string_view word = list.substr(0, comma);
     list = comma == std::string_view::npos ? std::string_view() : list.substr(comma + 1);
     const bool on = !word.starts_with('-');
     if (!on) word.remove_prefix(1);
-    const ToggleInfo* found = nullptr;
-    const char* scalar = nullptr;
-    std::string known;
-    std::vector<std::string> names;
-    for (const ToggleInfo& t : toggle_list()) {
-      if (word == t.name) found = &t;
-      known += (known.empty() ? "" : ", ") + std::string(t.name);
-      names.emplace_back(t.name);
-    }
-    for (const char* name : point_scalars()) {
-      if (word == name) scalar = name;
-      known += ", " + std::string(name);
-      names.emplace_back(name);
-    }
-    if (scalar) {
-      toggles.point_scalar = on ? scalar : "none";
-      continue;
-    }
-    if (!found) {
+    const auto found = std::ranges::find(names, word);
+    const auto number = static_cast<std::size_t>(found - names.begin());
+    if (found == names.end()) {
+      std::string known;
+      for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
       const std::string near = nearest_name(std::string(word), names);
       throw SceneError("unknown layer '" + std::string(word) + "'; known: " + known +
                        (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
-    toggles.*found->field = on;
+    if (number < toggle_list().size())
+      toggles.*toggle_list()[number].field = on;
+    else
+      toggles.point_scalar = on ? point_scalars()[number - toggle_list().size()] : "none";
   }
 }
 

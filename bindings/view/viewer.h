@@ -1,5 +1,5 @@
 // The interactive viewer: a window on a LiveScene. Everything it knows about the world comes through the frame
-// description; everything it does to it is a command of the hand.
+// description; everything it does to it is a Command.
 #pragma once
 #include <cstdint>
 #include <filesystem>

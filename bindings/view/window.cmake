@@ -10,7 +10,7 @@ if(NOT TARGET feder_view OR NOT TARGET feder_report OR NOT FEDER_GLFW_FOUND OR N
   return()
 endif()
 feder_module(window ROOT ${PROJECT_SOURCE_DIR}/bindings
-  SOURCES viewer.cpp viewer_input.cpp window.cpp theme.cpp desk.cpp status.cpp sampler.cpp scene_list.cpp panel_plot.cpp
+  SOURCES viewer.cpp viewer_input.cpp window.cpp theme.cpp panel_layout.cpp status.cpp sampler.cpp scene_list.cpp
           panel_transport.cpp panel_scene.cpp panel_inspector.cpp panel_watch.cpp panel_console.cpp panel_overlay.cpp
   NEEDS live view report)
 feder_view_files(window panel)

@@ -9,40 +9,33 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <thread>
 
+#include "view/font.h"
 #include "view/theme.h"
 
 namespace feder::view {
 namespace {
 
 std::string glfw_message;
-ImFont* fonts[2] = {nullptr, nullptr};
+ImFont* console_font = nullptr;
 
-ImFont* load_font(std::initializer_list<const char*> files, float pixels) {
-  std::error_code ignored;
-  for (const char* file : files)
-    if (std::filesystem::exists(file, ignored)) return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, pixels);
-  return nullptr;
+ImFont* load_font(bool mono, float pixels) {
+  const std::string file = dejavu_file(mono);
+  return file.empty() ? nullptr : ImGui::GetIO().Fonts->AddFontFromFileTTF(file.c_str(), pixels);
 }
 
+// ImGui takes the first for everything that does not ask for another.
 void load_fonts() {
-  fonts[0] = load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
-                        "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf"},
-                       15);
-  fonts[1] =
-      load_font({"/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf", "/usr/share/fonts/TTF/DejaVuSansMono.ttf",
-                 "/usr/share/fonts/dejavu-sans-mono-fonts/DejaVuSansMono.ttf"},
-                14);
-  if (!fonts[0]) fonts[0] = ImGui::GetIO().Fonts->AddFontDefault();
-  if (!fonts[1]) fonts[1] = fonts[0];
+  ImFont* text = load_font(false, 15);
+  console_font = load_font(true, 14);
+  if (!text) text = ImGui::GetIO().Fonts->AddFontDefault();
+  if (!console_font) console_font = text;
 }
 
 }  // namespace
 
-ImFont* text_font() { return fonts[0]; }
-ImFont* code_font() { return fonts[1]; }
+ImFont* code_font() { return console_font; }
 
 Window::Window(int width, int height, const std::string& title) {
   glfw_message.clear();
@@ -89,7 +82,6 @@ Window::~Window() {
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(window_) != 0; }
-void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 bool Window::pressed(int key, bool repeated) const {
@@ -154,15 +146,10 @@ void Window::read_picture() {
   const auto read_pixels = reinterpret_cast<PFNGLREADPIXELSPROC>(glfwGetProcAddress("glReadPixels"));
   const auto pixel_store = reinterpret_cast<PFNGLPIXELSTOREIPROC>(glfwGetProcAddress("glPixelStorei"));
   const Target t = target();
-  Image below(t.width, t.height);
-  pixel_store(GL_PACK_ALIGNMENT, 1);
-  read_pixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, below.rgba.data());
   picture_ = Image(t.width, t.height);
-  const std::size_t row = static_cast<std::size_t>(t.width) * 4;
-  for (int y = 0; y < t.height; ++y) {
-    std::copy_n(below.pixel(0, t.height - 1 - y), row, picture_.pixel(0, y));
-    for (int x = 0; x < t.width; ++x) picture_.pixel(x, y)[3] = 255;
-  }
+  pixel_store(GL_PACK_ALIGNMENT, 1);
+  read_pixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, picture_.rgba.data());
+  turn_over(picture_);
 }
 
 }  // namespace feder::view

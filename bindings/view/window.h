@@ -27,7 +27,6 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   bool closed() const;
-  void close();
   void set_title(const std::string& title);
   // Takes input, opens an ImGui frame.
   void begin_frame();
@@ -56,8 +55,6 @@ class Window {
   Image picture_;
 };
 
-// Fonts of the panels; null: ImGui's own.
-ImFont* text_font();
-ImFont* code_font();
+ImFont* code_font();  // of the console; set once a window is open
 
 }  // namespace feder::view

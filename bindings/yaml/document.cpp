@@ -45,7 +45,7 @@ class Reader final : public YAML::EventHandler {
     if (known == anchors_.end()) fail(mark.line + 1, "unknown alias");
     if (sizes_[known->second].open) fail(mark.line + 1, "an alias inside the value it stands for");
     const Size& size = sizes_[known->second];
-    place(mark.line + 1, known->second, size.nodes, size.height);
+    attach(mark.line + 1, known->second, size.nodes, size.height);
   }
 
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -75,8 +75,8 @@ class Reader final : public YAML::EventHandler {
     return index;
   }
 
-  // Hangs a finished or just opened node into the innermost open one.
-  void place(int line, std::uint32_t index, std::size_t nodes, std::size_t height) {
+  // Attaches a finished or just opened node to the innermost open one.
+  void attach(int line, std::uint32_t index, std::size_t nodes, std::size_t height) {
     total_ += nodes;
     if (total_ > limits_.nodes)
       fail(line, "more than " + std::to_string(limits_.nodes) + " values, counting what aliases repeat");
@@ -97,7 +97,7 @@ class Reader final : public YAML::EventHandler {
   }
 
   void leaf(const YAML::Mark& mark, YAML::anchor_t anchor, Node node) {
-    place(mark.line + 1, add(mark, anchor, std::move(node)), 1, 1);
+    attach(mark.line + 1, add(mark, anchor, std::move(node)), 1, 1);
   }
 
   void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, NodeKind kind) {
@@ -108,7 +108,7 @@ class Reader final : public YAML::EventHandler {
     node.kind = kind;
     const std::uint32_t index = add(mark, anchor, std::move(node));
     sizes_[index].open = true;
-    place(mark.line + 1, index, 1, 1);
+    attach(mark.line + 1, index, 1, 1);
     stack_.push_back(index);
   }
 

@@ -75,11 +75,7 @@ bool resolve_scalar(const std::string& tag, const std::string& text, Node& node)
   if (tag == core + "null") return is_null(text);
   if (tag == core + "bool") return read_flag(text, node);
   if (tag == core + "int") return read_integer(text, node);
-  if (tag == core + "float") {
-    if (!read_number(text, node)) return false;
-    return true;
-  }
-  return false;
+  return tag == core + "float" && read_number(text, node);
 }
 
 }  // namespace feder::yaml

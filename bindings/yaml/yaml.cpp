@@ -1,3 +1,4 @@
+// YAML documents as Lua values, with the line of every key in a table beside them.
 #include "feder/yaml.h"
 
 #include <lua.hpp>
@@ -10,7 +11,7 @@ namespace {
 
 constexpr const char* kPlaces = "feder.places";
 
-// Builds the Lua value of a document, or only looks for errors when there is no Lua state.
+// Builds the Lua value of a document, or only checks for errors when there is no Lua state.
 class Builder {
  public:
   Builder(lua_State* lua, const std::string& file, const Document& document)
@@ -29,9 +30,9 @@ class Builder {
 
  private:
   [[noreturn]] void fail(const Node& node, const std::string& message) const {
-    throw lua::ScriptError(place(node) + ": " + message);
+    throw lua::ScriptError(location(node) + ": " + message);
   }
-  std::string place(const Node& node) const { return file_ + ":" + std::to_string(node.line); }
+  std::string location(const Node& node) const { return file_ + ":" + std::to_string(node.line); }
 
   void scalar(const Node& node) {
     switch (node.kind) {
@@ -43,7 +44,7 @@ class Builder {
     }
   }
 
-  // Leaves the new table at the top and its table of places below it.
+  // Leaves the new table at the top and its table of locations below it.
   void begin_table(const Node& node) {
     if (!lua_) return;
     lua_newtable(lua_);
@@ -56,18 +57,18 @@ class Builder {
     }
     lua_pushvalue(lua_, -3);
     lua_pushvalue(lua_, -3);
-    lua_rawset(lua_, -3);  // places[value] = own places; keys are weak
+    lua_rawset(lua_, -3);  // places[value] = own locations; keys are weak
     lua_pop(lua_, 1);
     lua_insert(lua_, -2);
     lua_pushboolean(lua_, 1);
-    note_place(node);
+    record_location(node);
   }
   void end_table() {
     if (lua_) lua_remove(lua_, -2);
   }
-  // Takes the key from the top of the stack; the table and its places are below it.
-  void note_place(const Node& node) {
-    const std::string text = place(node);
+  // Takes the key from the top of the stack; the table and its locations are below it.
+  void record_location(const Node& node) {
+    const std::string text = location(node);
     lua_pushlstring(lua_, text.data(), text.size());
     lua_rawset(lua_, -4);
   }
@@ -82,7 +83,7 @@ class Builder {
       if (!lua_) continue;
       lua_rawseti(lua_, -2, ++i);
       lua_pushinteger(lua_, i);
-      note_place(item);
+      record_location(item);
     }
     end_table();
   }
@@ -117,7 +118,7 @@ class Builder {
     value(child);
     lua_rawset(lua_, -3);
     scalar(key);
-    note_place(key);
+    record_location(key);
   }
 
   // `<<: *base` or `<<: [*a, *b]`: takes over the keys that are not there yet; the first one wins.

@@ -15,8 +15,8 @@ class Rng {
     const std::uint64_t old = state_;
     state_ = old * 6364136223846793005ull + increment_;
     const auto shifted = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
-    const auto turn = static_cast<std::uint32_t>(old >> 59);
-    return shifted >> turn | shifted << ((32 - turn) & 31);
+    const auto rotation = static_cast<std::uint32_t>(old >> 59);
+    return shifted >> rotation | shifted << ((32 - rotation) & 31);
   }
   double unit() { return (next() >> 5) * (1.0 / 134217728.0); }  // [0, 1), 27 bits: enough for a float
   // [0, 1), all 53 bits of a double's mantissa, from two draws.

@@ -14,7 +14,7 @@ namespace {
 // pi/2 = kPart1 + kPart2 + kPart3; the first two have 33 bits, so that products with 20 bits are exact.
 constexpr double kPart1 = 0x1.921fb54400000p+0, kPart2 = 0x1.0b4611a600000p-34, kPart3 = 0x1.3198a2e037073p-69;
 constexpr double kHalfPi = 0x1.921fb54442d18p+0, kHalfPiRest = 0x1.1a62633145c07p-54;
-constexpr double kCodyWaiteLimit = 1.6e6;  // below 2^20 quarters of a turn
+constexpr double kCodyWaiteLimit = 1.6e6;  // below 2^20 quadrants
 
 // Bits of 2/pi behind the point; two words of zeros before them, for exponents below 2.
 constexpr int kZeroWords = 2;

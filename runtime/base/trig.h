@@ -8,31 +8,27 @@ double sine(double x);
 double cosine(double x);
 double tangent(double x);
 
-// For |r| <= pi/4.
+// c[0], then c[k] - z times what was there: an alternating series, its last coefficient first.
+template <int count>
+double alternating_sum(const double (&c)[count], double z) {
+  double sum = c[0];
+  for (int k = 1; k < count; ++k) sum = c[k] - z * sum;
+  return sum;
+}
+
+// Taylor's series, for |r| <= pi/4: coefficients 1/17! to 1/3!, and 1/16! to 1/2!.
 inline double taylor_sine(double r) {
+  static constexpr double kOdd[] = {1.0 / 355687428096000, 1.0 / 1307674368000, 1.0 / 6227020800, 1.0 / 39916800,
+                                    1.0 / 362880,          1.0 / 5040,          1.0 / 120,        1.0 / 6};
   const double z = r * r;
-  double s = 1.0 / 355687428096000.0;  // 1/17!
-  s = 1.0 / 1307674368000.0 - z * s;   // 1/15!
-  s = 1.0 / 6227020800.0 - z * s;
-  s = 1.0 / 39916800.0 - z * s;
-  s = 1.0 / 362880.0 - z * s;
-  s = 1.0 / 5040.0 - z * s;
-  s = 1.0 / 120.0 - z * s;
-  s = 1.0 / 6.0 - z * s;
-  return r - r * z * s;
+  return r - r * z * alternating_sum(kOdd, z);
 }
 
 inline double taylor_cosine(double r) {
+  static constexpr double kEven[] = {1.0 / 20922789888000, 1.0 / 87178291200, 1.0 / 479001600, 1.0 / 3628800,
+                                     1.0 / 40320,          1.0 / 720,         1.0 / 24,        1.0 / 2};
   const double z = r * r;
-  double c = 1.0 / 20922789888000.0;  // 1/16!
-  c = 1.0 / 87178291200.0 - z * c;    // 1/14!
-  c = 1.0 / 479001600.0 - z * c;
-  c = 1.0 / 3628800.0 - z * c;
-  c = 1.0 / 40320.0 - z * c;
-  c = 1.0 / 720.0 - z * c;
-  c = 1.0 / 24.0 - z * c;
-  c = 0.5 - z * c;
-  return 1.0 - z * c;
+  return 1.0 - z * alternating_sum(kEven, z);
 }
 
 }  // namespace feder

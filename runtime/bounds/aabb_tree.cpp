@@ -1,3 +1,4 @@
+// Insertion by surface, rotations on the way up, and building by medians; sources and weak spot: aabb_tree.h.
 #include "bounds/aabb_tree.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // Median split: the items of a node are ordered by their middles along the longest side and halved, so the depth is
 // logarithmic whatever the input (equal middles are told apart by index). Children lie side by side after their
 // parent, so a backward sweep refits. Weak spot: no surface heuristic; triangles of a sheet need none.
+// Source: Ericson, "Real-Time Collision Detection" (2005), 6.2.
 #include "bounds/box_tree.h"
 
 #include <algorithm>

@@ -47,8 +47,7 @@ class BruteForce final : public BroadPhase {
 }  // namespace
 
 Variant<BroadPhase> broad_brute_force() {
-  return {"brute_force", "every box against every other; the oracle",
-          [](Arena& a, const Params&) -> std::unique_ptr<BroadPhase> { return std::make_unique<BruteForce>(a); }};
+  return variant_of<BroadPhase, BruteForce>("brute_force", "every box against every other; the oracle");
 }
 
 }  // namespace feder

@@ -129,8 +129,7 @@ class SweepPrune final : public BroadPhase {
 }  // namespace
 
 Variant<BroadPhase> broad_sweep_prune() {
-  return {"sweep_prune", "boxes sorted along one axis, the order kept between steps",
-          [](Arena& a, const Params&) -> std::unique_ptr<BroadPhase> { return std::make_unique<SweepPrune>(a); }};
+  return variant_of<BroadPhase, SweepPrune>("sweep_prune", "boxes sorted along one axis, the order kept between steps");
 }
 
 }  // namespace feder

@@ -20,25 +20,25 @@ namespace {
 constexpr Real kFatMargin = Real(0.1);
 constexpr Real kFatSteps = 4;
 
-enum Place : std::uint8_t { kNowhere, kSide, kStillTree, kMovingTree };
+enum Location : std::uint8_t { kNowhere, kSide, kStillTree, kMovingTree };
 
 // What is known about a box; zero-initialised for a new one.
 struct Leaf {
-  Place place = kNowhere;
-  std::uint8_t moved = 0;  // in moved_ now
+  Location location = kNowhere;
+  std::uint8_t changed = 0;  // in changed_ now
 };
 
 class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
-      : boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), moved_(&arena), items_(&arena),
-        changes_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena), sorter_(arena),
+      : boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena), items_(&arena),
+        transfers_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena), sorter_(arena),
         still_(arena), moving_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) override {
     update_leaves(boxes, motion);
-    if (!moved_.empty()) {
-      query_moved();
+    if (!changed_.empty()) {
+      query_changed();
       merge_candidates();
     }
     boxes_.assign(boxes.begin(), boxes.end());
@@ -69,9 +69,9 @@ class Tree final : public BroadPhase {
   }
 
  private:
-  struct Change {
+  struct Transfer {
     std::uint32_t box;
-    Place place;
+    Location location;
   };
 
   static bool regular(const Aabb& b) {
@@ -81,13 +81,13 @@ class Tree final : public BroadPhase {
     return true;
   }
 
-  AabbTree& tree(Place place) { return place == kStillTree ? still_ : moving_; }
+  AabbTree& tree(Location location) { return location == kStillTree ? still_ : moving_; }
 
   Aabb fattened(std::uint32_t i, const Aabb& box) const {
     const Vec3 size = box.hi - box.lo;
     Aabb fat = box;
     fat.grow(kFatMargin * (size[0] + size[1] + size[2]) / 3);
-    if (i >= boxes_.size() || leaves_[i].place != kMovingTree) return fat;
+    if (i >= boxes_.size() || leaves_[i].location != kMovingTree) return fat;
     const Vec3 step = (box.lo - boxes_[i].lo) * kFatSteps;
     // a teleport says nothing about the next steps
     if (length(step) > kFatSteps * (size[0] + size[1] + size[2])) return fat;
@@ -96,70 +96,70 @@ class Tree final : public BroadPhase {
     return fat;
   }
 
-  // Brings the place of every box up to date and lists those whose candidates must be found anew. A box that comes
+  // Brings the location of every box up to date and lists those whose candidates must be found anew. A box that comes
   // to rest within its fat box changes trees but keeps its candidates: they are a superset of what it needs.
   void update_leaves(std::span<const Aabb> boxes, std::span<const BoxMotion> motion) {
-    moved_.clear();
-    changes_.clear();
+    changed_.clear();
+    transfers_.clear();
     const std::uint32_t count = static_cast<std::uint32_t>(boxes.size());
     if (leaves_.size() < count) leaves_.resize(count), fat_.resize(count), nodes_.resize(count, kNone);
     for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
-      const Place now = leaves_[i].place;
-      const Place wanted = i >= count || motion[i] == BoxMotion::absent ? kNowhere
-                           : !regular(boxes[i])                         ? kSide
-                           : motion[i] == BoxMotion::still              ? kStillTree
-                                                                        : kMovingTree;
+      const Location now = leaves_[i].location;
+      const Location wanted = i >= count || motion[i] == BoxMotion::absent ? kNowhere
+                              : !regular(boxes[i])                         ? kSide
+                              : motion[i] == BoxMotion::still              ? kStillTree
+                                                                           : kMovingTree;
       const bool fits = wanted <= kSide || (now > kSide && contains(fat_[i], boxes[i]));
       if (wanted == now && fits) continue;
-      changes_.push_back({i, wanted});
+      transfers_.push_back({i, wanted});
       if (now == kMovingTree && wanted == kStillTree && fits) continue;
-      leaves_[i].moved = 1;
-      moved_.push_back(i);
+      leaves_[i].changed = 1;
+      changed_.push_back(i);
       if (wanted > kSide) fat_[i] = wanted == kMovingTree ? fattened(i, boxes[i]) : boxes[i];
     }
     // inserting one by one costs about ten times as much per leaf as building
-    if (changes_.size() > still_.leaves() / 8 + moving_.leaves() / 8 + 64) {
+    if (transfers_.size() > still_.leaves() / 8 + moving_.leaves() / 8 + 64) {
       rebuild();
     } else {
-      for (const Change& c : changes_) change_place(c.box, c.place);
+      for (const Transfer& c : transfers_) transfer(c.box, c.location);
     }
   }
 
-  void change_place(std::uint32_t i, Place place) {
+  void transfer(std::uint32_t i, Location location) {
     Leaf& leaf = leaves_[i];
-    if (leaf.place == kSide) side_.erase(std::find(side_.begin(), side_.end(), i));
-    if (leaf.place > kSide) tree(leaf.place).remove(nodes_[i]);
-    leaf.place = place;
-    if (place == kSide) side_.push_back(i);
-    if (place > kSide) nodes_[i] = tree(place).insert(fat_[i], i);
+    if (leaf.location == kSide) side_.erase(std::find(side_.begin(), side_.end(), i));
+    if (leaf.location > kSide) tree(leaf.location).remove(nodes_[i]);
+    leaf.location = location;
+    if (location == kSide) side_.push_back(i);
+    if (location > kSide) nodes_[i] = tree(location).insert(fat_[i], i);
   }
 
   void rebuild() {
-    for (const Change& c : changes_) leaves_[c.box].place = c.place;
-    list_place(kSide, side_);
-    list_place(kStillTree, items_);
+    for (const Transfer& c : transfers_) leaves_[c.box].location = c.location;
+    list_location(kSide, side_);
+    list_location(kStillTree, items_);
     still_.build(items_, fat_, nodes_);
-    list_place(kMovingTree, items_);
+    list_location(kMovingTree, items_);
     moving_.build(items_, fat_, nodes_);
   }
 
-  void list_place(Place place, Array<std::uint32_t>& out) const {
+  void list_location(Location location, Array<std::uint32_t>& out) const {
     out.clear();
     for (std::uint32_t i = 0; i < leaves_.size(); ++i)
-      if (leaves_[i].place == place) out.push_back(i);
+      if (leaves_[i].location == location) out.push_back(i);
   }
 
-  // All candidates with a member in moved_, each once: of two moved boxes the lower index reports.
-  void query_moved() {
+  // All candidates with a member in changed_, each once: of two changed boxes the lower index reports.
+  void query_changed() {
     found_.clear();
-    for (const std::uint32_t i : moved_) {
-      if (leaves_[i].place <= kSide) continue;
+    for (const std::uint32_t i : changed_) {
+      if (leaves_[i].location <= kSide) continue;
       const auto visit = [&](std::uint32_t j) {
-        if (j == i || (leaves_[j].moved && j < i)) return;
+        if (j == i || (leaves_[j].changed && j < i)) return;
         found_.push_back({std::min(i, j), std::max(i, j)});
       };
       moving_.query(fat_[i], visit);
-      if (leaves_[i].place == kMovingTree) still_.query(fat_[i], visit);
+      if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit);
     }
     sorter_.sort(found_, static_cast<std::uint32_t>(leaves_.size()));
   }
@@ -168,25 +168,25 @@ class Tree final : public BroadPhase {
     merged_.clear();
     std::size_t n = 0;
     for (const IndexPair& p : candidates_) {
-      if (leaves_[p.a].moved || leaves_[p.b].moved || !one_moves(p)) continue;
+      if (leaves_[p.a].changed || leaves_[p.b].changed || !one_moves(p)) continue;
       while (n < found_.size() && found_[n] < p) merged_.push_back(found_[n++]);
       merged_.push_back(p);
     }
     merged_.insert(merged_.end(), found_.begin() + static_cast<std::ptrdiff_t>(n), found_.end());
     candidates_.swap(merged_);
     merged_.reserve(candidates_.capacity());  // both grow together, so that a swap never allocates later
-    for (const std::uint32_t i : moved_) leaves_[i].moved = 0;
+    for (const std::uint32_t i : changed_) leaves_[i].changed = 0;
   }
 
   bool one_moves(const IndexPair& p) const {
-    return leaves_[p.a].place == kMovingTree || leaves_[p.b].place == kMovingTree;
+    return leaves_[p.a].location == kMovingTree || leaves_[p.b].location == kMovingTree;
   }
 
   void pair_side(std::span<const Aabb> boxes, std::span<const BoxMotion> motion) {
     side_pairs_.clear();
     for (const std::uint32_t i : side_) {
       for (std::uint32_t j = 0; j < boxes.size(); ++j) {
-        if (j == i || motion[j] == BoxMotion::absent || (leaves_[j].place == kSide && j < i)) continue;
+        if (j == i || motion[j] == BoxMotion::absent || (leaves_[j].location == kSide && j < i)) continue;
         if (motion[i] == BoxMotion::still && motion[j] == BoxMotion::still) continue;
         if (overlaps(boxes[i], boxes[j])) side_pairs_.push_back({std::min(i, j), std::max(i, j)});
       }
@@ -210,8 +210,8 @@ class Tree final : public BroadPhase {
   Array<Aabb> fat_;
   Array<Leaf> leaves_;
   Array<std::uint32_t> nodes_;  // of the leaf in its tree
-  Array<std::uint32_t> side_, moved_, items_;
-  Array<Change> changes_;
+  Array<std::uint32_t> side_, changed_, items_;
+  Array<Transfer> transfers_;
   Array<IndexPair> candidates_, found_, merged_, side_pairs_;
   PairSort sorter_;
   AabbTree still_, moving_;
@@ -220,8 +220,7 @@ class Tree final : public BroadPhase {
 }  // namespace
 
 Variant<BroadPhase> broad_tree() {
-  return {"tree", "dynamic trees of fattened boxes; what rests costs nearly nothing",
-          [](Arena& a, const Params&) -> std::unique_ptr<BroadPhase> { return std::make_unique<Tree>(a); }};
+  return variant_of<BroadPhase, Tree>("tree", "dynamic trees of fattened boxes; what rests costs nearly nothing");
 }
 
 }  // namespace feder

@@ -134,6 +134,7 @@ const SystemDescriptor& Cloth::descriptor() {
                                      .units = "vertices",
                                      .unit = "vertex",
                                      .needs = needs,
+                                     .shows = "surface",
                                      .kinds = kinds,
                                      .causes = causes,
                                      .events = events,

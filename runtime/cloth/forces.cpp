@@ -107,7 +107,7 @@ void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
     const Real weight = std::max(
         {delta_position[s.first + v[0]].w, delta_position[s.first + v[1]].w, delta_position[s.first + v[2]].w});
     if (!(weight > 0)) continue;
-    const Real most = kMaxOfMass / (weight * h);
+    const Real most = kMaxMassShare / (weight * h);
     const Vec3 third = still_air(u, cross(a - x, b - x), air_density, most, shares) / 3;
     for (int k = 0; k < 3; ++k) force[v[k]] += third;
   }

@@ -1,4 +1,4 @@
-// The collide system: its rows, filters by pairs of objects, materials, hash and snapshots.
+// The collide system: passes, filters by pairs of objects, materials, hash and snapshots.
 #include <algorithm>
 
 #include "base/registry.h"
@@ -12,13 +12,11 @@
 namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup)
-    : colliders(&setup.store.need<Colliders>(kName)), contacts(&setup.store.need<Contacts>(kName)),
-      book(&setup.store.need<ContactBook>(kName)), narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")),
-      motion(&setup.store.arena(kName)), pairs(motion.get_allocator()), seen(motion.get_allocator()),
-      entries(motion.get_allocator()), next_entries(motion.get_allocator()), memory(motion.get_allocator()),
-      watched(motion.get_allocator()), exclusions(motion.get_allocator()) {
-  broad = variant_option(setup.world, {"broad_phase"}, broad_phases(), "tree", "broad phase")
-              .make(setup.store.arena(kName), setup.options);
+    : arena(setup.store.arena(kName)), colliders(&setup.store.need<Colliders>(kName)),
+      contacts(&setup.store.need<Contacts>(kName)), book(&setup.store.need<ContactBook>(kName)),
+      narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")) {
+  broad =
+      variant_option(setup.world, {"broad_phase"}, broad_phases(), "tree", "broad phase").make(arena, setup.options);
 }
 
 Collide::Collide(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
@@ -51,7 +49,8 @@ void Collide::residuals(std::vector<Residual>& out) const {
 
 namespace {
 
-auto index_of(auto& list, ObjectId a, ObjectId b) {
+// Position of the pair in the sorted list, or where it would be inserted.
+auto place_of(auto& list, ObjectId a, ObjectId b) {
   return std::lower_bound(list.begin(), list.end(), ordered(a, b), [](const Exclusion& e, const auto& pair) {
     return std::pair{e.a, e.b} < pair;
   });
@@ -60,29 +59,25 @@ auto index_of(auto& list, ObjectId a, ObjectId b) {
 }  // namespace
 
 bool Collide::Impl::excluded(ObjectId a, ObjectId b) const {
-  const auto it = index_of(exclusions, a, b);
+  const auto it = place_of(exclusions, a, b);
   return it != exclusions.end() && std::pair{it->a, it->b} == ordered(a, b);
 }
 
 void Collide::exclude(ObjectId a, ObjectId b) {
   Array<Exclusion>& list = impl_->exclusions;
-  const auto it = index_of(list, a, b);
-  if (it != list.end() && std::pair{it->a, it->b} == ordered(a, b)) {
-    ++it->count;
-    return;
-  }
+  const auto it = place_of(list, a, b);
+  if (impl_->excluded(a, b)) return void(++it->count);
   list.insert(it, {ordered(a, b).first, ordered(a, b).second, 1});
   impl_->recheck_filters = true;
 }
 
 void Collide::include(ObjectId a, ObjectId b) {
-  Array<Exclusion>& list = impl_->exclusions;
-  const auto it = index_of(list, a, b);
-  if (it == list.end() || std::pair{it->a, it->b} != ordered(a, b)) return;
+  if (!impl_->excluded(a, b)) return;
+  const auto it = place_of(impl_->exclusions, a, b);
   FEDER_ASSERT(it->count > 0);
   if (--it->count > 0) return;
-  list.erase(it);
-  // two sleeping ones would not be looked at otherwise
+  impl_->exclusions.erase(it);
+  // else a sleeping pair would not be tested
   Colliders& c = *impl_->colliders;
   for (std::uint32_t i = 0; i < c.size(); ++i)
     if (c.motion[i] != ColliderMotion::none && c.object[i] == a) c.changed.push_back(i);
@@ -141,10 +136,7 @@ void Collide::hash(Hash& h) const {
 void Collide::save(Writer& w) const {
   const Impl& m = *impl_;
   m.colliders->save(w);
-  w.list(m.contacts->slots), w.list(m.contacts->order), w.list(m.contacts->free_list), w.list(m.contacts->active);
-  w.list(m.seen), w.list(m.entries), w.list(m.memory), w.list(m.exclusions);
-  w.add(m.recheck_filters), w.add(m.recheck_surfaces);
-  w.list(m.material_pairs);
+  Impl::each_saved(m, saved_to(w));
   w.add(static_cast<std::uint64_t>(m.materials.size()));
   for (const std::string& name : m.materials) w.text(name);
 }
@@ -152,13 +144,8 @@ void Collide::save(Writer& w) const {
 void Collide::load(Reader& r) {
   Impl& m = *impl_;
   m.colliders->load(r);
-  r.list(m.contacts->slots), r.list(m.contacts->order), r.list(m.contacts->free_list), r.list(m.contacts->active);
-  r.list(m.seen), r.list(m.entries), r.list(m.memory), r.list(m.exclusions);
-  r.get(m.recheck_filters), r.get(m.recheck_surfaces);
-  r.list(m.material_pairs);
-  std::uint64_t names = 0;
-  r.get(names);
-  m.materials.resize(std::min<std::uint64_t>(names, 0xffff));
+  Impl::each_saved(m, loaded_from(r));
+  m.materials.resize(std::min<std::uint64_t>(r.get<std::uint64_t>(), 0xffff));
   for (std::string& name : m.materials) r.text(name);
   m.watched.clear();
 }

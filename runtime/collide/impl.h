@@ -1,6 +1,6 @@
-// What Collide keeps, and the parts of its step. One file per part: pairs.cpp (boxes -> list of contacts), update.cpp
-// (narrow tests and recycling), touches.cpp (events), queries.cpp, validate.cpp (what holds after a step), collide.cpp
-// (system, filters, snapshots).
+// State and functions of collision detection. One file per part: pairs.cpp (boxes -> list of contacts), update.cpp
+// (narrow tests and recycling), contact_states.cpp (contact states and events), queries.cpp, validate.cpp (invariants),
+// collide.cpp (system, filters, snapshots). Private to the module.
 #pragma once
 #include <tuple>
 
@@ -14,44 +14,45 @@
 
 namespace feder {
 
-// Distances of a pair, all from its margin, so that tiny shapes get tiny tolerances.
-//  - margin: contacts exist (and are solved) below this separation. 2 cm lets a body at 1 m/s be caught in the step
-//    before it touches; a tenth of the smaller shape keeps a 1 cm die from being solved against all its neighbours.
-//  - touch begins at half a millimetre and ends at two (for margin 2 cm): contacts at rest breathe by less.
-//  - a contact is recycled while the relative motion since its manifold was made stays below an eighth of the margin:
-//    then a feature that was outside the margin cannot have come near the surface.
+// Distances of a pair, all in proportion to its margin, so that tiny shapes get tiny tolerances.
+//  - margin: contacts exist (and are solved) below this separation. 2 cm catches a body at 1 m/s in the step before
+//    contact; a tenth of the smaller shape keeps a 1 cm die from being solved against all its neighbours.
+//  - contact begins at half a millimetre and ends at two (for margin 2 cm): contacts at rest vary by less.
+//  - recycling: while the relative motion since the manifold was made stays below an eighth of the margin, no feature
+//  from
+//    outside the margin can have come near the surface.
 inline constexpr Real kSpeculative = Real(0.02);       // m
-inline constexpr Real kSpeculativeShare = Real(0.1);   // of the smaller shape's reach
+inline constexpr Real kSpeculativeShare = Real(0.1);   // of the smaller shape's extent
 inline constexpr Real kContactBegin = Real(1) / 40;    // of the margin
 inline constexpr Real kContactEnd = Real(1) / 10;      // of the margin
 inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
-// Arms stay as they were in the world, so a pair that turns together must be tested again: 0.01 rad shifts what a
-// point carries by a hundredth. The normal turns along from a smaller angle on: it decides who slides on a slope, and
-// 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
+// Recycled arms keep their directions in the world, so a pair that rotates together must be tested again: 0.01 rad
+// shifts the load of a point by a hundredth. The normal is rotated along from a smaller angle on: it decides what
+// slides on a slope, and 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
 inline constexpr Real kRecycleAngle = Real(0.01);  // rad
 inline constexpr Real kRotateNormal = Real(1e-4);  // rad
 
 // One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
 struct ContactEntry {
   std::uint32_t a = kNone, b = kNone;  // colliders
-  std::uint32_t slot = kNone;          // in Contacts::slots and in `memory`
+  std::uint32_t slot = kNone;          // in Contacts::slots and `memory`
   std::uint16_t sub = 0;
   std::uint16_t bits = 0;
 };
 enum EntryBits : std::uint16_t {
   kSensorPair = 1,
   kTouching = 2,   // has points, or overlaps (sensors)
-  kReported = 4,   // counted as touching in the contact book
-  kNear = 8,       // touched, or was about to, at its last test
+  kReported = 4,   // counted in the contact book
+  kNear = 8,       // in contact, or predicted to be within the step, at its last test
   kNew = 16,       // never tested
   kTested = 32,    // in this step
-  kWatch = 64,     // whether it touches depends on the impulse of this step
+  kWatch = 64,     // its contact state depends on the impulse of this step
   kArrived = 128,  // kNear became true in this step
   kMany = 256,     // the pair has kMaxManifolds entries
   kSensorIsB = 512,
 };
 
-// Of the last real narrow test. No padding: written to snapshots as bytes.
+// The last real narrow test of a contact, for recycling. No padding: written to snapshots as bytes.
 struct ContactMemory {
   PairCache cache;
   std::uint32_t valid = 0;      // may be recycled
@@ -64,7 +65,7 @@ struct ContactMemory {
   Vec3 normal = Vec3::Zero();
 };
 
-// What was known of a collider in the last step: differences make its pairs looked at again.
+// A collider as it was in the last step: differences make its pairs tested again.
 struct SeenCollider {
   ColliderMotion motion = ColliderMotion::none;
   std::uint8_t sensor = 0;
@@ -76,7 +77,7 @@ struct SeenCollider {
   Real extent = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
 };
 enum SeenBits : std::uint32_t {
-  kChanged = 1,         // pairs are looked at again
+  kChanged = 1,         // pairs are tested again
   kSurfaceChanged = 2,  // contacts are mixed again
   kSettled = 4,         // fell asleep since the last step
   kConveyor = 8,        // has a surface velocity; kept over steps
@@ -96,13 +97,13 @@ static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
 struct Collide::Impl {
   explicit Impl(SystemSetup& setup);
 
-  // Rows.
+  // passes
   void find_pairs(StepContext& c);
   void collide(StepContext& c);
   void report_contact_states(StepContext& c);
 
   // pairs.cpp
-  void look_at_colliders();
+  void compare_colliders();
   void merge_pairs();
   bool may_collide(std::uint32_t a, std::uint32_t b) const;
   bool keep(const ContactEntry& e, bool reported);
@@ -122,7 +123,7 @@ struct Collide::Impl {
   void list_arrivals();
   void list_active(StepContext& c);
 
-  // touches.cpp
+  // contact_states.cpp
   ContactKey key(const ContactEntry& e, bool& flipped) const;
   std::uint32_t net_point(const ContactEntry& e) const;
   ContactFinding finding(const ContactEntry& e) const;
@@ -136,26 +137,37 @@ struct Collide::Impl {
 
   // queries.cpp
   bool passes(std::uint32_t i, const QueryFilter& f) const;
+  template <class Near, class F>
+  void each_near(const QueryFilter& filter, Near&& near, F&& f) const;
+  template <class F>
+  void each_hit(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, F&& f) const;
 
   bool excluded(ObjectId a, ObjectId b) const;
+  // Calls f(member) for what snapshots hold, but for the colliders and the names of materials.
+  template <class C, class F>
+  static void each_saved(C& c, F&& f) {
+    for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active, c.seen, c.entries,
+                c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs);
+  }
 
+  Arena& arena;
   Colliders* colliders;
   Contacts* contacts;
   ContactBook* book;
   std::unique_ptr<BroadPhase> broad;
   NarrowPhase narrow;
 
-  Array<BoxMotion> motion;
-  Array<IndexPair> pairs;
-  Array<SeenCollider> seen;                   // by collider
-  Array<ContactEntry> entries, next_entries;  // sorted by (a, b, sub)
-  Array<ContactMemory> memory;                // by slot
-  Array<std::uint32_t> watched;               // places in `entries`
-  Array<Exclusion> exclusions;                // sorted
-  bool recheck_filters = false;               // exclusions changed
-  bool recheck_surfaces = false;              // material pairs changed
-  std::vector<std::string> materials;         // number - 1
-  std::vector<MaterialPair> material_pairs;   // sorted, a <= b
+  Array<BoxMotion> motion{&arena};
+  Array<IndexPair> pairs{&arena};
+  Array<SeenCollider> seen{&arena};                           // by collider
+  Array<ContactEntry> entries{&arena}, next_entries{&arena};  // sorted by (a, b, sub)
+  Array<ContactMemory> memory{&arena};                        // by slot
+  Array<std::uint32_t> watched{&arena};                       // indices in `entries`
+  Array<Exclusion> exclusions{&arena};                        // sorted
+  bool recheck_filters = false;                               // exclusions changed
+  bool recheck_surfaces = false;                              // material pairs changed
+  std::vector<std::string> materials;                         // number - 1
+  std::vector<MaterialPair> material_pairs;                   // sorted, a <= b
 };
 
 // Object pairs of exclusions are unordered.

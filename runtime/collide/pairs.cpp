@@ -2,15 +2,15 @@
 // the last step: in both = kept, only a pair = new, only a contact = gone. No hashing, and order is always defined.
 // Kept between calls: the contacts, and what was known of each collider. A contact between two colliders at rest is
 // kept although the broad phase reports no pair of two still boxes.
-// Weak spot: pairs that filters reject are looked at again in every step.
+// Weak spot: pairs that filters reject are checked again in every step.
 #include "collide/impl.h"
 
 namespace feder {
 
-// Notes what changed since the last step, and what the broad phase should treat as moving: whatever is awake, and
-// sensors, which see sleeping bodies too. A changed collider counts as moving once, so that a fixed one put on top
+// Finds what changed since the last step, and what the broad phase should treat as moving: awake colliders, and
+// sensors, which detect sleeping bodies too. A changed collider counts as moving once, so that a fixed one put on top
 // of a sleeping one is found; so does one that fell asleep, because it moved after its last test.
-void Collide::Impl::look_at_colliders() {
+void Collide::Impl::compare_colliders() {
   Colliders& c = *colliders;
   const std::uint32_t count = c.size();
   motion.resize(count);
@@ -28,23 +28,23 @@ void Collide::Impl::look_at_colliders() {
       motion[i] = BoxMotion::absent;
       continue;
     }
-    if (s.motion != c.motion[i] || s.sensor != c.sensor[i] || s.group != c.group[i] || s.mask != c.mask[i] ||
-        s.object != c.object[i])
-      s.bits |= kChanged;
+    const auto filter = std::tie(c.motion[i], c.sensor[i], c.group[i], c.mask[i], c.object[i]);
+    const auto surface =
+        std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i], c.material[i]);
+    auto last_filter = std::tie(s.motion, s.sensor, s.group, s.mask, s.object);
+    auto last_surface = std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction, s.material);
+    // what has changed
+    if (last_filter != filter) s.bits |= kChanged;
     const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
-    if (recheck_surfaces) s.bits |= kSurfaceChanged;
-    if (conveyor != (s.bits & kConveyor)) s.bits ^= kConveyor, s.bits |= kSurfaceChanged;
-    if (s.friction_static != c.friction_static[i] || s.friction_dynamic != c.friction_dynamic[i] ||
-        s.restitution != c.restitution[i] || s.rolling_friction != c.rolling_friction[i] || s.material != c.material[i])
-      s.bits |= kSurfaceChanged;
+    if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits ^ kConveyor) | kSurfaceChanged;
+    if (recheck_surfaces || last_surface != surface) s.bits |= kSurfaceChanged;
+    // remembered for the next step
     if (s.bits & kChanged) {
-      s.motion = c.motion[i], s.sensor = c.sensor[i], s.group = c.group[i], s.mask = c.mask[i], s.object = c.object[i];
+      last_filter = filter;
       s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
     }
-    if (s.bits & kSurfaceChanged) {
-      s.friction_static = c.friction_static[i], s.friction_dynamic = c.friction_dynamic[i];
-      s.restitution = c.restitution[i], s.rolling_friction = c.rolling_friction[i], s.material = c.material[i];
-    }
+    if (s.bits & kSurfaceChanged) last_surface = surface;
+    // what moves
     if (c.awake[i])
       s.bits |= kAwake;
     else if (s.bits & kAwake)
@@ -56,7 +56,7 @@ void Collide::Impl::look_at_colliders() {
 }
 
 void Collide::Impl::find_pairs(StepContext&) {
-  look_at_colliders();
+  compare_colliders();
   FEDER_ASSERT(colliders->box.size() == motion.size());
   broad->find_pairs(colliders->box, motion, pairs);
 }
@@ -64,7 +64,8 @@ void Collide::Impl::find_pairs(StepContext&) {
 bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
   const Colliders& c = *colliders;
   if (c.object[a] == c.object[b]) return false;
-  if (c.owner[a] == ColliderOwner::point && c.owner[b] == ColliderOwner::point) return false;  // they meet as surfaces
+  if (c.owner[a] == ColliderOwner::point && c.owner[b] == ColliderOwner::point)
+    return false;  // nets and cloths meet as surfaces
   if (!(c.group[a] & c.mask[b]) || !(c.group[b] & c.mask[a])) return false;
   if (c.sensor[a] && c.sensor[b]) return false;  // sensors do not see each other
   const bool dynamic = c.motion[a] == ColliderMotion::dynamic || c.motion[b] == ColliderMotion::dynamic;
@@ -72,7 +73,7 @@ bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
   return exclusions.empty() || !excluded(c.object[a], c.object[b]);
 }
 
-// Whether the contact of the last step stays. `reported`: the broad phase has the pair too.
+// Whether the contact of the last step stays. `reported`: the broad phase found the pair too.
 bool Collide::Impl::keep(const ContactEntry& e, bool reported) {
   const Colliders& c = *colliders;
   if (!reported) {
@@ -89,7 +90,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   const Colliders& c = *colliders;
   FEDER_ASSERT(a < b && c.motion[a] != ColliderMotion::none && c.motion[b] != ColliderMotion::none);
   const bool sensor = c.sensor[a] || c.sensor[b];
-  // only shapes that are neither convex nor a half-space can touch in several places
+  // several manifolds: only shapes that are neither convex nor a half-space
   const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].extent < kInfinity; };
   const bool many = !sensor && (meshlike(a) || meshlike(b));
   ContactMemory fresh;
@@ -98,15 +99,10 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   fresh.margin = std::min(kSpeculative, kSpeculativeShare * fresh.extent);
   const std::uint32_t count = many ? kMaxManifolds : 1;
   for (std::uint32_t sub = 0; sub < count; ++sub) {
-    std::uint32_t slot;
-    if (contacts->free_list.empty()) {
-      slot = static_cast<std::uint32_t>(contacts->slots.size());
+    const std::uint32_t slot = take_index(contacts->free_list, contacts->slots.size(), [&] {
       contacts->slots.emplace_back();
       memory.emplace_back();
-    } else {
-      slot = contacts->free_list.back();
-      contacts->free_list.pop_back();
-    }
+    });
     Contact& contact = contacts->slots[slot];
     FEDER_ASSERT(contact.collider_a == kNone && contact.point_count == 0);  // free until now
     contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;
@@ -116,7 +112,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   }
 }
 
-// Gives the slot back; a touching that was reported gets its end.
+// Frees the slot; a contact that was reported gets its end event.
 void Collide::Impl::release(const ContactEntry& e) {
   if (e.bits & kReported) count(e, -1);
   FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);

@@ -1,6 +1,6 @@
-// Queries between steps: every collider's box, then its shape, in index order, so that ties fall to the lower index.
-// A linear scan over boxes: an owner may have moved any of them since the broad phase last saw them, and has placed
-// them anew (Rank::query_colliders).
+// Queries between steps: rays, swept shapes, overlaps, contacts of an object. A linear scan over boxes, then shapes, in
+// index order, so that ties fall to the lower index: boxes may have moved since the broad phase was built, and have
+// been placed anew (Rank::query_colliders). O(colliders) per query.
 #include <algorithm>
 
 #include "bounds/segment_box.h"
@@ -11,6 +11,12 @@ namespace {
 
 bool nearer(const RaycastHit& x, const RaycastHit& y) {
   return x.fraction < y.fraction || (x.fraction == y.fraction && x.collider < y.collider);
+}
+
+// Ties fall to the first.
+void keep_nearest(const RaycastHit& next, RaycastHit& hit, bool& found) {
+  if (!found || next.fraction < hit.fraction) hit = next;
+  found = true;
 }
 
 }  // namespace
@@ -24,30 +30,37 @@ bool Collide::Impl::passes(std::uint32_t i, const QueryFilter& f) const {
   return (f.group & c.mask[i]) && (c.group[i] & f.mask);
 }
 
+// Calls f(collider) for those that pass the filter and whose box satisfies `near`.
+template <class Near, class F>
+void Collide::Impl::each_near(const QueryFilter& filter, Near&& near, F&& f) const {
+  for (std::uint32_t i = 0; i < colliders->size(); ++i)
+    if (passes(i, filter) && near(colliders->box[i])) f(i);
+}
+
+// Calls f(hit) for each collider that the ray hits.
+template <class F>
+void Collide::Impl::each_hit(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, F&& f) const {
+  const Colliders& c = *colliders;
+  each_near(
+      filter, [&](const Aabb& box) { return segment_hits(box, origin, ray); },
+      [&](std::uint32_t i) {
+        RayHit hit;
+        if (!c.shape[i]->raycast(to_local(c.pose[i], origin), rotate_inverse(c.pose[i].rotation, ray), hit)) return;
+        f(RaycastHit{i, c.object[i], origin + ray * hit.fraction, rotate(c.pose[i].rotation, hit.normal),
+                     hit.fraction});
+      });
+}
+
 void Collide::raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter,
                           std::vector<RaycastHit>& hits) {
-  const Colliders& c = *impl_->colliders;
   hits.clear();
-  for (std::uint32_t i = 0; i < c.size(); ++i) {
-    if (!impl_->passes(i, filter) || !segment_hits(c.box[i], origin, ray)) continue;
-    RayHit hit;
-    if (!c.shape[i]->raycast(to_local(c.pose[i], origin), rotate_inverse(c.pose[i].rotation, ray), hit)) continue;
-    hits.push_back({i, c.object[i], origin + ray * hit.fraction, rotate(c.pose[i].rotation, hit.normal), hit.fraction});
-  }
+  impl_->each_hit(origin, ray, filter, [&](const RaycastHit& hit) { hits.push_back(hit); });
   std::sort(hits.begin(), hits.end(), nearer);
 }
 
 bool Collide::raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit) {
-  const Colliders& c = *impl_->colliders;
   bool found = false;
-  for (std::uint32_t i = 0; i < c.size(); ++i) {
-    if (!impl_->passes(i, filter) || !segment_hits(c.box[i], origin, ray)) continue;
-    RayHit local;
-    if (!c.shape[i]->raycast(to_local(c.pose[i], origin), rotate_inverse(c.pose[i].rotation, ray), local)) continue;
-    if (found && !(local.fraction < hit.fraction)) continue;
-    found = true;
-    hit = {i, c.object[i], origin + ray * local.fraction, rotate(c.pose[i].rotation, local.normal), local.fraction};
-  }
+  impl_->each_hit(origin, ray, filter, [&](const RaycastHit& next) { keep_nearest(next, hit, found); });
   return found;
 }
 
@@ -57,14 +70,13 @@ bool Collide::shape_cast(const Shape& shape, const Pose& pose, const Vec3& motio
   bool found = false;
   Aabb swept = shape.bounds(pose);
   swept.include(Aabb{swept.lo + motion, swept.hi + motion});
-  for (std::uint32_t i = 0; i < c.size(); ++i) {
-    if (!impl_->passes(i, filter) || !overlaps(c.box[i], swept)) continue;
-    CastHit cast;
-    if (!feder::shape_cast(shape, pose, motion, *c.shape[i], c.pose[i], cast)) continue;
-    if (found && !(cast.fraction < hit.fraction)) continue;
-    found = true;
-    hit = {i, c.object[i], cast.point, cast.normal, cast.fraction};
-  }
+  impl_->each_near(
+      filter, [&](const Aabb& box) { return overlaps(box, swept); },
+      [&](std::uint32_t i) {
+        CastHit cast;
+        if (!feder::shape_cast(shape, pose, motion, *c.shape[i], c.pose[i], cast)) return;
+        keep_nearest({i, c.object[i], cast.point, cast.normal, cast.fraction}, hit, found);
+      });
   return found;
 }
 
@@ -72,10 +84,11 @@ void Collide::overlap(const Shape& shape, const Pose& pose, const QueryFilter& f
   const Colliders& c = *impl_->colliders;
   found.clear();
   const Aabb box = shape.bounds(pose);
-  for (std::uint32_t i = 0; i < c.size(); ++i) {
-    if (!impl_->passes(i, filter) || !overlaps(c.box[i], box)) continue;
-    if (shapes_overlap(impl_->narrow, shape, pose, *c.shape[i], c.pose[i])) found.push_back(c.object[i]);
-  }
+  impl_->each_near(
+      filter, [&](const Aabb& other) { return overlaps(other, box); },
+      [&](std::uint32_t i) {
+        if (shapes_overlap(impl_->narrow, shape, pose, *c.shape[i], c.pose[i])) found.push_back(c.object[i]);
+      });
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
 }

@@ -1,11 +1,11 @@
-// Narrow tests of all contacts with a side that may have moved, in parallel: each contact writes its own slot only. A
-// serial pass in order then wakes whom an arriving contact touches and lists the active contacts. Contact recycling
+// Narrow tests of all contacts with a side that may have moved, in parallel: each contact writes its own slot only.
+// Serial passes in order then list arriving contacts, for waking, and the active contacts. Contact recycling
 // (Catto, Box3D 2026): most contacts of a pile are tested again although nothing moved. While the relative motion since
 // the last real test is tiny, normal, arms and features stay and only the separations follow: base + relative
 // displacement along the normal, to first order in the rotations. The base is always that of the real test, so errors
 // do not add up over steps. Kept between calls: per contact the poses and separations of its last real test. Points of
 // a new manifold take the impulses of the old points with the same feature, else of the nearest. Weak spot: a pair that
-// turns together (in a drum) is tested again every few steps.
+// rotates together (in a drum) is tested again every few steps.
 #include "base/jobs.h"
 #include "collide/impl.h"
 
@@ -19,7 +19,7 @@ Vec3 small_rotation(const Quat& from, const Quat& to) {
   return twice * d.vec();
 }
 
-// The rotation that two bodies share: nothing beside one that did not turn.
+// The rotation that two bodies share, axis by axis: none where one of them does not rotate or the signs differ.
 Vec3 common_rotation(const Vec3& a, const Vec3& b) {
   Vec3 out = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
@@ -27,7 +27,7 @@ Vec3 common_rotation(const Vec3& a, const Vec3& b) {
   return out;
 }
 
-// Friction carries over as a vector where the normal, and the tangents with it, turned.
+// Friction is carried over as a vector when the normal, and the tangents with it, rotate.
 void carry_friction(const Contact& from, Contact& to) {
   Vec3 s1, s2, t1, t2;
   tangent_frame(from.normal, s1, s2);
@@ -55,7 +55,7 @@ const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> ol
       if (used & bit) continue;
       const ContactPoint& q = contact.points[k];
       if (q.feature == p.feature) return used |= bit, &q;
-      // the arms are in world axes: whichever body turned less tells the distance
+      // arms are in world axes: the smaller difference is that of the body that rotated less
       const Vec3 da = p.arm_a - q.arm_a, db = p.arm_b - q.arm_b;
       const Real distance = std::min(dot(da, da), dot(db, db));
       if (distance < best) best = distance, nearest = &q, best_bit = bit;
@@ -88,6 +88,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   const std::uint32_t a = group[0].a, b = group[0].b;
   const bool is_new = group[0].bits & kNew;
   for (ContactEntry& e : group) e.bits &= static_cast<std::uint16_t>(~(kOfStep | kNew));
+  // sensors and sleeping pairs
   const std::uint32_t seen_bits = seen[a].bits | seen[b].bits;
   if (group[0].bits & kSensorPair) return test_sensor(group[0]);
   if (!is_new && !c.awake[a] && !c.awake[b] && !(seen_bits & (kChanged | kSettled))) {
@@ -95,6 +96,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
       for (const ContactEntry& e : group) mix(contacts->slots[e.slot]);
     return;
   }
+  // shapes or filters changed: margins anew
   ContactMemory& m = memory[group[0].slot];
   if (seen_bits & kChanged) {
     m.valid = 0;
@@ -102,7 +104,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
     m.extent = std::min(seen[a].extent, seen[b].extent);
     m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
   }
-  // a bullet looks ahead as far as it may come in this step, afresh each time
+  // bullets: the speculative distance is that of this step, and nothing is recycled
   const bool bullet = c.bullet[a] || c.bullet[b];
   const Real speculative_distance = bullet ? length(c.velocity[b] - c.velocity[a]) * dt : Real(0);
   if (speculative_distance > 0 || !recycle(group)) test_fresh(group, m.margin + speculative_distance);
@@ -130,7 +132,7 @@ void Collide::Impl::test_sensor(ContactEntry& e) {
   e.bits = static_cast<std::uint16_t>(hit ? e.bits | kTouching : e.bits & ~kTouching);
 }
 
-// False when the pair moved too far since its last real test.
+// Recycling; false when the pair moved too far since its last real test.
 bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Colliders& c = *colliders;
   const ContactMemory& m = memory[group[0].slot];
@@ -140,13 +142,14 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Vec3 rotation_b = small_rotation(m.rotation_b, c.pose[b].rotation);
   constexpr Real limit = kRecycleAngle * kRecycleAngle;
   if (!(dot(rotation_a, rotation_a) < limit && dot(rotation_b, rotation_b) < limit)) return false;
-  // relative displacement at the centre of the smaller one, and what relative rotation adds at its far end
+  // relative displacement at the centre of the smaller one, and that by relative rotation at its farthest point
   const Vec3 between = c.center[b] - c.center[a];
   const Vec3 apart = between - m.between;
   const Vec3 shift = m.about_a ? Vec3(apart - cross(rotation_b, between)) : Vec3(apart - cross(rotation_a, between));
   const Real drift = length(shift) + length(rotation_b - rotation_a) * m.extent;
   if (!(drift < kRecycleDistance * m.margin)) return false;
 
+  // separations, and normals rotated along
   const Vec3 common = common_rotation(rotation_a, rotation_b);
   const bool rotated = dot(common, common) > kRotateNormal * kRotateNormal;
   for (const ContactEntry& e : group) {
@@ -178,7 +181,7 @@ void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin)
   for (std::size_t k = 0; k < group.size(); ++k) old[k] = contacts->slots[group[k].slot];
   for (std::size_t k = 0; k < group.size(); ++k) {
     const Manifold none;
-    // a point that moved by more than a tenth of the smaller shape is another point
+    // matching limit: a tenth of the smaller shape
     write_manifold(group[k], static_cast<int>(k) < count ? found[k] : none, {old, group.size()}, m.extent / 10);
   }
 }
@@ -190,11 +193,13 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   FEDER_ASSERT(m.count >= 0 && m.count <= kMaxContactPoints);
   // wide: normals across distances whose squares underflow are rough, and overflow leaves none of huge shapes
   FEDER_ASSERT(m.count == 0 || m.normal.isZero(0) || !(std::fabs(length(m.normal) - 1) > Real(0.5)));
+  // a new manifold
   contact.fresh = 1;
   contact.point_count = static_cast<std::uint8_t>(m.count);
   contact.normal = mem.normal = m.normal;
   contact.tangent_impulse[0] = contact.tangent_impulse[1] = contact.twist_impulse = 0;
   contact.rolling_impulse = Vec3::Zero();
+  // its points, with the impulses of old ones
   const Contact* ancestor = nullptr;
   std::uint32_t used = 0;
   for (int k = 0; k < kMaxContactPoints; ++k) {
@@ -212,6 +217,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
     for (const Contact& o : old)
       if (!ancestor && from >= o.points && from < o.points + kMaxContactPoints) ancestor = &o;
   }
+  // friction, of the manifold that they came from
   if (!ancestor) return;
   carry_friction(*ancestor, contact);
   contact.twist_impulse = ancestor->twist_impulse;
@@ -245,16 +251,16 @@ void Collide::Impl::mix(Contact& contact) const {
   contact.surface_velocity = wanted - contact.normal * dot(wanted, contact.normal);
 }
 
-// Speeds, and what the contact means for waking and for events (see touches.cpp for the rule of touching).
+// Approach speeds, and the bits for waking and events (contact_states.cpp has the rule of contact states).
 void Collide::Impl::check_contact(ContactEntry& e, Real margin, Real dt) {
   const Colliders& c = *colliders;
   Contact& contact = contacts->slots[e.slot];
   const Vec3 between = c.velocity[e.b] - c.velocity[e.a];
-  const Vec3 spin_a = c.angular_velocity[e.a], spin_b = c.angular_velocity[e.b];
+  const Vec3 angular_a = c.angular_velocity[e.a], angular_b = c.angular_velocity[e.b];
   Real nearest = kInfinity, predicted = kInfinity;
   for (int k = 0; k < contact.point_count; ++k) {
     ContactPoint& p = contact.points[k];
-    p.approach_speed = dot(between + cross(spin_b, p.arm_b) - cross(spin_a, p.arm_a), contact.normal);
+    p.approach_speed = dot(between + cross(angular_b, p.arm_b) - cross(angular_a, p.arm_a), contact.normal);
     nearest = std::min(nearest, p.separation);
     predicted = std::min(predicted, p.separation + std::min(p.approach_speed, Real(0)) * dt);
   }
@@ -285,8 +291,8 @@ void Collide::Impl::list_arrivals() {
   }
 }
 
-// After all wakes, so that the contacts of a woken island are solved in this step: their data is that of the moment
-// it fell asleep, and nothing of it moved since.
+// After all wakes, so that the contacts of a woken island are solved in this step: their data is that of the moment it
+// fell asleep, since when nothing of it has moved.
 void Collide::Impl::list_active(StepContext&) {
   const Colliders& c = *colliders;
   const auto movable = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && c.awake[n]; };

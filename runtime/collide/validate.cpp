@@ -1,6 +1,6 @@
-// What holds of collision detection after each step, asserted where asserts are on (feder/error.h): the sorted entries,
-// the contact slots and what is remembered of them belong together, active contacts touch, and the number of touching
-// contacts on record per pair of objects is that of the entries, so that no begin or end event was lost.
+// Invariants of collision detection after each step, asserted where asserts are on (feder/error.h): sorted entries,
+// contact slots and their memory agree, active contacts have points, and the number of contacts in the contact book per
+// pair of objects is that of the entries, so that no begin or end event was lost.
 #include "base/hash.h"
 #include "collide/impl.h"
 

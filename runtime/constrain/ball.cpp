@@ -1,5 +1,5 @@
 // Ball joint: two anchors stay together, all rotations are free. One block of three rows along the world axes,
-// C = anchor_b - anchor_a. While C is not zero the impulses make a couple C x impulse: the price of a Jacobian that
+// C = anchor_b - anchor_a. Weak spot: while C is not zero the impulses make a couple C x impulse, since the Jacobian
 // is the exact derivative.
 #include "constrain/frames.h"
 

@@ -1,7 +1,7 @@
 // Distance: two anchors keep the rest length, stiff or as a spring of given frequency and damping ratio, and may be
 // kept within limits besides. One row along the line of the anchors, C = |gap| - rest_length, and one row per finite
 // limit. With limits and no spring the length is free between them (a rope when only the upper one is given).
-// Weak spot: anchors in one place have no line; the frame's x axis stands in.
+// Weak spot: coincident anchors have no line; the frame's x axis stands in.
 #include "constrain/frames.h"
 #include "constrain/joint.h"
 #include "feder/error.h"

@@ -1,4 +1,4 @@
-// What several joint kinds share: the frames of a joint in the world, and the rows of a common point.
+// Shared by several joint kinds: the frames of a joint in the world, and the rows of a common point.
 #pragma once
 #include "constrain/joint.h"
 
@@ -37,7 +37,7 @@ inline void fill_point_row(const WorldAnchors& f, const Vec3& axis, Row& row) {
   row.value = dot(axis, f.gap);
 }
 
-// How the gap between the anchors bends, m/s; 0 where it is not wanted.
+// Bend of the gap between the anchors, m/s; 0 where it is not wanted.
 inline Vec3 bend_of_gap(const WorldAnchors& f, const JointInput& in) {
   if (!in.motion_a) return Vec3::Zero();
   return in.motion_b->bend * f.arm_b - in.motion_a->bend * f.arm_a;
@@ -54,7 +54,7 @@ inline void fill_point_rows(const WorldAnchors& f, const JointInput& in, Row* ro
   }
 }
 
-// Makes `row` a limit: C >= 0 with C the room that is left (positive: not reached). It can only push C up.
+// Makes `row` a limit: C >= 0, with C the distance to it (positive: inactive). Its impulse can only increase C.
 inline void make_limit(Row& row) {
   row.lower = 0;
   row.upper = kInfinity;

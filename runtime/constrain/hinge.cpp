@@ -2,7 +2,7 @@
 // driven. Five equality rows in one block (three of the point; y_a . x_b = 0 and z_a . x_b = 0), one row per finite
 // limit, one motor row. The angle is that of y_b in the y-z plane of frame a, in (-pi, pi]; with two finite limits it
 // is measured from their middle, so that limits may lie anywhere on the circle. All Jacobians are exact derivatives
-// at any pose. Weak spot: axes turned by 180 degrees also satisfy the rows, and limits wider than a turn never act.
+// at any pose. Weak spot: axes rotated by 180 degrees also satisfy the rows, and limits wider than 2 pi never act.
 #include "constrain/frames.h"
 
 namespace feder::joints {

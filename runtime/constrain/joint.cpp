@@ -1,4 +1,4 @@
-// What all joint kinds share: the matrix of a bend, and the writer of rows.
+// Shared by all joint kinds: the bend of anchors by rotation, and the writer of rows.
 #include "constrain/joint.h"
 
 #include "feder/error.h"

@@ -1,5 +1,5 @@
-// Joints: each kind is one file that fills rows (value, Jacobian, softness, bounds); it knows no solver, and a
-// solver knows no kinds. One feder_variant(constrain <kind>) line each. Contract, checked for every kind by
+// Joint kinds: each is one file that fills constraint rows (value, Jacobian, softness, bounds); it knows no solver, and
+// solvers know no kinds. One feder_variant(constrain <kind>) line each. Contract, checked for every kind by
 // tests/constrain/test_joint_contract.cpp: Jacobians match finite differences of the value, `bend` of stiff
 // equalities between points matches what is left of a difference over h, the row count of given options never changes,
 // equal and opposite impulses (momentum), both solvers hold the joint.
@@ -16,7 +16,7 @@ namespace feder {
 
 inline constexpr int kMaxJointRows = 10;
 
-// A joint as the kinds see it. Frames are in the centre-of-mass frames of the bodies; the x axis of a frame is the
+// Geometry and options of a joint. Frames are in the centre-of-mass frames of the bodies; the x axis of a frame is the
 // joint's axis.
 struct JointShape {
   Pose frame_a, frame_b;
@@ -29,9 +29,9 @@ struct BodyMotion {
   Mat3 bend = Mat3::Zero();                                       // m/s of an anchor, by its arm in m: see bend_matrix
 };
 
-// What the turn of an arm by h w adds to the straight motion with angular velocity `start` for a time h, over h:
+// Displacement of an arm rotated by h w, beyond its straight motion with angular velocity `start` for a time h, over h:
 //   h (1 - cos x)/x^2 w x (w x arm) + (sin x / x - 1) w x arm + (w - start) x arm,  x = h |w|  (Rodrigues),
-// with factors that are right to x^2 and stay bounded.
+// with factors that are exact to x^2 and stay bounded.
 Mat3 bend_matrix(const Vec3& start, const Vec3& w, Real h);
 
 // Poses of the centres of mass now (world: identity), the solver indices, and motions where Row::bend is wanted.
@@ -65,7 +65,7 @@ struct JointKind {
   void (*fill)(const JointInput& in, RowWriter& out);
   // The joint's coordinate: hinge angle (rad), distance or slide (m); 0 where there is none.
   Real (*coordinate)(const JointInput& in);
-  // Options this kind understands: bits of JointUses.
+  // Options of this kind: bits of JointUses.
   unsigned uses;
 };
 enum JointUses : unsigned { kUsesLimits = 1, kUsesMotor = 2, kUsesSpring = 4, kUsesAxis = 8, kUsesTwoAnchors = 16 };

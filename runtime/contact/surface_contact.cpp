@@ -17,7 +17,7 @@ constexpr Real kSpeedMargin = Real(1.5);  // times the fastest point: others may
 }  // namespace
 
 const SystemDescriptor& SurfaceContact::descriptor() {
-  static const char* const joins[] = {"springs"};  // cloth asks for it
+  static const char* const joins[] = {"surface"};
   static const SystemDescriptor d = {
       .name = kName, .units = "contact pairs", .joins = joins, .make = &make_system<SurfaceContact>};
   return d;

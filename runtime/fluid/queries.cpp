@@ -171,6 +171,6 @@ void Fluid::list_contact_states(Array<FluidContactState>& out) const {
     }
 }
 
-std::uint64_t Fluid::own_steps(ObjectId fluid) const { return impl_->pool(fluid).steps; }
+std::uint64_t Fluid::solver_substeps(ObjectId fluid) const { return impl_->pool(fluid).steps; }
 
 }  // namespace feder

@@ -44,7 +44,7 @@ void FluidPool::validate_neighbors(Real radius) const {
   for (std::uint32_t i = 0; i < count && finite; ++i) finite = is_finite(x[i].vec());
   for (std::uint32_t i = 0; i < count; i += kSample) {
     const auto row = lists.row(i);
-    FEDER_ASSERT(row.size() <= lists.stride && row.size() <= NeighborLists::kMost);
+    FEDER_ASSERT(row.size() <= lists.stride && row.size() <= NeighborLists::kMaxNeighbors);
     FEDER_ASSERT(lists.rounded[i] % 8 == 0 && lists.rounded[i] >= row.size() && lists.rounded[i] < row.size() + 8);
     for (std::uint32_t k = lists.count[i]; k < lists.rounded[i]; ++k) FEDER_ASSERT(row.data()[k] == count);
     for (std::size_t k = 0; k < row.size(); ++k) {
@@ -53,7 +53,7 @@ void FluidPool::validate_neighbors(Real radius) const {
       if (!finite) continue;
       FEDER_ASSERT(k == 0 || row[k - 1] < j);
       // symmetric, or pair terms would not cancel; a full row may have been cut
-      FEDER_ASSERT(listed(lists, j, i) || lists.count[j] == NeighborLists::kMost);
+      FEDER_ASSERT(listed(lists, j, i) || lists.count[j] == NeighborLists::kMaxNeighbors);
       FEDER_ASSERT(!(length(Vec3(x[i].vec() - x[j].vec())) > Real(1.001) * radius));
     }
   }

@@ -14,7 +14,7 @@ namespace feder {
 constexpr Real kSkin = Real(0.02);
 // Of the mass of a triangle's lightest corner, that still air may stop in a step: each corner gets a third of that from
 // each of its triangles, of which there are eight at most in a sheet.
-constexpr Real kMaxOfMass = Real(0.35);
+constexpr Real kMaxMassShare = Real(0.35);
 
 // kg/m^3: what a world says of its air.
 inline constexpr OptionRow kAirDensity{"air_density", "kg/m3", {0, 1e6}};

@@ -6,6 +6,7 @@
 // law with strength = G), equal and opposite to the last bit; the cost grows with the square of the points.
 // Powers are computed here and not by the C library, whose last digit differs between machines: whole and half
 // powers by multiplication of square roots, others by exp(p ln s) in double.
+// Sources: Newton 1687; Plummer 1911. Weak spot: without softening, close encounters need arbitrarily short steps.
 #include "base/functions.h"
 #include "feder/force.h"
 
@@ -103,8 +104,8 @@ class Attractor final : public Force {
 }  // namespace
 
 Variant<Force> forces_attractor() {
-  return {"attractor", "acceleration strength r^power towards position, or between the points of a net; softening in m",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Attractor>(p); }};
+  return variant_of<Force, Attractor>(
+      "attractor", "acceleration strength r^power towards position, or between the points of a net; softening in m");
 }
 
 }  // namespace feder

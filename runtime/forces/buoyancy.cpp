@@ -72,8 +72,8 @@ class Buoyancy final : public Force {
 }  // namespace
 
 Variant<Force> forces_buoyancy() {
-  return {"buoyancy", "lift and drag below a plane: height, density, gravity, volume, object_density, drag, velocity",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Buoyancy>(p); }};
+  return variant_of<Force, Buoyancy>(
+      "buoyancy", "lift and drag below a plane: height, density, gravity, volume, object_density, drag, velocity");
 }
 
 }  // namespace feder

@@ -1,4 +1,6 @@
 // Linear and quadratic drag: f = -(linear + quadratic |v|) v. Linear in N s/m, quadratic in N s^2/m^2.
+// Sources: Stokes 1851 (linear), Newton 1687 (quadratic). Weak spot: no share of the shape; a plate drags alike from
+// all sides.
 #include <algorithm>
 
 #include "feder/force.h"
@@ -25,8 +27,7 @@ class Drag final : public Force {
 }  // namespace
 
 Variant<Force> forces_drag() {
-  return {"drag", "linear and quadratic drag against the velocity",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Drag>(p); }};
+  return variant_of<Force, Drag>("drag", "linear and quadratic drag against the velocity");
 }
 
 }  // namespace feder

@@ -195,8 +195,8 @@ class ExpressionForce final : public Force {
 }  // namespace
 
 Variant<Force> forces_expression() {
-  return {"expression", "formulas of x y z vx vy vz m t: x, y, z (\"-k*x + a*cos(w*t)\"), and the values they name",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<ExpressionForce>(p); }};
+  return variant_of<Force, ExpressionForce>(
+      "expression", "formulas of x y z vx vy vz m t: x, y, z (\"-k*x + a*cos(w*t)\"), and the values they name");
 }
 
 }  // namespace feder

@@ -1,5 +1,6 @@
 // Recursive descent into postfix. sum = product {(+|-) product}; product = signed {(*|/) signed}; signed = {+|-}
 // raised; raised = atom [^ signed], so -x^2 is -(x^2) and 2^-1 reads; atom = number, name, name(arguments), (sum).
+// Weak spot: recursion, therefore the limits on nesting and on values in flight.
 #include <charconv>
 #include <cmath>
 

@@ -25,9 +25,6 @@ class Gravity final : public Force {
 
 }  // namespace
 
-Variant<Force> forces_gravity() {
-  return {"gravity", "a uniform field: acceleration",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Gravity>(p); }};
-}
+Variant<Force> forces_gravity() { return variant_of<Force, Gravity>("gravity", "a uniform field: acceleration"); }
 
 }  // namespace feder

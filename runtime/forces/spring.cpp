@@ -1,5 +1,6 @@
 // A spring from each point to a place in the world: f = -(stiffness (r - rest_length) + damping r') n.
 // At r = 0 with a rest length the direction is undefined: x is used.
+// Source: Hooke 1678. Weak spot: that direction, which a point passing the anchor sees turn over.
 #include "feder/force.h"
 
 namespace feder {
@@ -53,8 +54,8 @@ class AnchorSpring final : public Force {
 }  // namespace
 
 Variant<Force> forces_spring() {
-  return {"spring", "a spring to a place in the world: position, stiffness, damping, rest_length",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<AnchorSpring>(p); }};
+  return variant_of<Force, AnchorSpring>("spring",
+                                         "a spring to a place in the world: position, stiffness, damping, rest_length");
 }
 
 }  // namespace feder

@@ -50,8 +50,8 @@ class Wind final : public Force {
 }  // namespace
 
 Variant<Force> forces_wind() {
-  return {"wind", "drag against moving air: velocity, linear, density, coefficient, area, gust, gust_hertz",
-          [](Arena&, const Params& p) -> std::unique_ptr<Force> { return std::make_unique<Wind>(p); }};
+  return variant_of<Force, Wind>(
+      "wind", "drag against moving air: velocity, linear, density, coefficient, area, gust, gust_hertz");
 }
 
 }  // namespace feder

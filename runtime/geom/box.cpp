@@ -1,4 +1,5 @@
 // Box: bounds, mass, support, faces, distance and rays.
+// Weak spot: a ray along a face, exactly on it, counts as a hit.
 #include "geom/box.h"
 
 #include "geom/sizes.h"

@@ -1,4 +1,5 @@
 // Capsule: a segment along y rounded by the radius.
+// Weak spot: rays solve their quadratic in Real, so those from thousands of radii away lose digits.
 #include "feder/shape.h"
 #include "geom/sizes.h"
 

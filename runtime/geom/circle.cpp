@@ -1,4 +1,5 @@
 // Circle: the 2D sphere, a point in the xy plane rounded by its radius. Masses are per metre of depth.
+// Weak spot: as of the sphere, rays from far away lose digits.
 #include "feder/shape.h"
 #include "geom/sizes.h"
 

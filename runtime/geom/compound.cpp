@@ -1,4 +1,5 @@
 // Compound: shapes with poses, moving as one. Colliders are made per part, so pair tests never see the whole.
+// Weak spot: overlapping parts have their common mass twice.
 #include "feder/error.h"
 #include "feder/shape.h"
 

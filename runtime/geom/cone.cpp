@@ -11,7 +11,7 @@ ShapeKind geom_cone() {
           {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
           [](const ShapeInput& in) -> ShapePtr {
             const Real radius = positive_size(in.size(0), "cone", "radius");
-            return std::make_shared<Frustum>("cone", radius, Real(0), positive_size(in.size(1), "cone", "height"));
+            return make_frustum("cone", radius, Real(0), positive_size(in.size(1), "cone", "height"));
           },
           [] {
             return std::vector<ShapePtr>{make_cone(1, 2), make_cone(1, Real(0.3)), make_cone(Real(0.01), Real(0.03))};

@@ -11,8 +11,7 @@ ShapeKind geom_cylinder() {
           {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
           [](const ShapeInput& in) -> ShapePtr {
             const Real radius = positive_size(in.size(0), "cylinder", "radius");
-            return std::make_shared<Frustum>("cylinder", radius, radius,
-                                             positive_size(in.size(1), "cylinder", "height"));
+            return make_frustum("cylinder", radius, radius, positive_size(in.size(1), "cylinder", "height"));
           },
           [] {
             return std::vector<ShapePtr>{make_cylinder(1, 2), make_cylinder(1, Real(0.1)),

@@ -1,3 +1,5 @@
+// Convex hull as a shape: second moments over tetrahedra (Tonon 2004), rays clipped by the faces (Cyrus and Beck 1978).
+// Weak spot: support points and faces by a walk over all of them, linear in their number.
 #include "geom/hull.h"
 
 #include "geom/closest.h"
@@ -22,9 +24,7 @@ MassProperties Hull::mass(Real density) const {
   Sum volume = 0, first[3] = {0, 0, 0}, second[3][3] = {};
   for (const HullFace& f : data_.faces) {
     for (int k = 2; k < f.count; ++k) {
-      const Vec3 p[3] = {data_.corners[data_.loops[f.first]] - inner,
-                         data_.corners[data_.loops[f.first + k - 1]] - inner,
-                         data_.corners[data_.loops[f.first + k]] - inner};
+      const Vec3 p[3] = {data_.corner(f, 0) - inner, data_.corner(f, k - 1) - inner, data_.corner(f, k) - inner};
       const Vec3 s = p[0] + p[1] + p[2];
       const Sum v = Sum(dot(p[0], cross(p[1], p[2]))) / 6;
       volume += v;
@@ -90,7 +90,7 @@ int Hull::face(const Vec3& d, Vec3* points) const {
     if (dot(f.normal, d) > dot(best->normal, d)) best = &f;
   // rounder faces give evenly chosen corners
   const int count = std::min<int>(best->count, kMaxFacePoints);
-  for (int i = 0; i < count; ++i) points[i] = data_.corners[data_.loops[best->first + i * best->count / count]];
+  for (int i = 0; i < count; ++i) points[i] = data_.corner(*best, i * best->count / count);
   return count;
 }
 
@@ -110,9 +110,8 @@ Real Hull::distance(const Vec3& p, Real limit, Vec3& normal) const {
     bool beyond = false;
     Vec3 edge = on;
     Real nearest = kInfinity;
-    for (std::uint16_t i = 0; i < f.count; ++i) {
-      const Vec3& a = data_.corners[data_.loops[f.first + i]];
-      const Vec3& b = data_.corners[data_.loops[f.first + (i + 1) % f.count]];
+    for (int i = 0; i < f.count; ++i) {
+      const Vec3 &a = data_.corner(f, i), &b = data_.corner(f, (i + 1) % f.count);
       if (dot(cross(b - a, on - a), f.normal) >= 0) continue;
       beyond = true;
       const Vec3 c = closest_on_segment(p, a, b);

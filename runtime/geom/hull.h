@@ -18,6 +18,7 @@ struct HullData {
   std::vector<Vec3> corners;
   std::vector<HullFace> faces;
   std::vector<std::uint16_t> loops;  // corner numbers of the faces, one after another
+  const Vec3& corner(const HullFace& f, int i) const { return corners[loops[f.first + static_cast<std::size_t>(i)]]; }
 };
 
 // SceneError when the points are too few, not finite, flat, or span too many corners.

@@ -6,31 +6,22 @@
 #include <array>
 #include <cmath>
 
+#include "base/double3.h"
 #include "feder/error.h"
 #include "geom/hull.h"
 
 namespace feder {
 namespace {
 
-constexpr double kThin = 1e-6;            // of the size of the cloud
-constexpr double kFlat = 2e-5;            // of the size: triangles this near to a plane are one face
-constexpr double kLeastThickness = 1e-4;  // of the size: flatter clouds are refused
+constexpr double kThin = 1e-6;          // of the size of the cloud
+constexpr double kFlat = 2e-5;          // of the size: triangles this near to a plane are one face
+constexpr double kMinThickness = 1e-4;  // of the size: flatter clouds are refused
 constexpr std::size_t kMaxPoints = 100000;
 constexpr int kMaxWorkingCorners = 1024;
 
-struct Point {
-  double x, y, z;
-};
-Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Point cross(const Point& a, const Point& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-double norm(const Point& a) { return std::sqrt(dot(a, a)); }
-
 struct Face {
   int v[3], next[3];  // next[i]: across the edge v[i], v[i + 1]
-  Point normal;
+  Double3 normal;
   double offset, area;
   bool alive = true;
   std::vector<int> outside;  // points above it that no earlier face has taken
@@ -43,7 +34,7 @@ struct Face {
 class Builder {
  public:
   explicit Builder(std::span<const Vec3> cloud) {
-    for (const Vec3& p : cloud) points_.push_back({double(p[0]), double(p[1]), double(p[2])});
+    for (const Vec3& p : cloud) points_.push_back(wide(p));
   }
 
   void run() {
@@ -66,16 +57,15 @@ class Builder {
     Face f;
     f.v[0] = a, f.v[1] = b, f.v[2] = c;
     f.next[0] = f.next[1] = f.next[2] = -1;
-    const Point n = cross(points_[b] - points_[a], points_[c] - points_[a]);
-    f.area = norm(n);
-    const double s = f.area > 0 ? 1 / f.area : 0;
-    f.normal = {n.x * s, n.y * s, n.z * s};
+    const Double3 n = cross(points_[b] - points_[a], points_[c] - points_[a]);
+    f.area = length(n);
+    f.normal = (f.area > 0 ? 1 / f.area : 0) * n;
     f.offset = dot(f.normal, points_[a]);
     faces_.push_back(std::move(f));
     return static_cast<int>(faces_.size()) - 1;
   }
 
-  void give(int p, int first_face) {
+  void assign(int p, int first_face) {
     int best = -1;
     double most = kThin * size_;
     for (int f = first_face; f < static_cast<int>(faces_.size()); ++f) {
@@ -98,10 +88,10 @@ class Builder {
 
   void start();
   void grow(int seed, int p);
-  void look(int f, int entered, int p, std::vector<std::array<int, 3>>& rim, std::vector<int>& seen);
+  void remove_visible(int f, int entered, int p, std::vector<std::array<int, 3>>& rim, std::vector<int>& seen);
   std::vector<int> merge() const;
 
-  std::vector<Point> points_;
+  std::vector<Double3> points_;
   std::vector<Face> faces_;
   double size_ = 0;
 };
@@ -109,7 +99,7 @@ class Builder {
 // Four points far apart: the extremes of an axis, the farthest from their line, the farthest from that plane.
 void Builder::start() {
   int lo[3] = {0, 0, 0}, hi[3] = {0, 0, 0};
-  const auto coordinate = [](const Point& p, int axis) { return axis == 0 ? p.x : (axis == 1 ? p.y : p.z); };
+  const auto coordinate = [](const Double3& p, int axis) { return axis == 0 ? p.x : (axis == 1 ? p.y : p.z); };
   const int n = static_cast<int>(points_.size());
   int axis = 0;
   for (int k = 0; k < 3; ++k) {
@@ -125,18 +115,18 @@ void Builder::start() {
   int c = a, d = a;
   double most = 0;
   for (int i = 0; i < n; ++i) {
-    const double h = norm(cross(points_[i] - points_[a], points_[b] - points_[a])) / size_;
+    const double h = length(cross(points_[i] - points_[a], points_[b] - points_[a])) / size_;
     if (h > most) most = h, c = i;
   }
-  if (!(most > kLeastThickness * size_))
+  if (!(most > kMinThickness * size_))
     throw SceneError("hull: the points lie on a line; expected a body with a volume");
-  const Point m = cross(points_[b] - points_[a], points_[c] - points_[a]);
+  const Double3 m = cross(points_[b] - points_[a], points_[c] - points_[a]);
   double side = 0;
   for (int i = 0; i < n; ++i) {
-    const double h = dot(m, points_[i] - points_[a]) / norm(m);
+    const double h = dot(m, points_[i] - points_[a]) / length(m);
     if (std::abs(h) > std::abs(side)) side = h, d = i;
   }
-  if (!(std::abs(side) > kLeastThickness * size_))
+  if (!(std::abs(side) > kMinThickness * size_))
     throw SceneError("hull: the points lie in a plane; expected a body with a volume");
   const int v[4] = {a, side > 0 ? c : b, side > 0 ? b : c, d};
   constexpr int kFaces[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
@@ -144,18 +134,18 @@ void Builder::start() {
   for (const auto& f : kFaces) add_face(v[f[0]], v[f[1]], v[f[2]]);
   for (int f = 0; f < 4; ++f)
     for (int e = 0; e < 3; ++e) faces_[f].next[e] = kNext[f][e];
-  for (int i = 0; i < n; ++i) give(i, 0);
+  for (int i = 0; i < n; ++i) assign(i, 0);
 }
 
 // Collects the connected faces that see p, and their rim in order.
-void Builder::look(int f, int entered, int p, std::vector<std::array<int, 3>>& rim, std::vector<int>& seen) {
+void Builder::remove_visible(int f, int entered, int p, std::vector<std::array<int, 3>>& rim, std::vector<int>& seen) {
   faces_[f].alive = false;
   seen.push_back(f);
   for (int k = 0; k < 3; ++k) {
     const int e = (entered + k) % 3, from = faces_[f].v[e], to = faces_[f].v[(e + 1) % 3], g = faces_[f].next[e];
     if (!faces_[g].alive) continue;
     if (height(faces_[g], p) > 0)
-      look(g, faces_[g].edge_from(to), p, rim, seen);
+      remove_visible(g, faces_[g].edge_from(to), p, rim, seen);
     else
       rim.push_back({from, to, g});
   }
@@ -164,7 +154,7 @@ void Builder::look(int f, int entered, int p, std::vector<std::array<int, 3>>& r
 void Builder::grow(int seed, int p) {
   std::vector<std::array<int, 3>> rim;
   std::vector<int> seen;
-  look(seed, 0, p, rim, seen);
+  remove_visible(seed, 0, p, rim, seen);
   const int first = static_cast<int>(faces_.size()), count = static_cast<int>(rim.size());
   for (const auto& [from, to, outer] : rim) {
     const int f = add_face(from, to, p);
@@ -177,7 +167,7 @@ void Builder::grow(int seed, int p) {
   }
   for (const int f : seen) {
     for (const int q : faces_[f].outside)
-      if (q != p) give(q, first);
+      if (q != p) assign(q, first);
     faces_[f].outside.clear();
   }
 }
@@ -261,15 +251,12 @@ HullData Builder::polygons(std::span<const Vec3> cloud) {
 // Planes of the merged faces: Newell's normal, and far enough out to hold all corners of the face.
 void set_planes(HullData& hull) {
   for (HullFace& f : hull.faces) {
-    const Vec3& origin = hull.corners[hull.loops[f.first]];
+    const Vec3& origin = hull.corner(f, 0);
     Vec3 n = Vec3::Zero();
-    for (int i = 2; i < f.count; ++i)
-      n += feder::cross(hull.corners[hull.loops[f.first + i - 1]] - origin,
-                        hull.corners[hull.loops[f.first + i]] - origin);
+    for (int i = 2; i < f.count; ++i) n += cross(hull.corner(f, i - 1) - origin, hull.corner(f, i) - origin);
     f.normal = normalized_or(n, Vec3::Zero());
     f.offset = -kInfinity;
-    for (int i = 0; i < f.count; ++i)
-      f.offset = std::max(f.offset, feder::dot(f.normal, hull.corners[hull.loops[f.first + i]]));
+    for (int i = 0; i < f.count; ++i) f.offset = std::max(f.offset, dot(f.normal, hull.corner(f, i)));
   }
 }
 

@@ -1,6 +1,7 @@
 // Triangle mesh: static, a surface without inside. A hierarchy of boxes (triangles are stored in its order, so visits
 // are ascending), and per edge what the neighbour does, so that contacts do not catch on seams. Corners at the same
 // place are one corner; triangles without area are dropped.
+// Source of rays: Moeller and Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
 #include <algorithm>
 #include <map>
 
@@ -188,13 +189,14 @@ ShapePtr make(const ShapeInput& in) {
   const auto before = [](const Vec3& a, const Vec3& b) {
     return a[0] != b[0] ? a[0] < b[0] : (a[1] != b[1] ? a[1] < b[1] : a[2] < b[2]);
   };
-  std::map<Vec3, std::uint32_t, decltype(before)> place(before);
+  std::map<Vec3, std::uint32_t, decltype(before)> index_of(before);
   std::vector<Vec3> points;
   std::vector<std::uint32_t> number;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!is_finite(vertices[i]))
       throw SceneError("mesh: expected finite vertices, but vertex " + std::to_string(i + 1) + " is not");
-    const auto [it, fresh] = place.try_emplace(vertices[i] + Vec3::Zero(), static_cast<std::uint32_t>(points.size()));
+    const auto [it, fresh] =
+        index_of.try_emplace(vertices[i] + Vec3::Zero(), static_cast<std::uint32_t>(points.size()));
     if (fresh) points.push_back(vertices[i]);
     number.push_back(it->second);
   }

@@ -1,3 +1,5 @@
+// Convex polygon in the plane: Andrew's monotone chain (1979) for the hull, Green's theorem for the moments, strips and
+// sectors for the rounding. Weak spot: support points and edges by a walk over all corners.
 #include "geom/polygon.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // Sphere: a point rounded by its radius.
+// Weak spot: rays solve their quadratic in Real, so those from thousands of radii away lose digits.
 #include "feder/shape.h"
 #include "geom/sizes.h"
 

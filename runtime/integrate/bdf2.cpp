@@ -31,20 +31,16 @@ bool same(std::span<const Vec3> a, std::span<const Vec3> b) {
 
 class Bdf2 final : public Integrator {
  public:
-  Bdf2(Arena& a, const Params& p) : Integrator(a), x_(&a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
+  Bdf2(Arena& a, const Params& p) : Integrator(a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2,
-            .stability_limit = static_cast<double>(kInfinity),
-            .evals_per_step = 2,
-            .implicit = true,
-            .l_stable = true,
-            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    IntegratorInfo i = unlimited_info(2, 2);
+    i.l_stable = true;
+    return i;
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     const std::size_t n = x.size();
-    x_.assign(x.begin(), x.end());
     const std::span<Vec3> low = low_of(field);
     dx_.assign(n, Vec3(0, 0, 0)), x_past_.resize(n), v_star_.assign(v.begin(), v.end());
     Real g = h;
@@ -66,7 +62,7 @@ class Bdf2 final : public Integrator {
       x_past_[i] = low[i] + dx_[i];
     }
 
-    stage_.solve(field, {t + static_cast<double>(h), g, x_, x_past_, v_star_}, v, stats);
+    stage_.solve(field, {t + static_cast<double>(h), g, x, x_past_, v_star_}, v, stats);
     for (std::size_t i = 0; i < n; ++i) {
       part(0, n)[i] = inv_mass[i] != 0 ? Vec3(dx_[i] + g * v[i]) : Vec3(0, 0, 0);
       add_compensated(x[i], low[i], part(0, n)[i]);
@@ -86,15 +82,15 @@ class Bdf2 final : public Integrator {
     return same(x, part(2, n)) && same(v, part(3, n));
   }
 
-  Array<Vec3> x_, dx_, x_past_, v_star_;
+  Array<Vec3> dx_, x_past_, v_star_;
   ImplicitStage stage_;
 };
 
 }  // namespace
 
 Variant<Integrator> integrate_bdf2() {
-  return {"bdf2", "order 2, stable at any step and stiffness, one solve; remembers a step, fresh starts at contacts",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Bdf2>(a, p); }};
+  return variant_of<Integrator, Bdf2>(
+      "bdf2", "order 2, stable at any step and stiffness, one solve; remembers a step, fresh starts at contacts");
 }
 
 }  // namespace feder

@@ -16,11 +16,15 @@ class DampedKick {
   // The same with the damping at v + share dv.
   void apply_implicit(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x, std::span<Vec3> v,
                       IntegratorStats& stats);
-  // The same to second order: a plain kick gives the velocity at which the damping is evaluated again.
+  // To second order: plain without damping, implicit where it is stiff, corrected where it is weak.
+  void apply_second_order(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x, std::span<Vec3> v,
+                          IntegratorStats& stats);
+
+ private:
+  // A plain kick gives the velocity at which the damping is evaluated again.
   void apply_corrected(ForceField& field, double t, Real h, Real share, std::span<const Vec3> x, std::span<Vec3> v,
                        IntegratorStats& stats);
 
- private:
   Array<Vec3> force_, start_;
   BlockSparse d_;
   Array<Vec3> dv_;

@@ -41,8 +41,8 @@ class ExplicitEuler final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_explicit_euler() {
-  return {"explicit_euler", "order 1, never stable on undamped springs: for comparison",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<ExplicitEuler>(a); }};
+  return variant_of<Integrator, ExplicitEuler>("explicit_euler",
+                                               "order 1, never stable on undamped springs: for comparison");
 }
 
 }  // namespace feder

@@ -5,7 +5,7 @@
 // order 2, with any L. Option `max_parts`: Krylov spaces per step before the flow is taken as it is and counted as
 // unconverged.
 // Kept between calls: work arrays. Weak spot: forces that turn much within one period of a stiff spring resonate (h w
-// near multiples of pi); large stiff nets need many parts.
+// near multiples of pi); large stiff nets need many substeps.
 #include "integrate/linear_flow.h"
 #include "integrate/pattern.h"
 
@@ -15,7 +15,7 @@ namespace {
 class Exponential final : public Integrator {
  public:
   Exponential(Arena& a, const Params& p)
-      : Integrator(a), max_parts_(p.integer({"max_parts", "", {1, 1000000}}, 256)), k_(a), d_(a), force_(&a),
+      : Integrator(a), max_substeps_(p.integer({"max_parts", "", {1, 1000000}}, 256)), k_(a), d_(a), force_(&a),
         after_(&a), x_(&a), v_(&a), b_x_(&a), b_v_(&a), ramp_(&a), dx_(&a), flow_(a) {}
 
   IntegratorInfo info() const override {
@@ -44,7 +44,7 @@ class Exponential final : public Integrator {
     }
     const LinearSystem system{&k_, &d_, field.mass(), inv_mass};
     const double whole = h;
-    bool met = flow_.solve(system, whole, b_x_, b_v_, {}, max_parts_);
+    bool met = flow_.solve(system, whole, b_x_, b_v_, {}, max_substeps_);
     const std::span<Vec3> low = low_of(field);
     dx_.assign(flow_.x().begin(), flow_.x().end());
     for (std::size_t i = 0; i < n; ++i) {
@@ -61,7 +61,7 @@ class Exponential final : public Integrator {
     d_.multiply<Vec3d>(b_v_, b_x_);
     for (std::size_t i = 0; i < n; ++i)
       ramp_[i] = ((after_[i] - force_[i]).cast<double>() - ramp_[i] - b_x_[i]) * static_cast<double>(inv_mass[i]);
-    met = flow_.solve(system, whole, {}, {}, ramp_, max_parts_) && met;
+    met = flow_.solve(system, whole, {}, {}, ramp_, max_substeps_) && met;
     stats.linear_solves += 2;
     if (!met) ++stats.unconverged;
     for (std::size_t i = 0; i < n; ++i) {
@@ -71,7 +71,7 @@ class Exponential final : public Integrator {
   }
 
  private:
-  int max_parts_;
+  int max_substeps_;
   BlockSparse k_, d_;
   Array<Vec3> force_, after_, x_, v_;
   Array<Vec3d> b_x_, b_v_, ramp_, dx_;
@@ -82,8 +82,8 @@ class Exponential final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_exponential() {
-  return {"exponential", "order 2, linear forces exactly at any step and stiffness; Krylov spaces of the matrix",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Exponential>(a, p); }};
+  return variant_of<Integrator, Exponential>(
+      "exponential", "order 2, linear forces exactly at any step and stiffness; Krylov spaces of the matrix");
 }
 
 }  // namespace feder

@@ -8,36 +8,29 @@ namespace {
 
 class ImplicitEuler final : public Integrator {
  public:
-  ImplicitEuler(Arena& a, const Params& p) : Integrator(a), x_(&a), v_(&a), stage_(a, p) {}
+  ImplicitEuler(Arena& a, const Params& p) : Integrator(a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 1,
-            .stability_limit = static_cast<double>(kInfinity),
-            .evals_per_step = 2,
-            .implicit = true,
-            .l_stable = true,
-            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    IntegratorInfo i = unlimited_info(1, 2);
+    i.l_stable = true;
+    return i;
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
-    x_.assign(x.begin(), x.end());
-    v_.assign(v.begin(), v.end());
     const std::span<Vec3> low = low_of(field);
-    stage_.solve(field, {t + static_cast<double>(h), h, x_, low, v_}, v, stats);
+    stage_.solve_from(field, t + static_cast<double>(h), h, x, low, v, stats);
     drift(field, h, v, x, low);
   }
 
  private:
-  Array<Vec3> x_, v_;
   ImplicitStage stage_;
 };
 
 }  // namespace
 
 Variant<Integrator> integrate_implicit_euler() {
-  return {
-      "implicit_euler", "order 1, stable at any step and stiffness; damps; Newton with a sparse solve",
-      [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<ImplicitEuler>(a, p); }};
+  return variant_of<Integrator, ImplicitEuler>(
+      "implicit_euler", "order 1, stable at any step and stiffness; damps; Newton with a sparse solve");
 }
 
 }  // namespace feder

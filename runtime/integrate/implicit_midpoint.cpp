@@ -10,38 +10,30 @@ namespace {
 
 class ImplicitMidpoint final : public Integrator {
  public:
-  ImplicitMidpoint(Arena& a, const Params& p) : Integrator(a), x_(&a), v_(&a), stage_(a, p) {}
+  ImplicitMidpoint(Arena& a, const Params& p) : Integrator(a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2,
-            .stability_limit = static_cast<double>(kInfinity),
-            .evals_per_step = 2,
-            .implicit = true,
-            .symplectic = true,
-            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    IntegratorInfo i = unlimited_info(2, 2);
+    i.symplectic = true;
+    return i;
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
-    x_.assign(x.begin(), x.end());
-    v_.assign(v.begin(), v.end());
     const std::span<Vec3> low = low_of(field);
-    stage_.solve(field, {t + static_cast<double>(h) / 2, h / 2, x_, low, v_}, v, stats);
+    const auto before = stage_.solve_from(field, t + static_cast<double>(h) / 2, h / 2, x, low, v, stats);
     drift(field, h, v, x, low);
-    for (std::size_t i = 0; i < x.size(); ++i) v[i] += v[i] - v_[i];
+    for (std::size_t i = 0; i < x.size(); ++i) v[i] += v[i] - before[i];
   }
 
  private:
-  Array<Vec3> x_, v_;
   ImplicitStage stage_;
 };
 
 }  // namespace
 
 Variant<Integrator> integrate_implicit_midpoint() {
-  return {"implicit_midpoint", "order 2, stable on linear systems at any step, keeps energy; not safe on stiff chains",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> {
-            return std::make_unique<ImplicitMidpoint>(a, p);
-          }};
+  return variant_of<Integrator, ImplicitMidpoint>(
+      "implicit_midpoint", "order 2, stable on linear systems at any step, keeps energy; not safe on stiff chains");
 }
 
 }  // namespace feder

@@ -1,5 +1,5 @@
 // The first solve of a stage is that of Baraff & Witkin 1998, linearised where the step starts: A dv = r + g K (x_past
-// + g v), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would look
+// + g v), A = M - g D - g^2 K (linearised at the end of the step instead, stiff springs would be
 // compressed there and buckle). Newton steps from the state it reaches follow until the residual is gone, because a
 // stiff chain that swings far in one step overshoots along its tangents; `iterations = 1` leaves them out. The force
 // field hands over negative semidefinite K and D (a compressed spring's negative part is dropped, Choi & Ko 2002), so A
@@ -77,7 +77,7 @@ bool ImplicitMatrix::solve(const ForceField& field, std::span<const Vec3> r, std
 
 ImplicitStage::ImplicitStage(Arena& a, const Params& p)
     : newton_cap_(p.integer({"iterations", "", {1, 100}}, 8)), matrix_(a, p), force_(&a), x_new_(&a), v_base_(&a),
-      residual_(&a), dv_(&a), product_(&a) {}
+      residual_(&a), dv_(&a), v_before_(&a), product_(&a) {}
 
 void ImplicitStage::solve(ForceField& field, const StageProblem& p, std::span<Vec3> v, IntegratorStats& stats) {
   const std::size_t n = v.size();

@@ -8,6 +8,16 @@
 
 namespace feder {
 
+// Of a method that is stable on linear systems at any step, with any damping.
+inline IntegratorInfo unlimited_info(int order, int evals_per_step) {
+  const auto limit = [](double) { return static_cast<double>(kInfinity); };
+  return {.order = order,
+          .stability_limit = static_cast<double>(kInfinity),
+          .evals_per_step = evals_per_step,
+          .implicit = true,
+          .damped_limit = limit};
+}
+
 // "auto" factors when that costs no more than a hard conjugate-gradient solve would: chains, sheets of some thousand
 // points; not solid lattices. The order of elimination is found once per pattern.
 class ImplicitMatrix {
@@ -52,6 +62,13 @@ class ImplicitStage {
   ImplicitStage(Arena& a, const Params& p);
   // `v` holds the guess, then the solution. Counts a miss of the tolerance in stats.unconverged.
   void solve(ForceField& field, const StageProblem& p, std::span<Vec3> v, IntegratorStats& stats);
+  // The stage of a method without a past, from (x + low, v); returns the velocities before, valid until the next.
+  std::span<const Vec3> solve_from(ForceField& field, double t, Real g, std::span<const Vec3> x,
+                                   std::span<const Vec3> low, std::span<Vec3> v, IntegratorStats& stats) {
+    v_before_.assign(v.begin(), v.end());
+    solve(field, {t, g, x, low, v_before_}, v, stats);
+    return v_before_;
+  }
 
  private:
   void evaluate(ForceField& field, const StageProblem& p, std::span<const Vec3> v, IntegratorStats& stats);
@@ -64,7 +81,7 @@ class ImplicitStage {
 
   int newton_cap_;
   ImplicitMatrix matrix_;
-  Array<Vec3> force_, x_new_, v_base_, residual_, dv_;
+  Array<Vec3> force_, x_new_, v_base_, residual_, dv_, v_before_;
   Array<Vec3d> product_;
 };
 

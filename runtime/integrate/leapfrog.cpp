@@ -3,6 +3,7 @@
 // where it is stiff, so the order stays 2 and the limit h w = 2 holds for any damping ratio.
 // Kept between calls: nothing. Weak spot: the force acts in the middle of the step, so a spring's end state is seen
 // only after the last drift.
+// Source: Verlet 1967; Hockney & Eastwood, "Computer Simulation Using Particles" (1981).
 #include "integrate/damped_kick.h"
 
 namespace feder {
@@ -21,13 +22,7 @@ class Leapfrog final : public Integrator {
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
     const std::span<Vec3> low = low_of(field);
     drift(field, h / 2, v, x, low);
-    const double middle = t + static_cast<double>(h) / 2;
-    if (!field.damped())
-      kick_.apply(field, middle, h, x, v, stats);
-    else if (field.stiff_damping(h))
-      kick_.apply_implicit(field, middle, h, Real(0.5), x, v, stats);
-    else
-      kick_.apply_corrected(field, middle, h, Real(0.5), x, v, stats);
+    kick_.apply_second_order(field, t + static_cast<double>(h) / 2, h, Real(0.5), x, v, stats);
     drift(field, h / 2, v, x, low);
   }
 
@@ -38,8 +33,8 @@ class Leapfrog final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_leapfrog() {
-  return {"leapfrog", "order 2, drift-kick-drift, keeps energy in the mean; stiff damping implicit",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<Leapfrog>(a); }};
+  return variant_of<Integrator, Leapfrog>(
+      "leapfrog", "order 2, drift-kick-drift, keeps energy in the mean; stiff damping implicit");
 }
 
 }  // namespace feder

@@ -1,10 +1,10 @@
-// Each part of the step starts from the rate c = L y + b and moves y by tau phi1(tau L) c, phi1(z) = (e^z - 1)/z, taken
+// Each substep starts from the rate c = L y + b and moves y by tau phi1(tau L) c, phi1(z) = (e^z - 1)/z, taken
 // in the Krylov space of L and c (Saad 1992; Hochbruck & Lubich 1997). The ramp is a further unknown with constant
 // rate. Vectors are orthogonal in the energy product x.(M/h^2 - K)x + v.M v: there L is skew but for the damping, which
 // only shrinks, and M/h^2, so whatever the tolerance missed, y grows at most by e^(1/2) a step. Exact to rounding where
 // the space closes: every net of up to kMaxBasis/6 points, and larger ones of which few modes are excited. Otherwise
-// the part tau is halved until the estimate of Saad (the next term of the series) is small. Kept between calls: work
-// arrays. Weak spot: parts of about kMaxBasis/(2 w), so very stiff large nets cost as much as an explicit method;
+// the substep tau is halved until the estimate of Saad (the next term of the series) is small. Kept between calls: work
+// arrays. Weak spot: substeps of about kMaxBasis/(2 w), so very stiff large nets cost as much as an explicit method;
 // kMaxBasis vectors of 9 doubles per point.
 #include "integrate/linear_flow.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr int kMaxBasis = 36;
 constexpr int kSmall = kMaxBasis + 2;
 constexpr double kTolerance = sizeof(Real) == 4 ? 1e-7 : 1e-13;
-constexpr double kHopeless = 0.1;  // error of the smallest part, relative: more such parts would not be better than one
+constexpr double kHopeless = 0.1;  // error of the smallest substep, relative: more of them would not be better than one
 constexpr double kNothing = 1e-140;  // norms whose squares have all digits are above that; what is below does not move
 constexpr double kClosed = 1e-14;    // what is left of a vector, relative, when the space is invariant
 
@@ -171,7 +171,7 @@ void LinearFlow::move(const Basis& b, double tau) {
 }
 
 bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b_x, std::span<const Vec3d> b_v,
-                       std::span<const Vec3d> ramp, int max_parts) {
+                       std::span<const Vec3d> ramp, int max_substeps) {
   system_ = s, h_ = h, ramp_ = ramp;
   n_ = s.mass.size();
   const std::size_t vectors = n_ * (kMaxBasis + 1);
@@ -194,7 +194,7 @@ bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b
   }
 
   double done = 0, next = h;
-  int parts = 0;
+  int substeps = 0;
   bool met = true;
   while (done < h) {
     apply(x_, v_, rate_v_);
@@ -203,11 +203,11 @@ bool LinearFlow::solve(const LinearSystem& s, double h, std::span<const Vec3d> b
       if (!b_x.empty()) rate_x_[i] += b_x[i], rate_v_[i] += b_v[i];
       if (!ramp.empty()) rate_v_[i] += ramp[i] * (extra_ * ramp_scale_);
     }
-    const bool last = ++parts >= max_parts;
+    const bool last = ++substeps >= max_substeps;
     double tau = last ? h - done : std::min(next, h - done);
     const Basis basis = build_basis(tau);
     double wrong = error(basis, tau);
-    while (!last && wrong > kTolerance * tau && tau * max_parts > h) {
+    while (!last && wrong > kTolerance * tau && tau * max_substeps > h) {
       tau /= 2;
       wrong = error(basis, tau);
     }

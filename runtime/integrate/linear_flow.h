@@ -17,7 +17,7 @@ class LinearFlow {
   // Solves y' = L y + b + ramp (t/h) from y = 0 to t = h for y = (x, v), L the system's matrix. `ramp` (of v only, per
   // mass) may be empty. False when the tolerance was missed: y is then bounded but not accurate.
   bool solve(const LinearSystem& s, double h, std::span<const Vec3d> b_x, std::span<const Vec3d> b_v,
-             std::span<const Vec3d> ramp, int max_parts);
+             std::span<const Vec3d> ramp, int max_substeps);
   std::span<const Vec3d> x() const { return x_; }
   std::span<const Vec3d> v() const { return v_; }
 

@@ -6,19 +6,14 @@
 namespace feder {
 namespace {
 
-constexpr double kReach[] = {0, 0.5};
-constexpr double kCoupling[] = {0, 0, 0.5, 0};
-constexpr double kWeights[] = {0, 1};
-constexpr double kPolynomial[] = {1, 1, 0.5};
+constexpr double kNodes[2] = {0, 0.5};
+constexpr double kWeights[2] = {0, 1};
 
 }  // namespace
 
 Variant<Integrator> integrate_midpoint() {
-  return {"midpoint", "order 2, the slope at half the step; unstable on undamped springs in the long run",
-          [](Arena& a, const Params&) {
-            return tableau_method(a, {2, kReach, kCoupling, kWeights},
-                                  {.order = 2, .evals_per_step = 2, .stability_polynomial = kPolynomial});
-          }};
+  return two_stage_variant<kNodes, kWeights>(
+      "midpoint", "order 2, the slope at half the step; unstable on undamped springs in the long run");
 }
 
 }  // namespace feder

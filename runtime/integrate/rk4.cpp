@@ -1,6 +1,6 @@
 // The classical Runge-Kutta method (Kutta 1901): four evaluations, order 4, applied to (x, v).
 // Kept between calls: nothing but work arrays. Weak spot: not symplectic; an oscillator loses about (h w)^6/72 of its
-// amplitude per step, and the reach per evaluation is a third of Verlet's.
+// amplitude per step, and the stability limit per evaluation is a third of Verlet's.
 #include "integrate/integrator.h"
 
 namespace feder {
@@ -23,14 +23,14 @@ class Rk4 final : public Integrator {
     v_.assign(v.begin(), v.end());
     for (std::size_t i = 0; i < n; ++i) x_sum_[i] = v_sum_[i] = Vec3::Zero();
 
-    // stage s is evaluated at the start plus reach * h times the slope of the stage before
-    static constexpr double kReach[4] = {0, 0.5, 0.5, 1};
+    // stage s is evaluated at the start plus c h times the slope of the stage before
+    static constexpr double kNodes[4] = {0, 0.5, 0.5, 1};
     static constexpr Real kWeight[4] = {Real(1) / 6, Real(1) / 3, Real(1) / 3, Real(1) / 6};
     const std::span<const Real> inv_mass = field.inv_mass();
     for (int s = 0; s < 4; ++s) {
-      field.eval(x_, v_, t + kReach[s] * static_cast<double>(h), force_);
+      field.eval(x_, v_, t + kNodes[s] * static_cast<double>(h), force_);
       ++stats.force_evals;
-      const Real next = s < 3 ? static_cast<Real>(kReach[s + 1]) * h : Real(0);
+      const Real next = s < 3 ? static_cast<Real>(kNodes[s + 1]) * h : Real(0);
       for (std::size_t i = 0; i < n; ++i) {
         if (inv_mass[i] == 0) continue;
         const Vec3 slope_x = v_[i], slope_v = inv_mass[i] * force_[i];
@@ -54,8 +54,7 @@ class Rk4 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_rk4() {
-  return {"rk4", "order 4, four force evaluations: accurate where the motion is resolved",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<Rk4>(a); }};
+  return variant_of<Integrator, Rk4>("rk4", "order 4, four force evaluations: accurate where the motion is resolved");
 }
 
 }  // namespace feder

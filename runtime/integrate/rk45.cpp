@@ -107,9 +107,8 @@ class Rk45 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_rk45() {
-  return {"rk45",
-          "order 5, cuts h into steps by its error estimate: accurate where speeds vary much, not for stiffness",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Rk45>(a, p); }};
+  return variant_of<Integrator, Rk45>(
+      "rk45", "order 5, cuts h into steps by its error estimate: accurate where speeds vary much, not for stiffness");
 }
 
 }  // namespace feder

@@ -19,12 +19,9 @@ class Ros2 final : public Integrator {
         product_(&a), matrix_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2,
-            .stability_limit = static_cast<double>(kInfinity),
-            .evals_per_step = 2,
-            .implicit = true,
-            .l_stable = true,
-            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    IntegratorInfo i = unlimited_info(2, 2);
+    i.l_stable = true;
+    return i;
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
@@ -79,8 +76,8 @@ class Ros2 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_ros2() {
-  return {"ros2", "order 2, two linear solves and no iteration: known cost; stiff linear systems at any step",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Ros2>(a, p); }};
+  return variant_of<Integrator, Ros2>(
+      "ros2", "order 2, two linear solves and no iteration: known cost; stiff linear systems at any step");
 }
 
 }  // namespace feder

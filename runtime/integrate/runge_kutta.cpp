@@ -1,3 +1,5 @@
+// Explicit Runge-Kutta stages by a Butcher tableau (Butcher 1963). Kept between calls: slopes and work arrays. Weak
+// spot: all slopes are kept, two vectors per stage and point.
 #include "integrate/runge_kutta.h"
 
 namespace feder {
@@ -13,7 +15,7 @@ void RungeKutta::evaluate(ForceField& field, double t, Real h, std::span<const V
     low_.assign(low.begin(), low.end());
     v_.assign(v.begin(), v.end());
     add(h, row, s, x_, low_, v_);
-    field.eval(x_, v_, t + tableau_.reach[s] * static_cast<double>(h), force_);
+    field.eval(x_, v_, t + tableau_.nodes[s] * static_cast<double>(h), force_);
     ++stats.force_evals;
     const std::span<Vec3> sx = slope_x(s), sv = slope_v(s);
     for (std::size_t i = 0; i < n; ++i) {
@@ -37,7 +39,7 @@ void RungeKutta::add(Real h, const double* weights, int stages, std::span<Vec3> 
     double weight;
     const Vec3 *x, *v;
   };
-  Term terms[kMostStages];
+  Term terms[kMaxStages];
   std::size_t count = 0;
   const std::size_t n = x_.size();
   for (int s = 0; s < stages; ++s) {

@@ -4,17 +4,17 @@
 
 namespace feder {
 
-// Butcher tableau. Row s of `coupling` (stages x stages, row-major) weighs the slopes of the stages before s.
+// Butcher tableau c | A / b. Row s of A (stages x stages, row-major) weighs the slopes of the stages before s.
 struct Tableau {
   int stages;
-  const double* reach;  // stage s is evaluated at t + reach[s] h
-  const double* coupling;
-  const double* weights;
+  const double* nodes;     // c: stage s is evaluated at t + nodes[s] h
+  const double* coupling;  // A
+  const double* weights;   // b
 };
 
 class RungeKutta {
  public:
-  static constexpr int kMostStages = 8;
+  static constexpr int kMaxStages = 8;
   RungeKutta(Arena& a, const Tableau& t)
       : tableau_(t), force_(&a), x_(&a), low_(&a), v_(&a), slope_x_(&a), slope_v_(&a) {}
 
@@ -60,8 +60,15 @@ class TableauMethod final : public Integrator {
   IntegratorInfo info_;
 };
 
-inline std::unique_ptr<Integrator> tableau_method(Arena& a, const Tableau& t, const IntegratorInfo& info) {
-  return std::make_unique<TableauMethod>(a, t, info);
+// The row of a method of two stages and order 2: its tableau is 0 | , c | c / 1 - b, b with b c = 1/2.
+template <const double (&kNodes)[2], const double (&kWeights)[2]>
+Variant<Integrator> two_stage_variant(const char* name, const char* summary) {
+  return {name, summary, [](Arena& a, const Params&) -> std::unique_ptr<Integrator> {
+            static constexpr double kCoupling[] = {0, 0, kNodes[1], 0}, kPolynomial[] = {1, 1, 0.5};
+            return std::make_unique<TableauMethod>(
+                a, Tableau{2, kNodes, kCoupling, kWeights},
+                IntegratorInfo{.order = 2, .evals_per_step = 2, .stability_polynomial = kPolynomial});
+          }};
 }
 
 }  // namespace feder

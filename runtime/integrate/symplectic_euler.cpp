@@ -46,9 +46,8 @@ class SymplecticEuler final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_symplectic_euler() {
-  return {
-      "symplectic_euler", "order 1, one force evaluation, keeps energy in the mean; stiff damping implicit",
-      [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<SymplecticEuler>(a, p); }};
+  return variant_of<Integrator, SymplecticEuler>(
+      "symplectic_euler", "order 1, one force evaluation, keeps energy in the mean; stiff damping implicit");
 }
 
 }  // namespace feder

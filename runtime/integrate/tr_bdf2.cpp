@@ -16,15 +16,12 @@ constexpr double kStart = (1 - kGamma) * (1 - kGamma) / (kGamma * (2 - kGamma));
 class TrBdf2 final : public Integrator {
  public:
   TrBdf2(Arena& a, const Params& p)
-      : Integrator(a), force_(&a), x_(&a), v_(&a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
+      : Integrator(a), force_(&a), v_(&a), dx_(&a), x_past_(&a), v_star_(&a), stage_(a, p) {}
 
   IntegratorInfo info() const override {
-    return {.order = 2,
-            .stability_limit = static_cast<double>(kInfinity),
-            .evals_per_step = 5,
-            .implicit = true,
-            .l_stable = true,
-            .damped_limit = [](double) { return static_cast<double>(kInfinity); }};
+    IntegratorInfo i = unlimited_info(2, 5);
+    i.l_stable = true;
+    return i;
   }
 
   void step(ForceField& field, double t, Real h, std::span<Vec3> x, std::span<Vec3> v) override {
@@ -33,7 +30,6 @@ class TrBdf2 final : public Integrator {
     const std::span<const Real> inv_mass = field.inv_mass();
     const std::span<Vec3> low = low_of(field);
     force_.resize(n), dx_.resize(n), x_past_.resize(n), v_star_.resize(n);
-    x_.assign(x.begin(), x.end());
     v_.assign(v.begin(), v.end());
 
     // trapezoidal rule to t + gamma h
@@ -43,7 +39,7 @@ class TrBdf2 final : public Integrator {
       x_past_[i] = low[i] + g * v_[i];
       v_star_[i] = v_[i] + (g * inv_mass[i]) * force_[i];
     }
-    stage_.solve(field, {t + kGamma * static_cast<double>(h), g, x_, x_past_, v_star_}, v, stats);
+    stage_.solve(field, {t + kGamma * static_cast<double>(h), g, x, x_past_, v_star_}, v, stats);
     for (std::size_t i = 0; i < n; ++i) {
       dx_[i] = g * (v_[i] + v[i]);  // pinned points have v = 0
       add_compensated(x[i], low[i], dx_[i]);
@@ -55,23 +51,22 @@ class TrBdf2 final : public Integrator {
       x_past_[i] = low[i] + dx_[i];
       v_star_[i] = v[i] + static_cast<Real>(kStart) * (v[i] - v_[i]);
     }
-    x_.assign(x.begin(), x.end());
-    stage_.solve(field, {t + static_cast<double>(h), g, x_, x_past_, v_star_}, v, stats);
+    stage_.solve(field, {t + static_cast<double>(h), g, x, x_past_, v_star_}, v, stats);
     for (std::size_t i = 0; i < n; ++i) add_compensated(x[i], low[i], dx_[i] + g * v[i]);
   }
 
  private:
   static_assert(kMiddle - kStart > 1 - 1e-15 && kMiddle - kStart < 1 + 1e-15);
 
-  Array<Vec3> force_, x_, v_, dx_, x_past_, v_star_;
+  Array<Vec3> force_, v_, dx_, x_past_, v_star_;
   ImplicitStage stage_;
 };
 
 }  // namespace
 
 Variant<Integrator> integrate_tr_bdf2() {
-  return {"tr_bdf2", "order 2, stable at any step and stiffness, damps little: for stiff nets that swing",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<TrBdf2>(a, p); }};
+  return variant_of<Integrator, TrBdf2>(
+      "tr_bdf2", "order 2, stable at any step and stiffness, damps little: for stiff nets that swing");
 }
 
 }  // namespace feder

@@ -22,13 +22,7 @@ class VelocityVerlet final : public Integrator {
     const Real half = h / 2;
     kick_.apply(field, t, half, x, v, stats);
     drift(field, h, v, x, low_of(field));
-    const double end = t + static_cast<double>(h);
-    if (!field.damped())
-      kick_.apply(field, end, half, x, v, stats);
-    else if (field.stiff_damping(h))
-      kick_.apply_implicit(field, end, half, 1, x, v, stats);
-    else
-      kick_.apply_corrected(field, end, half, 1, x, v, stats);
+    kick_.apply_second_order(field, t + static_cast<double>(h), half, 1, x, v, stats);
   }
 
  private:
@@ -38,8 +32,8 @@ class VelocityVerlet final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_velocity_verlet() {
-  return {"velocity_verlet", "order 2, kick-drift-kick, keeps energy in the mean; stiff damping implicit",
-          [](Arena& a, const Params&) -> std::unique_ptr<Integrator> { return std::make_unique<VelocityVerlet>(a); }};
+  return variant_of<Integrator, VelocityVerlet>(
+      "velocity_verlet", "order 2, kick-drift-kick, keeps energy in the mean; stiff damping implicit");
 }
 
 }  // namespace feder

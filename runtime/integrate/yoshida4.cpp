@@ -59,11 +59,11 @@ class Yoshida4 final : public Integrator {
     const std::span<Vec3> low = low_of(field);
     double at = t;
     for (const double share : kShares) {
-      const Real part = static_cast<Real>(share) * h;
-      kick(field, at, part / 2, x, v);
-      drift(field, part, v, x, low);
+      const Real substep = static_cast<Real>(share) * h;
+      kick(field, at, substep / 2, x, v);
+      drift(field, substep, v, x, low);
       at += share * static_cast<double>(h);
-      kick(field, at, part / 2, x, v);
+      kick(field, at, substep / 2, x, v);
     }
   }
 
@@ -85,8 +85,8 @@ class Yoshida4 final : public Integrator {
 }  // namespace
 
 Variant<Integrator> integrate_yoshida4() {
-  return {"yoshida4", "order 4, three kick-drift-kick steps, keeps energy in the mean; for long accurate runs",
-          [](Arena& a, const Params& p) -> std::unique_ptr<Integrator> { return std::make_unique<Yoshida4>(a, p); }};
+  return variant_of<Integrator, Yoshida4>(
+      "yoshida4", "order 4, three kick-drift-kick steps, keeps energy in the mean; for long accurate runs");
 }
 
 }  // namespace feder

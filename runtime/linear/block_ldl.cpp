@@ -76,13 +76,13 @@ bool BlockLdl::eliminate(std::size_t count, std::span<const BlockIndex> index, s
     n.erase(std::unique(n.begin(), n.end()), n.end());
   }
   DegreeOrder order(neighbors);
-  place_.assign(count, kNone), point_.resize(count);
+  position_.assign(count, kNone), point_.resize(count);
   column_.assign(1, 0), row_.clear();
   operations_ = 0;
   std::vector<std::uint32_t> merged;
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint32_t p = order.take();
-    place_[p] = k, point_[k] = p;
+    position_[p] = k, point_[k] = p;
     const std::vector<std::uint32_t> clique = std::move(neighbors[p]);
     operations_ += clique.size() * (clique.size() + 3) / 2 + 1;
     if (operations_ > max_operations) return false;
@@ -110,7 +110,7 @@ void BlockLdl::lay_out(std::span<const BlockIndex> index) {
   const std::size_t n = point_.size();
   row_start_.assign(n + 1, 0);
   for (std::uint32_t j = 0; j < n; ++j) {
-    for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) row_[q] = place_[row_[q]];
+    for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) row_[q] = position_[row_[q]];
     std::sort(row_.begin() + column_[j], row_.begin() + column_[j + 1]);
     for (std::uint32_t q = column_[j]; q < column_[j + 1]; ++q) ++row_start_[row_[q] + 1];
   }
@@ -124,7 +124,7 @@ void BlockLdl::lay_out(std::span<const BlockIndex> index) {
     }
   slot_.resize(index.size()), input_at_.resize(index.size());
   for (std::size_t k = 0; k < index.size(); ++k) {
-    const std::uint32_t a = place_[index[k].i], b = place_[index[k].j];
+    const std::uint32_t a = position_[index[k].i], b = position_[index[k].j];
     slot_[k] = find(std::min(a, b), std::max(a, b));
     input_at_[k] = a > b;
   }

@@ -4,11 +4,11 @@
 
 namespace feder {
 
-// The order of elimination and the places of all blocks are found once per pattern; after that nothing allocates.
+// The order of elimination and the slots of all blocks are found once per pattern; after that nothing allocates.
 class BlockLdl {
  public:
   explicit BlockLdl(Arena& a)
-      : place_(&a), point_(&a), column_(&a), row_(&a), row_start_(&a), row_column_(&a), row_at_(&a), slot_(&a),
+      : position_(&a), point_(&a), column_(&a), row_(&a), row_start_(&a), row_column_(&a), row_at_(&a), slot_(&a),
         input_at_(&a), block_(&a), factor_(&a), pivot_(&a), work_(&a), work_at_(&a) {}
 
   // False when the factor would need more than `max_operations` block products: then there is no factor.
@@ -25,15 +25,15 @@ class BlockLdl {
   void lay_out(std::span<const BlockIndex> index);
   std::uint32_t find(std::uint32_t column, std::uint32_t row) const;
 
-  // numbers below are places in the order of elimination
-  Array<std::uint32_t> place_, point_;  // of a point, and back
-  Array<std::uint32_t> column_, row_;   // L by columns: blocks column_[j] .. column_[j+1], ascending rows
+  // numbers below are positions in the order of elimination
+  Array<std::uint32_t> position_, point_;  // of a point, and back
+  Array<std::uint32_t> column_, row_;      // L by columns: blocks column_[j] .. column_[j+1], ascending rows
   Array<std::uint32_t> row_start_, row_column_, row_at_;  // the same by rows: column and position of each block
   Array<std::uint32_t> slot_;                             // by block of the input: its block in L, transposed if below
   Array<std::uint8_t> input_at_;                          // 1: the input block is (row, column), 0: it is transposed
   Array<Mat3d> block_, factor_, pivot_;                   // L, D factored, D
   Array<Vec3d> work_;
-  Array<std::uint32_t> work_at_;  // by place: position of the row in the column at work
+  Array<std::uint32_t> work_at_;  // by position: index of the row in the column at work
   std::uint64_t operations_ = 0;
 };
 

@@ -7,6 +7,7 @@
 // the separation along the best axis is shorter than the distance (both are beyond zero).
 #include "geom/box.h"
 
+#include "narrow/clip.h"
 #include "narrow/narrow_phase.h"
 #include "narrow/reduce.h"
 
@@ -63,39 +64,9 @@ Relative relative_boxes(const Mat3& ra, const Mat3& rb, const Vec3& d, const Vec
   return rel;
 }
 
-// The incident face as a loop in the frame of the reference box. edge[i] names the edge from corner i to i + 1:
-// 0..3 of the incident face, 4..7 sides of the reference face.
-struct Loop {
-  int count = 0;
-  Real p[8][3];
-  std::uint8_t edge[8];
-};
-
-// Cuts the part with sign * p[axis] > limit off.
-void clip(Loop& loop, int axis, Real sign, Real limit, std::uint8_t label) {
-  Real height[8];
-  bool any = false;
-  for (int i = 0; i < loop.count; ++i) {
-    height[i] = sign * loop.p[i][axis] - limit;
-    any = any || height[i] > 0;
-  }
-  if (!any) return;
-  Loop cut;
-  for (int i = 0; i < loop.count; ++i) {
-    const int j = i + 1 < loop.count ? i + 1 : 0;
-    const bool inside = height[i] <= 0, next_inside = height[j] <= 0;
-    if (inside) {
-      for (int k = 0; k < 3; ++k) cut.p[cut.count][k] = loop.p[i][k];
-      cut.edge[cut.count++] = loop.edge[i];
-    }
-    if (inside != next_inside && cut.count < 8) {
-      const Real s = height[i] / (height[i] - height[j]);
-      for (int k = 0; k < 3; ++k) cut.p[cut.count][k] = loop.p[i][k] + s * (loop.p[j][k] - loop.p[i][k]);
-      cut.edge[cut.count++] = inside ? label : loop.edge[i];
-    }
-  }
-  loop = cut;
-}
+// The incident face in the frame of the reference box. Edges: 0..3 of the incident face, 4..7 sides of the reference
+// face.
+using Loop = ClipLoop<8>;
 
 // `rel`: the reference box is a; its face `axis`, on the side of the other box, takes the points.
 int face_points(const Relative& rel, int axis, const Pose& reference, const Mat3& rotation, std::uint32_t code,
@@ -117,15 +88,16 @@ int face_points(const Relative& rel, int axis, const Pose& reference, const Mat3
   }
   const int x = kNext[axis], y = kLast[axis];
   const Real slack = kClipSlack * std::min(rel.h[x], rel.h[y]);
-  clip(loop, x, 1, rel.h[x] + slack, 4);
-  clip(loop, y, 1, rel.h[y] + slack, 5);
-  clip(loop, x, -1, rel.h[x] + slack, 6);
-  clip(loop, y, -1, rel.h[y] + slack, 7);
+  const auto cut = [&](int side_axis, Real sign, std::uint8_t label) {
+    const Real limit = rel.h[side_axis] + slack;
+    clip(loop, true, label, [=](const Vec3& p) { return sign * p[side_axis] - limit; });
+  };
+  cut(x, 1, 4), cut(y, 1, 5), cut(x, -1, 6), cut(y, -1, 7);
 
   code = code << 4 | (side < 0 ? 8u : 0u) | static_cast<std::uint32_t>(j) << 1 | (facing < 0 ? 1u : 0u);
   int count = 0;
   for (int i = 0; i < loop.count; ++i) {
-    Real* p = loop.p[i];
+    Vec3& p = loop.p[i];
     const Real separation = side * p[axis] - rel.h[axis];
     if (separation > margin) continue;
     p[axis] = side * (rel.h[axis] + separation / 2);
@@ -183,7 +155,7 @@ void edge_point(const Relative& rel, int i, int j, const Pose& pose_a, const Mat
 }
 
 // The same two boxes seen from b.
-Relative turned(const Relative& rel) {
+Relative swapped(const Relative& rel) {
   Relative back;
   for (int i = 0; i < 3; ++i) {
     back.t[i] = -rel.along_b(i);
@@ -252,7 +224,7 @@ int box_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
     count = face_points(rel, i, pose_a, ra, best.index, margin, points);
   } else {
     const int i = static_cast<int>(best.index) - 3;
-    const Relative back = turned(rel);
+    const Relative back = swapped(rel);
     out->normal = back.t[i] < 0 ? Vec3(rb.col(i)) : Vec3(-rb.col(i));
     count = face_points(back, i, pose_b, rb, best.index, margin, points);
   }

@@ -1,5 +1,7 @@
 // Any two convex shapes: GJK, EPA when the cores overlap, then the patch where their faces look at each other.
 // Kept between calls: the last normal in the frame of a, from which GJK starts.
+// Sources: gjk.cpp, epa.cpp, patch.cpp. Weak spot: round faces meet as the polygons that Shape::face gives, and one
+// normal serves the whole pair.
 #include "narrow/narrow_phase.h"
 #include "narrow/patch.h"
 #include "narrow/reduce.h"

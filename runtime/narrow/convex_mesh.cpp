@@ -134,11 +134,11 @@ void collide_triangle(MeshContact& mc, std::uint32_t index) {
   const Double3 high = wide(pair.a.support(narrow(up))), low = wide(pair.a.support(narrow(-up)));
   const bool behind = dot(up, 0.5 * (high + low) - at) < 0;
   const Vec3 face = behind ? Vec3(-front) : front;
-  const double reach = double(mc.margin) + mc.convex.radius;
-  if (dot(up, behind ? at - high : low - at) > reach) return;
+  const double enough = double(mc.margin) + mc.convex.radius;
+  if (dot(up, behind ? at - high : low - at) > enough) return;
 
   Gap gap;
-  if (!core_gap(pair, -pair.offset, reach, gap)) return;
+  if (!core_gap(pair, -pair.offset, enough, gap)) return;
   const Vec3 towards = -rotate(mc.local.rotation, narrow(gap.normal));
   Patch patch;
   const Weights w = barycentric(t, wide(to_world(mc.local, narrow(gap.b))));
@@ -148,7 +148,7 @@ void collide_triangle(MeshContact& mc, std::uint32_t index) {
     return;
   }
   gap = face_gap(pair, t, face);
-  if (gap.distance > reach) return;
+  if (gap.distance > enough) return;
   contact_patch(pair, gap, mc.margin, patch);
   add_points(mc, patch, -face, index, &t);
 }

@@ -1,5 +1,7 @@
 // Any convex shape against a half-space: the corners of the face that looks into the plane, and the deepest point
 // when no corner of that face is as deep (a sharp hull standing on a vertex).
+// Keeps nothing between calls. Weak spot: a round cap stands on the corners of its outline (Shape::face), slightly
+// inside its rim.
 #include "geom/plane.h"
 #include "narrow/narrow_phase.h"
 #include "narrow/reduce.h"

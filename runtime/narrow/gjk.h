@@ -1,8 +1,8 @@
 // Distance and overlap depth of two convex cores through their support functions (internal to narrow).
 // All points and normals are in the frame of a.
 #pragma once
+#include "base/double3.h"
 #include "feder/shape.h"
-#include "narrow/double3.h"
 
 namespace feder {
 

@@ -3,8 +3,11 @@
 // in a segment; anything else touches in the nearest points alone. Those join the patch when clipping has lost the
 // depth. A normal within 1 mrad of the reference face's is replaced by it, so that resting contacts do not tilt with
 // the rounding of GJK.
+// Keeps nothing between calls. Weak spot: round faces are their inscribed polygons; corners beyond kMaxFacePoints are
+// left out.
 #include "narrow/patch.h"
 
+#include "narrow/clip.h"
 #include "narrow/reduce.h"
 
 namespace feder {
@@ -32,35 +35,7 @@ void finish(Outline& o) {
   o.normal = normalized_or(n, Vec3::Zero());
 }
 
-struct Clipped {
-  int count = 0;
-  Vec3 p[2 * kMaxFacePoints];
-  std::uint8_t edge[2 * kMaxFacePoints];  // label of the edge from point i to i + 1
-};
-
-// Cuts off what is above the plane m.x = limit. `closed`: a loop, else a segment.
-void clip(Clipped& c, bool closed, const Vec3& m, Real limit, std::uint8_t label) {
-  Real height[2 * kMaxFacePoints];
-  bool any = false;
-  for (int i = 0; i < c.count; ++i) {
-    height[i] = dot(m, c.p[i]) - limit;
-    any = any || height[i] > 0;
-  }
-  if (!any) return;
-  Clipped cut;
-  for (int i = 0; i < c.count; ++i) {
-    const int j = i + 1 < c.count ? i + 1 : 0;
-    const bool inside = height[i] <= 0, next_inside = height[j] <= 0;
-    if (inside) {
-      cut.p[cut.count] = c.p[i];
-      cut.edge[cut.count++] = c.edge[i];
-    }
-    if (inside == next_inside || (!closed && j == 0) || cut.count == 2 * kMaxFacePoints) continue;
-    cut.p[cut.count] = c.p[i] + (height[i] / (height[i] - height[j])) * (c.p[j] - c.p[i]);
-    cut.edge[cut.count++] = inside ? label : c.edge[i];
-  }
-  c = cut;
-}
+using Clipped = ClipLoop<2 * kMaxFacePoints>;
 
 // The corners of `incident` over the reference face, as points midway. `sign`: +1 when the reference belongs to a.
 void clip_faces(const ConvexPair& pair, const Outline& reference, const Outline& incident, Real sign, Real margin,
@@ -73,7 +48,8 @@ void clip_faces(const ConvexPair& pair, const Outline& reference, const Outline&
   for (int i = 0; i < reference.count && c.count > 0; ++i) {
     const Vec3 &p = reference.p[i], e = reference.p[(i + 1) % reference.count] - p;
     const Vec3 m = normalized_or(cross(e, n), Vec3::Zero());
-    clip(c, closed, m, dot(m, p) + kSlack * reference.size, static_cast<std::uint8_t>(kSideLabel + i));
+    const Real limit = dot(m, p) + kSlack * reference.size;
+    clip(c, closed, static_cast<std::uint8_t>(kSideLabel + i), [&](const Vec3& q) { return dot(m, q) - limit; });
   }
   const Real along = dot(n, reference.normal), radii = pair.a.radius + pair.b.radius;
   const Real own = sign > 0 ? pair.b.radius : pair.a.radius;

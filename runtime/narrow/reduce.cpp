@@ -1,3 +1,6 @@
+// Reduction of a contact patch to four points: the deepest, the farthest from it, and the two that span most area on
+// either side (Moravanszky and Terdiman, "Fast Contact Reduction for Dynamics Simulation", Game Programming Gems 4,
+// 2004). Keeps nothing between calls. Weak spot: greedy, so the four need not be the largest quadrilateral.
 #include "narrow/reduce.h"
 
 #include <bit>

@@ -13,7 +13,7 @@ class CellGrid {
  public:
   explicit CellGrid(Arena& a) : start_(&a), cell_(&a) {}
 
-  // Chooses the cells for these points; then order[k] is the point at place k, ties by index. True when order is the
+  // Chooses the cells for these points; then order[k] is the point at position k, ties by index. True when order is the
   // identity.
   bool sort(std::span<const Real> points4, Real cell, Array<std::uint32_t>& order);
 
@@ -23,7 +23,7 @@ class CellGrid {
     const Real last = static_cast<Real>(cells_[axis] - 1);
     return !(t > 0) ? 0 : t >= last ? cells_[axis] - 1 : static_cast<int>(t);  // NaN: the first
   }
-  // Places of the points in the cells x0 .. x1 of a row.
+  // Positions in the order of the points in the cells x0 .. x1 of a row.
   std::uint32_t first(int x0, int y, int z) const { return start_[row(y, z) + static_cast<std::size_t>(x0)]; }
   std::uint32_t last(int x1, int y, int z) const { return start_[row(y, z) + static_cast<std::size_t>(x1) + 1]; }
 

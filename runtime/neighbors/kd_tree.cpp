@@ -10,7 +10,7 @@ constexpr std::uint32_t kLeaf = 8;
 
 struct Node {
   Real lo[3], hi[3];
-  std::uint32_t first = 0, count = 0;  // places in order_
+  std::uint32_t first = 0, count = 0;  // in order_
   std::uint32_t right = 0;             // 0: a leaf; the left child follows its parent
 };
 
@@ -90,8 +90,7 @@ class KdTree final : public NeighborSearch {
 }  // namespace
 
 Variant<NeighborSearch> neighbors_kd_tree() {
-  return {"kd_tree", "kd-tree, built anew each time",
-          [](Arena& a, const Params&) -> std::unique_ptr<NeighborSearch> { return std::make_unique<KdTree>(a); }};
+  return variant_of<NeighborSearch, KdTree>("kd_tree", "kd-tree, built anew each time");
 }
 
 }  // namespace feder

@@ -34,15 +34,15 @@ typedef WideReal Row4 __attribute__((vector_size(4 * sizeof(WideReal))));
 }
 
 #if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
-// For each of the 256 masks, the places of its set bits: what comes through is stored without a branch.
+// For each of the 256 masks, the indices of its set bits: what comes through is stored without a branch.
 struct alignas(32) Compress {
-  int place[256][8];
-  constexpr Compress() : place() {
+  int index[256][8];
+  constexpr Compress() : index() {
     for (int m = 0; m < 256; ++m) {
       int n = 0;
       for (int l = 0; l < 8; ++l)
-        if (m >> l & 1) place[m][n++] = l;
-      for (; n < 8; ++n) place[m][n] = 0;
+        if (m >> l & 1) index[m][n++] = l;
+      for (; n < 8; ++n) index[m][n] = 0;
     }
   }
 };
@@ -53,7 +53,7 @@ constexpr Compress kCompress;
 [[gnu::always_inline]] inline void append(unsigned k, unsigned bits, unsigned* row, unsigned capacity, unsigned& n) {
 #if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
   if (n + 8 <= capacity) {
-    const __m256i at = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompress.place[bits]));
+    const __m256i at = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompress.index[bits]));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(row + n),
                         _mm256_add_epi32(at, _mm256_set1_epi32(static_cast<int>(k))));
     n += static_cast<unsigned>(__builtin_popcount(bits));

@@ -12,7 +12,7 @@ namespace feder {
 // number of points, the index of nobody.
 struct NeighborLists {
   explicit NeighborLists(Arena& a) : index(&a), count(&a), rounded(&a) {}
-  static constexpr std::uint32_t kMost = 256;  // neighbours in a row
+  static constexpr std::uint32_t kMaxNeighbors = 256;  // neighbours in a row
 
   Array<std::uint32_t> index;
   Array<std::uint32_t> count;    // neighbours of a point
@@ -26,7 +26,8 @@ struct NeighborLists {
 // Contract, checked for every row of the table by tests/neighbors/test_neighbor_contract.cpp:
 //  - the row of i holds each j != i with |x_i - x_j| < radius once, ascending, as brute force finds them;
 //  - equal points give equal lists, whatever was asked before and for any number of threads;
-//  - a point with more than kMost neighbours keeps an even choice of them; j is in the row of i when i is in that of j.
+//  - a point with more than kMaxNeighbors neighbours keeps an even choice of them; j is in the row of i when i is in
+//  that of j.
 // Points are x, y, z and a fourth number that is ignored; all finite. Allocates only when points or neighbours
 // outnumber every earlier call.
 class NeighborSearch {

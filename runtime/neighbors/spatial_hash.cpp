@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/cast.h"
+#include "neighbors/counting_sort.h"
 #include "neighbors/rows.h"
 
 namespace feder {
@@ -21,21 +22,11 @@ class SpatialHash final : public NeighborSearch {
     const std::uint32_t count = static_cast<std::uint32_t>(p.size() / 4);
     const double inv = 1 / static_cast<double>(radius);
     while (buckets_ < 2 * std::size_t(count)) buckets_ *= 2;
-    start_.assign(buckets_ + 1, 0);
-    order_.resize(count), cells_.resize(3 * std::size_t(count));
-    for (std::uint32_t i = 0; i < count; ++i) {
+    cells_.resize(3 * std::size_t(count));
+    for (std::uint32_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < 3; ++k) cells_[3 * std::size_t(i) + k] = cell(p[4 * std::size_t(i) + k], inv);
-      ++start_[bucket(&cells_[3 * std::size_t(i)])];
-    }
-    std::uint32_t total = 0;
-    for (std::uint32_t& s : start_) {
-      const std::uint32_t n = s;
-      s = total;
-      total += n;
-    }
-    for (std::uint32_t i = 0; i < count; ++i) order_[start_[bucket(&cells_[3 * std::size_t(i)])]++] = i;
-    for (std::size_t b = buckets_; b > 0; --b) start_[b] = start_[b - 1];
-    start_[0] = 0;
+    const auto key = [&](std::uint32_t i) { return bucket(&cells_[3 * std::size_t(i)]); };
+    counting_sort(count, buckets_, key, start_, order_);
 
     const Real near = radius * radius;
     fill_rows(count, jobs, out, false, [&](std::uint32_t i, auto& sink) {
@@ -76,8 +67,7 @@ class SpatialHash final : public NeighborSearch {
 }  // namespace
 
 Variant<NeighborSearch> neighbors_spatial_hash() {
-  return {"spatial_hash", "hash table of cells, for points in clouds far apart",
-          [](Arena& a, const Params&) -> std::unique_ptr<NeighborSearch> { return std::make_unique<SpatialHash>(a); }};
+  return variant_of<NeighborSearch, SpatialHash>("spatial_hash", "hash table of cells, for points in clouds far apart");
 }
 
 }  // namespace feder

@@ -65,8 +65,7 @@ class UniformGrid final : public NeighborSearch {
 }  // namespace
 
 Variant<NeighborSearch> neighbors_uniform_grid() {
-  return {"grid", "uniform grid, counting sort by cell",
-          [](Arena& a, const Params&) -> std::unique_ptr<NeighborSearch> { return std::make_unique<UniformGrid>(a); }};
+  return variant_of<NeighborSearch, UniformGrid>("grid", "uniform grid, counting sort by cell");
 }
 
 }  // namespace feder

@@ -7,8 +7,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kLightest = Real(1e-9),
-               kHeaviest = Real(1e12);  // kg: beyond, products of inverses leave the float range
+// kg: beyond, products of inverses leave the float range
+constexpr Real kMinMass = Real(1e-9), kMaxMass = Real(1e12);
 
 std::string text(double x) {
   char buffer[32];
@@ -16,7 +16,16 @@ std::string text(double x) {
   return buffer;
 }
 
-// Shapes with their place in the body frame, nested compounds opened.
+// SceneError that says what was expected and what came.
+void require(bool good, const char* what, double came) {
+  if (!good) throw SceneError(std::string("body.") + what + ", got " + text(came));
+}
+
+void require_mass(Real mass) {
+  require(mass >= kMinMass && mass <= kMaxMass, "mass: expected from 1e-9 to 1e12 kg", mass);
+}
+
+// Shapes with their pose in the body frame, nested compounds opened.
 void flatten(const ShapePtr& shape, const Pose& at, std::vector<CompoundPart>& out) {
   const std::span<const CompoundPart> parts = shape->parts();
   if (parts.empty()) {
@@ -66,17 +75,39 @@ double cube_root(double x) {
   return r;
 }
 
-// Do the moments of inertia differ enough for gyroscopic motion?
+// Moments of inertia that differ enough for gyroscopic motion.
 bool uneven(const Mat3& inertia) {
   const Real mean = (inertia(0, 0) + inertia(1, 1) + inertia(2, 2)) / 3;
   return (inertia - mean * Mat3::Identity()).cwiseAbs().maxCoeff() > Real(1e-4) * mean;
 }
 
-}  // namespace
-
-void require(bool good, const char* what, double came) {
-  if (!good) throw SceneError(std::string("body.") + what + ", got " + text(came));
+// The parts of a description and what they weigh; SceneError where no body can be made of them.
+BodySolid solid_of(const BodyDesc& d, int dimension) {
+  BodySolid s;
+  flatten(dimension == 2 ? d.shape->section() : d.shape, Pose{}, s.parts);
+  FEDER_ASSERT(!s.parts.empty());
+  std::vector<MassProperties> masses;
+  masses.reserve(s.parts.size());
+  for (const CompoundPart& p : s.parts) masses.push_back(transformed(p.shape->mass(1), p.pose));
+  const MassProperties m = combined(masses);
+  s.volume = m.mass;
+  s.mass = d.mass > 0 ? d.mass : d.density * s.volume;
+  s.inertia = m.inertia;
+  if (s.volume > 0) s.inertia *= s.mass / s.volume;
+  s.center = d.has_center ? d.center_of_mass : m.center;
+  if (d.type != BodyType::dynamic) return s;
+  for (const CompoundPart& p : s.parts)
+    if (!(p.shape->mass(1).mass > 0))
+      throw SceneError(std::string("body.shape: a ") + p.shape->kind() +
+                       " has no volume and can only be static or kinematic");
+  require_mass(s.mass);
+  const Mat3 inv = dimension == 2 ? Mat3(Mat3::Identity() / s.inertia(2, 2)) : inverse(s.inertia);
+  require(inv.allFinite() && inv.trace() > 0 && s.inertia.allFinite(), "shape: too small or too large for its mass",
+          s.mass);
+  return s;
 }
+
+}  // namespace
 
 std::uint32_t Rigid::Impl::index(ObjectId body) const {
   if (!objects.alive(body) || objects.kind(body) != kBodyKind)
@@ -87,118 +118,98 @@ std::uint32_t Rigid::Impl::index(ObjectId body) const {
 
 void Rigid::Impl::set_mass(std::uint32_t i) {
   const bool dynamic = bodies.type[i] == BodyType::dynamic;
-  FEDER_ASSERT(!dynamic || (bodies.mass[i] >= kLightest && bodies.mass[i] <= kHeaviest));
+  FEDER_ASSERT(!dynamic || (bodies.mass[i] >= kMinMass && bodies.mass[i] <= kMaxMass));
   bodies.inv_mass[i] = dynamic ? 1 / bodies.mass[i] : 0;
   bodies.inv_inertia[i] = Mat3::Zero();
   if (!dynamic) return;
-  if (dimension == 2) {
+  if (dimension == 2)
     bodies.inv_inertia[i](2, 2) = 1 / bodies.inertia[i](2, 2);
-  } else {
+  else
     bodies.inv_inertia[i] = inverse(bodies.inertia[i]);
-  }
   asymmetric[i] = dimension == 3 && !(bodies.lock[i] & (kLockRx | kLockRy | kLockRz)) && uneven(bodies.inertia[i]);
 }
 
-ObjectId Rigid::Impl::add(const BodyDesc& desc) {
-  if (!desc.shape) throw SceneError("body.shape: expected a shape, got none");
-  check_motion(desc);
-  check_numbers(desc);
-  // the parts, and what they weigh
-  BodyDesc d = desc;
-  d.rotation = normalized(d.rotation);
-  std::vector<CompoundPart> parts;
-  flatten(dimension == 2 ? desc.shape->section() : desc.shape, Pose{}, parts);
-  FEDER_ASSERT(!parts.empty());
-  std::vector<MassProperties> solids;
-  solids.reserve(parts.size());
-  for (const CompoundPart& p : parts) solids.push_back(transformed(p.shape->mass(1), p.pose));
-  MassProperties m = combined(solids);
-  const Real whole = m.mass;
-  const bool dynamic = d.type == BodyType::dynamic;
-  const Real mass = d.mass > 0 ? d.mass : d.density * whole;
-  if (whole > 0) m.inertia *= mass / whole;
-  if (d.has_center) m.center = d.center_of_mass;
-  if (dynamic) {
-    for (const CompoundPart& p : parts)
-      if (!(p.shape->mass(1).mass > 0))
-        throw SceneError(std::string("body.shape: a ") + p.shape->kind() +
-                         " has no volume and can only be static or kinematic");
-    require(mass >= kLightest && mass <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg", mass);
-    const Mat3 inv = dimension == 2 ? Mat3(Mat3::Identity() / m.inertia(2, 2)) : inverse(m.inertia);
-    require(inv.allFinite() && inv.trace() > 0 && m.inertia.allFinite(), "shape: too small or too large for its mass",
-            mass);
-  }
-  if (d.type == BodyType::free) throw SceneError("body.type: expected static, kinematic or dynamic");
-  for (const CompoundPart& p : parts) collide.check_shape(*p.shape);
-  // from here on nothing fails
-  const std::uint32_t i = bodies.add();
-  if (volume.size() < bodies.size()) {
-    volume.resize(bodies.size()), area.resize(bodies.size()), asymmetric.resize(bodies.size()),
-        kept_momentum.resize(bodies.size(), Vec3::Zero()), kept_angular_velocity.resize(bodies.size(), Vec3::Zero()),
-        sleep_candidate.resize(bodies.size());
-    next_in_island.resize(bodies.size(), kNone), parent.resize(bodies.size());
-    resize_watch();
-  }
-  FEDER_ASSERT(volume.size() == bodies.size() && parent.size() == bodies.size());
-  pace[i] = 0;
+// Room for bodies that were added or loaded; their last edit counts as one of this step.
+void Rigid::Impl::resize_arrays() {
+  edited_step.resize(bodies.size(), now);
+  each_array(*this, [&](auto& array) { array.resize(bodies.size()); });
+  islands.resize(bodies.size());
+}
+
+// Pose, velocities, damping and locks of the new body i.
+void Rigid::Impl::load_motion(std::uint32_t i, const BodyDesc& d, const Vec3& center) {
   bodies.type[i] = d.type;
   bodies.lock[i] = dimension == 2 ? std::uint8_t(d.lock | kLockZ | kLockRx | kLockRy) : d.lock;
-  bodies.rotation[i] = d.rotation;
-  bodies.local_com[i] = m.center;
-  bodies.position[i] = d.position + rotate(d.rotation, m.center);
+  bodies.rotation[i] = normalized(d.rotation);
+  bodies.local_com[i] = center;
+  bodies.position[i] = d.position + rotate(bodies.rotation[i], center);
   const Real planar = dimension == 2 ? 0 : 1;
   bodies.velocity[i] = Vec3(d.velocity[0], d.velocity[1], planar * d.velocity[2]);
   bodies.angular_velocity[i] =
       Vec3(planar * d.angular_velocity[0], planar * d.angular_velocity[1], d.angular_velocity[2]);
   if (d.type == BodyType::fixed) bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
-  bodies.mass[i] = m.mass > 0 ? mass : 0;
-  bodies.inertia[i] = m.inertia;
   bodies.gravity_scale[i] = d.gravity_scale;
   bodies.linear_damping[i] = d.linear_damping;
   bodies.angular_damping[i] = d.angular_damping;
   bodies.can_sleep[i] = d.can_sleep;
   bodies.bullet[i] = d.bullet;
+}
+
+// Mass, size and what is kept of the rotation of the new body i.
+void Rigid::Impl::load_mass(std::uint32_t i, const BodySolid& solid) {
+  bodies.mass[i] = solid.volume > 0 ? solid.mass : 0;
+  bodies.inertia[i] = solid.inertia;
   bodies.extent[i] = 0;
-  for (const CompoundPart& p : parts)
-    bodies.extent[i] = std::max(bodies.extent[i], p.shape->extent(to_local(p.pose, m.center)));
-  volume[i] = whole;
-  const double radius = cube_root(static_cast<double>(whole) * 3 / (4 * static_cast<double>(kPi)));
+  for (const CompoundPart& p : solid.parts)
+    bodies.extent[i] = std::max(bodies.extent[i], p.shape->extent(to_local(p.pose, solid.center)));
+  volume[i] = solid.volume;
+  const double radius = cube_root(static_cast<double>(solid.volume) * 3 / (4 * static_cast<double>(kPi)));
   area[i] = kPi * static_cast<Real>(radius * radius);
+  pace[i] = 0;
   sleep_candidate[i] = asymmetric[i] = 0;
   kept_momentum[i] = kept_angular_velocity[i] = Vec3::Zero();
   next_in_island[i] = kNone;
+  set_mass(i);
+}
+
+ObjectId Rigid::Impl::add(const BodyDesc& d) {
+  if (!d.shape) throw SceneError("body.shape: expected a shape, got none");
+  check_motion(d);
+  check_numbers(d);
+  const BodySolid solid = solid_of(d, dimension);
+  if (d.type == BodyType::free) throw SceneError("body.type: expected static, kinematic or dynamic");
+  for (const CompoundPart& p : solid.parts) collide.check_shape(*p.shape);
+  // from here on nothing fails
+  const std::uint32_t i = bodies.add();
+  resize_arrays();
+  load_motion(i, d, solid.center);
+  load_mass(i, solid);
   bodies.solver_slot[i] = solver_bodies.add();
   bodies.object[i] = objects.add(kBodyKind, i, d.name, d.tags);
-  set_mass(i);
-  // in reverse, so that the list of a body runs in the order of the parts
-  std::reverse(parts.begin(), parts.end());
-  for (const CompoundPart& p : parts) {
-    const std::uint32_t k = colliders.add();
-    colliders.shape[k] = p.shape.get();
-    colliders.shapes[k] = p.shape;
-    colliders.local[k] = {p.pose.position - m.center, p.pose.rotation};
-    colliders.next_of_body[k] = bodies.first_collider[i];
-    bodies.first_collider[i] = k;
-  }
-  add_colliders(i, d);
-  if (dynamic) {
+  add_colliders(i, d, solid);
+  if (d.type == BodyType::dynamic) {
     wake_one(i, WakeCause::none, {});
     if (d.sleeping) put_to_sleep(i);
   }
-  bodies.awake[i] = d.type == BodyType::kinematic ? 1 : bodies.awake[i];
+  if (d.type == BodyType::kinematic) bodies.awake[i] = 1;
   place_colliders(i, 0, Vec3::Zero());
   if (body_count++ == 0) *structure_changed = true;
   list_stale = true;
   return bodies.object[i];
 }
 
-// Fills what all colliders of a new body share.
-void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d) {
+// One collider per part; what all of them share comes from the description.
+void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const BodySolid& solid) {
   const std::uint16_t material = d.material.empty() ? std::uint16_t(0) : collide.material(d.material);
-  each_collider(i, [&](std::uint32_t k) {
-    colliders.motion[k] = d.type == BodyType::dynamic     ? ColliderMotion::dynamic
-                          : d.type == BodyType::kinematic ? ColliderMotion::kinematic
-                                                          : ColliderMotion::fixed;
+  // in reverse, so that the list of a body runs in the order of the parts
+  for (auto part = solid.parts.rbegin(); part != solid.parts.rend(); ++part) {
+    const std::uint32_t k = colliders.add();
+    colliders.shape[k] = part->shape.get();
+    colliders.shapes[k] = part->shape;
+    colliders.local[k] = {part->pose.position - solid.center, part->pose.rotation};
+    colliders.next_of_body[k] = bodies.first_collider[i];
+    bodies.first_collider[i] = k;
+    colliders.motion[k] = motion_of(d.type);
     colliders.owner[k] = ColliderOwner::body;
     colliders.owner_index[k] = i;
     colliders.solver_slot[k] = d.type == BodyType::fixed ? kNone : bodies.solver_slot[i];
@@ -213,10 +224,10 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d) {
     colliders.material[k] = material;
     colliders.group[k] = d.group;
     colliders.mask[k] = d.mask;
-  });
+  }
 }
 
-// Poses and boxes of a body's colliders now; boxes reach as far as the body can move within `dt`.
+// Poses and boxes of a body's colliders now; boxes include the motion within `dt`.
 void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity) {
   FEDER_ASSERT(dt >= 0 && bodies.type[i] != BodyType::free);
   const Vec3& v = bodies.velocity[i];
@@ -239,7 +250,7 @@ void Rigid::Impl::place_colliders(std::uint32_t i, Real dt, const Vec3& gravity)
     const Shape& shape = *colliders.shape[k];
     Aabb box = shape.bounds(pose);
     FEDER_ASSERT(!(box.lo[0] > box.hi[0] || box.lo[1] > box.hi[1] || box.lo[2] > box.hi[2]));
-    // a turning shape leaves its box by at most the arc of its farthest point, and by its whole extent
+    // rotation moves the shape out of its box by at most the arc of its farthest point, and by twice its extent
     const Real extent = bodies.extent[i];
     const Real arc = angle > 0 && is_finite(extent) ? std::min(angle * extent, 2 * extent) : Real(0);
     box.lo += step.cwiseMin(Real(0)) - Vec3::Constant(kContactMargin + arc);
@@ -278,8 +289,7 @@ void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
       if (!(colliders.shape[k]->mass(1).mass > 0))
         throw SceneError(std::string("set_type: a ") + colliders.shape[k]->kind() + " cannot be dynamic");
     });
-    require(bodies.mass[i] >= kLightest && bodies.mass[i] <= kHeaviest, "mass: expected from 1e-9 to 1e12 kg",
-            bodies.mass[i]);
+    require_mass(bodies.mass[i]);
   }
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::script, {});
   wake_touching(i, WakeCause::script);
@@ -291,9 +301,7 @@ void Rigid::Impl::set_type(std::uint32_t i, BodyType type) {
   if (type == BodyType::fixed) bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
   set_mass(i);
   each_collider(i, [&](std::uint32_t k) {
-    colliders.motion[k] = type == BodyType::dynamic     ? ColliderMotion::dynamic
-                          : type == BodyType::kinematic ? ColliderMotion::kinematic
-                                                        : ColliderMotion::fixed;
+    colliders.motion[k] = motion_of(type);
     colliders.solver_slot[k] = type == BodyType::fixed ? kNone : bodies.solver_slot[i];
   });
   if (type == BodyType::dynamic) wake_one(i, WakeCause::none, {});
@@ -308,7 +316,7 @@ void Rigid::Impl::remove(std::uint32_t i, const std::string& where) {
       remove_joint(j, where, WakeCause::destroyed);
   wake_touching(i, WakeCause::destroyed);
   if (bodies.type[i] == BodyType::dynamic) wake(i, WakeCause::destroyed, bodies.object[i]);
-  FEDER_ASSERT(next_in_island[i] == kNone);  // awake, or its ring would lead to a free index
+  FEDER_ASSERT(next_in_island[i] == kNone);  // else its ring would lead to a free index
   std::uint32_t k = bodies.first_collider[i];
   while (k != kNone) {
     const std::uint32_t next = colliders.next_of_body[k];

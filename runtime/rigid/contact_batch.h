@@ -1,5 +1,5 @@
-// Eight contacts side by side, all fields wide, and the kernels that work on them. Plain structs only: included by
-// the file that is compiled with -mavx2. No two contacts of a batch push the same solver body.
+// Contact batches: eight contacts side by side, every field eight lanes wide, and the kernels on them. Plain structs
+// only, since a file compiled with -mavx2 includes them. No two contacts of a batch push the same solver body.
 #pragma once
 #include "base/simd.h"
 
@@ -17,7 +17,7 @@ struct BatchPoint {
 struct ContactBatch {
   unsigned index_a[kLanes], index_b[kLanes];  // solver indices; 0 = world
   unsigned points;                            // the largest point count of the lanes
-  unsigned rounds;              // there and back over the points per pass: more when a lane has no warm start
+  unsigned rounds;              // symmetric sweeps over the points per pass: more when a lane has no warm start
   unsigned writes_a, writes_b;  // bit per lane: the solver body can be pushed
   Lane8x3 normal;               // a to b
   BatchPoint point[kBatchPoints];
@@ -25,9 +25,9 @@ struct ContactBatch {
   Lane8x3 inv_mass_a, inv_mass_b;            // by world axis, 1/kg
   Lane8 inv_inertia_a[6], inv_inertia_b[6];  // xx yy zz xy xz yz, 1/(kg m^2)
   Lane8 against_fixed;                       // 1: one side cannot move, else 0
-  Lane8 leak, leak_mean;  // part of a point's own impulse, and of the sum, lost in a visit; `leak` is until `prepare`
-                          // by how much the pair is softer than alone
-  Lane8 over;             // over-relaxation
+  Lane8 leak, leak_mean;                     // compliance: part of a point's own impulse, and of the sum, lost in a
+                                             // visit; until `prepare` the factor by which crowding softens the pair
+  Lane8 over;                                // over-relaxation
   // friction at the manifold's centre
   Lane8x3 center_a, center_b;       // arms, m
   Lane8x3 tangent;                  // first of tangent_frame(normal); the second is normal x tangent
@@ -39,7 +39,7 @@ struct ContactBatch {
   Lane8 radius[kBatchPoints];  // distance of the points from the centre, m
 };
 
-// What the inner loops rarely need.
+// Cold data of a batch: what the inner loops rarely need.
 struct BatchSide {
   Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s
   Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s

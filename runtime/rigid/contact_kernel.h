@@ -1,10 +1,10 @@
-// The arithmetic of contacts, eight at a time. Included by contact_plain.cpp and contact_avx2.cpp, which differ in
-// compiler flags only and give the same bits.
+// Contact kernels of the soft step, eight contacts at a time. Included by contact_plain.cpp and contact_avx2.cpp, which
+// differ in compiler flags only and give the same bits.
 //
 // Rows are linear in the step: the normal and arm x normal stay as they were at its start, so the speed and the
 // separation of a point use the same numbers (v, w) and (delta_position, delta_rotation). Within a manifold the points
-// are solved one after another, there and back, in impulse space: their coupling is known, so the bodies are read and
-// written once per pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at
+// are solved by symmetric Gauss-Seidel in impulse space: their coupling is known, so the bodies are read and written
+// once per pass. Soft rows: Catto, "Soft Constraints", GDC 2011, and "Solver2D", 2024. Friction is a cone at
 // the manifold's centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x
 // distance).
 #pragma once
@@ -17,11 +17,11 @@ namespace {
 using namespace lanes;
 
 constexpr int kStride = 16;              // numbers per solver body
-constexpr unsigned kColdRounds = 4;      // what lands flat settles within 1e-3 of its rotation-free answer
-constexpr unsigned kLoadRounds = 16;     // a cube whose load comes at once: 0.6 of the rest is left by each
-constexpr WideReal kLoadPart = 0.02f;    // of the static limit: friction that changes by less is settled
+constexpr unsigned kColdRounds = 4;      // a flat landing converges within 1e-3 of its solution without rotation
+constexpr unsigned kLoadRounds = 16;     // a cube loaded at once: each leaves 0.6 of the error
+constexpr WideReal kLoadPart = 0.02f;    // of the static limit: smaller changes of friction count as converged
 constexpr WideReal kLightPart = 0.2f;    // of the static limit: less friction is not worth rounds (a rod needs 1/4)
-constexpr WideReal kSlip = 2;            // times the static limit: what would stop a manifold that slides
+constexpr WideReal kSlip = 2;            // times the static limit: an impulse that would stop a sliding manifold
 constexpr WideReal kColdSpeed = 0.001f;  // m/s; a contact without warm start that closes faster is landing
 constexpr WideReal kOver = 1.3f;         // over-relaxation (Young 1954) of what rests: towers of 60 lean without it
 constexpr WideReal kTilt = 1.75f;        // compliance against tilting over that against pushing; see prepare_normals
@@ -35,8 +35,8 @@ constexpr WideReal kTilt = 1.75f;        // compliance against tilting over that
   return {diagonal.x * a.x, diagonal.y * a.y, diagonal.z * a.z};
 }
 
-// One half of eight solver bodies: row 0 holds v, w and the first two of moved; row 1 the rest of moved, turned,
-// rotation.
+// One half of eight solver bodies: row 0 holds v, w and the first two of delta_position; row 1 the third,
+// delta_rotation and rotation.
 [[gnu::always_inline]] inline void gather(const WideReal* bodies, const unsigned* index, int row,
                                           Lanes (&out)[kLanes]) {
   for (int i = 0; i < kLanes; ++i) out[i] = load_row(bodies + index[i] * kStride + row * kLanes);
@@ -128,10 +128,10 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
     store(q.mass, mass);
     sum += mass;
   }
-  // Together the points are as stiff as one between the same two bodies would be, not more (a face that cannot turn has
-  // four times that). Against tilting they are softer: corners act there with a lever and with little inertia, and one
-  // pass over a stack of five would not follow. So the compliance is a matrix: leak / mass on the diagonal, minus
-  // leak_mean on all entries.
+  // compliance: together the points are as stiff as a single one between the same two bodies (a face that cannot rotate
+  // would be four times as stiff). They are softer against tilting: corners act there with a lever and with little
+  // inertia, and one pass over a stack of five would not converge. So the compliance is a matrix: leak / mass on the
+  // diagonal, minus leak_mean on all entries
   const Lanes one = all_lanes(1), zero = zero_lanes();
   const LaneMask fixed = load(c.against_fixed) > zero;
   const Lanes leak = all_lanes(kTilt * p.soft.impulse_scale) * load(c.leak) * max(one, sum * along);
@@ -193,7 +193,7 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
 [[gnu::always_inline]] inline void prepare_rolling(const ContactBatch& c, BatchSide& side) {
   Lanes m[6];
   for (int k = 0; k < 6; ++k) m[k] = load(c.inv_inertia_a[k]) + load(c.inv_inertia_b[k]);
-  // an axis about which nothing turns (planar worlds) answers with no impulse
+  // an axis without rotation (planar worlds) gets no impulse
   const Lanes trace = m[0] + m[1] + m[2];
   for (int k = 0; k < 3; ++k) m[k] = select(m[k] > zero_lanes(), m[k], trace);
   const Lanes cxx = m[1] * m[2] - m[5] * m[5], cxy = m[4] * m[5] - m[3] * m[2], cxz = m[3] * m[5] - m[4] * m[1];
@@ -230,7 +230,7 @@ void prepare_batches(const ContactPass& p) {
       warm += load(c.point[j].impulse);
       closing = max(closing, -approach);
     }
-    // what bias has pushed through a stack, one pass takes back; an impact is over when it is met
+    // over-relaxation for resting stacks, where one relax pass has to remove the bias; not for impacts
     store(c.over,
           select((load(c.against_fixed) > zero_lanes()) | ~(warm > zero_lanes()), all_lanes(1), all_lanes(kOver)));
     Lane8 landing;
@@ -241,7 +241,7 @@ void prepare_batches(const ContactPass& p) {
   }
 }
 
-// The velocity change of a batch's impulses, times `scale` by lane.
+// Velocity change by the impulses of a batch, times `scale` by lane.
 [[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchSide& side, Lanes scale, Sides& s) {
   const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
   Lanes sum = zero_lanes();
@@ -268,8 +268,8 @@ void warm_start_batches(const ContactPass& p) {
   }
 }
 
-// Takes the warm start of bouncing contacts back: an impact is no forecast of the next substep, and between several
-// bodies that bounce it would be passed on as energy.
+// Removes the warm start of bouncing contacts: the impulse of an impact does not predict the next substep, and between
+// several bouncing bodies it would be passed on as energy.
 void release_batches(const ContactPass& p) {
   const Lanes zero = zero_lanes(), one = all_lanes(1);
   for (unsigned i = p.first; i < p.last; ++i) {
@@ -297,34 +297,35 @@ template <bool kBiased>
 [[gnu::always_inline]] inline Lanes solve_normals(const ContactPass& p, ContactBatch& c, Sides& s) {
   const Lanes3 n = load(c.normal);
   const Lanes along = dot(n, linear(s.b) - linear(s.a));
-  const Lanes apart_by = dot(n, s.delta_position);
+  const Lanes normal_displacement = dot(n, s.delta_position);
   const Lanes zero = zero_lanes(), inv_h = all_lanes(p.inv_h);
   const LaneMask fixed = load(c.against_fixed) > zero;
   const Lanes rate = select(fixed, all_lanes(p.soft_fixed.bias_rate), all_lanes(p.soft.bias_rate));
   const Lanes mass_scale = select(fixed, all_lanes(p.soft_fixed.mass_scale), all_lanes(p.soft.mass_scale));
   const Lanes leak = load(c.leak), leak_mean = load(c.leak_mean);
-  Lanes speed[kBatchPoints], apart[kBatchPoints], before[kBatchPoints], all = zero;
+  Lanes speed[kBatchPoints], separation[kBatchPoints], before[kBatchPoints], all = zero;
   const unsigned count = c.points;
   for (unsigned j = 0; j < count; ++j) {
     const BatchPoint& q = c.point[j];
     speed[j] = point_speed(q, along, angular(s.a), angular(s.b));
-    apart[j] = point_speed(q, load(q.separation) + apart_by, s.delta_rotation_a, s.delta_rotation_b);
+    separation[j] = point_speed(q, load(q.separation) + normal_displacement, s.delta_rotation_a, s.delta_rotation_b);
     before[j] = load(q.impulse);
     all += before[j];
   }
+  // one point: its impulse, and the speeds of all by the couplings
   Lanes stiffness[kBatchPoints];
   for (unsigned j = 0; j < count; ++j) stiffness[j] = reciprocal_or_zero(load(c.point[j].mass));
   const auto visit = [&](unsigned j, unsigned known) __attribute__((always_inline)) {
     BatchPoint& q = c.point[j];
-    const LaneMask open = apart[j] > zero;  // may close the gap in this substep, not more
+    const LaneMask open = separation[j] > zero;  // may close the gap in this substep, not more
     const Lanes old = load(q.impulse);
     Lanes wanted;
     if constexpr (kBiased) {
-      const Lanes bias = select(open, apart[j] * inv_h, max(apart[j] * rate, all_lanes(-p.push_speed)));
+      const Lanes bias = select(open, separation[j] * inv_h, max(separation[j] * rate, all_lanes(-p.push_speed)));
       const Lanes excess = select(open, speed[j] + bias, mass_scale * (speed[j] + bias) - leak_mean * all);
       wanted = old - load(q.mass) * excess - select(open, zero, leak) * old;
     } else {
-      wanted = old - load(q.mass) * (speed[j] + select(open, apart[j] * inv_h, zero));
+      wanted = old - load(q.mass) * (speed[j] + select(open, separation[j] * inv_h, zero));
     }
     const Lanes now = max(wanted, zero);
     const Lanes change = now - old;
@@ -332,8 +333,9 @@ template <bool kBiased>
     if constexpr (kBiased) all += change;
     for (unsigned k = 0; k < known; ++k) speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
   };
-  // there and back, so that no corner is favoured: one way alone tilts what lands flat, and stacks lean by it. What is
-  // left points from the first corner to the opposite one: passes begin at them in turn, so that it cancels
+  // symmetric sweeps, forward and backward, so that no corner is favoured: a one-directional sweep tilts flat landings,
+  // and stacks lean. The remaining error points from the first corner to the opposite one: sweeps start at both
+  // alternately, so that it cancels
   const unsigned half = (kBiased == (p.odd != 0)) ? count / 2 : 0;
   const auto sweep = [&](unsigned known) __attribute__((always_inline)) {
     for (unsigned round = 0; round < c.rounds; ++round) {
@@ -348,6 +350,7 @@ template <bool kBiased>
   } else {
     sweep(count);
   }
+  // over-relaxed impulses into the velocities
   Lanes sum = zero, held = zero;
   Lanes3 angular_a{}, angular_b{};
   for (unsigned j = count; j-- > 0;) {
@@ -406,11 +409,11 @@ void solve_batches(const ContactPass& p) {
   push(c, s, Lanes3{}, change, change);
 }
 
-// Coulomb friction of a manifold as a whole. An impulse beyond the static cone is cut to it; one that misses by the
-// factor kSlip is that of a manifold in motion, which slides with the dynamic cone. In between lies slip of less than
-// (kSlip - 1) mu_s g h, which static friction brakes: what is left of impulses that arrived late, from normals not yet
-// solved or from neighbours, is no motion. Returns whether load arrives at something that cannot move: friction that
-// matters, and may hold, still changes. Between solver bodies the neighbours are no better known than that.
+// Coulomb friction of a manifold as a whole. An impulse beyond the static cone is clamped to it; one beyond kSlip times
+// the static limit means that the manifold slides, with the dynamic cone. In between, slip below (kSlip - 1) mu_s g h
+// is an error of the iteration (normals or neighbours not solved yet), which static friction removes. Returns whether
+// another round is worth it: friction against an immovable body that matters, and may stick, still changes. Between two
+// solver bodies the neighbours are no better converged than that.
 [[gnu::always_inline]] inline bool relax_friction(ContactBatch& c, Lanes held, Sides& s) {
   const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
   const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
@@ -441,7 +444,7 @@ void relax_batches(const ContactPass& p) {
     Sides s;
     gather_velocity(p, c, s);
     gather_displacement(p, c, s);
-    // load that comes at once: friction turns the bodies, which shifts the normal impulses, which limit friction
+    // sudden load: friction rotates the bodies, which shifts the normal impulses, which limit friction
     for (unsigned round = 0; round < kLoadRounds; ++round) {
       const Lanes held = solve_normals<false>(p, c, s);
       if (side.rolls) relax_rolling(c, side, held, s);
@@ -453,7 +456,7 @@ void relax_batches(const ContactPass& p) {
   }
 }
 
-// Points that closed in fast and carried an impulse leave with restitution x approach speed.
+// Restitution: points that approached fast and carried an impulse separate with restitution x approach speed.
 void restitution_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     ContactBatch& c = p.batches[i];

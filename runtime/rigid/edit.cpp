@@ -1,5 +1,5 @@
-// What scripts do to bodies and joints between steps. Numbers are checked, sleepers woken, contacts forgotten where
-// they no longer hold.
+// Edits of bodies and joints by scripts, between steps: arguments are checked, sleeping bodies woken, contacts removed
+// where they are no longer valid. And the getters.
 #include <cmath>
 
 #include "rigid/impl.h"
@@ -33,23 +33,30 @@ bool Rigid::asleep(ObjectId body) const {
   return impl_->bodies.type[i] != BodyType::fixed && !impl_->bodies.awake[i];
 }
 
+// Wakes a body, and what is in contact with it.
+void Rigid::Impl::wake_around(std::uint32_t i) {
+  wake(i, WakeCause::script, {});
+  wake_touching(i, WakeCause::script);
+}
+
+// One of the velocities of a body that is not fixed: 0 along locked axes, the first of which has the bit `lock`.
+void Rigid::Impl::set_rate(std::uint32_t i, Array<Vec3>& rate, const Vec3& value, int lock) {
+  if (bodies.type[i] == BodyType::fixed) return;
+  wake(i, WakeCause::script, {});
+  bodies.has_target[i] = 0;
+  for (int k = 0; k < 3; ++k) rate[i][k] = bodies.lock[i] & (lock << k) ? Real(0) : value[k];
+}
+
 void Rigid::set_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_velocity");
-  if (impl_->bodies.type[i] == BodyType::fixed) return;
-  impl_->wake(i, WakeCause::script, {});
-  impl_->bodies.has_target[i] = 0;
-  for (int k = 0; k < 3; ++k) impl_->bodies.velocity[i][k] = impl_->bodies.lock[i] & (kLockX << k) ? Real(0) : v[k];
+  impl_->set_rate(i, impl_->bodies.velocity, v, kLockX);
 }
 
 void Rigid::set_angular_velocity(ObjectId body, const Vec3& w) {
   const std::uint32_t i = impl_->index(body);
   check(w, "set_angular_velocity");
-  if (impl_->bodies.type[i] == BodyType::fixed) return;
-  impl_->wake(i, WakeCause::script, {});
-  impl_->bodies.has_target[i] = 0;
-  for (int k = 0; k < 3; ++k)
-    impl_->bodies.angular_velocity[i][k] = impl_->bodies.lock[i] & (kLockRx << k) ? Real(0) : w[k];
+  impl_->set_rate(i, impl_->bodies.angular_velocity, w, kLockRx);
 }
 
 void Rigid::apply_force(ObjectId body, const Vec3& force, const Vec3* world_point) {
@@ -102,8 +109,7 @@ void Rigid::set_type(ObjectId body, BodyType type) { impl_->set_type(impl_->inde
 
 void Rigid::set_filter(ObjectId body, std::uint32_t group, std::uint32_t mask) {
   const std::uint32_t i = impl_->index(body);
-  impl_->wake(i, WakeCause::script, {});
-  impl_->wake_touching(i, WakeCause::script);
+  impl_->wake_around(i);
   impl_->changed(i);
   impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.group[k] = group, impl_->colliders.mask[k] = mask; });
 }
@@ -112,8 +118,7 @@ void Rigid::set_friction(ObjectId body, Real fixed, Real dynamic) {
   const std::uint32_t i = impl_->index(body);
   check_not_negative(fixed, "set_friction");
   check_not_negative(dynamic, "set_friction");
-  impl_->wake(i, WakeCause::script, {});
-  impl_->wake_touching(i, WakeCause::script);
+  impl_->wake_around(i);
   impl_->each_collider(i, [&](std::uint32_t k) {
     impl_->colliders.friction_static[k] = fixed;
     impl_->colliders.friction_dynamic[k] = dynamic;
@@ -133,8 +138,7 @@ void Rigid::set_restitution(ObjectId body, Real e) {
 void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_surface_velocity");
-  impl_->wake(i, WakeCause::script, {});
-  impl_->wake_touching(i, WakeCause::script);
+  impl_->wake_around(i);
   impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.surface_velocity[k] = v; });
 }
 
@@ -202,12 +206,10 @@ void Rigid::set_motor(ObjectId joint, Real speed, Real max_force) {
   if (!is_finite(speed) || !(max_force >= 0))
     throw SceneError("set_motor: expected a finite speed and a force not below 0");
   JointOptions& o = s.shape.options;
-  if (!o.has_motor)  // other rows than before: their impulses start anew
+  if (!o.has_motor)  // more rows than before: no warm start
     for (Real& impulse : s.impulse) impulse = 0;
   o.motor_speed = speed, o.motor_max = max_force, o.has_motor = true;
-  const JointRecord& r = impl_->records[j];
-  if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
-  if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
+  impl_->wake_joined(impl_->records[j], WakeCause::joint);
 }
 
 void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
@@ -220,8 +222,7 @@ void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
   o.lower = lower, o.upper = upper, o.has_limits = true;
   const JointRecord& r = impl_->records[j];
   impl_->edited(r.body_a), impl_->edited(r.body_b);
-  if (r.body_a != kNone) impl_->wake(r.body_a, WakeCause::joint, r.b);
-  if (r.body_b != kNone) impl_->wake(r.body_b, WakeCause::joint, r.a);
+  impl_->wake_joined(r, WakeCause::joint);
 }
 
 Real Rigid::max_joint_error() const {

@@ -1,5 +1,5 @@
-// Far from the origin neighbouring numbers are so far apart that slow motion gets lost: positions are sums without
-// compensation. Said once per world.
+// Rounding far from the origin: neighbouring numbers are so far apart there that slow motion is lost, because body
+// positions are plain sums without compensation. Warns once per world.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,20 +9,20 @@
 namespace feder {
 namespace {
 
-constexpr Real kPlain = Real(0.3);  // m/s: motion that one would miss
+constexpr Real kVisibleSpeed = Real(0.3);  // m/s: slower motion is not missed
 
 Real largest(const Vec3& x) { return std::max({std::fabs(x[0]), std::fabs(x[1]), std::fabs(x[2])}); }
 
 }  // namespace
 
-// What a body moves in a step gets lost where that is less than half the distance of neighbouring numbers.
+// The motion of a step is lost where it is less than half the distance of neighbouring numbers.
 void Rigid::Impl::check_far(StepContext& c) {
-  const Real far = kPlain * c.dt * 2 / kEpsilon;  // m
+  const Real far = kVisibleSpeed * c.dt * 2 / kEpsilon;  // m
   const auto lost = [&](std::uint32_t i) {
     const Real away = largest(bodies.position[i]);
     if (!(away > far)) return false;
     const Real speed = largest(bodies.velocity[i]);
-    return speed > kPlain && speed * c.dt < away * kEpsilon / 2;
+    return speed > kVisibleSpeed && speed * c.dt < away * kEpsilon / 2;
   };
   const auto found = std::find_if(moving.begin(), moving.end(), lost);
   if (found == moving.end()) return;

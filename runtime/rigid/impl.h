@@ -1,4 +1,4 @@
-// The inside of the rigid system, shared by its source files.
+// State and functions of the rigid system, shared by its source files. Private to the module.
 #pragma once
 #include "constrain/joint.h"
 #include "feder/error.h"
@@ -6,6 +6,7 @@
 #include "feder/rigid.h"
 #include "feder/system.h"
 #include "rigid/solver.h"
+#include "rigid/union_find.h"
 #include "state/bodies.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
@@ -15,9 +16,15 @@
 
 namespace feder {
 
-inline constexpr Real kContactMargin = Real(0.02);  // m, boxes reach this far out
+inline constexpr Real kContactMargin = Real(0.02);  // m, of boxes
 
-// What the solver does not need to know of a joint.
+// Colliders of a body move as it does: both enumerations name the same motions in the same order.
+constexpr ColliderMotion motion_of(BodyType type) { return static_cast<ColliderMotion>(type); }
+static_assert(motion_of(BodyType::fixed) == ColliderMotion::fixed);
+static_assert(motion_of(BodyType::kinematic) == ColliderMotion::kinematic);
+static_assert(motion_of(BodyType::dynamic) == ColliderMotion::dynamic);
+
+// A joint as the system keeps it; the part that the solver needs is SolverJoint.
 struct JointRecord {
   ObjectId object, a, b;
   std::uint32_t body_a = kNone, body_b = kNone;  // kNone = world
@@ -27,22 +34,33 @@ struct JointRecord {
   std::uint8_t alive = 0, collide = 0, mass_checked = 0, broken = 0;
 };
 
+// The parts of a new body, and what they weigh together.
+struct BodySolid {
+  std::vector<CompoundPart> parts;  // posed in the body frame
+  Vec3 center = Vec3::Zero();       // of mass, in the body frame, m
+  Real volume = 0, mass = 0;        // m^3, kg
+  Mat3 inertia = Mat3::Zero();      // about the centre of mass, kg m^2
+};
+
 struct Rigid::Impl {
   explicit Impl(SystemSetup& setup);
 
   // bodies.cpp
   ObjectId add(const BodyDesc& desc);
+  void load_motion(std::uint32_t i, const BodyDesc& desc, const Vec3& center);
+  void load_mass(std::uint32_t i, const BodySolid& solid);
   void remove(std::uint32_t i, const std::string& where);
   std::uint32_t index(ObjectId body) const;
-  void add_colliders(std::uint32_t i, const BodyDesc& desc);
+  void add_colliders(std::uint32_t i, const BodyDesc& desc, const BodySolid& solid);
+  void resize_arrays();
   template <class F>
   void each_collider(std::uint32_t i, F&& f) const {
     for (std::uint32_t k = bodies.first_collider[i]; k != kNone; k = colliders.next_of_body[k]) f(k);
   }
   void set_pose(std::uint32_t i, const Pose& origin);
   void set_type(std::uint32_t i, BodyType type);
-  void set_mass(std::uint32_t i);  // inverse mass and inertia from mass, inertia, type and locks
-  void changed(std::uint32_t i);   // contacts are forgotten, pairs are examined again
+  void set_mass(std::uint32_t i);  // inverse mass and inertia from mass, inertia, type, locks
+  void changed(std::uint32_t i);   // contacts are removed, pairs are tested again
   void place_colliders(std::uint32_t i, Real dt, const Vec3& gravity);
 
   // rows.cpp
@@ -55,10 +73,12 @@ struct Rigid::Impl {
   void solve(StepContext& c);
   void finish_solve(StepContext& c);
   void commit(StepContext& c);
-  void gather_body(std::uint32_t index, StepContext& c);
-  void integrate_body(std::uint32_t index, StepContext& c);
-  void commit_body(std::uint32_t index, StepContext& c);
-  bool commit_finite(std::uint32_t index) const;
+  void gather_body(std::uint32_t p);
+  void integrate_body(std::uint32_t p, StepContext& c);
+  void commit_body(std::uint32_t p);
+  template <class F>
+  void each_moving(StepContext& c, F&& f);
+  bool commit_finite(std::uint32_t p) const;
   void quarantine(std::uint32_t i);
   void refresh(StepContext& c);
   void rebuild_list();
@@ -75,8 +95,10 @@ struct Rigid::Impl {
   void check_far(StepContext& c);
   void join_islands();
   void sleep_islands();
-  std::uint32_t root(std::uint32_t i);
-  void join(std::uint32_t a, std::uint32_t b);
+
+  // edit.cpp
+  void wake_around(std::uint32_t i);
+  void set_rate(std::uint32_t i, Array<Vec3>& rate, const Vec3& value, int lock);
 
   // watch.cpp
   double kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v, const Vec3& angular_velocity) const;
@@ -85,7 +107,6 @@ struct Rigid::Impl {
     pace[i] = energy;
     return yes;
   }
-  void resize_watch();
   void measure_pace(const StepContext& c);
   double work_on(std::uint32_t i, const StepContext& c);
   double outside_speed(std::uint32_t i, std::uint32_t other) const;
@@ -106,11 +127,18 @@ struct Rigid::Impl {
   std::uint32_t joint_index(ObjectId joint) const;
   void refresh_joint(std::uint32_t j);
   void refresh_joints_of(std::uint32_t body);
+  void wake_joined(const JointRecord& r, WakeCause cause);
+  Real row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const;
+  void fill_rows(std::uint32_t j, const JointInput& in) const;
   void activate_joints(StepContext& c);
   void load_inertia(std::uint32_t body);
-  JointedBody* uneven_body(std::uint32_t index) {
-    return index < jointed.size() && jointed[index].uneven ? &jointed[index] : nullptr;
-  }
+  JointedBody* uneven_body(std::uint32_t index) { return uneven_of({jointed.data(), jointed.size()}, index); }
+  void check_mass_ratio(std::uint32_t j, StepContext& c);
+  void break_joints(StepContext& c);
+  JointInput joint_input(std::uint32_t j) const;
+  void joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const;
+  void joint_totals(Real& max_error, double& elastic) const;
+
   // validate.cpp
   void check_gathered() const;
   void check_body(std::uint32_t i) const;
@@ -119,13 +147,8 @@ struct Rigid::Impl {
   void check_joint(std::uint32_t j) const;
   void check_lists() const;
 
-  void check_mass_ratio(std::uint32_t j, StepContext& c);
-  void break_joints(StepContext& c);
-  JointInput joint_input(std::uint32_t j) const;
-  void joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const;
-  void joint_totals(Real& max_error, double& elastic) const;
-
   Store& store;
+  Arena& arena;
   Watch& watched;
   Objects& objects;
   Events& events;
@@ -139,49 +162,65 @@ struct Rigid::Impl {
   std::unique_ptr<RigidSolver> solver;
 
   // per body, beside Bodies
-  Array<Real> volume;                 // m^3
-  Array<Real> area;                   // cross-section of the sphere of that volume, m^2
-  Array<std::uint8_t> asymmetric;     // moments of inertia differ: angular momentum is integrated
-  Array<Vec3> kept_momentum;          // angular momentum at the end of the last step, N m s, and the velocity it gave:
-  Array<Vec3> kept_angular_velocity;  // while nobody changed that, the momentum goes on without rounding
-  Array<std::uint8_t> sleep_candidate;  // slow enough to sleep (two thresholds)
-  Array<std::uint32_t> next_in_island;  // ring of a sleeping island
-  Array<std::uint32_t> parent;          // union-find
-  Array<Real> pace;                     // kinetic energy per mass at the end of the last step, m^2/s^2
-  Array<std::uint64_t> edited_step;     // in which a script moved it, or changed what it is joined to
-  Array<double> island_before, island_after, island_given, island_mass, island_drive;  // by root; watch.cpp
+  Array<Real> volume{&arena};                 // m^3
+  Array<Real> area{&arena};                   // cross-section of the sphere of that volume, m^2
+  Array<std::uint8_t> asymmetric{&arena};     // uneven moments of inertia: angular momentum is integrated
+  Array<Vec3> kept_momentum{&arena};          // angular momentum at the end of the last step, N m s, and its velocity:
+  Array<Vec3> kept_angular_velocity{&arena};  // unless that is edited, the momentum continues without rounding
+  Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
+  Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
+  UnionFind islands{arena};                     // of the bodies that are awake
+  Array<Real> pace{&arena};                     // kinetic energy per mass at the end of the last step, m^2/s^2
+  Array<std::uint64_t> edited_step{&arena};     // in which a script moved it, or edited its joints
+  Array<double> island_before{&arena}, island_after{&arena}, island_given{&arena}, island_mass{&arena},
+      island_drive{&arena};  // by root; watch.cpp
+
+  // Calls f(array) for the arrays that have an entry per body: of all, or of those that snapshots hold.
+  template <class S, class F>
+  static void each_array(S& s, F&& f) {
+    each_saved_array(s, f);
+    for_each_of(f, s.pace, s.edited_step, s.island_before, s.island_after, s.island_given, s.island_mass,
+                s.island_drive);
+  }
+  template <class S, class F>
+  static void each_saved_array(S& s, F&& f) {
+    for_each_of(f, s.volume, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.sleep_candidate,
+                s.next_in_island);
+  }
+  template <class S, class F>
+  static void each_saved(S& s, F&& f);  // rigid.cpp
+  template <class S, class F>
+  static void each_saved_number(S& s, F&& f);
 
   // joints, by joint index
-  Array<SolverJoint> joints;
-  Array<JointRecord> records;
-  Array<std::uint32_t> free_joints;
+  Array<SolverJoint> joints{&arena};
+  Array<JointRecord> records{&arena};
+  Array<std::uint32_t> free_joints{&arena};
   std::uint32_t joint_count = 0;
-  mutable Array<Row> rows;  // for questions about joints
-  mutable Array<RowBlock> blocks;
+  mutable Array<Row> rows{&arena};  // for questions about joints
+  mutable Array<RowBlock> blocks{&arena};
   Real last_h = Real(1) / 240;  // s
 
   // this step
-  Array<std::uint32_t> moving;  // awake dynamic and kinematic bodies, ascending; solver body = place + 1
+  Array<std::uint32_t> moving{
+      &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
-  Array<Vec3> applied_force, applied_torque;  // by place, N and N m
-  Array<Vec3> angular_momentum;               // by place, of bodies that spin, N m s
-  Array<Vec3> given_angular_velocity;         // what the velocity row left there, rad/s
-  Array<JointedBody> jointed;                 // by solver index; empty without joints
-  Array<std::uint8_t> bad;                    // by place: not finite
-  Array<MassPoint> points;                    // for force generators
-  Array<Vec3> point_force;
-  Array<std::uint32_t> point_place;
+  Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
+  Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
+  Array<Vec3> given_angular_velocity{&arena};                 // after forces, rad/s
+  Array<JointedBody> jointed{&arena};                         // by solver index; empty without joints
+  Array<std::uint8_t> bad{&arena};                            // by p: not finite
+  Array<MassPoint> points{&arena};                            // for force generators
+  Array<Vec3> point_force{&arena};
+  Array<std::uint32_t> point_rank{&arena};
   std::uint32_t body_count = 0, sleeping_count = 0;
-  std::size_t force_count = 0;  // forces known when the rows were made
-  bool cap_warned = false;      // the warning about the iteration limit was raised
-  bool poses_stale = false;     // collider poses are those of the start of the last step
+  std::uint64_t force_count = 0;  // generators when the passes were added
+  bool cap_warned = false;        // warned of the iteration limit
+  bool poses_stale = false;       // collider poses are of the start of the last step
   bool any_candidate = false;
-  bool any_jump = false;    // a body is faster than the watchdog lets pass unseen
-  std::uint64_t now = 0;    // the step that comes
-  bool warned_far = false;  // that motion gets lost far from the origin was said
+  bool any_jump = false;    // the watchdog has to look at this step
+  std::uint64_t now = 0;    // next step
+  bool warned_far = false;  // warned of motion lost far from the origin
 };
-
-// SceneError unless `x` is finite and in [lo, hi].
-void require(bool good, const char* what, double came);
 
 }  // namespace feder

@@ -1,23 +1,24 @@
 // Solver `impulse`: the classical loop of impulse-based simulation, worst first (Baraff, "Physically Based Modeling",
 // SIGGRAPH 1997 notes; Mirtich 1996; Gauss-Southwell instead of Gauss-Seidel). Each substep, per island:
 //   trees       stiff joints without loops are solved together and exactly (joint_trees.h);
-//   speeds      a heap of contacts and joints keyed by what is wrong with their relative speed; the worst is solved in
-//               closed form, and only what shares a body with it is keyed again;
-//   slip        manifolds that static friction did not hold slide with the dynamic one: speeds again;
-//   drift       bodies travel; what their motion opened in joints is closed again, in position and speed: of trees by
-//               Newton's method, of others worst first;
-//   positions   a heap keyed by penetration and joint error; the deepest is moved apart by the least motion, in
-//               proportion to inverse mass and inertia; velocities stay.
+//   speeds      a heap of contacts and joints keyed by the error of their relative speed; the worst is solved in closed
+//               form, and only its neighbours (a body in common) are keyed again;
+//   slip        manifolds beyond static friction change to the dynamic cone: speeds again;
+//   drift       bodies travel; the joint error of that motion is removed in position and speed: of trees by Newton's
+//               method, of others worst first;
+//   positions   a heap keyed by penetration and joint error; the worst is corrected by the least motion, in proportion
+//               to inverse mass and inertia; velocities stay.
 // All end at a tolerance or at a cap, which is counted. O((n + pops * degree) log n) for n contacts and joints.
-// Kept between calls: impulses of resting contacts (Contact) and of joints (SolverJoint), where the next substep
-// starts; velocities at the end of the last substep, from which the share of forces is known. Weak spot: large piles
-// need many pops, and an island runs on one thread.
+// Kept between calls: impulses of resting contacts (Contact) and of joints (SolverJoint) as warm start; velocities at
+// the end of the last substep, which give the part that forces added. Weak spot: large piles need many pops, and an
+// island runs on one thread.
 #include <algorithm>
 
 #include "base/hash.h"
 #include "rigid/impulse_heap.h"
 #include "rigid/impulse_parts.h"
 #include "rigid/joint_trees.h"
+#include "rigid/union_find.h"
 
 namespace feder {
 namespace {
@@ -25,13 +26,16 @@ namespace {
 // m or rad: an error of 1e-7 at h = 1/240 is 2e-5 m/s, the tolerance of speeds.
 constexpr Real kDriftTolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-6);
 
-constexpr int kDriftRounds = 6;  // of Newton's method; an error falls by (h w)^2/4 in each
+constexpr int kDriftRounds = 6;  // of Newton's method; each divides an error by 4/(h w)^2
 
-constexpr int kSlipRounds = 4;  // a contact that lets go may let its neighbours go
+constexpr int kSlipRounds = 4;  // a contact that begins to slide may make its neighbours slide
 
 class ImpulseSolver final : public RigidSolver {
  public:
-  ImpulseSolver(Arena& a, const Params& p);
+  ImpulseSolver(Arena& a, const Params& p)
+      : tolerance_(p.real({"tolerance", "", {1e-12, 1}}, 2e-5)),
+        rest_speed_(p.real({"restitution_speed", "m/s", {0, 1e6}}, 0.05)), slop_(p.real({"slop", "m", {0, 1}}, 0.0005)),
+        pops_per_node_(p.integer({"iterations", "", {1, 100000}}, 30)), arena_(a) {}
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
   void finish(const SolverInput& in, StepContext& c) override;
@@ -50,23 +54,25 @@ class ImpulseSolver final : public RigidSolver {
   void find_islands();
   void check_islands();
   void index_nodes();
-  std::uint32_t root(std::uint32_t body);
   void node_bodies(std::uint32_t node, std::uint32_t& a, std::uint32_t& b) const;
 
   void start_substep(const SolverInput& in, const ImpulseScene& s);
   void start_joints(const SolverInput& in, const ImpulseScene& s);
-  Pose body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const;
-  void fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s, RowWriter& out) const;
+  void fill(const SolverInput& in, const ImpulseJoint& joint, RowWriter& out) const;
   void travel(const SolverBodies& solver_bodies, const ImpulseScene& s);
   void factor_trees(const SolverInput& in, const StepContext& c);
+  BlockRows rows_of(const RowBlock& b) const { return {&rows_[b.first], b.count, b.index_a, b.index_b}; }
+  BlockRows spare_rows_of(const RowBlock& b) const { return {&spare_rows_[b.first], b.count, b.index_a, b.index_b}; }
+  template <auto Apply>
+  void apply_tree_step(const SolverInput& in, const ImpulseScene& s);
   void solve_tree_speeds(const SolverInput& in, const ImpulseScene& s);
   void close_tree_drift(const SolverInput& in, const ImpulseScene& s);
   bool in_tree(const ImpulseJoint& j) const { return !trees_.empty() && trees_.direct(j.first_block); }
 
-  // `place` counts in order_, where the nodes of an island follow each other.
+  // `rank`: index in order_, where the nodes of an island follow each other.
   Real speed_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void solve_speed(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
-  void fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint);
+  void fill_now(const SolverInput& in, const ImpulseJoint& joint);
   Real drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   void correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
   Real position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank);
@@ -79,29 +85,23 @@ class ImpulseSolver final : public RigidSolver {
   int pops_per_node_;
   std::uint64_t capped_ = 0;
 
-  Array<ImpulseBody> bodies_;       // by solver index
-  Array<ImpulseContact> contacts_;  // nodes [0, contacts)
-  Array<ImpulseJoint> joints_;      // nodes after the contacts
-  Array<Row> rows_, spare_rows_;
-  Array<RowBlock> blocks_, spare_blocks_;
-  Array<ImpulseBlock> factors_;               // by block
-  JointTrees trees_;                          // stiff joints without loops
-  Array<Real> tree_bias_, tree_step_;         // by row
-  Array<Mat3> tree_inertia_;                  // inverse, by solver index
-  Array<std::uint32_t> parent_, island_of_;   // by solver index
-  Array<std::uint32_t> node_island_, order_;  // by node; places -> nodes
-  Array<Island> islands_;
-  Array<std::uint32_t> first_rank_, body_ranks_;  // by solver index: places of its nodes
-  WorstFirst heap_;
+  Arena& arena_;
+  Array<ImpulseBody> bodies_{&arena_};       // by solver index
+  Array<ImpulseContact> contacts_{&arena_};  // nodes [0, contacts)
+  Array<ImpulseJoint> joints_{&arena_};      // nodes after the contacts
+  Array<Row> rows_{&arena_}, spare_rows_{&arena_};
+  Array<RowBlock> blocks_{&arena_}, spare_blocks_{&arena_};
+  Array<ImpulseBlock> factors_{&arena_};                        // by block
+  JointTrees trees_{arena_};                                    // stiff joints without loops
+  Array<Real> tree_bias_{&arena_}, tree_step_{&arena_};         // by row
+  Array<Mat3> tree_inertia_{&arena_};                           // inverse, by solver index
+  UnionFind groups_{arena_};                                    // of solver bodies that contacts and joints connect
+  Array<std::uint32_t> island_of_{&arena_};                     // by solver index
+  Array<std::uint32_t> node_island_{&arena_}, order_{&arena_};  // by node; by rank: the node
+  Array<Island> islands_{&arena_};
+  Array<std::uint32_t> first_rank_{&arena_}, body_ranks_{&arena_};  // by solver index: ranks of its nodes
+  WorstFirst heap_{arena_};
 };
-
-ImpulseSolver::ImpulseSolver(Arena& a, const Params& p)
-    : tolerance_(p.real({"tolerance", "", {1e-12, 1}}, 2e-5)),
-      rest_speed_(p.real({"restitution_speed", "m/s", {0, 1e6}}, 0.05)), slop_(p.real({"slop", "m", {0, 1}}, 0.0005)),
-      pops_per_node_(p.integer({"iterations", "", {1, 100000}}, 30)), bodies_(&a), contacts_(&a), joints_(&a),
-      rows_(&a), spare_rows_(&a), blocks_(&a), spare_blocks_(&a), factors_(&a), trees_(a), tree_bias_(&a),
-      tree_step_(&a), tree_inertia_(&a), parent_(&a), island_of_(&a), node_island_(&a), order_(&a), islands_(&a),
-      first_rank_(&a), body_ranks_(&a), heap_(a) {}
 
 void ImpulseSolver::load_bodies(const SolverInput& in) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
@@ -161,29 +161,21 @@ void ImpulseSolver::node_bodies(std::uint32_t node, std::uint32_t& a, std::uint3
     a = joints_[node - contacts_.size()].a, b = joints_[node - contacts_.size()].b;
 }
 
-std::uint32_t ImpulseSolver::root(std::uint32_t body) {
-  while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
-  return body;
-}
-
 // Islands in the order of their first node; inside an island nodes keep their order.
 void ImpulseSolver::find_islands() {
   const auto node_count = static_cast<std::uint32_t>(contacts_.size() + joints_.size());
-  parent_.resize(bodies_.size());
-  for (std::uint32_t i = 0; i < parent_.size(); ++i) parent_[i] = i;
+  groups_.reset(bodies_.size());
   std::uint32_t a, b;
   for (std::uint32_t node = 0; node < node_count; ++node) {
     node_bodies(node, a, b);
-    if (!bodies_[a].movable || !bodies_[b].movable) continue;
-    const std::uint32_t ra = root(a), rb = root(b);
-    parent_[std::max(ra, rb)] = std::min(ra, rb);
+    if (bodies_[a].movable && bodies_[b].movable) groups_.join(a, b);
   }
   island_of_.assign(bodies_.size(), kNone);
   node_island_.resize(node_count);
   islands_.clear();
   for (std::uint32_t node = 0; node < node_count; ++node) {
     node_bodies(node, a, b);
-    std::uint32_t& island = island_of_[root(bodies_[a].movable ? a : b)];
+    std::uint32_t& island = island_of_[groups_.root(bodies_[a].movable ? a : b)];
     if (island == kNone) {
       island = static_cast<std::uint32_t>(islands_.size());
       islands_.push_back({0, 0});
@@ -215,13 +207,14 @@ void ImpulseSolver::check_islands() {
       listed.add(order_[rank]);
       FEDER_ASSERT(rank == island.first || order_[rank - 1] < order_[rank]);
       node_bodies(order_[rank], ends[0], ends[1]);
-      for (const std::uint32_t body : ends) FEDER_ASSERT(!bodies_[body].movable || island_of_[root(body)] == name);
+      for (const std::uint32_t body : ends)
+        FEDER_ASSERT(!bodies_[body].movable || island_of_[groups_.root(body)] == name);
     }
   }
   FEDER_ASSERT(next == order_.size() && nodes == listed);
 }
 
-// The places of the nodes of each movable body.
+// Ranks of the nodes of each movable body, as one list with a begin per body (counting sort).
 void ImpulseSolver::index_nodes() {
   first_rank_.assign(bodies_.size() + 1, 0);
   std::uint32_t ends[2];
@@ -235,7 +228,7 @@ void ImpulseSolver::index_nodes() {
   each([&](std::uint32_t body, std::uint32_t) { ++first_rank_[body + 1]; });
   for (std::size_t i = 1; i < first_rank_.size(); ++i) first_rank_[i] += first_rank_[i - 1];
   body_ranks_.resize(first_rank_.back());
-  std::uint32_t* next = parent_.data();  // union-find is done with it
+  std::uint32_t* next = island_of_.data();  // islands are done with it
   std::copy(first_rank_.begin(), first_rank_.end() - 1, next);
   each([&](std::uint32_t body, std::uint32_t rank) { body_ranks_[next[body]++] = rank; });
   for (std::size_t i = 0; i < bodies_.size(); ++i) FEDER_ASSERT(next[i] == first_rank_[i + 1]);
@@ -256,21 +249,10 @@ void ImpulseSolver::prepare(const SolverInput& in, StepContext& c) {
   heap_.reserve(order_.size());
 }
 
-Pose ImpulseSolver::body_pose(std::uint32_t body, std::uint32_t slot, const ImpulseScene& s) const {
-  if (slot == kNone) return {};
-  return {s.mass[body].center + s.state[body].delta_position, s.state[body].rotation};
-}
-
-void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, const ImpulseScene& s,
-                         RowWriter& out) const {
+void ImpulseSolver::fill(const SolverInput& in, const ImpulseJoint& joint, RowWriter& out) const {
   FEDER_ASSERT(joint.joint < in.joints.size() && in.joints[joint.joint].active);
   const SolverJoint& j = in.joints[joint.joint];
-  JointInput input;
-  input.joint = &j.shape;
-  input.a = body_pose(joint.a, j.slot_a, s);
-  input.b = body_pose(joint.b, j.slot_b, s);
-  input.index_a = joint.a;
-  input.index_b = joint.b;
+  const JointInput input = in.joint_input(j);
   out.start(input, joint.joint);
   j.kind->fill(input, out);
 }
@@ -281,19 +263,19 @@ void ImpulseSolver::start_joints(const SolverInput& in, const ImpulseScene& s) {
   RowWriter out(rows_, blocks_);
   for (ImpulseJoint& joint : joints_) {
     joint.first_block = static_cast<std::uint32_t>(blocks_.size());
-    fill(in, joint, s, out);
+    fill(in, joint, out);
     in.joints[joint.joint].rows = static_cast<std::uint8_t>(out.rows_written());
     joint.block_count = static_cast<std::uint32_t>(blocks_.size()) - joint.first_block;
   }
   factors_.resize(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& b = blocks_[i];
-    factor_block(&rows_[b.first], b.count, b.index_a, b.index_b, s, factors_[i]);
-    apply_block(&rows_[b.first], b.count, b.index_a, b.index_b, in.joints[b.joint].impulse + b.first_impulse, s);
+    factor_block(rows_of(b), s, factors_[i]);
+    apply_block(rows_of(b), in.joints[b.joint].impulse + b.first_impulse, s);
   }
 }
 
-// What joints feel of uneven bodies, at the rotations now; the turns of this substep count from here.
+// Inertia of uneven bodies for the joint solve, at the rotations now; delta rotations of the substep count from here.
 void ImpulseSolver::rotate_inertias(const ImpulseScene& s) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     ImpulseBody& b = bodies_[i];
@@ -308,7 +290,7 @@ void ImpulseSolver::start_substep(const SolverInput& in, const ImpulseScene& s) 
     ImpulseBody& b = bodies_[i];
     b.force_velocity = s.state[i].velocity - b.last_velocity;
     b.force_angular_velocity = s.state[i].angular_velocity - b.last_angular_velocity;
-    b.late_delta_position = b.late_delta_rotation = Vec3::Zero();
+    b.impact_delta_position = b.impact_delta_rotation = Vec3::Zero();
   }
   if (!joints_.empty()) rotate_inertias(s);
   for (ImpulseContact& c : contacts_) start_contact(c, s);
@@ -323,7 +305,7 @@ void ImpulseSolver::travel(const SolverBodies& solver_bodies, const ImpulseScene
     if (b.uneven) take_pushes(*b.uneven, m, s.mass[i]);
     const Vec3 rotation = free_delta_rotation(s, static_cast<std::uint32_t>(i));
     b.substep_delta_rotation = rotation;
-    m.delta_position += s.h * m.velocity + b.late_delta_position;
+    m.delta_position += s.h * m.velocity + b.impact_delta_position;
     m.delta_rotation += rotation;
     m.rotation = integrate_rotation(m.rotation, rotation);
   }
@@ -340,26 +322,32 @@ void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
   tree_step_.resize(rows_.size());
 }
 
-void ImpulseSolver::solve_tree_speeds(const SolverInput& in, const ImpulseScene& s) {
-  tree_bias_.assign(rows_.size(), Real(0));
-  trees_.solve(rows_, in.solver_bodies, tree_bias_, tree_step_);
+// Adds the solution of the trees to the impulses of their joints, and applies it.
+template <auto Apply>
+void ImpulseSolver::apply_tree_step(const SolverInput& in, const ImpulseScene& s) {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;
     const RowBlock& b = blocks_[i];
     Real* impulse = in.joints[b.joint].impulse + b.first_impulse;
     for (std::uint32_t k = 0; k < b.count; ++k) impulse[k] += tree_step_[b.first + k];
-    apply_block(&rows_[b.first], b.count, b.index_a, b.index_b, &tree_step_[b.first], s);
+    Apply(rows_of(b), &tree_step_[b.first], s);
   }
 }
 
-// Newton's method for impulses along the rows of the start that leave the errors as they were (SHAKE).
+void ImpulseSolver::solve_tree_speeds(const SolverInput& in, const ImpulseScene& s) {
+  tree_bias_.assign(rows_.size(), Real(0));
+  trees_.solve(rows_, in.solver_bodies, tree_bias_, tree_step_);
+  apply_tree_step<&apply_block>(in, s);
+}
+
+// SHAKE: Newton's method for impulses along the rows of the start such that the motion adds no joint error.
 void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& s) {
   Real before = kInfinity;
   for (int round = 0; round < kDriftRounds; ++round) {
     Real worst = 0;
     for (const ImpulseJoint& j : joints_) {
       if (!in_tree(j)) continue;
-      fill_now(in, s, j);
+      fill_now(in, j);
       for (std::uint32_t i = 0; i < j.block_count; ++i) {
         if (!trees_.direct(j.first_block + i)) continue;
         const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
@@ -370,17 +358,11 @@ void ImpulseSolver::close_tree_drift(const SolverInput& in, const ImpulseScene& 
         }
       }
     }
-    // what is left adds up over the steps: as little as rounding allows
+    // the rest adds up over the steps: converge to rounding
     if (!(worst > kDriftTolerance / 8) || worst > before / 2) return;
     before = worst;
     trees_.solve(rows_, nullptr, tree_bias_, tree_step_);
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      if (!trees_.direct(i)) continue;
-      const RowBlock& b = blocks_[i];
-      Real* impulse = in.joints[b.joint].impulse + b.first_impulse;
-      for (std::uint32_t k = 0; k < b.count; ++k) impulse[k] += tree_step_[b.first + k];
-      push_back_block(&rows_[b.first], b.count, b.index_a, b.index_b, &tree_step_[b.first], s);
-    }
+    apply_tree_step<&push_back_block>(in, s);
   }
 }
 
@@ -392,7 +374,7 @@ Real ImpulseSolver::speed_error(const SolverInput& in, const ImpulseScene& s, st
   for (std::uint32_t i = j.first_block; i < j.first_block + j.block_count; ++i) {
     const RowBlock& b = blocks_[i];
     const Real* impulse = in.joints[j.joint].impulse + b.first_impulse;
-    worst = std::max(worst, block_speed_error(&rows_[b.first], b.count, j.a, j.b, factors_[i], impulse, s));
+    worst = std::max(worst, block_speed_error(rows_of(b), factors_[i], impulse, s));
   }
   return worst;
 }
@@ -403,57 +385,57 @@ void ImpulseSolver::solve_speed(const SolverInput& in, const ImpulseScene& s, st
   const ImpulseJoint& j = joints_[node - contacts_.size()];
   for (std::uint32_t i = j.first_block; i < j.first_block + j.block_count; ++i) {
     const RowBlock& b = blocks_[i];
-    solve_block_speed(&rows_[b.first], b.count, j.a, j.b, factors_[i], in.joints[j.joint].impulse + b.first_impulse, s);
+    solve_block_speed(rows_of(b), factors_[i], in.joints[j.joint].impulse + b.first_impulse, s);
   }
 }
 
-// The rows of one joint at the poses now.
-void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseScene& s, const ImpulseJoint& joint) {
+// Rows of one joint at the poses now, into the spare arrays.
+void ImpulseSolver::fill_now(const SolverInput& in, const ImpulseJoint& joint) {
   spare_rows_.clear();
   spare_blocks_.clear();
   RowWriter out(spare_rows_, spare_blocks_);
-  fill(in, joint, s, out);
+  fill(in, joint, out);
   FEDER_ASSERT(spare_blocks_.size() == joint.block_count);
 }
 
-Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
+Real ImpulseSolver::drift_error(const SolverInput& in, const ImpulseScene&, std::uint32_t rank) {
   const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return 0;
   const ImpulseJoint& j = joints_[node - contacts_.size()];
-  fill_now(in, s, j);
+  fill_now(in, j);
   Real worst = 0;
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
     if (in_tree(j) && trees_.direct(j.first_block + i)) continue;
     const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
-    worst = std::max(worst, block_drift(&rows_[start.first], &spare_rows_[now.first], now.count));
+    worst = std::max(worst, block_drift(rows_of(start), spare_rows_of(now)));
   }
   return worst;
 }
 
 void ImpulseSolver::correct_drift(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
   const ImpulseJoint& j = joints_[order_[rank] - contacts_.size()];
-  fill_now(in, s, j);
+  fill_now(in, j);
   for (std::uint32_t i = 0; i < j.block_count; ++i) {
     const RowBlock &start = blocks_[j.first_block + i], &now = spare_blocks_[i];
-    feder::correct_drift(&rows_[start.first], &spare_rows_[now.first], now.count, j.a, j.b, factors_[j.first_block + i],
-                         in.joints[j.joint].impulse + start.first_impulse, s);
+    correct_block_drift(rows_of(start), spare_rows_of(now), factors_[j.first_block + i],
+                        in.joints[j.joint].impulse + start.first_impulse, s);
   }
 }
 
 Real ImpulseSolver::position_error(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
   const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return contact_depth(contacts_[node], s);
-  fill_now(in, s, joints_[node - contacts_.size()]);
+  fill_now(in, joints_[node - contacts_.size()]);
   Real worst = 0;
-  for (const RowBlock& b : spare_blocks_) worst = std::max(worst, block_position_error(&spare_rows_[b.first], b.count));
+  for (const RowBlock& b : spare_blocks_) worst = std::max(worst, block_position_error(spare_rows_of(b)));
   return worst;
 }
 
 void ImpulseSolver::correct_position(const SolverInput& in, const ImpulseScene& s, std::uint32_t rank) {
   const std::uint32_t node = order_[rank];
   if (node < contacts_.size()) return push_contact_apart(contacts_[node], s);
-  fill_now(in, s, joints_[node - contacts_.size()]);
-  for (const RowBlock& b : spare_blocks_) correct_block(&spare_rows_[b.first], b.count, b.index_a, b.index_b, s);
+  fill_now(in, joints_[node - contacts_.size()]);
+  for (const RowBlock& b : spare_blocks_) correct_block(spare_rows_of(b), s);
 }
 
 template <auto Error, auto Fix>
@@ -476,7 +458,7 @@ void ImpulseSolver::worst_first(const SolverInput& in, const ImpulseScene& s, co
   }
 }
 
-// Whether contacts of the island begin to slide: then their speeds are not solved yet.
+// Whether contacts of the island begin to slide: their speeds must be solved again then.
 bool ImpulseSolver::check_slip(const ImpulseScene& s, const Island& island) {
   bool some = false;
   for (std::uint32_t rank = island.first; rank < island.last; ++rank) {

@@ -1,14 +1,14 @@
-// One contact of the impulse solver. The answer for a point is the closed form of collision response with friction
+// One contact of the impulse solver. A point is solved by the closed form of collision response with friction
 // (Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996, ch. 3; Millington, "Game Physics Engine
 // Development", 2nd ed., ch. 15): with K = the relative velocity per impulse, the impulse K^-1 (wanted - v) stops the
 // point fully; inside the friction cone it is used as it is, outside the impulse is p (n + mu d), d against the slip,
 // with p from the wanted normal speed. A manifold's points are swept until they agree, so that a face that lands flat
 // rises flat. Whether mu is static or dynamic is decided for the manifold as a whole and once the speeds are solved
-// with the static one: impulses on their way there leave the cone of a contact that will hold. Impacts faster than the
-// rest speed bounce: their impulse is final and acts at the moment of contact inside the substep, which makes a bounce
-// between free flights exact. Slower contacts are at rest: no restitution, and their impulses are kept from substep to
-// substep and may be taken back while they still push. Weak spot: friction impulses are kept between steps as one sum
-// per manifold.
+// with the static one, because intermediate impulses leave the cone of contacts that will stick in the end. Impacts
+// faster than the rest speed bounce: their impulse is final and acts at the moment of contact inside the substep, which
+// makes a bounce between free flights exact. Slower contacts are resting: no restitution.
+// Kept between substeps: the impulses of resting contacts. Weak spot: friction impulses are kept between steps as one
+// sum per manifold.
 #include <algorithm>
 
 #include "rigid/impulse_parts.h"
@@ -23,7 +23,7 @@ Vec3 point_velocity(const ImpulseContact& c, const ImpulsePoint& p, const Impuls
   return b.velocity + cross(b.angular_velocity, p.arm_b) - a.velocity - cross(a.angular_velocity, p.arm_a);
 }
 
-// Adds the part of solver body i to K: M^-1 - [r] I^-1 [r].
+// Adds the inverse mass of solver body i at the arm r to K: M^-1 - [r] I^-1 [r].
 void add_inverse_mass(const ImpulseScene& s, std::uint32_t i, const Vec3& arm, Mat3& k) {
   if (!s.body[i].movable) return;
   FEDER_ASSERT(i != 0);
@@ -101,7 +101,7 @@ void push_rolling(const ImpulseContact& c, const Vec3& impulse, const ImpulseSce
 
 Real rolling_arm(const ImpulseContact& c) { return std::max(length(c.points[0].arm_a), length(c.points[0].arm_b)); }
 
-// How fast velocities are known to this precision, m/s: smaller errors are rounding.
+// Rounding error of the relative velocity, m/s: smaller errors are not real.
 Real rounding(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
   const SolverBody &a = s.state[c.a], &b = s.state[c.b];
   return 4 * kEpsilon *
@@ -109,7 +109,8 @@ Real rounding(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene
           length(b.angular_velocity) * length(p.arm_b));
 }
 
-// Slip of the points by their share of the pressure, m/s, and the slip that full static friction stops in a substep.
+// Mean slip of the points, weighted by their normal impulse, and the slip that full static friction stops in a substep,
+// m/s.
 struct Slip {
   Real speed, limit;
 };
@@ -129,16 +130,16 @@ Slip slip_of(const ImpulseContact& c, const ImpulseScene& s) {
   return {pressure > 0 ? sum / pressure : Real(0), c.friction_static * pressure * inv_mass};
 }
 
-// Normal speed of a point after a resting contact: it may use up the gap that is left.
+// Target normal speed of a resting point: it may close the gap that is left.
 Real resting_target(const ImpulsePoint& p, const ImpulseScene& s) { return -std::max(p.separation, Real(0)) / s.h; }
 
-// Sets the targets of points that hit faster than the rest speed. Returns whether there are any, and in `late` the
-// time from the start of the substep to the fastest of them.
+// Impacts: sets the targets of points that hit faster than the rest speed. Returns whether there are any, and in
+// `impact_time` the time from the start of the substep to the fastest of them.
 //
 // Velocities are those of the leapfrog scheme: with the acceleration a, closing speed u after the kick, the speed at
 // the start of the substep is u - a h/2. Contact at t from s = (u - a h/2) t + a t^2/2 with speed U; after it
 // e U - a (h - t) at the end of the substep, stored with a h/2 added.
-bool find_impacts(ImpulseContact& c, const ImpulseScene& s, Real& late) {
+bool find_impacts(ImpulseContact& c, const ImpulseScene& s, Real& impact_time) {
   Real fastest = 0;
   for (int i = 0; i < c.count; ++i) {
     ImpulsePoint& p = c.points[i];
@@ -150,7 +151,7 @@ bool find_impacts(ImpulseContact& c, const ImpulseScene& s, Real& late) {
     const Real rebound = c.restitution * (start + accel * t) - accel * (s.h - t);
     if (rebound <= 0) continue;
     p.target = rebound + p.force_speed / 2;
-    if (closing > fastest) fastest = closing, late = t;
+    if (closing > fastest) fastest = closing, impact_time = t;
   }
   return fastest > 0;
 }
@@ -171,14 +172,14 @@ void sweep_points(ImpulseContact& c, const ImpulseScene& s, Real tolerance) {
       const Vec3 relative = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity;
       push_rolling(c, wanted - c.rolling, s);
       c.rolling = wanted;
-      const Vec3 change_of_rate = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity - relative;
-      change = std::max(change, length(change_of_rate) * rolling_arm(c) - rounding(c, c.points[0], s));
+      const Vec3 angular_velocity_change = s.state[c.b].angular_velocity - s.state[c.a].angular_velocity - relative;
+      change = std::max(change, length(angular_velocity_change) * rolling_arm(c) - rounding(c, c.points[0], s));
     }
     if (change <= tolerance) return;
   }
 }
 
-// What was applied so far stays applied and can no longer be taken back.
+// Makes the impulses of an impact final.
 void settle(ImpulseContact& c, const ImpulseScene& s) {
   for (int i = 0; i < c.count; ++i) {
     ImpulsePoint& p = c.points[i];
@@ -190,16 +191,15 @@ void settle(ImpulseContact& c, const ImpulseScene& s) {
   c.rolling = Vec3::Zero();
 }
 
-// An impact at the time t pushes for h - t only: what the solver body would travel with the change of velocity before
-// it is taken off again. Against immovable partners alone, since between two solver bodies it would not keep angular
-// momentum.
-void act_late(std::uint32_t i, const SolverBody& before, Real late, const ImpulseScene& s) {
-  s.body[i].late_delta_position -= late * (s.state[i].velocity - before.velocity);
-  s.body[i].late_delta_rotation -= late * (s.state[i].angular_velocity - before.angular_velocity);
+// An impact at the time t acts for h - t only: the travel with the new velocity before t is subtracted. Only against
+// immovable partners, since between two solver bodies it would not conserve angular momentum.
+void remove_early_travel(std::uint32_t i, const SolverBody& before, Real impact_time, const ImpulseScene& s) {
+  s.body[i].impact_delta_position -= impact_time * (s.state[i].velocity - before.velocity);
+  s.body[i].impact_delta_rotation -= impact_time * (s.state[i].angular_velocity - before.angular_velocity);
 }
 
-// Arms and normal keep their directions within a step, and separations follow the turning to first order: a ball that
-// rolls stays where it touches.
+// Separation to first order in the rotations, with arms and normal of the start of the step: the contact point of a
+// rolling ball stays where it was.
 Real separation_now(const ImpulseContact& c, const ImpulsePoint& p, const ImpulseScene& s) {
   const SolverBody &a = s.state[c.a], &b = s.state[c.b];
   return p.start_separation + dot(c.normal, b.delta_position + cross(b.delta_rotation, p.arm_b) - a.delta_position -
@@ -275,17 +275,17 @@ Real contact_speed_error(const ImpulseContact& c, const ImpulseScene& s) {
   }
   if (c.rolling_friction > 0) {
     const Vec3 delta = wanted_rolling(c, s) - c.rolling;
-    const Vec3 change_of_rate = s.body[c.a].inv_inertia * delta + s.body[c.b].inv_inertia * delta;
-    worst = std::max(worst, length(change_of_rate) * rolling_arm(c) - rounding(c, c.points[0], s));
+    const Vec3 angular_velocity_change = s.body[c.a].inv_inertia * delta + s.body[c.b].inv_inertia * delta;
+    worst = std::max(worst, length(angular_velocity_change) * rolling_arm(c) - rounding(c, c.points[0], s));
   }
   return worst;
 }
 
 void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real tolerance) {
   FEDER_ASSERT(s.body[c.a].movable || s.body[c.b].movable);
-  Real late = 0;
-  if (!(c.restitution > 0) || !find_impacts(c, s, late)) return sweep_points(c, s, tolerance);
-  // targets of an impact hold for impulses from here on
+  Real impact_time = 0;
+  if (!(c.restitution > 0) || !find_impacts(c, s, impact_time)) return sweep_points(c, s, tolerance);
+  // targets of an impact are for the impulses from here on
   for (int i = 0; i < c.count; ++i) {
     c.points[i].bounced += dot(c.normal, c.points[i].impulse);
     c.points[i].impulse = Vec3::Zero();
@@ -297,12 +297,12 @@ void solve_contact_speed(ImpulseContact& c, const ImpulseScene& s, Real toleranc
     c.slides = true;
     sweep_points(c, s, tolerance);
   }
-  if (!s.body[c.a].movable) act_late(c.b, before_b, late, s);
-  if (!s.body[c.b].movable) act_late(c.a, before_a, late, s);
+  if (!s.body[c.a].movable) remove_early_travel(c.b, before_b, impact_time, s);
+  if (!s.body[c.b].movable) remove_early_travel(c.a, before_a, impact_time, s);
   settle(c, s);
 }
 
-// Less slip than this is what iterations left over: static friction takes it in the next substep.
+// Slip below the limit is an error of the iteration: static friction removes it in the next substep.
 bool begins_to_slide(const ImpulseContact& c, const ImpulseScene& s) {
   if (c.slides || !(c.friction_dynamic < c.friction_static)) return false;
   const Slip slip = slip_of(c, s);

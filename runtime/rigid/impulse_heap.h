@@ -1,5 +1,5 @@
-// An indexed binary heap: the node with the largest key on top, keys of any node can change. Equal keys: the lower
-// index first, so that the order of work depends on the numbers alone.
+// Indexed binary heap: the node with the largest key on top; the key of any node can change. Ties go to the lower
+// index, so that the order of work depends on the keys alone. O(log n) per update.
 #pragma once
 #include <utility>
 
@@ -61,7 +61,7 @@ class WorstFirst {
   }
 
   Array<Real> key_;                // by node
-  Array<std::uint32_t> position_;  // by node: where it is in the heap
+  Array<std::uint32_t> position_;  // by node: its index in the heap
   Array<std::uint32_t> heap_;
   std::uint32_t count_ = 0;
 };

@@ -1,10 +1,10 @@
 // One block of joint rows of the impulse solver: velocities by a direct solve of the block, J M^-1 J^T = L D L^T;
 // soft rows as implicit spring and damper (Catto, "Soft Constraints", GDC 2011): with k = omega^2 / w and
 // c = 2 zeta omega / w for the row's response w, gamma = 1 / (h (c + h k)) and the wanted speed is
-// -h k / (c + h k) C / h. What a substep of straight motion adds to the error of a stiff row is taken back along the
-// rows of its start, in position and velocity alike (SHAKE: Ryckaert, Ciccotti, Berendsen 1977): only so are angular
-// momentum and, over long times, energy kept. Errors that were there before are corrected in position alone. Rows
-// that depend on others (planar worlds, locked axes) get no impulse.
+// -h k / (c + h k) C / h. The drift that a substep of straight motion adds to the error of a stiff row is removed along
+// the rows of its start, in position and velocity alike (SHAKE: Ryckaert, Ciccotti, Berendsen 1977), which conserves
+// angular momentum and, over long times, energy. Older errors are corrected in position alone. Rows that depend on
+// others (planar worlds, locked axes) get no impulse.
 #include <algorithm>
 
 #include "rigid/impulse_parts.h"
@@ -12,7 +12,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kMaxCorrection = Real(0.3);  // rad or m per correction: rows are linear in small motions only
+constexpr Real kMaxCorrection = Real(0.3);  // rad or m per correction: rows are linear for small motions only
 
 Real row_speed(const Row& r, const SolverBody& a, const SolverBody& b) {
   return dot(r.linear, b.velocity - a.velocity) + dot(r.angular_a, a.angular_velocity) +
@@ -20,7 +20,9 @@ Real row_speed(const Row& r, const SolverBody& a, const SolverBody& b) {
 }
 
 // w_ij = J_i M^-1 J_j^T.
-Real response(const Row& i, const Row& j, std::uint32_t a, std::uint32_t b, const ImpulseScene& s) {
+Real response(const BlockRows& r, int row, int column, const ImpulseScene& s) {
+  const Row &i = r.rows[row], &j = r.rows[column];
+  const std::uint32_t a = r.a, b = r.b;
   Real w = 0;
   if (s.body[a].movable)
     w += dot(i.linear, s.mass[a].inv_mass_axes.cwiseProduct(j.linear)) +
@@ -60,50 +62,58 @@ void solve(const Real m[6][6], const Real* inv_d, int count, Real* x) {
 
 bool is_bounded(const Row& r) { return r.lower > -kInfinity || r.upper < kInfinity; }
 
+// Speed that row i lacks to its target.
+Real missing_speed(const BlockRows& r, const ImpulseBlock& block, const Real* impulse, const ImpulseScene& s, int i) {
+  return block.target[i] - row_speed(r.rows[i], s.state[r.a], s.state[r.b]) - block.gamma[i] * impulse[i];
+}
+
 // Change of the block's impulses that solves it for the velocities now.
-void wanted_change(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
-                   const Real* impulse, const ImpulseScene& s, Real* change) {
-  for (int i = 0; i < count; ++i)
-    change[i] = block.target[i] - row_speed(rows[i], s.state[a], s.state[b]) - block.gamma[i] * impulse[i];
-  solve(block.factor, block.inv_d, count, change);
-  for (int i = 0; i < count; ++i) {
-    if (!is_bounded(rows[i])) continue;
-    FEDER_ASSERT(rows[i].lower <= rows[i].upper);
-    const Real sum = clamp(impulse[i] + change[i], rows[i].lower * s.h, rows[i].upper * s.h);
+void wanted_change(const BlockRows& r, const ImpulseBlock& block, const Real* impulse, const ImpulseScene& s,
+                   Real* change) {
+  for (int i = 0; i < r.count; ++i) change[i] = missing_speed(r, block, impulse, s, i);
+  solve(block.factor, block.inv_d, r.count, change);
+  for (int i = 0; i < r.count; ++i) {
+    const Row& row = r.rows[i];
+    if (!is_bounded(row)) continue;
+    FEDER_ASSERT(row.lower <= row.upper);
+    const Real sum = clamp(impulse[i] + change[i], row.lower * s.h, row.upper * s.h);
     change[i] = sum - impulse[i];
   }
 }
 
-// Stiff equality, or a limit that is passed: what the position pass corrects.
+// Rows that position correction acts on: stiff equalities, and limits that are exceeded.
 bool has_position(const Row& r) { return !r.velocity_only && r.hertz <= 0 && (!is_bounded(r) || r.value < 0); }
 
-// What the motion of a substep added to the error of a stiff row, or to that of a limit beyond its end.
+// Drift: what a substep's motion added to the error of a stiff row, or to the excess of a limit.
 Real drift(const Row& start, const Row& now) {
   if (now.velocity_only || now.hertz > 0) return 0;
   if (!is_bounded(now)) return now.value - start.value;
   return std::min(std::min(now.value, Real(0)) - std::min(start.value, Real(0)), Real(0));
 }
 
-void shift_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* move,
-                 const ImpulseScene& s) {
-  Vec3 linear = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
-  for (int i = 0; i < count; ++i) {
-    linear += move[i] * rows[i].linear;
-    moment_a += move[i] * rows[i].angular_a;
-    moment_b += move[i] * rows[i].angular_b;
+// Impulse (or position correction) of a block: the rows' Jacobians times `size`, on both bodies.
+template <auto Push, class Moment>
+void push_block(const BlockRows& r, const Real* size, const ImpulseScene& s) {
+  using Scalar = typename Moment::Scalar;
+  Vec3 linear = Vec3::Zero();
+  Moment moment_a = Moment::Zero(), moment_b = Moment::Zero();
+  for (int i = 0; i < r.count; ++i) {
+    const Row& row = r.rows[i];
+    linear += size[i] * row.linear;
+    moment_a += static_cast<Scalar>(size[i]) * row.angular_a.cast<Scalar>();
+    moment_b += static_cast<Scalar>(size[i]) * row.angular_b.cast<Scalar>();
   }
-  shift_joint(s, a, -linear, moment_a);
-  shift_joint(s, b, linear, moment_b);
+  Push(s, r.a, -linear, moment_a);
+  Push(s, r.b, linear, moment_b);
 }
 
 }  // namespace
 
-void factor_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s,
-                  ImpulseBlock& out) {
-  for (int i = 0; i < count; ++i)
-    for (int j = 0; j <= i; ++j) out.factor[i][j] = response(rows[i], rows[j], a, b, s);
-  for (int i = 0; i < count; ++i) {
-    const Row& r = rows[i];
+void factor_block(const BlockRows& block, const ImpulseScene& s, ImpulseBlock& out) {
+  for (int i = 0; i < block.count; ++i)
+    for (int j = 0; j <= i; ++j) out.factor[i][j] = response(block, i, j, s);
+  for (int i = 0; i < block.count; ++i) {
+    const Row& r = block.rows[i];
     const Real w = out.factor[i][i];
     out.gamma[i] = 0;
     out.target[i] = r.speed;
@@ -114,105 +124,82 @@ void factor_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, 
       out.target[i] -= stiffness / (damping + s.h * stiffness) * r.value;
       out.factor[i][i] += out.gamma[i];
     } else if (is_bounded(r)) {
-      out.target[i] -= std::max(r.value, Real(0)) / s.h;  // the room that is left may be used up
+      out.target[i] -= std::max(r.value, Real(0)) / s.h;  // the gap that is left may close
     }
   }
-  factor(out.factor, count, out.inv_d);
+  factor(out.factor, block.count, out.inv_d);
 }
 
-namespace {
-
-template <auto Push>
-void push_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
-                const ImpulseScene& s) {
-  Vec3 linear = Vec3::Zero();
-  Vec3d moment_a = Vec3d::Zero(), moment_b = Vec3d::Zero();
-  for (int i = 0; i < count; ++i) {
-    linear += impulse[i] * rows[i].linear;
-    moment_a += static_cast<double>(impulse[i]) * rows[i].angular_a.cast<double>();
-    moment_b += static_cast<double>(impulse[i]) * rows[i].angular_b.cast<double>();
-  }
-  Push(s, a, -linear, moment_a);
-  Push(s, b, linear, moment_b);
+void apply_block(const BlockRows& r, const Real* impulse, const ImpulseScene& s) {
+  push_block<&push_joint, Vec3d>(r, impulse, s);
 }
 
-}  // namespace
-
-void apply_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
-                 const ImpulseScene& s) {
-  push_block<&push_joint>(rows, count, a, b, impulse, s);
+void push_back_block(const BlockRows& r, const Real* impulse, const ImpulseScene& s) {
+  push_block<&push_back, Vec3d>(r, impulse, s);
 }
 
-void push_back_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const Real* impulse,
-                     const ImpulseScene& s) {
-  push_block<&push_back>(rows, count, a, b, impulse, s);
-}
-
-Real block_speed_error(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
-                       const Real* impulse, const ImpulseScene& s) {
+Real block_speed_error(const BlockRows& r, const ImpulseBlock& block, const Real* impulse, const ImpulseScene& s) {
+  const SolverBody &a = s.state[r.a], &b = s.state[r.b];
   Real worst = 0, change[6];
-  wanted_change(rows, count, a, b, block, impulse, s, change);
-  for (int i = 0; i < count; ++i) {
+  wanted_change(r, block, impulse, s, change);
+  for (int i = 0; i < r.count; ++i) {
     if (block.inv_d[i] == 0) continue;
-    // speed the row would change by on its own
-    Real error;
-    if (is_bounded(rows[i]))
-      error = std::abs(change[i]) / block.inv_d[i];
-    else
-      error = std::abs(block.target[i] - row_speed(rows[i], s.state[a], s.state[b]) - block.gamma[i] * impulse[i]);
-    const Real size = length(s.state[a].velocity) + length(s.state[b].velocity) +
-                      length(rows[i].angular_a) * length(s.state[a].angular_velocity) +
-                      length(rows[i].angular_b) * length(s.state[b].angular_velocity);
+    const Row& row = r.rows[i];
+    // change of the row's speed if it were alone
+    const Real error =
+        is_bounded(row) ? std::abs(change[i]) / block.inv_d[i] : std::abs(missing_speed(r, block, impulse, s, i));
+    const Real size = length(a.velocity) + length(b.velocity) + length(row.angular_a) * length(a.angular_velocity) +
+                      length(row.angular_b) * length(b.angular_velocity);
     worst = std::max(worst, error - 8 * kEpsilon * (size + std::abs(block.gamma[i] * impulse[i])));
   }
   return worst;
 }
 
-void solve_block_speed(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseBlock& block,
-                       Real* impulse, const ImpulseScene& s) {
+void solve_block_speed(const BlockRows& r, const ImpulseBlock& block, Real* impulse, const ImpulseScene& s) {
   Real change[6];
-  wanted_change(rows, count, a, b, block, impulse, s, change);
-  for (int i = 0; i < count; ++i) impulse[i] += change[i];
-  apply_block(rows, count, a, b, change, s);
+  wanted_change(r, block, impulse, s, change);
+  for (int i = 0; i < r.count; ++i) impulse[i] += change[i];
+  apply_block(r, change, s);
 }
 
-Real block_position_error(const Row* rows, int count) {
+Real block_position_error(const BlockRows& r) {
   Real worst = 0;
-  for (int i = 0; i < count; ++i)
-    if (has_position(rows[i])) worst = std::max(worst, std::abs(rows[i].value));
+  for (int i = 0; i < r.count; ++i)
+    if (has_position(r.rows[i])) worst = std::max(worst, std::abs(r.rows[i].value));
   return worst;
 }
 
-void correct_block(const Row* rows, int count, std::uint32_t a, std::uint32_t b, const ImpulseScene& s) {
-  FEDER_ASSERT(a != b);
-  if (!(block_position_error(rows, count) > 0)) return;
+void correct_block(const BlockRows& r, const ImpulseScene& s) {
+  FEDER_ASSERT(r.a != r.b);
+  if (!(block_position_error(r) > 0)) return;
   Real m[6][6], inv_d[6], move[6];
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j <= i; ++j) m[i][j] = response(rows[i], rows[j], a, b, s);
-    move[i] = clamp(-rows[i].value, -kMaxCorrection, kMaxCorrection);
+  for (int i = 0; i < r.count; ++i) {
+    for (int j = 0; j <= i; ++j) m[i][j] = response(r, i, j, s);
+    move[i] = clamp(-r.rows[i].value, -kMaxCorrection, kMaxCorrection);
   }
-  factor(m, count, inv_d);
-  solve(m, inv_d, count, move);
-  shift_block(rows, count, a, b, move, s);
+  factor(m, r.count, inv_d);
+  solve(m, inv_d, r.count, move);
+  push_block<&shift_joint, Vec3>(r, move, s);
 }
 
-Real block_drift(const Row* start, const Row* now, int count) {
+Real block_drift(const BlockRows& start, const BlockRows& now) {
   Real worst = 0;
-  for (int i = 0; i < count; ++i) worst = std::max(worst, std::abs(drift(start[i], now[i])));
+  for (int i = 0; i < now.count; ++i) worst = std::max(worst, std::abs(drift(start.rows[i], now.rows[i])));
   return worst;
 }
 
-void correct_drift(const Row* start, const Row* now, int count, std::uint32_t a, std::uint32_t b,
-                   const ImpulseBlock& block, Real* impulse, const ImpulseScene& s) {
-  if (!(block_drift(start, now, count) > 0)) return;
+void correct_block_drift(const BlockRows& start, const BlockRows& now, const ImpulseBlock& block, Real* impulse,
+                         const ImpulseScene& s) {
+  if (!(block_drift(start, now) > 0)) return;
+  const int count = now.count;
   Real move[6];
-  for (int i = 0; i < count; ++i) move[i] = clamp(-drift(start[i], now[i]), -kMaxCorrection, kMaxCorrection);
+  for (int i = 0; i < count; ++i) move[i] = clamp(-drift(start.rows[i], now.rows[i]), -kMaxCorrection, kMaxCorrection);
   solve(block.factor, block.inv_d, count, move);
   for (int i = 0; i < count; ++i) {
     move[i] /= s.h;
     impulse[i] += move[i];
   }
-  push_back_block(start, count, a, b, move, s);
+  push_back_block(start, move, s);
 }
 
 }  // namespace feder

@@ -2,8 +2,8 @@
 // the same recursion as Featherstone's articulated inertia). Unknown are the velocity changes dv of the bodies and
 // the impulses p of the links, M dv = J^T p and J dv + g p = -(J v + bias). From the leaves up, a child is eliminated
 // into its parent: A = M + sum J_up^T Y^-1 J_up with Y = J_own A_child^-1 J_own^T + g; then impulses follow from the
-// root down. g is a compliance: at rounding level, that redundant rows of a joint are solvable; more at anchors that
-// close a chain.
+// root down. g is a compliance: at rounding level, so that redundant rows of a joint are solvable; larger at anchors
+// that close a chain.
 // In double precision, because Y spans the mass ratio. Nothing is kept between calls of find(). Loops of bodies,
 // springs, limits and motors stay with the iterative rows.
 #include "rigid/joint_trees.h"
@@ -14,9 +14,10 @@ namespace feder {
 namespace {
 
 constexpr double kCompliance = 1e-8;  // of a row's own compliance
-// The same of an anchor that closes a chain between two places of the world. Directions that such a chain holds twice
-// (parallel hinges: three of six) get impulses of misfit / compliance, and as axes tilt a little, those move bodies.
-// Impulses are kept from substep to substep, so that it is a stiffness of 1/(h^2 compliance), not a creep.
+// The same of an anchor that closes a chain between two anchors to the world. Directions that such a chain constrains
+// twice (parallel hinges: three of six) get impulses of misfit / compliance, and as axes tilt a little, those move
+// bodies. Impulses are kept from substep to substep, so that it acts as a stiffness of 1/(h^2 compliance), not as
+// creep.
 constexpr double kClosingCompliance = 1e-3;
 
 // In place L D L^T of a symmetric matrix in packed rows (lower triangle); the diagonal becomes 1/D.
@@ -83,7 +84,7 @@ void mass_matrix(const SolverMass& m, const JointedBody* uneven, const Mat3& inv
     for (int j = 0; j <= i; ++j) out[(i + 3) * (i + 4) / 2 + j + 3] = c[i][j] / det;
 }
 
-// In the world, or for an uneven body with the turn in its principal axes.
+// Jacobian of one side, in world axes; the angular part of an uneven body in its principal axes.
 void jacobian(const Row& row, bool side_a, const JointedBody* uneven, double* out) {
   const Vec3& moment = side_a ? row.angular_a : row.angular_b;
   const Vec3d local = uneven ? uneven->in_axes(moment) : Vec3d(moment.cast<double>());
@@ -94,7 +95,7 @@ void jacobian(const Row& row, bool side_a, const JointedBody* uneven, double* ou
   }
 }
 
-// A row's compliance through one body alone.
+// Compliance of a row through one body, J M^-1 J^T.
 double compliance(const Row& row, const Vec3& moment, const SolverMass& m, const JointedBody* uneven,
                   const Mat3& inv_inertia) {
   const double straight = static_cast<double>(dot(row.linear, Vec3(m.inv_mass_axes.cwiseProduct(row.linear))));
@@ -104,11 +105,6 @@ double compliance(const Row& row, const Vec3& moment, const SolverMass& m, const
 }
 
 }  // namespace
-
-std::uint32_t JointTrees::find_root(std::uint32_t i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
 
 void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks,
                                const SolverBodies& solver_bodies) {
@@ -133,30 +129,27 @@ void JointTrees::collect_links(std::span<const Row> rows, std::span<const RowBlo
   }
 }
 
+// Joins the links' bodies; accepts the components without loops and with something to move.
 void JointTrees::accept_trees() {
   for (Link& link : links_) {
     if (!link.index_a || !link.index_b) continue;
-    const std::uint32_t a = find_root(link.index_a), b = find_root(link.index_b);
-    if (a == b) {
-      cyclic_[a] = 1;
-    } else {
-      const std::uint32_t low = a < b ? a : b, high = a < b ? b : a;
-      parent_[high] = low;
-      cyclic_[low] |= cyclic_[high];
-    }
+    const std::uint32_t a = trees_.root(link.index_a), b = trees_.root(link.index_b);
+    const bool cyclic = a == b || cyclic_[a] || cyclic_[b];  // a link within a tree closes a loop
+    cyclic_[trees_.join(a, b)] = cyclic;
   }
   for (Link& link : links_) {
-    link.root = find_root(link.index_a ? link.index_a : link.index_b);
+    link.root = trees_.root(link.index_a ? link.index_a : link.index_b);
     ++count_[link.root];
   }
-  // one link alone too: the softened rows of a block would leave a share of what the last impulses do in the new pose,
-  // which is a spin about the long axis of a slender body
+  // a single link is a tree too: softened rows would leave part of what warm-start impulses do in the new pose, a
+  // rotation about the long axis of slender bodies
   for (Link& link : links_)
     if (cyclic_[link.root] || (!link.index_a && !link.index_b)) link.root = kNone;
 }
 
+// Appends the node of a body and queues it.
 void JointTrees::grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link) {
-  FEDER_ASSERT(index != 0 && !visited_[index]);  // a body twice would be a loop
+  FEDER_ASSERT(index != 0 && !visited_[index]);  // visited twice would be a loop
   Node node;
   node.solver_index = index;
   node.parent = parent;
@@ -168,7 +161,7 @@ void JointTrees::grow(std::uint32_t index, std::uint32_t parent, std::uint32_t l
 }
 
 void JointTrees::order_nodes(std::size_t body_count) {
-  // links by solver index
+  // edges by solver index: counting sort
   first_edge_.assign(body_count + 1, 0);
   const auto each_side = [&](auto&& f) {
     for (std::uint32_t l = 0; l < links_.size(); ++l) {
@@ -216,7 +209,7 @@ void JointTrees::order_nodes(std::size_t body_count) {
   }
 }
 
-// Parents come before children; each link belongs to one node, and to one that it moves.
+// Checks the order: parents before children; each accepted link belongs to one node, whose body it moves.
 void JointTrees::check_nodes() const {
   MultisetHash accepted, placed;
   for (std::uint32_t l = 0; l < links_.size(); ++l)
@@ -239,8 +232,7 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   direct_.assign(blocks.size(), 0);
   collect_links(rows, blocks, solver_bodies);
   if (links_.empty()) return;
-  parent_.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
+  trees_.reset(count);
   cyclic_.assign(count, 0);
   count_.assign(count, 0);
   visited_.assign(count, 0);
@@ -258,10 +250,12 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   response_.resize(nodes_.size() * 6);
 }
 
+// Eliminates one node into its parent.
 void JointTrees::factor_node(Node& node, std::span<const Row> rows, const SolverInput& in,
                              std::span<const Mat3> inv_inertia) {
   const JointedBody* own = node.leaf ? nullptr : in.uneven(node.solver_index);
   const JointedBody* up = node.parent == kNone ? nullptr : in.uneven(nodes_[node.parent].solver_index);
+  // Jacobians now
   for (int i = 0; i < node.rows; ++i) {
     const Row& row = rows[links_[node.link].row[i]];
     jacobian(row, node.body_is_a, own, node.own[i]);
@@ -318,7 +312,7 @@ void JointTrees::solve(std::span<const Row> rows, const SolverBodies* solver_bod
   FEDER_ASSERT(response_.size() == nodes_.size() * 6);
   for (Node& node : nodes_)
     for (double& x : node.load) x = 0;
-  // up: what each link asks for, less what its child can do alone
+  // leaves to root: the right-hand side of each link, less the response of its child
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     for (int i = 0; i < node.rows; ++i) {
@@ -334,7 +328,7 @@ void JointTrees::solve(std::span<const Row> rows, const SolverBodies* solver_bod
     for (int i = 0; i < node.rows; ++i)
       for (int k = 0; k < 6; ++k) nodes_[node.parent].load[k] += node.up[i][k] * p[i];
   }
-  // down: impulses from the parent's velocity change
+  // root to leaves: impulses, given the parent's velocity change
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const Node& node = nodes_[n];
     double p[kMaxRows];

@@ -1,8 +1,9 @@
-// Direct solution of the stiff joints of bodies that hang together like a tree (chains, ragdolls): exact in one pass,
-// whatever the mass ratio.
+// Direct solver for the stiff joints of tree-shaped mechanisms (chains, ragdolls): exact in one pass, at any mass
+// ratio. The elimination is in joint_trees.cpp.
 #pragma once
 #include "feder/error.h"
 #include "rigid/solver.h"
+#include "rigid/union_find.h"
 #include "state/rows.h"
 #include "state/solver_bodies.h"
 
@@ -10,15 +11,13 @@ namespace feder {
 
 class JointTrees {
  public:
-  explicit JointTrees(Arena& arena)
-      : links_(&arena), nodes_(&arena), edges_(&arena), first_edge_(&arena), parent_(&arena), cyclic_(&arena),
-        count_(&arena), visited_(&arena), direct_(&arena), queue_(&arena), response_(&arena) {}
+  explicit JointTrees(Arena& arena) : arena_(arena) {}
 
-  // Which blocks belong to trees; once per step, as rows keep their number.
+  // Finds the blocks that belong to trees; once per step, since the number of rows does not change within it.
   void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
   void clear() { nodes_.clear(); }
   bool empty() const { return nodes_.empty(); }
-  bool knows(std::size_t blocks) const { return direct_.size() == blocks; }  // as many as when trees were found
+  bool knows(std::size_t blocks) const { return direct_.size() == blocks; }  // the number of blocks is that of find()
   bool direct(std::size_t block) const {
     FEDER_ASSERT(block < direct_.size());
     return direct_[block] != 0;
@@ -27,8 +26,8 @@ class JointTrees {
   // Once per substep. `inv_inertia`: of even bodies now, world, by solver index; uneven ones are solved in principal
   // axes.
   void factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
-  // Impulses that make J v = -bias for all rows of the trees together, written to `step` by row. Without solver bodies
-  // v is taken as 0: impulses that change J v by -bias.
+  // Impulses such that J v = -bias for all rows of the trees at once, written to `step` by row. Without solver bodies
+  // v is 0: impulses that change J v by -bias.
   void solve(std::span<const Row> rows, const SolverBodies* solver_bodies, std::span<const Real> bias,
              std::span<Real> step);
 
@@ -36,31 +35,30 @@ class JointTrees {
   static constexpr int kMaxRows = 6;
   static constexpr int kTriangle = 21;
 
-  // The stiff rows of a joint.
+  // Edge of the graph: the stiff rows of a joint.
   struct Link {
-    std::uint32_t index_a = 0, index_b = 0;  // 0: a side that does not move
-    std::uint32_t state_a = 0, state_b = 0;  // the same with kinematic bodies
+    std::uint32_t index_a = 0, index_b = 0;  // 0: immovable
+    std::uint32_t state_a = 0, state_b = 0;  // the same, kinematic bodies included
     std::uint32_t row[kMaxRows];
     int rows = 0;
-    std::uint32_t root = kNone;  // union-find name of the tree; kNone: not solved here
+    std::uint32_t root = kNone;  // root of the tree in the union-find; kNone: not solved here
     std::uint32_t joint = 0;
   };
   // A body and the link to its parent (or to the world).
   struct Node {
-    std::uint32_t solver_index = 0, parent = kNone;  // place of the parent node
+    std::uint32_t solver_index = 0, parent = kNone;  // parent: index in nodes_
     std::uint32_t link = kNone;
     bool body_is_a = false;
-    bool leaf = false;  // a second link of the parent to the world: no body of its own
+    bool leaf = false;  // a second anchor of the parent to the world: a node without a body
     int rows = 0;
     double own[kMaxRows][6], up[kMaxRows][6];  // Jacobians of the two sides
     double inertia[kTriangle];                 // factors of the articulated inertia
     double weight[kMaxRows][6];                // own x inverse inertia
     double stiffness[kTriangle];               // factors of weight x own^T + regularisation
-    double load[6];                            // what the children ask for
+    double load[6];                            // impulses that the children ask for
     double wanted[kMaxRows];
   };
   static Real speed(const Row& row, const Link& link, const SolverBodies& solver_bodies);
-  std::uint32_t find_root(std::uint32_t i);
   void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
   void accept_trees();
   void order_nodes(std::size_t body_count);
@@ -68,10 +66,11 @@ class JointTrees {
   void grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link);
   void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
 
-  Array<Link> links_;
-  Array<Node> nodes_;                        // parents before children
-  Array<std::uint32_t> edges_, first_edge_;  // links by solver index
-  Array<std::uint32_t> parent_;              // union-find over solver bodies
+  Arena& arena_;
+  Array<Link> links_{&arena_};
+  Array<Node> nodes_{&arena_};                                 // parents before children
+  Array<std::uint32_t> edges_{&arena_}, first_edge_{&arena_};  // links by solver index
+  UnionFind trees_{arena_};                                    // of solver bodies
   Array<std::uint8_t> cyclic_;
   Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;

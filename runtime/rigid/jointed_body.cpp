@@ -1,3 +1,4 @@
+// Free rotation of bodies with uneven moments by the implicit midpoint rule, and what impulses do to their momentum.
 #include "rigid/jointed_body.h"
 
 #include <cmath>
@@ -44,10 +45,10 @@ Mat3d jointed_axes(const JointedBody& j, const Quat& rotation) {
   return m;
 }
 
-// Theta = h w in principal axes solves
+// Implicit midpoint by Newton's method. Theta = h w in principal axes solves
 //   F = I theta/h - exp(-theta/2) L = 0,  dF = I/h - [exp(-theta/2) L]x / 2,
-// by Newton's method; (D + [s]x)^-1 = (adj D + s s^T - [D s]x) / (det D + s^T D s). Fixed-point rounds multiply the
-// error by (I_t/I_l) (h w)^2/4 each: they throw slender bodies (I_t >> I_l) about their long axis.
+// with (D + [s]x)^-1 = (adj D + s s^T - [D s]x) / (det D + s^T D s). Not by fixed-point iteration: each round
+// multiplies the error by (I_t/I_l) (h w)^2/4, which diverges about the long axis of slender bodies (I_t >> I_l).
 Vec3 mean_angular_velocity(const JointedBody& j, const Vec3d& momentum, Real h) {
   constexpr int kRounds = 8;
   constexpr double kConverged = 1e-12;  // rad; what is left acts on the smallest moment

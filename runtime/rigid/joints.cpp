@@ -1,5 +1,5 @@
-// Joints as the rigid system keeps them: frames from world anchors, options a kind has no use for refused, forces for
-// questions and for breaking. A side that cannot move is handed to the solver as the world.
+// Joints of the rigid system: making (frames from world anchors, options checked against the kind), removing, load and
+// breaking, residuals. An immovable side is given to the solver as the world.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep holds along a short chain, by experiment
+constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep can solve along a short chain, by experiment
 
 void refuse(bool given, unsigned uses, unsigned bit, const JointKind& kind, const char* option) {
   if (given && !(uses & bit))
@@ -56,6 +56,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   const Quat rotation = rotation_from_to(Vec3(1, 0, 0), axis);
   const Pose com_a = a == kNone ? Pose{} : bodies.com_pose(a), com_b = b == kNone ? Pose{} : bodies.com_pose(b);
   const Vec3& anchor_b = kind.uses & kUsesTwoAnchors ? d.anchor_b : d.anchor_a;
+  // frames, both at the anchors with the x axis along the joint's
   JointRecord r;
   r.a = d.a, r.b = d.b;
   r.body_a = a, r.body_b = b;
@@ -65,16 +66,12 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   r.break_force = d.break_force;
   r.alive = 1;
   r.collide = d.collide;
-  std::uint32_t j;
-  if (!free_joints.empty()) {
-    j = free_joints.back();
-    free_joints.pop_back();
-    FEDER_ASSERT(j < records.size() && !records[j].alive);
-  } else {
-    j = static_cast<std::uint32_t>(records.size());
+  const std::uint32_t j = take_index(free_joints, records.size(), [&] {
     records.emplace_back();
     joints.emplace_back();
-  }
+  });
+  FEDER_ASSERT(j < records.size() && !records[j].alive);
+  // from here on nothing fails
   records[j] = r;
   joints[j] = SolverJoint{};
   joints[j].kind = &kind;
@@ -87,8 +84,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
     collide.exclude(d.a, d.b);
     changed(a), changed(b);
   }
-  if (a != kNone) wake(a, WakeCause::joint, d.b);
-  if (b != kNone) wake(b, WakeCause::joint, d.a);
+  wake_joined(records[j], WakeCause::joint);
   if (d.options.has_limits) edited(a), edited(b);
   if (joint_count++ == 0) *structure_changed = true;
   return records[j].object;
@@ -98,13 +94,17 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
   FEDER_ASSERT(j < records.size() && records[j].alive && joint_count > 0);
   JointRecord& r = records[j];
   if (!r.collide && r.a && r.b) collide.include(r.a, r.b);
-  if (r.body_a != kNone) wake(r.body_a, cause, r.b);
-  if (r.body_b != kNone) wake(r.body_b, cause, r.a);
+  wake_joined(r, cause);
   objects.remove(r.object, where);
   r = JointRecord{};
   joints[j] = SolverJoint{};
   free_joints.push_back(j);
   if (--joint_count == 0) *structure_changed = true;
+}
+
+void Rigid::Impl::wake_joined(const JointRecord& r, WakeCause cause) {
+  if (r.body_a != kNone) wake(r.body_a, cause, r.b);
+  if (r.body_b != kNone) wake(r.body_b, cause, r.a);
 }
 
 // Solver slots and frames for the solver, from the bodies' types and (fixed) poses.
@@ -127,24 +127,21 @@ void Rigid::Impl::refresh_joints_of(std::uint32_t body) {
 }
 
 void Rigid::Impl::activate_joints(StepContext& c) {
-  const auto moves = [&](std::uint32_t body) {
-    return body != kNone && bodies.type[body] == BodyType::dynamic && bodies.awake[body];
-  };
   FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
-    joints[j].active = r.alive && (moves(r.body_a) || moves(r.body_b));
+    joints[j].active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
     if (!joints[j].active) continue;
     load_inertia(r.body_a), load_inertia(r.body_b);
     if (!r.mass_checked) check_mass_ratio(j, c);
   }
 }
 
-// The principal moments of an uneven body, for joints whose inertia turns with the body.
+// Principal moments of an uneven body: its inertia for joints rotates with it.
 void Rigid::Impl::load_inertia(std::uint32_t body) {
   if (body == kNone || !asymmetric[body] || bodies.type[body] != BodyType::dynamic) return;
   const std::uint32_t index = solver_bodies.index[bodies.solver_slot[body]];
-  if (index == 0) return;  // asleep beside one that is awake: it does not move
+  if (index == 0) return;  // asleep beside an awake one: it does not move
   if (jointed.empty()) jointed.assign(solver_bodies.state.size(), JointedBody{});
   FEDER_ASSERT(index < jointed.size() && moving[index - 1] == body);
   JointedBody& to = jointed[index];
@@ -198,14 +195,26 @@ JointInput Rigid::Impl::joint_input(std::uint32_t j) const {
   return in;
 }
 
-// Force and torque on b at its anchor, from the impulses of the last substep.
+// The rows of joint j for the poses of `in`, into `rows` and `blocks`.
+void Rigid::Impl::fill_rows(std::uint32_t j, const JointInput& in) const {
+  rows.clear();
+  blocks.clear();
+  RowWriter writer(rows, blocks);
+  writer.start(in, j);
+  joints[j].kind->fill(in, writer);
+}
+
+// J M^-1 J^T of one side of a row, 1/kg or 1/(kg m^2); 0 where nothing can move.
+Real Rigid::Impl::row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const {
+  if (body == kNone || bodies.type[body] != BodyType::dynamic) return 0;
+  return bodies.inv_mass[body] * dot(linear, linear) + dot(angular, Vec3(bodies.world_inv_inertia(body) * angular));
+}
+
+// Load: force and torque on b at its anchor, from the impulses of the last substep.
 void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
   const SolverJoint& s = joints[j];
   const JointInput in = joint_input(j);
-  rows.clear(), blocks.clear();
-  RowWriter writer(rows, blocks);
-  writer.start(in, j);
-  s.kind->fill(in, writer);
+  fill_rows(j, in);
   FEDER_ASSERT(last_h > 0);
   force = torque = Vec3::Zero();
   for (const RowBlock& block : blocks) {
@@ -223,7 +232,7 @@ void Rigid::Impl::break_joints(StepContext&) {
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     if (!joints[j].active || !(r.break_force < kInfinity)) continue;
-    FEDER_ASSERT(r.alive);  // a removed one would break again
+    FEDER_ASSERT(r.alive);  // else a removed joint would break again
     Vec3 force, torque;
     joint_load(j, force, torque);
     const Real size = length(force);
@@ -237,28 +246,21 @@ void Rigid::Impl::break_joints(StepContext&) {
   }
 }
 
-// Largest violation of a stiff equality (m; rad rows count as metres), and the energy in springs: k = m_eff omega^2.
+// Largest violation of a stiff equality (m; rad rows count as metres), and the elastic energy of springs with
+// k = m_eff omega^2.
 void Rigid::Impl::joint_totals(Real& max_error, double& elastic) const {
   max_error = 0;
   elastic = 0;
-  const auto compliance = [&](std::uint32_t body, const Vec3& linear, const Vec3& angular) {
-    if (body == kNone || bodies.type[body] != BodyType::dynamic) return Real(0);
-    return bodies.inv_mass[body] * dot(linear, linear) + dot(angular, Vec3(bodies.world_inv_inertia(body) * angular));
-  };
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     if (!records[j].alive) continue;
-    rows.clear(), blocks.clear();
-    RowWriter writer(rows, blocks);
-    const JointInput in = joint_input(j);
-    writer.start(in, j);
-    joints[j].kind->fill(in, writer);
+    fill_rows(j, joint_input(j));
     Real squares = 0;
     for (const Row& row : rows) {
       if (row.velocity_only) continue;
       const bool equality = row.lower == -kInfinity && row.upper == kInfinity;
       if (row.hertz > 0) {
-        const Real k = compliance(records[j].body_a, row.linear, row.angular_a) +
-                       compliance(records[j].body_b, row.linear, row.angular_b);
+        const Real k = row_compliance(records[j].body_a, row.linear, row.angular_a) +
+                       row_compliance(records[j].body_b, row.linear, row.angular_b);
         const double omega = 2 * static_cast<double>(kPi * row.hertz), value = static_cast<double>(row.value);
         if (k > 0) elastic += 0.5 * omega * omega / static_cast<double>(k) * value * value;
       } else if (equality) {

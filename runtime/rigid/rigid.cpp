@@ -1,5 +1,5 @@
-// The rigid system's face: descriptor, plan rows, questions, snapshot. The work is in bodies.cpp, rows.cpp, sleep.cpp
-// and joints.cpp.
+// The rigid system to the world: descriptor, passes, hash, snapshots, conserved quantities and residuals. The work is
+// in bodies.cpp, rows.cpp, sleep.cpp and joints.cpp.
 #include "feder/rigid.h"
 
 #include "constrain/joint.h"
@@ -14,23 +14,12 @@
 namespace feder {
 
 Rigid::Impl::Impl(SystemSetup& s)
-    : store(s.store), watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
-      collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
+    : store(s.store), arena(s.store.arena(kName)), watched(s.store.need<Watch>("watch")), objects(s.objects),
+      events(s.events), collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
       bodies(s.store.need<Bodies>(kName)), colliders(s.store.need<Colliders>(ContactService::kSystem)),
       contacts(s.store.need<Contacts>(ContactService::kSystem)), solver_bodies(s.store.need<SolverBodies>(kName)),
       dimension(s.dimension), structure_changed(s.structure_changed),
-      solver(rigid_solver(s.options).make(s.store.arena(kName), s.options)), volume(&s.store.arena(kName)),
-      area(&s.store.arena(kName)), asymmetric(&s.store.arena(kName)), kept_momentum(&s.store.arena(kName)),
-      kept_angular_velocity(&s.store.arena(kName)), sleep_candidate(&s.store.arena(kName)),
-      next_in_island(&s.store.arena(kName)), parent(&s.store.arena(kName)), pace(&s.store.arena(kName)),
-      edited_step(&s.store.arena(kName)), island_before(&s.store.arena(kName)), island_after(&s.store.arena(kName)),
-      island_given(&s.store.arena(kName)), island_mass(&s.store.arena(kName)), island_drive(&s.store.arena(kName)),
-      joints(&s.store.arena(kName)), records(&s.store.arena(kName)), free_joints(&s.store.arena(kName)),
-      rows(&s.store.arena(kName)), blocks(&s.store.arena(kName)), moving(&s.store.arena(kName)),
-      applied_force(&s.store.arena(kName)), applied_torque(&s.store.arena(kName)),
-      angular_momentum(&s.store.arena(kName)), given_angular_velocity(&s.store.arena(kName)),
-      jointed(&s.store.arena(kName)), bad(&s.store.arena(kName)), points(&s.store.arena(kName)),
-      point_force(&s.store.arena(kName)), point_place(&s.store.arena(kName)) {
+      solver(rigid_solver(s.options).make(arena, s.options)) {
   if (solver_bodies.index.empty()) solver_bodies.reset();
 }
 
@@ -51,8 +40,7 @@ const SystemDescriptor& Rigid::descriptor() {
 Rigid::Rigid(SystemSetup& setup) : impl_(std::make_unique<Impl>(setup)) {}
 Rigid::~Rigid() = default;
 
-// Ranks leave room: couplings append their solver bodies between gather (10) and prepare (30), and work before and
-// after solve (20).
+// Couplings append their solver bodies between gather and prepare, and have passes before and after solve.
 void Rigid::add_passes(StepPlan& plan) {
   Impl* s = impl_.get();
   if (s->body_count == 0) return;
@@ -101,34 +89,38 @@ struct SavedJoint {
 
 }  // namespace
 
+// Calls f(member) for what snapshots hold, but for the joints.
+template <class S, class F>
+void Rigid::Impl::each_saved(S& s, F&& f) {
+  Bodies::each_saved(s.bodies, f);
+  for_each_of(f, s.solver_bodies.index, s.solver_bodies.free_list);
+  each_saved_array(s, f);
+  f(s.free_joints);
+}
+template <class S, class F>
+void Rigid::Impl::each_saved_number(S& s, F&& f) {
+  for_each_of(f, s.body_count, s.sleeping_count, s.joint_count, s.last_h, s.force_count);
+}
+
 void Rigid::save(Writer& w) const {
   const Impl& s = *impl_;
   FEDER_ASSERT(s.records.size() == s.joints.size());
-  s.bodies.save(w);
-  w.list(s.solver_bodies.index), w.list(s.solver_bodies.free_list);
-  w.list(s.volume), w.list(s.area), w.list(s.asymmetric), w.list(s.kept_momentum), w.list(s.kept_angular_velocity),
-      w.list(s.sleep_candidate), w.list(s.next_in_island);
-  w.list(s.free_joints);
+  Impl::each_saved(s, saved_to(w));
   std::vector<SavedJoint> saved(s.joints.size());
   for (std::size_t j = 0; j < saved.size(); ++j) {
     std::memset(static_cast<void*>(&saved[j]), 0, sizeof(SavedJoint));
     saved[j].record = s.records[j];
     saved[j].shape = s.joints[j].shape;
-    std::memcpy(saved[j].impulse, s.joints[j].impulse, sizeof saved[j].impulse);
+    std::copy_n(s.joints[j].impulse, kMaxJointRows, saved[j].impulse);
     saved[j].rows = s.joints[j].rows;
   }
   w.list(saved);
-  w.add(s.body_count), w.add(s.sleeping_count), w.add(s.joint_count), w.add(s.last_h);
-  w.add(static_cast<std::uint64_t>(s.force_count));
+  Impl::each_saved_number(s, saved_to(w));
 }
 
 void Rigid::load(Reader& r) {
   Impl& s = *impl_;
-  s.bodies.load(r);
-  r.list(s.solver_bodies.index), r.list(s.solver_bodies.free_list);
-  r.list(s.volume), r.list(s.area), r.list(s.asymmetric), r.list(s.kept_momentum), r.list(s.kept_angular_velocity),
-      r.list(s.sleep_candidate), r.list(s.next_in_island);
-  r.list(s.free_joints);
+  Impl::each_saved(s, loaded_from(r));
   std::vector<SavedJoint> saved;
   r.list(saved);
   s.joints.assign(saved.size(), SolverJoint{});
@@ -136,17 +128,13 @@ void Rigid::load(Reader& r) {
   for (std::size_t j = 0; j < saved.size(); ++j) {
     s.records[j] = saved[j].record;
     s.joints[j].shape = saved[j].shape;
-    std::memcpy(s.joints[j].impulse, saved[j].impulse, sizeof saved[j].impulse);
+    std::copy_n(saved[j].impulse, kMaxJointRows, s.joints[j].impulse);
     s.joints[j].rows = saved[j].rows;
-    if (!s.records[j].alive) continue;
-    s.joints[j].kind = &joint_kinds()[s.records[j].kind];
+    if (s.records[j].alive) s.joints[j].kind = &joint_kinds()[s.records[j].kind];
   }
-  r.get(s.body_count), r.get(s.sleeping_count), r.get(s.joint_count), r.get(s.last_h);
-  std::uint64_t forces = 0;
-  r.get(forces);
-  s.force_count = forces;
-  s.parent.resize(s.bodies.size());
-  s.resize_watch();
+  Impl::each_saved_number(s, loaded_from(r));
+  // what follows from the state
+  s.resize_arrays();
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)
     if (s.records[j].alive) s.refresh_joint(j);
   s.list_stale = s.poses_stale = true;

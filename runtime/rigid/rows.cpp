@@ -1,8 +1,8 @@
-// The passes of the rigid system. Bodies that take part are listed once per step (awake dynamic and kinematic ones,
-// ascending); the solver body of the body at place p is p + 1, so that all rows run over plain ranges.
-// Free rotation keeps the angular momentum: a substep turns the body with the velocity at the middle of the turn,
-// w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w is added
-// to L through the inertia they were solved with.
+// The passes of the rigid system. Bodies that take part are listed in `moving` once per step (awake dynamic and
+// kinematic ones, ascending); moving[p] has the solver index p + 1, so that all passes run over plain ranges. Free
+// rotation conserves the angular momentum L: a substep rotates the body by the angular velocity at the middle of the
+// rotation, w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w
+// is added to L through the inertia they were solved with. Jointed bodies: jointed_body.h.
 #include <algorithm>
 
 #include "base/jobs.h"
@@ -13,7 +13,7 @@ namespace feder {
 namespace {
 
 constexpr JobGrain kGrain{256, 8'000};  // bodies per job
-constexpr int kSpinRounds = 3;
+constexpr int kRotationRounds = 3;
 
 Vec3 angular_velocity_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {
   return rotate(rotation, Vec3(inv_inertia * rotate_inverse(rotation, momentum)));
@@ -26,6 +26,15 @@ Vec3 momentum_of(const Mat3& inertia, const Quat& rotation, const Vec3& angular_
 bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
 
 }  // namespace
+
+// Calls f(p) for the bodies moving[p], in parallel.
+template <class F>
+void Rigid::Impl::each_moving(StepContext& c, F&& f) {
+  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
+                     [&](std::uint32_t first, std::uint32_t last, int) {
+                       for (std::uint32_t p = first; p < last; ++p) f(p);
+                     });
+}
 
 void Rigid::Impl::rebuild_list() {
   if (!list_stale) return;
@@ -42,7 +51,7 @@ void Rigid::Impl::refresh(StepContext&) {
   for (const std::uint32_t i : moving) place_colliders(i, 0, Vec3::Zero());
 }
 
-// Velocities that take kinematic bodies to their targets; one that starts to move wakes what rests on it.
+// Velocity that takes a kinematic body to its target; when it starts to move it wakes what rests on it.
 void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
   FEDER_ASSERT(bodies.type[i] == BodyType::kinematic && bodies.has_target[i] <= 2);
   if (bodies.has_target[i] == 1) {
@@ -51,7 +60,7 @@ void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
     bodies.velocity[i] = (center - bodies.position[i]) / c.dt;
     bodies.angular_velocity[i] = rotation_between(bodies.rotation[i], to.rotation) / c.dt;
   } else if (bodies.has_target[i] == 2) {
-    // arrived in the last step: stays there
+    // arrived in the last step
     bodies.velocity[i] = bodies.angular_velocity[i] = Vec3::Zero();
     bodies.has_target[i] = 0;
   }
@@ -66,32 +75,27 @@ void Rigid::Impl::update_boxes(StepContext& c) {
   for (const std::uint32_t i : moving)
     if (bodies.type[i] == BodyType::kinematic) aim_kinematic(i, c);
   rebuild_list();
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
-                     [&](std::uint32_t first, std::uint32_t last, int) {
-                       for (std::uint32_t p = first; p < last; ++p) place_colliders(moving[p], c.dt, c.gravity);
-                     });
+  each_moving(c, [&](std::uint32_t p) { place_colliders(moving[p], c.dt, c.gravity); });
 }
 
 void Rigid::Impl::gather(StepContext& c) {
   last_h = c.h;
-  rebuild_list();  // contacts may have woken somebody
+  rebuild_list();  // contacts may have woken bodies
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   solver_bodies.reset();
   solver_bodies.resize(count);
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), given_angular_velocity.resize(count), bad.resize(count);
-  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) gather_body(p, c);
-  });
+  each_moving(c, [&](std::uint32_t p) { gather_body(p); });
   activate_joints(c);
   if constexpr (kAsserts) check_gathered();
 }
 
-void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
+void Rigid::Impl::gather_body(std::uint32_t p) {
   const std::uint32_t i = moving[p];
   FEDER_ASSERT(bodies.awake[i] && bodies.solver_slot[i] < solver_bodies.index.size());
-  FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[i]] == 0);  // taken: listed twice, or a slot of two bodies
+  FEDER_ASSERT(solver_bodies.index[bodies.solver_slot[i]] == 0);  // else listed twice, or a slot of two bodies
   SolverBody& s = solver_bodies.state[p + 1];
   SolverMass& m = solver_bodies.mass[p + 1];
   solver_bodies.index[bodies.solver_slot[i]] = p + 1;
@@ -114,7 +118,7 @@ void Rigid::Impl::gather_body(std::uint32_t p, StepContext&) {
   }
 }
 
-// Force generators, at the state of this substep.
+// Force generators, at the state of this substep: each sees all its points at once.
 void Rigid::Impl::add_forces(StepContext& c) {
   const Forces& forces = store.get<Forces>();
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
@@ -125,7 +129,7 @@ void Rigid::Impl::add_forces(StepContext& c) {
   for (const ForceEntry& f : forces.list) {
     if (!f.enabled || !f.force) continue;
     points.clear();
-    point_place.clear();
+    point_rank.clear();
     for (std::uint32_t p = 0; p < count; ++p) {
       const std::uint32_t i = moving[p];
       if (bodies.type[i] != BodyType::dynamic || !acts_on(f, bodies.object[i], objects.tags(bodies.object[i])))
@@ -139,32 +143,31 @@ void Rigid::Impl::add_forces(StepContext& c) {
       point.volume = volume[i];
       point.most_drag = share * bodies.mass[i];
       points.push_back(point);
-      point_place.push_back(p);
+      point_rank.push_back(p);
     }
     point_force.assign(points.size(), Vec3::Zero());
     f.force->add(points.data(), points.size(), time, point_force.data());
-    for (std::size_t k = 0; k < points.size(); ++k) applied_force[point_place[k]] += point_force[k];
+    for (std::size_t k = 0; k < points.size(); ++k) applied_force[point_rank[k]] += point_force[k];
   }
 }
 
 void Rigid::Impl::integrate_velocities(StepContext& c) {
   FEDER_ASSERT(last_h == c.h && given_angular_velocity.size() == moving.size() &&
                solver_bodies.state.size() > moving.size());
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
-                     [&](std::uint32_t first, std::uint32_t last, int) {
-                       for (std::uint32_t p = first; p < last; ++p) integrate_body(p, c);
-                     });
+  each_moving(c, [&](std::uint32_t p) { integrate_body(p, c); });
 }
 
 void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   const std::uint32_t i = moving[p];
   if (bodies.type[i] != BodyType::dynamic) return;
+  // linear, with implicit damping
   SolverBody& s = solver_bodies.state[p + 1];
   const SolverMass& m = solver_bodies.mass[p + 1];
   FEDER_ASSERT(m.inv_mass == bodies.inv_mass[i]);
   const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
   const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
   for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
+  // angular: plain, jointed with uneven moments, or free with uneven moments
   const Real brake = 1 / (1 + c.h * bodies.angular_damping[i]);
   if (!asymmetric[i]) {
     s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
@@ -179,11 +182,11 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
     if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], m.start_rotation, pushed);
     l = (l + c.h * applied_torque[p]) * brake;
     Vec3 w = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);
-    for (int round = 0; round < kSpinRounds; ++round)
+    for (int round = 0; round < kRotationRounds; ++round)
       w = angular_velocity_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
     s.angular_velocity = given_angular_velocity[p] = w;
   }
-  // a body gone bad must not reach the others through its contacts
+  // a non-finite body must not spread through its contacts
   if (all_finite(s.velocity) && all_finite(s.angular_velocity)) return;
   bad[p] = 1;
   s.velocity = s.angular_velocity = given_angular_velocity[p] = angular_momentum[p] = Vec3::Zero();
@@ -191,29 +194,25 @@ void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
 
 SolverInput Rigid::Impl::input() {
   FEDER_ASSERT(jointed.empty() || jointed.size() > moving.size());
-  return {&contacts, &colliders, &solver_bodies, {joints.data(), joints.size()}, {jointed.data(), jointed.size()}};
+  return {&contacts,
+          &colliders,
+          &solver_bodies,
+          {joints.data(), joint_count == 0 ? 0 : joints.size()},
+          {jointed.data(), jointed.size()}};
 }
 
 void Rigid::Impl::prepare(StepContext& c) {
   if constexpr (kAsserts) check_gathered();
-  SolverInput in = input();
-  if (joint_count == 0) in.joints = {};
-  solver->prepare(in, c);
+  solver->prepare(input(), c);
 }
 
-void Rigid::Impl::solve(StepContext& c) {
-  SolverInput in = input();
-  if (joint_count == 0) in.joints = {};
-  solver->solve(in, c);
-}
+void Rigid::Impl::solve(StepContext& c) { solver->solve(input(), c); }
 
 void Rigid::Impl::finish_solve(StepContext& c) {
-  SolverInput in = input();
-  if (joint_count == 0) in.joints = {};
-  solver->finish(in, c);
+  solver->finish(input(), c);
   const std::uint64_t capped = solver->capped();
   if (capped == 0 || cap_warned) return;
-  cap_warned = true;  // once: rigid.capped of the residuals goes on counting
+  cap_warned = true;  // once; the residual rigid.capped goes on counting
   events.warn("iteration_limit", "the rigid solver reached its iteration limit " + std::to_string(capped) +
                                      " times in a step: contacts or joints are left unresolved");
 }
@@ -225,10 +224,10 @@ bool Rigid::Impl::commit_finite(std::uint32_t p) const {
          all_finite(bodies.position[moving[p]] + s.delta_position) && is_finite(q.x + q.y + q.z + q.w);
 }
 
-void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
+void Rigid::Impl::commit_body(std::uint32_t p) {
   const std::uint32_t i = moving[p];
   const SolverBody& s = solver_bodies.state[p + 1];
-  if (force_count) applied_force[p] = bodies.force[i];  // generators out again, for the watchdog
+  if (force_count) applied_force[p] = bodies.force[i];  // without generators, for the watchdog
   bodies.force[i] = bodies.torque[i] = Vec3::Zero();
   if (bodies.type[i] == BodyType::kinematic) {
     if (bodies.has_target[i] == 1) {
@@ -241,12 +240,14 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
     }
     return;
   }
+  // dynamic
   bad[p] = !commit_finite(p);
   if (bad[p]) return;
   bodies.position[i] += s.delta_position;
   bodies.rotation[i] = s.rotation;
   bodies.velocity[i] = s.velocity;
   bodies.angular_velocity[i] = s.angular_velocity;
+  // angular momentum, and the velocity that it gives now
   if (!asymmetric[i]) return;
   Vec3& l = kept_momentum[i];
   if (const JointedBody* j = uneven_body(p + 1)) {
@@ -260,7 +261,7 @@ void Rigid::Impl::commit_body(std::uint32_t p, StepContext&) {
   bad[p] = !all_finite(bodies.angular_velocity[i]);
 }
 
-// A body whose numbers went bad stays where it last was, fixed.
+// Quarantine: a non-finite body becomes fixed at its last finite pose.
 void Rigid::Impl::quarantine(std::uint32_t i) {
   FEDER_ASSERT(bodies.type[i] == BodyType::dynamic);
   suspect(i);
@@ -274,9 +275,7 @@ void Rigid::Impl::quarantine(std::uint32_t i) {
 void Rigid::Impl::commit(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   FEDER_ASSERT(bad.size() == count && applied_torque.size() == count);
-  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t p = first; p < last; ++p) commit_body(p, c);
-  });
+  each_moving(c, [&](std::uint32_t p) { commit_body(p); });
   for (std::uint32_t p = 0; p < count; ++p)
     if (bad[p]) quarantine(moving[p]);
   if (joint_count) break_joints(c);

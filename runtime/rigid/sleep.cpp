@@ -1,9 +1,9 @@
-// Sleep. Each body keeps an exponential average of its kinetic energy per mass, capped so that it falls below the
-// lower threshold about half a second after the body has come to rest; two thresholds keep it from flickering. Islands
-// are found by union-find over active contacts and joints, only when there is a sleep candidate; an island sleeps when
-// all its members are sleep candidates and nothing in it touches a moving kinematic body. A thrown body is none at its
-// apex, because the average remembers the flight. Sleeping islands are rings through next_in_island; waking one member
-// wakes all.
+// Sleep. Each body keeps an exponential average of its kinetic energy per mass, capped so that it falls below the lower
+// threshold about half a second after the body has come to rest; two thresholds are a hysteresis. Islands are found by
+// union-find over active contacts and joints, only when there is a sleep candidate; an island sleeps when all its
+// members are candidates and none is in contact with a moving kinematic body. A thrown body is no candidate at its
+// apex, because the average includes the flight. Sleeping islands are rings through next_in_island; waking one member
+// wakes all. Kept between steps: averages, candidates, rings. Weak spot: a body that creeps below 4 cm/s falls asleep.
 #include "rigid/impl.h"
 
 namespace feder {
@@ -11,7 +11,7 @@ namespace {
 
 constexpr Real kSleepEnergy = Real(0.5) * Real(0.04) * Real(0.04);  // m^2/s^2: 4 cm/s
 constexpr Real kRestless = Real(0.5) * Real(0.08) * Real(0.08);
-constexpr Real kCap = 25 * kSleepEnergy;  // decays to kCalm in log(25) = 3.2 time constants
+constexpr Real kCap = 25 * kSleepEnergy;  // decays to kSleepEnergy in log(25) = 3.2 time constants
 constexpr Real kMemory = Real(0.15);      // s, time constant
 
 }  // namespace
@@ -55,7 +55,7 @@ void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
   }
 }
 
-// Wakes the sleepers that something awake came to touch.
+// Wakes sleepers that came into contact with something awake.
 void Rigid::Impl::wake_touched(StepContext&) {
   const auto asleep = [&](std::uint32_t k) {
     return colliders.owner[k] == ColliderOwner::body && colliders.motion[k] == ColliderMotion::dynamic &&
@@ -69,15 +69,12 @@ void Rigid::Impl::wake_touched(StepContext&) {
   }
 }
 
-// Wakes the sleepers that touch body i, and those joined to it.
+// Wakes sleepers in contact with body i, and those joined to it.
 void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   if (sleeping_count == 0) return;
-  const auto owner = [&](std::uint32_t collider) {
-    return colliders.owner[collider] == ColliderOwner::body ? colliders.owner_index[collider] : kNone;
-  };
   for (const std::uint32_t slot : contacts.order) {
     const Contact& contact = contacts.slots[slot];
-    const std::uint32_t a = owner(contact.collider_a), b = owner(contact.collider_b);
+    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
     if (contact.sensor || contact.point_count == 0 || (a != i && b != i)) continue;
     const std::uint32_t other = a == i ? b : a;
     if (other != kNone && !bodies.awake[other]) wake(other, cause, bodies.object[i]);
@@ -89,7 +86,7 @@ void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   }
 }
 
-// One body on its own; a ring of one.
+// One body alone: a ring of one.
 void Rigid::Impl::put_to_sleep(std::uint32_t i) {
   if (bodies.type[i] != BodyType::dynamic || !bodies.awake[i]) return;
   FEDER_ASSERT(next_in_island[i] == kNone && sleeping_count < bodies.size());
@@ -107,17 +104,19 @@ void Rigid::Impl::put_to_sleep(std::uint32_t i) {
   events.add_pending(e);
 }
 
+// Energies of this step: candidates, and jumps for the watchdog.
 void Rigid::Impl::measure_motion(StepContext& c) {
   const Real keep = 1 / (1 + c.dt / kMemory);
   const Real least = static_cast<Real>(quiet_energy(c));
   any_candidate = false;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
-    FEDER_ASSERT(is_finite(bodies.velocity[i]) && is_finite(bodies.angular_velocity[i]));  // commit saw to it
+    FEDER_ASSERT(is_finite(bodies.velocity[i]) &&
+                 is_finite(bodies.angular_velocity[i]));  // commit has quarantined others
     const Vec3 w = rotate_inverse(bodies.rotation[i], bodies.angular_velocity[i]);
-    const Vec3 turning = bodies.inertia[i] * w;
+    const Vec3 momentum = bodies.inertia[i] * w;
     const Real energy =
-        Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, turning) * bodies.inv_mass[i]);
+        Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, momentum) * bodies.inv_mass[i]);
     any_jump |= jumps(i, energy, least);
     const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
     bodies.sleep_energy[i] = mean < kCap ? mean : kCap;
@@ -127,26 +126,12 @@ void Rigid::Impl::measure_motion(StepContext& c) {
   }
 }
 
-std::uint32_t Rigid::Impl::root(std::uint32_t i) {
-  FEDER_ASSERT(i < parent.size() && parent[i] <= i);
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];  // path halving
-  return i;
-}
-
-// The smaller index is the root, so that names do not depend on the order of joins.
-void Rigid::Impl::join(std::uint32_t a, std::uint32_t b) {
-  a = root(a), b = root(b);
-  if (a < b) parent[b] = a;
-  if (b < a) parent[a] = b;
-}
-
 void Rigid::Impl::join_islands() {
-  for (const std::uint32_t i : moving) parent[i] = i;
-  // what keeps a body awake is written into `sleep_candidate`: a moving kinematic partner
+  for (const std::uint32_t i : moving) islands.isolate(i);
+  // a moving kinematic partner keeps a body awake: no candidate
   const auto link = [&](std::uint32_t a, std::uint32_t b) {
-    const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic && bodies.awake[a];
-    const bool moves_b = b != kNone && bodies.type[b] == BodyType::dynamic && bodies.awake[b];
-    if (moves_a && moves_b) return join(a, b);
+    const bool moves_a = bodies.moves(a), moves_b = bodies.moves(b);
+    if (moves_a && moves_b) return void(islands.join(a, b));
     const auto carries = [&](std::uint32_t k) {
       return k != kNone && bodies.type[k] == BodyType::kinematic &&
              (!bodies.velocity[k].isZero(0) || !bodies.angular_velocity[k].isZero(0));
@@ -158,22 +143,21 @@ void Rigid::Impl::join_islands() {
     const Contact& contact = contacts.slots[slot];
     const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
     FEDER_ASSERT(ca < colliders.size() && cb < colliders.size() && contact.touching && !contact.sensor);
-    link(colliders.owner[ca] == ColliderOwner::body ? colliders.owner_index[ca] : kNone,
-         colliders.owner[cb] == ColliderOwner::body ? colliders.owner_index[cb] : kNone);
+    link(colliders.body_of(ca), colliders.body_of(cb));
   }
   for (const JointRecord& r : records)
     if (r.alive) link(r.body_a, r.body_b);
 }
 
 void Rigid::Impl::sleep_islands() {
-  // a restless member keeps its root awake
+  // a member that is no candidate keeps its island awake: it is noted at the root
   for (const std::uint32_t i : moving)
     if (bodies.type[i] == BodyType::dynamic) bodies.island[i] = kNone;
   for (const std::uint32_t i : moving)
-    if (bodies.type[i] == BodyType::dynamic && !sleep_candidate[i]) bodies.island[root(i)] = i;
+    if (bodies.type[i] == BodyType::dynamic && !sleep_candidate[i]) bodies.island[islands.root(i)] = i;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
-    const std::uint32_t r = root(i);
+    const std::uint32_t r = islands.root(i);
     if (bodies.island[r] != kNone && bodies.island[r] != r) continue;
     if (bodies.island[r] == r && !sleep_candidate[r]) continue;
     put_to_sleep(i);

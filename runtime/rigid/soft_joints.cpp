@@ -1,8 +1,9 @@
-// Joint rows in the soft-step loop. Rows are written anew in every substep (their Jacobians turn with the bodies);
-// each block solves K x = J v + bias by LDL^T, where K = J M^-1 J^T, and takes the softened step (Catto, GDC 2011).
-// A row of a spring keeps its softness in the relax pass; a stiff one loses its bias there. Bounded rows stand alone
-// and clamp the accumulated impulse. Stiff joints that make a tree are solved together (joint_trees.h); in loops sweeps
-// change direction. Kept between steps: the impulses, in SolverJoint. Weak spot: loops with high mass ratios.
+// Joint rows in the soft-step loop. Rows are filled anew in every substep (their Jacobians rotate with the bodies);
+// each block solves K x = J v + bias by LDL^T, where K = J M^-1 J^T, and takes the softened step (Catto, "Soft
+// Constraints", GDC 2011). Spring rows keep their softness in the relax pass; stiff rows lose their bias there. Bounded
+// rows stand alone and clamp the accumulated impulse. Stiff joints that form a tree are solved together
+// (joint_trees.h); loops are swept in alternating direction. Kept between steps: the impulses, in SolverJoint. Weak
+// spot: loops with high mass ratios.
 #include "rigid/soft_joints.h"
 
 #include <algorithm>
@@ -17,7 +18,16 @@ namespace feder {
 namespace {
 
 constexpr Real kRadian = Real(0.3);  // m, that an error of one radian counts as
-constexpr Real kStrain = 2;          // (h omega)^2 up to which a body keeps its inertia; beyond 4 no substep can follow
+constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
+
+// What joints did to the velocity of body i so far: six numbers per body.
+void add_change(Real* change, std::uint32_t i, const Vec3& velocity, const Vec3& angular_velocity) {
+  Real* to = change + 6 * std::size_t(i);
+  for (int k = 0; k < 3; ++k) {
+    to[k] += velocity[k];
+    to[3 + k] += angular_velocity[k];
+  }
+}
 
 }  // namespace
 
@@ -33,10 +43,10 @@ SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h) {
 
 bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && trees_.direct(block); }
 
-// Tension in a joint is a spring against rotation: about an axis with inertia I, pulls p/h at arms r (of length q
-// across that axis) swing with omega^2 = sum p q^2 / (r h I) at most, and above 2/h the substep cannot follow. Near
-// that (and only there: contacts see the body's own) joints see a larger inertia (Andrews et al., "Geometric Stiffness
-// for Real-time Constrained Multibody Dynamics", 2017).
+// Geometric stiffness: tension in a joint is a spring against rotation. About an axis with inertia I, forces p/h at
+// arms r (of length q across that axis) oscillate with omega^2 = sum p q^2 / (r h I) at most, and h omega > 2 is
+// unstable. Near that limit joints (not contacts) use a larger inertia (Andrews et al., "Geometric Stiffness for
+// Real-time Constrained Multibody Dynamics", 2017).
 void SoftJoints::stabilize(const SolverInput& in, Real h) {
   strain_.assign(in.solver_bodies->state.size(), Real(0));
   if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
@@ -64,8 +74,8 @@ void SoftJoints::add_strain(const SolverInput& in, std::uint32_t index, const Ve
   strain_axes_[index] += static_cast<double>(pull / size) * (Vec3d::Constant(local.squaredNorm()) - local.cwiseAbs2());
 }
 
-// Inverse inertias that joints feel in this substep.
-void SoftJoints::turn_inertias(const SolverInput& in) {
+// Inverse inertias for the joints of this substep.
+void SoftJoints::update_inertias(const SolverInput& in) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
   FEDER_ASSERT(strain_.size() == solver_bodies.mass.size());
   inv_inertia_.resize(strain_.size());
@@ -82,34 +92,28 @@ void SoftJoints::turn_inertias(const SolverInput& in) {
   }
 }
 
-std::uint32_t SoftJoints::find_group(std::uint32_t i) {
-  while (group_[i] != i) i = group_[i] = group_[group_[i]];
-  return i;
-}
-
-// Bodies that hang by joints on one that a contact touches. What a contact gave a body last turns it in a way that its
-// joints do not allow, and how anchors bend follows from the square of that: nothing is foreseen there.
+// Marks the bodies that joints connect to a body in contact. There Row::bend is not predicted: a contact's last impulse
+// rotates a body as its joints do not allow, and the bend is quadratic in that rotation.
 void SoftJoints::find_in_contact(const SolverInput& in) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
   in_contact_.assign(solver_bodies.state.size(), 0);
   if (in.contacts->active.empty()) return;
-  group_.resize(solver_bodies.state.size());
-  for (std::uint32_t i = 0; i < group_.size(); ++i) group_[i] = i;
+  groups_.reset(solver_bodies.state.size());
   for (const SolverJoint& joint : in.joints) {
     if (!joint.active || joint.slot_a == kNone || joint.slot_b == kNone) continue;
     const std::uint32_t a = solver_bodies.index[joint.slot_a], b = solver_bodies.index[joint.slot_b];
-    if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) group_[find_group(a)] = find_group(b);
+    if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) groups_.join(a, b);
   }
   const auto mark = [&](std::uint32_t collider) {
     const std::uint32_t index = in.solver_index(collider);
     FEDER_ASSERT(index < in_contact_.size());
-    if (index != 0) in_contact_[find_group(index)] = 1;
+    if (index != 0) in_contact_[groups_.root(index)] = 1;
   };
   for (const std::uint32_t slot : in.contacts->active) {
     mark(in.contacts->slots[slot].collider_a);
     mark(in.contacts->slots[slot].collider_b);
   }
-  for (std::uint32_t i = 0; i < in_contact_.size(); ++i) in_contact_[i] = in_contact_[find_group(i)];
+  for (std::uint32_t i = 0; i < in_contact_.size(); ++i) in_contact_[i] = in_contact_[groups_.root(i)];
 }
 
 void SoftJoints::load_motions(const SolverInput& in, Real h) {
@@ -139,7 +143,7 @@ Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, Read
   out.mass_scale = out.relaxed_mass_scale = 1;
   out.impulse_scale = out.relaxed_impulse_scale = 0;
   if (row.velocity_only) return 0;
-  // a limit that is not reached: the gap may close in this substep, not more
+  // a limit that is not active: the gap may close in this substep, not more
   const bool open = (row.lower >= 0 && row.value > 0) || (row.upper <= 0 && row.value < 0);
   if (open) {
     out.bias = out.relaxed_bias = row.value / h - row.speed;
@@ -159,10 +163,10 @@ Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, Read
   return 0;
 }
 
-// An open joint closes at push_speed at most, as overlap does: Jacobians that turn under a biased impulse leave bodies
-// a part of its energy, which grows with the square of the gap. Warm-start impulses are cut by the same share: joints
-// of a loop pull against each other, and when the bodies have turned, what balanced would set them in motion. (What is
-// solved as a tree slides, and gains no energy.)
+// Bounds the bias: an open joint closes at push_speed at most, as overlap does. Jacobians that rotate under a biased
+// impulse leave part of its energy in the bodies, in proportion to the square of the gap. Warm-start impulses are
+// scaled likewise: joints of a loop pull against each other, and impulses that balanced do not after a rotation. (Trees
+// are corrected by pseudo-velocities, which add no energy.)
 void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
   Real squares[2] = {0, 0};  // of linear and angular rows
   FEDER_ASSERT(push_speed_ >= 0 && block.first + block.count <= ready_.size());
@@ -171,10 +175,10 @@ void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
     const Real wanted = ready_[k].bias - ready_[k].relaxed_bias;
     squares[is_angular(ready_[k])] += wanted * wanted;
   }
-  const Real turn_speed = push_speed_ / kRadian;
-  if (squares[0] <= push_speed_ * push_speed_ && squares[1] <= turn_speed * turn_speed) return;
+  const Real angular_push_speed = push_speed_ / kRadian;
+  if (squares[0] <= push_speed_ * push_speed_ && squares[1] <= angular_push_speed * angular_push_speed) return;
   const Real share[2] = {std::min(push_speed_ / std::sqrt(squares[0]), Real(1)),
-                         std::min(turn_speed / std::sqrt(squares[1]), Real(1))};
+                         std::min(angular_push_speed / std::sqrt(squares[1]), Real(1))};
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
     ReadyRow& r = ready_[k];
     r.bias = r.relaxed_bias + share[is_angular(r)] * (r.bias - r.relaxed_bias);
@@ -224,36 +228,30 @@ void SoftJoints::prepare_block(const RowBlock& block, const SolverMass& a, const
 
 void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
   FEDER_ASSERT(block.index_a != block.index_b && change);
-  SolverBody& sa = in.solver_bodies->state[block.index_a];
-  SolverBody& sb = in.solver_bodies->state[block.index_b];
-  Vec3 push = Vec3::Zero(), angular_change_a = Vec3::Zero(), angular_change_b = Vec3::Zero();
-  for (int i = 0; i < block.count; ++i) {
-    const ReadyRow& r = ready_[block.first + static_cast<std::uint32_t>(i)];
-    push += r.linear * impulse[i];
-    angular_change_a += r.push_a * impulse[i];
-    angular_change_b += r.push_b * impulse[i];
+  Vec3 push = Vec3::Zero(), angular_velocity_a = Vec3::Zero(), angular_velocity_b = Vec3::Zero();
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    const ReadyRow& r = ready_[block.first + k];
+    push += r.linear * impulse[k];
+    angular_velocity_a += r.push_a * impulse[k];
+    angular_velocity_b += r.push_b * impulse[k];
   }
-  if (block.index_a) {
-    const Vec3 v = in.solver_bodies->mass[block.index_a].inv_mass_axes.cwiseProduct(push);
-    sa.velocity -= v;
-    sa.angular_velocity += angular_change_a;
-    Real* d = change + 6 * std::size_t(block.index_a);
-    for (int k = 0; k < 3; ++k) d[k] -= v[k], d[3 + k] += angular_change_a[k];
-  }
-  if (block.index_b) {
-    const Vec3 v = in.solver_bodies->mass[block.index_b].inv_mass_axes.cwiseProduct(push);
-    sb.velocity += v;
-    sb.angular_velocity += angular_change_b;
-    Real* d = change + 6 * std::size_t(block.index_b);
-    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += angular_change_b[k];
-  }
+  const auto side = [&](std::uint32_t i, Real sign, const Vec3& angular_velocity) {
+    if (!i) return;
+    SolverBody& s = in.solver_bodies->state[i];
+    const Vec3 velocity = sign * in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
+    s.velocity += velocity;
+    s.angular_velocity += angular_velocity;
+    add_change(change, i, velocity, angular_velocity);
+  };
+  side(block.index_a, -1, angular_velocity_a);
+  side(block.index_b, 1, angular_velocity_b);
 }
 
-// The same where there are bodies whose angular momentum is kept.
+// The same where there are jointed bodies with uneven moments.
 void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
   const auto side = [&](std::uint32_t i, Real sign, Vec3 ReadyRow::*angular) {
     if (!i) return;
-    Vec3 push = Vec3::Zero(), angular_change = Vec3::Zero();
+    Vec3 push = Vec3::Zero(), angular_velocity = Vec3::Zero();
     Vec3d moment = Vec3d::Zero();
     for (std::uint32_t k = 0; k < block.count; ++k) {
       const ReadyRow& r = ready_[block.first + k];
@@ -261,16 +259,15 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
       moment += (r.*angular).cast<double>() * static_cast<double>(impulse[k]);
     }
     SolverBody& s = in.solver_bodies->state[i];
-    const Vec3 v = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
-    s.velocity += v;
+    const Vec3 velocity = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
+    s.velocity += velocity;
     if (JointedBody* uneven = in.uneven(i)) {
-      angular_change = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
+      angular_velocity = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
     } else {
-      angular_change = inv_inertia_[i] * moment.cast<Real>();
-      s.angular_velocity += angular_change;
+      angular_velocity = inv_inertia_[i] * moment.cast<Real>();
+      s.angular_velocity += angular_velocity;
     }
-    Real* d = change + 6 * std::size_t(i);
-    for (int k = 0; k < 3; ++k) d[k] += v[k], d[3 + k] += angular_change[k];
+    add_change(change, i, velocity, angular_velocity);
   };
   side(block.index_a, -1, &ReadyRow::angular_a);
   side(block.index_b, 1, &ReadyRow::angular_b);
@@ -279,19 +276,11 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
 void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
-  const SolverBodies& solver_bodies = *in.solver_bodies;
   load_motions(in, c.h);
   for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
     SolverJoint& joint = in.joints[j];
     if (!joint.active) continue;
-    JointInput input;
-    input.joint = &joint.shape;
-    input.index_a = solver_bodies.at(joint.slot_a);
-    input.index_b = solver_bodies.at(joint.slot_b);
-    input.a = {solver_bodies.mass[input.index_a].center + solver_bodies.state[input.index_a].delta_position,
-               solver_bodies.state[input.index_a].rotation};
-    input.b = {solver_bodies.mass[input.index_b].center + solver_bodies.state[input.index_b].delta_position,
-               solver_bodies.state[input.index_b].rotation};
+    JointInput input = in.joint_input(joint);
     input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
     input.h = c.h;
     writer.start(input, j);
@@ -311,18 +300,20 @@ void SoftJoints::prepare_rows(const RowBlock& block, const SolverInput& in, Real
 
 void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contacts, Real* change) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
+  // rows of this substep
   uneven_ = !in.jointed.empty();
   contacts_ = contacts;
   drifted_ = false;
   slides_.assign(uneven_ ? solver_bodies.state.size() : 0, BodySlide{});
   if (c.substep == 0) find_in_contact(in);
   fill_rows(in, c);
+  // effective masses; blocks of trees need theirs in the first substep only, when trees are not known yet
   ready_.resize(rows_.size());
   prepared_.resize(blocks_.size());
   const Real quarter = Real(0.25) / c.h;
   stiff_factors_ = soft_factors(hertz_ < quarter ? hertz_ : quarter, damping_ratio_, c.h);
   stabilize(in, c.h);
-  turn_inertias(in);
+  update_inertias(in);
   torn_.clear();
   torn_.reserve(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -331,6 +322,7 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
     if (c.substep != 0 && is_direct(i)) continue;
     prepare_block(block, solver_bodies.mass[block.index_a], solver_bodies.mass[block.index_b], prepared_[i]);
   }
+  // trees, and the bounded bias of what they leave
   if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, solver_bodies);
   if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
   FEDER_ASSERT(!use_trees_ || trees_.knows(blocks_.size()));
@@ -338,6 +330,7 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contact
     if (!is_direct(i)) bound_bias(blocks_[i], in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse);
   all_direct_ = !trees_.empty();
   for (std::size_t i = 0; all_direct_ && i < blocks_.size(); ++i) all_direct_ = trees_.direct(i);
+  // warm start
   for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
 }
 
@@ -364,6 +357,7 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
     at -= i;
     for (int k = 0; k < i; ++k) x[k] -= ready.factor[at + k] * x[i];
   }
+  // softened and clamped step
   Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
   for (int i = 0; i < n; ++i) {
     const ReadyRow& r = rows[i];
@@ -376,8 +370,8 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
   push(block, step, in, change);
 }
 
-// Positions are corrected by velocities that no momentum comes to know of: what a biased impulse does in one pose would
-// not be taken back by the relax pass in another.
+// Position correction of trees by pseudo-velocities, which are no part of the momentum: what a biased impulse does in
+// one pose the relax pass, in another pose, would not undo.
 void SoftJoints::slide_trees(const SolverInput& in) {
   FEDER_ASSERT(slides_.size() == in.solver_bodies->state.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = ready_[i].bias - ready_[i].relaxed_bias;
@@ -407,10 +401,6 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
   step_.resize(rows_.size());
   if (biased && uneven_) slide_trees(in), biased = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
-  solve_directly(in, change);
-}
-
-void SoftJoints::solve_directly(const SolverInput& in, Real* change) {
   trees_.solve(rows_, in.solver_bodies, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (!trees_.direct(i)) continue;

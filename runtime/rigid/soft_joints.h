@@ -1,4 +1,5 @@
-// Joint rows for the soft-step solver: blocks of up to six rows solved together by LDL^T, softened like contacts.
+// Joint rows of the soft-step solver: blocks of up to six rows solved together by LDL^T, with soft constraints as for
+// contacts. The method is described in soft_joints.cpp.
 #pragma once
 #include "rigid/contact_batch.h"
 #include "rigid/joint_trees.h"
@@ -9,33 +10,31 @@ namespace feder {
 // Soft row factors for a frequency and damping ratio at substep h (Catto 2011): mass-independent.
 SoftFactors soft_factors(Real hertz, Real damping_ratio, Real h);
 
+// Velocity that only corrects positions (pseudo-velocity) of one solver body.
 struct BodySlide {
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  // m/s, rad/s
 };
 
 class SoftJoints {
  public:
-  // `push_speed`, m/s: at which an open joint of a loop is closed at most.
+  // `push_speed`, m/s: the largest speed at which an open joint of a loop is closed.
   SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees)
-      : rows_(&arena), blocks_(&arena), ready_(&arena), prepared_(&arena), trees_(arena), bias_(&arena), step_(&arena),
-        strain_(&arena), strain_axes_(&arena), motions_(&arena), group_(&arena), in_contact_(&arena), torn_(&arena),
-        slides_(&arena), inv_inertia_(&arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed),
-        use_trees_(use_trees) {}
+      : arena_(arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed), use_trees_(use_trees) {}
 
   bool empty() const { return blocks_.empty(); }
-  // Rows at the poses now, effective masses, and last impulses applied. `change` collects what joints do to each
-  // solver body's velocity (6 numbers per solver body); `contacts`: there are some.
+  // Starts a substep: rows at the poses now, effective masses, warm start. `change` sums what joints do to the velocity
+  // of each solver body (6 numbers each); `contacts`: there are some.
   void start(const SolverInput& in, const StepContext& c, bool contacts, Real* change);
   void clear() { rows_.clear(), blocks_.clear(), trees_.clear(); }
   void solve(const SolverInput& in, bool biased, Real* change);
 
-  // Velocities that only correct positions, by solver index; empty where there are none.
+  // Pseudo-velocities, by solver index; empty where there are none.
   std::span<const BodySlide> slides() const { return {slides_.data(), slides_.size()}; }
-  // All joints are solved together: none needs a biased impulse.
+  // All joints are solved by trees_: none needs a biased impulse.
   bool all_direct() const { return all_direct_; }
 
  private:
-  // A row ready to be iterated.
+  // A row prepared for the iteration.
   struct ReadyRow {
     Vec3 linear, angular_a, angular_b;
     Vec3 push_a, push_b;      // inverse inertia x angular part
@@ -52,11 +51,10 @@ class SoftJoints {
   bool is_direct(std::size_t block) const;
   void add_strain(const SolverInput& in, std::uint32_t index, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
-  void turn_inertias(const SolverInput& in);
-  std::uint32_t find_group(std::uint32_t i);
+  void update_inertias(const SolverInput& in);
   void find_in_contact(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
-  // Returns the speed at which an equality is to be closed, m/s or rad/s.
+  // Returns the bias speed of an equality, m/s or rad/s.
   Real prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
   void bound_bias(const RowBlock& block, Real* impulse);
   void respond_uneven(const RowBlock& block, const SolverInput& in);
@@ -68,31 +66,31 @@ class SoftJoints {
   }
   void fill_rows(const SolverInput& in, const StepContext& c);
   void prepare_rows(const RowBlock& block, const SolverInput& in, Real h);
-  void solve_directly(const SolverInput& in, Real* change);
   void slide_trees(const SolverInput& in);
   void solve_trees(const SolverInput& in, bool biased, Real* change);
   void solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change);
 
-  Array<Row> rows_;
-  Array<RowBlock> blocks_;
-  Array<ReadyRow> ready_;
-  Array<ReadyBlock> prepared_;
-  JointTrees trees_;
-  Array<Real> bias_, step_;         // by row, for the trees
-  Array<Real> strain_;              // by solver index: h sum |impulse| |arm|, kg m^2
-  Array<Vec3d> strain_axes_;        // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_;       // by solver index
-  Array<std::uint32_t> group_;      // by solver index: union-find over joints
-  Array<std::uint8_t> in_contact_;  // by solver index: hangs together with a body that a contact touches
-  Array<std::uint32_t> torn_;       // blocks that ask for more than push_speed
-  Array<BodySlide> slides_;         // by solver index
-  Array<Mat3> inv_inertia_;         // by solver index, world, that joints feel in this substep
+  Arena& arena_;
+  Array<Row> rows_{&arena_};
+  Array<RowBlock> blocks_{&arena_};
+  Array<ReadyRow> ready_{&arena_};
+  Array<ReadyBlock> prepared_{&arena_};
+  JointTrees trees_{arena_};
+  Array<Real> bias_{&arena_}, step_{&arena_};  // by row, for the trees
+  Array<Real> strain_{&arena_};                // by solver index: h sum |impulse| |arm|, kg m^2
+  Array<Vec3d> strain_axes_{&arena_};          // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_{&arena_};         // by solver index
+  UnionFind groups_{arena_};                   // of solver bodies that joints connect
+  Array<std::uint8_t> in_contact_{&arena_};    // by solver index: joints connect it to a body in contact
+  Array<std::uint32_t> torn_{&arena_};         // blocks with a bias above push_speed
+  Array<BodySlide> slides_{&arena_};           // by solver index
+  Array<Mat3> inv_inertia_{&arena_};           // by solver index, world, for the joints of this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;  // there are contacts
-  bool drifted_ = false;   // bodies have moved since rows were filled
+  bool drifted_ = false;   // bodies have moved since the rows were filled
   bool all_direct_ = false;
-  bool uneven_ = false;  // there are bodies whose angular momentum is kept
+  bool uneven_ = false;  // there are jointed bodies with uneven moments
   SoftFactors stiff_factors_{};
 };
 

@@ -2,8 +2,8 @@
 // 2011). Per substep: warm start, joints and contacts with bias, positions, the same without bias (friction only
 // here, so that it never reacts to bias velocity), and once per step a restitution pass.
 // Contacts are coloured greedily (no two of a colour push the same solver body) and solved eight at a time; those that
-// find no colour are solved alone. Contact rows do not change within a step, so warm starting substeps 2..n is one
-// addition per solver body: what contacts did to its velocity in the substep before.
+// find no colour are solved alone. Contact rows do not change within a step, so the warm start of substeps 2..n is one
+// addition per solver body: the velocity change by contacts in the substep before.
 // Kept between steps: impulses, in Contacts and SolverJoint. Weak spot: stiff trees of joints, very high mass ratios
 // with few substeps; simultaneous hits are resolved in colour order.
 #include <algorithm>
@@ -23,11 +23,11 @@ namespace feder {
 namespace {
 
 constexpr int kColors = 64;
-constexpr int kFixedColor = 48;  // colours from here on hold contacts against what cannot move: solved last
-// A contact is softer by kCrowd for each contact's worth of stiffness that one of its bodies has too many, because one
-// pass per substep has to follow them all: with less, pyramids of 30 do not come to rest; with 1.5 one of 100 buckles.
-// What cannot move counts kSupport: with 1/2 a heavy crate on a light one swings for twice as long, with 1 a tower
-// sinks a twentieth deeper.
+constexpr int kFixedColor = 48;  // colours from here on: contacts against immovable bodies, solved last
+// Contact softness by crowding: one pass per substep cannot resolve many stiff contacts of a body, so a contact is
+// softer by kCrowd per contact's worth of stiffness above one. With less, pyramids of 30 do not come to rest; with 1.5
+// one of 100 buckles. Immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice as
+// long, with 1 a tower sinks a twentieth deeper.
 constexpr Real kCrowd = 1, kSupport = 0.75;
 // batches and bodies per job
 constexpr JobGrain kSolveGrain{8, 2'500}, kFillGrain{8, 5'000}, kStoreGrain{8, 1'000}, kBodyGrain{512, 3'000};
@@ -64,6 +64,15 @@ class SoftStep final : public RigidSolver {
   void fill(const SolverInput& in, std::uint32_t batch);
   void fill_lane(const Contact& contact, std::uint32_t batch, int lane);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;
+  // Calls f(i) for the solver bodies but the world, in parallel.
+  template <class F>
+  void each_body(const SolverInput& in, StepContext& c, F&& f) {
+    FEDER_ASSERT(in.solver_bodies->state.size() == body_count_);
+    c.jobs->for_blocks(static_cast<std::uint32_t>(body_count_), kBodyGrain,
+                       [&](std::uint32_t first, std::uint32_t last, int) {
+                         for (std::uint32_t i = std::max(first, 1u); i < last; ++i) f(i);
+                       });
+  }
   void start_velocities(const SolverInput& in, StepContext& c);
   void integrate(const SolverInput& in, StepContext& c);
   void end_velocities(const SolverInput& in, StepContext& c);
@@ -80,15 +89,15 @@ class SoftStep final : public RigidSolver {
   ContactBatch* batches_ = nullptr;
   BatchSide* sides_ = nullptr;
   WideMass* masses_ = nullptr;
-  Real* crowd_ = nullptr;  // by solver index: stiffness of its contacts over its mass, 1 in a tower, 2 in a pyramid
+  Real* crowd_ = nullptr;  // by solver index: stiffness of its contacts over its mass: 1 in a tower, 2 in a pyramid
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
   Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
-  Real* contact_change_ = nullptr;  // what contacts did in the last substep, 6 per solver body
-  Real* joint_change_ = nullptr;    // what joints did in this substep; null without joints
+  Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
+  Real* joint_change_ = nullptr;    // velocity change by joints in this substep; null without joints
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
   std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
   std::uint32_t color_first_[kColors + 1] = {};     // first batch of each colour; the overflow comes before colour 0
-  JobPool::Stage stages_[kColors];                  // of the pass that runs: its colours
+  JobPool::Stage stages_[kColors];                  // of the kernel that runs: its colours
   bool bounces_ = false;
   Vec3 gravity_ = Vec3::Zero();
 };
@@ -108,6 +117,7 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
   const std::uint64_t kFixedMask = ~std::uint64_t(0) << kFixedColor;
   crowd_ = c.scratch->take<Real>(body_count);
   for (std::size_t i = 0; i < body_count; ++i) taken[i] = 0, crowd_[i] = 0;
+  // greedy: the first colour that neither body has; and how crowded each body is
   std::uint32_t of_color[kColors + 1] = {};
   for (std::uint32_t i = 0; i < count; ++i) {
     const Contact& contact = contacts.slots[contacts.active[i]];
@@ -140,6 +150,7 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
     batch += (of_color[k] + kLanes - 1) / kLanes;
   }
   color_first_[kColors] = batch_count_ = batch;
+  // contacts into their lanes
   lanes_ = c.scratch->take<std::uint32_t>(std::size_t(batch) * kLanes);
   std::fill(lanes_, lanes_ + std::size_t(batch) * kLanes, kNone);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -150,8 +161,8 @@ void SoftStep::color(const SolverInput& in, StepContext& c) {
   if constexpr (kAsserts) check_colors(in, c);
 }
 
-// Each active contact lies in one lane; lanes of a colour, and those of an overflow batch, push different solver
-// bodies.
+// Checks the colouring: each active contact lies in one lane; lanes of a colour, and those of an overflow batch, push
+// different solver bodies.
 void SoftStep::check_colors(const SolverInput& in, StepContext& c) const {
   std::uint32_t* last =
       c.scratch->take<std::uint32_t>(in.solver_bodies->state.size());  // by solver index: the colour it was met in
@@ -187,6 +198,7 @@ void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) 
   const auto put = [lane](Lane8x3& to, const Vec3& v) {
     to.x.v[lane] = v[0], to.y.v[lane] = v[1], to.z.v[lane] = v[2];
   };
+  // points
   put(c.normal, contact.normal);
   for (int j = 0; j < contact.point_count; ++j) {
     const ContactPoint& from = contact.points[j];
@@ -198,8 +210,9 @@ void SoftStep::fill_lane(const Contact& contact, std::uint32_t batch, int lane) 
     q.mass.v[lane] = 1;
   }
   c.points = std::max(c.points, unsigned(contact.point_count));
-  // without warm start and yet about to carry weight: worth more rounds
+  // landing: no warm start, and about to carry weight: worth more rounds
   side.lands.v[lane] = contact.fresh || std::fabs(dot(contact.normal, gravity_)) > length(gravity_) / 2 ? 1 : 0;
+  // friction and restitution
   c.friction_static.v[lane] = contact.friction_static;
   c.friction_dynamic.v[lane] = contact.friction_dynamic;
   c.tangent_impulse[0].v[lane] = contact.tangent_impulse[0];
@@ -248,7 +261,7 @@ ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
   p.masses = masses_;
   p.h = c.h;
   p.inv_h = 1 / c.h;
-  // as stiff as the substep rate can carry; twice that against what cannot move
+  // as stiff as the substep rate allows; twice that against immovable bodies
   const Real hertz = std::min(contact_hertz_, contact_cap_ / c.h);
   p.soft = soft_factors(hertz, contact_damping_, c.h);
   p.soft_fixed = soft_factors(2 * hertz, contact_damping_ / 2, c.h);
@@ -291,6 +304,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   bounces_ = false;
   gravity_ = c.gravity;
   if (in.contacts->active.empty()) return;
+  // masses in the order of the kernels
   masses_ = c.scratch->take<WideMass>(body_count);
   for (std::uint32_t i = 0; i < body_count; ++i) {
     const SolverMass& m = solver_bodies.mass[i];
@@ -300,6 +314,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
                   Real(movable(m) ? 1 : 0),
                   {}};
   }
+  // colours, then batches
   color(in, c);
   batches_ = c.scratch->take<ContactBatch>(batch_count_);
   sides_ = c.scratch->take<BatchSide>(batch_count_);
@@ -314,43 +329,37 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
 }
 
 void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
-  FEDER_ASSERT(before_ && in.solver_bodies->state.size() == body_count_);
+  FEDER_ASSERT(before_);
   SolverBody* state = in.solver_bodies->state.data();
   const bool again = c.substep > 0 && batch_count_ > 0;
-  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
-  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      Real* before = before_ + std::size_t(i) * 6;
-      const Real* change = contact_change_ + std::size_t(i) * 6;
-      for (int k = 0; k < 3; ++k) {
-        before[k] = state[i].velocity[k];
-        before[k + 3] = state[i].angular_velocity[k];
-        if (!again) continue;
-        state[i].velocity[k] += change[k];
-        state[i].angular_velocity[k] += change[k + 3];
-      }
-      if (joint_change_) std::fill_n(joint_change_ + std::size_t(i) * 6, 6, Real(0));
+  each_body(in, c, [&](std::uint32_t i) {
+    Real* before = before_ + std::size_t(i) * 6;
+    const Real* change = contact_change_ + std::size_t(i) * 6;
+    for (int k = 0; k < 3; ++k) {
+      before[k] = state[i].velocity[k];
+      before[k + 3] = state[i].angular_velocity[k];
+      if (!again) continue;
+      state[i].velocity[k] += change[k];
+      state[i].angular_velocity[k] += change[k + 3];
     }
+    if (joint_change_) std::fill_n(joint_change_ + std::size_t(i) * 6, 6, Real(0));
   });
 }
 
 void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
   const SolverBody* state = in.solver_bodies->state.data();
-  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
-  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      const Real* before = before_ + std::size_t(i) * 6;
-      const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
-      Real* change = contact_change_ + std::size_t(i) * 6;
-      for (int k = 0; k < 3; ++k) {
-        change[k] = state[i].velocity[k] - before[k] - (joint ? joint[k] : 0);
-        change[k + 3] = state[i].angular_velocity[k] - before[k + 3] - (joint ? joint[k + 3] : 0);
-      }
+  each_body(in, c, [&](std::uint32_t i) {
+    const Real* before = before_ + std::size_t(i) * 6;
+    const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
+    Real* change = contact_change_ + std::size_t(i) * 6;
+    for (int k = 0; k < 3; ++k) {
+      change[k] = state[i].velocity[k] - before[k] - (joint ? joint[k] : 0);
+      change[k + 3] = state[i].angular_velocity[k] - before[k + 3] - (joint ? joint[k + 3] : 0);
     }
   });
 }
 
-// Of an uneven jointed body: contacts have pushed, and it turns freely for h seconds; rad.
+// Drift of an uneven jointed body after contacts: free rotation for h seconds, rad.
 Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass& m, Real h) {
   j.drift_angular_velocity = s.angular_velocity;
   take_pushes(j, s, m);
@@ -360,27 +369,24 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   const Real h = c.h;
-  const std::uint32_t count = static_cast<std::uint32_t>(in.solver_bodies->state.size());
   const std::span<const BodySlide> slides = joint_change_ ? joints_.slides() : std::span<const BodySlide>();
-  FEDER_ASSERT(slides.empty() || slides.size() == count);
-  c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = std::max(first, 1u); i < last; ++i) {
-      SolverBody& s = state[i];
-      s.delta_position += h * s.velocity;
-      Vec3 rotation = h * s.angular_velocity;
-      if (!slides.empty()) {
-        s.delta_position += h * slides[i].velocity;
-        if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
-        rotation += h * slides[i].angular_velocity;
-      }
-      if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) continue;
-      s.delta_rotation += rotation;
-      s.rotation = integrate_rotation(s.rotation, rotation);
+  FEDER_ASSERT(slides.empty() || slides.size() == body_count_);
+  each_body(in, c, [&](std::uint32_t i) {
+    SolverBody& s = state[i];
+    s.delta_position += h * s.velocity;
+    Vec3 rotation = h * s.angular_velocity;
+    if (!slides.empty()) {
+      s.delta_position += h * slides[i].velocity;
+      if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
+      rotation += h * slides[i].angular_velocity;
     }
+    if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) return;
+    s.delta_rotation += rotation;
+    s.rotation = integrate_rotation(s.rotation, rotation);
   });
 }
 
-// What bias velocities turned, which the relax pass took back.
+// Rotation by bias velocities, which the relax pass removed from the velocity.
 void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
   for (std::uint32_t i = 1; i < in.jointed.size(); ++i)
     if (JointedBody* j = in.uneven(i))
@@ -428,7 +434,7 @@ void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
 
 void SoftStep::finish(const SolverInput& in, StepContext& c) {
   FEDER_ASSERT(in.contacts->active.size() == contact_count_);
-  // several rounds, so that bodies that bounce together do not overshoot
+  // several rounds, so that bodies that bounce off each other do not overshoot
   if (bounces_)
     for (int round = 0; round < bounce_rounds_; ++round) run(kernels_->restitution, in, c);
   c.jobs->for_blocks(batch_count_, kStoreGrain, [&](std::uint32_t first, std::uint32_t last, int) {

@@ -1,7 +1,7 @@
-// Rigid solvers: contacts and joint rows in, velocities and displacements of solver bodies out. Know no joint kinds,
-// shapes or bodies. One file per solver, one feder_variant(rigid <solver>) line. Contract, checked for every row by
-// tests/rigid/test_solver_contract.cpp: free fall, momentum with contacts and joints, friction, stacking, bounce,
-// determinism over threads.
+// Rigid solvers: contacts and joint rows in, velocities and displacements of solver bodies out. They know no joint
+// kinds, shapes or bodies. One file per solver, one feder_variant(rigid <solver>) line. Contract, checked for every
+// variant by tests/rigid/test_solver_contract.cpp: free fall, momentum with contacts and joints, friction, stacking,
+// bounce, determinism over threads.
 #pragma once
 #include <span>
 
@@ -16,7 +16,7 @@
 
 namespace feder {
 
-// The joints of the scene as the solver sees them; owned by the rigid system.
+// A joint as the solver sees it; owned by the rigid system.
 struct SolverJoint {
   const JointKind* kind = nullptr;
   JointShape shape;
@@ -31,10 +31,12 @@ struct SolverInput {
   std::uint32_t solver_index(std::uint32_t collider) const {
     return solver_bodies->at(colliders->solver_slot[collider]);
   }
-  // Null unless the solver body is a body on a joint with uneven moments of inertia.
-  JointedBody* uneven(std::uint32_t index) const {
-    return index < jointed.size() && jointed[index].uneven ? &jointed[index] : nullptr;
+  // A joint for its kind, at the poses now.
+  JointInput joint_input(const SolverJoint& j) const {
+    const std::uint32_t a = solver_bodies->at(j.slot_a), b = solver_bodies->at(j.slot_b);
+    return {&j.shape, solver_bodies->pose(a), solver_bodies->pose(b), a, b};
   }
+  JointedBody* uneven(std::uint32_t index) const { return uneven_of(jointed, index); }
 
   Contacts* contacts = nullptr;  // active ones are solved; impulses are read and written
   const Colliders* colliders = nullptr;
@@ -43,8 +45,8 @@ struct SolverInput {
   std::span<JointedBody> jointed;  // by solver index, of bodies; empty without joints
 };
 
-// Called by the rigid system's passes. Rigid bodies come first; solver bodies behind them were advanced by their owners
-// (net points): their velocity is already integrated, and delta_position is where they were before this substep.
+// Called by the rigid system's passes. Rigid bodies come first; the solver bodies behind them were advanced by their
+// owners (net points): their velocity is integrated already, and delta_position is that before this substep.
 class RigidSolver {
  public:
   virtual ~RigidSolver() = default;
@@ -56,7 +58,7 @@ class RigidSolver {
 };
 
 std::span<const Variant<RigidSolver>> rigid_solvers();
-// What the options of the system ask for; when they do not, soft_step, or the first of this build.
+// The variant that the options name; soft_step by default, or the first of this build.
 const Variant<RigidSolver>& rigid_solver(const Params& options);
 
 }  // namespace feder

@@ -1,12 +1,12 @@
-// What holds of bodies and joints after each step, asserted where asserts are on (feder/error.h): bodies, colliders and
-// objects know each other, sleeping islands are rings whose members sleep, joints follow their bodies' types, solver
-// bodies lie where their bodies look for them, and the numbers of bodies that the solver moves are finite.
+// Invariants of bodies and joints after each step, asserted where asserts are on (feder/error.h): bodies, colliders and
+// objects refer to each other, sleeping islands are rings of sleeping members, joints follow their bodies' types,
+// solver indices are consistent, and dynamic bodies are finite.
 #include "base/hash.h"
 #include "rigid/impl.h"
 
 namespace feder {
 
-// Between gather and commit: the solver body of the body at place p is p + 1, and what couplings appended lies behind.
+// Between gather and commit: moving[p] has solver index p + 1; solver bodies appended by couplings lie behind.
 void Rigid::Impl::check_gathered() const {
   FEDER_ASSERT(solver_bodies.state.size() == solver_bodies.mass.size() && solver_bodies.state.size() > moving.size());
   for (std::uint32_t p = 0; p < moving.size(); ++p) {
@@ -37,7 +37,7 @@ void Rigid::Impl::check_body(std::uint32_t i) const {
     FEDER_ASSERT(bodies.inv_inertia[i].isZero(0) && next_in_island[i] == kNone);
     return;
   }
-  // what went bad has been quarantined
+  // non-finite ones have been quarantined
   FEDER_ASSERT(is_finite(bodies.position[i]));
   FEDER_ASSERT(is_finite(bodies.velocity[i]));
   FEDER_ASSERT(is_finite(bodies.angular_velocity[i]));
@@ -53,12 +53,9 @@ void Rigid::Impl::check_body(std::uint32_t i) const {
 
 std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
   const bool dynamic = bodies.type[i] == BodyType::dynamic, fixed = bodies.type[i] == BodyType::fixed;
-  const ColliderMotion motion = dynamic ? ColliderMotion::dynamic
-                                : fixed ? ColliderMotion::fixed
-                                        : ColliderMotion::kinematic;
   std::uint32_t count = 0;
   each_collider(i, [&](std::uint32_t k) {
-    FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion);
+    FEDER_ASSERT(k < colliders.size() && colliders.motion[k] == motion_of(bodies.type[i]));
     FEDER_ASSERT(colliders.owner[k] == ColliderOwner::body && colliders.owner_index[k] == i);
     FEDER_ASSERT(colliders.object[k] == bodies.object[i]);
     FEDER_ASSERT(colliders.solver_slot[k] == (fixed ? kNone : bodies.solver_slot[i]));
@@ -69,7 +66,8 @@ std::uint32_t Rigid::Impl::check_colliders(std::uint32_t i) const {
   return count;
 }
 
-// Each sleeper lies in the ring of its island, once: rings from all roots have as many members as there are sleepers.
+// Sleeping bodies lie in the ring of their island, once: the rings of all roots have as many members as there are
+// sleeping bodies.
 void Rigid::Impl::check_islands() const {
   std::uint32_t members = 0;
   for (std::uint32_t i = 0; sleeping_count > 0 && i < bodies.size(); ++i) {
@@ -105,10 +103,9 @@ void Rigid::Impl::check_joint(std::uint32_t j) const {
 
 // Lists and counts that follow from bodies and joints.
 void Rigid::Impl::check_lists() const {
-  for (const std::size_t size :
-       {volume.size(), area.size(), asymmetric.size(), kept_momentum.size(), kept_angular_velocity.size(),
-        sleep_candidate.size(), next_in_island.size(), parent.size(), pace.size(), edited_step.size()})
-    FEDER_ASSERT(size == bodies.size());
+  const std::size_t count = bodies.size();
+  each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == count); });
+  FEDER_ASSERT(islands.size() == count);
   std::uint32_t alive = 0, asleep = 0, awake = 0;
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     alive += bodies.type[i] != BodyType::free;
@@ -120,11 +117,8 @@ void Rigid::Impl::check_lists() const {
   FEDER_ASSERT(list_stale || awake == moving.size());
   for (std::size_t p = 0; !list_stale && p < moving.size(); ++p)
     FEDER_ASSERT(bodies.awake[moving[p]] && (p == 0 || moving[p - 1] < moving[p]));
-  MultisetHash dead, listed;
-  for (std::uint32_t j = 0; j < records.size(); ++j)
-    if (!records[j].alive) dead.add(j);
-  for (const std::uint32_t j : free_joints) listed.add(j);
-  FEDER_ASSERT(dead == listed && records.size() - free_joints.size() == joint_count);
+  const bool listed = lists_free(free_joints, records.size(), [&](std::uint32_t j) { return !records[j].alive; });
+  FEDER_ASSERT(listed && records.size() - free_joints.size() == joint_count);
 }
 
 void Rigid::validate() const {

@@ -1,6 +1,6 @@
-// The watchdog's part in rigid bodies, see step/watch.h. Every step compares each body's kinetic energy per mass with
-// that of the step before (sleep.cpp has it); where one jumped, the islands are found and their energies compared:
-// velocities at the start of the step are those that the colliders were placed with.
+// Watchdog over the kinetic energy of rigid bodies, see step/watch.h. Every step compares each body's kinetic energy
+// per mass with that of the step before (sleep.cpp computes it); where one jumped, islands are found and their energies
+// compared. Velocities at the start of the step are those of the colliders. All work is bounded from above.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,25 +13,18 @@ namespace {
 
 constexpr const char* kCure = "take more substeps, the other rigid solver, or softer springs and lighter joints";
 
-double number(Real x) { return static_cast<double>(x); }
+double to_double(Real x) { return static_cast<double>(x); }
 
 }  // namespace
 
-// J
+// Kinetic energy of body i with these velocities, J.
 double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const Vec3& v,
                                    const Vec3& angular_velocity) const {
   const Vec3 w = rotate_inverse(rotation, angular_velocity);
-  return 0.5 * (number(bodies.mass[i]) * number(dot(v, v)) + number(dot(w, Vec3(bodies.inertia[i] * w))));
+  return 0.5 * (to_double(bodies.mass[i]) * to_double(dot(v, v)) + to_double(dot(w, Vec3(bodies.inertia[i] * w))));
 }
 
-void Rigid::Impl::resize_watch() {
-  const std::size_t size = bodies.size();
-  pace.resize(size, 0), edited_step.resize(size, now);
-  for (auto* array : {&island_before, &island_after, &island_given, &island_mass, &island_drive})
-    array->resize(size, 0);
-}
-
-// Without sleep nobody else measures motion: the speed of the farthest point does as well.
+// Without sleep nothing else measures motion: the speed of the farthest point is enough.
 void Rigid::Impl::measure_pace(const StepContext& c) {
   const Real least = static_cast<Real>(quiet_energy(c));
   bool any = false;
@@ -44,16 +37,17 @@ void Rigid::Impl::measure_pace(const StepContext& c) {
   any_jump = any_jump || any;
 }
 
-// Weight, scripts and generators: J, at most, on one body in this step.
+// Upper bound of the work of weight, scripts and generators on one body in this step, J.
 double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
   const std::uint32_t p = solver_bodies.index[bodies.solver_slot[i]] - 1;
   FEDER_ASSERT(p < applied_force.size() && bodies.first_collider[i] != kNone);
   const SolverBody& s = solver_bodies.state[p + 1];
-  const double path = number(length(s.delta_position)), dt = number(c.dt);
-  const double angle = dt * number(length(bodies.angular_velocity[i])) +
-                       dt * number(length(colliders.angular_velocity[bodies.first_collider[i]]));
-  double sum = number(bodies.mass[i]) * number(length(c.gravity)) * std::fabs(number(bodies.gravity_scale[i])) * path;
-  sum += number(length(applied_torque[p])) * angle + number(length(applied_force[p])) * path;
+  const double path = to_double(length(s.delta_position)), dt = to_double(c.dt);
+  const double angle = dt * to_double(length(bodies.angular_velocity[i])) +
+                       dt * to_double(length(colliders.angular_velocity[bodies.first_collider[i]]));
+  double sum =
+      to_double(bodies.mass[i]) * to_double(length(c.gravity)) * std::fabs(to_double(bodies.gravity_scale[i])) * path;
+  sum += to_double(length(applied_torque[p])) * angle + to_double(length(applied_force[p])) * path;
   const Forces* forces = store.find<Forces>();
   if (force_count == 0 || !forces) return sum;
   for (const ForceEntry& f : forces->list) {
@@ -66,60 +60,55 @@ double Rigid::Impl::work_on(std::uint32_t i, const StepContext& c) {
       Vec3 force = Vec3::Zero();
       potential[end] = f.force->potential(&point, 1);
       f.force->add(&point, 1, c.time + end * dt, &force);
-      push = std::fmax(push, number(length(force)));
+      push = std::fmax(push, to_double(length(force)));
     }
-    // the potential it came down, or, where there is none, force times way
+    // the loss of potential, or, where there is none, force times path
     const bool none = potential[0] == 0 && potential[1] == 0;
     sum += none ? push * path : std::fmax(potential[0] - potential[1], 0.0);
   }
   return sum;
 }
 
-// Overlap: what takes it back within one substep. And the speed of what is moved from outside.
+// Contacts: the energy that undoes an overlap within one substep, and the speed of kinematic partners.
 void Rigid::Impl::watch_contacts(const StepContext& c) {
   for (const std::uint32_t slot : contacts.active) {
     const Contact& contact = contacts.slots[slot];
-    const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
-    const std::uint32_t a = colliders.owner[ca] == ColliderOwner::body ? colliders.owner_index[ca] : kNone;
-    const std::uint32_t b = colliders.owner[cb] == ColliderOwner::body ? colliders.owner_index[cb] : kNone;
+    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
     const bool moves_a = a != kNone && bodies.type[a] == BodyType::dynamic,
                moves_b = b != kNone && bodies.type[b] == BodyType::dynamic;
     if (!moves_a && !moves_b) continue;
-    const std::uint32_t at = root(moves_a ? a : b);
-    const double mass = (moves_a ? number(bodies.mass[a]) : 0) + (moves_b ? number(bodies.mass[b]) : 0);
+    const std::uint32_t at = islands.root(moves_a ? a : b);
+    const double mass = (moves_a ? to_double(bodies.mass[a]) : 0) + (moves_b ? to_double(bodies.mass[b]) : 0);
     for (int k = 0; k < contact.point_count; ++k) {
-      const double depth = std::fmax(0.0, -number(contact.points[k].separation)) / number(c.h);
+      const double depth = std::fmax(0.0, -to_double(contact.points[k].separation)) / to_double(c.h);
       island_given[at] += 0.5 * mass * depth * depth;
     }
-    double speed = number(length(contact.surface_velocity));
+    double speed = to_double(length(contact.surface_velocity));
     if (!moves_a && a != kNone) speed += outside_speed(a, b);
     if (!moves_b && b != kNone) speed += outside_speed(b, a);
     island_drive[at] = std::fmax(island_drive[at], speed);
   }
 }
 
-// m/s, of a body that is moved from outside, where it meets the other.
+// Speed of a kinematic body where it meets the other, m/s.
 double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
   if (bodies.type[i] != BodyType::kinematic) return 0;
   const std::uint32_t k = bodies.first_collider[i];
   const double extent = other == kNone
-                            ? number(bodies.extent[i])
-                            : number(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
-  return number(length(colliders.velocity[k])) + number(length(colliders.angular_velocity[k])) * extent;
+                            ? to_double(bodies.extent[i])
+                            : to_double(length(bodies.position[i] - bodies.position[other]) + bodies.extent[other]);
+  return to_double(length(colliders.velocity[k])) + to_double(length(colliders.angular_velocity[k])) * extent;
 }
 
-// Springs, motors, and the misfit that a script left.
+// Joints: springs, motors, and the misfit after an edit by a script.
 void Rigid::Impl::watch_joints(const StepContext& c) {
-  const auto window = static_cast<std::uint64_t>(kScriptWindow / number(c.dt)) + 1;
+  const auto window = static_cast<std::uint64_t>(kScriptWindow / to_double(c.dt)) + 1;
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
     if (!r.alive || !joints[j].active) continue;
-    const auto moves = [&](std::uint32_t i) {
-      return i != kNone && bodies.type[i] == BodyType::dynamic && bodies.awake[i];
-    };
-    const bool moves_a = moves(r.body_a), moves_b = moves(r.body_b);
+    const bool moves_a = bodies.moves(r.body_a), moves_b = bodies.moves(r.body_b);
     if (!moves_a && !moves_b) continue;
-    const std::uint32_t at = root(moves_a ? r.body_a : r.body_b);
+    const std::uint32_t at = islands.root(moves_a ? r.body_a : r.body_b);
     if (r.body_a != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_a, r.body_b));
     if (r.body_b != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_b, r.body_a));
     bool edited = false;
@@ -129,7 +118,7 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
   }
 }
 
-// J
+// Upper bound of the energy that joint j can give in this step, J.
 double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext& c) {
   const JointRecord& r = records[j];
   const auto start = [&](std::uint32_t i, std::uint32_t slot) {
@@ -137,57 +126,53 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[slot]];
     return solver_bodies.index[slot] == 0 ? bodies.com_pose(i) : Pose{m.center, m.start_rotation};
   };
+  // rows at the start of the step
   JointInput in = joint_input(j);
   in.a = start(r.body_a, joints[j].slot_a), in.b = start(r.body_b, joints[j].slot_b);
-  rows.clear(), blocks.clear();
-  RowWriter writer(rows, blocks);
-  writer.start(in, j);
-  joints[j].kind->fill(in, writer);
+  fill_rows(j, in);
   double sum = 0, size = std::numeric_limits<double>::infinity();
   for (const std::uint32_t i : {r.body_a, r.body_b})
-    if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, number(bodies.extent[i]));
+    if (i != kNone && bodies.type[i] == BodyType::dynamic) size = std::fmin(size, to_double(bodies.extent[i]));
   for (const Row& row : rows) {
-    double yields = 0, weighs = 0;  // inverse and plain effective mass along the row
+    // effective mass along the row: inverse, and its upper bound
+    double compliance = 0, mass = 0;
     for (const bool first : {true, false}) {
-      const std::uint32_t i = first ? r.body_a : r.body_b;
-      if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
-      const Vec3& angular = first ? row.angular_a : row.angular_b;
-      const double k = number(bodies.inv_mass[i] * dot(row.linear, row.linear) +
-                              dot(angular, Vec3(bodies.world_inv_inertia(i) * angular)));
-      yields += k;
-      if (k > 0) weighs += 1 / k;
+      const double k =
+          to_double(row_compliance(first ? r.body_a : r.body_b, row.linear, first ? row.angular_a : row.angular_b));
+      compliance += k;
+      if (k > 0) mass += 1 / k;
     }
-    if (!(yields > 0)) continue;
-    const double value = number(row.value);
+    if (!(compliance > 0)) continue;
+    const double value = to_double(row.value);
     if (row.velocity_only) {
-      // a motor: its force over the way, and no more than to bring all to its speed
-      const double most = std::fmax(std::fabs(number(row.lower)), std::fabs(number(row.upper)));
-      const double speed = number(row.speed);
+      // motor: its force times the path, at most the energy that brings all bodies of the island to its speed
+      const double most = std::fmax(std::fabs(to_double(row.lower)), std::fabs(to_double(row.upper)));
+      const double speed = to_double(row.speed);
       double path = 0, all = 0;
       for (const std::uint32_t i : {r.body_a, r.body_b})
-        if (i != kNone) path += number(length(bodies.angular_velocity[i])) + number(length(bodies.velocity[i]));
+        if (i != kNone) path += to_double(length(bodies.angular_velocity[i])) + to_double(length(bodies.velocity[i]));
       const std::uint32_t at =
-          root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
+          islands.root(r.body_a != kNone && bodies.type[r.body_a] == BodyType::dynamic ? r.body_a : r.body_b);
       for (const std::uint32_t i : moving) {
-        if (bodies.type[i] != BodyType::dynamic || root(i) != at) continue;
+        if (bodies.type[i] != BodyType::dynamic || islands.root(i) != at) continue;
         const Vec3 arm = bodies.position[i] - in.a.position;
-        all += number(bodies.mass[i]) * (1 + number(dot(arm, arm))) + number(bodies.inertia[i].trace());
+        all += to_double(bodies.mass[i]) * (1 + to_double(dot(arm, arm))) + to_double(bodies.inertia[i].trace());
       }
-      sum += std::fmin(most * (path + std::fabs(speed)) * number(c.dt), 2 * all * speed * speed);
+      sum += std::fmin(most * (path + std::fabs(speed)) * to_double(c.dt), 2 * all * speed * speed);
     } else if (row.hertz > 0) {
-      const double omega = 2 * number(kPi * row.hertz);
-      sum += 0.5 * omega * omega / yields * value * value;
+      const double omega = 2 * to_double(kPi * row.hertz);
+      sum += 0.5 * omega * omega / compliance * value * value;
     } else if (edited) {
-      // rows are linear: where the misfit is of the bodies' own size they tell nothing
+      // edited: rows are linear and say nothing of a misfit as large as the bodies
       const bool linear = !row.linear.isZero(0);
       if (std::fabs(value) > (linear ? size : 1.0)) return std::numeric_limits<double>::infinity();
-      sum += 0.5 * weighs * value * value / number(c.h * c.h);
+      sum += 0.5 * mass * value * value / to_double(c.h * c.h);
     }
   }
   return sum;
 }
 
-// Work, overlap and strain by island, at their roots; kinetic energies likewise.
+// Sums by island, at its root: kinetic energies before and after, work, overlap and strain.
 void Rigid::Impl::account(const StepContext& c) {
   FEDER_ASSERT(island_before.size() == bodies.size() && edited_step.size() == bodies.size());
   join_islands();
@@ -195,16 +180,16 @@ void Rigid::Impl::account(const StepContext& c) {
     island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || solver_bodies.index[bodies.solver_slot[i]] == 0) continue;
-    const std::uint32_t at = root(i), k = bodies.first_collider[i];
+    const std::uint32_t at = islands.root(i), k = bodies.first_collider[i];
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[bodies.solver_slot[i]]];
     island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
     island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
     island_given[at] += work_on(i, c);
-    island_mass[at] += number(bodies.mass[i]);
+    island_mass[at] += to_double(bodies.mass[i]);
   }
   watch_contacts(c);
   watch_joints(c);
-  for (const std::uint32_t i : moving)  // what moves with infinite mass throws the rest at up to twice its speed
+  for (const std::uint32_t i : moving)  // a kinematic body throws others at up to twice its speed
     island_given[i] += 2 * island_mass[i] * island_drive[i] * island_drive[i];
 }
 
@@ -213,13 +198,13 @@ void Rigid::Impl::watch(const StepContext& c) {
   account(c);
   const double least = quiet_energy(c);
   for (const std::uint32_t i : moving) {
-    if (bodies.type[i] != BodyType::dynamic || root(i) != i) continue;
+    if (bodies.type[i] != BodyType::dynamic || islands.root(i) != i) continue;
     const double before = island_before[i] + least * island_mass[i];
     if (!Watch::jumped(before, island_given[i], island_after[i])) continue;
     std::uint32_t worst = i;
     double most = -1;
     for (const std::uint32_t k : moving) {
-      if (bodies.type[k] != BodyType::dynamic || root(k) != i) continue;
+      if (bodies.type[k] != BodyType::dynamic || islands.root(k) != i) continue;
       const double energy = kinetic_energy(k, bodies.rotation[k], bodies.velocity[k], bodies.angular_velocity[k]);
       if (energy > most || !(energy <= 1e300)) worst = k, most = energy;
     }
@@ -228,13 +213,14 @@ void Rigid::Impl::watch(const StepContext& c) {
   }
 }
 
-// A body that went non-finite.
+// Reports a non-finite body.
 void Rigid::Impl::suspect(std::uint32_t i) {
   const std::uint32_t k = bodies.first_collider[i];
   FEDER_ASSERT(k != kNone && colliders.owner_index[k] == i);
-  watched.suspects.push_back({kName, bodies.object[i],
-                              0.5 * number(bodies.mass[i]) * number(dot(colliders.velocity[k], colliders.velocity[k])),
-                              NAN, 0, 0, false, kCure});
+  watched.suspects.push_back(
+      {kName, bodies.object[i],
+       0.5 * to_double(bodies.mass[i]) * to_double(dot(colliders.velocity[k], colliders.velocity[k])), NAN, 0, 0, false,
+       kCure});
 }
 
 double Rigid::held(const StepContext& c) {
@@ -252,8 +238,8 @@ double Rigid::drive(const StepContext&) {
   for (std::uint32_t i = 0; i < s.bodies.size(); ++i) {
     if (s.bodies.type[i] == BodyType::free) continue;
     most = std::fmax(most, s.outside_speed(i, kNone));
-    s.each_collider(i,
-                    [&](std::uint32_t k) { most = std::fmax(most, number(length(s.colliders.surface_velocity[k]))); });
+    s.each_collider(
+        i, [&](std::uint32_t k) { most = std::fmax(most, to_double(length(s.colliders.surface_velocity[k]))); });
   }
   return most;
 }

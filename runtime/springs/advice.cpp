@@ -1,8 +1,8 @@
-// What can be said about a net before it runs.
+// Advice on a net before it runs: stability, error and resolved frequencies of its integrator.
 // Stability: no eigenvalue of M^-1 K exceeds max_i (1/m_i) sum_j |K_ij| <= max_i 2 sum_k k_ik / m_i (Gershgorin
 // 1931), so h sqrt of that against the method's limit on x'' = -w^2 x decides. It is an upper bound, exact for
 // long chains: a net beyond it may still be stable, one below it is, as long as its springs stay near their rest
-// lengths or stretched. Force generators that tell their derivative add it as it is now; scripts tell none.
+// lengths or stretched. Force generators with a known derivative add it as it is now; those of scripts have none.
 // Error: a method of order p reproduces exp(i h w) up to (h w)^p, so a step errs by about z^(p+1)/(p+1)! with z = h w
 // (first missing term of the series; Hairer, Norsett & Wanner, Solving ODEs I, II.3), and the 2 pi/z steps of a period
 // add to 2 pi z^p / (p+1)!. Symplectic Euler is conjugate to Stoermer-Verlet (Hairer, Lubich & Wanner, Geometric
@@ -32,7 +32,7 @@ double period_error(const IntegratorInfo& m, double z) {
   return kTwoPi * std::pow(z, m.order) / factorial(m.order + 1);
 }
 
-// The z at which the error reaches `error`.
+// The z with this error, by bisection.
 double resolved_number(const IntegratorInfo& m, double error) {
   double lo = 0, hi = 10;
   for (int k = 0; k < 60; ++k) {

@@ -1,4 +1,4 @@
-// What a net must be like before it is made: every number is looked at, and the message names its field.
+// Checks of a net's description before it is made: every number, and the message names its field.
 #include <cmath>
 #include <cstdio>
 
@@ -16,33 +16,35 @@ std::string number(double x) {
   return text;
 }
 
-// Descriptions of what is wrong, with the net's name.
+std::string element(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i + 1) + "]"; }
+
+// SceneError that names the net, the field and what was expected there.
 struct Check {
   std::string owner;
   void operator()(bool ok, const std::string& what, const char* expected, double got) const {
     if (!ok) throw SceneError(owner + ": " + what + ": expected " + expected + ", got " + number(got));
   }
+  // Of a field of element i of a list; its name is only put together for the message.
+  void operator()(bool ok, const char* list, std::size_t i, const char* field, const char* expected, double got) const {
+    if (!ok) (*this)(false, element(list, i) + field, expected, got);
+  }
 };
-
-std::string element(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i + 1) + "]"; }
 
 }  // namespace
 
 void check_spring(const SpringDesc& s, std::size_t points, std::size_t k, const std::string& owner) {
-  const bool plain = s.i < points && s.j < points && s.i != s.j && s.stiffness >= 0 && is_finite(s.stiffness) &&
-                     s.damping >= 0 && is_finite(s.damping) && is_finite(s.rest_length) && s.break_strain > 0 &&
-                     s.power >= 1 && s.power <= kMaxPower;
-  if (plain) return;
-  const Check need{owner};
-  const std::string what = element("springs", k);
-  need(s.i < points, what, "point numbers from 1 to the number of points", static_cast<double>(s.i) + 1);
-  need(s.j < points, what, "point numbers from 1 to the number of points", static_cast<double>(s.j) + 1);
-  need(s.i != s.j, what, "two different points", static_cast<double>(s.i) + 1);
-  need(s.stiffness >= 0 && is_finite(s.stiffness), what + ".stiffness", "a finite number, 0 or more", s.stiffness);
-  need(s.damping >= 0 && is_finite(s.damping), what + ".damping", "a finite number, 0 or more", s.damping);
-  need(is_finite(s.rest_length), what + ".rest_length", "a finite number", s.rest_length);
-  need(s.break_strain > 0, what + ".break_strain", "a number above 0", s.break_strain);
-  need(s.power >= 1 && s.power <= kMaxPower, what + ".power", "a whole number from 1 to 9", s.power);
+  const Check check{owner};
+  const auto need = [&](bool ok, const char* field, const char* expected, double got) {
+    check(ok, "springs", k, field, expected, got);
+  };
+  need(s.i < points, "", "point numbers from 1 to the number of points", static_cast<double>(s.i) + 1);
+  need(s.j < points, "", "point numbers from 1 to the number of points", static_cast<double>(s.j) + 1);
+  need(s.i != s.j, "", "two different points", static_cast<double>(s.i) + 1);
+  need(s.stiffness >= 0 && is_finite(s.stiffness), ".stiffness", "a finite number, 0 or more", s.stiffness);
+  need(s.damping >= 0 && is_finite(s.damping), ".damping", "a finite number, 0 or more", s.damping);
+  need(is_finite(s.rest_length), ".rest_length", "a finite number", s.rest_length);
+  need(s.break_strain > 0, ".break_strain", "a number above 0", s.break_strain);
+  need(s.power >= 1 && s.power <= kMaxPower, ".power", "a whole number from 1 to 9", s.power);
 }
 
 Real rest_length_of(const SpringDesc& s, const Vec3& a, const Vec3& b, std::size_t k, const std::string& owner) {
@@ -60,21 +62,18 @@ void check_net(const NetDesc& d, const std::string& owner) {
   need(d.velocities.empty() || d.velocities.size() == n, "velocities", "one per point",
        static_cast<double>(d.velocities.size()));
   for (std::size_t i = 0; i < n; ++i) {
-    const bool plain = is_finite(d.points[i]) && (d.velocities.empty() || is_finite(d.velocities[i])) &&
-                       d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]);
-    if (plain) continue;
     for (int k = 0; k < 3; ++k) {
-      need(is_finite(d.points[i][k]), element("points", i), "finite numbers", d.points[i][k]);
-      if (!d.velocities.empty())
-        need(is_finite(d.velocities[i][k]), element("velocities", i), "finite numbers", d.velocities[i][k]);
+      need(is_finite(d.points[i][k]), "points", i, "", "finite numbers", d.points[i][k]);
+      if (d.velocities.empty()) continue;
+      need(is_finite(d.velocities[i][k]), "velocities", i, "", "finite numbers", d.velocities[i][k]);
     }
-    need(d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]), element("masses", i),
+    need(d.masses[i] > 0 && is_finite(1 / d.masses[i]) && is_finite(d.masses[i]), "masses", i, "",
          "a finite number above 0", d.masses[i]);
   }
   for (std::size_t k = 0; k < d.springs.size(); ++k) check_spring(d.springs[k], n, k, owner);
   need(d.faces.size() % 3 == 0, "faces", "three point numbers each", static_cast<double>(d.faces.size()));
   for (std::size_t k = 0; k < d.faces.size(); ++k)
-    need(d.faces[k] < n, element("faces", k / 3), "numbers of points", static_cast<double>(d.faces[k]) + 1);
+    need(d.faces[k] < n, "faces", k / 3, "", "numbers of points", static_cast<double>(d.faces[k]) + 1);
   need(d.damping >= 0 && is_finite(d.damping), "damping", "a finite number, 0 or more", d.damping);
   need(d.radius >= 0 && is_finite(d.radius), "radius", "a finite number, 0 or more", d.radius);
   need(d.friction >= 0 && is_finite(d.friction), "friction", "a finite number, 0 or more", d.friction);

@@ -1,4 +1,4 @@
-// The parts of the springs system that its files share. Private to the module.
+// State and functions of the springs system, shared by its source files. Private to the module.
 #pragma once
 #include <memory>
 #include <vector>
@@ -24,7 +24,7 @@ Real rest_length_of(const SpringDesc& spring, const Vec3& a, const Vec3& b, std:
 // "auto": the widest this processor has; "plain": the same bits, slower.
 const SpringKernels& pick_kernels(bool wide);
 
-// h times the frequency or decay that the stability limit of a method is held against.
+// Stability number h*omega (or h times the decay) that is compared with the limit of a method.
 double stability_number(const IntegratorInfo& method, double h, double frequency, double decay);
 bool beyond_limit(const IntegratorInfo& method, double number);
 
@@ -43,7 +43,7 @@ struct Springs::Impl {
   Objects& objects;
   bool* structure_changed;
   const Real air_density;                  // kg/m^3, of still air
-  std::vector<std::unique_ptr<Net>> nets;  // the object's index is the place here
+  std::vector<std::unique_ptr<Net>> nets;  // by the object's index
   std::vector<Attachment> attachments;     // in the order they were made
   std::vector<Removed> removed;            // since the last plan
   // of a substep, by point of the surfaces: where the integrator ends, and the velocity that leads there
@@ -59,7 +59,7 @@ struct Springs::Impl {
   std::unique_ptr<Net> make_net();
   void attach_integrator(Net& n, const std::string& name, const Params& options);
 
-  // Rows.
+  // passes
   void remember(StepContext& c);
   void integrate(StepContext& c);
   void finish(StepContext& c);

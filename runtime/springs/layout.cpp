@@ -1,6 +1,6 @@
-// Building the kernels' order. Slices of eight points in index order; in a slice, row r holds the r-th spring of each
-// point, and a point's springs come in index order, so its sum is the one a loop over the springs would give. A slice
-// is as long as its busiest point. Weak spot: a hub with thousands of springs makes seven neighbours wait.
+// Building the layout: a sliced ELLPACK format. Slices of eight points in index order; in a slice, row r holds the r-th
+// spring of each point, and a point's springs come in index order, so its sum is that of a loop over the springs. A
+// slice has as many rows as the largest degree in it. Weak spot: a hub with thousands of springs pads seven neighbours.
 #include "springs/layout.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace feder {
 
 void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
   const std::uint32_t slice_count = (points + kLanes - 1) / kLanes;
-  // behind the last slice, one row away from the origin: what lanes without a point look at
+  // behind the last slice, one row away from the origin, for lanes without a point
   position_.assign(slice_count * kLanes + 1, PointRow{});
   position_.back().x = 1;
   force_.assign(slice_count, Lane8x3{});
@@ -55,8 +55,8 @@ void SpringLayout::build(const SpringArrays& s, std::uint32_t points) {
       lane_of_[std::size_t{2} * k + static_cast<std::size_t>(end)] = row * kLanes + lane;
     }
   }
-  // lanes without a spring look at the last neighbour again, and those without a point at the row behind all: a point
-  // at no distance would take the slow way
+  // padding: lanes without a spring read the last neighbour again, and those without a point the row behind all, since
+  // a point at distance zero would take the slow path of the kernel
   for (std::uint32_t i = 0; i < slice_count * kLanes; ++i) {
     const std::uint32_t begin = row_begin_[i / kLanes], end = row_begin_[i / kLanes + 1], lane = i % kLanes;
     for (std::uint32_t r = begin + degree[i]; r < end; ++r)

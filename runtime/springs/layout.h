@@ -1,5 +1,5 @@
-// The springs of a net in the order the kernels read them, and the points' rows that go with it. Follows from the
-// spring arrays: built anew when the pattern changes, edited in place when a spring goes. Private to the module.
+// Layout of a net's springs in the order in which the kernels read them, and its points as rows of four. Follows from
+// the spring arrays: built anew when the pattern changes, edited when a spring is removed. Private to the module.
 #pragma once
 #include <span>
 
@@ -15,24 +15,22 @@ struct SpringArrays;
 
 class SpringLayout {
  public:
-  explicit SpringLayout(Arena& a)
-      : row_begin_(&a), rows_(&a), damping_(&a), slack_(&a), power_(&a), lane_of_(&a), position_(&a), velocity_(&a),
-        force_(&a), snapped_(&a) {}
+  explicit SpringLayout(Arena& a) : arena_(a) {}
 
   void choose(const SpringKernels& kernels) { kernels_ = &kernels; }
   // Allocates when springs or points outnumber every earlier call.
   void build(const SpringArrays& springs, std::uint32_t points);
-  void remove(std::uint32_t k);  // the spring stays in its place without stiffness and damping
+  void remove(std::uint32_t k);  // the spring keeps its lanes, without stiffness and damping
 
   std::size_t spring_count() const { return lane_of_.size() / 2; }
   bool damped() const { return !damping_.empty(); }
 
-  // force = outside(i) + what the springs do; `jobs` may be null. Returns how many spring ends had no direction.
+  // force = outside(i) + spring forces; `jobs` may be null. Returns the number of spring ends without a direction.
   template <class Outside>
   unsigned eval(std::span<const Vec3> x, std::span<const Vec3> v, JobPool* jobs, Outside&& outside,
                 std::span<Vec3> force);
 
-  // Are there springs longer than the square root of `limit`? Then snapped() tells which, one bit each.
+  // True when springs are longer than the square root of their limit: snapped() has one bit each.
   bool find_snapped(std::span<const Vec3> x, const SpringArrays& springs, JobPool* jobs);
   std::span<const std::uint8_t> snapped() const { return snapped_; }
 
@@ -57,14 +55,15 @@ class SpringLayout {
       body(std::uint32_t{0}, count);
   }
 
+  Arena& arena_;
   const SpringKernels* kernels_ = &kSpringKernelsPlain;
-  Array<unsigned> row_begin_;  // by slice of eight points, one more than slices
-  Array<SpringRow> rows_;
-  Array<Lane8> damping_, slack_, power_;  // by row; empty when no spring has such a thing
-  Array<std::uint64_t> lane_of_;          // by spring: row * 8 + lane of either end, two each
-  Array<PointRow> position_, velocity_;
-  Array<Lane8x3> force_;         // by slice
-  Array<std::uint8_t> snapped_;  // by group of eight springs
+  Array<unsigned> row_begin_{&arena_};  // by slice of eight points, one more than slices
+  Array<SpringRow> rows_{&arena_};
+  Array<Lane8> damping_{&arena_}, slack_{&arena_}, power_{&arena_};  // by row; empty when no spring has such a thing
+  Array<std::uint64_t> lane_of_{&arena_};  // by spring: row * 8 + lane of either end, two each
+  Array<PointRow> position_{&arena_}, velocity_{&arena_};
+  Array<Lane8x3> force_{&arena_};         // by slice
+  Array<std::uint8_t> snapped_{&arena_};  // by group of eight springs
 };
 
 template <class Outside>

@@ -1,4 +1,5 @@
-// One net: its springs as arrays, its integrator, and the force field the integrator pulls. Private to the module.
+// One net: its springs as arrays, its integrator, and the force field that the integrator evaluates. Private to the
+// module.
 #pragma once
 #include <array>
 
@@ -14,18 +15,18 @@ namespace feder {
 
 // Springs of a net; point indices count from 0 within the net. A removed spring keeps its index, without stiffness.
 struct SpringArrays {
-  explicit SpringArrays(Arena& a)
-      : i(&a), j(&a), stiffness(&a), damping(&a), rest_length(&a), break_strain(&a), limit(&a), alive(&a),
-        tension_only(&a), power(&a) {}
-  Array<std::uint32_t> i, j;
-  Array<Real> stiffness;    // N/m
-  Array<Real> damping;      // N s/m
-  Array<Real> rest_length;  // m
-  Array<Real> break_strain;
-  Array<Real> limit;  // squared length at which it snaps, m^2
-  Array<std::uint8_t> alive;
-  Array<std::uint8_t> tension_only;
-  Array<std::uint8_t> power;  // of the extension; 1: linear
+  explicit SpringArrays(Arena& a) : arena(a) {}
+
+  Arena& arena;
+  Array<std::uint32_t> i{&arena}, j{&arena};
+  Array<Real> stiffness{&arena};    // N/m
+  Array<Real> damping{&arena};      // N s/m
+  Array<Real> rest_length{&arena};  // m
+  Array<Real> break_strain{&arena};
+  Array<Real> limit{&arena};  // squared length at which it snaps, m^2
+  Array<std::uint8_t> alive{&arena};
+  Array<std::uint8_t> tension_only{&arena};
+  Array<std::uint8_t> power{&arena};  // of the extension; 1: linear
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(i.size()); }
   void add(const SpringDesc& s, Real rest);
@@ -33,8 +34,8 @@ struct SpringArrays {
 
   template <class S, class F>
   static void each_array(S& s, F&& f) {
-    f(s.i), f(s.j), f(s.stiffness), f(s.damping), f(s.rest_length), f(s.break_strain), f(s.limit);
-    f(s.alive), f(s.tension_only), f(s.power);
+    for_each_of(f, s.i, s.j, s.stiffness, s.damping, s.rest_length, s.break_strain, s.limit, s.alive, s.tension_only,
+                s.power);
   }
   // Force along the spring, N, and its slope, N/m, at an extension (negative: compressed); without damping.
   double tension(std::uint32_t k, double stretch) const { return stiffness_at(k, stretch, power[k]) * stretch; }
@@ -59,19 +60,17 @@ struct NetSettings {
 // Forces of a net: weight, drag, springs, the world's force generators and scripted forces.
 class Net final : public ForceField {
  public:
-  Net(Arena& a, Particles& p)
-      : springs(a), faces(&a), edges(&a), rest_position(&a), layout(a), particles_(p), acting_(&a), points_(&a),
-        some_(&a), some_force_(&a), below_(&a), above_(&a), derivative_(&a), some_derivative_(&a), row_stiffness_(&a),
-        row_damping_(&a) {}
+  Net(Arena& a, Particles& p) : arena(a), particles_(p) {}
 
+  Arena& arena;
   ObjectId object;
   std::uint32_t first = 0, points = 0;  // run in Particles
   NetSettings settings;
-  SpringArrays springs;
-  Array<std::uint32_t> faces;                 // triangles, three points each
-  Array<std::array<std::uint32_t, 2>> edges;  // of the faces, or each point twice where there are none
-  Array<Vec3> rest_position;                  // where the points were made, m; empty: does not collide with itself
-  SpringLayout layout;                        // of the springs, for the kernels
+  SpringArrays springs{arena};
+  Array<std::uint32_t> faces{&arena};                 // triangles, three points each
+  Array<std::array<std::uint32_t, 2>> edges{&arena};  // of the faces, or each point twice where there are none
+  Array<Vec3> rest_position{&arena};  // where the points were made, m; empty: does not collide with itself
+  SpringLayout layout{arena};         // of the springs, for the kernels
   std::string integrator_name;
   Params integrator_options;
   std::unique_ptr<Integrator> integrator;
@@ -98,8 +97,8 @@ class Net final : public ForceField {
   void list_edges();  // surface.cpp
   // First non-finite point of the net, or kNone. `jobs` as above; places_only: velocities are known to be finite.
   std::uint32_t find_non_finite(JobPool* jobs = nullptr, bool places_only = false) const;
-  // Angular frequency no mode exceeds, and decay rate likewise (Gershgorin), 1/s. Springs with a power and generators
-  // count as they are now; those after prepare() only, and those that do not tell their derivative not at all.
+  // Upper bounds of the angular frequency and decay rate of all modes (Gershgorin), 1/s. Springs with a power and
+  // generators count as they are now; generators only after prepare(), and only those with a known derivative.
   void bounds(double& most_frequency, double& most_decay, bool with_generators = false, double time = 0);
   Energy energy();
   void validate() const;  // validate.cpp: springs and faces
@@ -108,7 +107,7 @@ class Net final : public ForceField {
   double kinetic_energy() const;
   double kinetic_before() const;  // at the start of the step; a bound from above, sharp where masses are equal
   double given(double dt);
-  Real squares = -1;        // m^2/s^2, sum at the end of the last step; < 0: somebody changed a velocity
+  Real squares = -1;        // m^2/s^2, sum at the end of the last step; < 0: a velocity was edited
   Real squares_before = 0;  // at the start of the step
   Real length_of(std::uint32_t k) const;
   Real strain(std::uint32_t k) const;
@@ -136,9 +135,9 @@ class Net final : public ForceField {
 
   bool all_points_finite(JobPool* jobs, bool places_only) const;
   void add_still_air(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> force) const;
-  // Is the spring slack, of those that only pull? `rate`: of its length, m/s.
-  bool limp(std::uint32_t k, double len, double rate) const;
-  // What a generator does to points_, added to `out`.
+  // Slack: a tension_only spring without tension. `rate`: of its length, m/s.
+  bool is_slack(std::uint32_t k, double len, double rate) const;
+  // Adds the force of a generator on points_ to `out`.
   void add_generator(const ForceEntry& f, double t, Vec3* out);
   std::size_t pick_points(const ForceEntry& f);
   void fill_points(std::span<const Vec3> x, std::span<const Vec3> v);
@@ -157,13 +156,13 @@ class Net final : public ForceField {
   Real drag_share_ = kInfinity;                 // MassPoint::most_drag is this times mass / step
   bool damped_ = false;
   bool generators_damp_ = false;  // some generator depends on velocity, by an unknown rate
-  Array<const ForceEntry*> acting_;
-  Array<MassPoint> points_;  // for the generators
-  Array<MassPoint> some_;    // for those that act on some points only
-  Array<Vec3> some_force_;
-  Array<Vec3> below_, above_;  // their forces, for differences
-  Array<Mat3> derivative_, some_derivative_;
-  Array<double> row_stiffness_, row_damping_;  // sums of bounds()
+  Array<const ForceEntry*> acting_{&arena};
+  Array<MassPoint> points_{&arena};  // for the generators
+  Array<MassPoint> some_{&arena};    // for those that act on some points only
+  Array<Vec3> some_force_{&arena};
+  Array<Vec3> below_{&arena}, above_{&arena};  // their forces, for differences
+  Array<Mat3> derivative_{&arena}, some_derivative_{&arena};
+  Array<double> row_stiffness_{&arena}, row_damping_{&arena};  // sums of bounds()
 };
 
 }  // namespace feder

@@ -1,5 +1,4 @@
-// State hash and snapshots of the springs system. A net that was destroyed or made since is undone: integrators are
-// made again by name and get back what they remembered.
+// State hash and snapshots of the springs system. Loading makes all nets anew, integrators by name with their memory.
 #include "springs/impl.h"
 
 namespace feder {
@@ -23,45 +22,48 @@ void Springs::hash(Hash& h) const {
   for (const Attachment& a : impl_->attachments) h.add(a.point), h.add(a.body.slot), h.add(a.local);
 }
 
+namespace {
+
+// Calls f(member) for what snapshots hold of a net before its integrator, and behind that.
+template <class N, class F>
+void each_saved_before(N& n, F&& f) {
+  for_each_of(f, n.object, n.first, n.points, n.settings, n.can_break, n.has_power, n.warned_frozen, n.frozen,
+              n.warned_stiff, n.warned_unconverged, n.warned_coincident, n.coincident, n.checked_step, n.frequency,
+              n.decay, n.integrator_name);
+}
+template <class N, class F>
+void each_saved_behind(N& n, F&& f) {
+  for_each_of(f, n.integrator->stats, n.integrator->memory.points, n.integrator->memory.numbers);
+  SpringArrays::each_array(n.springs, f);
+  for_each_of(f, n.faces, n.rest_position);
+}
+
+}  // namespace
+
 void Springs::save(Writer& w) const {
-  Particles::each_array(impl_->particles, [&](const auto& array) { w.list(array); });
-  w.list(impl_->attachments), w.list(impl_->removed);
+  Particles::each_array(impl_->particles, saved_to(w));
+  for_each_of(saved_to(w), impl_->attachments, impl_->removed);
   w.add(static_cast<std::uint64_t>(impl_->nets.size()));
   for (const auto& n : impl_->nets) {
-    w.add(n->object), w.add(n->first), w.add(n->points), w.add(n->settings);
-    w.add(n->can_break), w.add(n->has_power), w.add(n->warned_frozen);
-    w.add(n->frozen), w.add(n->warned_stiff), w.add(n->warned_unconverged);
-    w.add(n->warned_coincident), w.add(n->coincident), w.add(n->checked_step), w.add(n->frequency), w.add(n->decay);
-    w.text(n->integrator_name);
+    each_saved_before(std::as_const(*n), saved_to(w));
     n->integrator_options.save(w);
-    w.add(n->integrator->stats);
-    w.list(n->integrator->memory.points), w.list(n->integrator->memory.numbers);
-    SpringArrays::each_array(n->springs, [&](const auto& array) { w.list(array); });
-    w.list(n->faces), w.list(n->rest_position);
+    each_saved_behind(std::as_const(*n), saved_to(w));
   }
 }
 
 void Springs::load(Reader& r) {
   Impl& m = *impl_;
-  Particles::each_array(m.particles, [&](auto& array) { r.list(array); });
-  r.list(m.attachments), r.list(m.removed);
+  Particles::each_array(m.particles, loaded_from(r));
+  for_each_of(loaded_from(r), m.attachments, m.removed);
   const auto count = r.get<std::uint64_t>();
   m.nets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {
     auto n = m.make_net();
-    r.get(n->object), r.get(n->first), r.get(n->points), r.get(n->settings);
-    r.get(n->can_break), r.get(n->has_power), r.get(n->warned_frozen);
-    r.get(n->frozen), r.get(n->warned_stiff), r.get(n->warned_unconverged);
-    r.get(n->warned_coincident), r.get(n->coincident), r.get(n->checked_step), r.get(n->frequency), r.get(n->decay);
-    std::string name;
-    r.text(name);
+    each_saved_before(*n, loaded_from(r));
     Params options;
     options.load(r);
-    m.attach_integrator(*n, name, options);
-    r.get(n->integrator->stats);
-    r.list(n->integrator->memory.points), r.list(n->integrator->memory.numbers);
-    SpringArrays::each_array(n->springs, [&](auto& array) { r.list(array); });
-    r.list(n->faces), r.list(n->rest_position);
+    m.attach_integrator(*n, n->integrator_name, options);
+    each_saved_behind(*n, loaded_from(r));
     n->list_edges();
     m.nets.push_back(std::move(n));
   }

@@ -1,7 +1,7 @@
-// Springs as the kernels see them: eight points side by side, and for each of them its springs one below the other.
-// A spring appears twice, once at either end, so that a point sums its own forces: no two lanes, slices or threads
-// ever write to one place, and every sum runs in the order of the springs whatever the width. Plain structs only:
-// included by the file that is compiled with -mavx2.
+// Springs in the kernels' layout: eight points side by side, each with its springs one below the other. A spring
+// appears twice, once at either end, so that each point gathers its own forces: no two lanes, slices or threads write
+// the same point, and sums run in the order of the springs at any width. Plain structs only, since a file compiled with
+// -mavx2 includes them.
 #pragma once
 #include "base/simd.h"
 
@@ -26,7 +26,7 @@ struct SpringPass {
   unsigned first = 0, last = 0;    // slices
 };
 
-// Which springs are longer than they bear, eight to a byte.
+// Which springs are longer than their limit, eight to a byte.
 struct SnapPass {
   const WideReal* position = nullptr;  // x y z _ by point
   const unsigned* i = nullptr;         // by spring

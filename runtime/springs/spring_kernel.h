@@ -1,4 +1,4 @@
-// The arithmetic of springs, eight points at a time. Included by spring_plain.cpp and spring_avx2.cpp, which differ in
+// Spring kernels, eight points at a time. Included by spring_plain.cpp and spring_avx2.cpp, which differ in
 // compiler flags only and give the same bits.
 //
 // With d = x_other - x, len = |d|, u = v_other - v a spring pulls its point with
@@ -16,7 +16,7 @@ namespace {
 
 using namespace lanes;
 
-// What is rare and must not cost registers in the loop: directions of springs without length. Returns their number.
+// Directions of springs without length: rare, so kept out of the registers of the loop. Returns their number.
 [[gnu::noinline]] unsigned give_direction(const SpringRow& row, unsigned self, const Lane8& square, Lane8x3& d,
                                           Lane8& length) {
   unsigned found = 0;

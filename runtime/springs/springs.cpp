@@ -1,5 +1,5 @@
-// The springs system: owner of nets. Each substep every net's integrator pulls the net's forces; nets are
-// independent, so they run in parallel and everything that leaves a net (events, warnings) is done after, in order.
+// The springs system: owner of nets. In each substep every net's integrator evaluates the net's forces; nets are
+// independent, so they run in parallel, and what concerns others (events, warnings) is done afterwards, in order.
 #include <cmath>
 
 #include "feder/net.h"
@@ -9,12 +9,21 @@
 #include "state/surface.h"
 
 namespace feder {
+namespace {
+
+void check_finite(const Vec3& v, const char* what) {
+  if (!is_finite(v)) throw SceneError(std::string(what) + ": expected three finite numbers");
+}
+
+}  // namespace
+
 const SystemDescriptor& Springs::descriptor() {
   static constexpr ObjectKind kinds[] = {kNetKind};
   static constexpr EventKind events[] = {kSpringBreak};
   static const SystemDescriptor d = {.name = kName,
                                      .units = "points",
                                      .unit = "point",
+                                     .shows = "surface",
                                      .kinds = kinds,
                                      .events = events,
                                      .make = &make_system<Springs>};
@@ -92,7 +101,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
     n->has_power = n->has_power || s.power != 1;
   }
 
-  // nothing can fail any more
+  // from here on nothing fails
   Particles& p = m.particles;
   FEDER_ASSERT(p.size() == (m.nets.empty() ? 0 : m.nets.back()->first + m.nets.back()->points));
   n->first = p.size();
@@ -156,20 +165,20 @@ bool Springs::pinned(ObjectId id, std::size_t i) const { return impl_->particles
 
 void Springs::set_point(ObjectId id, std::size_t i, const Vec3& x) {
   const std::uint32_t at = impl_->point(id, i);
-  if (!is_finite(x)) throw SceneError("set_point: expected three finite numbers");
+  check_finite(x, "set_point");
   impl_->particles.place(at, x);
 }
 
 void Springs::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
   const std::uint32_t at = impl_->point(id, i);
-  if (!is_finite(v)) throw SceneError("set_velocity: expected three finite numbers");
+  check_finite(v, "set_velocity");
   if (impl_->particles.inv_mass[at] != 0) impl_->particles.velocity[at] = v;
   impl_->net(id).squares = -1;
 }
 
 void Springs::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
   const std::uint32_t at = impl_->point(id, i);
-  if (!is_finite(impulse)) throw SceneError("apply_impulse: expected three finite numbers");
+  check_finite(impulse, "apply_impulse");
   impl_->particles.velocity[at] += impl_->particles.inv_mass[at] * impulse;
   impl_->net(id).squares = -1;
 }
@@ -262,7 +271,7 @@ void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& loca
   const std::uint32_t at = impl_->point(id, i);
   if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
     throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
-  if (!is_finite(local)) throw SceneError("attach: expected three finite numbers");
+  check_finite(local, "attach");
   detach(id, i);
   impl_->attachments.push_back({id, body, at, local});
   *impl_->structure_changed = true;
@@ -278,7 +287,7 @@ const std::vector<Springs::Attachment>& Springs::attachments() const { return im
 
 void Springs::set_script_force(ObjectId id, std::size_t i, const Vec3& force) {
   const std::uint32_t at = impl_->point(id, i);
-  if (!is_finite(force)) throw SceneError("force: expected three finite numbers");
+  check_finite(force, "force");
   impl_->particles.script_force[at] = force;
 }
 

@@ -1,4 +1,4 @@
-// The passes of the springs system, and what it tells about its state.
+// The passes of the springs system, its conserved quantities and residuals.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,6 +14,7 @@ constexpr std::uint32_t kElementWork = 8;     // ns, for a point or spring of a 
 JobPool* threads_of(const StepContext& c) { return c.jobs->threads() > 1 ? c.jobs : nullptr; }
 }  // namespace
 
+// Start of the step: positions and energies for quarantine and watchdog, forces, warnings.
 void Springs::Impl::remember(StepContext& c) {
   FEDER_ASSERT(!any_bad());  // the last step has quarantined them
   particles.start.resize(particles.position.size());
@@ -27,8 +28,8 @@ void Springs::Impl::remember(StepContext& c) {
   check_stiffness(c);
 }
 
-// A force that a script gives once per step is constant in it: a method of higher order has order 1 then, and an
-// implicit one does not see the force's stiffness.
+// Warning: a force that a script gives once per step is constant within it, so that methods of higher order have order
+// 1, and implicit ones miss the force's stiffness.
 void Springs::Impl::warn_frozen_forces(const Forces& forces, Events& events) {
   for (auto& n : nets) {
     if (n->warned_frozen) continue;
@@ -48,6 +49,7 @@ void Springs::Impl::warn_frozen_forces(const Forces& forces, Events& events) {
   }
 }
 
+// Warning: the substep is above the stability limit of a net's integrator.
 void Springs::Impl::check_stiffness(StepContext& c) {
   std::string message;
   for (auto& n : nets) {
@@ -82,7 +84,7 @@ void Springs::Impl::integrate(StepContext& c) {
     n.snapped =
         n.can_break && n.bad_point == kNone && !n.frozen && n.layout.find_snapped(n.positions(), n.springs, inner);
   };
-  // large nets one after another with all threads each, small ones side by side
+  // large nets one after another with all threads each, small ones in parallel
   for (auto& n : nets)
     if (n->wide() || n->on_stepping_thread) run(*n, n->wide() ? threads_of(c) : nullptr);
   const auto count = static_cast<std::uint32_t>(nets.size());
@@ -107,7 +109,7 @@ void Springs::Impl::break_springs(Net& n, Events& events) {
   for (std::uint32_t group = 0; group < snapped.size(); ++group)
     for (std::uint32_t bits = snapped[group]; bits != 0; bits &= bits - 1) {
       const std::uint32_t k = group * kLanes + static_cast<std::uint32_t>(std::countr_zero(bits));
-      FEDER_ASSERT(k < s.size() && s.alive[k]);  // a dead one would report its end again
+      FEDER_ASSERT(k < s.size() && s.alive[k]);  // else it would break twice
       Event e;
       e.kind = kSpringBreak;
       e.a = n.object;
@@ -115,7 +117,7 @@ void Springs::Impl::break_springs(Net& n, Events& events) {
       e.force = static_cast<Real>(s.tension(k, static_cast<double>(n.strain(k) * s.rest_length[k])));
       e.point = Real(0.5) * (particles.position[n.first + s.i[k]] + particles.position[n.first + s.j[k]]);
       events.add(e);
-      n.remove_spring(k);  // the bounds of frequency and decay stay true: they only become smaller
+      n.remove_spring(k);  // the bounds of frequency and decay remain bounds
     }
 }
 
@@ -135,8 +137,8 @@ void Springs::Impl::warn_coincident(Net& n, Events& events) {
               n.object);
 }
 
-// A net with a non-finite point goes back to the start of the step and is held there: other systems never see the
-// bad numbers, and the warning says where they came up.
+// Quarantine: a net with a non-finite point goes back to the start of the step and is pinned there, so that other
+// systems never see its numbers; the warning names the point.
 void Springs::Impl::quarantine(StepContext& c) {
   std::string message;
   ObjectId object;
@@ -162,7 +164,7 @@ void Springs::Impl::finish(StepContext& c) {
   std::string message;
   for (auto& n : nets) {
     n->squares = n->squared_speeds();
-    // what couplings and impulses did
+    // after couplings and impulses
     n->bad_point = n->find_non_finite(n->wide() ? threads_of(c) : nullptr, is_finite(n->squares));
     const std::uint64_t unconverged = n->integrator->stats.unconverged;
     if (unconverged == 0 || n->warned_unconverged) continue;

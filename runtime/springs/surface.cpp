@@ -1,7 +1,7 @@
 // Nets as surfaces (state/surface.h): points with a radius, and faces between them. A net is integrated once per
-// substep; in the loop of contacts its points go along the way it found, at constant velocity, and what contact makes
-// of that is added to the net afterwards: a point that nothing touches keeps its integrator's result to the bit.
-// A net without faces shows its points as edges without length: they meet edges as balls do.
+// substep; in the contact loop its points repeat that displacement at constant velocity, and the changes by contact are
+// added to the net afterwards: a point without contact keeps its integrator's result to the bit.
+// A net without faces shows its points as edges without length, which collide with edges as balls do.
 // Weak spot: springs do not see what contact does within a substep; a stiff net with a long substep rings at a contact.
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace feder {
 namespace {
 
-constexpr int kMaxSteps = 16;            // solver substeps that a fast net asks for
-constexpr Real kWayOfStep = Real(0.25);  // of the thickness, that a point goes in one of them
+constexpr int kMaxSteps = 16;               // solver substeps of a fast net
+constexpr Real kTravelOfStep = Real(0.25);  // of the thickness: travel of a point in a solver substep
 
 }  // namespace
 
@@ -30,7 +30,7 @@ void Net::list_edges() {
     for (std::uint32_t i = 0; i < points; ++i) edges.push_back({i, i});
 }
 
-// How many nets collide, for the plan of contact.
+// Declares the number of nets that collide: contact has passes by that.
 void Springs::Impl::declare_surfaces() {
   std::uint32_t count = 0;
   bool self = false, faces = false;
@@ -69,7 +69,7 @@ void Springs::Impl::show_surfaces(StepContext& c) {
       fastest = std::max(fastest, dot(v, v));
     }
     s.fastest = std::sqrt(fastest);
-    const Real steps = std::ceil(c.h * s.fastest / (kWayOfStep * s.thickness));
+    const Real steps = std::ceil(c.h * s.fastest / (kTravelOfStep * s.thickness));
     s.steps = static_cast<std::int32_t>(clamp(steps, 1, kMaxSteps));
     all.list.push_back(s);
     for (const Attachment& a : attachments)
@@ -86,7 +86,7 @@ void Springs::Impl::each_surface(F&& f) {
     if (objects.kind(s.object) == kNetKind) f(net(s.object), s, all);
 }
 
-// Before the integrator: where the substep begins.
+// Before the integrator: displacements at the start of the substep.
 void Springs::Impl::mark_surfaces(StepContext&) {
   each_surface([&](Net& n, const Surface& s, Surfaces& all) {
     for (std::uint32_t i = 0; i < s.count; ++i)
@@ -94,7 +94,7 @@ void Springs::Impl::mark_surfaces(StepContext&) {
   });
 }
 
-// After it: the way it found, as a velocity.
+// After the integrator: its displacement as a constant velocity.
 void Springs::Impl::coast_surfaces(StepContext& c) {
   surface_end.resize(store.get<Surfaces>().size()), surface_velocity.resize(surface_end.size());
   each_surface([&](Net& n, const Surface& s, Surfaces& all) {
@@ -104,7 +104,7 @@ void Springs::Impl::coast_surfaces(StepContext& c) {
       const Vec3 end = particles.position[from] - particles.start[from];
       const Vec3 v = w != 0 ? Vec3((end - all.before[to].vec()) / c.h) : Vec3(0, 0, 0);
       surface_end[to] = end, surface_velocity[to] = v;
-      // what is held is where it ends: it may have gone into quarantine in this substep
+      // pinned points are at the end already: the net may have been quarantined in this substep
       const Vec3 from_here = w != 0 ? all.before[to].vec() : end;
       all.delta_position[to] = {from_here[0], from_here[1], from_here[2], w};
       all.velocity[to] = {v[0], v[1], v[2], w};
@@ -112,7 +112,7 @@ void Springs::Impl::coast_surfaces(StepContext& c) {
   });
 }
 
-// After the loop: what contact changed.
+// After the contact loop: adds the changes by contact.
 void Springs::Impl::follow_surfaces(StepContext&) {
   each_surface([&](Net& n, const Surface& s, Surfaces& all) {
     for (std::uint32_t i = 0; i < s.count; ++i) {

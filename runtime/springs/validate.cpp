@@ -1,13 +1,13 @@
-// What holds of nets after each step, asserted where asserts are on (feder/error.h): nets own consecutive runs of
-// points, springs join points of their net, what is removed has no stiffness, colliders and points know each other,
-// numbers of nets that are not quarantined are finite. The kernels' layout is checked when it is built.
+// Invariants of nets after each step, asserted where asserts are on (feder/error.h): nets own consecutive runs of
+// points, springs join points of their net, removed springs have no stiffness, colliders and points refer to each
+// other, nets that are not quarantined are finite. The kernels' layout is checked when it is built.
 #include "springs/impl.h"
 #include "state/colliders.h"
 #include "state/solver_bodies.h"
 
 namespace feder {
 
-// Every living spring stands in the rows of both its ends.
+// Every living spring is in the rows of both its ends.
 void SpringLayout::check_built(const SpringArrays& s) const {
   FEDER_ASSERT(lane_of_.size() == std::size_t{2} * s.size() && row_begin_.back() == rows_.size());
   for (std::uint32_t k = 0; k < s.size(); ++k)

@@ -1,5 +1,5 @@
-// The watchdog's part in nets, see step/watch.h: a pass over the velocities at the end of a step; for a net that
-// jumped, the strain energy it began the step with and bounds of the work done on it.
+// Watchdog over the kinetic energy of nets, see step/watch.h: a sum over velocities at the end of a step; for a net
+// that jumped, its strain energy at the start of the step and upper bounds of the work on it.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kCure = "take more substeps, softer springs or the integrator implicit_euler";
 }
 
-// In Real: an overflow is an answer too. Eight partial sums, so that it is vectorised.
+// Sum of squared speeds. In Real: an overflow counts as a jump. Eight partial sums, so that it is vectorised.
 Real Net::squared_speeds() const {
   constexpr std::size_t kPart = 8;
   const Real* v = particles_.velocity[first].data();
@@ -42,7 +42,7 @@ double Net::kinetic_before() const {
   return 0.5 * static_cast<double>(most) * static_cast<double>(squares_before);
 }
 
-// J: strain at the start of the step, and what weight, scripts and generators did in it at most.
+// Strain energy at the start of the step, and an upper bound of the work of weight, scripts and generators in it, J.
 double Net::given(double dt) {
   FEDER_ASSERT(particles_.start.size() == particles_.size());
   const Vec3* from = particles_.start.data() + first;
@@ -63,7 +63,7 @@ double Net::given(double dt) {
   sum += gravity_work(static_cast<double>(length(gravity_)), dt, all, kinetic_before(),
                       std::fmin(kinetic_energy(), 1e300));
   if (acting_.empty()) return sum;
-  // generators: the potential that the points came down, or, where there is none, force times way
+  // generators: the loss of potential, or, where there is none, force times path
   const std::span<const Vec3> begin(from, points);
   for (const ForceEntry* f : acting_) {
     double potential[2], push[2] = {0, 0};
@@ -95,12 +95,13 @@ void Springs::Impl::watch(StepContext& c) {
     if (!Watch::jumped(before, 0, after)) continue;
     const double given = n.given(static_cast<double>(c.dt));
     if (!Watch::jumped(before, given, after)) continue;
-    const bool met = nets.size() > 1 && particles.radius[n.first] > 0;  // what one net gains another one may have had
+    const bool met =
+        nets.size() > 1 && particles.radius[n.first] > 0;  // contact with other nets may have given the energy
     watched.suspects.push_back({kName, n.object, before, after, given, mass, met, kCure});
   }
 }
 
-// A net that went non-finite.
+// Reports a non-finite net.
 void Springs::Impl::suspect(const Net& n) {
   watched.suspects.push_back({kName, n.object, n.kinetic_before(), NAN, 0, 0, false, kCure});
 }

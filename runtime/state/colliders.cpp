@@ -1,49 +1,20 @@
+// Adding and removing colliders, their invariants and snapshots. Shapes are saved as indices into the world's list of
+// pinned shapes, which keeps them in memory.
 #include "state/colliders.h"
 
-#include "base/hash.h"
 #include "feder/error.h"
 #include "feder/snapshot.h"
 
 namespace feder {
-namespace {
-
-// Every plain array of the block, in one place, for add, save and load.
-template <class C, class F>
-void each_array(C& c, F&& f) {
-  f(c.motion), f(c.awake), f(c.sensor), f(c.bullet), f(c.owner), f(c.owner_index), f(c.solver_slot), f(c.object),
-      f(c.sub);
-  f(c.next_of_body), f(c.local), f(c.pose), f(c.box), f(c.center), f(c.velocity), f(c.angular_velocity);
-  f(c.friction_static), f(c.friction_dynamic), f(c.restitution), f(c.rolling_friction), f(c.surface_velocity);
-  f(c.material), f(c.group), f(c.mask);
-}
-
-}  // namespace
 
 std::uint32_t Colliders::add() {
-  std::uint32_t i;
-  if (!free_list.empty()) {
-    i = free_list.back();
-    free_list.pop_back();
-    FEDER_ASSERT(i < size() && motion[i] == ColliderMotion::none);
-  } else {
-    i = size();
-    each_array(*this, [](auto& array) { array.emplace_back(); });
-    shape.push_back(nullptr);
-    shapes.emplace_back();
-  }
+  FEDER_ASSERT(free_list.empty() || (free_list.back() < size() && motion[free_list.back()] == ColliderMotion::none));
+  const std::uint32_t i = add_blank(*this);
+  shape.resize(size(), nullptr);
+  shapes.resize(size());
   motion[i] = ColliderMotion::fixed;
-  awake[i] = sensor[i] = bullet[i] = 0;
-  shape[i] = nullptr;
-  owner[i] = ColliderOwner::body;
   owner_index[i] = solver_slot[i] = next_of_body[i] = kNone;
-  object[i] = {};
-  sub[i] = 0;
-  local[i] = pose[i] = Pose{};
-  box[i] = Aabb{};
-  center[i] = velocity[i] = angular_velocity[i] = surface_velocity[i] = Vec3::Zero();
   friction_static[i] = friction_dynamic[i] = Real(0.5);
-  restitution[i] = rolling_friction[i] = 0;
-  material[i] = 0;
   group[i] = 1;
   mask[i] = 0xffffffffu;
   changed.push_back(i);
@@ -63,21 +34,15 @@ void Colliders::remove(std::uint32_t i) {
 void Colliders::validate() const {
   each_array(*this, [&](const auto& array) { FEDER_ASSERT(array.size() == size()); });
   FEDER_ASSERT(shape.size() == size() && shapes.size() == size());
-  MultisetHash free, listed;
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    const bool used = motion[i] != ColliderMotion::none;
-    if (!used) free.add(i);
-    FEDER_ASSERT(shape[i] == shapes[i].get() && used == (shape[i] != nullptr));
-  }
-  for (const std::uint32_t i : free_list) listed.add(i);
-  FEDER_ASSERT(free == listed);
+  const auto is_free = [&](std::uint32_t i) { return motion[i] == ColliderMotion::none; };
+  for (std::uint32_t i = 0; i < size(); ++i)
+    FEDER_ASSERT(shape[i] == shapes[i].get() && is_free(i) == (shape[i] == nullptr));
+  FEDER_ASSERT(lists_free(free_list, size(), is_free));
 }
 
 void Colliders::save(Writer& w) const {
-  each_array(*this, [&](const auto& array) { w.list(array); });
-  w.list(free_list);
-  w.list(changed);
-  // shapes come in the same order each time: the next one is mostly the next pin
+  each_saved(*this, saved_to(w));
+  // shapes come in the same order each time: mostly the next one is the next pin
   std::uint32_t guess = 0;
   for (const ShapePtr& s : shapes) {
     std::uint32_t pin = kNone;
@@ -94,9 +59,7 @@ void Colliders::save(Writer& w) const {
 }
 
 void Colliders::load(Reader& r) {
-  each_array(*this, [&](auto& array) { r.list(array); });
-  r.list(free_list);
-  r.list(changed);
+  each_saved(*this, loaded_from(r));
   shapes.assign(motion.size(), nullptr);
   shape.assign(motion.size(), nullptr);
   for (std::size_t i = 0; i < shapes.size(); ++i) {

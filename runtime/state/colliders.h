@@ -9,6 +9,7 @@
 #include "feder/object.h"
 #include "feder/shape.h"
 #include "feder/types.h"
+#include "state/arrays.h"
 
 namespace feder {
 
@@ -16,43 +17,43 @@ enum class ColliderOwner : std::uint8_t { body, point };                       /
 enum class ColliderMotion : std::uint8_t { none, fixed, kinematic, dynamic };  // none: a free index
 
 struct Colliders {
-  explicit Colliders(Arena& a)
-      : motion(&a), awake(&a), sensor(&a), bullet(&a), shape(&a), owner(&a), owner_index(&a), solver_slot(&a),
-        object(&a), sub(&a), next_of_body(&a), local(&a), pose(&a), box(&a), center(&a), velocity(&a),
-        angular_velocity(&a), friction_static(&a), friction_dynamic(&a), restitution(&a), rolling_friction(&a),
-        surface_velocity(&a), material(&a), group(&a), mask(&a), free_list(&a), changed(&a), shapes(&a) {}
+  explicit Colliders(Arena& a) : arena(a) {}
 
-  Array<ColliderMotion> motion;
-  Array<std::uint8_t> awake;  // owner awake (kinematic: moving)
-  Array<std::uint8_t> sensor;
-  Array<std::uint8_t> bullet;
-  Array<const Shape*> shape;  // kept alive by `shapes`
-  Array<ColliderOwner> owner;
-  Array<std::uint32_t> owner_index;   // body index, or particle index
-  Array<std::uint32_t> solver_slot;   // slot in SolverBodies; kNone for fixed
-  Array<ObjectId> object;             // reported in events
-  Array<std::uint32_t> sub;           // point number within the object (nets), else 0
-  Array<std::uint32_t> next_of_body;  // next collider of the same body
-  Array<Pose> local;                  // in the owner's centre-of-mass frame
-  Array<Pose> pose;                   // world, start of the step
-  Array<Aabb> box;                    // world, with margin and this step's motion; unbounded for planes
-  Array<Vec3> center;                 // owner's centre of mass, world, m
-  Array<Vec3> velocity;               // owner's, m/s
-  Array<Vec3> angular_velocity;       // owner's, rad/s
-  Array<Real> friction_static, friction_dynamic, restitution, rolling_friction;
-  Array<Vec3> surface_velocity;      // in the owner's frame, m/s (conveyor)
-  Array<std::uint16_t> material;     // 0 = none; index into the world's material names
-  Array<std::uint32_t> group, mask;  // collide when (group_a & mask_b) and (group_b & mask_a)
-  Array<std::uint32_t> free_list;
-  Array<std::uint32_t> changed;  // filter, type or pose changed by script since the last step: pairs are re-examined
-  Array<std::shared_ptr<const Shape>> shapes;  // by collider index
+  Arena& arena;
+  Array<ColliderMotion> motion{&arena};
+  Array<std::uint8_t> awake{&arena};  // owner awake (kinematic: moving)
+  Array<std::uint8_t> sensor{&arena};
+  Array<std::uint8_t> bullet{&arena};
+  Array<const Shape*> shape{&arena};  // kept alive by `shapes`
+  Array<ColliderOwner> owner{&arena};
+  Array<std::uint32_t> owner_index{&arena};   // body index, or particle index
+  Array<std::uint32_t> solver_slot{&arena};   // slot in SolverBodies; kNone for fixed
+  Array<ObjectId> object{&arena};             // reported in events
+  Array<std::uint32_t> sub{&arena};           // point number within the object (nets), else 0
+  Array<std::uint32_t> next_of_body{&arena};  // next collider of the same body
+  Array<Pose> local{&arena};                  // in the owner's centre-of-mass frame
+  Array<Pose> pose{&arena};                   // world, start of the step
+  Array<Aabb> box{&arena};                    // world, with margin and this step's motion; unbounded for planes
+  Array<Vec3> center{&arena};                 // owner's centre of mass, world, m
+  Array<Vec3> velocity{&arena};               // owner's, m/s
+  Array<Vec3> angular_velocity{&arena};       // owner's, rad/s
+  Array<Real> friction_static{&arena}, friction_dynamic{&arena}, restitution{&arena}, rolling_friction{&arena};
+  Array<Vec3> surface_velocity{&arena};              // in the owner's frame, m/s (conveyor)
+  Array<std::uint16_t> material{&arena};             // 0 = none; index into the world's material names
+  Array<std::uint32_t> group{&arena}, mask{&arena};  // collide when (group_a & mask_b) and (group_b & mask_a)
+  Array<std::uint32_t> free_list{&arena};
+  Array<std::uint32_t> changed{
+      &arena};  // filter, type or pose changed by script since the last step: pairs are re-examined
+  Array<std::shared_ptr<const Shape>> shapes{&arena};  // by collider index
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(motion.size()); }
   std::uint32_t add();  // index with defaults: fixed, group 1, mask all
   void remove(std::uint32_t i);
   void validate() const;  // asserts what holds of the arrays by themselves
 
-  // Is it a part of a body that something with this filter collides with?
+  // The body that owns it; kNone: none does.
+  std::uint32_t body_of(std::uint32_t i) const { return owner[i] == ColliderOwner::body ? owner_index[i] : kNone; }
+  // A part of a body that a filter of these bits collides with.
   bool meets(std::uint32_t i, std::uint32_t its_group, std::uint32_t its_mask) const {
     return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ColliderOwner::body &&
            (group[i] & its_mask) != 0 && (its_group & mask[i]) != 0;
@@ -63,7 +64,7 @@ struct Colliders {
       if (motion[i] > ColliderMotion::fixed) most = std::max(most, dot(velocity[i], velocity[i]));
     return std::sqrt(most);
   }
-  // Where it may be within so much time: `box` may look less far ahead than a fast owner comes.
+  // Box of its motion within `seconds`, for times longer than the step that `box` includes.
   Aabb swept(std::uint32_t i, Real seconds) const {
     Aabb all = box[i];
     if (motion[i] == ColliderMotion::fixed) return all;
@@ -75,6 +76,19 @@ struct Colliders {
   // Shapes stay in memory while a snapshot may need them: a snapshot belongs to the world that made it.
   mutable std::vector<std::shared_ptr<const Shape>> pinned;
 
+  // Calls f(array) for each of the plain arrays that have an entry per collider.
+  template <class C, class F>
+  static void each_array(C& c, F&& f) {
+    for_each_of(f, c.motion, c.awake, c.sensor, c.bullet, c.owner, c.owner_index, c.solver_slot, c.object, c.sub,
+                c.next_of_body, c.local, c.pose, c.box, c.center, c.velocity, c.angular_velocity, c.friction_static,
+                c.friction_dynamic, c.restitution, c.rolling_friction, c.surface_velocity, c.material, c.group, c.mask);
+  }
+  // Calls f(member) for what snapshots hold as it is; shapes go by their index in `pinned`.
+  template <class C, class F>
+  static void each_saved(C& c, F&& f) {
+    each_array(c, f);
+    for_each_of(f, c.free_list, c.changed);
+  }
   void save(Writer& w) const;
   void load(Reader& r);
 };

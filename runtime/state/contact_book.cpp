@@ -1,3 +1,4 @@
+// Merging a step's findings into the sorted records, pair by pair: begin, stay, end, hit and the events of sensors.
 #include "state/contact_book.h"
 
 #include <algorithm>
@@ -8,13 +9,13 @@
 namespace feder {
 namespace {
 
-constexpr Real kSlowestHit = Real(0.05);  // m/s; slower begins are no hits
+constexpr Real kMinHitSpeed = Real(0.05);  // m/s; slower begins are no hits
 
 bool earlier(const ContactFinding& x, const ContactFinding& y) {
   return std::tie(x.key, x.order) < std::tie(y.key, y.order);
 }
 
-// Of a pair; nothing but sensors has both ends told in one way.
+// An event of a pair.
 Event event(EventKind kind, const ContactKey& key, std::uint32_t index) {
   Event e;
   e.kind = kind;
@@ -67,7 +68,7 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
   const std::span<const ContactFinding> findings(findings_.data(), findings_.size());
   std::size_t n = 0;
   for (std::size_t first = 0; first < findings.size() || n < records_.size();) {
-    // of most pairs there is nothing to say
+    // records without findings stay as they are
     const std::size_t from = n;
     while (n < records_.size() && records_[n].finders == 0 &&
            (first == findings.size() || records_[n].key < findings[first].key))
@@ -94,18 +95,19 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
   for (const ContactRecord& r : records_) seen_ += r.finders != 0;
 }
 
-// What was told of one pair: it begins, goes on or ends.
+// The findings of one pair: it begins, stays or ends.
 void ContactBook::apply(ContactRecord& record, std::span<const ContactFinding> findings, std::uint64_t step,
                         const Objects& objects, Events& events) {
   const bool before = record.count || record.finders;
   record.finders = 0;
-  const ContactFinding *told = nullptr, *stays = nullptr;  // the first of what comes, goes or is seen; of what goes on
+  // sums over the findings; the first that begins, ends or is seen, and the first that stays
+  const ContactFinding *first = nullptr, *stays = nullptr;
   Real impulse = 0, speed = 0, pressed = 0, slip = 0;
   int count = static_cast<int>(record.count);
   for (const ContactFinding& k : findings) {
     count += k.change;
     if (k.finder && objects.alive(record.key.a) && objects.alive(record.key.b)) record.finders |= k.finder;
-    if (!told && (k.change != 0 || k.finder)) told = &k;
+    if (!first && (k.change != 0 || k.finder)) first = &k;
     if (k.change > 0 || k.finder) impulse += k.impulse, speed = std::max(speed, k.speed);
     if (k.change != 0 || k.kept) continue;
     if (!stays) stays = &k;
@@ -113,26 +115,31 @@ void ContactBook::apply(ContactRecord& record, std::span<const ContactFinding> f
   }
   FEDER_ASSERT(count >= 0);
   record.count = static_cast<std::uint32_t>(count);
-  const bool touches = record.count || record.finders;
-  if (told && (touches || told->change != 0)) {
-    record.index = told->index, record.number = told->number;
-    record.point = told->point, record.normal = told->normal;
+  const bool in_contact = record.count || record.finders;
+  if (first && (in_contact || first->change != 0)) {
+    record.index = first->index;
+    record.number = first->number;
+    record.point = first->point;
+    record.normal = first->normal;
   }
+  // stay
   const bool sensor = record.key.sensor != 0;
-  if (before == touches) {
-    if (!touches || !stays || sensor || record.begun == step || !events.wanted(EventKind::contact_stay)) return;
+  if (before == in_contact) {
+    if (!in_contact || !stays || sensor || record.begun == step || !events.wanted(EventKind::contact_stay)) return;
     Event e = event(EventKind::contact_stay, record.key, stays->index);
     e.point = stays->point, e.normal = stays->normal, e.impulse = pressed, e.slip = slip;
     events.add(e);
     return;
   }
-  if (touches) record.begun = step;
-  const std::uint32_t index = !touches && record.number ? 0 : record.index;
-  if (sensor) return events.add(event(touches ? EventKind::sensor_enter : EventKind::sensor_leave, record.key, index));
-  Event e = event(touches ? EventKind::contact_begin : EventKind::contact_end, record.key, index);
+  // begin or end, and hit
+  if (in_contact) record.begun = step;
+  const std::uint32_t index = !in_contact && record.number ? 0 : record.index;
+  if (sensor)
+    return events.add(event(in_contact ? EventKind::sensor_enter : EventKind::sensor_leave, record.key, index));
+  Event e = event(in_contact ? EventKind::contact_begin : EventKind::contact_end, record.key, index);
   e.point = record.point, e.normal = record.normal;
   events.add(e);
-  if (!touches || !events.wanted(EventKind::hit) || speed < kSlowestHit) return;
+  if (!in_contact || !events.wanted(EventKind::hit) || speed < kMinHitSpeed) return;
   e.kind = EventKind::hit, e.impulse = impulse, e.speed = speed;
   events.add(e);
 }

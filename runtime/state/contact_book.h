@@ -1,10 +1,10 @@
-// Who touches whom: one record per pair of things, begun, stayed and ended by one rule, whoever finds the contacts.
-// A finder tells, before Rank::contact_events or between steps, either of contacts that it keeps itself, as they come
-// and go (`count`), or in each step of the pairs that it saw (`see`, or `keep` where nothing was looked at). A pair
-// touches while one of its contacts is counted or a finder saw it; at Rank::contact_events what was told is merged into
-// the records and makes the events: so begins and ends alternate, one per pair. Pairs of the dead end.
-// Sensors: the same for who is inside; nets are told of by point.
-// Kept between steps: the records, and what was told since the last merge. tests/contact/test_contact_book.cpp.
+// Contact records: one per pair of objects in contact, with one rule for begin, stay and end, whoever finds the
+// contacts. Finders report findings before Rank::contact_events or between steps: either the begin and end of contacts
+// that they keep themselves (`count`), or in each step the pairs they found (`see`; `keep` without a test). A pair is
+// in contact while one of its contacts is counted or a finder sees it; at Rank::contact_events findings are merged into
+// the records and make the events, so that begins and ends alternate, one per pair. Pairs with a destroyed object end.
+// Sensors: the same for what is inside; of nets by point.
+// Kept between steps: the records, and findings since the last merge. tests/contact/test_contact_book.cpp.
 #pragma once
 #include <span>
 #include <string_view>
@@ -25,14 +25,14 @@ struct ContactKey {
   friend auto operator<=>(const ContactKey&, const ContactKey&) = default;
 };
 
-// What is told of a pair in a step.
+// A finding about a pair in a step.
 struct ContactFinding {
   ContactKey key;
-  std::int32_t change = 0;     // contacts that began or ended, of those that are counted
-  std::uint32_t finder = 0;    // its bit, where the pair was seen
-  std::uint32_t index = 0;     // point, spring or vertex of `a`, or number of particles
-  std::uint32_t number = 0;    // 1: the latter, which is 0 when the pair ends
-  std::uint32_t kept = 0;      // 1: nothing was looked at
+  std::int32_t change = 0;     // counted contacts that began or ended
+  std::uint32_t finder = 0;    // bit of the finder that saw the pair
+  std::uint32_t index = 0;     // point, spring or vertex of `a`, or a number of particles
+  std::uint32_t number = 0;    // 1: `index` is a number, 0 when the pair ends
+  std::uint32_t kept = 0;      // 1: seen without a test
   std::uint32_t order = 0;     // filled by the book
   Vec3 point = Vec3::Zero();   // world, m
   Vec3 normal = Vec3::Zero();  // from a to b
@@ -48,9 +48,9 @@ struct ContactRecord {
   ContactKey key;
   std::uint32_t count = 0;                           // of contacts
   std::uint32_t finders = 0;                         // bits of those that see it
-  std::uint32_t index = 0, number = 0;               // as it was last told of
+  std::uint32_t index = 0, number = 0;               // of the last finding
   std::uint64_t begun = 0;                           // step
-  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // as it was last seen; of counted ones nobody asks
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // where it was last seen (pairs that finders see)
 };
 static_assert(sizeof(ContactRecord) == 48 + 6 * sizeof(Real));
 
@@ -60,16 +60,16 @@ class ContactBook {
 
   // The bit of a finder that sees. Worlds that are made alike give equal bits.
   std::uint32_t finder(std::string_view name);
-  // While the plan is made: a finder will tell of contacts.
+  // While the plan is made: a finder will report findings.
   void use() { used_ = true; }
 
   // A counted contact of that pair began (change 1) or ended (-1).
   void count(const ContactFinding& finding);
-  // More of a counted pair that goes on, for contact_stay: only where that is wanted.
+  // A counted pair that stays, for contact_stay: only where that is wanted.
   void stay(const ContactFinding& finding) { add(finding); }
   // `finder` saw the pair in this step; once per pair and finder.
   void see(std::uint32_t finder, const ContactFinding& finding);
-  // It would see the pair again, had anything moved.
+  // `finder` saw the pair earlier, and nothing has moved since.
   void keep(std::uint32_t finder, const ContactRecord& record);
 
   const Array<ContactRecord>& records() const { return records_; }  // in the order of keys

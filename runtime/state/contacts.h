@@ -1,5 +1,5 @@
-// Contacts: one slot per pair of colliders that may touch (and per extra manifold against meshes). A slot lives as
-// long as the pair's boxes overlap; impulses in it warm-start the next step.
+// Contacts: one slot per pair of colliders with overlapping boxes (and per extra manifold against meshes), as long as
+// the boxes overlap. Its impulses are the warm start of the next step.
 #pragma once
 #include "feder/memory.h"
 #include "feder/object.h"
@@ -27,7 +27,7 @@ struct ContactPoint {
 struct Contact {
   std::uint32_t collider_a = kNone, collider_b = kNone;  // a < b
   std::uint32_t sub = 0;                                 // number of the manifold within the pair
-  std::uint8_t touching = 0;                             // has points with separation below the margin: solved
+  std::uint8_t touching = 0;  // has points with separation below the margin, which are solved
   std::uint8_t sensor = 0;
   std::uint8_t fresh = 0;  // new manifold this step (not recycled)
   std::uint8_t point_count = 0;
@@ -40,7 +40,7 @@ struct Contact {
   Vec3 rolling_impulse = Vec3::Zero();   // N m s
 };
 
-// Two colliders that came to touch.
+// Two colliders that came into contact.
 struct Arrival {
   std::uint32_t a, b;
 };

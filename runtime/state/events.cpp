@@ -1,3 +1,5 @@
+// The list of a step's events: appended by passes, sorted by kind and objects at its end, so that the order does not
+// depend on who appended first.
 #include "feder/events.h"
 
 #include <algorithm>

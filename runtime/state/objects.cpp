@@ -1,9 +1,11 @@
+// The table of objects: slots with generations. Freed slots are used again first in, first out, and only when many are
+// free, so that a stale handle finds its tombstone (name, place of destruction) as long as possible.
 #include <algorithm>
 
-#include "base/hash.h"
 #include "feder/error.h"
 #include "feder/object.h"
 #include "feder/snapshot.h"
+#include "state/arrays.h"
 
 namespace feder {
 namespace {
@@ -31,8 +33,10 @@ ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, Ta
   std::uint32_t i;
   if (free_.size() - free_head_ > kTombstones) {
     i = free_[free_head_++];
-    if (free_head_ > 1024)
-      free_.erase(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(free_head_)), free_head_ = 0;
+    if (free_head_ > 1024) {
+      free_.erase(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(free_head_));
+      free_head_ = 0;
+    }
   } else {
     i = static_cast<std::uint32_t>(slots_.size());
     slots_.emplace_back();
@@ -134,20 +138,17 @@ std::size_t Objects::bytes() const {
 void Objects::validate() const {
   FEDER_ASSERT(free_head_ <= free_.size());
   FEDER_ASSERT(tag_names_.size() <= 64);
-  MultisetHash dead, listed;
-  for (std::uint32_t i = 0; i < slots_.size(); ++i) {
-    if (!slots_[i].alive) dead.add(i);
-    FEDER_ASSERT(slots_[i].generation > 0);
-  }
-  for (std::size_t k = free_head_; k < free_.size(); ++k) listed.add(free_[k]);
-  FEDER_ASSERT(dead == listed);
+  for (const Slot& s : slots_) FEDER_ASSERT(s.generation > 0);
+  const std::span<const std::uint32_t> free(free_.data() + free_head_, free_.size() - free_head_);
+  const bool listed = lists_free(free, slots_.size(), [&](std::uint32_t i) { return !slots_[i].alive; });
+  FEDER_ASSERT(listed);
 }
 
 void Objects::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(slots_.size()));
   for (const Slot& s : slots_) {
-    w.add(s.generation), w.add(s.index), w.text(s.kind.text()), w.add(s.alive), w.add(s.tags);
-    w.text(s.name), w.text(s.destroyed_at);
+    const std::string kind = s.kind.text();
+    for_each_of(saved_to(w), s.generation, s.index, kind, s.alive, s.tags, s.name, s.destroyed_at);
   }
   w.list(free_);
   w.add(static_cast<std::uint64_t>(free_head_));
@@ -161,11 +162,10 @@ void Objects::load(Reader& r) {
   slots_.resize(n);
   std::string kind;
   for (Slot& s : slots_) {
-    r.get(s.generation), r.get(s.index), r.text(kind), r.get(s.alive), r.get(s.tags);
+    for_each_of(loaded_from(r), s.generation, s.index, kind, s.alive, s.tags, s.name, s.destroyed_at);
     const auto known = std::find_if(kinds_.begin(), kinds_.end(), [&](ObjectKind k) { return kind == k.text(); });
     if (known == kinds_.end()) throw SceneError("snapshot: this build has no objects of the kind '" + kind + "'");
     s.kind = *known;
-    r.text(s.name), r.text(s.destroyed_at);
   }
   r.list(free_);
   r.get(n);

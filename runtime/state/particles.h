@@ -4,26 +4,26 @@
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/types.h"
+#include "state/arrays.h"
 
 namespace feder {
 
 struct Particles {
-  explicit Particles(Arena& a)
-      : position(&a), position_low(&a), velocity(&a), start(&a), mass(&a), inertia(&a), inv_mass(&a), radius(&a),
-        net(&a), script_force(&a), collider(&a), solver_slot(&a) {}
+  explicit Particles(Arena& a) : arena(a) {}
 
-  Array<Vec3> position;              // m, world
-  Array<Vec3> position_low;          // what rounding left of it (base/compensated.h), m
-  Array<Vec3> velocity;              // m/s
-  Array<Vec3> start;                 // position at the start of the step, m
-  Array<Real> mass;                  // kg
-  Array<Real> inertia;               // kg; mass, plus what the point carries while couple lets the integrators run
-  Array<Real> inv_mass;              // 1/inertia, 1/kg; 0 = pinned
-  Array<Real> radius;                // m; 0 = does not collide
-  Array<ObjectId> net;               // owner
-  Array<Vec3> script_force;          // N
-  Array<std::uint32_t> collider;     // in Colliders, kNone while nothing collides; kept by couple
-  Array<std::uint32_t> solver_slot;  // in SolverBodies, likewise
+  Arena& arena;
+  Array<Vec3> position{&arena};           // m, world
+  Array<Vec3> position_low{&arena};       // what rounding left of it (base/compensated.h), m
+  Array<Vec3> velocity{&arena};           // m/s
+  Array<Vec3> start{&arena};              // position at the start of the step, m
+  Array<Real> mass{&arena};               // kg
+  Array<Real> inertia{&arena};            // kg; mass, plus what the point carries while couple lets the integrators run
+  Array<Real> inv_mass{&arena};           // 1/inertia, 1/kg; 0 = pinned
+  Array<Real> radius{&arena};             // m; 0 = does not collide
+  Array<ObjectId> net{&arena};            // owner
+  Array<Vec3> script_force{&arena};       // N
+  Array<std::uint32_t> collider{&arena};  // in Colliders, kNone while nothing collides; kept by couple
+  Array<std::uint32_t> solver_slot{&arena};  // in SolverBodies, likewise
   std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
 
   // Whoever changes a position does it by one of these.
@@ -33,9 +33,8 @@ struct Particles {
   // Calls f(array) for every array, always in the same order: for growing, erasing, saving and loading.
   template <class P, class F>
   static void each_array(P& p, F&& f) {
-    f(p.position), f(p.position_low), f(p.velocity), f(p.start), f(p.mass), f(p.inertia), f(p.inv_mass), f(p.radius),
-        f(p.net), f(p.script_force);
-    f(p.collider), f(p.solver_slot);
+    for_each_of(f, p.position, p.position_low, p.velocity, p.start, p.mass, p.inertia, p.inv_mass, p.radius, p.net,
+                p.script_force, p.collider, p.solver_slot);
   }
 };
 

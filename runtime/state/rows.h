@@ -12,9 +12,9 @@ struct Row {
   Vec3 linear = Vec3::Zero();
   Vec3 angular_a = Vec3::Zero();
   Vec3 angular_b = Vec3::Zero();
-  Real value = 0;           // C, m or rad (0 for a pure motor)
-  Real bend = 0;            // m/s: what C gains in the coming substep beyond h dC/dt, over h, as the bodies turn
-  Real speed = 0;           // wanted dC/dt, m/s or rad/s (motors)
+  Real value = 0;  // C, m or rad (0 for a pure motor)
+  Real bend = 0;   // m/s: change of C in the coming substep beyond h dC/dt by the rotation of the bodies, over h
+  Real speed = 0;  // wanted dC/dt, m/s or rad/s (motors)
   Real lower = -kInfinity;  // bounds of the force (N) or torque (N m) along the Jacobian
   Real upper = kInfinity;
   Real hertz = 0;  // 0: as stiff as the solver can make it; else a spring of that frequency

@@ -1,15 +1,16 @@
-// Solver bodies: everything a contact or constraint row can push, in one dense array that the solver of the step works
+// Solver bodies: whatever contacts and constraint rows can push, in one dense array that the solver of the step works
 // on. A body or a colliding net point owns a solver slot for life; at the start of a step each owner that takes part
 // writes its solver index there. Index 0 is the world: infinite mass, at rest, never written.
 #pragma once
 #include "feder/error.h"
 #include "feder/memory.h"
 #include "feder/types.h"
+#include "state/arrays.h"
 
 namespace feder {
 
-// Per solver body and step, what the inner loops touch: 16 numbers in this order, one cache line in the float build.
-// Wide kernels load it as two rows of eight.
+// State of a solver body in a step, used by the inner loops: 16 numbers in this order, one cache line in the float
+// build. Wide kernels load it as two rows of eight.
 struct alignas(64) SolverBody {
   Vec3 velocity = Vec3::Zero();          // m/s
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
@@ -19,7 +20,7 @@ struct alignas(64) SolverBody {
 };
 static_assert(sizeof(SolverBody) == 16 * sizeof(Real));
 
-// Per solver body and step, read when rows are prepared.
+// Mass and start pose of a solver body in a step, read when rows are prepared.
 struct SolverMass {
   Real inv_mass = 0;                  // 1/kg
   Vec3 inv_mass_axes = Vec3::Zero();  // inv_mass with locked world axes zeroed (equal to inv_mass when none)
@@ -39,16 +40,13 @@ struct SolverBodies {
   // Solver index of what owns `slot`; kNone is the world.
   std::uint32_t at(std::uint32_t slot) const { return slot == kNone ? 0 : index[slot]; }
 
+  // Pose of the centre of mass now; the world's is the identity.
+  Pose pose(std::uint32_t i) const { return {mass[i].center + state[i].delta_position, state[i].rotation}; }
+
   std::uint32_t add() {
-    if (!free_list.empty()) {
-      const std::uint32_t m = free_list.back();
-      free_list.pop_back();
-      FEDER_ASSERT(m < index.size() && index[m] == 0);
-      index[m] = 0;
-      return m;
-    }
-    index.push_back(0);
-    return static_cast<std::uint32_t>(index.size() - 1);
+    const std::uint32_t slot = take_index(free_list, index.size(), [&] { index.push_back(0); });
+    FEDER_ASSERT(slot < index.size() && index[slot] == 0);
+    return slot;
   }
   void remove(std::uint32_t slot) {
     FEDER_ASSERT(slot < index.size() && free_list.size() < index.size());

@@ -1,6 +1,6 @@
-// Surfaces: how things made of points (cloth, nets) show themselves to contact. Each step their owners claim runs of
-// points and describe what lies on them; contact forms groups and finds and solves rows, couplings add rows of their
-// own. Valid from the owners' passes at cloth_prepare and net_surface to the end of the step.
+// Surfaces: points with edges and triangles (of cloths, nets) as contact sees them. Each step their owners claim runs
+// of points and describe what lies on them; contact forms loop groups and finds and solves contact rows, couplings add
+// rows of their own. Valid from the owners' passes at cloth_prepare and net_surface to the end of the step.
 #pragma once
 #include <memory>
 #include <span>
@@ -12,6 +12,7 @@
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/types.h"
+#include "state/arrays.h"
 #include "state/bodies.h"
 #include "state/solver_bodies.h"
 
@@ -31,31 +32,32 @@ struct EdgeView {
   std::uint32_t stride = 2, count = 0;
 };
 
-// What one thing shows. Indices of triangles and edges count from 0 within it.
+// The surface of one object. Indices of triangles and edges count from 0 within it.
 struct Surface {
   ObjectId object;
-  std::uint32_t first = 0, count = 0, total = 0;  // run of points: visible ones, with hidden ones behind them
+  std::uint32_t first = 0, count = 0, total = 0;  // run of points: visible ones, then hidden ones
   std::span<const std::uint32_t> triangles;       // three numbers each
   EdgeView edges;
-  const Vec3* rest = nullptr;  // by point, unstrained, m; null: it does not touch itself
+  const Vec3* rest = nullptr;  // by point, unstrained, m; null: no self-contact
   Real thickness = 0;          // m, between two layers; half of it to bodies
   Real friction = 0;
   Real relaxation = 1;  // of contact corrections, as its solver wants it
   std::uint32_t group = 1, mask = 0xffffffffu;
   Real fastest = 0;                      // m/s, of its points at the start of the step
-  Real approach_speed = 0;               // m/s, of bodies that come at it in this step
-  std::int32_t steps = 1;                // solver substeps in a substep that it asks for
-  WakeCause wakes = WakeCause::contact;  // why what it touches wakes
-  bool self = false;                     // may touch itself
-  bool active = true;                    // moves: neither asleep nor held by quarantine
+  Real approach_speed = 0;               // m/s, of approaching bodies in this step
+  std::int32_t steps = 1;                // solver substeps wanted in a substep
+  WakeCause wakes = WakeCause::contact;  // cause when a contact wakes something
+  bool self = false;                     // self-contact
+  bool active = true;                    // moves: neither asleep nor in quarantine
   bool sleep_candidate = false;          // about to fall asleep
   bool pinned = false;                   // a point of it is held
-  bool balls = false;                    // its points meet bodies as colliders of their own
-  bool coasts = false;     // its own solver runs once per substep: between contacts its points go straight on
+  bool balls = false;                    // its points are colliders of their own for bodies
+  bool coasts =
+      false;  // its own solver runs once per substep: in the contact loop its points move at constant velocity
   std::uint32_t loop = 0;  // its group, in Surfaces::groups
 };
 
-// What one row of contact or closeness pushes: up to four points by weight, and a solver body.
+// A contact row: up to four points by weight, against each other or against a solver body.
 //   C = offset + normal . (sum weight d - displacement of the solver body's point)  >= 0
 // with d the displacement of a point since the start of the step.
 struct SurfaceRow {
@@ -65,56 +67,58 @@ struct SurfaceRow {
   Real offset = 0;                 // m
   std::uint32_t solver_index = 0;  // solver index; 0: nothing that moves
   Vec3 arm = Vec3::Zero();         // from the solver body's centre of mass to the point, m
-  Vec3 slide = Vec3::Zero();       // velocity of the surface beside that of the solver body (conveyor), m/s
+  Vec3 slide = Vec3::Zero();       // surface velocity in addition to that of the solver body (conveyor), m/s
   Real friction = 0;
   Real relaxation = 1;                  // of the correction
-  std::uint32_t contact_state = kNone;  // who owns it, for its maker
-  std::uint32_t edges = 0;              // of surface against surface: 1: two ends and two; else one point and three
+  std::uint32_t contact_state = kNone;  // index of its contact state, for who made it
+  std::uint32_t edges = 0;              // between surfaces: 1: edge against edge; else point against triangle
   // written by the solver
   Real impulse = 0;   // along the normal in this substep, N s
-  Real returned = 0;  // the part of it that was taken out again as rebound, N s
-  Real approach = 0;  // closing speed before the first push of the substep, m/s
+  Real returned = 0;  // the part of it that was returned as rebound, N s
+  Real approach = 0;  // closing speed before the first impulse of the substep, m/s
 };
 
-// A point held at a point of a solver body: all three components.
+// Attachment: a point fixed to a point of a solver body, in all three components.
 struct SurfaceAttachment {
   std::uint32_t vertex = 0;
   std::uint32_t solver_index = 0;
   Vec3 arm = Vec3::Zero();    // m
-  Vec3 error = Vec3::Zero();  // vertex minus point at the start of the substep, less d then, m
+  Vec3 error = Vec3::Zero();  // vertex minus point at the start of the substep, minus d then, m
 };
 
-// Two surfaces that may touch each other in this step, and what they did.
+// A pair of surfaces that may be in contact in this step, and sums over its contacts.
 struct SurfacePair {
   std::uint32_t a = 0, b = 0;                        // in Surfaces::list; the object of a is the smaller
-  Real speed = 0, slip = 0;                          // closing and sliding, of the contact that pushed most, m/s
-  Real impulse = 0, strongest = 0;                   // sum of sizes of a step and the largest of a part of it, N s
+  Real speed = 0, slip = 0;                          // closing and sliding, of the strongest contact, m/s
+  Real impulse = 0, strongest = 0;                   // sum over the step, and the largest of a solver substep, N s
   std::uint32_t index = 0;                           // of a point of `a` there, within its surface
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // from a to b
-  double given[2][3] = {};  // momentum that points of the two really got, those held included, N s
+  double given[2][3] = {};  // momentum given to the points of the two, attached ones included, N s
 };
 
-// Surfaces that share their solver substeps: what one of them does in a substep may reach the others within it. Each
-// group runs its whole loop before the next.
+// Loop group: surfaces that may interact within a substep and so share their solver substeps. Each group runs its whole
+// loop before the next.
 struct SurfaceGroup {
-  explicit SurfaceGroup(Arena& a)
-      : members(&a), rows(&a), near_rows(&a), attachments(&a), named(&a), solver_indices(&a) {}
+  explicit SurfaceGroup(Arena& a) : arena(a) {}
 
+  Arena& arena;
   // of a step
-  Array<std::uint32_t> members;  // in Surfaces::list, ascending; the first names the group
-  int steps = 0;                 // solver substeps in a substep; 0: none of them moves
-  Real step = 0;                 // s, of one
+  Array<std::uint32_t> members{&arena};  // in Surfaces::list, ascending; the first names the group
+  int steps = 0;                         // solver substeps in a substep; 0: none of them moves
+  Real step = 0;                         // s, of one
   // of a substep
-  Array<SurfaceRow> rows;       // of couplings
-  Array<SurfaceRow> near_rows;  // of surface against surface
-  Array<SurfaceAttachment> attachments;
-  Array<std::uint32_t> named;           // solver indices of what they may touch or hang on, by couplings
-  Array<std::uint32_t> solver_indices;  // the same, each once
-  bool crowded = false;                 // surface touches surface in this substep
+  Array<SurfaceRow> rows{&arena};       // of couplings
+  Array<SurfaceRow> near_rows{&arena};  // between surfaces
+  Array<SurfaceAttachment> attachments{&arena};
+  Array<std::uint32_t> named{&arena};  // solver indices of bodies in possible contact or attachment, by couplings
+  Array<std::uint32_t> solver_indices{&arena};  // the same, each once
+  bool crowded = false;                         // contact between surfaces in this substep
 
   void begin() {  // of a step
-    members.clear(), rows.clear(), near_rows.clear(), attachments.clear(), named.clear();
-    steps = 0, step = 0, crowded = false;
+    for_each_of([](auto& array) { array.clear(); }, members, rows, near_rows, attachments, named);
+    steps = 0;
+    step = 0;
+    crowded = false;
   }
   bool touches() const { return !rows.empty() || !attachments.empty() || !near_rows.empty(); }
   void use_body(std::uint32_t solver_index) {  // its rows may name it in this substep; 0: nothing
@@ -123,60 +127,58 @@ struct SurfaceGroup {
 };
 
 struct Surfaces {
-  explicit Surfaces(Arena& a)
-      : arena(a), list(&a), position(&a), mass(&a), delta_position(&a), before(&a), velocity(&a), pairs(&a),
-        connections(&a), wakes(&a), anchors(&a), carried(&a), body_delta_position(&a), body_delta_rotation(&a) {}
+  explicit Surfaces(Arena& a) : arena(a) {}
 
   Arena& arena;
-  Array<Surface> list;  // of this step
+  Array<Surface> list{&arena};  // of this step
   // By point. Solvers and contact work on these; the first owner's points have the numbers that it gives them.
-  Array<Vec3> position;        // at the start of the step, m
-  Array<Real> mass;            // kg
-  Array<Row4> delta_position;  // since then, m; w: 1/kg
-  Array<Row4> before;          // the same at the start of the solver substep
-  Array<Row4> velocity;        // m/s; w: 1/kg
-  Array<SurfacePair> pairs;
+  Array<Vec3> position{&arena};        // at the start of the step, m
+  Array<Real> mass{&arena};            // kg
+  Array<Row4> delta_position{&arena};  // since then, m; w: 1/kg
+  Array<Row4> before{&arena};          // the same at the start of the solver substep
+  Array<Row4> velocity{&arena};        // m/s; w: 1/kg
+  Array<SurfacePair> pairs{&arena};
 
   // Groups of this step, in the order of their first members; records behind the last are kept for their memory.
   std::vector<std::unique_ptr<SurfaceGroup>> groups;
   std::size_t group_count = 0;
-  // What connects surfaces beside closeness, told by couplings before Rank::surface_groups: a surface and a dynamic
-  // solver body, or, with solver body 0, two surfaces.
+  // Connections beside proximity, declared by couplings before Rank::surface_groups: a surface and a dynamic solver
+  // body, or, with solver body 0, two surfaces.
   struct Connection {
     std::uint32_t a = 0, b = 0, solver_index = 0;
   };
-  Array<Connection> connections;
-  // Sleepers that contact wants awake; their owners read it behind Rank::surface_events, and before the plan.
+  Array<Connection> connections{&arena};
+  // Sleeping objects that contact wakes; their owners read it behind Rank::surface_events, and before the plan.
   struct Wake {
     ObjectId object, other;
     WakeCause cause = WakeCause::contact;
   };
-  Array<Wake> wakes;
-  // Points that are held by bodies, with which they do not collide; told by the owners.
+  Array<Wake> wakes{&arena};
+  // Points attached to bodies, with which they do not collide; declared by the owners.
   struct Anchor {
     std::uint32_t surface, point;
     ObjectId body;
   };
-  Array<Anchor> anchors;
-  // What bodies did to surfaces that move, at the end of the step.
+  Array<Anchor> anchors{&arena};
+  // Impulses of bodies on active surfaces, at the end of the step.
   struct Carried {
     ObjectId surface, body;
     Real impulse, support;  // N s; the part of it against gravity
   };
-  Array<Carried> carried;
-  std::uint64_t row_updates = 0;  // of the last step: elements, contacts and holds by solver substeps
+  Array<Carried> carried{&arena};
+  std::uint64_t row_updates = 0;  // of the last step: elements, contacts and attachments by solver substeps
 
-  // By solver index: what it has done since the start of the substep, as the running group sees it.
-  SolverBodies* solver_bodies = nullptr;                 // null: nothing moves beside surfaces
-  Array<Vec3> body_delta_position, body_delta_rotation;  // m, rad
+  // By solver index: displacement since the start of the substep, as the running group sees it.
+  SolverBodies* solver_bodies = nullptr;                                 // null: nothing moves beside surfaces
+  Array<Vec3> body_delta_position{&arena}, body_delta_rotation{&arena};  // m, rad
 
-  // Who has surfaces, told when that changes: contact has passes where two things may meet, where one of them takes
-  // its substeps in the loop (cloth) or touches itself, and where one has faces that a body may meet.
+  // Owners of surfaces, declared when that changes: contact has passes where two surfaces may meet, where one takes its
+  // substeps in the loop (cloth) or has self-contact, and where one has faces that a body may meet.
   struct Owner {
     std::string_view name;
     std::uint32_t count;
     bool loops;  // its solver runs in the loop of solver substeps; else it coasts there
-    bool self;   // one of them may touch itself
+    bool self;   // one of them has self-contact
     bool faces;  // one of them has triangles
   };
   std::vector<Owner> owners;
@@ -201,7 +203,7 @@ struct Surfaces {
     const bool some = bodies && bodies->size() > 0;
     return declared() > 1 || any_owner([&](const Owner& o) { return o.loops || o.self || (o.faces && some); });
   }
-  // Does this owner have surfaces that contact asks for?
+  // Whether this owner has surfaces that contact needs.
   bool shows(std::string_view name) const {
     for (const Owner& o : owners)
       if (o.name == name) return o.count > 0 && wanted();
@@ -213,20 +215,20 @@ struct Surfaces {
   // A run of `count` more points.
   std::uint32_t claim(std::uint32_t count) {
     const std::uint32_t first = size(), end = first + count;
-    position.resize(end), mass.resize(end), delta_position.resize(end), before.resize(end), velocity.resize(end);
+    for_each_of([end](auto& array) { array.resize(end); }, position, mass, delta_position, before, velocity);
     return first;
   }
   void begin() {  // of a step
-    list.clear(), pairs.clear(), connections.clear(), anchors.clear(), carried.clear();
-    position.clear(), mass.clear(), delta_position.clear(), before.clear(), velocity.clear();
+    for_each_of([](auto& array) { array.clear(); }, list, pairs, connections, anchors, carried, position, mass,
+                delta_position, before, velocity);
   }
-  // What it names is no more.
+  // Invalidates all: what they name is gone.
   void forget() {
     begin();
     clear_rows();
     group_count = 0;
   }
-  void clear_rows() {  // and holds, of all groups
+  void clear_rows() {  // and attachments, of all groups
     for (auto& g : groups) g->rows.clear(), g->attachments.clear();
   }
   Vec3 body_displacement(std::uint32_t m, const Vec3& arm) const {
@@ -241,7 +243,7 @@ struct Surfaces {
     const Vec3 rotation = cross(arm, n);
     return dot(n, mm.inv_mass_axes.cwiseProduct(n)) + dot(rotation, mm.inv_inertia * rotation);
   }
-  // By displacement: correction in kg m, within a solver substep of h.
+  // Position-based impulse: correction in kg m, within a solver substep of h.
   void push_body(std::uint32_t m, const Vec3& arm, const Vec3& correction, Real h) {
     if (m == 0) return;
     FEDER_ASSERT(h > 0);

@@ -1,3 +1,4 @@
+// The step plan: passes sorted by rank, loops put around them, and a run from top to bottom with clocks per pass.
 #include "feder/plan.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Arenas of a world, by name.
 #include "feder/memory.h"
 
 namespace feder {

@@ -1,6 +1,7 @@
-// A straight chain of equal masses and springs that swings along itself in one eigenmode (Lagrange,
-// Mechanique analitique, 1788). Each mode
-// tests frequency and damping of its own; linear as long as no spring is squeezed to nothing.
+// A straight chain of equal masses and springs that swings along itself in one eigenmode (Lagrange, Mechanique
+// analitique, 1788). Each mode tests frequency and damping of its own; linear as long as no spring is squeezed to
+// nothing.
+// Does not show: bending or large motion.
 #include "study/net_problem.h"
 
 namespace feder {
@@ -51,8 +52,7 @@ class Chain final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_chain() {
-  return {"chain", "eigenmodes of a straight chain, fixed or free at its ends",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Chain>(p); }};
+  return variant_of<StudyProblem, Chain>("chain", "eigenmodes of a straight chain, fixed or free at its ends");
 }
 
 }  // namespace feder

@@ -24,7 +24,7 @@ bool counts(const StudyPoint& p) {
   return p.completed && (p.status == PointStatus::ok || p.status == PointStatus::slow);
 }
 
-// Non-dominated places by (cost, error), cheapest first.
+// Indices of the non-dominated points by (cost, error), cheapest first.
 template <class Cost>
 std::vector<std::size_t> front(const StudyResult& r, Cost cost, double margin) {
   std::vector<std::size_t> all, out;
@@ -117,7 +117,8 @@ Line straight_stretch(const std::vector<double>& x, const std::vector<double>& y
 std::vector<Case> parts_of(const Case& c) {
   std::vector<Case> out;
   for (const StudyPoint* p : c.points) {
-    auto at = std::find_if(out.begin(), out.end(), [&](const Case& o) { return o.points.front()->way == p->way; });
+    auto at = std::find_if(out.begin(), out.end(),
+                           [&](const Case& o) { return o.points.front()->refinement_axis == p->refinement_axis; });
     if (at == out.end()) at = out.insert(out.end(), {c.method, c.settings, {}});
     at->points.push_back(p);
   }
@@ -152,7 +153,7 @@ void fit_orders(StudyResult& r, const std::vector<Case>& parts) {
                  std::pow(10, x[first]),
                  static_cast<int>(count),
                  c.settings,
-                 c.points.front()->way};
+                 c.points.front()->refinement_axis};
     if (fit.axis == "h" && c.method->order > 0) fit.expected = c.method->order;
     if (fit.axis == "tol") fit.expected = 1;
     if (fit.lo > fit.hi) std::swap(fit.lo, fit.hi);
@@ -169,7 +170,7 @@ double between(double e0, double e1, double a, double b, double target) {
 
 // Cheapest crossing of the target on the polyline of one part of a ladder, by work, behind which no finer point is
 // above the target or failed. False: it never gets there.
-bool reach_by(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
+bool crossing_of(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
   std::vector<const StudyPoint*> own;
   for (const StudyPoint* p : c.points)
     if (p->status != PointStatus::refused && p->work > 0) own.push_back(p);
@@ -199,11 +200,11 @@ bool reach_by(const StudyResult& r, const Case& c, double target, CostToAccuracy
 }
 
 // The cheapest of its parts.
-bool reach(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
+bool cost_of_case(const StudyResult& r, const Case& c, double target, CostToAccuracy& out) {
   bool any = false;
   for (const Case& part : parts_of(c)) {
     CostToAccuracy one;
-    if (!reach_by(r, part, target, one)) continue;
+    if (!crossing_of(r, part, target, one)) continue;
     const double time = std::fmin(any ? out.time_s : one.time_s, one.time_s);
     if (!any || one.work < out.work) out = std::move(one);
     out.time_s = time;
@@ -213,10 +214,10 @@ bool reach(const StudyResult& r, const Case& c, double target, CostToAccuracy& o
 }
 
 // What the cases of one method, [first, last), need for the target: the dearest of them, if all get there.
-bool reach_all(const StudyResult& r, const Case* first, const Case* last, double target, CostToAccuracy& out) {
+bool cost_of_method(const StudyResult& r, const Case* first, const Case* last, double target, CostToAccuracy& out) {
   for (const Case* c = first; c != last; ++c) {
     CostToAccuracy one;
-    if (!reach(r, *c, target, one)) return false;
+    if (!cost_of_case(r, *c, target, one)) return false;
     const double time = std::fmax(c == first ? one.time_s : out.time_s, one.time_s);
     if (c == first || one.work > out.work) out = std::move(one);
     out.time_s = time;
@@ -232,7 +233,7 @@ void fill_costs(StudyResult& r, const std::vector<Case>& cases) {
       while (next != end && next->method == c->method) ++next;
       CostToAccuracy cost;
       // 0.1, not 0.1 less rounding of the division
-      if (reach_all(r, c, next, std::pow(10, std::round(std::log10(target))), cost))
+      if (cost_of_method(r, c, next, std::pow(10, std::round(std::log10(target))), cost))
         r.cost_to_accuracy.push_back(std::move(cost));
     }
     CostToAccuracy *work = nullptr, *time = nullptr;

@@ -1,3 +1,4 @@
+// The table of extreme inputs, and the check of a refusal: message, and the same hash before and after.
 #include "study/extreme.h"
 
 #include <cstdio>

@@ -1,34 +1,19 @@
+// Extreme inputs of fluids: descriptions that must be refused, particles in one place, far away or at random, and
+// beams and budgets far from the usual, by every solver.
 #include <cmath>
 
 #include "base/rng.h"
-#include "couple/fluid_rigid.h"
-#include "feder/query.h"
-#include "feder/world.h"
-#include "fluid/solver.h"
 #include "study/extreme.h"
+#include "study/fluid_scene.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kBad = std::numeric_limits<Real>::quiet_NaN();
 constexpr double kSpacing = 0.05, kGravity = 9.81;
 
-// A tank in the plane, 1 m wide, without a lid.
+// A tank 1 m wide, and what its fluid does.
 struct FluidScene {
-  explicit FluidScene(const std::string& solver) {
-    static const SystemDescriptor* const catalog[] = {&Collide::descriptor(), &Rigid::descriptor(),
-                                                      &Fluid::descriptor(), &FluidRigid::descriptor()};
-    WorldDesc d;
-    d.dimension = 2;
-    d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
-    d.sleeping = false;
-    world = std::make_unique<World>(d, catalog);
-    for (const Vec3& n : {Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0)}) {
-      BodyDesc wall;
-      wall.type = BodyType::fixed;
-      wall.shape = make_plane(n, n[0] < 0 ? Real(-1) : Real(0));
-      world->need<Rigid>().add_body(wall);
-    }
+  explicit FluidScene(const std::string& solver) : world(make_tank(awake_world(kGravity), 1)) {
     desc.solver = solver, desc.spacing = static_cast<Real>(kSpacing);
   }
   Fluid& fluid() { return world->need<Fluid>(); }
@@ -40,11 +25,7 @@ struct FluidScene {
   void run(double seconds) {
     for (int k = 0; k < static_cast<int>(seconds * 60 + 0.5); ++k) {
       world->step();
-      for (const Event& e : world->events().list()) {
-        if (e.kind != EventKind::warning) continue;
-        warned = world->events().warning_message(e);
-        named = named || e.a == id;
-      }
+      warned.read(*world, id);
       fluid().velocities(id, velocities);
       for (const Vec3& v : velocities) fastest = std::max(fastest, static_cast<double>(length(v)));
     }
@@ -67,13 +48,9 @@ struct FluidScene {
     return sum / static_cast<double>(positions.size());
   }
   ExtremeOutcome outcome(bool good, const std::string& detail) {
-    return {good,
-            good                 ? Verdict::stable
-            : world->is_finite() ? Verdict::inaccurate
-                                 : Verdict::nan,
-            detail + ", " + labelled("fastest, m/s", fastest) +
-                (beyond() > 0 ? ", " + labelled("beyond the walls, m", beyond()) : "") +
-                (warned.empty() ? "" : "; warned: " + warned)};
+    return outcome_of(good, world->is_finite() ? Verdict::inaccurate : Verdict::nan,
+                      detail + ", " + labelled("fastest, m/s", fastest) +
+                          (beyond() > 0 ? ", " + labelled("beyond the walls, m", beyond()) : "") + warned.words());
   }
 
   std::unique_ptr<World> world;
@@ -82,8 +59,7 @@ struct FluidScene {
   std::size_t count = 0;
   std::vector<Vec3> positions, velocities;
   double fastest = 0;
-  std::string warned;
-  bool named = false;
+  WarningRecord warned;
 };
 
 std::vector<Vec3> block(int wide, int high) {
@@ -94,8 +70,7 @@ std::vector<Vec3> block(int wide, int high) {
   return points;
 }
 
-template <class F>
-ExtremeOutcome refused_fluid(const char* word, F&& spoil) {
+ExtremeOutcome refused_fluid(const char* word, void (*spoil)(FluidDesc&)) {
   FluidScene s("pbf");
   s.fill(block(4, 4));
   FluidDesc d = s.desc;
@@ -117,7 +92,7 @@ ExtremeOutcome on_one_spot(const std::string& solver, double count) {
   // fall through the tank has no measure: it must be said
   const bool burst = s.fastest > 1e3 * std::sqrt(kGravity);
   ExtremeOutcome out =
-      s.outcome(s.kept(1) && far > kSpacing && (!burst || s.named), labelled("largest distance, m", far));
+      s.outcome(s.kept(1) && far > kSpacing && (!burst || s.warned.named), labelled("largest distance, m", far));
   if (out.as_expected && burst) out.verdict = Verdict::diverged;
   return out;
 }
@@ -155,11 +130,7 @@ ExtremeOutcome beam(const std::string& solver, double ratio) {
   FluidScene s(solver);
   s.desc.viscosity = 2;
   s.fill(block(20, 8));
-  BodyDesc b;
-  b.shape = make_box(Real(0.3), Real(0.2), 1)->section();
-  b.density = static_cast<Real>(1000 * ratio);
-  b.position = Vec3(Real(0.5), Real(0.6), 0);
-  const ObjectId body = s.world->need<Rigid>().add_body(b);
+  const ObjectId body = add_beam(*s.world, 0.3, 0.2, 1000 * ratio, Vec3d(0.5, 0.6, 0));
   s.run(3);
   const double bottom = static_cast<double>(s.world->need<Rigid>().pose(body).position[1]) - 0.1;
   const bool right = ratio < 1 ? std::fabs(bottom - 0.4) < 1.5 * kSpacing : bottom < kSpacing;
@@ -185,27 +156,18 @@ ExtremeOutcome poor(const std::string& solver, double budget) {
   double mean = 0, most = 0;
   s.world->query<Fluid>()->density_error(s.id, mean, most);
   const bool held = mean < 0.01;
-  ExtremeOutcome out = s.outcome(s.kept() && (held || s.named), labelled("mean compression", mean));
+  ExtremeOutcome out = s.outcome(s.kept() && (held || s.warned.named), labelled("mean compression", mean));
   if (out.as_expected && !held) out.verdict = Verdict::inaccurate;
   return out;
 }
 
-const ExtremeCase kRefused[] = {
-    {"fluid", "spacing 0", "refused, spacing named", false,
-     [] { return refused_fluid("spacing", [](FluidDesc& d) { d.spacing = 0; }); }},
-    {"fluid", "density NaN", "refused, density named", false,
-     [] { return refused_fluid("density", [](FluidDesc& d) { d.density = kBad; }); }},
-    {"fluid", "viscosity -1", "refused, viscosity named", false,
-     [] { return refused_fluid("viscosity", [](FluidDesc& d) { d.viscosity = -1; }); }},
+constexpr RefusalRow<FluidDesc> kRefused[] = {
+    {"spacing 0", "refused, spacing named", "spacing", [](FluidDesc& d) { d.spacing = 0; }},
+    {"density NaN", "refused, density named", "density", [](FluidDesc& d) { d.density = kNan; }},
+    {"viscosity -1", "refused, viscosity named", "viscosity", [](FluidDesc& d) { d.viscosity = -1; }},
 };
 
-struct Run {
-  const char* name;
-  const char* expected;
-  double value;
-  ExtremeOutcome (*run)(const std::string& solver, double value);
-};
-const Run kRuns[] = {
+constexpr ExtremeRunRow kRuns[] = {
     {"10,000 particles on one spot", "burst with a warning, none is lost", 10000, &on_one_spot},
     {"one particle 100 tanks away", "falls freely, the others stand", 100, &stray},
     {"all particles at random", "settle, no energy from nowhere", 200, &all_random},
@@ -219,11 +181,9 @@ const Run kRuns[] = {
 }  // namespace
 
 std::vector<ExtremeCase> fluid_extremes() {
-  std::vector<ExtremeCase> all(std::begin(kRefused), std::end(kRefused));
-  for (const Variant<FluidSolver>& v : fluid_solvers())
-    for (const Run& r : kRuns)
-      all.push_back({"fluid", std::string(r.name) + ", " + v.name, r.expected, false,
-                     [solver = std::string(v.name), &r] { return r.run(solver, r.value); }});
+  std::vector<ExtremeCase> all;
+  add_refusals<FluidDesc>("fluid", kRefused, refused_fluid, all);
+  add_runs("fluid", fluid_solvers(), kRuns, all);
   return all;
 }
 

@@ -1,23 +1,22 @@
+// Extreme inputs of bodies: descriptions that must be refused, degenerate shapes, full overlap, speeds and masses a
+// thousand times the usual.
 #include <cmath>
 
 #include "feder/query.h"
 #include "feder/rigid.h"
-#include "feder/world.h"
 #include "state/bodies.h"
 #include "study/extreme.h"
+#include "study/worlds.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kBad = std::numeric_limits<Real>::quiet_NaN();
 const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor()};
 
 struct RigidScene {
   explicit RigidScene(double gravity = 9.81, const char* solver = "soft_step") {
-    WorldDesc d;
+    WorldDesc d = awake_world(gravity);
     d.systems["rigid"].set("solver", std::string(solver));
-    d.gravity = Vec3(0, static_cast<Real>(-gravity), 0);
-    d.sleeping = false;
     world = std::make_unique<World>(d, kCatalog);
   }
   Rigid& rigid() { return world->need<Rigid>(); }
@@ -39,8 +38,7 @@ struct RigidScene {
   std::unique_ptr<World> world;
 };
 
-template <class F>
-ExtremeOutcome refused_body(const char* word, F&& spoil) {
+ExtremeOutcome refused_body(const char* word, void (*spoil)(BodyDesc&)) {
   RigidScene s;
   s.add(make_box(1, 1, 1), Vec3(0, 0, 0), 1);
   BodyDesc d;
@@ -60,7 +58,7 @@ ExtremeOutcome bad_triangles() {
   s.run(3);
   const double height = static_cast<double>(s.position(ball)[1]);
   const bool good = s.world->is_finite() && std::fabs(height - 0.25) < 0.0125;
-  return {good, good ? Verdict::stable : Verdict::inaccurate, labelled("ball rests at, m", height)};
+  return outcome_of(good, Verdict::inaccurate, labelled("ball rests at, m", height));
 }
 
 ExtremeOutcome no_area() {
@@ -81,8 +79,8 @@ ExtremeOutcome full_overlap() {
   }
   const double apart = static_cast<double>(length(s.position(a) - s.position(b)));
   const bool good = s.world->is_finite() && apart > 0.95 && fastest < 4;
-  return {good, good ? Verdict::stable : (fastest < 4 ? Verdict::stuck : Verdict::growing),
-          labelled("apart, m", apart) + ", " + labelled("fastest, m/s", fastest)};
+  return outcome_of(good, fastest < 4 ? Verdict::stuck : Verdict::growing,
+                    labelled("apart, m", apart) + ", " + labelled("fastest, m/s", fastest));
 }
 
 // 167 m per step against a wall of 1 cm, 10 m away.
@@ -106,8 +104,7 @@ ExtremeOutcome needle() {
   s.run(5);
   const double height = static_cast<double>(s.position(b)[1]), speed = static_cast<double>(length(s.velocity(b)));
   const bool good = s.world->is_finite() && std::fabs(height) < 0.01 && speed < 0.05;
-  return {good, good ? Verdict::stable : Verdict::inaccurate,
-          labelled("height, m", height) + ", " + labelled("speed, m/s", speed)};
+  return outcome_of(good, Verdict::inaccurate, labelled("height, m", height) + ", " + labelled("speed, m/s", speed));
 }
 
 ExtremeOutcome stack(const char* solver, int count, double seconds, Real top_mass) {
@@ -123,8 +120,9 @@ ExtremeOutcome stack(const char* solver, int count, double seconds, Real top_mas
   const double height = static_cast<double>(s.position(top)[1]), sunk = count - 0.5 - height;
   const double kinetic = s.world->energy().kinetic;
   const bool good = s.world->is_finite() && drift < 1e-3 && kinetic < 1e-6 && sunk < 0.05 * count;
-  return {good, good ? Verdict::stable : Verdict::inaccurate,
-          labelled("drift, m/min", drift) + ", " + labelled("kinetic, J", kinetic) + ", " + labelled("sunk, m", sunk)};
+  return outcome_of(
+      good, Verdict::inaccurate,
+      labelled("drift, m/min", drift) + ", " + labelled("kinetic, J", kinetic) + ", " + labelled("sunk, m", sunk));
 }
 
 // The soft solver's contacts are springs: at 1000 : 1 the light box is pressed in, which must show as a penetration.
@@ -134,19 +132,16 @@ ExtremeOutcome heavy_on_soft() {
   return out;
 }
 
+constexpr RefusalRow<BodyDesc> kRefused[] = {
+    {"mass -1", "refused, mass named", "mass", [](BodyDesc& d) { d.mass = -1; }},
+    {"mass NaN", "refused, mass named", "mass", [](BodyDesc& d) { d.mass = kNan; }},
+    {"density 0", "refused, density named", "density", [](BodyDesc& d) { d.density = 0; }},
+    {"position NaN", "refused, position named", "position", [](BodyDesc& d) { d.position[0] = kNan; }},
+    {"velocity infinite", "refused, velocity named", "velocity", [](BodyDesc& d) { d.velocity[0] = kInfinity; }},
+    {"box of no width", "refused, the size named", "box", [](BodyDesc& d) { d.shape = make_box(0, 1, 1); }},
+};
+
 const ExtremeCase kCases[] = {
-    {"rigid", "mass -1", "refused, mass named", false,
-     [] { return refused_body("mass", [](BodyDesc& d) { d.mass = -1; }); }},
-    {"rigid", "mass NaN", "refused, mass named", false,
-     [] { return refused_body("mass", [](BodyDesc& d) { d.mass = kBad; }); }},
-    {"rigid", "density 0", "refused, density named", false,
-     [] { return refused_body("density", [](BodyDesc& d) { d.density = 0; }); }},
-    {"rigid", "position NaN", "refused, position named", false,
-     [] { return refused_body("position", [](BodyDesc& d) { d.position[0] = kBad; }); }},
-    {"rigid", "velocity infinite", "refused, velocity named", false,
-     [] { return refused_body("velocity", [](BodyDesc& d) { d.velocity[0] = kInfinity; }); }},
-    {"rigid", "box of no width", "refused, the size named", false,
-     [] { return refused_body("box", [](BodyDesc& d) { d.shape = make_box(0, 1, 1); }); }},
     {"rigid", "mesh with zero-area triangles and double vertices", "the good triangles carry a ball", false,
      &bad_triangles},
     {"rigid", "mesh without area", "refused", false, &no_area},
@@ -164,6 +159,11 @@ const ExtremeCase kCases[] = {
 
 }  // namespace
 
-std::vector<ExtremeCase> rigid_extremes() { return {std::begin(kCases), std::end(kCases)}; }
+std::vector<ExtremeCase> rigid_extremes() {
+  std::vector<ExtremeCase> all;
+  add_refusals<BodyDesc>("rigid", kRefused, refused_body, all);
+  all.insert(all.end(), std::begin(kCases), std::end(kCases));
+  return all;
+}
 
 }  // namespace feder

@@ -1,23 +1,16 @@
+// Extreme inputs of nets and of worlds: descriptions that must be refused, springs without length or stretched a
+// hundredfold, masses of 1e6 kg, steps that change a thousandfold.
 #include <cmath>
-#include <cstdio>
 
-#include "feder/net.h"
-#include "feder/world.h"
 #include "integrate/integrator.h"
 #include "integrate/limits.h"
 #include "study/extreme.h"
+#include "study/worlds.h"
 
 namespace feder {
 namespace {
 
-const SystemDescriptor* const kSprings[] = {&Springs::descriptor()};
-constexpr Real kBad = std::numeric_limits<Real>::quiet_NaN();
-
-WorldDesc weightless(double dt = 1.0 / 60) {
-  WorldDesc d;
-  d.gravity = Vec3(0, 0, 0), d.dt = dt, d.substeps = 1;
-  return d;
-}
+WorldDesc weightless(double dt = 1.0 / 60) { return awake_world(0, dt, 1); }
 
 NetDesc pair_net() {
   NetDesc d;
@@ -29,9 +22,8 @@ NetDesc pair_net() {
 }
 
 // A net that must be refused, beside one that lives on.
-template <class F>
-ExtremeOutcome refused_net(const char* word, F&& spoil) {
-  World w(weightless(), kSprings);
+ExtremeOutcome refused_net(const char* word, void (*spoil)(NetDesc&)) {
+  World w(weightless(), net_catalog());
   w.need<Springs>().add_net(pair_net());
   NetDesc d = pair_net();
   spoil(d);
@@ -39,19 +31,18 @@ ExtremeOutcome refused_net(const char* word, F&& spoil) {
       word, [&] { w.need<Springs>().add_net(d); }, [&] { return w.hash(); });
 }
 
-template <class F>
-ExtremeOutcome refused_world(const char* word, F&& spoil) {
+ExtremeOutcome refused_world(const char* word, void (*spoil)(WorldDesc&)) {
   WorldDesc d;
   spoil(d);
   return expect_refusal(
-      word, [&] { World w(d, kSprings); }, [] { return std::uint64_t{0}; });
+      word, [&] { World w(d, net_catalog()); }, [] { return std::uint64_t{0}; });
 }
 
 bool finite_net(World& w, ObjectId net) { return w.is_finite() && !w.need<Springs>().quarantined(net); }
 
 // Two points at one place pushed apart along x by a fixed rule; they must part and swing, not hang or fly off.
 ExtremeOutcome same_place() {
-  World w(weightless(1.0 / 240), kSprings);
+  World w(weightless(1.0 / 240), net_catalog());
   NetDesc d = pair_net();
   d.points[1] = d.points[0];
   const ObjectId net = w.need<Springs>().add_net(d);
@@ -62,12 +53,12 @@ ExtremeOutcome same_place() {
         std::max(most, static_cast<double>(length(w.need<Springs>().point(net, 1) - w.need<Springs>().point(net, 0))));
   }
   const bool good = finite_net(w, net) && most > 1.5 && most < 2.2;
-  return {good, good ? Verdict::stable : Verdict::stuck, labelled("largest distance, m", most)};
+  return outcome_of(good, Verdict::stuck, labelled("largest distance, m", most));
 }
 
 // f = k x: 1 m out, the amplitude stays.
 ExtremeOutcome zero_length() {
-  World w(weightless(1.0 / 240), kSprings);
+  World w(weightless(1.0 / 240), net_catalog());
   NetDesc d = pair_net();
   d.springs[0].rest_length = 0;
   d.integrator = "velocity_verlet";
@@ -79,11 +70,11 @@ ExtremeOutcome zero_length() {
     if (k >= 4300) most = std::max(most, std::fabs(static_cast<double>(w.need<Springs>().point(net, 1)[0])));
   }
   const bool good = finite_net(w, net) && std::fabs(most - 1) < 0.01;
-  return {good, good ? Verdict::stable : Verdict::growing, labelled("amplitude after 20 s, m", most)};
+  return outcome_of(good, Verdict::growing, labelled("amplitude after 20 s, m", most));
 }
 
 ExtremeOutcome stretched_hundredfold() {
-  World w(weightless(), kSprings);
+  World w(weightless(), net_catalog());
   NetDesc d = pair_net();
   d.springs[0].rest_length = Real(0.01);
   d.springs[0].stiffness = 1e6;
@@ -97,15 +88,12 @@ ExtremeOutcome stretched_hundredfold() {
     most = std::max(most, w.energy().elastic + w.energy().kinetic);
   }
   const bool good = finite_net(w, net) && most <= 1.001 * start;
-  return {good, good ? Verdict::stable : Verdict::growing,
-          labelled("largest energy by that of the start", most / start)};
+  return outcome_of(good, Verdict::growing, labelled("largest energy by that of the start", most / start));
 }
 
 // 1000 links of 0.1 m with 1e6 kg at the end: the first spring carries everything.
 ExtremeOutcome heavy_long_chain() {
-  WorldDesc wd;
-  wd.substeps = 1;
-  World w(wd, kSprings);
+  World w(awake_world(9.81, 1.0 / 60, 1), net_catalog());
   NetDesc d;
   d.name = "chain";
   constexpr std::uint32_t kLinks = 1000;
@@ -123,8 +111,7 @@ ExtremeOutcome heavy_long_chain() {
   for (int k = 0; k < 1200; ++k) w.step();
   const double tension = 1e9 * static_cast<double>(w.need<Springs>().strain(net, 0)) * 0.1, wanted = mass * 9.81;
   const bool good = finite_net(w, net) && std::fabs(tension / wanted - 1) < 0.01;
-  return {good, good ? Verdict::stable : Verdict::inaccurate,
-          labelled("tension by the weight below", tension / wanted)};
+  return outcome_of(good, Verdict::inaccurate, labelled("tension by the weight below", tension / wanted));
 }
 
 // h from 1e-4 to 1e-1 in the middle of a run, for every method without a limit.
@@ -150,7 +137,7 @@ ExtremeOutcome step_change() {
 }
 
 ExtremeOutcome tiny_velocities() {
-  World w(weightless(), kSprings);
+  World w(weightless(), net_catalog());
   NetDesc d = pair_net();
   d.velocities = {Vec3(0, std::numeric_limits<Real>::denorm_min(), 0),
                   Vec3(0, 0, std::numeric_limits<Real>::min() / 3)};
@@ -158,11 +145,11 @@ ExtremeOutcome tiny_velocities() {
   for (int k = 0; k < 600; ++k) w.step();
   const double far = static_cast<double>(length(w.need<Springs>().point(net, 1) - Vec3(1, 0, 0)));
   const bool good = finite_net(w, net) && far < 1e-6;
-  return {good, good ? Verdict::stable : Verdict::growing, labelled("moved, m", far)};
+  return outcome_of(good, Verdict::growing, labelled("moved, m", far));
 }
 
 ExtremeOutcome many_steps() {
-  World w(weightless(1.0 / 60), kSprings);
+  World w(weightless(), net_catalog());
   constexpr int kSteps = 10000000;
   for (int k = 0; k < kSteps; ++k) w.step();
   const double error = std::fabs(w.time() * 60 / kSteps - 1);
@@ -170,34 +157,30 @@ ExtremeOutcome many_steps() {
           labelled("relative error of the time", error)};
 }
 
+constexpr RefusalRow<NetDesc> kRefusedNets[] = {
+    {"mass 0", "refused, masses named", "masses[2]", [](NetDesc& d) { d.masses[1] = 0; }},
+    {"mass -1", "refused, masses named", "masses[1]", [](NetDesc& d) { d.masses[0] = -1; }},
+    {"mass NaN", "refused, masses named", "masses[1]", [](NetDesc& d) { d.masses[0] = kNan; }},
+    {"position NaN", "refused, points named", "points[2]", [](NetDesc& d) { d.points[1][2] = kNan; }},
+    {"stiffness -1", "refused, the spring named", "springs[1].stiffness",
+     [](NetDesc& d) { d.springs[0].stiffness = -1; }},
+    {"stiffness NaN", "refused, the spring named", "springs[1].stiffness",
+     [](NetDesc& d) { d.springs[0].stiffness = kNan; }},
+    {"spring from a point to itself", "refused, the spring named", "springs[1]",
+     [](NetDesc& d) { d.springs[0].j = 0; }},
+    {"no such integrator", "refused, the known ones named", "implicit_euler",
+     [](NetDesc& d) { d.integrator = "rk17"; }},
+    {"misspelt integrator option", "refused, the option named", "tolerance",
+     [](NetDesc& d) { d.integrator = "rk45", d.integrator_options.set("tolerence", 1e-3); }},
+};
+constexpr RefusalRow<WorldDesc> kRefusedWorlds[] = {
+    {"dt 0", "refused, dt named", "dt", [](WorldDesc& d) { d.dt = 0; }},
+    {"dt -1", "refused, dt named", "dt", [](WorldDesc& d) { d.dt = -1; }},
+    {"dt NaN", "refused, dt named", "dt", [](WorldDesc& d) { d.dt = NAN; }},
+    {"gravity NaN", "refused, gravity named", "gravity", [](WorldDesc& d) { d.gravity[1] = kNan; }},
+};
+
 const ExtremeCase kCases[] = {
-    {"springs", "mass 0", "refused, masses named", false,
-     [] { return refused_net("masses[2]", [](NetDesc& d) { d.masses[1] = 0; }); }},
-    {"springs", "mass -1", "refused, masses named", false,
-     [] { return refused_net("masses[1]", [](NetDesc& d) { d.masses[0] = -1; }); }},
-    {"springs", "mass NaN", "refused, masses named", false,
-     [] { return refused_net("masses[1]", [](NetDesc& d) { d.masses[0] = kBad; }); }},
-    {"springs", "position NaN", "refused, points named", false,
-     [] { return refused_net("points[2]", [](NetDesc& d) { d.points[1][2] = kBad; }); }},
-    {"springs", "stiffness -1", "refused, the spring named", false,
-     [] { return refused_net("springs[1].stiffness", [](NetDesc& d) { d.springs[0].stiffness = -1; }); }},
-    {"springs", "stiffness NaN", "refused, the spring named", false,
-     [] { return refused_net("springs[1].stiffness", [](NetDesc& d) { d.springs[0].stiffness = kBad; }); }},
-    {"springs", "spring from a point to itself", "refused, the spring named", false,
-     [] { return refused_net("springs[1]", [](NetDesc& d) { d.springs[0].j = 0; }); }},
-    {"springs", "no such integrator", "refused, the known ones named", false,
-     [] { return refused_net("implicit_euler", [](NetDesc& d) { d.integrator = "rk17"; }); }},
-    {"springs", "misspelt integrator option", "refused, the option named", false,
-     [] {
-       return refused_net("tolerance",
-                          [](NetDesc& d) { d.integrator = "rk45", d.integrator_options.set("tolerence", 1e-3); });
-     }},
-    {"world", "dt 0", "refused, dt named", false, [] { return refused_world("dt", [](WorldDesc& d) { d.dt = 0; }); }},
-    {"world", "dt -1", "refused, dt named", false, [] { return refused_world("dt", [](WorldDesc& d) { d.dt = -1; }); }},
-    {"world", "dt NaN", "refused, dt named", false,
-     [] { return refused_world("dt", [](WorldDesc& d) { d.dt = NAN; }); }},
-    {"world", "gravity NaN", "refused, gravity named", false,
-     [] { return refused_world("gravity", [](WorldDesc& d) { d.gravity[1] = kBad; }); }},
     {"springs", "two particles at one point", "part along a fixed direction and swing", false, &same_place},
     {"springs", "rest length 0", "f = k x, the amplitude stays", false, &zero_length},
     {"springs", "spring stretched 100 times", "energy does not rise", false, &stretched_hundredfold},
@@ -209,6 +192,12 @@ const ExtremeCase kCases[] = {
 
 }  // namespace
 
-std::vector<ExtremeCase> springs_extremes() { return {std::begin(kCases), std::end(kCases)}; }
+std::vector<ExtremeCase> springs_extremes() {
+  std::vector<ExtremeCase> all;
+  add_refusals<NetDesc>("springs", kRefusedNets, refused_net, all);
+  add_refusals<WorldDesc>("world", kRefusedWorlds, refused_world, all);
+  all.insert(all.end(), std::begin(kCases), std::end(kCases));
+  return all;
+}
 
 }  // namespace feder

@@ -1,5 +1,7 @@
 // Ten springs of k = 1e8 with nine masses of 1 kg and one of 1e6 kg below, let go unstretched. It
 // bounces about its equilibrium in ten modes; top tension and stretch there are known.
+// Source of the modes: Rayleigh, "The Theory of Sound" (1877), IV. Does not show: swinging, as all moves along the
+// chain.
 #include "study/net_problem.h"
 
 namespace feder {
@@ -47,8 +49,8 @@ class HangingChain final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_hanging_chain() {
-  return {"hanging_chain", "a very stiff chain with a very heavy end, let go unstretched",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<HangingChain>(p); }};
+  return variant_of<StudyProblem, HangingChain>("hanging_chain",
+                                                "a very stiff chain with a very heavy end, let go unstretched");
 }
 
 }  // namespace feder

@@ -1,8 +1,8 @@
 // A body around a fixed centre, GM = a = 1, from the pericentre. Reference: Kepler's equation
 // E - e sin E = t by Newton in long double. The start decides much: from the pericentre, kicks first and drifts first
 // differ by an order of magnitude.
+// Source: Kepler 1609. Does not show: damping, or stiffness other than by the eccentricity.
 #include "study/ode.h"
-#include "study/reference.h"
 
 namespace feder {
 namespace {
@@ -21,7 +21,6 @@ class Equation final : public PointEquation {
     k.diagonal().array() -= 1;
     return Mat3(k / r3);
   }
-  Mat3 damping(const Vec3&, const Vec3&, double) const override { return Mat3::Zero(); }
   Invariants invariants(const Vec3& x, const Vec3& v) const override {
     const double a[3] = {x[0], x[1], x[2]}, b[3] = {v[0], v[1], v[2]};
     const double r = std::hypot(a[0], a[1], a[2]), speed = std::hypot(b[0], b[1], b[2]);
@@ -64,9 +63,9 @@ class Kepler final : public OdeProblem {
       if (std::fabs(step) < 1e-19L) break;
     }
     const Wide c = std::cos(anomaly), s = std::sin(anomaly), b = std::sqrt(1 - e * e), rate = 1 / (1 - e * c);
-    out.x = {static_cast<double>(c - e), static_cast<double>(b * s), 0};
-    out.v = {static_cast<double>(-s * rate), static_cast<double>(b * c * rate), 0};
-    out.q.clear();
+    out = {{static_cast<double>(c - e), static_cast<double>(b * s), 0},
+           {static_cast<double>(-s * rate), static_cast<double>(b * c * rate), 0},
+           {}};
   }
 
  private:
@@ -76,8 +75,8 @@ class Kepler final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_kepler() {
-  return {"kepler", "orbit around a fixed centre from the pericentre; e = 0.9 asks for steps that adapt",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Kepler>(p); }};
+  return variant_of<StudyProblem, Kepler>(
+      "kepler", "orbit around a fixed centre from the pericentre; e = 0.9 asks for steps that adapt");
 }
 
 }  // namespace feder

@@ -1,7 +1,8 @@
-// A square net under tension, its edge pinned, that swings across itself in mode (p, q)
-// (Lagrange, Mechanique analitique, 1788). Springs of
-// rest length zero and stiffness T/a make the tension, so the motion is linear at any amplitude:
+// A square net under tension, its edge pinned, that swings across itself in mode (p, q) (Lagrange, Mechanique
+// analitique, 1788). Springs of rest length zero and stiffness T/a make the tension, so the motion is linear at any
+// amplitude:
 //   w_pq^2 = (4 T/(m a)) (sin^2(p pi/(2(N+1))) + sin^2(q pi/(2(N+1))))
+// Does not show: stretch, as its springs have no length.
 #include "study/net_problem.h"
 
 namespace feder {
@@ -59,8 +60,7 @@ class Membrane final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_membrane() {
-  return {"membrane", "eigenmodes of a square net under tension",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Membrane>(p); }};
+  return variant_of<StudyProblem, Membrane>("membrane", "eigenmodes of a square net under tension");
 }
 
 }  // namespace feder

@@ -2,8 +2,7 @@
 // Private to the module.
 #pragma once
 #include "feder/net.h"
-#include "study/options.h"
-#include "study/reference.h"
+#include "study/integrator_problem.h"
 
 namespace feder {
 
@@ -24,13 +23,11 @@ struct NetModel {
   std::uint32_t add(double px, double py, double pz, double m, bool pin = false);
 };
 
-class NetProblem : public StudyProblem {
+class NetProblem : public IntegratorProblem {
  public:
-  std::vector<MethodInfo> methods() const override;
-  std::vector<RunSpec> ladder(const MethodInfo& method) const override;
+  NetProblem() : IntegratorProblem("net", 16, 1e-10) {}
   std::unique_ptr<StudyRun> start(const RunSpec& spec) const override;
   void reference(double t, Observation& out) const override;
-  bool has_twins() const override { return true; }
 
  protected:
   // Energy at the start, degrees of freedom; call when the model stands.
@@ -42,8 +39,6 @@ class NetProblem : public StudyProblem {
   const LinearModes& modes() const { return *modes_; }
 
   NetModel model_;
-  std::vector<int> steps_, implicit_steps_;  // implicit_steps_ empty: as the others
-  int tolerance_steps_ = 16;
 
  private:
   void by_modes(double t, Observation& out) const;

@@ -1,3 +1,5 @@
+// Error norms and lines through points. Weak spot: an angle is the largest of all bodies, so one that spins freely
+// decides it.
 #include "study/norms.h"
 
 #include <algorithm>
@@ -28,7 +30,7 @@ double largest_angle(std::span<const double> q, std::span<const double> referenc
 
 double correct_digits(const Observation& run, const Observation& reference, double x_scale, double v_scale) {
   double digits = 17;
-  const auto look = [&](std::span<const double> a, std::span<const double> b, double scale) {
+  const auto compare = [&](std::span<const double> a, std::span<const double> b, double scale) {
     for (std::size_t i = 0; i < a.size(); ++i) {
       const double error = std::fabs(a[i] - b[i]) / scale / (1 + std::fabs(b[i]) / scale);
       if (error > 0) digits = std::min(digits, -std::log10(error));
@@ -36,8 +38,8 @@ double correct_digits(const Observation& run, const Observation& reference, doub
     }
   };
   if (run.x.size() != reference.x.size() || run.v.size() != reference.v.size()) return NAN;
-  look(run.x, reference.x, x_scale);
-  look(run.v, reference.v, v_scale);
+  compare(run.x, reference.x, x_scale);
+  compare(run.v, reference.v, v_scale);
   return digits;
 }
 

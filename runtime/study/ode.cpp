@@ -1,8 +1,8 @@
+// Runs of one point by an integrator, and its field: forces as the problem says, derivatives made negative
+// semidefinite.
 #include "study/ode.h"
 
-#include "base/rng.h"
 #include "feder/memory.h"
-#include "integrate/integrator.h"
 
 namespace feder {
 namespace {
@@ -78,61 +78,16 @@ void PointField::jacobian(std::span<const Vec3> x, std::span<const Vec3> v, doub
   k.diagonal[0] = negative_part(equation_.stiffness(x[0], v[0], t)).cast<double>();
 }
 
-Vec3 nearby(const Vec3& x, Rng& rng) {
-  Vec3 out = x;
-  for (int k = 0; k < 3; ++k)
-    out[k] += x[k] * kEpsilon * static_cast<Real>(rng.uniform(1, 2) * (rng.unit() < 0.5 ? -1 : 1));
-  return out;
+void OdeProblem::use_extrapolation(OdeReference::Rhs rhs, std::vector<Wide> start) {
+  extrapolated_ = std::make_unique<OdeReference>(std::move(rhs), std::move(start), info_.t_end, kStudySamples);
 }
 
-std::vector<int> doubling(int first, int rungs) {
-  std::vector<int> steps;
-  for (int r = 0; r < rungs; ++r) steps.push_back(first << r);
-  return steps;
-}
-
-std::vector<MethodInfo> integrator_methods() {
-  std::vector<MethodInfo> all;
-  Arena arena("study");
-  for (const Variant<Integrator>& row : integrators()) {
-    const IntegratorInfo i = row.make(arena, Params())->info();
-    all.push_back({row.name, row.summary, i.order, i.evals_per_step, i.stability_limit, i.implicit, i.adaptive});
-  }
-  return all;
-}
-
-std::unique_ptr<Integrator> make_integrator(Arena& arena, const RunSpec& spec) {
-  Params options;
-  if (spec.tolerance > 0) options.set("tolerance", spec.tolerance);
-  if (spec.iterations > 0) options.set("iterations", static_cast<double>(spec.iterations));
-  auto method = find_variant(integrators(), spec.method, "integrator").make(arena, options);
-  options.check_all_read(spec.method);
-  return method;
-}
-
-StudyCounters counters_of(const IntegratorStats& s, bool adaptive, std::int64_t steps) {
-  const auto n = [](std::uint64_t x) { return static_cast<std::int64_t>(x); };
-  StudyCounters c;
-  c.steps = adaptive ? n(s.substeps) : steps;
-  c.rejected = n(s.rejected);
-  c.force_evals = n(s.force_evals), c.jac_evals = n(s.jacobian_evals);
-  c.linear_solves = n(s.linear_solves), c.cg_iters = n(s.cg_iterations);
-  c.unconverged = n(s.unconverged);
-  return c;
-}
-
-std::vector<MethodInfo> OdeProblem::methods() const { return integrator_methods(); }
-
-std::vector<RunSpec> OdeProblem::ladder(const MethodInfo& method) const {
-  std::vector<RunSpec> rungs;
-  if (method.adaptive) {
-    const double finest = sizeof(Real) == 4 ? 1e-6 : 1e-12;
-    for (double tolerance = 1e-2; tolerance > 0.5 * finest; tolerance /= 10)
-      rungs.push_back({method.name, tolerance_steps_, tolerance, 0, 0, {}});
-    return rungs;
-  }
-  for (const int steps : steps_) rungs.push_back({method.name, steps, 0, 0, 0, {}});
-  return rungs;
+void OdeProblem::reference(double t, Observation& out) const {
+  const std::vector<Wide>& y = extrapolated_->at(t);
+  const std::size_t count = y.size() / 2;
+  out = {std::vector<double>(3), std::vector<double>(3), {}};
+  for (std::size_t k = 0; k < count; ++k)
+    out.x[k] = static_cast<double>(y[k]), out.v[k] = static_cast<double>(y[count + k]);
 }
 
 std::unique_ptr<StudyRun> OdeProblem::start(const RunSpec& spec) const {

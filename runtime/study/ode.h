@@ -1,9 +1,7 @@
 // Problems of one point, x'' = f(x, v, t)/m with up to three coordinates (angles count as coordinates), run by every
 // integrator. Private to the module.
 #pragma once
-#include "base/rng.h"
-#include "integrate/integrator.h"
-#include "study/options.h"
+#include "study/integrator_problem.h"
 
 namespace feder {
 
@@ -16,11 +14,19 @@ class PointEquation {
   double rate = 0, decay = 0;  // bounds of frequencies and decay rates, 1/s
   virtual Vec3 force(const Vec3& x, const Vec3& v, double t) const = 0;
   // df/dx and df/dv as they are; the field drops what is not symmetric negative semidefinite.
-  virtual Mat3 stiffness(const Vec3& x, const Vec3& v, double t) const = 0;
-  virtual Mat3 damping(const Vec3& x, const Vec3& v, double t) const = 0;
-  virtual Invariants invariants(const Vec3& x, const Vec3& v) const = 0;
+  virtual Mat3 stiffness(const Vec3&, const Vec3&, double) const { return Mat3::Zero(); }
+  virtual Mat3 damping(const Vec3&, const Vec3&, double) const { return Mat3::Zero(); }
+  virtual Invariants invariants(const Vec3&, const Vec3&) const { return {}; }
   // What the errors are measured on, given the state; positions and velocities as they are unless said otherwise.
   virtual void observe(const Vec3& x, const Vec3& v, double t, Observation& out) const;
+
+ protected:
+  // A matrix of one coordinate.
+  static Mat3 along_x(Real a) {
+    Mat3 m = Mat3::Zero();
+    m(0, 0) = a;
+    return m;
+  }
 };
 
 class PointField final : public ForceField {
@@ -46,30 +52,22 @@ class PointField final : public ForceField {
   Vec3 low_ = Vec3::Zero();
 };
 
-class OdeProblem : public StudyProblem {
+class OdeProblem : public IntegratorProblem {
  public:
-  OdeProblem() { info_.family = "ode"; }
-  std::vector<MethodInfo> methods() const override;
-  std::vector<RunSpec> ladder(const MethodInfo& method) const override;
+  OdeProblem() : IntegratorProblem("ode", 32, 1e-12) {}
   std::unique_ptr<StudyRun> start(const RunSpec& spec) const override;
-  bool has_twins() const override { return true; }
+  // Unless said otherwise by extrapolation, see below.
+  void reference(double t, Observation& out) const override;
 
  protected:
+  // y' = rhs(t, y) in long double, y being the coordinates and then their rates.
+  void use_extrapolation(OdeReference::Rhs rhs, std::vector<Wide> start);
+
   std::unique_ptr<PointEquation> equation_;
   Vec3 x0_ = Vec3::Zero(), v0_ = Vec3::Zero();
-  std::vector<int> steps_;    // of the ladder, coarse to fine
-  int tolerance_steps_ = 32;  // calls adaptive methods get
+
+ private:
+  std::unique_ptr<OdeReference> extrapolated_;
 };
-
-// first, 2 first, 4 first ... `rungs` of them.
-std::vector<int> doubling(int first, int rungs);
-
-// One to four last places away, in each coordinate that is not 0.
-Vec3 nearby(const Vec3& x, Rng& rng);
-
-// All integrators, as a study sees them.
-std::vector<MethodInfo> integrator_methods();
-std::unique_ptr<Integrator> make_integrator(Arena& arena, const RunSpec& spec);
-StudyCounters counters_of(const IntegratorStats& stats, bool adaptive, std::int64_t steps);
 
 }  // namespace feder

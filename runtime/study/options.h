@@ -1,4 +1,4 @@
-// Parameters of a problem: read from options, and noted with range and help for listings. Private to the module.
+// Parameters of a problem: read from options, and recorded with range and help for listings. Private to the module.
 #pragma once
 #include <charconv>
 
@@ -33,7 +33,7 @@ class ProblemOptions {
     info_.params.push_back({name, word(b), word(fallback), help, NAN, NAN, {"false", "true"}});
     return b;
   }
-  // The place of the word in `choices`.
+  // The index of the word in `choices`.
   std::size_t choice(const char* name, const char* fallback, std::vector<std::string> choices, const char* help) {
     const std::string word = given_.text({name}, fallback);
     std::string known;

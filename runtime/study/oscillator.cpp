@@ -1,6 +1,7 @@
 // m x'' = -k x - c x' with m = 1 from (1, 0). Closed form for every damping ratio
 //   x = e^(-zeta w0 t) (cos wd t + zeta w0/wd sin wd t), v = -e^(-zeta w0 t) w0^2/wd sin wd t,
 // with hyperbolic functions beyond the critical ratio, written with the two real roots because they would overflow.
+// Source: Rayleigh, "The Theory of Sound" (1877), III. Does not show: anything of non-linear forces.
 #include "study/ode.h"
 
 namespace feder {
@@ -51,43 +52,24 @@ class Oscillator final : public OdeProblem {
 
   void reference(double t, Observation& out) const override {
     double x, v;
-    state(t, x, v);
-    out.x = {x, 0, 0};
-    out.v = {v, 0, 0};
-    out.q.clear();
+    damped_oscillation(k_, c_ / 2, t, x, v);
+    out = {{x, 0, 0}, {v, 0, 0}, {}};
   }
   double reference_energy(double t) const override {
     double x, v;
-    state(t, x, v);
+    damped_oscillation(k_, c_ / 2, t, x, v);
     return 0.5 * (v * v + k_ * x * x);
   }
 
  private:
-  void state(double t, double& x, double& v) const {
-    const double w0 = std::sqrt(k_), decay = c_ / 2, square = k_ - decay * decay;
-    if (std::fabs(square) < 1e-12 * k_) {  // critical
-      const double e = std::exp(-w0 * t);
-      x = (1 + w0 * t) * e;
-      v = -k_ * t * e;
-    } else if (square > 0) {
-      const double w = std::sqrt(square), e = std::exp(-decay * t);
-      x = e * (std::cos(w * t) + decay / w * std::sin(w * t));
-      v = -e * k_ / w * std::sin(w * t);
-    } else {
-      const double root = std::sqrt(-square), fast = -decay - root, slow = k_ / fast;  // product of the roots is k
-      x = (fast * std::exp(slow * t) - slow * std::exp(fast * t)) / (fast - slow);
-      v = k_ * (std::exp(slow * t) - std::exp(fast * t)) / (fast - slow);
-    }
-  }
-
   double k_, c_;
 };
 
 }  // namespace
 
 Variant<StudyProblem> study_oscillator() {
-  return {"oscillator", "mass on a spring with a dashpot, from soft to k = 1e8 and beyond critical damping",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Oscillator>(p); }};
+  return variant_of<StudyProblem, Oscillator>(
+      "oscillator", "mass on a spring with a dashpot, from soft to k = 1e8 and beyond critical damping");
 }
 
 }  // namespace feder

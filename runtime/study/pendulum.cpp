@@ -1,8 +1,8 @@
 // theta'' = -sin theta (g/L = 1) from rest at theta0; the angle is the coordinate. By elliptic functions
 // (Jacobi 1829):
 //   sin(theta/2) = k sn(K - t | k), theta' = -2 k cn, with k = sin(theta0/2)
+// Does not show: damping; near the top the start alone decides.
 #include "study/ode.h"
-#include "study/reference.h"
 
 namespace feder {
 namespace {
@@ -10,22 +10,18 @@ namespace {
 class Equation final : public PointEquation {
  public:
   Equation() { rate = 1; }
-  Vec3 force(const Vec3& x, const Vec3&, double) const override { return Vec3(sine(x), 0, 0); }
-  Mat3 stiffness(const Vec3& x, const Vec3&, double) const override {
-    Mat3 k = Mat3::Zero();
-    k(0, 0) = static_cast<Real>(-sin_cos_cos(static_cast<double>(x[0])));
-    return k;
+  Vec3 force(const Vec3& x, const Vec3&, double) const override {
+    return Vec3(static_cast<Real>(-sin_cos_sin(static_cast<double>(x[0]))), 0, 0);
   }
-  Mat3 damping(const Vec3&, const Vec3&, double) const override { return Mat3::Zero(); }
+  Mat3 stiffness(const Vec3& x, const Vec3&, double) const override {
+    return along_x(static_cast<Real>(-sin_cos_cos(static_cast<double>(x[0]))));
+  }
   Invariants invariants(const Vec3& x, const Vec3& v) const override {
     const double w = v[0], half = std::sin(0.5 * static_cast<double>(x[0]));
     Invariants i;
     i.energy = 0.5 * w * w + 2 * half * half;
     return i;
   }
-
- private:
-  static Real sine(const Vec3& x) { return static_cast<Real>(-sin_cos_sin(static_cast<double>(x[0]))); }
 };
 
 class Pendulum final : public OdeProblem {
@@ -56,9 +52,7 @@ class Pendulum final : public OdeProblem {
   void reference(double t, Observation& out) const override {
     Wide sn, cn, dn;
     jacobi_elliptic(quarter_ - static_cast<Wide>(t), k_ * k_, k1_ * k1_, sn, cn, dn);
-    out.x = {static_cast<double>(2 * std::atan2(k_ * sn, dn)), 0, 0};
-    out.v = {static_cast<double>(-2 * k_ * cn), 0, 0};
-    out.q.clear();
+    out = {{static_cast<double>(2 * std::atan2(k_ * sn, dn)), 0, 0}, {static_cast<double>(-2 * k_ * cn), 0, 0}, {}};
   }
 
  private:
@@ -68,8 +62,7 @@ class Pendulum final : public OdeProblem {
 }  // namespace
 
 Variant<StudyProblem> study_pendulum() {
-  return {"pendulum", "a pendulum of any amplitude, up to nearly upside down",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<Pendulum>(p); }};
+  return variant_of<StudyProblem, Pendulum>("pendulum", "a pendulum of any amplitude, up to nearly upside down");
 }
 
 }  // namespace feder

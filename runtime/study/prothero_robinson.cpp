@@ -1,6 +1,7 @@
 // y' = lambda (y - cos t) - sin t, y(0) = 1, exact cos t, lambda = -1e6 (Prothero and Robinson 1974). Shows order
 // reduction: stiff beyond all steps, though the solution is smooth. Of the first order: y is the velocity of a point
 // whose position nobody asks for, so what is observed is v.
+// Does not show: anything of positions.
 #include "study/ode.h"
 
 namespace feder {
@@ -16,17 +17,8 @@ class Equation final : public PointEquation {
     const Real c = static_cast<Real>(sin_cos_cos(t)), s = static_cast<Real>(sin_cos_sin(t));
     return Vec3(-lambda_ * (v[0] - c) - s, 0, 0);
   }
-  Mat3 stiffness(const Vec3&, const Vec3&, double) const override { return Mat3::Zero(); }
-  Mat3 damping(const Vec3&, const Vec3&, double) const override {
-    Mat3 m = Mat3::Zero();
-    m(0, 0) = -lambda_;
-    return m;
-  }
-  Invariants invariants(const Vec3&, const Vec3&) const override { return {}; }
-  void observe(const Vec3&, const Vec3& v, double, Observation& out) const override {
-    out.x = {v[0], 0, 0};
-    out.v.clear(), out.q.clear();
-  }
+  Mat3 damping(const Vec3&, const Vec3&, double) const override { return along_x(-lambda_); }
+  void observe(const Vec3&, const Vec3& v, double, Observation& out) const override { out = {{v[0], 0, 0}, {}, {}}; }
 
  private:
   Real lambda_;
@@ -45,18 +37,14 @@ class ProtheroRobinson final : public OdeProblem {
     set_reference(ReferenceKind::closed, 16, 2e-16, "cos t");
     steps_ = doubling(25, 9);
   }
-  void reference(double t, Observation& out) const override {
-    out.x = {std::cos(t), 0, 0};
-    out.v.clear(), out.q.clear();
-  }
+  void reference(double t, Observation& out) const override { out = {{std::cos(t), 0, 0}, {}, {}}; }
 };
 
 }  // namespace
 
 Variant<StudyProblem> study_prothero_robinson() {
-  return {
-      "prothero_robinson", "a smooth solution that attracts at the rate 1e6: order reduction of stiff methods",
-      [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<ProtheroRobinson>(p); }};
+  return variant_of<StudyProblem, ProtheroRobinson>(
+      "prothero_robinson", "a smooth solution that attracts at the rate 1e6: order reduction of stiff methods");
 }
 
 }  // namespace feder

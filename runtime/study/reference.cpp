@@ -1,3 +1,6 @@
+// Gragg-Bulirsch-Stoer extrapolation (Hairer, Norsett & Wanner 1993, II.9), cyclic Jacobi (Golub & Van Loan 2013, 8.5)
+// and Jacobi's elliptic functions (Abramowitz & Stegun 1964, 16.4). Weak spot: explicit, so stiff problems take it
+// long; long double is no wider than double on some machines.
 #include "study/reference.h"
 
 #include <algorithm>
@@ -22,15 +25,15 @@ OdeReference::OdeReference(Rhs rhs, std::vector<Wide> start, double t_end, int s
 }
 
 const std::vector<Wide>& OdeReference::at(double t) {
-  const double place = t / t_end_ * (samples_ - 1);
-  const auto k = static_cast<std::size_t>(std::floor(place + 1e-9));
+  const double sample = t / t_end_ * (samples_ - 1);
+  const auto k = static_cast<std::size_t>(std::floor(sample + 1e-9));
   const auto time = [&](std::size_t i) { return static_cast<Wide>(t_end_) * static_cast<Wide>(i) / (samples_ - 1); };
   while (states_.size() <= k) {
     std::vector<Wide> y = states_.back();
     advance(time(states_.size() - 1), time(states_.size()), y, step_);
     states_.push_back(std::move(y));
   }
-  if (std::fabs(place - static_cast<double>(k)) < 1e-9) return states_[k];
+  if (std::fabs(sample - static_cast<double>(k)) < 1e-9) return states_[k];
   previous_ = states_[k];
   Wide step = step_;
   advance(time(k), static_cast<Wide>(t), previous_, step);
@@ -53,7 +56,7 @@ void OdeReference::advance(Wide from, Wide to, std::vector<Wide>& y, Wide& step)
     int rows = 0;
     if (!extrapolate(t, h, y, rows)) {
       step = h / 2;
-      if (step < 1e-15L * (to - from)) return;  // not to be had; the tests of the digits would tell
+      if (step < 1e-15L * (to - from)) return;  // not to be had; the tests of the digits would find it
       continue;
     }
     y = current_;
@@ -110,6 +113,23 @@ void OdeReference::midpoint(Wide t, Wide h, int n, const std::vector<Wide>& y, s
   rhs_(t + h, between_.data(), slope_.data());
   for (std::size_t i = 0; i < y.size(); ++i) out[i] = (before[i] + between_[i] + s * slope_[i]) / 2;
   evaluations_ += n + 1;
+}
+
+void damped_oscillation(double k, double decay, double t, double& x, double& v) {
+  const double square = k - decay * decay;
+  if (std::fabs(square) < 1e-12 * k) {  // critical
+    const double w = std::sqrt(k), e = std::exp(-w * t);
+    x = (1 + w * t) * e;
+    v = -k * t * e;
+  } else if (square > 0) {
+    const double w = std::sqrt(square), e = std::exp(-decay * t);
+    x = e * (std::cos(w * t) + decay / w * std::sin(w * t));
+    v = -e * k / w * std::sin(w * t);
+  } else {
+    const double root = std::sqrt(-square), fast = decay + root, slow = k / fast;  // product of the roots is k
+    x = (fast * std::exp(-slow * t) - slow * std::exp(-fast * t)) / (fast - slow);
+    v = k * (std::exp(-fast * t) - std::exp(-slow * t)) / (fast - slow);
+  }
 }
 
 void eigen_symmetric(std::vector<Wide> a, std::size_t n, std::vector<Wide>& values, std::vector<Wide>& vectors) {

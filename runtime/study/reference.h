@@ -51,6 +51,11 @@ class LinearModes {
   std::vector<Wide> frequency_, vectors_, root_mass_, u_, v_;
 };
 
+// x'' = -k x - 2 decay x' from (1, 0), for every damping ratio:
+//   x = e^(-decay t) (cos w t + decay/w sin w t), v = -e^(-decay t) k/w sin w t, w = sqrt(k - decay^2),
+// with hyperbolic functions beyond the critical ratio, written with the two real roots because they would overflow.
+void damped_oscillation(double k, double decay, double t, double& x, double& v);
+
 // Eigenvalues (ascending) and orthonormal eigenvectors (columns) of a symmetric n x n matrix.
 void eigen_symmetric(std::vector<Wide> a, std::size_t n, std::vector<Wide>& values, std::vector<Wide>& vectors);
 

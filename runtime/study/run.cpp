@@ -62,7 +62,7 @@ class RunWatch {
   }
 
   // False: the run is over.
-  bool look(StudyRun& run, std::int64_t k, std::int64_t steps) {
+  bool record(StudyRun& run, std::int64_t k, std::int64_t steps) {
     const double t = k == steps ? info_.t_end : static_cast<double>(k) * h_;
     std::swap(before_, now_);
     std::swap(t_before_, t_now_);
@@ -204,7 +204,7 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
   point.iters = spec.iterations > 0 ? spec.iterations : -1;
   point.substeps = spec.substeps > 0 ? spec.substeps : -1;
   point.settings = spec.settings;
-  point.way = spec.way;
+  point.refinement_axis = spec.refinement_axis;
   std::unique_ptr<StudyRun> run;
   try {
     run = problem.start(spec);
@@ -220,7 +220,7 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
   for (std::int64_t k = 1; k <= spec.steps; ++k) {
     run->step();
     if (!watch.wants(k, spec.steps)) continue;
-    if (!watch.look(*run, k, spec.steps)) break;
+    if (!watch.record(*run, k, spec.steps)) break;
     if (work_of(run->counters(), weights) * size > limits.budget_work && k < spec.steps) {
       watch.fail(PointStatus::slow, static_cast<double>(k) * point.h_s, "work budget");
       break;

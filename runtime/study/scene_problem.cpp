@@ -1,3 +1,6 @@
+// Runs of worlds as a study sees them, and their references: stated, the scene's own course, or refined runs between
+// which is interpolated linearly. Weak spot: a refined reference is as good as its two runs differ, which hides what
+// both get wrong.
 #include "study/scene_problem.h"
 
 #include <algorithm>
@@ -6,8 +9,9 @@
 #include "feder/rigid.h"
 #include "state/bodies.h"
 #include "state/particles.h"
+#include "study/integrator_problem.h"
 #include "study/norms.h"
-#include "study/ode.h"
+#include "study/worlds.h"
 
 namespace feder {
 namespace {
@@ -19,19 +23,17 @@ void add(std::vector<double>& out, const Vec3& a) {
 class SceneRun final : public StudyRun {
  public:
   SceneRun(std::unique_ptr<SceneWorld> scene, int steps, std::function<double(SceneWorld&)> own_error)
-      : scene_(std::move(scene)), steps_(steps), judge_(std::move(own_error)) {}
+      : scene_(std::move(scene)), steps_(steps), own_error_(std::move(own_error)) {}
 
   void step() override {
     scene_->step();
-    for (const Event& e : scene_->world().events().list())
-      if (e.kind == EventKind::warning) warning_ = scene_->world().events().warning_message(e);
-    if (++done_ == steps_ && judge_) error_ = judge_(*scene_);
+    warned_.read(scene_->world());
+    if (++done_ == steps_ && own_error_) error_ = own_error_(*scene_);
   }
   void observe(Observation& out) override { scene_->observe(out); }
   Invariants invariants() override {
     Invariants i;
-    const Energy e = scene_->world().energy();
-    i.energy = e.kinetic + e.potential + e.elastic;
+    i.energy = total_energy(scene_->world());
     const Momentum p = scene_->world().momentum();
     for (int k = 0; k < 3; ++k) i.momentum[k] = p.linear[k], i.angular[k] = p.angular[k];
     i.momentum_scale = std::hypot(i.momentum[0], i.momentum[1], i.momentum[2]);
@@ -59,17 +61,17 @@ class SceneRun final : public StudyRun {
   }
   std::size_t bytes() const override { return scene_->world().bytes(); }
   bool gave_up() const override { return !scene_->world().is_finite(); }
-  std::string warning() const override { return warning_; }
+  std::string warning() const override { return warned_.last; }
   double event_error() const override { return scene_->event_error(); }
   double own_error() const override { return error_; }
-  bool measures_itself() const override { return static_cast<bool>(judge_); }
+  bool measures_itself() const override { return static_cast<bool>(own_error_); }
 
  private:
   std::unique_ptr<SceneWorld> scene_;
   int steps_, done_ = 0;
-  std::function<double(SceneWorld&)> judge_;
+  std::function<double(SceneWorld&)> own_error_;
   double error_ = NAN;
-  std::string warning_;
+  WarningRecord warned_;
 };
 
 std::vector<int> around(double t_end, double dt) {
@@ -105,7 +107,8 @@ SceneProblem::SceneProblem(SceneDescription description) : scene_(std::move(desc
   if (scene_.methods.empty()) throw SceneError("study: expected at least one method");
   if (scene_.ladders.empty()) scene_.ladders.emplace_back();
   for (SceneLadder& l : scene_.ladders) {
-    if (l.steps.empty()) l.steps = l.way.empty() ? around(info_.t_end, scene_.dt) : std::vector<int>{own_spec().steps};
+    if (l.steps.empty())
+      l.steps = l.refinement_axis.empty() ? around(info_.t_end, scene_.dt) : std::vector<int>{own_spec().steps};
     for (int n : l.steps)
       if (n < 1 || info_.t_end / n > 1 + 1e-12)
         throw SceneError("study: expected steps of at most 1 s over " + std::to_string(info_.t_end) + " s, got " +
@@ -147,7 +150,7 @@ std::vector<RunSpec> SceneProblem::ladder(const MethodInfo& method) const {
   std::vector<RunSpec> all;
   for (const SceneLadder& l : scene_.ladders) {
     if (!l.methods.empty() && std::find(l.methods.begin(), l.methods.end(), method.name) == l.methods.end()) continue;
-    std::vector<RunSpec> rungs = {{method.name, 1, 0, 0, 0, {}, l.way}};
+    std::vector<RunSpec> rungs = {{method.name, 1, 0, 0, 0, {}, l.refinement_axis}};
     const auto multiply = [&](const auto& values, auto set) {
       if (values.empty()) return;
       std::vector<RunSpec> next;
@@ -270,7 +273,7 @@ void SceneProblem::measure(const Refined& best, const Refined& other) const {
     r.uncertainty = NAN;
     return;
   }
-  // of the error's own measure, where that is not the places at the end
+  // of the error's own measure, where that is not the positions at the end
   double apart = rms_distance(best.states.back().x, other.states.back().x) / info.x_scale;
   if (scene_.has_error && best.measure.size() == other.measure.size())
     apart = rms_distance(best.measure, other.measure) / info.x_scale;
@@ -290,10 +293,10 @@ void SceneProblem::reference(double t, Observation& out) const {
   }
   // linear between the states that were kept
   const Refined& r = refined();
-  const double place = t / info_.t_end * static_cast<double>(r.states.size() - 1);
-  const auto k = std::min(static_cast<std::size_t>(place + 1e-9), r.states.size() - 1);
+  const double sample = t / info_.t_end * static_cast<double>(r.states.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(sample + 1e-9), r.states.size() - 1);
   out = r.states[k];
-  const double s = place - static_cast<double>(k);
+  const double s = sample - static_cast<double>(k);
   if (s < 1e-9 || k + 1 >= r.states.size()) return;
   const Observation& next = r.states[k + 1];
   for (std::size_t i = 0; i < out.x.size() && i < next.x.size(); ++i) out.x[i] += s * (next.x[i] - out.x[i]);
@@ -304,10 +307,10 @@ double SceneProblem::reference_energy(double t) const {
   if (scene_.reference != Reference::refined) return referee().reference_energy(t);
   if (scene_.has_error) return NAN;
   const Refined& r = refined();
-  const double place = t / info_.t_end * static_cast<double>(r.energy.size() - 1);
-  const auto k = static_cast<std::size_t>(place);
+  const double sample = t / info_.t_end * static_cast<double>(r.energy.size() - 1);
+  const auto k = static_cast<std::size_t>(sample);
   if (k + 1 >= r.energy.size()) return r.energy.back();
-  const double s = place - static_cast<double>(k);
+  const double s = sample - static_cast<double>(k);
   return (1 - s) * r.energy[k] + s * r.energy[k + 1];
 }
 

@@ -40,7 +40,7 @@ struct SceneLadder {
   std::vector<int> steps, substeps, iterations;
   std::vector<double> tolerances;
   std::vector<std::pair<std::string, std::vector<std::string>>> settings;  // name and values: other problems
-  std::string way;                                                         // RunSpec::way
+  std::string refinement_axis;                                             // RunSpec::refinement_axis
 };
 
 struct SceneDescription {

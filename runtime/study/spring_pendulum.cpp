@@ -1,4 +1,5 @@
 // A mass on a stiff spring that swings from the level, E0 = 0. Slow swing and fast stretch in one.
+// Source: Vitt and Gorelik 1933. Reference: extrapolation (reference.h). Does not show: damping.
 #include "study/net_problem.h"
 
 namespace feder {
@@ -31,8 +32,8 @@ class SpringPendulum final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_spring_pendulum() {
-  return {"spring_pendulum", "a mass on a stiff spring, swinging from the level",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<SpringPendulum>(p); }};
+  return variant_of<StudyProblem, SpringPendulum>("spring_pendulum",
+                                                  "a mass on a stiff spring, swinging from the level");
 }
 
 }  // namespace feder

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "base/registry.h"
 #include "study/stability_problem.h"
 
 namespace feder {
@@ -19,14 +18,15 @@ double largest(const std::vector<double>& e, std::size_t first, std::size_t last
 
 }  // namespace
 
-Verdict judge(const StabilityTrace& j, double length, double energy, const StabilityThresholds& limits,
-              const StabilityCell& c) {
+Verdict verdict_of(const StabilityTrace& j, double length, double energy, const StabilityThresholds& limits,
+                   const StabilityCell& c) {
   const std::size_t n = j.energy.size();
   if (n >= 8) {
     const double second = largest(j.energy, n / 4, n / 2), last = largest(j.energy, 3 * n / 4, n);
     if (last > limits.growth * second && last > limits.growth_start * j.energy.front()) return Verdict::growing;
   }
-  if (j.reference_moved > limits.moves * length && j.moved < limits.stuck * j.reference_moved) return Verdict::stuck;
+  if (j.reference_displacement > limits.moves * length && j.displacement < limits.stuck * j.reference_displacement)
+    return Verdict::stuck;
   // quarters, because the energy of symplectic methods swings
   for (std::size_t q = 0; q < 4 && n >= 8 && j.exact_energy.size() == n; ++q) {
     const std::size_t first = q * n / 4, last = (q + 1) * n / 4;
@@ -37,23 +37,20 @@ Verdict judge(const StabilityTrace& j, double length, double energy, const Stabi
   return c.missed > limits.slow ? Verdict::slow : Verdict::stable;
 }
 
-StabilityCell judge_run(const StabilityRun& run, double x, double y, const StabilityThresholds& limits) {
+StabilityCell run_cell(const StabilityRun& run, double x, double y, const StabilityThresholds& limits) {
   StabilityCell cell;
   cell.x = x, cell.y = y;
   World& w = run.world;
-  const auto total = [&w] {
-    const Energy e = w.energy();
-    return e.kinetic + e.potential + e.elastic;
-  };
-  const double start = total();
+  WarningRecord warned;
+  const double start = total_energy(w);
   const int steps = static_cast<int>(std::lround(run.seconds / w.desc().dt));
   double most = 0, late = 0, second = 0;
   for (int k = 0; k < steps; ++k) {
     w.step();
-    run.look();
-    for (const Event& e : w.events().list())
-      if (e.kind == EventKind::warning) cell.entity = w.events().warning_message(e);
-    const double gained = total() - start;
+    run.record();
+    warned.read(w);
+    cell.entity = warned.last;
+    const double gained = total_energy(w) - start;
     most = std::max(most, gained);
     if (4 * k >= 3 * steps)
       late = std::max(late, gained);
@@ -86,23 +83,34 @@ StabilityProblems all_problems() {
   return all;
 }
 
-std::unique_ptr<StabilityProblem> find_problem(const std::string& name) {
-  std::string known;
-  for (auto& problem : all_problems()) {
-    const std::string own = problem->info().name;
-    if (own == name) return std::move(problem);
-    known += (known.empty() ? "" : ", ") + own;
+class StabilityTable final : public StabilityProblem {
+ public:
+  StabilityTable(StabilityProblemInfo info, std::vector<StabilityMethod> methods, StabilityCells cells)
+      : info_(std::move(info)), methods_(std::move(methods)), cells_(std::move(cells)) {}
+  StabilityProblemInfo info() const override { return info_; }
+  std::vector<StabilityMethod> methods() const override { return methods_; }
+  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
+    return cells_(method, x, y, limits);
   }
-  throw SceneError("unknown stability problem '" + name + "'; known: " + known);
+
+ private:
+  StabilityProblemInfo info_;
+  std::vector<StabilityMethod> methods_;
+  StabilityCells cells_;
+};
+
+std::unique_ptr<StabilityProblem> find_problem(const std::string& name) {
+  const std::vector<StabilityProblemInfo> infos = stability_problem_infos();
+  const auto& row = find_variant(std::span<const StabilityProblemInfo>(infos), name, "stability problem");
+  return std::move(all_problems()[static_cast<std::size_t>(&row - infos.data())]);
 }
 
 StabilityMethod find_method(const StabilityProblem& problem, const std::string& name) {
-  std::string known;
-  for (const StabilityMethod& m : problem.methods()) {
+  const std::vector<StabilityMethod> methods = problem.methods();
+  for (const StabilityMethod& m : methods)
     if (m.name == name) return m;
-    known += (known.empty() ? "" : ", ") + m.name;
-  }
-  throw SceneError("unknown method '" + name + "' of " + problem.info().name + "; known: " + known);
+  throw SceneError("unknown method '" + name + "' of " + problem.info().name +
+                   "; known: " + variant_names(std::span<const StabilityMethod>(methods)));
 }
 
 StabilityMap run_map(const StabilityProblem& problem, const StabilityMethod& method, const StabilityPlan& plan) {
@@ -129,6 +137,26 @@ StabilityMap run_map(const StabilityProblem& problem, const StabilityMethod& met
 }
 
 }  // namespace
+
+std::unique_ptr<StabilityProblem> stability_table(const char* family, StabilityProblemInfo info,
+                                                  std::vector<StabilityMethod> methods, StabilityCells cells) {
+  info.family = family;
+  return std::make_unique<StabilityTable>(std::move(info), std::move(methods), std::move(cells));
+}
+
+std::string failed_entity(World& w, std::string object) {
+  for (const Event& e : w.events().list())
+    if (e.kind == EventKind::warning && w.events().warning_code(e) == "non_finite")
+      return w.events().warning_message(e);
+  return object;
+}
+
+std::vector<double> decades(double lo, double hi, int per_decade) {
+  std::vector<double> out;
+  const int count = static_cast<int>(std::lround((hi - lo) * per_decade));
+  for (int k = 0; k <= count; ++k) out.push_back(std::pow(10.0, lo + static_cast<double>(k) / per_decade));
+  return out;
+}
 
 const char* name_of(Verdict v) {
   static const char* const names[] = {"nan",        "diverged", "growing", "stuck", "damped",

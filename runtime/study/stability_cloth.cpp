@@ -4,55 +4,30 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloth/solver.h"
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "study/cloth_scene.h"
 #include "study/stability_problem.h"
 
 namespace feder {
 namespace {
 
 constexpr double kGravity = 9.81;
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
-                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
+constexpr int kPoints = 11;
 
 struct ClothCell {
   std::unique_ptr<World> world;
-  ObjectId cloth, body;
+  HungSheet sheet;
   double seconds = 2;
   double energy = 1;  // J, scale
   double length = 1;  // m, that the cloth may reach
-  // Of the end state, by the length; NaN: not judged.
+  // Of the end state, by the length; NaN: not known.
   double (*error)(ClothCell&) = nullptr;
   double expected = NAN;
   double most_work = 0, mean_work = 0;  // row updates of a step
   ShapePtr shape;                       // that must keep free vertices out
 };
 
-std::vector<double> decades(int lo, int hi) {
-  std::vector<double> out;
-  for (int k = lo; k <= hi; ++k) out.push_back(std::pow(10.0, k));
-  return out;
-}
-
-std::unique_ptr<World> make_world(double rate) {
-  WorldDesc d;
-  d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
-  d.dt = 1 / rate;
-  d.sleeping = false;
-  return std::make_unique<World>(d, kCatalog);
-}
-
-ClothDesc square(const std::string& solver, double stiffness) {
-  ClothDesc d;
-  d.nx = d.ny = 11;
-  d.solver = solver;
-  d.stretch = static_cast<Real>(stiffness);
-  d.damping = Real(0.02);
-  return d;
+std::unique_ptr<World> make_world(double rate, int substeps = 4) {
+  return std::make_unique<World>(awake_world(kGravity, 1 / rate, substeps), cloth_catalog());
 }
 
 // A bar of `y` times the mass of the sheet at its lower border; x = stretch stiffness; `iterations` in each substep of
@@ -60,32 +35,17 @@ ClothDesc square(const std::string& solver, double stiffness) {
 ClothCell hang(std::unique_ptr<World> world, const std::string& solver, double x, double y, int iterations) {
   ClothCell c;
   c.world = std::move(world);
-  Cloth& cloth = c.world->need<Cloth>();
-  Rigid& rigid = c.world->need<Rigid>();
-  ClothDesc d = square(solver, x);
-  d.self_collision = false;
-  d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
-  d.pin_names = {"top"};
+  ClothDesc d = upright_sheet(kPoints, x, "top");
+  d.solver = solver;
   d.max_strain = kInfinity;  // of the material
   if (iterations > 0) d.max_substeps = 1, d.solver_options.set("iterations", static_cast<double>(iterations));
-  c.cloth = cloth.add_cloth(d);
   const double mass = static_cast<double>(d.area_density) * y;
   const double strain = (mass + 0.5 * static_cast<double>(d.area_density)) * kGravity / x;
-  BodyDesc bar;
-  bar.shape = make_box(1, Real(0.05), Real(0.05));
-  bar.mass = static_cast<Real>(mass);
-  bar.group = 0;  // it only hangs there
-  bar.position = cloth.point(c.cloth, 110 + 5);
-  c.body = rigid.add_body(bar);
-  for (std::size_t i = 110; i < 121; ++i)
-    cloth.attach(c.cloth, i, c.body, to_local(rigid.pose(c.body), cloth.point(c.cloth, i)));
+  c.sheet = hang_sheet(*c.world, d, mass);
   c.energy = (mass + static_cast<double>(d.area_density)) * kGravity * (1 + 2 * strain);
   c.length = 1 + 2 * strain;
   c.expected = strain < 0.2 ? strain : NAN;  // else it is still falling when time is up
-  c.error = [](ClothCell& e) {
-    const Vec3 top = e.world->need<Cloth>().point(e.cloth, 5), low = e.world->need<Cloth>().point(e.cloth, 115);
-    return std::fabs(static_cast<double>(length(top - low)) - 1 - e.expected);
-  };
+  c.error = [](ClothCell& e) { return std::fabs(hung_length(e.world->need<Cloth>(), e.sheet) - 1 - e.expected); };
   return c;
 }
 
@@ -101,31 +61,28 @@ ClothCell draped(const std::string& solver, double x, double y) {
   ball.type = BodyType::fixed;
   ball.shape = make_sphere(Real(0.3));
   ball.friction_static = ball.friction_dynamic = 1;
-  c.body = c.world->need<Rigid>().add_body(ball);
-  ClothDesc d = square(solver, x);
+  c.world->need<Rigid>().add_body(ball);
+  ClothDesc d = square_sheet(kPoints, x);
+  d.solver = solver;
   d.pose.position = Vec3(0, Real(0.5), 0);
   d.friction = 1;
-  c.cloth = cloth.add_cloth(d);
+  c.sheet.cloth = cloth.add_cloth(d);
   c.length = 1 + 2 * kGravity * static_cast<double>(d.area_density) / x;
   c.energy = static_cast<double>(d.area_density) * kGravity * c.length;
   c.expected = x >= 100 ? 0 : NAN;
   c.error = [](ClothCell& e) {
     double deepest = 0;
     const Cloth& sheets = e.world->need<Cloth>();
-    for (std::size_t i = 0; i < sheets.vertex_count(e.cloth); ++i)
-      deepest = std::max(deepest, 0.3 - static_cast<double>(length(sheets.point(e.cloth, i))));
-    return deepest > 0.01 ? deepest + 0.1 : std::max(0.0, static_cast<double>(sheets.max_strain(e.cloth)) - 0.05);
+    for (std::size_t i = 0; i < sheets.vertex_count(e.sheet.cloth); ++i)
+      deepest = std::max(deepest, 0.3 - static_cast<double>(length(sheets.point(e.sheet.cloth, i))));
+    return deepest > 0.01 ? deepest + 0.1 : std::max(0.0, static_cast<double>(sheets.max_strain(e.sheet.cloth)) - 0.05);
   };
   return c;
 }
 
 // x = substeps, y = iterations, for solvers that have them: a bar of ten times the mass on a stiff sheet.
 ClothCell swept(const std::string& solver, double x, double y) {
-  WorldDesc d;
-  d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
-  d.substeps = static_cast<int>(x);
-  d.sleeping = false;
-  return hang(std::make_unique<World>(d, kCatalog), solver, 1e4, 10, static_cast<int>(y));
+  return hang(make_world(60, static_cast<int>(x)), solver, 1e4, 10, static_cast<int>(y));
 }
 
 // Shapes of the map of pinned sheets, by number, with +x as the normal at x = 0.1.
@@ -160,14 +117,12 @@ ClothCell pinned(const std::string& solver, double x, double y) {
   BodyDesc b;
   b.type = BodyType::fixed;
   b.shape = c.shape = mast(static_cast<int>(y));
-  c.body = c.world->need<Rigid>().add_body(b);
-  ClothDesc d = square(solver, 8000);
-  d.self_collision = false;
+  c.world->need<Rigid>().add_body(b);
+  ClothDesc d = upright_sheet(kPoints, 8000, "left");
+  d.solver = solver;
   d.area_density = Real(0.4), d.thickness = Real(0.012);
-  d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), kPi / 2);
   d.pose.position = Vec3(static_cast<Real>(0.6 + 0.001 * x), 0, 0);
-  d.pin_names = {"left"};
-  c.cloth = c.world->need<Cloth>().add_cloth(d);
+  c.sheet.cloth = c.world->need<Cloth>().add_cloth(d);
   Params wind;
   wind.set("velocity", std::vector<double>{3, 0, -9});
   ForceEntry all;
@@ -177,11 +132,12 @@ ClothCell pinned(const std::string& solver, double x, double y) {
   c.expected = 0;
   c.error = [](ClothCell& e) {
     const Cloth& cloth = e.world->need<Cloth>();
+    const ObjectId sheet = e.sheet.cloth;
     double deepest = e.most_work > 5 * e.mean_work ? 1 : 0;
     Vec3 normal;
-    for (std::size_t i = 0; i < cloth.vertex_count(e.cloth); ++i)
-      if (!cloth.pinned(e.cloth, i))
-        deepest = std::max(deepest, -static_cast<double>(e.shape->distance(cloth.point(e.cloth, i), 1, normal)));
+    for (std::size_t i = 0; i < cloth.vertex_count(sheet); ++i)
+      if (!cloth.pinned(sheet, i))
+        deepest = std::max(deepest, -static_cast<double>(e.shape->distance(cloth.point(sheet, i), 1, normal)));
     return deepest > 0.002 ? deepest + 0.1 : 0;
   };
   return c;
@@ -206,44 +162,34 @@ struct ClothMapRow {
   bool iterates = false;  // only for solvers that take iterations
 };
 
-const std::vector<ClothMapRow>& rows() {
-  static const StabilityAxis stiffness = {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6), {1, 1e3, 1e6}};
-  static const std::vector<ClothMapRow> table = {
-      {{"hanging_sheet",
-        "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s",
-        stiffness,
-        {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}},
-        false,
-        "cloth"},
-       &hung},
-      {{"drape",
-        "a sheet of 10 x 10 cells falls on a ball",
-        stiffness,
-        {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}},
-        false,
-        "cloth"},
-       &draped},
-      {{"pinned_gap",
-        "a sail of 10 x 10 cells pinned beside, on and in a shape, in wind of 9.5 m/s, 60 steps/s",
-        {"gap", "gap", "mm", false, {-20, -10, -5, -2, 0, 2, 5, 10, 20}, {-20, 0, 5}},
-        {"shape",
-         "1 sphere, 2 box, 3 capsule, 4 cylinder, 5 cone, 6 hull, 7 plane, 8 mesh",
-         "",
-         false,
-         {1, 2, 3, 4, 5, 6, 7, 8},
-         {2, 4, 6}},
-        false,
-        "cloth"},
-       &pinned},
-      {{"sheet_substeps",
-        "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
-        {"substeps", "substeps", "", true, {1, 2, 4, 8, 16, 32, 64}, {1, 8, 64}},
-        {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}},
-        false,
-        "cloth"},
-       &swept,
-       true}};
-  return table;
+std::vector<ClothMapRow> rows() {
+  const StabilityAxis stiffness = {"stiffness", "stretch stiffness", "N/m", true, decades(0, 6), {1, 1e3, 1e6}};
+  return {{{"hanging_sheet",
+            "a sheet of 10 x 10 cells hung by its border, a bar at the other, 60 steps/s",
+            stiffness,
+            {"ratio", "mass ratio", "", true, decades(0, 4), {1, 1e2, 1e4}}},
+           &hung},
+          {{"drape",
+            "a sheet of 10 x 10 cells falls on a ball",
+            stiffness,
+            {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 120}}},
+           &draped},
+          {{"pinned_gap",
+            "a sail of 10 x 10 cells pinned beside, on and in a shape, in wind of 9.5 m/s, 60 steps/s",
+            {"gap", "gap", "mm", false, {-20, -10, -5, -2, 0, 2, 5, 10, 20}, {-20, 0, 5}},
+            {"shape",
+             "1 sphere, 2 box, 3 capsule, 4 cylinder, 5 cone, 6 hull, 7 plane, 8 mesh",
+             "",
+             false,
+             {1, 2, 3, 4, 5, 6, 7, 8},
+             {2, 4, 6}}},
+           &pinned},
+          {{"sheet_substeps",
+            "a sheet of 10 x 10 cells of 1e4 N/m with a bar of ten times its mass, 60 steps/s",
+            {"substeps", "substeps", "", true, {1, 2, 4, 8, 16, 32, 64}, {1, 8, 64}},
+            {"iterations", "iterations in each", "", true, {1, 2, 4, 8, 16, 32}, {1, 32}}},
+           &swept,
+           true}};
 }
 
 double row_updates(const World& w) {
@@ -252,41 +198,33 @@ double row_updates(const World& w) {
   return 0;
 }
 
-class ClothStability final : public StabilityProblem {
- public:
-  explicit ClothStability(const ClothMapRow& row) : row_(row) {}
-  StabilityProblemInfo info() const override { return row_.info; }
-  std::vector<StabilityMethod> methods() const override {
-    std::vector<StabilityMethod> all;
-    for (const Variant<ClothSolver>& v : cloth_solvers())
-      if (!row_.iterates || takes_iterations(v.name)) all.push_back({v.name});
-    return all;
-  }
-  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
-    ClothCell c = row_.make(method, x, y);
-    World& w = *c.world;
-    Arena unused("stability");
-    const double steps = std::round(c.seconds / w.desc().dt);
-    StabilityRun run{w, c.seconds, c.energy};
-    // as for nets: the overflow of an explicit method, which was warned of, is divergence
-    run.overflows = !find_variant(cloth_solvers(), method, "cloth solver").make(unused, Params())->sheds_strain();
-    run.look = [&] {
-      const double work = row_updates(w);
-      c.most_work = std::max(c.most_work, work), c.mean_work += work / steps;
-    };
-    run.error = [&c] { return std::isnan(c.expected) ? NAN : c.error(c) / c.length; };
-    return judge_run(run, x, y, limits);
-  }
-
- private:
-  const ClothMapRow& row_;
-};
+StabilityCell run_cloth(const ClothMapRow& row, const std::string& method, double x, double y,
+                        const StabilityThresholds& limits) {
+  ClothCell c = row.make(method, x, y);
+  World& w = *c.world;
+  Arena unused("stability");
+  const double steps = std::round(c.seconds / w.desc().dt);
+  StabilityRun run{w, c.seconds, c.energy};
+  // as for nets: the overflow of an explicit method, which was warned of, is divergence
+  run.overflows = !find_variant(cloth_solvers(), method, "cloth solver").make(unused, Params())->sheds_strain();
+  run.record = [&] {
+    const double work = row_updates(w);
+    c.most_work = std::max(c.most_work, work), c.mean_work += work / steps;
+  };
+  run.error = [&c] { return std::isnan(c.expected) ? NAN : c.error(c) / c.length; };
+  return run_cell(run, x, y, limits);
+}
 
 }  // namespace
 
 StabilityProblems cloth_stability() {
   StabilityProblems all;
-  for (const ClothMapRow& row : rows()) all.push_back(std::make_unique<ClothStability>(row));
+  for (const ClothMapRow& row : rows()) {
+    std::vector<StabilityMethod> methods = solver_methods(cloth_solvers());
+    if (row.iterates) std::erase_if(methods, [](const StabilityMethod& m) { return !takes_iterations(m.name); });
+    all.push_back(stability_table("cloth", row.info, std::move(methods),
+                                  [row](const auto&... cell) { return run_cloth(row, cell...); }));
+  }
   return all;
 }
 

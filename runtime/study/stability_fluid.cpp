@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "couple/fluid_rigid.h"
-#include "feder/query.h"
-#include "feder/world.h"
-#include "fluid/solver.h"
+#include "study/fluid_scene.h"
 #include "study/stability_problem.h"
 
 namespace feder {
@@ -28,34 +25,20 @@ struct FluidCell {
   double highest = INFINITY;             // m, no particle may be higher
 };
 
-std::vector<double> decades(int lo, int hi) {
-  std::vector<double> out;
-  for (int k = lo; k <= hi; ++k) out.push_back(std::pow(10.0, k));
-  return out;
-}
-
 bool iterates(const std::string& solver) {
   Arena unused("stability");
   return find_variant(fluid_solvers(), solver, "fluid solver").make(unused, Params())->iterates();
 }
 
+FluidDesc fluid_of(const std::string& solver) {
+  FluidDesc f;
+  f.solver = solver;
+  return f;
+}
+
 FluidCell tank(FluidDesc f, double rate, int substeps, double width = kTank, double spacing = kSpacing) {
-  static const SystemDescriptor* const catalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Fluid::descriptor(),
-                                                    &FluidRigid::descriptor()};
-  WorldDesc d;
-  d.dimension = 2;
-  d.gravity = Vec3(0, static_cast<Real>(-kGravity), 0);
-  d.dt = 1 / rate;
-  d.substeps = substeps;
-  d.sleeping = false;
   FluidCell c;
-  c.world = std::make_unique<World>(d, catalog);
-  for (const Vec3& n : {Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0)}) {
-    BodyDesc wall;
-    wall.type = BodyType::fixed;
-    wall.shape = make_plane(n, n[0] < 0 ? static_cast<Real>(-width) : Real(0));
-    c.world->need<Rigid>().add_body(wall);
-  }
+  c.world = make_tank(awake_world(kGravity, 1 / rate, substeps), width);
   f.spacing = static_cast<Real>(spacing);
   c.water = c.world->need<Fluid>().add_fluid(f);
   return c;
@@ -77,8 +60,7 @@ void fill(FluidCell& c, double under) {
 // is asked for the one at the ground, and may be stiffer.
 FluidCell column(const std::string& solver, double x, double y) {
   const double a = kDensity * kGravity / x, squeezed = std::clamp(a * kLevel, 1e-4, 0.2);
-  FluidDesc f;
-  f.solver = solver;
+  FluidDesc f = fluid_of(solver);
   f.stiffness = static_cast<Real>(x), f.compression = static_cast<Real>(squeezed);
   FluidCell c = tank(f, y, kSubsteps);
   fill(c, kLevel);
@@ -89,16 +71,10 @@ FluidCell column(const std::string& solver, double x, double y) {
 
 // x = density ratio, y = steps a second.
 FluidCell floating(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver;
-  FluidCell c = tank(f, y, kSubsteps);
+  FluidCell c = tank(fluid_of(solver), y, kSubsteps);
   const double under = kLevel - std::min(x, 1.0) * kBeam;
   fill(c, under);
-  BodyDesc b;
-  b.shape = make_box(static_cast<Real>(kBeam), static_cast<Real>(kBeam), 1)->section();
-  b.density = static_cast<Real>(kDensity * x);
-  b.position = Vec3(static_cast<Real>(kTank / 2), static_cast<Real>(under + kBeam / 2), 0);
-  c.body = c.world->need<Rigid>().add_body(b);
+  c.body = add_beam(*c.world, kBeam, kBeam, kDensity * x, Vec3d(kTank / 2, under + kBeam / 2, 0));
   // the surface is known to a spacing; one as dense as the fluid may be anywhere in it
   c.low = x < 1 ? under - kSpacing : 0, c.high = x > 1 ? 0.2 * kSpacing : under + kSpacing;
   return c;
@@ -106,8 +82,7 @@ FluidCell floating(const std::string& solver, double x, double y) {
 
 // x = substeps, y = iterations, or steps of its own at most, in each.
 FluidCell spent(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver;
+  FluidDesc f = fluid_of(solver);
   f.iterations = f.max_substeps = static_cast<int>(y);
   FluidCell c = tank(f, 60, static_cast<int>(x));
   fill(c, kLevel);
@@ -132,16 +107,12 @@ FluidCell narrow(FluidDesc f, double spacing, double layers) {
 }
 
 // x = spacing, y = layers.
-FluidCell depth(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver;
-  return narrow(f, x, y);
-}
+FluidCell depth(const std::string& solver, double x, double y) { return narrow(fluid_of(solver), x, y); }
 
 // x = iterations, y = layers, of 6 mm: a solver that does not iterate takes its own count of steps.
 FluidCell iterations(const std::string& solver, double x, double y) {
-  FluidDesc f;
-  f.solver = solver, f.iterations = static_cast<int>(x);
+  FluidDesc f = fluid_of(solver);
+  f.iterations = static_cast<int>(x);
   return narrow(f, 0.006, y);
 }
 
@@ -150,46 +121,34 @@ struct FluidMapRow {
   FluidCell (*make)(const std::string& solver, double x, double y);
 };
 
-const std::vector<FluidMapRow>& rows() {
-  static const std::vector<double> rates = {15, 30, 60, 120, 240};
-  static const StabilityAxis rate = {"rate", "steps per second", "1/s", true, rates, {15, 60, 240}};
-  static const std::vector<FluidMapRow> table = {
-      {{"water_column",
-        "half a metre of fluid stands in a tank for 2 s, four substeps",
-        {"stiffness", "bulk modulus", "Pa", true, decades(0, 8), {1, 1e4, 1e8}},
-        rate,
-        false,
-        "fluid"},
-       &column},
-      {{"floating",
-        "a beam floats in a tank, or sinks, four substeps",
-        {"ratio", "density ratio", "", true, decades(-2, 2), decades(-2, 2)},
-        rate,
-        false,
-        "fluid"},
-       &floating},
-      {{"water_substeps",
-        "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
-        {"substeps", "substeps", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
-        {"spent", "iterations, or solver substeps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
-        false,
-        "fluid"},
-       &spent},
-      {{"water_depth",
-        "a column eight spacings wide stands for 2 s, 60 steps/s, four substeps",
-        {"spacing", "spacing", "m", true, {0.001, 0.003, 0.006, 0.0125, 0.025, 0.05, 0.1}, {0.001, 0.006, 0.05}},
-        {"layers", "layers", "", true, {8, 25, 50, 100, 200}, {8, 25}},
-        false,
-        "fluid"},
-       &depth},
-      {{"water_iterations",
-        "a column of 6 mm, eight spacings wide, stands for 2 s, 60 steps/s, four substeps",
-        {"iterations", "iterations", "", true, {1, 2, 4, 8, 16, 32}, {1, 4, 32}},
-        {"layers", "layers", "", true, {8, 25, 50, 100, 200}, {8, 25}},
-        false,
-        "fluid"},
-       &iterations}};
-  return table;
+std::vector<FluidMapRow> rows() {
+  const StabilityAxis rate = {"rate", "steps per second", "1/s", true, {15, 30, 60, 120, 240}, {15, 60, 240}};
+  const StabilityAxis layers = {"layers", "layers", "", true, {8, 25, 50, 100, 200}, {8, 25}};
+  return {{{"water_column",
+            "half a metre of fluid stands in a tank for 2 s, four substeps",
+            {"stiffness", "bulk modulus", "Pa", true, decades(0, 8), {1, 1e4, 1e8}},
+            rate},
+           &column},
+          {{"floating",
+            "a beam floats in a tank, or sinks, four substeps",
+            {"ratio", "density ratio", "", true, decades(-2, 2), decades(-2, 2)},
+            rate},
+           &floating},
+          {{"water_substeps",
+            "half a metre of fluid stands in a tank for 2 s, 60 steps/s",
+            {"substeps", "substeps", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}},
+            {"spent", "iterations, or solver substeps at most, in a substep", "", true, {1, 2, 4, 8, 16}, {1, 4, 16}}},
+           &spent},
+          {{"water_depth",
+            "a column eight spacings wide stands for 2 s, 60 steps/s, four substeps",
+            {"spacing", "spacing", "m", true, {0.001, 0.003, 0.006, 0.0125, 0.025, 0.05, 0.1}, {0.001, 0.006, 0.05}},
+            layers},
+           &depth},
+          {{"water_iterations",
+            "a column of 6 mm, eight spacings wide, stands for 2 s, 60 steps/s, four substeps",
+            {"iterations", "iterations", "", true, {1, 2, 4, 8, 16, 32}, {1, 4, 32}},
+            layers},
+           &iterations}};
 }
 
 // Of the end state: how far the fluid's middle, or the beam, is from where it belongs, by the level.
@@ -210,37 +169,25 @@ bool thrown(FluidCell& c) {
   if (!(c.highest < INFINITY)) return false;
   std::vector<Vec3> x;
   c.world->need<Fluid>().positions(c.water, x);
-  for (const Vec3& p : x)
-    if (static_cast<double>(p[1]) > c.highest) return true;
-  return false;
+  return std::any_of(x.begin(), x.end(), [&c](const Vec3& p) { return static_cast<double>(p[1]) > c.highest; });
 }
 
-class FluidStability final : public StabilityProblem {
- public:
-  explicit FluidStability(const FluidMapRow& row) : row_(row) {}
-  StabilityProblemInfo info() const override { return row_.info; }
-  std::vector<StabilityMethod> methods() const override {
-    std::vector<StabilityMethod> all;
-    for (const Variant<FluidSolver>& v : fluid_solvers()) all.push_back({v.name});
-    return all;
-  }
-  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
-    FluidCell c = row_.make(method, x, y);
-    StabilityRun run{*c.world, kSeconds, kDensity * c.width * c.level * kGravity * c.level};
-    run.left = [&c] { return thrown(c); };
-    run.error = [&c] { return error_of(c); };
-    return judge_run(run, x, y, limits);
-  }
-
- private:
-  const FluidMapRow& row_;
-};
+StabilityCell run_fluid(const FluidMapRow& row, const std::string& method, double x, double y,
+                        const StabilityThresholds& limits) {
+  FluidCell c = row.make(method, x, y);
+  StabilityRun run{*c.world, kSeconds, kDensity * c.width * c.level * kGravity * c.level};
+  run.left = [&c] { return thrown(c); };
+  run.error = [&c] { return error_of(c); };
+  return run_cell(run, x, y, limits);
+}
 
 }  // namespace
 
 StabilityProblems fluid_stability() {
   StabilityProblems all;
-  for (const FluidMapRow& row : rows()) all.push_back(std::make_unique<FluidStability>(row));
+  for (const FluidMapRow& row : rows())
+    all.push_back(stability_table("fluid", row.info, solver_methods(fluid_solvers()),
+                                  [row](const auto&... cell) { return run_fluid(row, cell...); }));
   return all;
 }
 

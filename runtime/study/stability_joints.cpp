@@ -58,10 +58,10 @@ RigidScene hinged_rod(double h, double thick) {
 
 RigidScene jointed_chain(double links, double slenderness) {
   RigidScene s = rods("ball", static_cast<std::size_t>(links), 1 / slenderness, 1.0 / 60);
-  const Real turn = Real(0.5);  // rad/s about the vertical axis: out of the plane
+  const Real rate = Real(0.5);  // rad/s about the vertical axis: out of the plane
   for (BodyDesc& d : s.bodies) {
-    d.velocity = Vec3(0, 0, -turn * d.position[0]);
-    d.angular_velocity = Vec3(0, turn, 0);
+    d.velocity = Vec3(0, 0, -rate * d.position[0]);
+    d.angular_velocity = Vec3(0, rate, 0);
   }
   s.known = false;
   return s;

@@ -1,8 +1,7 @@
 // Cells are runs of real worlds with one net by an integrator. Each step looks for non-finite and runaway states, so
-// that a failure has a time and a point; energies and errors are judged at the end. Limits: see limit().
+// that a failure has a time and a point; the verdict on energies and errors follows at the end. Limits: see limit().
 #include <algorithm>
 
-#include "feder/world.h"
 #include "integrate/integrator.h"
 #include "integrate/limits.h"
 #include "study/stability_problem.h"
@@ -15,12 +14,10 @@ constexpr double kEffort = 32;
 // Limits: h w from .. to, and the growth that is taken for rounding.
 constexpr double kFirst = 0.1, kLast = 1e4, kRounding = 16 * static_cast<double>(kEpsilon);
 
-const SystemDescriptor* const kSprings[] = {&Springs::descriptor()};
-
 // One net in a world of its own.
 struct Trial {
   Trial(const StabilityScene& scene, const std::string& method, bool single_steps = false)
-      : world(describe(scene), kSprings) {
+      : world(net_world(scene), net_catalog()) {
     NetDesc d = scene.net;
     d.integrator = method;
     Arena unused("stability");
@@ -32,16 +29,10 @@ struct Trial {
     for (const std::size_t p : scene.pins) springs().pin(net, p);
     points = scene.net.points.size();
   }
-  static WorldDesc describe(const StabilityScene& scene) {
-    WorldDesc d;
-    d.gravity = scene.gravity, d.dt = scene.h, d.substeps = 1;
-    return d;
-  }
   Springs& springs() { return world.need<Springs>(); }
-  double energy() {
-    const Energy e = world.energy();
-    return e.kinetic + e.potential + e.elastic;
-  }
+  Vec3d position(std::size_t i) { return springs().point(net, i).cast<double>(); }
+  Vec3d velocity(std::size_t i) { return springs().velocity(net, i).cast<double>(); }
+  bool quarantined() { return springs().quarantined(net); }
 
   World world;
   ObjectId net;
@@ -53,9 +44,9 @@ struct Trial {
 bool failed(Trial& t, const StabilityScene& s, const StabilityThresholds& limits, double energy, StabilityCell& cell) {
   std::size_t worst = 0;
   double far = -1, fast = 0;
-  bool finite = !t.springs().quarantined(t.net);
+  bool finite = !t.quarantined();
   for (std::size_t i = 0; i < t.points && finite; ++i) {
-    const Vec3d x = t.springs().point(t.net, i).cast<double>(), v = t.springs().velocity(t.net, i).cast<double>();
+    const Vec3d x = t.position(i), v = t.velocity(i);
     finite = std::isfinite(x.norm()) && std::isfinite(v.norm());
     if (!finite || x.norm() > far) worst = i, far = x.norm();
     fast = std::max(fast, v.norm());
@@ -68,10 +59,7 @@ bool failed(Trial& t, const StabilityScene& s, const StabilityThresholds& limits
   else
     return false;
   cell.t_fail = t.world.time();
-  cell.entity = t.world.objects().describe(t.net) + ", point " + std::to_string(worst + 1);
-  for (const Event& e : t.world.events().list())
-    if (e.kind == EventKind::warning && t.world.events().warning_code(e) == "non_finite")
-      cell.entity = t.world.events().warning_message(e);
+  cell.entity = failed_entity(t.world, t.world.objects().describe(t.net) + ", point " + std::to_string(worst + 1));
   return true;
 }
 
@@ -91,11 +79,11 @@ StepMatrix mode_matrix(const NetStability& problem, const std::string& method, d
     double x = 0, v = 0, norm = 0;
     for (std::size_t i = 0; i < t.points; ++i) {
       const Vec3d m = mode[i].cast<double>();
-      x += m.dot(t.springs().point(t.net, i).cast<double>());
-      v += m.dot(t.springs().velocity(t.net, i).cast<double>()) / w;
+      x += m.dot(t.position(i));
+      v += m.dot(t.velocity(i)) / w;
       norm += m.squaredNorm();
     }
-    const bool bad = t.springs().quarantined(t.net);
+    const bool bad = t.quarantined();
     out[0][column] = bad ? INFINITY : x / norm, out[1][column] = bad ? INFINITY : v / norm;
   }
   return {out[0][0], out[0][1], out[1][0], out[1][1]};
@@ -111,7 +99,7 @@ bool grows(const NetStability& problem, const std::string& method, double z, dou
     double size = 0;
     for (std::size_t i = 0; i < t.points; ++i)
       size = std::max(size, static_cast<double>(length(t.springs().point(t.net, i))));
-    if (t.springs().quarantined(t.net) || !std::isfinite(size)) return true;
+    if (t.quarantined() || !std::isfinite(size)) return true;
     if (k < kWindow) first = std::max(first, size);
     if (k >= kSteps - kWindow) last = std::max(last, size);
     if (k > kWindow && size > 2 * first) return true;
@@ -140,52 +128,53 @@ std::vector<StabilityMethod> NetStability::methods() const {
 
 StabilityCell NetStability::cell(const std::string& method, double x, double y,
                                  const StabilityThresholds& limits) const {
-  StabilityCell cell;
-  cell.x = x, cell.y = y;
-  const StabilityScene s = scene(x, y, false);
-  try {
-    Trial t(s, method);
-    const double h = static_cast<double>(static_cast<Real>(s.h));
-    StabilityTrace j;
-    std::vector<Vec3d> exact;
-    double most = 0;
-    std::uint64_t solves = 0, misses = 0, missed_steps = 0;
-    int done = 0;
-    for (; done < s.steps; ++done) {
-      t.world.step();
-      const IntegratorStats stats = t.springs().stats(t.net);
-      cell.iters_max =
-          std::max(std::isnan(cell.iters_max) ? 0 : cell.iters_max, static_cast<double>(stats.linear_solves - solves));
-      solves = stats.linear_solves;
-      missed_steps += stats.unconverged > misses;
-      misses = stats.unconverged;
-      const double e = t.energy() + s.energy_zero;
-      most = std::max(most, e);
-      j.energy.push_back(e);
-      if (failed(t, s, limits, e, cell)) break;
-      double now_energy = NAN;
-      const bool known = reference(x, y, (done + 1) * h, exact, now_energy);
-      if (!std::isnan(now_energy)) j.exact_energy.push_back(now_energy);
-      if (!known) continue;
-      double error = 0, moved = 0, should = 0;
-      for (std::size_t i = 0; i < t.points; ++i) {
-        const Vec3d at = t.springs().point(t.net, i).cast<double>();
-        error = std::max(error, (at - exact[i]).norm());
-        moved = std::max(moved, (at - s.net.points[i].cast<double>()).norm());
-        should = std::max(should, (exact[i] - s.net.points[i].cast<double>()).norm());
-      }
-      j.moved = std::max(j.moved, moved), j.reference_moved = std::max(j.reference_moved, should);
-      if (done + 1 == s.judged_step) cell.error = error / s.length;
+  return checked_cell(x, y, [&](StabilityCell& cell) { run(scene(x, y, false), method, limits, cell); });
+}
+
+void NetStability::run(const StabilityScene& s, const std::string& method, const StabilityThresholds& limits,
+                       StabilityCell& cell) const {
+  Trial t(s, method);
+  const double h = static_cast<double>(static_cast<Real>(s.h));
+  StabilityTrace trace;
+  std::vector<Vec3d> exact;
+  double most = 0;
+  std::uint64_t solves = 0, misses = 0, missed_steps = 0;
+  int done = 0;
+  for (; done < s.steps; ++done) {
+    t.world.step();
+
+    // solves of this step
+    const IntegratorStats stats = t.springs().stats(t.net);
+    cell.iters_max =
+        std::max(std::isnan(cell.iters_max) ? 0 : cell.iters_max, static_cast<double>(stats.linear_solves - solves));
+    solves = stats.linear_solves;
+    missed_steps += stats.unconverged > misses;
+    misses = stats.unconverged;
+
+    // energy, and whether it is over
+    const double energy = total_energy(t.world) + s.energy_zero;
+    most = std::max(most, energy);
+    trace.energy.push_back(energy);
+    if (failed(t, s, limits, energy, cell)) break;
+
+    // error and displacement, where the reference is known
+    double exact_energy = NAN;
+    const bool known = reference(cell.x, cell.y, (done + 1) * h, exact, exact_energy);
+    if (!std::isnan(exact_energy)) trace.exact_energy.push_back(exact_energy);
+    if (!known) continue;
+    double error = 0;
+    for (std::size_t i = 0; i < t.points; ++i) {
+      const Vec3d at = t.position(i), start = s.net.points[i].cast<double>();
+      error = std::max(error, (at - exact[i]).norm());
+      trace.displacement = std::max(trace.displacement, (at - start).norm());
+      trace.reference_displacement = std::max(trace.reference_displacement, (exact[i] - start).norm());
     }
-    cell.energy_ratio = most / s.energy;
-    cell.iters_mean = static_cast<double>(solves) / std::max(1, done);
-    cell.missed = static_cast<double>(missed_steps) / std::max(1, done);
-    if (std::isnan(cell.t_fail)) cell.verdict = judge(j, s.length, s.energy, limits, cell);
-  } catch (const SceneError& e) {
-    cell.verdict = Verdict::refused;
-    cell.entity = e.what();
+    if (done + 1 == s.error_step) cell.error = error / s.length;
   }
-  return cell;
+  cell.energy_ratio = most / s.energy;
+  cell.iters_mean = static_cast<double>(solves) / std::max(1, done);
+  cell.missed = static_cast<double>(missed_steps) / std::max(1, done);
+  if (std::isnan(cell.t_fail)) cell.verdict = verdict_of(trace, s.length, s.energy, limits, cell);
 }
 
 StabilityLimit NetStability::limit(const std::string& method, double y) const {

@@ -7,7 +7,7 @@
 
 #include "feder/net.h"
 #include "feder/stability.h"
-#include "feder/world.h"
+#include "study/worlds.h"
 
 namespace feder {
 
@@ -16,14 +16,21 @@ struct StabilityScene {
   std::vector<std::size_t> pins;
   Vec3 gravity = Vec3::Zero();
   double h = 1.0 / 60;  // s
+  int substeps = 1;
   int steps = 200;
-  int judged_step = 200;         // where the error is taken
+  int error_step = 200;          // where the error is taken
   double length = 1, speed = 1;  // m, m/s: size of the motion
   double energy = 1;             // J, scale
   double energy_zero = 0;        // J, added to the world's energy: the rest state then has none
   double frequency = NAN;        // rad/s, the fastest
   double damping_ratio = 0;      // of that
 };
+
+inline WorldDesc net_world(const StabilityScene& scene) {
+  WorldDesc d = awake_world(0, scene.h, scene.substeps);
+  d.gravity = scene.gravity;
+  return d;
+}
 
 struct StabilityMethod {
   std::string name;
@@ -44,6 +51,42 @@ class StabilityProblem {
   virtual std::string limit_how() const { return ""; }
 };
 
+// A map's cell at (x, y), filled by `run`; refused where that throws a SceneError.
+template <class Run>
+StabilityCell checked_cell(double x, double y, Run&& run) {
+  StabilityCell cell;
+  cell.x = x, cell.y = y;
+  try {
+    run(cell);
+  } catch (const SceneError& e) {
+    cell.verdict = Verdict::refused;
+    cell.entity = e.what();
+  }
+  return cell;
+}
+
+// What failed in the step just taken: as the warning of a non-finite state names it, or else `object`.
+std::string failed_entity(World& w, std::string object);
+
+using StabilityProblems = std::vector<std::unique_ptr<StabilityProblem>>;
+
+// A map whose cells a function of the method and of the values on both axes fills.
+using StabilityCells =
+    std::function<StabilityCell(const std::string& method, double x, double y, const StabilityThresholds& limits)>;
+std::unique_ptr<StabilityProblem> stability_table(const char* family, StabilityProblemInfo info,
+                                                  std::vector<StabilityMethod> methods, StabilityCells cells);
+
+// The rows of a table of solvers as methods.
+template <class Solver>
+std::vector<StabilityMethod> solver_methods(std::span<const Variant<Solver>> solvers) {
+  std::vector<StabilityMethod> all;
+  for (const Variant<Solver>& row : solvers) all.push_back({row.name});
+  return all;
+}
+
+// 10^lo to 10^hi, values of an axis.
+std::vector<double> decades(double lo, double hi, int per_decade = 1);
+
 class NetStability : public StabilityProblem {
  public:
   std::vector<StabilityMethod> methods() const override;
@@ -59,28 +102,30 @@ class NetStability : public StabilityProblem {
   virtual double x_of(double z, double y) const = 0;
   // Is it one oscillator, so that the limit can be read off the matrix of a step?
   virtual bool single_oscillator() const { return false; }
+
+ private:
+  void run(const StabilityScene& scene, const std::string& method, const StabilityThresholds& limits,
+           StabilityCell& cell) const;
 };
 
 // Energies and displacements of a run, step by step, and what they amount to.
 struct StabilityTrace {
-  std::vector<double> energy, exact_energy;  // J, above rest; exact_energy empty: not known
-  double moved = 0, reference_moved = 0;     // m, largest displacement of a point
+  std::vector<double> energy, exact_energy;             // J, above rest; exact_energy empty: not known
+  double displacement = 0, reference_displacement = 0;  // m, the largest of a point
 };
-Verdict judge(const StabilityTrace& trace, double length, double energy, const StabilityThresholds& limits,
-              const StabilityCell& cell);
+Verdict verdict_of(const StabilityTrace& trace, double length, double energy, const StabilityThresholds& limits,
+                   const StabilityCell& cell);
 
-// A world of a map, for cells that are judged by its energy and by where it ends.
+// A world of a map whose verdict follows from its energy and from where it ends.
 struct StabilityRun {
   World& world;
   double seconds = 0;
   double energy = 1;                                  // J, scale
-  std::function<void()> look = [] {};                 // after each step
+  std::function<void()> record = [] {};               // after each step
   std::function<bool()> left = [] { return false; };  // has something left the scene?
-  std::function<double()> error = {};                 // at the end, by the scene's length; NaN: not judged
+  std::function<double()> error = {};                 // at the end, by the scene's length; NaN: not known
   bool overflows = false;                             // non-finite is its divergence, which was warned of
 };
-StabilityCell judge_run(const StabilityRun& run, double x, double y, const StabilityThresholds& limits);
-
-using StabilityProblems = std::vector<std::unique_ptr<StabilityProblem>>;
+StabilityCell run_cell(const StabilityRun& run, double x, double y, const StabilityThresholds& limits);
 
 }  // namespace feder

@@ -3,24 +3,17 @@
 #include <cmath>
 #include <map>
 
-#include "feder/world.h"
+#include "study/reference.h"
 #include "study/stability_problem.h"
 
 namespace feder {
 namespace {
 
 constexpr double kStep = 1.0 / 60;
-constexpr double kTurn = 3.14159265358979323846;
+constexpr double kPiDouble = 3.14159265358979323846;
 
 // As the library sees a number.
 double rounded(double x) { return static_cast<double>(static_cast<Real>(x)); }
-
-std::vector<double> decades(double lo, double hi, int per_decade) {
-  std::vector<double> out;
-  const int count = static_cast<int>(std::lround((hi - lo) * per_decade));
-  for (int k = 0; k <= count; ++k) out.push_back(std::pow(10.0, lo + static_cast<double>(k) / per_decade));
-  return out;
-}
 
 int run_steps(double period) {
   const double wanted = std::ceil(10 * period / kStep);
@@ -48,26 +41,15 @@ class OscillatorProblem final : public NetStability {
     s.net.masses = {1, 1};
     s.net.springs.push_back({0, 1, static_cast<Real>(k), static_cast<Real>(2 * y * w), 0, kInfinity});
     s.pins = {0};
-    s.steps = s.judged_step = run_steps(2 * kTurn / w);
+    s.steps = s.error_step = run_steps(2 * kPiDouble / w);
     s.speed = w, s.energy = 0.5 * k, s.frequency = w, s.damping_ratio = y;
     return s;
   }
 
   bool reference(double x, double y, double t, std::vector<Vec3d>& positions, double& energy) const override {
-    const double k = rounded(x / (kStep * kStep)), decay = rounded(2 * y * std::sqrt(x) / kStep) / 2,
-                 d = k - decay * decay;
+    const double k = rounded(x / (kStep * kStep)), decay = rounded(2 * y * std::sqrt(x) / kStep) / 2;
     double at, speed;
-    if (std::fabs(d) < 1e-9 * k) {
-      const double w = std::sqrt(k), e = std::exp(-w * t);
-      at = (1 + w * t) * e, speed = -k * t * e;
-    } else if (d > 0) {
-      const double w = std::sqrt(d), e = std::exp(-decay * t);
-      at = e * (std::cos(w * t) + decay / w * std::sin(w * t)), speed = -e * k / w * std::sin(w * t);
-    } else {
-      const double root = std::sqrt(-d), fast = decay + root, slow = k / fast;
-      at = (fast * std::exp(-slow * t) - slow * std::exp(-fast * t)) / (fast - slow);
-      speed = k * (std::exp(-fast * t) - std::exp(-slow * t)) / (fast - slow);
-    }
+    damped_oscillation(k, decay, t, at, speed);
     positions = {Vec3d(0, 0, 0), Vec3d(at, 0, 0)};
     energy = 0.5 * (k * at * at + speed * speed);
     return true;
@@ -85,7 +67,7 @@ class ChainProblem final : public NetStability {
             true};
   }
   double x_of(double z, double y) const override {
-    const double share = 2 * std::sin(y * kTurn / (2 * (y + 1)));  // of sqrt(k/m)
+    const double share = 2 * std::sin(y * kPiDouble / (2 * (y + 1)));  // of sqrt(k/m)
     return z * z / (share * share);
   }
 
@@ -95,8 +77,9 @@ class ChainProblem final : public NetStability {
     StabilityScene s;
     s.net.name = "chain";
     for (int j = 0; j <= n + 1; ++j) {
-      // limits: both walls at the origin, springs of no length, so that nothing is lost beside the places of the points
-      const double sine = j == 0 || j == n + 1 ? 0 : std::sin(j * mode * kTurn / (n + 1));
+      // limits: both walls at the origin, springs of no length, so that nothing is lost beside the positions of the
+      // points
+      const double sine = j == 0 || j == n + 1 ? 0 : std::sin(j * mode * kPiDouble / (n + 1));
       s.net.points.push_back(Vec3(static_cast<Real>(for_limit ? sine : j - 0.5 * (n + 1) + kAmplitude * sine), 0, 0));
       s.net.masses.push_back(1);
       const auto at = static_cast<std::uint32_t>(j);
@@ -105,7 +88,7 @@ class ChainProblem final : public NetStability {
     }
     s.pins = {0, static_cast<std::size_t>(n + 1)};
     const double w = frequency(k, 1, n), top = frequency(k, n, n);
-    s.steps = s.judged_step = run_steps(2 * kTurn / w);
+    s.steps = s.error_step = run_steps(2 * kPiDouble / w);
     s.length = kAmplitude, s.speed = w * kAmplitude, s.frequency = top;
     s.energy = 0.25 * w * w * kAmplitude * kAmplitude * (n + 1);
     return s;
@@ -117,7 +100,7 @@ class ChainProblem final : public NetStability {
     positions.clear();
     for (int j = 0; j <= n + 1; ++j)
       positions.push_back(
-          Vec3d(j - 0.5 * (n + 1) + kAmplitude * std::sin(j * kTurn / (n + 1)) * std::cos(w * t), 0, 0));
+          Vec3d(j - 0.5 * (n + 1) + kAmplitude * std::sin(j * kPiDouble / (n + 1)) * std::cos(w * t), 0, 0));
     energy = 0.25 * w * w * kAmplitude * kAmplitude * (n + 1);
     return true;
   }
@@ -125,7 +108,7 @@ class ChainProblem final : public NetStability {
  private:
   static constexpr double kAmplitude = 0.1;  // of a spring of 1 m
   static double frequency(double k, int mode, int n) {
-    return 2 * std::sqrt(k) * std::sin(mode * kTurn / (2 * (n + 1)));
+    return 2 * std::sqrt(k) * std::sin(mode * kPiDouble / (2 * (n + 1)));
   }
 };
 
@@ -158,7 +141,7 @@ class SwingingChain final : public NetStability {
     s.pins = {0};
     s.length = 1, s.speed = std::sqrt(2 * 9.81);
     s.energy = s.energy_zero = 9.81 * moment + 0.5 * 9.81 * mass * 9.81 * mass / x * kLinks;
-    s.judged_step = 60;  // later, chaos decides
+    s.error_step = 60;  // later, chaos decides
     return s;
   }
 
@@ -169,15 +152,12 @@ class SwingingChain final : public NetStability {
     std::vector<Vec3d>& kept = kept_[{x, y}];
     if (kept.empty()) {
       StabilityScene s = scene(x, y, false);
-      Arena arena("reference");
-      WorldDesc d;
-      d.gravity = s.gravity, d.dt = kStep, d.substeps = kFine;
-      static const SystemDescriptor* const kSprings[] = {&Springs::descriptor()};
-      World w(d, kSprings);
+      s.substeps = kFine;
+      World w(net_world(s), net_catalog());
       s.net.integrator = "tr_bdf2";
       const ObjectId net = w.need<Springs>().add_net(s.net);
       for (const std::size_t p : s.pins) w.need<Springs>().pin(net, p);
-      for (int k = 0; k < s.judged_step; ++k) w.step();
+      for (int k = 0; k < s.error_step; ++k) w.step();
       for (std::size_t i = 0; i < s.net.points.size(); ++i)
         kept.push_back(w.need<Springs>().point(net, i).cast<double>());
     }
@@ -191,11 +171,6 @@ class SwingingChain final : public NetStability {
   static constexpr double kLength = 0.1, kMass = 0.1;  // m, kg
   mutable std::map<std::pair<double, double>, std::vector<Vec3d>> kept_;
 };
-
-template <class T>
-std::unique_ptr<StabilityProblem> make() {
-  return std::make_unique<T>();
-}
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // Stability maps of bodies, run by every rigid solver: what happens when the step, the speed, the masses, the sizes or
-// the place of a scene leave the usual (axes of stability.h). Each scene ends where it is known: at rest in its
+// the position of a scene leave the usual (axes of stability.h). Each scene ends where it is known: at rest in its
 // place, or before the wall.
 #include "study/stability_rigid.h"
 
@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "feder/query.h"
-#include "feder/world.h"
 #include "rigid/solver.h"
 #include "state/bodies.h"
 
@@ -71,7 +70,7 @@ RigidScene small(double h, double ratio) {
   return s;
 }
 
-// Beside the pile a box slides 6 m without friction: rest alone would hide that places are coarse out there.
+// Beside the pile a box slides 6 m without friction: rest alone would hide that positions are coarse out there.
 RigidScene far(double h, double distance) {
   constexpr double kSpeed = 3, kStart = -5;  // m/s, m
   RigidScene s;
@@ -89,17 +88,17 @@ RigidScene far(double h, double distance) {
 }
 
 RigidScene bullet(double speed, double wall) {
-  constexpr double kRadius = 0.05, kWay = 1;  // m
+  constexpr double kRadius = 0.05, kPath = 1;  // m
   RigidScene s;
   s.gravity = 0, s.speed = speed, s.energy = 0.5 * speed * speed;
-  s.seconds = std::max(0.5, 2 * kWay / speed);
-  s.length = kWay, s.size = 2 * kRadius;
-  s.bodies.push_back(box(wall, 4, 4, Vec3d(kWay + wall / 2, 0, 0), 0));
+  s.seconds = std::max(0.5, 2 * kPath / speed);
+  s.length = kPath, s.size = 2 * kRadius;
+  s.bodies.push_back(box(wall, 4, 4, Vec3d(kPath + wall / 2, 0, 0), 0));
   BodyDesc d;
   d.shape = make_sphere(static_cast<Real>(kRadius)), d.mass = 1, d.bullet = true;
   d.velocity = Vec3(static_cast<Real>(speed), 0, 0);
   s.bodies.push_back(d);
-  s.watched = {1}, s.expected = {Vec3d(kWay - kRadius, 0, 0)};
+  s.watched = {1}, s.expected = {Vec3d(kPath - kRadius, 0, 0)};
   return s;
 }
 
@@ -121,202 +120,170 @@ RigidScene friction(double degrees, double ratio) {
   RigidScene s;
   s.seconds = 1;
   const double angle = degrees * std::acos(-1.0) / 180, slope = std::tan(angle);
-  const Quat turn = from_axis_angle(Vec3(0, 0, 1), static_cast<Real>(-angle));
+  const Quat tilt = from_axis_angle(Vec3(0, 0, 1), static_cast<Real>(-angle));
   const Vec3d up(std::sin(angle), std::cos(angle), 0), down(std::cos(angle), -std::sin(angle), 0);
   const double seconds = std::ceil(s.seconds / s.h - 1e-9) * s.h;
   for (const double share : {1.02, 0.75}) {
     const Vec3d at(0, 0, share > 1 ? 0 : 5);
-    const double way =
+    const double path =
         share > 1 ? 0 : s.gravity * (std::sin(angle) - ratio * share * slope * std::cos(angle)) * seconds * seconds / 2;
     for (BodyDesc d : {box(40, 1, 2, at - 0.5 * up, 0), box(1, 0.5, 1, at + 0.25 * up, 1)}) {
-      d.rotation = turn;
+      d.rotation = tilt;
       d.friction_static = static_cast<Real>(share * slope);
       d.friction_dynamic = static_cast<Real>(ratio * share * slope);
       s.bodies.push_back(d);
     }
     s.watched.push_back(s.bodies.size() - 1);
-    s.expected.push_back(at + 0.25 * up + way * down);
+    s.expected.push_back(at + 0.25 * up + path * down);
   }
   s.length = 1, s.size = 0.5, s.energy = s.gravity;
   s.speed = s.gravity * seconds;
   return s;
 }
 
-const std::vector<RigidMap>& maps() {
-  static const std::vector<RigidMap> table = [] {
-    std::vector<RigidMap> all = {
-        {{"stack",
-          "boxes on each other for 3 s",
-          rigid_step_axis(),
-          {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}},
-         &stack},
-        {{"heavy",
-          "a box on a lighter one",
-          rigid_step_axis(),
-          {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}},
-         &heavy},
-        {{"size",
-          "a box on one of 1 m",
-          rigid_step_axis(),
-          {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
-         &small},
-        {{"far",
-          "two boxes on each other and one that slides, away from the origin",
-          rigid_step_axis(),
-          {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}},
-         &far},
-        {{"bullet",
-          "a ball of 0.1 m, marked as bullet, against a wall",
-          {"speed", "speed", "m/s", true, {1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4}, {1, 100, 1e4}},
-          {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}},
-         &bullet},
-        {{"spin",
-          "a weightless box spins about its axis of largest inertia",
-          rigid_step_axis(),
-          {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
-         &spin},
-        {{"friction",
-          "crates on slopes with friction 2 % above and 25 % below what holds, 60 steps/s",
-          {"slope", "slope", "deg", false, {5, 10, 20, 30, 40}, {5, 40}},
-          {"ratio", "dynamic by static friction", "", false, {0, 0.1, 0.25, 0.5, 0.9, 1}, {0, 0.25, 1}}},
-         &friction}};
-    for (RigidMap& map : joint_stability_maps()) all.push_back(std::move(map));
-    return all;
-  }();
-  return table;
+std::vector<RigidMap> maps() {
+  std::vector<RigidMap> all = {
+      {{"stack",
+        "boxes on each other for 3 s",
+        rigid_step_axis(),
+        {"boxes", "boxes", "", true, {1, 2, 5, 10, 20, 40}, {1, 10}}},
+       &stack},
+      {{"heavy",
+        "a box on a lighter one",
+        rigid_step_axis(),
+        {"ratio", "mass ratio", "", true, {1, 10, 100, 1e3, 1e4, 1e6}, {1, 100, 1e6}}},
+       &heavy},
+      {{"size",
+        "a box on one of 1 m",
+        rigid_step_axis(),
+        {"ratio", "size ratio", "", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
+       &small},
+      {{"far",
+        "two boxes on each other and one that slides, away from the origin",
+        rigid_step_axis(),
+        {"distance", "distance from the origin", "m", true, {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7}, {1, 1e4, 1e7}}},
+       &far},
+      {{"bullet",
+        "a ball of 0.1 m, marked as bullet, against a wall",
+        {"speed", "speed", "m/s", true, {1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4}, {1, 100, 1e4}},
+        {"wall", "thickness of the wall", "m", true, {0.01, 0.1, 1}, {0.01, 1}}},
+       &bullet},
+      {{"spin",
+        "a weightless box spins about its axis of largest inertia",
+        rigid_step_axis(),
+        {"spin", "spin", "rad/s", true, {1, 10, 100, 1e3, 1e4}, {1, 100, 1e4}}},
+       &spin},
+      {{"friction",
+        "crates on slopes with friction 2 % above and 25 % below what holds, 60 steps/s",
+        {"slope", "slope", "deg", false, {5, 10, 20, 30, 40}, {5, 40}},
+        {"ratio", "dynamic by static friction", "", false, {0, 0.1, 0.25, 0.5, 0.9, 1}, {0, 0.25, 1}}},
+       &friction}};
+  for (RigidMap& map : joint_stability_maps()) all.push_back(std::move(map));
+  return all;
 }
 
-class RigidTrial {
- public:
-  RigidTrial(const RigidScene& s, const std::string& solver) : world_(describe(s, solver), kCatalog) {
-    for (const BodyDesc& d : s.bodies) ids_.push_back(rigid().add_body(d));
+struct RigidTrial {
+  RigidTrial(const RigidScene& s, const std::string& solver) : world(describe(s, solver), catalog()) {
+    for (const BodyDesc& d : s.bodies) ids.push_back(rigid().add_body(d));
     for (const RigidScene::Joint& j : s.joints) {
       JointDesc d = j.joint;
-      if (j.a != RigidScene::kNoBody) d.a = ids_[j.a];
-      if (j.b != RigidScene::kNoBody) d.b = ids_[j.b];
+      if (j.a != RigidScene::kNoBody) d.a = ids[j.a];
+      if (j.b != RigidScene::kNoBody) d.b = ids[j.b];
       rigid().add_joint(d);
     }
   }
-  void step() { world_.step(); }
-  double time() const { return world_.time(); }
-  double energy() const {
-    const Energy e = world_.energy();
-    return e.kinetic + e.potential + e.elastic;
-  }
-  double joint_error() { return static_cast<double>(rigid().max_joint_error()); }
-  double penetration() { return std::max(0.0, static_cast<double>(world_.need<Collide>().max_penetration())); }
-  Vec3d position(std::size_t body) { return rigid().bodies().position[rigid().index(ids_[body])].cast<double>(); }
-  Vec3d velocity(std::size_t body) { return rigid().bodies().velocity[rigid().index(ids_[body])].cast<double>(); }
-  bool finite(std::size_t body) {
-    const Vec3d x = position(body), v = velocity(body);
-    return rigid().finite() && std::isfinite(x.norm()) && std::isfinite(v.norm());
-  }
-  std::string name(std::size_t body) {
-    for (const Event& e : world_.events().list())
-      if (e.kind == EventKind::warning && world_.events().warning_code(e) == "non_finite")
-        return std::string(world_.events().warning_message(e));
-    return world_.objects().describe(ids_[body]);
-  }
-
- private:
   static WorldDesc describe(const RigidScene& s, const std::string& solver) {
-    WorldDesc d;
-    d.dt = s.h, d.gravity = Vec3(0, static_cast<Real>(-s.gravity), 0), d.sleeping = false;
+    WorldDesc d = awake_world(s.gravity, s.h);
     d.systems["rigid"].set("solver", solver);
     return d;
   }
-  Rigid& rigid() { return world_.need<Rigid>(); }
+  static Catalog catalog() {
+    static const SystemDescriptor* const systems[] = {&Collide::descriptor(), &Rigid::descriptor()};
+    return systems;
+  }
+  Rigid& rigid() { return world.need<Rigid>(); }
+  // Largest penetration or error of a joint, m.
+  double constraint() {
+    const double deepest = std::max(0.0, static_cast<double>(world.need<Collide>().max_penetration()));
+    return std::max(deepest, static_cast<double>(rigid().max_joint_error()));
+  }
+  Vec3d position(std::size_t body) { return rigid().bodies().position[rigid().index(ids[body])].cast<double>(); }
+  Vec3d velocity(std::size_t body) { return rigid().bodies().velocity[rigid().index(ids[body])].cast<double>(); }
+  bool finite(std::size_t body) {
+    return rigid().finite() && std::isfinite(position(body).norm()) && std::isfinite(velocity(body).norm());
+  }
 
-  static const SystemDescriptor* const kCatalog[2];
-  World world_;
-  std::vector<ObjectId> ids_;
+  World world;
+  std::vector<ObjectId> ids;
 };
-const SystemDescriptor* const RigidTrial::kCatalog[2] = {&Collide::descriptor(), &Rigid::descriptor()};
 
-class RigidStability final : public StabilityProblem {
- public:
-  explicit RigidStability(const RigidMap& map) : map_(map) {}
-  StabilityProblemInfo info() const override {
-    StabilityProblemInfo out = map_.info;
-    out.family = "rigid";
-    return out;
+// Fills verdict, time and entity when a watched body is non-finite or gone.
+bool failed(RigidTrial& t, const RigidScene& s, const StabilityThresholds& limits, double energy, StabilityCell& cell) {
+  for (std::size_t i = 0; i < s.watched.size(); ++i) {
+    const std::size_t body = s.watched[i];
+    const bool finite = t.finite(body);
+    const double error = (t.position(body) - s.expected[i]).norm(), scene = std::max(s.length, s.expected[i].norm());
+    if (finite && error <= limits.far * scene && t.velocity(body).norm() <= limits.fast * s.speed &&
+        energy <= limits.energy * s.energy)
+      continue;
+    cell.verdict = finite ? Verdict::diverged : Verdict::nan;
+    cell.t_fail = t.world.time();
+    cell.entity = failed_entity(t.world, t.world.objects().describe(t.ids[body]));
+    return true;
   }
-  std::vector<StabilityMethod> methods() const override {
-    std::vector<StabilityMethod> all;
-    for (const Variant<RigidSolver>& row : rigid_solvers()) all.push_back({row.name});
-    return all;
-  }
+  return false;
+}
 
-  StabilityCell cell(const std::string& method, double x, double y, const StabilityThresholds& limits) const override {
-    StabilityCell cell;
-    cell.x = x, cell.y = y;
-    try {
-      const RigidScene s = map_.scene(x, y);
-      RigidTrial t(s, method);
-      StabilityTrace trace;
-      // what grows, grows beside the scale
-      const double zero = s.keeps_energy ? -s.energy_zero : t.energy() - s.energy;
-      std::vector<Vec3d> start;
-      for (const std::size_t body : s.watched) start.push_back(t.position(body));
-      const int steps = std::max(8, static_cast<int>(std::ceil(s.seconds / s.h - 1e-9)));
-      double most = 0;
-      for (int k = 0; k < steps && std::isnan(cell.t_fail); ++k) {
-        t.step();
-        const double energy = t.energy() - zero;
-        most = std::max(most, energy);
-        trace.energy.push_back(energy);
-        if (s.keeps_energy) trace.exact_energy.push_back(s.energy_start);
-        look_for_failure(s, t, limits, energy, cell);
-      }
-      cell.energy_ratio = most / s.energy;
-      if (!std::isnan(cell.t_fail)) return cell;
-      if (s.known) measure_ways(s, t, start, trace, cell);
-      cell.constraint = std::max(t.penetration(), t.joint_error()) / s.size;
-      StabilityThresholds own = limits;
-      own.constraint = limits.penetration;
-      cell.verdict = judge(trace, s.length, s.energy, own, cell);
-    } catch (const SceneError& e) {
-      cell.verdict = Verdict::refused;
-      cell.entity = e.what();
-    }
-    return cell;
+// Errors at the end, and how far the bodies went against how far they should.
+void measure_ends(RigidTrial& t, const RigidScene& s, const std::vector<Vec3d>& start, StabilityTrace& trace,
+                  StabilityCell& cell) {
+  cell.error = 0;
+  for (std::size_t i = 0; i < s.watched.size(); ++i) {
+    const Vec3d at = t.position(s.watched[i]);
+    cell.error = std::max(cell.error, (at - s.expected[i]).norm() / s.length);
+    const double path = (s.expected[i] - start[i]).norm();
+    if (path > trace.reference_displacement)
+      trace.reference_displacement = path, trace.displacement = (at - start[i]).norm();
   }
+}
 
- private:
-  static void measure_ways(const RigidScene& s, RigidTrial& t, const std::vector<Vec3d>& start, StabilityTrace& trace,
-                           StabilityCell& cell) {
-    cell.error = 0;
-    for (std::size_t i = 0; i < s.watched.size(); ++i) {
-      const Vec3d at = t.position(s.watched[i]);
-      cell.error = std::max(cell.error, (at - s.expected[i]).norm() / s.length);
-      const double way = (s.expected[i] - start[i]).norm();
-      if (way > trace.reference_moved) trace.reference_moved = way, trace.moved = (at - start[i]).norm();
-    }
+void run_rigid(const RigidScene& s, const std::string& method, const StabilityThresholds& limits, StabilityCell& cell) {
+  RigidTrial t(s, method);
+  StabilityTrace trace;
+  // what grows, grows beside the scale
+  const double zero = s.keeps_energy ? -s.energy_zero : total_energy(t.world) - s.energy;
+  std::vector<Vec3d> start;
+  for (const std::size_t body : s.watched) start.push_back(t.position(body));
+  const int steps = std::max(8, static_cast<int>(std::ceil(s.seconds / s.h - 1e-9)));
+  double most = 0;
+  bool gone = false;
+  for (int k = 0; k < steps && !gone; ++k) {
+    t.world.step();
+    const double energy = total_energy(t.world) - zero;
+    most = std::max(most, energy);
+    trace.energy.push_back(energy);
+    if (s.keeps_energy) trace.exact_energy.push_back(s.energy_start);
+    gone = failed(t, s, limits, energy, cell);
   }
-  static void look_for_failure(const RigidScene& s, RigidTrial& t, const StabilityThresholds& limits, double energy,
-                               StabilityCell& cell) {
-    for (std::size_t i = 0; i < s.watched.size(); ++i) {
-      const std::size_t body = s.watched[i];
-      const bool finite = t.finite(body);
-      const double way = (t.position(body) - s.expected[i]).norm(), scene = std::max(s.length, s.expected[i].norm());
-      if (finite && way <= limits.far * scene && t.velocity(body).norm() <= limits.fast * s.speed &&
-          energy <= limits.energy * s.energy)
-        continue;
-      cell.verdict = finite ? Verdict::diverged : Verdict::nan;
-      cell.t_fail = t.time();
-      cell.entity = t.name(body);
-      return;
-    }
-  }
-
-  const RigidMap& map_;
-};
+  cell.energy_ratio = most / s.energy;
+  if (gone) return;
+  if (s.known) measure_ends(t, s, start, trace, cell);
+  cell.constraint = t.constraint() / s.size;
+  StabilityThresholds own = limits;
+  own.constraint = limits.penetration;
+  cell.verdict = verdict_of(trace, s.length, s.energy, own, cell);
+}
 
 }  // namespace
 
 StabilityProblems rigid_stability() {
   StabilityProblems all;
-  for (const RigidMap& map : maps()) all.push_back(std::make_unique<RigidStability>(map));
+  for (const RigidMap& map : maps())
+    all.push_back(stability_table(
+        "rigid", map.info, solver_methods(rigid_solvers()),
+        [scene = map.scene](const std::string& method, double x, double y, const StabilityThresholds& limits) {
+          return checked_cell(x, y, [&](StabilityCell& cell) { run_rigid(scene(x, y), method, limits, cell); });
+        }));
   return all;
 }
 

@@ -1,3 +1,5 @@
+// Ladders as text, the plan of a sweep, its error pass, and its timing pass: runs of all points in turn, so that a slow
+// spell of the machine meets all alike. Weak spot: minima of few repeats where the budget is short.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -37,19 +39,17 @@ std::vector<double> parse_range(std::string_view range, std::string_view text) {
 }
 
 void apply(const Ladder& ladder, double value, double t_end, RunSpec& spec) {
-  const auto whole = [&](double lowest) {
-    return static_cast<int>(std::min(2e9, std::max(lowest, std::round(value))));
-  };
+  const auto whole = [](double x) { return static_cast<int>(std::min(2e9, std::max(1.0, std::round(x)))); };
   if (ladder.axis == "h")
-    spec.steps = static_cast<int>(std::min(2e9, std::max(1.0, std::round(t_end / value))));
+    spec.steps = whole(t_end / value);
   else if (ladder.axis == "steps")
-    spec.steps = whole(1);
+    spec.steps = whole(value);
   else if (ladder.axis == "tol")
     spec.tolerance = value;
   else if (ladder.axis == "iters")
-    spec.iterations = whole(1);
+    spec.iterations = whole(value);
   else if (ladder.axis == "substeps")
-    spec.substeps = whole(1);
+    spec.substeps = whole(value);
 }
 
 // A tolerance means nothing to fixed steps, and a step nothing to methods that choose their own.
@@ -106,7 +106,7 @@ bool satisfied(const Timed& t, const TimingOptions& o) {
   return n >= o.max_repeats || (n >= o.min_repeats && t.total >= o.min_total_s);
 }
 
-void write_down(Timed& t, const TimingOptions& o, double t_end) {
+void record_times(Timed& t, const TimingOptions& o, double t_end) {
   if (t.samples.empty()) return;
   std::sort(t.samples.begin(), t.samples.end());
   const auto rank = [&](double q) {
@@ -146,15 +146,8 @@ Ladder parse_ladder(std::string_view text) {
 std::vector<PlannedPoint> plan_sweep(const StudyProblem& problem, const SweepOptions& options) {
   const std::vector<MethodInfo> methods = problem.methods();
   std::vector<MethodInfo> chosen;
-  for (const std::string& name : options.methods) {
-    std::string known;
-    const auto found = std::find_if(methods.begin(), methods.end(), [&](const MethodInfo& m) {
-      known += (known.empty() ? "" : ", ") + m.name;
-      return m.name == name;
-    });
-    if (found == methods.end()) throw SceneError("unknown method '" + name + "'; known: " + known);
-    chosen.push_back(*found);
-  }
+  for (const std::string& name : options.methods)
+    chosen.push_back(find_variant(std::span<const MethodInfo>(methods), name, "method"));
   if (options.methods.empty()) chosen = methods;
   std::vector<PlannedPoint> plan;
   for (const MethodInfo& m : chosen)
@@ -190,7 +183,7 @@ void time_points(const StudyProblem& problem, std::span<const PlannedPoint> plan
     }
     if (!more) break;
   }
-  for (Timed& t : timed) write_down(t, o, problem.info().t_end);
+  for (Timed& t : timed) record_times(t, o, problem.info().t_end);
 }
 
 StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) {

@@ -1,4 +1,5 @@
 // A wall, a spring, 1 kg, a spring, 1e6 kg. Both eigenmodes at once, four decades apart.
+// Source: Rayleigh, "The Theory of Sound" (1877), IV. Does not show: non-linear coupling of the modes.
 #include "study/net_problem.h"
 
 namespace feder {
@@ -35,8 +36,7 @@ class TwoMasses final : public NetProblem {
 }  // namespace
 
 Variant<StudyProblem> study_two_masses() {
-  return {"two_masses", "1 kg and 1e6 kg in series: two eigenmodes far apart",
-          [](Arena&, const Params& p) -> std::unique_ptr<StudyProblem> { return std::make_unique<TwoMasses>(p); }};
+  return variant_of<StudyProblem, TwoMasses>("two_masses", "1 kg and 1e6 kg in series: two eigenmodes far apart");
 }
 
 }  // namespace feder

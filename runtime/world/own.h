@@ -1,4 +1,4 @@
-// What a world keeps that its header does not show.
+// Private members of a world that need private headers.
 #pragma once
 #include "base/jobs.h"
 #include "base/rng.h"

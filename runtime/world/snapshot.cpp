@@ -7,7 +7,7 @@ namespace feder {
 namespace {
 constexpr std::uint64_t kMagic = 0x3130726564656600ull + sizeof(Real);  // "feder01", and the precision
 
-// Tells worlds apart without writing an address into the image.
+// Owner key: tells worlds apart without writing an address into the image.
 std::uint64_t owner_key(const World* world) {
   Hash h;
   h.add(reinterpret_cast<std::uintptr_t>(world));

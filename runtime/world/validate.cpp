@@ -1,6 +1,6 @@
-// What holds of a world after each step, asserted where asserts are on (feder/error.h): the plan's passes lie
-// in the order they run in, the table of objects and the events are consistent, forces act on something, and each
-// system says the same of its own structures (System::validate).
+// Invariants of a world after each step, asserted where asserts are on (feder/error.h): the plan's passes lie in the
+// order they run in, the table of objects and the events are consistent, forces have a target, and each system checks
+// its own structures (System::validate).
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-// The watchdog's last word: suspects of this step against what the whole world could have given them.
+// Watchdog, last stage: suspects of this step against the energy that the whole world could have given them.
 #include "step/watch.h"
 
 #include <cmath>
@@ -34,7 +34,7 @@ void World::warn_of_energy(const StepContext& c) {
   std::string message;
   ObjectId object;
   for (const Suspect& s : watch_.suspects) {
-    // what moves with infinite mass throws the rest at up to twice its speed
+    // a kinematic body throws others at up to twice its speed
     double given = s.given + 2 * s.mass * drive * drive;
     if (s.shared || others_hold(s.system)) given += all;
     if (!Watch::jumped(s.before, given, s.after)) continue;

@@ -1,6 +1,9 @@
+// A world: makes systems and couplings, builds the plan, steps, and sums over its systems.
 #include "feder/world.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "feder/error.h"
 #include "forces/forces.h"
@@ -36,7 +39,7 @@ World::World(const WorldDesc& desc, Catalog catalog)
 }
 
 World::~World() {
-  // a coupling lets go of its partners: last made, first gone
+  // couplings refer to their partners: last made, first destroyed
   while (!systems_.empty()) systems_.pop_back();
 }
 
@@ -89,9 +92,13 @@ System& World::make_system(const SystemDescriptor& d) {
 void World::make_couplings() {
   for (const SystemDescriptor* d : catalog_) {
     if (d->joins.empty() || find_system(d->name)) continue;
-    bool all = true;
-    for (const char* name : d->joins) all = all && find_system(name);
-    if (all) make_system(*d);
+    const auto there = [&](const char* name) {
+      return std::any_of(systems_.begin(), systems_.end(), [&](const Present& p) {
+        const char* shown = p.descriptor->shows;
+        return std::strcmp(p.descriptor->name, name) == 0 || (shown && std::strcmp(shown, name) == 0);
+      });
+    };
+    if (std::all_of(d->joins.begin(), d->joins.end(), there)) make_system(*d);
   }
 }
 

@@ -224,7 +224,7 @@ def scenes(_feder, folder):
 def api(_feder, _folder):
     """Every function that a script sees, with what it says: tables of bindings/lua and rows of shapes."""
     text = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
-    row = re.compile(rf'\{{\s*"\w+",\s*guard<.*?>,\s*{text},\s*{text}[,}}]', re.S)
+    row = re.compile(rf'\{{\s*"\w+",\s*(?:guard|method)<.*?>,\s*{text},\s*{text}[,}}]', re.S)
     owners = {}
 
     def joined(literals):
@@ -232,7 +232,7 @@ def api(_feder, _folder):
 
     for path in sorted((ROOT / "bindings/lua").glob("*.cpp")):
         found = row.findall(path.read_text())
-        if len(found) != len(re.findall(r'\{\s*"\w+",\s*guard<[^;]*?>,\s*"', path.read_text())):
+        if len(found) != len(re.findall(r'\{\s*"\w+",\s*(?:guard|method)<[^;]*?>,\s*"', path.read_text())):
             sys.exit(f"figures: api: a row of {path} is not read")
         for signature, doc in found:
             owner = re.search(r"(\w+)[.:]\w", joined(signature))[1]

@@ -129,7 +129,7 @@ TEST_CASE("impulses stay with their points when the manifold is made anew", "[co
   w.pressing = false;
   w.step();
   Contact& contact = w.collide->contacts().slots[0];
-  // by corner: the impulse tells the place
+  // by corner, named by its impulse
   const auto mark = [](const Vec3& arm) { return arm[0] * 2 + arm[2] + 10; };
   for (ContactPoint& p : contact.points) p.normal_impulse = mark(p.arm_b);
   Vec3 t1, t2;
@@ -159,7 +159,7 @@ TEST_CASE("mixing of friction, restitution, rolling and belts", "[collide]") {
   CHECK(only_contact(w).friction_dynamic == Approx(0.5));
   CHECK(only_contact(w).restitution == Approx(0.7));
   CHECK(only_contact(w).rolling_friction == Approx(0.02));
-  // a change reaches a recycled contact, asleep or not
+  // a change applies to a recycled contact, asleep or not
   for (const bool awake : {true, false}) {
     c.awake[kb] = awake;
     w.step();

@@ -78,7 +78,7 @@ TEST_CASE("joint rows are the derivatives of their values", "[constrain][contrac
   for (int trial = 0; trial < 200; ++trial) {
     Case c;
     random_case(rng, trial % 2 ? Real(0.02) : Real(0.8), c);
-    // anchors of a line lie apart: its direction turns too fast for a difference quotient near zero length
+    // separate anchors of a line: near zero length its direction changes too fast for a difference quotient
     if (kind.uses & kUsesTwoAnchors) c.in.b.position += Vec3(2, -1, 1);
     c.shape.options = options_of(kind, everything);
     const Filled now(kind, c.in);

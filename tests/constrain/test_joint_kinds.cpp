@@ -19,7 +19,7 @@ struct Filled {
   }
 };
 
-// Two bodies whose frames' x axes are the world's z, b turned by `angle` about it.
+// Two bodies whose frames' x axes are the world's z, b rotated by `angle` about it.
 JointInput hinge_at(JointShape& shape, Real angle) {
   const Quat axis = rotation_from_to(Vec3(1, 0, 0), Vec3(0, 0, 1));
   shape.frame_a = {Vec3(1, 0, 0), axis};

@@ -104,10 +104,10 @@ TEST_CASE("a crowd is thinned from both sides alike", "[neighbors][contract][thr
   const auto found = rows_of(lists, count);
   std::size_t crowded = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    crowded += all[i].size() > NeighborLists::kMost;
-    REQUIRE(found[i].size() <= NeighborLists::kMost);
+    crowded += all[i].size() > NeighborLists::kMaxNeighbors;
+    REQUIRE(found[i].size() <= NeighborLists::kMaxNeighbors);
     REQUIRE(std::is_sorted(found[i].begin(), found[i].end()));
-    if (all[i].size() > NeighborLists::kMost) REQUIRE(found[i].size() > NeighborLists::kMost / 2);
+    if (all[i].size() > NeighborLists::kMaxNeighbors) REQUIRE(found[i].size() > NeighborLists::kMaxNeighbors / 2);
     for (const std::uint32_t j : found[i]) {
       REQUIRE(std::binary_search(all[i].begin(), all[i].end(), j));
       REQUIRE(std::binary_search(found[j].begin(), found[j].end(), i));

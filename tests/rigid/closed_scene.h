@@ -1,4 +1,4 @@
-// Scenes for the closed-form tests: a world with rigid bodies and collision detection, and short ways to fill it.
+// Scenes for the closed-form tests: a world with rigid bodies and collision detection, and functions that fill it.
 #pragma once
 #include <memory>
 

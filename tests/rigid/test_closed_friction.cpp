@@ -149,7 +149,7 @@ TEST_CASE("rolling down an incline", "[rigid][closed]") {
   }
 }
 
-// A crate put on a belt reaches its speed after v / (mu g) and has slipped v^2 / (2 mu g) by then.
+// A crate on a belt has its speed after v / (mu g) and has slipped v^2 / (2 mu g) by then.
 TEST_CASE("conveyor", "[rigid][closed]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);

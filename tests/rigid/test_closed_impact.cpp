@@ -51,13 +51,13 @@ TEST_CASE("corner hit of a rod", "[rigid][closed]") {
   const ObjectId rod = s.rigid().add_body(d);
   const double inertia = s.rigid().inertia(rod)(2, 2);
   if (planar) CHECK(inertia == Approx(m / 12 * (w * w + t * t)).epsilon(1e-4));
-  // lever of the point that touches: 2D corner (-1, -0.05) turned; 3D centre of the capsule's lower cap
+  // lever arm of the contact point: 2D corner (-1, -0.05) rotated; 3D centre of the capsule's lower cap
   const double c = std::sqrt(3.0) / 2, half = planar ? 1.0 : 0.95;
   const double x = planar ? -half * c + 0.05 * 0.5 : -half * c;
   const double j = (1 + e) * v / (1 / m + x * x / inertia);
   for (int k = 0; k < 240 && std::abs(s.spin(rod)[2]) < 1e-6; ++k) s.world().step();
   s.world().step();
-  const double tolerance = std::max(closed_tolerance(solver).impact, 0.0) * 5;  // the rod turns while it touches
+  const double tolerance = std::max(closed_tolerance(solver).impact, 0.0) * 5;  // the rod rotates during contact
   CHECK(s.velocity(rod)[1] == Approx(-v + j / m).margin(tolerance * v));
   CHECK(s.spin(rod)[2] == Approx(x * j / inertia).margin(tolerance * v));
 }

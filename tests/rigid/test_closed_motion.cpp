@@ -1,4 +1,4 @@
-// Free motion against closed forms: fall, spin, mass properties, conserved quantities.
+// Free motion against closed forms: fall, rotation, mass properties, conserved quantities.
 #include "base/rng.h"
 #include "rigid/closed_scene.h"
 

@@ -13,7 +13,7 @@ struct RodChain {
   std::vector<ObjectId> rods;
   double mass = 1;
 
-  // Rods in a row along x, each joined to the one before, the first to the world; all turn about the vertical axis
+  // Rods in a row along x, each joined to the one before, the first to the world; all rotate about the vertical axis
   // through the first joint (rad/s).
   RodChain(const char* solver, int count, double thick, const char* type, double dt, int substeps, double turn = 0,
            double friction = 0)
@@ -97,7 +97,7 @@ TEST_CASE("a hinged rod converges to the closed form", "[rigid][closed][rods]") 
   const double thick = GENERATE(0.001, 0.01, 0.1);
   CAPTURE(solver, thick);
   const double at_default = end_error(solver, thick, 1.0 / 60, 4);
-  CHECK(at_default < 0.012);  // m: half a substep of its way
+  CHECK(at_default < 0.012);  // m: the travel of half a substep
   double before = end_error(solver, thick, 1.0 / 60, 1);
   CHECK(before < 0.05);
   if (sizeof(Real) == 4) return;
@@ -142,7 +142,7 @@ TEST_CASE("chains of rods keep their energy", "[rigid][closed][rods]") {
   }
 }
 
-// Contacts push at the arms and axes of the start of the step: what that leaves in a slender body must not be spin.
+// Contacts use the arms and axes of the start of the step: in a slender body that must not add rotation about its axis.
 TEST_CASE("chains of rods that hit each other gain no energy", "[rigid][rods]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const char* type = GENERATE("hinge", "ball");

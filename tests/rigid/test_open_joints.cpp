@@ -1,4 +1,4 @@
-// Joints that a script has torn open: they close, and what they give bodies on the way is bounded.
+// Joints that a script has torn open: they close, and the energy that they give bodies is bounded.
 #include <cmath>
 
 #include "rigid/closed_scene.h"
@@ -14,7 +14,7 @@ struct Opened {
 };
 
 // Bodies of a tree, or of a loop (two joints between two bodies, or three bodies): one is put `gap` away. Returns the
-// largest kinetic energy on the way, over the largest that explains: what all had, and twice push_speed at each body.
+// largest kinetic energy while closing, over its bound: the energy before, and twice push_speed at each body.
 double energy_share(const char* solver, const Opened& o, Real& left) {
   ClosedScene s(solver);
   s.desc.gravity = Vec3::Zero();

@@ -41,7 +41,7 @@ TEST_CASE("rigid.sleeping counts bodies that sleep", "[rigid][residuals]") {
   CHECK(residual(s, "rigid.sleeping") == 1);
 }
 
-// The first step that reaches the limit also says so in a warning, with its count.
+// The first step at the iteration limit also raises a warning with its count.
 TEST_CASE("rigid.capped counts iteration limits of the last step", "[rigid][residuals]") {
   ClosedScene s("impulse");
   s.desc.systems["rigid"].set("iterations", 1.0);

@@ -14,7 +14,7 @@ struct Crate {
   Real width, height;  // m
 };
 
-// Of the angle of a ramp that turns for four seconds: without jerk, so that the load stays below that at its end.
+// Angle of a ramp that rotates for four seconds: without jerk, so that the load stays below that at its end.
 double turned_part(double t) {
   const double u = std::min(1.0, t / 4);
   return u * u * u * (10 + u * (6 * u - 15));

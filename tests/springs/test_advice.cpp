@@ -38,7 +38,7 @@ TEST_CASE("the predicted error of a period is right within a factor of ten", "[s
   CHECK(a.frequency == Approx(1));
   CHECK(a.h == Approx(z));
   if (a.method.adaptive) return;  // its tolerance is the error
-  // the largest error on the way: that of some methods comes and goes within a period
+  // the largest error of a period: that of some methods oscillates within it
   const int steps = static_cast<int>(std::lround(kTwoPi / z));
   double error = 0;
   for (int k = 1; k <= steps; ++k) {

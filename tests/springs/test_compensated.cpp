@@ -56,7 +56,7 @@ TEST_CASE("the low part of a position is state: in hash and snapshot, gone when 
   a.restore(saved);
   step(a, 500);
   CHECK(a.hash() == later);
-  // two nets that came another way are the same once their points are put to the same places
+  // two nets with different histories are equal once their points are set to equal positions
   a.restore(saved);
   b.need<Springs>().set_velocity(in_b, 0, Vec3(2 * speed, 0, 0));
   step(b, 50);

@@ -139,7 +139,7 @@ TEST_CASE("formulas and pairwise attraction keep the order of every integrator",
     const int order = info_of(name).order;
     CAPTURE(m.name, name, order);
     double error[4];  // log2
-    // coarser for high orders, whose errors reach rounding first
+    // coarser for high orders, whose errors are the first at rounding
     const int finer = order == 1 ? 128 : order == 2 ? 16 : 2;
     for (int k = 0, steps = m.first_steps * finer; k < 4; ++k, steps *= 2) {
       error[k] = std::log2(error_of(m, name, steps, exact));
@@ -227,7 +227,7 @@ TEST_CASE("drag that would stop a point within a substep stops it and does no mo
     REQUIRE(w.is_finite());
     CHECK(w.energy().kinetic <= before);
   }
-  // implicit_midpoint keeps what is far too fast for it, and turns it round each step
+  // implicit_midpoint does not damp modes far too fast for it: their sign alternates each step
   if (d.integrator != "implicit_midpoint") CHECK(w.energy().kinetic < 1e-3 * before);
 }
 

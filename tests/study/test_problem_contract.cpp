@@ -90,8 +90,9 @@ TEST_CASE("some method comes close to the reference, and closer with work", "[st
   double coarse = 1e300, fine = 1e300, rounded = 0;
   for (const MethodInfo& m : p->methods()) {
     std::vector<RunSpec> ladder = p->ladder(m);
-    // of several ways to refine the first
-    std::erase_if(ladder, [way = ladder.front().way](const RunSpec& r) { return r.way != way; });
+    // of several axes of refinement the first
+    std::erase_if(ladder,
+                  [axis = ladder.front().refinement_axis](const RunSpec& r) { return r.refinement_axis != axis; });
     // one rung of each half: the finest take long. What the budget cuts off in the second half cannot count in the
     // first
     const auto error_of = [&](std::size_t rung) {

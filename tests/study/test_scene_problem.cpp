@@ -136,8 +136,8 @@ TEST_CASE("a scene knows its course at any time", "[study]") {
   d.reference = SceneDescription::Reference::course;
   d.info.energy_scale = 1;
   d.ladders.resize(2);
-  d.ladders[0].steps = {100, 400}, d.ladders[0].way = "steps";
-  d.ladders[1].substeps = {2, 4}, d.ladders[1].way = "substeps", d.ladders[1].methods = {"rk4"};
+  d.ladders[0].steps = {100, 400}, d.ladders[0].refinement_axis = "steps";
+  d.ladders[1].substeps = {2, 4}, d.ladders[1].refinement_axis = "substeps", d.ladders[1].methods = {"rk4"};
   d.make = [](const RunSpec& spec) { return std::make_unique<Exact>(spec); };
   const StudyResult r = sweep(std::move(d));
   REQUIRE(r.points.size() == 6);
@@ -150,7 +150,7 @@ TEST_CASE("a scene knows its course at any time", "[study]") {
     CHECK(p.err_constraint == 0.25);
   }
   CHECK(r.points[1].err_traj_rms < r.points[0].err_traj_rms / 10);
-  CHECK(r.points[4].way == "substeps");
+  CHECK(r.points[4].refinement_axis == "substeps");
   CHECK(r.points[4].h_s == 0.01);
 }
 

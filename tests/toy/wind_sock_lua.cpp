@@ -1,5 +1,6 @@
 // world:wind_sock{ ... }, its methods, and the list `wind_socks` of scenes in YAML.
 #include "lua/objects.h"
+#include "lua/stack.h"
 #include "lua/yaml_scene.h"
 #include "toy/parts.h"
 #include "toy/wind_sock.h"
@@ -34,7 +35,7 @@ int sock_tip(lua_State* L) {
   const Self self = check_self(L);
   std::vector<Vec3> points;
   socks(self.record).points(self.id, points);
-  return push_vector(L, points.back());
+  return push(L, points.back());
 }
 
 int sock_set_wind(lua_State* L) {

@@ -4,7 +4,7 @@
 #include "feder/net.h"
 #include "feder/rigid.h"
 #include "support/catch.h"
-#include "view/studio.h"
+#include "view/renderer_host.h"
 
 namespace feder::test {
 

@@ -110,7 +110,7 @@ class Screen {
     } while (now() - start < seconds && viewer_.running());
     return false;
   }
-  void hand(const std::string& command) const {
+  void input(const std::string& command) const {
     const int failed = std::system(("DISPLAY=" + display_ + " xdotool " + command).c_str());
     CHECK(failed == 0);
   }

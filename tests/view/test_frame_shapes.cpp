@@ -13,7 +13,7 @@ namespace {
 
 Instance placed(const Fitted& f, const Pose& pose) {
   Instance i;
-  for (int k = 0; k < 3; ++k) i.position[k] = static_cast<float>(pose.position[k]), i.scale[k] = f.scale[k];
+  i.position = to_float3(pose.position), i.scale = f.scale;
   i.rotation[0] = static_cast<float>(pose.rotation.x), i.rotation[1] = static_cast<float>(pose.rotation.y);
   i.rotation[2] = static_cast<float>(pose.rotation.z), i.rotation[3] = static_cast<float>(pose.rotation.w);
   i.stretch = f.stretch;
@@ -23,7 +23,7 @@ Instance placed(const Fitted& f, const Pose& pose) {
 struct D3 {
   double x, y, z;
 };
-D3 d3(const float p[3]) { return {p[0], p[1], p[2]}; }
+D3 d3(Float3 p) { return {p.x, p.y, p.z}; }
 D3 minus(D3 a, D3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 D3 crossed(D3 a, D3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 double dotted(D3 a, D3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

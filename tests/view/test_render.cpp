@@ -34,13 +34,11 @@ Frame one_box(Color color) {
   cache.fit(make_box(1, 1, 1));
   f.geometries = cache.geometries();
   Instance i;
-  i.position[1] = 1;
-  for (float& s : i.scale) s = 1;
+  i.position.y = 1;
   i.color = color;
   f.instances.push_back(i);
   f.batches.push_back({0, 0, 1, false});
-  const float low[3] = {-0.5f, 0.5f, -0.5f}, high[3] = {0.5f, 1.5f, 0.5f};
-  f.bounds.include(low), f.bounds.include(high);
+  f.bounds = {{-0.5f, 0.5f, -0.5f}, {0.5f, 1.5f, 0.5f}};
   f.moving = f.bounds;
   return f;
 }
@@ -193,25 +191,20 @@ TEST_CASE("pictures of any size, and clear words for impossible ones", "[view][g
 TEST_CASE("the camera sees its subject whole and large", "[view]") {
   const float pitch = GENERATE(0.0f, 0.35f, 1.2f), yaw = GENERATE(0.0f, 0.6f, 2.5f), aspect = GENERATE(0.5f, 1.8f);
   Bounds b;
-  const float low[3] = {3, -1, 10}, high[3] = {5, 6, 11};
-  b.include(low), b.include(high);
+  b.include(Float3{3, -1, 10}), b.include(Float3{5, 6, 11});
   Camera c;
   c.yaw = yaw, c.pitch = pitch;
   c.fit(b, aspect);
   const int h = 1000, w = static_cast<int>(1000 * aspect);
   float x0 = 1e9f, x1 = -1e9f, y0 = 1e9f, y1 = -1e9f;
   for (int i = 0; i < 8; ++i) {
-    const float p[3] = {i & 1 ? 5.0f : 3.0f, i & 2 ? 6.0f : -1.0f, i & 4 ? 11.0f : 10.0f};
+    const Float3 p{i & 1 ? 5.0f : 3.0f, i & 2 ? 6.0f : -1.0f, i & 4 ? 11.0f : 10.0f};
     float x = 0, y = 0;
     REQUIRE(c.project(p, w, h, x, y));
     x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-    float origin[3], direction[3];
-    c.ray(x, y, w, h, origin, direction);
+    const auto [origin, direction] = c.ray(x, y, w, h);
     // the ray through the pixel passes the point
-    float t = 0, miss = 0;
-    for (int k = 0; k < 3; ++k) t += (p[k] - origin[k]) * direction[k];
-    for (int k = 0; k < 3; ++k) miss = std::max(miss, std::abs(origin[k] + t * direction[k] - p[k]));
-    CHECK(miss < 1e-3f);
+    CHECK(length(cross(p - origin, direction)) < 1e-3f);
   }
   CHECK(x0 >= 0);
   CHECK(x1 <= static_cast<float>(w));

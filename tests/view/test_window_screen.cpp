@@ -125,11 +125,11 @@ TEST_CASE("the mouse drags a body, keys pause and step", "[view][screen]") {
   const json start = screen.status()["objects"]["crate"];
   const int x = start["screen"][0], y = start["screen"][1];
   const auto move = [&](int mx, int my) {
-    screen.hand("mousemove " + std::to_string(mx) + " " + std::to_string(my));
+    screen.input("mousemove " + std::to_string(mx) + " " + std::to_string(my));
     usleep(300000);
   };
   move(x, y);
-  screen.hand("mousedown 1");
+  screen.input("mousedown 1");
   usleep(300000);
   for (int i = 1; i <= 5; ++i) move(x + 20 * i, y - 20 * i);
   CHECK(screen.wait([](const json& s) { return s["held"] == true; }, 20));
@@ -137,24 +137,24 @@ TEST_CASE("the mouse drags a body, keys pause and step", "[view][screen]") {
     return s["objects"]["crate"]["position"][1] > start["position"][1].get<double>() + 0.3 &&
            std::abs(s["objects"]["crate"]["screen"][0].get<double>() - (x + 100)) < 30;
   }));
-  screen.hand("mouseup 1");
+  screen.input("mouseup 1");
   CHECK(screen.wait([](const json& s) { return s["held"] == false && s["selected"] == "body \"crate\""; }));
 
   // a click far from where the mouse was selects, and does not turn the camera
   const json camera = screen.status()["camera"];
-  screen.hand("mousemove 100 100 mousemove 700 500 click 1");
+  screen.input("mousemove 100 100 mousemove 700 500 click 1");
   CHECK(screen.wait([](const json& s) { return s["selected"] != "body \"crate\""; }));
   CHECK(screen.status()["camera"] == camera);
 
-  screen.hand("key space");
+  screen.input("key space");
   REQUIRE(screen.wait([](const json& s) { return s["paused"] == true; }));
   const int step = screen.status()["step"];
   const std::string hash = screen.status()["hash"];
-  screen.hand("key Left");
+  screen.input("key Left");
   CHECK(screen.wait([&](const json& s) { return s["step"] == step - 1 && s["past"] == true; }));
-  screen.hand("key Right");
+  screen.input("key Right");
   CHECK(screen.wait([&](const json& s) { return s["step"] == step && s["hash"] == hash; }));
-  screen.hand("key b");
+  screen.input("key b");
   CHECK(screen.wait([&](const json& s) { return s["objects"].contains("shot1"); }));
 }
 

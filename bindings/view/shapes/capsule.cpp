@@ -3,10 +3,7 @@
 namespace feder::view {
 
 ShapeDrawing draw_capsule() {
-  return {"capsule", [](const Shape& s) {
-            const auto r = static_cast<float>(s.radius());
-            return Drawing{unit_ball, {r, r, r}, reach(s, vec3(0, 1, 0), 1)};
-          }};
+  return {"capsule", [](const Shape& s) { return scaled_ball(s, reach(s, vec3(0, 1, 0), 1)); }};
 }
 
 }  // namespace feder::view

@@ -11,7 +11,7 @@ Geometry unit_disc() {
   std::vector<Outline> outline;
   for (int i = 0; i < kRound; ++i) {
     const float a = kTurn * static_cast<float>(i) / kRound;
-    const P p{std::cos(a), std::sin(a), 0};
+    const Float3 p{std::cos(a), std::sin(a), 0};
     outline.push_back({p, p});
   }
   prism(g, outline, 1);

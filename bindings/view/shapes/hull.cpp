@@ -10,10 +10,10 @@ Geometry tessellate_hull(const Shape& shape) {
   Geometry g;
   g.kind = "hull";
   for (const HullFace& f : data.faces) {
-    std::vector<P> loop;
+    std::vector<Float3> loop;
     for (std::uint16_t i = 0; i < f.count; ++i)
-      loop.push_back(point(data.corners[data.loops[static_cast<std::size_t>(f.first) + i]]));
-    face(g, loop, point(f.normal));
+      loop.push_back(to_float3(data.corners[data.loops[static_cast<std::size_t>(f.first) + i]]));
+    face(g, loop, to_float3(f.normal));
   }
   return g;
 }
@@ -21,11 +21,7 @@ Geometry tessellate_hull(const Shape& shape) {
 }  // namespace
 
 ShapeDrawing draw_hull() {
-  return {"hull", [](const Shape& s) {
-            Drawing d;
-            d.own = tessellate_hull(s);
-            return d;
-          }};
+  return {"hull", [](const Shape& s) { return Drawing{.own = tessellate_hull(s)}; }};
 }
 
 }  // namespace feder::view

@@ -18,11 +18,11 @@ Geometry tessellate_polygon(const Shape& shape) {
     const float from = std::atan2(static_cast<float>(before[1]), static_cast<float>(before[0]));
     float turn = std::atan2(static_cast<float>(after[1]), static_cast<float>(after[0])) - from;
     if (turn < 0) turn += kTurn;
-    const P at{static_cast<float>(points[i][0]), static_cast<float>(points[i][1]), 0};
+    const Float3 at{static_cast<float>(points[i][0]), static_cast<float>(points[i][1]), 0};
     const int steps = r > 0 ? std::max(1, static_cast<int>(std::ceil(turn / kTurn * kRound))) : 1;
     for (int k = 0; k <= steps; ++k) {
       const float a = from + turn * static_cast<float>(k) / static_cast<float>(steps);
-      const P n{std::cos(a), std::sin(a), 0};
+      const Float3 n{std::cos(a), std::sin(a), 0};
       outline.push_back({at + r * n, n});
     }
   }
@@ -35,11 +35,7 @@ Geometry tessellate_polygon(const Shape& shape) {
 }  // namespace
 
 ShapeDrawing draw_polygon() {
-  return {"polygon", [](const Shape& s) {
-            Drawing d;
-            d.own = tessellate_polygon(s);
-            return d;
-          }};
+  return {"polygon", [](const Shape& s) { return Drawing{.own = tessellate_polygon(s)}; }};
 }
 
 }  // namespace feder::view

@@ -3,10 +3,7 @@
 namespace feder::view {
 
 ShapeDrawing draw_sphere() {
-  return {"sphere", [](const Shape& s) {
-            const auto r = static_cast<float>(s.radius());
-            return Drawing{unit_ball, {r, r, r}};
-          }};
+  return {"sphere", [](const Shape& s) { return scaled_ball(s, 0); }};
 }
 
 }  // namespace feder::view

@@ -1,12 +1,12 @@
-// Two kinds of mistakes. A scene's: SceneError, thrown while things are made or edited and never inside a step; what
-// was asked for has not been done then, and nothing else has changed. Bindings turn it into a script error.
+// Errors. Scene mistakes: SceneError, thrown while things are made or edited and never inside a step; then nothing has
+// changed (strong guarantee). Bindings turn it into a script error. Programming mistakes: FEDER_ASSERT.
 #pragma once
 #include <stdexcept>
 #include <string>
 
 namespace feder {
 
-// The message says what was expected and what came, without a place (the binding adds file:line).
+// The message says what was expected and what came, without file and line (the binding adds them).
 class SceneError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -14,7 +14,7 @@ class SceneError : public std::runtime_error {
 
 }  // namespace feder
 
-// FEDER_ASSERT(condition): own mistakes, never a scene's. On unless NDEBUG; prints file:line and aborts.
+// FEDER_ASSERT(condition): programming mistakes, never a scene's. On unless NDEBUG; prints file:line and aborts.
 // kAsserts guards checks that take more than one expression (System::validate).
 namespace feder {
 [[noreturn]] void assert_failed(const char* condition, const char* file, int line);

@@ -1,5 +1,5 @@
 // Events of a step as plain buffers: passes append, the world sorts once at the end of the step, hosts read after it.
-// Nothing here calls anybody. World::step() replaces the list; read it on the thread that steps, between two steps.
+// No callbacks. World::step() replaces the list; read it on the thread that steps, between two steps.
 #pragma once
 #include <string>
 #include <utility>
@@ -13,10 +13,10 @@ namespace feder {
 
 // A kind of event; systems list theirs in their descriptor. Kinds of a step come in the order of their names.
 struct EventKind : Name<EventKind> {
-  // What its events tell beside their object, which is `a`.
+  // Fields that its events use beside their object, which is `a`.
   enum Tells : std::uint32_t {
-    kPair = 1,      // no object but two, a and b, which a filter may turn; point, and normal from a to b
-    kSensed = 2,    // b, which the sensor a has noticed
+    kPair = 1,      // not one object but two, a and b, in either order for filters; point, and normal from a to b
+    kSensed = 2,    // b, which the sensor a detected
     kOther = 4,     // b
     kPlace = 8,     // index: a point, spring or vertex of a
     kAmount = 16,   // index: how many
@@ -45,7 +45,7 @@ inline constexpr EventKind kEventKinds[] = {
     EventKind::contact_begin, EventKind::contact_end, EventKind::contact_stay, EventKind::hit,  EventKind::sensor_enter,
     EventKind::sensor_leave,  EventKind::sleep,       EventKind::wake,         EventKind::step, EventKind::warning};
 
-// What woke something; systems list theirs in their descriptor.
+// Cause of a wake event; systems list theirs in their descriptor.
 struct WakeCause : Name<WakeCause> {
   using Name::Name;
   static const WakeCause none, contact, script, joint, neighbor, force, destroyed;
@@ -77,7 +77,7 @@ class Events {
  public:
   explicit Events(Arena& arena) : list_(&arena), pending_(&arena) {}
 
-  // Kinds that cost something to make (contact_stay, hit) are only made when wanted.
+  // Costly kinds (contact_stay, hit) are only made when wanted.
   void set_wanted(EventKind kind, bool wanted);
   bool wanted(EventKind kind) const;
 
@@ -89,7 +89,7 @@ class Events {
   void warn(std::string code, std::string message, ObjectId object = {});
 
   void clear();   // at `begin`
-  void finish();  // takes the pending ones in and sorts by (kind, a, b, index, order)
+  void finish();  // appends the pending ones and sorts by (kind, a, b, index, order)
 
   const Array<Event>& list() const { return list_; }
   void validate() const;  // after finish(): asserts order and contents

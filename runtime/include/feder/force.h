@@ -1,5 +1,5 @@
 // Force generators: from the state of one mass point to a force. Owners of mass points (bodies, nets, cloths, fluids)
-// ask them, perhaps from several threads at once: `add` and the other const members must not change shared state.
+// evaluate them, from several threads at once: `add` and the other const members must not change shared state.
 // One file per kind, one feder_variant(forces <kind>) line. Gravity of the world is not among them.
 #pragma once
 #include <memory>
@@ -17,8 +17,8 @@ struct MassPoint {
   Real mass = 0;                                          // kg
   Real area = 0;                                          // m^2, cross-section where known (drag, wind), else 0
   Real volume = 0;                                        // m^3 where known (buoyancy), else 0
-  // kg/s: rate times relative velocity that a force against it may have at most. Owners that hold the force for a time
-  // h set mass/h shared by all such forces: it may stop the point within h and never turns it round.
+  // Largest drag coefficient, kg/s: bound of force over relative velocity. Owners that keep the force constant for a
+  // time h set mass/h, divided among all such forces: drag may stop the point within h and never reverses it.
   Real most_drag = kInfinity;
 };
 
@@ -32,24 +32,24 @@ class Force {
   virtual void add(const MassPoint* points, std::size_t count, double time, Vec3* out) const = 0;
   // Potential energy of the points, J; 0 for forces without a potential.
   virtual double potential(const MassPoint*, std::size_t) const { return 0; }
-  // False spares methods with implicit damping the derivative by the velocity.
+  // False: methods with implicit damping need no derivative by the velocity.
   virtual bool depends_on_velocity() const { return true; }
-  // Adds df/dx (or df/dv) of each point alone to `out`, N/m (N s/m), as it is. False: not known; differences are taken.
+  // Adds df/dx (or df/dv) of each point alone to `out`, N/m (N s/m). False: not known; owners take differences.
   virtual bool derivative(const MassPoint*, std::size_t, double /*time*/, bool /*by_velocity*/, Mat3*) const {
     return false;
   }
-  // How often so far an evaluation had no value and counted as 0; the world warns of the first (`force_domain`).
+  // Evaluations so far that had no value and counted as 0; the world warns of the first (`force_domain`).
   virtual std::uint64_t faults() const { return 0; }
-  // May only be asked on the thread that steps the world (it runs a script).
+  // Must be evaluated on the thread that steps the world (it runs a script).
   virtual bool on_stepping_thread() const { return false; }
-  // True for forces that press on surfaces: owners of triangles ask for one square metre held across the flow and
-  // turn the answer by the triangle's normal.
+  // True for pressure on surfaces: owners of triangles evaluate one square metre normal to the flow, and orient the
+  // result by the triangle's normal.
   virtual bool on_area() const { return false; }
 };
 
 std::span<const Variant<Force>> force_kinds();
 
-// A force in a world, and whom it acts on.
+// A force in a world, and its targets.
 struct ForceEntry {
   ObjectId object;                         // the force's own handle
   std::unique_ptr<Force> force;            // null for a scripted force
@@ -58,7 +58,7 @@ struct ForceEntry {
   ObjectId target;                         // or on one object
   std::vector<std::uint32_t> points = {};  // of `target`, a net: on these only, ascending; empty: on all
   bool enabled = true;
-  bool warned = false;  // of a value that does not exist
+  bool warned = false;  // of an evaluation without a value
 };
 
 }  // namespace feder

@@ -11,7 +11,7 @@ namespace feder {
 inline constexpr ObjectKind kJointKind{"joint", "joints"};
 inline constexpr EventKind kJointBreak{"joint_break", EventKind::kForce};
 
-// What a script may ask of a joint; a kind uses its part, and refuses (SceneError) what it has no use for.
+// Options of all kinds of joints; a kind refuses (SceneError) those that it does not use.
 struct JointOptions {
   Real lower = -kInfinity, upper = kInfinity;  // limits, m or rad
   bool has_limits = false;

@@ -22,13 +22,13 @@
 
 namespace feder::lua {
 
-// what() is "file:line: message" (one line), or the message alone when no place is known.
+// what() is "file:line: message" (one line), or the message alone when no position is known.
 class ScriptError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The limits of HostOptions. A script cannot catch one: it is raised again after every pcall, xpcall and coroutine
+// Limits of HostOptions. A script cannot catch one: it is raised again after every pcall, xpcall and coroutine
 // until the outermost call from the host has ended. The script can be called again.
 enum class Limit { none, instructions, time, memory, output, interrupted };
 
@@ -42,7 +42,7 @@ class LimitError : public ScriptError {
   Limit limit_;
 };
 
-// HostOptions::set or ::world holds a name or value that the script does not take: a mistake of whoever started it.
+// HostOptions::set or ::world has a name or value that the script does not accept: a mistake of the host.
 class OptionError : public ScriptError {
  public:
   using ScriptError::ScriptError;
@@ -81,8 +81,8 @@ struct HostOptions {
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
 };
 
-// What a script says for the eye only: no part of the world, its hash or its snapshots.
-// `camera = { target =, distance =, yaw =, pitch = }` of a scene; what is not given is fitted.
+// Camera of a scene: no part of the world, its hash or its snapshots.
+// `camera = { target =, distance =, yaw =, pitch = }` of a scene; missing values are fitted to the scene.
 struct SceneCamera {
   bool has_target = false, has_distance = false, has_yaw = false, has_pitch = false;
   double target[3] = {0, 0, 0};  // m
@@ -90,14 +90,14 @@ struct SceneCamera {
   double yaw = 0, pitch = 0;     // rad
 };
 
-// Of one world.
+// Appearance of the objects of a world.
 struct Look {
   std::map<ObjectId, std::uint32_t> colors;              // 0xrrggbb; objects without one are not here
   std::map<ObjectId, std::vector<std::uint32_t>> faces;  // of nets: three point numbers (from 0) per triangle
   std::uint64_t version = 0;                             // goes up when a colour of an older object changes
 };
 
-// What a system says about one of its objects before a world runs: feder.advise, `feder explain`.
+// Advice of a system on one of its objects before a world runs: feder.advise, `feder explain`.
 struct Advice {
   using Fact = std::variant<std::int64_t, double, std::string>;  // a number may be infinite
   ObjectId object;
@@ -113,7 +113,7 @@ struct ParamInfo {
   std::vector<std::string> choices;
 };
 
-// An error in a handler, timer, task or update(): reported once per place, counted after that.
+// An error in a handler, timer, task or update(): reported once per file and line, counted after that.
 struct HandlerError {
   std::string where;  // file:line
   std::string message;
@@ -136,7 +136,7 @@ struct CheckResult {
 // Name -> values, in the order of the names.
 using StudyAxes = std::vector<std::pair<std::string, std::vector<std::string>>>;
 
-// What a scene says about being studied: study = { reference =, error =, axes =, ... }.
+// Study declaration of a scene: study = { reference =, error =, axes =, ... }.
 struct StudyDeclaration {
   enum class Reference { none, refined, stated, course };  // "self"; for the end; at any time
 
@@ -163,12 +163,12 @@ struct StudyDeclaration {
   int refined_substeps = 0;
 };
 
-// What is compared: three numbers per point, and orientations x y z w.
+// State that a study compares: three numbers per point, and orientations x y z w.
 struct StudyState {
   std::vector<double> x, v, q;
 };
 
-// Time spent in a Lua handler, by place.
+// Time spent in a Lua handler, by file and line.
 struct HandlerProfile {
   std::string where;
   std::uint64_t calls = 0, nanoseconds = 0;
@@ -198,8 +198,8 @@ class Script {
 
   bool is_scene() const;
   std::string title() const;
-  double seconds() const;  // of the scene; 0 when it says nothing
-  double picture() const;  // when a picture tells most, s; < 0 when the scene says nothing
+  double seconds() const;  // of the scene; 0 when it has none
+  double picture() const;  // thumbnail time, s; < 0 when the scene has none
   const SceneCamera& camera() const;
   std::vector<ParamInfo> params() const;
 

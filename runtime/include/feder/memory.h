@@ -1,6 +1,6 @@
-// Named memory: every block of a system lives in an Arena, so that bytes per system can be printed and a system that is
-// absent has none. Scratch is the step's throw-away memory; Store holds a world's blocks by type. An Arena may be used
-// by several threads at once, Scratch and Store by one.
+// Memory: every block of state lives in a named Arena, so that bytes per system can be printed and an absent system has
+// none. Scratch is a step's temporary memory; Store holds a world's blocks by type. An Arena may be used by several
+// threads at once, Scratch and Store by one.
 #pragma once
 #include <atomic>
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace feder {
 
-// Counts what its containers hold. Thread-safe. Not copyable: containers keep its address.
+// Counts the bytes of its containers. Thread-safe. Not copyable: containers keep its address.
 class Arena final : public std::pmr::memory_resource {
  public:
   explicit Arena(std::string name) : name_(std::move(name)) {}
@@ -68,7 +68,7 @@ class Scratch {
   Arena* arena_;
 };
 
-// Blocks of state by type, made when a system first asks: what nobody needs is not there and has no bytes.
+// Blocks of state by type, made when a system first needs them: unused ones do not exist.
 class Store {
  public:
   // The block, made in the arena `arena_name` on first use (one arena per system; several blocks may share it).
@@ -80,14 +80,14 @@ class Store {
     blocks_.push_back({type_tag<Block>(), std::move(holder)});
     return block;
   }
-  // Null when nobody has asked for it.
+  // Null when nothing has needed it.
   template <class Block>
   Block* find() const {
     for (const Entry& e : blocks_)
       if (e.tag == type_tag<Block>()) return &static_cast<Holder<Block>*>(e.holder.get())->block;
     return nullptr;
   }
-  // For rows, which only run when their blocks exist.
+  // For passes, which only run when their blocks exist.
   template <class Block>
   Block& get() const {
     Block* block = find<Block>();

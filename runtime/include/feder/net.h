@@ -31,7 +31,7 @@ struct NetDesc {
   std::vector<Vec3> velocities;  // empty: at rest
   std::vector<Real> masses;      // one per point, kg, > 0
   std::vector<SpringDesc> springs;
-  std::vector<std::uint32_t> faces;  // triangles, three point numbers each: what fluids cannot pass
+  std::vector<std::uint32_t> faces;  // triangles, three point numbers each: collide, and are impermeable to fluids
   std::string integrator = default_integrator();
   Params integrator_options;
   Real damping = 0;             // drag on every point, 1/s (force = -damping m v)
@@ -49,18 +49,18 @@ struct SpringView {
   std::span<const std::uint8_t> alive;  // 0: removed or broken
 };
 
-// What the numbers of a net say about a step of its integrator, before it runs. Formulas: springs/advice.cpp.
+// Predictions for a net and its integrator before it runs. Formulas: springs/advice.cpp.
 struct NetAdvice {
   ObjectId net;
   std::string integrator;
   IntegratorInfo method;
   double h = 0;                 // s, a substep
-  double frequency = 0;         // 1/s, no mode is faster (Gershgorin)
-  double decay = 0;             // 1/s, no mode decays faster
+  double frequency = 0;         // 1/s, upper bound of all modes (Gershgorin)
+  double decay = 0;             // 1/s, upper bound of all decay rates
   double stability_number = 0;  // h times the larger of the two that matter to the method
   bool stable = true;           // stability_number <= limit of the method
-  bool never_stable = false;    // no step would be, short of damping
-  int solver_substeps = 1;      // into which an adaptive method cuts h at least, for stability
+  bool never_stable = false;    // no step is stable without damping
+  int solver_substeps = 1;      // of an adaptive method within h, at least, for stability
   int substeps = 0;     // of the step dt that keep the number below kSafeShare of the limit; 0: any, or none does
   double error = 0;     // predicted, of the fastest mode after one period, relative
   double resolved = 0;  // 1/s, motions up to here come out within kResolvedError per period
@@ -112,7 +112,7 @@ class Springs final : public System {
   // IntegratorInfo decides whether the warning "stiff" is raised.
   Real max_frequency(ObjectId net) const;
   NetAdvice advice(ObjectId net, double dt, int substeps) const;
-  // Did the net go non-finite? It is then held at the last good step's positions, and finite() stays false.
+  // A net that went non-finite is pinned at the positions before that step, and finite() stays false.
   bool quarantined(ObjectId net) const;
 
   // For couplings: the net's run of indices in Particles and how its points collide.
@@ -126,14 +126,14 @@ class Springs final : public System {
   };
   std::size_t net_count() const;
   NetInfo net_info(std::size_t n) const;  // 0 .. net_count()-1, in the order the nets were made
-  // What points that are gone had in the arrays of others. The coupling that gave it takes it back, and empties the
-  // list, before the next plan.
+  // Entries of removed points in the arrays of others. The coupling that made them frees them, and empties the list,
+  // before the next plan.
   struct Removed {
     std::uint32_t collider, solver_slot;  // kNone: had none
   };
   std::vector<Removed>& removed();
 
-  // Point `i` is held at `local` of a solver body (a body); used by couple and the binding. Kept by
+  // Attachment: point `i` is fixed to `local` of a body; used by couple and the binding, and enforced by
   // couple/springs_rigid.
   struct Attachment {
     ObjectId net, body;

@@ -1,5 +1,6 @@
-// Every thing a script can hold (body, joint, net, force ...) is an object: a slot with a generation, a kind, a name
-// and tags. Systems keep the data; this table says where. A freed slot remembers its name and who destroyed it.
+// Objects: everything a script has a handle of (body, joint, net, force ...) is a slot with a generation, a kind, a
+// name and tags. Systems keep the data; this table has its index. A freed slot keeps its name and where it was
+// destroyed, for messages about stale handles.
 #pragma once
 #include <compare>
 #include <initializer_list>
@@ -14,8 +15,8 @@ namespace feder {
 class Writer;
 class Reader;
 
-// A word of a family that modules may add to ("cloth" among the kinds of objects): a constant in the header of who
-// brings it. Equal texts are equal words, so nothing depends on what else a build holds.
+// A name of a family that modules add to ("cloth" among the kinds of objects): a constant in the header of its module.
+// Names compare by text, so that nothing depends on what else a build has.
 template <class Family>
 class Name {
  public:
@@ -61,16 +62,16 @@ class Objects {
   // Only objects of known kinds can be added.
   Objects(std::initializer_list<ObjectKind> kinds = {});
   void know(ObjectKind kind);
-  // `index` is the place in the owning system. The name may be empty.
+  // `index` is that in the owning system. The name may be empty.
   ObjectId add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags);
   // `where` ("scene.lua:41", may be empty) is kept for the message about stale handles.
   void remove(ObjectId id, std::string where);
 
   bool alive(ObjectId id) const;
-  ObjectKind kind(ObjectId id) const;      // also of the dead, until the slot is used again
+  ObjectKind kind(ObjectId id) const;      // also of destroyed ones, until the slot is used again
   std::uint32_t index(ObjectId id) const;  // alive only
   void set_index(ObjectId id, std::uint32_t index);
-  const std::string& name(ObjectId id) const;  // also of the dead, until the slot is used again; else ""
+  const std::string& name(ObjectId id) const;  // also of destroyed ones, until the slot is used again; else ""
   const std::string& destroyed_at(ObjectId id) const;
   std::string describe(ObjectId id) const;  // body "crate3", or body #17 without a name
   TagMask tags(ObjectId id) const;

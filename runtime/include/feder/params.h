@@ -1,5 +1,5 @@
-// Options by name, as they come from a script, a YAML file or the command line. Remembers which keys were read, so
-// that a misspelt one becomes an error that names the nearest known key, and the rows they were read by.
+// Options by name, from a script, a YAML file or the command line. Remembers which keys were read, so that a misspelt
+// one becomes an error that names the nearest known key, and the option rows they were read by.
 #pragma once
 #include <initializer_list>
 #include <limits>
@@ -22,10 +22,10 @@ class Arena;
 class Writer;
 class Reader;
 
-// The row of an option: what a reference says of it, and what reading it needs. No option is read without its row, so
-// that reference, checks and completion are what the reader takes. Rows stand beside the reader: a variant's in its
-// file, an object's of Lua with its maker. What an option means is one sentence in the options.txt of the folder,
-// which a host without a reference does not link (feder_reference).
+// Option row: the documented properties of an option, which reading it needs. No option is read without its row, so
+// that reference, checks and completion agree with the reader. Rows stand beside the reader: a variant's in its file,
+// that of a Lua object with its maker. The meaning of an option is one sentence in the options.txt of the folder, which
+// a host without a reference does not link (feder_reference).
 struct Range {
   double lo = -1e300, hi = 1e300;
   bool open = false;  // lo itself is not allowed
@@ -49,23 +49,23 @@ struct OptionRow {
   const char* since = "0.4";  // version of feder; the first that has rows is 0.4
 };
 
-// A row with what its reader adds: for a reference.
+// An option row with what its reader adds, for a reference.
 struct OptionInfo {
   OptionRow row;
-  const char* type = "";  // "number", "integer", "boolean", "string", "vector" ..., in Lua's words
-  std::string fallback;   // what it is when nobody says, as a script would write it; "" where it is absent then
-  std::string choices;    // the row's, or the names in this build's table of variants
-  std::string of = {};    // the variant that alone reads it
+  const char* type = "";               // "number", "integer", "boolean", "string", "vector" ..., in Lua's words
+  std::string fallback;                // its default, as a script would write it; "" where it is absent then
+  std::string choices;                 // the row's, or the names in this build's table of variants
+  std::string of = {};                 // the variant that alone reads it
   std::vector<OptionInfo> inner = {};  // of a value that is itself a table of options
 };
 
 // "a, b, c" in its parts.
 std::vector<std::string_view> split_choices(std::string_view choices);
 
-// What is not given: then `x >= 0` is false.
+// Default of options that are absent when not given: `x >= 0` is false.
 inline constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 
-// Ten digits; "nan" without a sign, which tells nobody anything.
+// Ten digits; "nan" without its meaningless sign.
 std::string print_number(double x);
 
 // As a script would write it; "" for what is none.
@@ -92,19 +92,19 @@ class Params {
   bool flag(const OptionRow& row, bool fallback) const;
   // `choices`: of a family that checks the name itself.
   std::string text(const OptionRow& row, std::string fallback, std::string choices = "") const;
-  // The place of the word among the row's choices; the first when absent.
+  // Index of the word among the row's choices; the first when absent.
   std::size_t choice(const OptionRow& row) const;
   // Three finite numbers.
   Vec3 vector(const OptionRow& row, const Vec3& fallback) const;
   // Numbers under names that the user makes up: all but those of `rows`.
   std::vector<std::pair<std::string, double>> others(std::span<const OptionRow> rows) const;
-  // Rows read so far, by name. What a maker read of empty options is all it knows.
+  // Rows read so far, by name. Reading empty options lists all that a maker knows.
   std::vector<OptionInfo> rows() const;
 
   void save(Writer& w) const;
   void load(Reader& r);  // in place of what is there
 
-  // SceneError when a key was given that nobody asked for. `owner` is named in the message.
+  // SceneError when a key was given that nothing has read. `owner` is named in the message.
   void check_all_read(std::string_view owner) const;
 
  private:
@@ -114,7 +114,7 @@ class Params {
   mutable std::map<std::string, OptionInfo, std::less<>> asked_;
 };
 
-// kernels = "auto" | "plain": may loops use the vector instructions that the processor has? Results are the same.
+// kernels = "auto" | "plain": whether loops may use the vector instructions of the processor. Results are the same.
 bool wide_kernels(const Params& options);
 
 // The member of `known` closest to `word` by edit distance, or "" when none is near.
@@ -127,6 +127,19 @@ struct Variant {
   const char* summary;  // one line for help texts
   std::unique_ptr<T> (*make)(Arena&, const Params&);
 };
+
+// The row of a class that is made from the arena and the options, or from the one of them that its constructor takes.
+template <class T, class Made>
+Variant<T> variant_of(const char* name, const char* summary) {
+  return {name, summary, []([[maybe_unused]] Arena& arena, [[maybe_unused]] const Params& p) -> std::unique_ptr<T> {
+            if constexpr (std::is_constructible_v<Made, Arena&, const Params&>)
+              return std::make_unique<Made>(arena, p);
+            else if constexpr (std::is_constructible_v<Made, Arena&>)
+              return std::make_unique<Made>(arena);
+            else
+              return std::make_unique<Made>(p);
+          }};
+}
 
 // The names of a table: "auto, direct".
 template <class Row>
@@ -145,7 +158,7 @@ const Row& find_variant(std::span<const Row> table, std::string_view name, const
                    (table.empty() ? "this build has none" : "known: " + variant_names(table)));
 }
 
-// What a scene gets that names none: `name` where this build has it, else the first that it has.
+// The default of a family: `name` where this build has it, else the first that it has.
 template <class Row>
 std::string default_variant(std::span<const Row> table, std::string_view name) {
   for (const Row& row : table)

@@ -10,7 +10,7 @@ struct Counter {
   std::uint64_t calls = 0;
   std::uint64_t clocked = 0;      // calls that were measured
   std::uint64_t nanoseconds = 0;  // in these
-  // Of all calls, taking those that were not measured for like the others.
+  // Of all calls, extrapolated from those that were measured.
   double total_nanoseconds() const {
     return clocked ? static_cast<double>(nanoseconds) * static_cast<double>(calls) / static_cast<double>(clocked) : 0;
   }

@@ -1,6 +1,6 @@
 // Collision detection as one system ("collide"): bounding boxes -> broad phase -> narrow phase -> contacts, with
 // filters, sensors and begin/end events; and the queries: rays, swept shapes, overlaps. Knows colliders, not bodies.
-// SI units, world coordinates. Queries are asked of World::query<Collide>(), between two steps, on the world's thread.
+// SI units, world coordinates. Queries go to World::query<Collide>(), between two steps, on the world's thread.
 #pragma once
 #include <memory>
 #include <string_view>
@@ -60,16 +60,16 @@ class Collide final : public System, public ContactService {
   std::uint16_t material(std::string_view name) override;
   void set_material_pair(const MaterialPair& pair);
 
-  // Colliders whose boxes overlap this one, ascending: by the broad phase's search, of the boxes of this step, from
+  // Colliders whose boxes overlap this one, ascending: by the broad phase, with the boxes of this step, from
   // Rank::wake_touched to its end.
   void near(const Aabb& box, Array<std::uint32_t>& found) const;
 
-  // On the state now, asked of World::query<Collide>(): owners have placed the colliders then.
+  // On the state now, by World::query<Collide>(), which has placed the colliders.
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest
   void raycast_all(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, std::vector<RaycastHit>& hits);
   bool shape_cast(const Shape& shape, const Pose& pose, const Vec3& motion, const QueryFilter& filter, RaycastHit& hit);
   void overlap(const Shape& shape, const Pose& pose, const QueryFilter& filter, std::vector<ObjectId>& found);
-  Real max_penetration() const;  // deepest touching contact now, m (0 when none)
+  Real max_penetration() const;  // of the deepest contact now, m (0 when none)
 
   // Contacts of an object now: for scripts. Normal points away from the object.
   struct ContactInfo {

@@ -1,6 +1,6 @@
 // Rigid bodies and joints: the system that owns them ("rigid"), and the solver that moves them.
-// SI units, radians, world axes where nothing else is said. SceneError on impossible input or an object that is gone,
-// nothing changed. One thread at a time, that of the world.
+// SI units, radians, world axes unless stated otherwise. SceneError on impossible input or a destroyed object, nothing
+// changed. One thread at a time, that of the world.
 #pragma once
 #include <memory>
 #include <string>
@@ -78,7 +78,7 @@ class Rigid final : public System {
   void set_limits(ObjectId joint, Real lower, Real upper);
   Real max_joint_error() const;  // largest violated equality now, m
   std::size_t joint_count() const;
-  // Where a joint is now, world: both anchors (equal while it holds, unless its kind keeps them apart) and its axis.
+  // Joint geometry now, world: both anchors (equal up to the joint error, unless the kind separates them) and its axis.
   struct JointInfo {
     const JointKind* kind = nullptr;
     ObjectId a, b;  // b none: the world

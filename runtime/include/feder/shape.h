@@ -1,6 +1,6 @@
 // A shape: immutable geometry in its own frame, shared between colliders. Convex shapes are a core (points, or an
 // analytic support function) rounded by `radius`: a sphere is a point, a capsule a segment.
-// One file per shape, one feder_variant(geom <kind>) line each: its row says how it is made, by scripts too. Checked
+// One file per shape, one feder_variant(geom <kind>) line each: its row has its arguments, for scripts too. Checked
 // for every kind by tests/geom/test_shape_contract.cpp: bounds hold all supports, mass equals a voxel sum, I = tr(C)1 -
 // C, faces lie on the surface, rays agree with support planes; test_shape_distance.cpp: distances agree with supports
 // and rays.
@@ -27,7 +27,7 @@ struct MassProperties {
   Vec3 center = Vec3::Zero();   // m
   Mat3 inertia = Mat3::Zero();  // kg m^2
 };
-// The same solid turned and moved by `pose`.
+// The same solid rotated and moved by `pose`.
 MassProperties transformed(const MassProperties& m, const Pose& pose);
 MassProperties combined(std::span<const MassProperties> parts);
 
@@ -70,8 +70,8 @@ class Shape {
   virtual bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const = 0;
 
   // Signed distance of `p` (shape frame) from the surface, negative inside, and the unit direction in which it grows.
-  // Beyond `limit` any number of at least `limit` may come. A mesh has no inside: its distance is never negative and
-  // `normal` points to the side of `p`. In 2D sections z is ignored.
+  // Beyond `limit` any number of at least `limit` may be returned. A mesh has no inside: its distance is never negative
+  // and `normal` points to the side of `p`. In 2D sections z is ignored.
   virtual Real distance(const Vec3& p, Real limit, Vec3& normal) const = 0;
 
   // Convex only. Farthest core point along `direction` (shape frame; need not be unit).
@@ -107,7 +107,7 @@ class Shape {
   bool planar_ = false;
 };
 
-// What a shape is made of: what the arguments of its row name. The views last as long as make_shape().
+// Arguments of a shape, as its row names them. The views are valid until make_shape() returns.
 struct ShapeInput {
   std::vector<double> sizes = {};  // sizes, then numbers, in the order of the arguments
   Vec3 direction = Vec3(0, 1, 0);
@@ -144,7 +144,7 @@ int any_convex_kind();
 // make_shape() by types. Axis of capsule, cylinder and cone: y. Origin: centre of sphere, box, capsule, cylinder; a
 // cone's origin is halfway up its height (base at -h/2).
 inline ShapePtr make_sphere(Real radius) { return make_shape("sphere", {{radius}}); }
-// What points of nets and surfaces collide as.
+// The shape of points of nets and surfaces.
 inline ShapePtr make_point(Real radius) { return make_sphere(radius); }
 inline ShapePtr make_box(Real width, Real height, Real depth) {  // full sizes
   return make_shape("box", {{width, height, depth}});

@@ -1,5 +1,5 @@
-// Byte images of state for snapshots, and its hash. Same build only: raw bytes in the order they are written. Reading
-// past the end, or an image of another build, is a SceneError.
+// Snapshots: byte images of state, and its hash. Same build only: raw bytes in the order they are written. Reading past
+// the end, or an image of another build, is a SceneError.
 #pragma once
 #include <cstring>
 #include <string>

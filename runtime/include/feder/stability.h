@@ -15,7 +15,7 @@ enum class Verdict : std::uint8_t {
   nan,         // a state went non-finite (an explicit method's overflow within one step counts as diverged)
   diverged,    // left the scene, or has energy out of nothing
   growing,     // energy rises slowly
-  stuck,       // does not move although it should: too few iterations look like this
+  stuck,       // does not move although it should: too few iterations give this
   damped,      // lost energy that the model keeps
   inaccurate,  // bounded, and wrong
   slow,        // solves missed their tolerance

@@ -52,7 +52,7 @@ struct ProblemInfo {
   double frequency = 0;             // fastest angular frequency, 1/s; 0: not known
   bool chaotic = false;             // err_horizon_s counts instead of err_end
   bool conserves_momentum = false, conserves_angular = false;
-  bool own_measure = false;  // err_end is the problem's own measure, told in the reference's source
+  bool own_measure = false;  // err_end is the problem's own measure, described in the reference's source
   int threads = 1;           // that worlds of the problem step with
   bool dense = true;         // false: errors along the run are taken at the steps, not interpolated between
   ReferenceInfo reference;
@@ -86,9 +86,9 @@ struct StudyPoint {
   // rung
   double h_s = 0, tol = NAN;  // step asked for; tolerance of adaptive methods
   int iters = -1, substeps = -1;
-  Settings settings;    // scene parameters of this rung
-  std::string way;      // RunSpec::way
-  std::string machine;  // processor that ran it; shards of one study may have different ones
+  Settings settings;            // scene parameters of this rung
+  std::string refinement_axis;  // RunSpec::refinement_axis
+  std::string machine;          // processor that ran it; shards of one study may have different ones
   // outcome
   PointStatus status = PointStatus::ok;
   double status_t_s = NAN;   // when it went wrong
@@ -127,14 +127,14 @@ struct OrderFit {
   double slope = NAN, expected = NAN, rms = NAN;
   double lo = NAN, hi = NAN;  // range of the axis used
   int points = 0;
-  Settings settings;     // of a scene; orders are fitted for each
-  std::string way = {};  // of the points, likewise
+  Settings settings;                 // of a scene; orders are fitted for each
+  std::string refinement_axis = {};  // of the points, likewise
   // Does a step's order miss theory? Then rounding, resonance or too coarse rungs speak, not the method.
   bool off() const { return axis == "h" && std::fabs(slope - expected) > kOrderMargin; }
   static constexpr double kOrderMargin = 0.25;
 };
 
-// Cheapest way of one method to an error, log-log between two of its own points, never beyond them. Settings of a scene
+// Least cost of an error with one method, log-log between two of its own points, never beyond them. Settings of a scene
 // are not the method's choice: it has to get there with each of them, and the dearest is named.
 struct CostToAccuracy {
   double target = 0;
@@ -169,7 +169,7 @@ struct StudyResult {
   std::vector<StudySeries> series;
   // made by evaluate()
   std::vector<OrderFit> fits;
-  std::vector<std::size_t> front_time, front_work;  // places in `points`, by cost
+  std::vector<std::size_t> front_time, front_work;  // indices in `points`, by cost
   std::vector<CostToAccuracy> cost_to_accuracy;
 };
 
@@ -196,7 +196,7 @@ struct Invariants {
   double constraint = NAN;               // largest violation or penetration, by the size of what is violated
 };
 
-// One way to run a problem: a method and a rung of its ladder.
+// How to run a problem: a method and a rung of its ladder.
 struct RunSpec {
   std::string method;
   int steps = 0;         // of t_end / steps each; adaptive methods divide them further
@@ -204,8 +204,9 @@ struct RunSpec {
   int iterations = 0;    // of the solver; 0: its default
   int substeps = 0;      // of worlds; 0: the problem's default
   Settings settings;
-  std::string way = {};  // what this part of a ladder refines: "substeps", "steps" ...; empty: it has one part
-  bool twin = false;     // points start some last places away: two such runs differ by what rounding does to them
+  // What this part of a ladder refines: "substeps", "steps" ...; empty: it has one part.
+  std::string refinement_axis = {};
+  bool twin = false;  // points start some last places away: two such runs differ by what rounding does to them
 };
 
 // A run in progress. Used as: start, then step() as often as the spec says, reading in between at will.
@@ -229,7 +230,7 @@ class StudyProblem {
   virtual ~StudyProblem() = default;
   const ProblemInfo& info() const { return info_; }
   virtual std::vector<MethodInfo> methods() const = 0;
-  // The rungs a study runs when it is not told otherwise, coarse to fine.
+  // The rungs a study runs by default, coarse to fine.
   virtual std::vector<RunSpec> ladder(const MethodInfo& method) const = 0;
   // A fresh run. SceneError: refused.
   virtual std::unique_ptr<StudyRun> start(const RunSpec& spec) const = 0;
@@ -256,7 +257,7 @@ std::unique_ptr<StudyProblem> make_study_problem(std::string_view name, const Pa
 // "stiffness=1e8" into options: numbers as numbers, true and false as flags, the rest as text.
 void set_option(Params& options, std::string_view assignment);
 
-// The error pass of one point: run it, look at it, judge it.
+// The error pass of one point: run it, record it, check it.
 struct RunLimits {
   double budget_work = 4e7;  // force evaluations times points; more: slow, and stopped
   bool series = true;        // keep the curves over time
@@ -318,7 +319,7 @@ std::vector<PlannedPoint> plan_sweep(const StudyProblem& problem, const SweepOpt
 // The points of the shard, run, timed and evaluated.
 StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options);
 
-// From points to statements: fronts, orders, the cheapest way to an error. Pure functions of the points.
+// From points to statements: fronts, orders, the least cost of an error. Pure functions of the points.
 // Fills fits, fronts (also the points' flags) and cost_to_accuracy.
 void evaluate(StudyResult& result);
 

@@ -80,8 +80,10 @@ struct SystemDescriptor {
   const char* units;                        // what count() counts: "vertices"
   const char* unit = nullptr;               // one of them, for systems with kinds
   std::span<const char* const> needs = {};  // made before it
-  // Made by the world as soon as all of these exist (couplings); empty for systems that are asked for.
+  // Made by the world as soon as all of these exist (couplings), by name or by what they show; empty for systems that
+  // are asked for.
   std::span<const char* const> joins = {};
+  const char* shows = nullptr;             // what couplings find in it, whatever it is called: "surface"
   std::span<const ObjectKind> kinds = {};  // of the objects it makes
   std::span<const WakeCause> causes = {};  // of wakes, that it adds
   std::span<const EventKind> events = {};  // that it adds

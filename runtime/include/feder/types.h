@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <limits>
 
-// On 64-bit ARM Eigen's packets would round otherwise than on x86: products fuse multiply and add (intrinsics, which
-// -ffp-contract=off does not reach) and floats are also added in pairs, as packets of two, where x86 has only packets
-// of four. Neither here; tests/base/test_rounding.cpp holds the bits of products and sums.
+// On 64-bit ARM Eigen's packets would round otherwise than on x86: products fuse multiply and add (intrinsics, on which
+// -ffp-contract=off has no effect) and floats are also added in pairs, as packets of two, where x86 has only packets of
+// four. Both are switched off; tests/base/test_rounding.cpp checks the bits of products and sums.
 #if defined(__aarch64__) && defined(__ARM_FEATURE_FMA)
 #pragma push_macro("__ARM_FEATURE_FMA")
 #undef __ARM_FEATURE_FMA
@@ -44,7 +44,7 @@ using Vec2 = Eigen::Matrix<Real, 2, 1, Eigen::DontAlign>;
 using Vec3 = Eigen::Matrix<Real, 3, 1, Eigen::DontAlign>;
 using Mat3 = Eigen::Matrix<Real, 3, 3, Eigen::DontAlign>;
 
-// Where float would drown small numbers beside large ones: matrices of stiff systems.
+// Double precision for matrices of stiff systems, where float would lose small numbers beside large ones.
 using Vec3d = Eigen::Matrix<double, 3, 1, Eigen::DontAlign>;
 using Mat3d = Eigen::Matrix<double, 3, 3, Eigen::DontAlign>;
 
@@ -112,8 +112,7 @@ inline Quat operator*(const Quat& a, const Quat& b) {
 
 inline Quat conjugate(const Quat& q) { return {-q.x, -q.y, -q.z, q.w}; }
 
-// In double: a length rounded to float is never below 1 by half a unit but above it, and the bias would pump energy
-// and angular momentum into spinning bodies.
+// In double: rounding the length to float is biased, which would add energy and angular momentum to rotating bodies.
 inline Quat normalized(const Quat& q) {
   const double x = q.x, y = q.y, z = q.z, w = q.w;
   const double n = std::sqrt(x * x + y * y + z * z + w * w);
@@ -139,7 +138,7 @@ Quat from_matrix(const Mat3& m);
 Quat from_axis_angle(const Vec3& axis, Real angle);  // axis need not be unit; zero axis gives identity
 // q advanced by the rotation vector `delta` (world frame, radians): exact exponential map, normalised.
 Quat integrate_rotation(const Quat& q, const Vec3& delta);
-// Rotation vector (world frame, radians, length <= pi) that turns `from` into `to`.
+// Rotation vector (world frame, radians, length <= pi) from `from` to `to`.
 Vec3 rotation_between(const Quat& from, const Quat& to);
 // Shortest rotation taking unit vector a to unit vector b.
 Quat rotation_from_to(const Vec3& a, const Vec3& b);

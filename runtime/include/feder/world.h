@@ -1,7 +1,7 @@
-// A world: systems made on demand, the step plan they fill, the objects that scripts hold, and the events of a step.
-// It knows no particular system. Nothing in a step allocates after warm-up, throws or logs.
-// Threads: a world, its systems and all they give out belong to one thread at a time; WorldDesc::threads are its own
-// workers, and results do not depend on their number. Two worlds share nothing but shapes, which never change.
+// A world: systems made on demand, the step plan they fill, the objects of scripts, and the events of a step. It knows
+// no particular system. Nothing in a step allocates after warm-up, throws or logs. Threads: a world, its systems and
+// all they return belong to one thread at a time; WorldDesc::threads are its own workers, and results do not depend on
+// their number. Two worlds share only shapes, which are immutable.
 #pragma once
 #include <memory>
 #include <string>
@@ -24,11 +24,11 @@ struct SystemReport {
   std::size_t bytes = 0;  // its arena
 };
 
-// How many objects there are of a kind, and of what its system counts.
+// Number of objects of a kind, and of the units that its system counts.
 struct KindCount {
   ObjectKind kind;
   std::size_t count = 0;
-  const SystemDescriptor* parts = nullptr;  // whose units lie in its objects; null where the objects are the units
+  const SystemDescriptor* parts = nullptr;  // the system that counts their parts; null where objects are its units
   std::size_t part_count = 0;
 };
 
@@ -43,7 +43,7 @@ class World final : private SystemFinder {
   const WorldDesc& desc() const { return desc_; }
   double time() const { return time_; }  // s, simulated
   std::uint64_t step_count() const { return steps_; }
-  void set_gravity(const Vec3& g);  // wakes nobody: see Rigid::wake_all
+  void set_gravity(const Vec3& g);  // wakes no body: see Rigid::wake_all
 
   // The system with S::kName, made (with what it needs) on first use. SceneError when this host leaves it out.
   template <class S>
@@ -54,15 +54,15 @@ class World final : private SystemFinder {
   S* find() {
     return static_cast<S*>(find_system(S::kName));
   }
-  // The system if it is there, brought up to date with the state now (the passes at S::kQuery): for questions that
-  // read more than its own arrays, such as raycasts and densities. SceneError inside a step.
+  // The system if present, brought up to date with the state now (the passes at S::kQuery): for queries that read more
+  // than its own arrays, such as raycasts and densities. SceneError inside a step.
   template <class S>
   S* query() {
     prepare_queries(S::kQuery);
     return find<S>();
   }
   System& need_system(std::string_view name);
-  // Names of the catalog that this world does not have.
+  // Systems of the catalog that this world does not have.
   std::vector<std::string> absent() const;
   Catalog catalog() const { return catalog_; }
 
@@ -139,8 +139,9 @@ class World final : private SystemFinder {
   std::uint64_t steps_ = 0;
 };
 
-// All systems of this build, in the order of their modules: what couples comes after what it couples. In a library of
-// its own (feder::catalog), because it links them all; a host that wants fewer gives World a list of its own.
+// All systems of this build, in the order of their modules: couplings come after the systems that they join. In a
+// library of its own (feder::catalog), because it links them all; a host that wants fewer gives World a list of its
+// own.
 Catalog catalog();
 
 }  // namespace feder

@@ -1,4 +1,4 @@
-// YAML text as Lua values: what a host puts into lua::HostOptions::load_yaml. In the library feder::yaml
+// YAML text as Lua values, for lua::HostOptions::load_yaml. In the library feder::yaml
 // (find_package(feder COMPONENTS yaml)). Keeps nothing between calls.
 #pragma once
 #include <string>
@@ -10,11 +10,11 @@ namespace feder::yaml {
 // Throws lua::ScriptError "file:line: message" for anything that is no plain data: syntax, duplicate or non-scalar
 // keys, null in a list, unknown tags, several documents, and texts beyond the limits in document.h.
 //
-// Where things stood in the text is kept for later messages: registry["feder.places"] is a table with weak keys from a
+// Source positions are kept for later messages: registry["feder.places"] is a table with weak keys from a
 // pushed table to { [key] = "file:line", [true] = "file:line of the table itself" }.
 void push(void* lua_state, const std::string& file, const std::string& text);
 
-// Reads without a Lua state: only the errors.
+// Checks a text without a Lua state: only the errors.
 void check(const std::string& file, const std::string& text);
 
 }  // namespace feder::yaml

@@ -1,4 +1,4 @@
-#include "view/desk.h"
+#include "view/panel_layout.h"
 
 #include <algorithm>
 
@@ -15,14 +15,14 @@ void Console::add(ConsoleLine::Kind kind, const std::string& text) {
   scroll = true;
 }
 
-void Desk::select(const std::optional<Pick>& pick) {
+void PanelLayout::select(const std::optional<Pick>& pick) {
   selected = pick;
   selected_in = live.generation();
   selected_name = pick ? live.world().objects().name(pick->object) : "";
   if (!pick) follow = false;
 }
 
-bool Desk::has_selection() {
+bool PanelLayout::has_selection() {
   if (!selected || !live.has_scene()) return false;
   World& w = live.world();
   if (selected_in != live.generation()) {
@@ -47,14 +47,14 @@ bool Desk::has_selection() {
   return true;
 }
 
-Layout make_layout(const Desk& desk, float width, float height) {
-  Layout l;
-  l.width = width, l.height = height;
-  if (!desk.show_ui) l.top = l.bottom = 0;
-  if (desk.show_ui && desk.show_left) l.left = std::min(270.0f, width * 0.3f);
-  if (desk.show_ui && desk.show_right) l.right = std::min(300.0f, width * 0.3f);
-  if (desk.show_ui && desk.show_console) l.console = std::min(190.0f, height * 0.3f);
-  return l;
+PanelSizes panel_sizes(const PanelLayout& layout, float width, float height) {
+  PanelSizes sizes;
+  sizes.width = width, sizes.height = height;
+  if (!layout.show_ui) sizes.top = sizes.bottom = 0;
+  if (layout.show_ui && layout.show_left) sizes.left = std::min(270.0f, width * 0.3f);
+  if (layout.show_ui && layout.show_right) sizes.right = std::min(300.0f, width * 0.3f);
+  if (layout.show_ui && layout.show_console) sizes.console = std::min(190.0f, height * 0.3f);
+  return sizes;
 }
 
 }  // namespace feder::view

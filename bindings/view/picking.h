@@ -1,5 +1,5 @@
-// What the hand, the camera and a reload do with the objects of one system. One ObjectView per system that has things
-// to take hold of (hand_<system>.cpp); objects of other systems are only drawn. Reads the world; what it wants done
+// What picking, the camera and a reload do with the objects of one system. One ObjectView per system that has things
+// to take hold of (picking_<system>.cpp); objects of other systems are only drawn. Reads the world; what it wants done
 // comes back as commands.
 #pragma once
 #include <functional>
@@ -39,7 +39,7 @@ struct Grip {
 
 // A state that can go on in a new world.
 struct Kept {
-  std::vector<Vec3> place, motion;  // m, m/s; of a body: position; velocity and angular velocity
+  std::vector<Vec3> position, velocity;  // m, m/s (of a body the second velocity is angular, rad/s)
   Quat rotation;
 };
 
@@ -76,5 +76,18 @@ class ObjectView {
 std::span<const ObjectView* const> object_views();
 // Null when nothing can be done with such an object.
 const ObjectView* view_of(const World& world, ObjectId object);
+
+// What a ray meets, and how a grip pulls; nothing acts unless something is held.
+std::optional<Pick> pick(World& world, const Ray& ray, Real slack);
+bool alive(World& world, const Grip& grip);
+Grip grip(World& world, const Pick& pick);           // of what was picked just now
+Vec3 grip_position(World& world, const Grip& grip);  // of the held place now; it must be alive
+
+// Holds a movable thing in its place, or frees it again. Empty for what cannot be pinned.
+Command pin_command(World& world, const Pick& pick);
+bool is_pinned(World& world, const Pick& pick);
+
+// Lua text that shoots a ball along the ray; `number` makes its name.
+std::string shot_text(const World& world, const Ray& ray, Real radius, Real speed, int number);
 
 }  // namespace feder::view

@@ -1,4 +1,4 @@
-#include "view/studio.h"
+#include "view/renderer_host.h"
 
 #include <charconv>
 #include <cmath>
@@ -36,7 +36,7 @@ CameraWish read_camera(const std::string& text) {
     if (n.size() == 3) wish.distance = n[2];
   } else if (good && n.size() == 6 && (n[0] != n[3] || n[1] != n[4] || n[2] != n[5])) {
     wish.has_places = true;
-    for (std::size_t i = 0; i < 3; ++i) wish.eye[i] = n[i], wish.target[i] = n[i + 3];
+    wish.eye = {n[0], n[1], n[2]}, wish.target = {n[3], n[4], n[5]};
   } else {
     throw SceneError(
         "expected yaw,pitch[,distance] in degrees and metres (30,20,12; pitch below 90) or the places of eye and "
@@ -57,31 +57,39 @@ void read_size(const std::string& text, int& width, int& height) {
     throw SceneError("expected a size in pixels such as 1280x720, got '" + text + "'");
 }
 
-Studio::Studio(int width, int height) : headless_(width, height), renderer_(headless_.loader()) {}
+void apply_angles(const lua::SceneCamera& scene, bool planar, Camera& camera) {
+  if (planar) camera.yaw = camera.pitch = 0, camera.fov = kPlanarFov;
+  if (scene.has_yaw) camera.yaw = static_cast<float>(scene.yaw);
+  if (scene.has_pitch) camera.pitch = static_cast<float>(scene.pitch);
+}
 
-const Frame& Studio::look_at(lua::Script& script, const Toggles& toggles) {
+void apply_target(const lua::SceneCamera& scene, Camera& camera) {
+  if (scene.has_target)
+    for (int k = 0; k < 3; ++k) camera.target[k] = static_cast<float>(scene.target[k]);
+  if (scene.has_distance) camera.distance = static_cast<float>(scene.distance);
+}
+
+RendererHost::RendererHost(int width, int height) : headless_(width, height), renderer_(headless_.loader()) {}
+
+const Frame& RendererHost::collect(lua::Script& script, const Toggles& toggles) {
   collector_.collect(*script.world(), script.look(), toggles, frame_);
   return frame_;
 }
 
-Camera Studio::aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const {
+Camera RendererHost::aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const {
   Camera camera;
-  if (planar) camera.yaw = camera.pitch = 0, camera.fov = kPlanarFov;
   const lua::SceneCamera& own = script.camera();
-  if (own.has_yaw) camera.yaw = static_cast<float>(own.yaw);
-  if (own.has_pitch) camera.pitch = static_cast<float>(own.pitch);
+  apply_angles(own, planar, camera);
   if (wish.has_angles) camera.yaw = wish.yaw, camera.pitch = wish.pitch;
   const Target target = headless_.target();
   camera.fit(subject, static_cast<float>(target.width) / static_cast<float>(target.height));
-  if (own.has_target)
-    for (int i = 0; i < 3; ++i) camera.target[i] = static_cast<float>(own.target[i]);
-  if (own.has_distance) camera.distance = static_cast<float>(own.distance);
+  apply_target(own, camera);
   if (wish.distance > 0) camera.distance = wish.distance;
-  if (wish.has_places) camera.look(wish.eye, wish.target);
+  if (wish.has_places) camera.look_at(wish.eye, wish.target);
   return camera;
 }
 
-Image Studio::shoot(const Camera& camera, const DrawOptions& options) {
+Image RendererHost::draw(const Camera& camera, const DrawOptions& options) {
   renderer_.draw(frame_, camera, options, headless_.target());
   return headless_.read();
 }

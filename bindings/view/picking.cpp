@@ -1,4 +1,4 @@
-#include "view/hand.h"
+#include "view/picking.h"
 
 #include <cmath>
 #include <cstdio>

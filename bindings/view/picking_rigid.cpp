@@ -1,17 +1,17 @@
-// Bodies in the hand: pulled by a critically damped spring at the point that is held.
+// Picking bodies: pulled by a critically damped spring at the point that is held.
 #include <algorithm>
 
 #include "feder/query.h"
 #include "feder/rigid.h"
 #include "state/bodies.h"
-#include "view/object_view.h"
+#include "view/picking.h"
 
 namespace feder::view {
 namespace {
 
-constexpr double kPullHertz = 4;    // of the spring of a grip; softer where a step is too long for it
-constexpr double kSpinDamping = 3;  // 1/s, of a held body
-constexpr Real kFar = 10000;        // m
+constexpr double kPullHertz = 4;       // of the spring of a grip; softer where a step is too long for it
+constexpr double kAngularDamping = 3;  // 1/s, of a held body
+constexpr Real kFar = 10000;           // m
 
 // 1 / mass of a body at a point and in a direction.
 Real inv_mass_at(const Bodies& b, std::uint32_t i, const Vec3& arm, const Vec3& n) {
@@ -64,13 +64,14 @@ class BodyView final : public ObjectView {
     const std::uint32_t i = rigid.index(g.object);
     const Vec3 x = position(world, g.object, kNone, g.local);
     // critically damped; explicit, so its frequency times the step stays well below one
-    const Real omega = static_cast<Real>(std::min(2 * 3.14159265 * kPullHertz, 0.4 / dt));
+    const Real frequency = static_cast<Real>(std::min(2 * 3.14159265 * kPullHertz, 0.4 / dt));
     const Vec3 arm = x - b.position[i];
-    Vec3 force = felt(b, i, arm, away(world, g), omega * omega) - felt(b, i, arm, b.velocity_at(i, x), 2 * omega);
+    Vec3 force =
+        felt(b, i, arm, away(world, g), frequency * frequency) - felt(b, i, arm, b.velocity_at(i, x), 2 * frequency);
     force -= world.desc().gravity * (b.mass[i] * b.gravity_scale[i]);
-    const Mat3 turn = to_matrix(b.rotation[i]);
-    const Vec3 torque =
-        turn * (b.inertia[i] * (turn.transpose() * b.angular_velocity[i])) * static_cast<Real>(-kSpinDamping);
+    const Mat3 rotation = to_matrix(b.rotation[i]);
+    const Vec3 torque = rotation * (b.inertia[i] * (rotation.transpose() * b.angular_velocity[i])) *
+                        static_cast<Real>(-kAngularDamping);
     return [object = g.object, force, torque, x](lua::Script& s) {
       Rigid& r = *s.world()->find<Rigid>();
       if (!s.world()->objects().alive(object)) return;
@@ -101,11 +102,11 @@ class BodyView final : public ObjectView {
   bool apply(World& world, ObjectId body, const Kept& was_built, const Kept& now) const override {
     const Kept built = state(world, body);
     const Quat &q = built.rotation, &r = was_built.rotation;
-    const bool pose = built.place == was_built.place && q.x == r.x && q.y == r.y && q.z == r.z && q.w == r.w;
-    const bool motion = built.motion == was_built.motion;
+    const bool pose = built.position == was_built.position && q.x == r.x && q.y == r.y && q.z == r.z && q.w == r.w;
+    const bool motion = built.velocity == was_built.velocity;
     Rigid& rigid = *world.find<Rigid>();
-    if (pose) rigid.set_pose(body, {now.place[0], now.rotation});
-    if (motion) rigid.set_velocity(body, now.motion[0]), rigid.set_angular_velocity(body, now.motion[1]);
+    if (pose) rigid.set_pose(body, {now.position[0], now.rotation});
+    if (motion) rigid.set_velocity(body, now.velocity[0]), rigid.set_angular_velocity(body, now.velocity[1]);
     return pose || motion;
   }
 };

@@ -1,8 +1,8 @@
-// Points of nets in the hand: pinned while they are held, and led to the mouse at a bounded speed.
+// Picking points of nets: pinned while they are held, and led to the mouse at a bounded speed.
 #include <algorithm>
 
 #include "feder/net.h"
-#include "view/object_view.h"
+#include "view/picking.h"
 
 namespace feder::view {
 namespace {
@@ -88,17 +88,17 @@ class NetView final : public ObjectView {
     const Springs& springs = *world.find<Springs>();
     Kept s;
     for (std::size_t i = 0; i < springs.point_count(net); ++i)
-      s.place.push_back(springs.point(net, i)), s.motion.push_back(springs.velocity(net, i));
+      s.position.push_back(springs.point(net, i)), s.velocity.push_back(springs.velocity(net, i));
     return s;
   }
   // Nets need the same number of points.
   bool apply(World& world, ObjectId net, const Kept& was_built, const Kept& now) const override {
     const Kept built = state(world, net);
-    if (built.place.size() != now.place.size() || built.place != was_built.place) return false;
+    if (built.position.size() != now.position.size() || built.position != was_built.position) return false;
     Springs& springs = *world.find<Springs>();
-    for (std::size_t i = 0; i < now.place.size(); ++i) {
-      springs.set_point(net, i, now.place[i]);
-      springs.set_velocity(net, i, now.motion[i]);
+    for (std::size_t i = 0; i < now.position.size(); ++i) {
+      springs.set_point(net, i, now.position[i]);
+      springs.set_velocity(net, i, now.velocity[i]);
     }
     return true;
   }

@@ -1,4 +1,4 @@
-// Three doubles: GJK and EPA compute in double whatever Real is, because both subtract nearly equal areas.
+// Three doubles, for geometry in double whatever Real is: quickhull, GJK and EPA subtract nearly equal areas.
 #pragma once
 #include <cmath>
 

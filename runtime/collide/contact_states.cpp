@@ -1,11 +1,11 @@
-// Which contacts count as touching, told to the contact book (per pair of objects; sensors: per net point).
-// A contact touches once a point is closer than kTouchBegin of the margin, or took an impulse in this step (a
+// Contact states: which contacts count as contact in the contact book (per pair of objects; sensors: per net point).
+// A contact begins when a point is closer than kContactBegin of the margin, or took an impulse in this step (a
 // speculative point that stopped a body); it ends when all points are farther than kContactEnd and none took an
-// impulse. The gap between the two keeps resting contacts from flickering. Impulses are known after the solve, so
-// contacts that depend on them are checked here, in the last pass.
-// Changes go to the contact book, which sums them per pair of objects: what leaves (forget) and comes back before the
-// step's end cancels out.
-// Weak spot: a pair that touches in one place and hits in a second one reports no hit.
+// impulse. The hysteresis keeps resting contacts from flickering. Impulses are known after the solve, so contacts that
+// depend on them are checked in the last pass.
+// Changes go to the contact book, which sums them per pair of objects: a contact that ends (forget) and begins again
+// before the step's end cancels out.
+// Weak spot: a pair in contact at one point that hits at a second one reports no hit.
 #include <algorithm>
 
 #include "collide/impl.h"
@@ -26,7 +26,7 @@ ContactKey Collide::Impl::key(const ContactEntry& e, bool& flipped) const {
   return {flipped ? b : a, flipped ? a : b, sensor ? net_point(e) : 0, sensor ? 1u : 0u};
 }
 
-// Where it is deepest, and what it did in this step.
+// The deepest point of a contact, and its impulse and speed in this step.
 ContactFinding Collide::Impl::finding(const ContactEntry& e) const {
   ContactFinding n;
   bool flipped;
@@ -65,7 +65,7 @@ void Collide::Impl::check_watched() {
       nearest = std::min(nearest, contact.points[k].separation);
       impulse += contact.points[k].total_impulse;
     }
-    // a reported one is watched only when it is farther than kContactEnd
+    // reported contacts are watched only when farther than kContactEnd
     const bool in_contact = (!reported && nearest <= kContactBegin * margin) || impulse > 0;
     if (in_contact == reported) continue;
     count(e, in_contact ? 1 : -1);
@@ -73,7 +73,7 @@ void Collide::Impl::check_watched() {
   }
 }
 
-// Contacts that were tested in this step and go on.
+// contact_stay: reported contacts that were tested in this step.
 void Collide::Impl::report_stay() {
   for (const ContactEntry& e : entries) {
     if ((e.bits & (kTested | kReported | kSensorPair)) != (kTested | kReported)) continue;

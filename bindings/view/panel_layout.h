@@ -27,21 +27,20 @@ struct Console {
   void add(ConsoleLine::Kind kind, const std::string& text);
 };
 
-// A slider that is being moved: the scene is made anew when the hand rests, or ten times a second.
+// A slider that is being moved: the scene is made anew when the mouse rests, or ten times a second.
 struct PendingParam {
   std::string name, value;
   double since = 0;  // s
 };
 
-struct Desk {
-  explicit Desk(LiveScene& scene) : live(scene) {}
+struct PanelLayout {
+  explicit PanelLayout(LiveScene& scene) : live(scene) {}
 
   LiveScene& live;
   Camera camera;
   Toggles toggles;
   Sampler sampler;
   Console console;
-  DrawStats draw_stats;
   std::vector<SceneEntry> scenes;
 
   std::optional<Pick> selected;
@@ -56,8 +55,8 @@ struct Desk {
   std::string search;
   std::optional<PendingParam> pending;
   bool fit = true;         // frame everything in the next picture
-  bool auto_frame = true;  // and step back as things spread out, until a hand takes the camera
-  bool save_picture = false, quit = false;
+  bool auto_frame = true;  // and step back as things spread out, until the user takes the camera
+  bool save_picture = false;
   std::string open_file;  // asked for by the picker
   double now = 0;         // s
   int pictures = 0;
@@ -69,25 +68,22 @@ struct Desk {
 };
 
 // Where the panels stand, in mouse units.
-struct Layout {
+struct PanelSizes {
   float width = 0, height = 0;
   float top = 38, bottom = 66, left = 0, right = 0, console = 0;  // sizes of the panels; 0: hidden
 };
-Layout make_layout(const Desk& desk, float width, float height);
+PanelSizes panel_sizes(const PanelLayout& layout, float width, float height);
 
-void draw_top_bar(Desk& desk, const Layout& layout);
-void draw_transport(Desk& desk, const Layout& layout);
-void draw_scene_panel(Desk& desk, const Layout& layout);  // left: parameters, world, what is drawn
-void draw_watch_panel(Desk& desk, const Layout& layout);  // right: inspector, times, curves
-void draw_console(Desk& desk, const Layout& layout);
-void draw_messages(Desk& desk, const Layout& layout);                     // errors over the view
-void draw_hand(Desk& desk, float pixels_per_unit, const Target& target);  // the grip's spring, the selection's name
-void draw_picker(Desk& desk, const Layout& layout);
-void draw_help(Desk& desk, const Layout& layout);
-void draw_inspector(Desk& desk);
-
-// A curve with its range and a value under the mouse; `cursor`: the time that is shown.
-void draw_curve(const std::string& name, const std::string& unit, const std::vector<CurvePoint>& points, double cursor,
-                unsigned color);
+void draw_top_bar(PanelLayout& layout, const PanelSizes& sizes);
+void draw_transport(PanelLayout& layout, const PanelSizes& sizes);
+void draw_scene_panel(PanelLayout& layout, const PanelSizes& sizes);  // left: parameters, world, what is drawn
+void draw_watch_panel(PanelLayout& layout, const PanelSizes& sizes);  // right: inspector, times, curves
+void draw_console(PanelLayout& layout, const PanelSizes& sizes);
+void draw_messages(PanelLayout& layout, const PanelSizes& sizes);  // errors over the view
+void draw_grip(PanelLayout& layout, float pixels_per_unit,
+               const Target& target);  // the grip's spring, the selection's name
+void draw_picker(PanelLayout& layout, const PanelSizes& sizes);
+void draw_help(PanelLayout& layout, const PanelSizes& sizes);
+void draw_inspector(PanelLayout& layout);
 
 }  // namespace feder::view

@@ -15,25 +15,28 @@ struct CameraWish {
   float yaw = 0, pitch = 0;
   float distance = 0;       // m; 0: fitted
   bool has_places = false;  // eye and target instead
-  float eye[3] = {0, 0, 0}, target[3] = {0, 0, 0};
+  Float3 eye, target;
 };
 // "yaw,pitch" or "yaw,pitch,distance" (degrees, m) or "x,y,z,tx,ty,tz" (m). SceneError.
 CameraWish read_camera(const std::string& text);
 // "640x360". SceneError.
 void read_size(const std::string& text, int& width, int& height);
 
-class Studio {
+// What a scene says of its camera: before it is fitted to the subject, and after.
+void apply_angles(const lua::SceneCamera& scene, bool planar, Camera& camera);
+void apply_target(const lua::SceneCamera& scene, Camera& camera);
+
+class RendererHost {
  public:
-  Studio(int width, int height);
+  RendererHost(int width, int height);
 
   // Collects what the script's world looks like now; valid until the next call.
-  const Frame& look_at(lua::Script& script, const Toggles& toggles);
+  const Frame& collect(lua::Script& script, const Toggles& toggles);
   // A camera for a subject: the scene's own wishes, then the caller's.
   Camera aim(const lua::Script& script, const CameraWish& wish, const Bounds& subject, bool planar) const;
-  Image shoot(const Camera& camera, const DrawOptions& options);  // of the frame that was collected last
+  Image draw(const Camera& camera, const DrawOptions& options);  // of the frame that was collected last
 
   const std::string& how() const { return headless_.how(); }
-  const DrawStats& stats() const { return renderer_.stats(); }
 
  private:
   Headless headless_;

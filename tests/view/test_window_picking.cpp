@@ -23,7 +23,7 @@ struct Busy {
 
 }  // namespace
 
-TEST_CASE("a ray picks the first thing, and a net point near it", "[view][hand]") {
+TEST_CASE("a ray picks the first thing, and a net point near it", "[view][picking]") {
   Busy b;
   World& w = b.live.world();
   const std::uint64_t hash = w.hash();
@@ -42,7 +42,7 @@ TEST_CASE("a ray picks the first thing, and a net point near it", "[view][hand]"
   CHECK(w.hash() == hash);
 }
 
-TEST_CASE("a held body follows the mouse and keeps its speed when let go", "[view][hand]") {
+TEST_CASE("a held body follows the mouse and keeps its speed when let go", "[view][picking]") {
   Busy b;
   test::run_to(b.live, 30);
   const auto pick = view::pick(b.live.world(), ray_to(Vec3(0, 3, 10), position(b.live, "crate3")), Real(0.01));
@@ -73,7 +73,7 @@ TEST_CASE("a held body follows the mouse and keeps its speed when let go", "[vie
   CHECK(b.live.notice() == "");
 }
 
-TEST_CASE("a held net point follows, and is let go or pinned", "[view][hand]") {
+TEST_CASE("a held net point follows, and is let go or pinned", "[view][picking]") {
   const bool pin = GENERATE(false, true);
   Busy b;
   test::run_to(b.live, 10);
@@ -92,7 +92,7 @@ TEST_CASE("a held net point follows, and is let go or pinned", "[view][hand]") {
   CHECK((springs.point(rope, 2)[1] < 3) != pin);
 }
 
-TEST_CASE("pinning a body and shooting a ball", "[view][hand]") {
+TEST_CASE("pinning a body and shooting a ball", "[view][picking]") {
   Busy b;
   test::run_to(b.live, 5);
   const ObjectId crate = b.live.world().objects().find("crate3");

@@ -1,0 +1,41 @@
+// Worlds of maps and extreme inputs: how they are described, and what is read from them. Private to the module.
+#pragma once
+#include "feder/net.h"
+#include "feder/world.h"
+
+namespace feder {
+
+// Nets alone.
+inline Catalog net_catalog() {
+  static const SystemDescriptor* const catalog[] = {&Springs::descriptor()};
+  return catalog;
+}
+
+// Nothing sleeps: rest is to be reached, not declared. `gravity`, m/s^2, downwards; `dt`, s.
+inline WorldDesc awake_world(double gravity, double dt = 1.0 / 60, int substeps = 4) {
+  WorldDesc d;
+  d.gravity = Vec3(0, static_cast<Real>(-gravity), 0), d.dt = dt, d.substeps = substeps, d.sleeping = false;
+  return d;
+}
+
+inline double total_energy(const World& w) {  // J
+  const Energy e = w.energy();
+  return e.kinetic + e.potential + e.elastic;
+}
+
+// What a run warned of last, and whether any warning named the object.
+struct WarningRecord {
+  std::string last;
+  bool named = false;
+
+  void read(World& w, ObjectId object = {}) {
+    for (const Event& e : w.events().list()) {
+      if (e.kind != EventKind::warning) continue;
+      last = w.events().warning_message(e);
+      named = named || e.a == object;
+    }
+  }
+  std::string words() const { return last.empty() ? "" : "; warned: " + last; }
+};
+
+}  // namespace feder
