@@ -96,6 +96,26 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
   return v;
 }
 
+// A ghost vertex for each end of the border edges between two of the vertices: the mirror image of its inner neighbour.
+void clamp_border(const ClothMesh& mesh, std::span<const std::uint32_t> clamped, std::uint32_t points,
+                  std::vector<Vec3>& rest, std::vector<ClothGhost>& ghosts) {
+  std::vector<char> clamp(points, 0);
+  for (const std::uint32_t i : clamped) clamp[i] = 1;
+  for (const ClothEdge& e : mesh.edges) {
+    if (e.triangle[1] != kNone || !clamp[e.a] || !clamp[e.b]) continue;
+    std::uint32_t inner[2];
+    inner_neighbors(mesh, rest, e, inner);
+    for (int k = 0; k < 2; ++k) {
+      const std::uint32_t middle = k ? e.b : e.a;
+      if (std::any_of(ghosts.begin(), ghosts.end(),
+                      [&](const ClothGhost& g) { return g.clamped == middle && g.inner == inner[k]; }))
+        continue;
+      ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size()), Vec3::Zero()});
+      rest.push_back(2 * rest[middle] - rest[inner[k]]);
+    }
+  }
+}
+
 }  // namespace
 
 Cloth::Impl::Impl(SystemSetup& s)
@@ -168,7 +188,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   if (desc.nx > 0) make_sheet(desc.size, desc.nx, desc.ny, rest, triangles);
   // pins by number, settings, elements without clamps
   const auto points = static_cast<std::uint32_t>(rest.size());
-  std::vector<char> pinned(points, 0), clamp(points, 0);
+  std::vector<char> pinned(points, 0);
   for (const std::uint32_t i : desc.pins) {
     need(i < points, "pins", "vertex numbers from 1 to the number of vertices", double(i) + 1);
     pinned[i] = 1;
@@ -176,24 +196,12 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   std::vector<ClothGhost> ghosts;
   s->mesh.triangles.assign(triangles.begin(), triangles.end());
   s->mesh.grid = desc.nx > 0;
-  s->settings = {{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend},
-                 desc.area_density,
-                 desc.damping,
-                 desc.thickness,
-                 desc.friction,
-                 desc.drag,
-                 desc.lift,
-                 desc.tear_strain,
-                 max_strain_of(desc),
-                 desc.gravity_scale,
-                 desc.stretch_error,
-                 desc.substeps,
-                 desc.max_substeps,
-                 desc.group,
-                 desc.mask,
-                 desc.self_collision,
-                 desc.wind,
-                 desc.max_strain > 0};
+  const ClothStiffness stiffness{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend};
+  const bool limit_free = desc.max_strain > 0;
+  s->settings = {stiffness,           desc.area_density, desc.damping,      desc.thickness,      desc.friction,
+                 desc.drag,           desc.lift,         desc.tear_strain,  max_strain_of(desc), desc.gravity_scale,
+                 desc.stretch_error,  desc.substeps,     desc.max_substeps, desc.group,          desc.mask,
+                 desc.self_collision, desc.wind,         limit_free};
   make_elements(s->mesh, rest, s->settings.stiffness);
   // pins by name, with a ghost vertex for each end of a clamped border edge
   for (const std::string& name : desc.pin_names) {
@@ -204,21 +212,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
     if (v.size() == 1)  // a corner keeps its slope when its neighbours stay
       for (const ClothEdge& e : s->mesh.edges)
         if (e.a == v[0] || e.b == v[0]) pinned[e.a] = pinned[e.b] = 1;
-    std::fill(clamp.begin(), clamp.end(), 0);
-    for (const std::uint32_t i : v) clamp[i] = 1;
-    for (const ClothEdge& e : s->mesh.edges)
-      if (e.triangle[1] == kNone && clamp[e.a] && clamp[e.b]) {
-        std::uint32_t inner[2];
-        inner_neighbors(s->mesh, rest, e, inner);
-        for (int k = 0; k < 2; ++k) {
-          const std::uint32_t middle = k ? e.b : e.a;
-          if (std::any_of(ghosts.begin(), ghosts.end(),
-                          [&](const ClothGhost& g) { return g.clamped == middle && g.inner == inner[k]; }))
-            continue;
-          ghosts.push_back({middle, inner[k], points + static_cast<std::uint32_t>(ghosts.size()), Vec3::Zero()});
-          rest.push_back(2 * rest[middle] - rest[inner[k]]);
-        }
-      }
+    clamp_border(s->mesh, v, points, rest, ghosts);
   }
   s->mesh.ghosts.assign(ghosts.begin(), ghosts.end());
   if (!ghosts.empty()) make_elements(s->mesh, rest, s->settings.stiffness);

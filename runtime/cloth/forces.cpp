@@ -87,7 +87,7 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
     for (std::size_t t = 0; t < count; ++t) {
       const std::uint32_t* v = &s.mesh.triangles[3 * t];
       Vec3 x[3], full = Vec3::Zero();
-      for (int k = 0; k < 3; ++k) x[k] = vertices.position[s.first + v[k]] + delta_position[s.first + v[k]].vec();
+      for (int k = 0; k < 3; ++k) x[k] = current_position(s.first + v[k]);
       f.force->add(&points[t], 1, time, &full);
       const Vec3 third = area_force(full, cross(x[1] - x[0], x[2] - x[0]), shares) / 3;
       for (int k = 0; k < 3; ++k) force[v[k]] += third;

@@ -5,6 +5,7 @@
 
 #include "cloth/sheet.h"
 #include "feder/force.h"
+#include "forces/forces.h"
 #include "state/cloth_vertices.h"
 #include "state/surface.h"
 #include "step/watch.h"
@@ -74,6 +75,21 @@ struct Cloth::Impl {
   void each_active(const SurfaceGroup& g, F&& f) {
     for (const std::uint32_t n : g.members)
       if (n < sheets.size() && sheets[n]->active()) f(*sheets[n]);
+  }
+
+  // Calls f(entry) for the generators that act on the cloth.
+  template <class F>
+  void each_force(const Sheet& s, F&& f) const {
+    const Forces* forces = store.find<Forces>();
+    if (!forces) return;
+    const TagMask tags = objects.tags(s.object);
+    for (const ForceEntry& entry : forces->list)
+      if (acts_on(entry, s.object, tags)) f(entry);
+  }
+  // A vertex as generators see it, at the position and velocity of ClothVertices.
+  MassPoint mass_point(const Sheet& s, std::uint32_t i) const {
+    const Real area = vertices.mass[i] / s.settings.area_density;
+    return {vertices.position[i], vertices.velocity[i], vertices.mass[i], area, area * s.settings.thickness};
   }
 
   void drain_wakes();

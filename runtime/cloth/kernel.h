@@ -72,6 +72,15 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
   return allowed(p, longest, load(c.base) + (gather(p.before, c.b).v - gather(p.before, c.a).v));
 }
 
+// Opposite corrections of both ends of a link, in kg m.
+[[gnu::always_inline]] inline void push_ends(const ClothPass& p, const LinkBatch& c, Rows8& a, Rows8& b,
+                                             const Lanes3& push) {
+  a.v = a.v - push * a.w;
+  b.v = b.v + push * b.w;
+  scatter(p.delta_position, c.a, a);
+  scatter(p.delta_position, c.b, b);
+}
+
 // XPBD rows of links. With a strain limit the row has no compliance where that pulls more: C = |e| - rest stretched <=
 // 0.
 template <bool kLimited>
@@ -94,11 +103,7 @@ void solve_links(const ClothPass& p) {
     }
     const Lanes change = pull * reciprocal_or_zero(weight);
     store(c.multiplier, old + change);
-    const Lanes3 push = e * (change * reciprocal_or_zero(size));
-    a.v = a.v - push * a.w;
-    b.v = b.v + push * b.w;
-    scatter(p.delta_position, c.a, a);
-    scatter(p.delta_position, c.b, b);
+    push_ends(p, c, a, b, e * (change * reciprocal_or_zero(size)));
   }
 }
 
@@ -111,11 +116,7 @@ void limit_links(const ClothPass& p) {
     const Lanes size = square_root(dot(e, e)), longest = load(c.rest) * all_lanes(p.stretched);
     if (!any(longest < size)) continue;
     const Lanes over = min(allowed(p, c, longest) - size, zero_lanes());
-    const Lanes3 push = e * (over * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size));
-    a.v = a.v - push * a.w;
-    b.v = b.v + push * b.w;
-    scatter(p.delta_position, c.a, a);
-    scatter(p.delta_position, c.b, b);
+    push_ends(p, c, a, b, e * (over * reciprocal_or_zero(a.w + b.w) * reciprocal_or_zero(size)));
   }
 }
 

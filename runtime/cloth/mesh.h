@@ -47,6 +47,23 @@ struct ClothMesh {
   Array<ClothGhost> ghosts;
 };
 
+// Which items (links, triangles) are at each vertex: those of v are item[first[v]] .. item[first[v + 1] - 1],
+// ascending.
+struct Incidence {
+  // each(f) calls f(vertex, item) in ascending order of items.
+  template <class Each>
+  Incidence(std::uint32_t points, Each&& each) : first(points + 1, 0) {
+    each([&](std::uint32_t v, std::uint32_t) { ++first[v + 1]; });
+    for (std::uint32_t v = 0; v < points; ++v) first[v + 1] += first[v];
+    item.resize(first.back());
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    each([&](std::uint32_t v, std::uint32_t k) { item[next[v]++] = k; });
+  }
+  std::span<const std::uint32_t> of(std::uint32_t v) const { return {item.data() + first[v], first[v + 1] - first[v]}; }
+
+  std::vector<std::uint32_t> first, item;
+};
+
 // What the elements are made with.
 struct ClothStiffness {
   Real stretch, shear;  // N/m

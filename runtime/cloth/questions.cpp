@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "cloth/impl.h"
-#include "forces/forces.h"
 
 namespace feder {
 
@@ -27,15 +26,12 @@ Energy Cloth::energy(const Vec3& gravity) const {
       bend = std::remainder(bend, 6.283185307179586);
       e.elastic += 0.5 * static_cast<double>(h.stiffness) * bend * bend;
     }
-    if (const Forces* forces = impl_->store.find<Forces>())
-      for (const ForceEntry& f : forces->list) {
-        if (!acts_on(f, s->object, impl_->objects.tags(s->object))) continue;
-        for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
-          const Real area = p.mass[i] / s->settings.area_density;
-          const MassPoint point{p.position[i], p.velocity[i], p.mass[i], area, area * s->settings.thickness};
-          e.potential += f.force->potential(&point, 1);
-        }
+    impl_->each_force(*s, [&](const ForceEntry& f) {
+      for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
+        const MassPoint point = impl_->mass_point(*s, i);
+        e.potential += f.force->potential(&point, 1);
       }
+    });
   }
   return e;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "cloth/impl.h"
-#include "forces/forces.h"
 
 namespace feder {
 namespace {
@@ -22,12 +21,7 @@ void Cloth::Impl::wake(Sheet& s, WakeCause cause, ObjectId other) {
   if (n < surfaces.list.size() && surfaces.list[n].object == s.object)
     surfaces.list[n].active = s.active(), surfaces.list[n].sleep_candidate = false;
   if (!slept) return;
-  Event e;
-  e.kind = EventKind::wake;
-  e.cause = cause;
-  e.a = s.object;
-  e.b = other;
-  events.add_pending(e);
+  events.add_pending({.kind = EventKind::wake, .cause = cause, .a = s.object, .b = other});
 }
 
 void Cloth::Impl::put_to_sleep(Sheet& s) {
@@ -36,15 +30,11 @@ void Cloth::Impl::put_to_sleep(Sheet& s) {
   s.set_flight(Vec3(0, 0, 0));
   s.kinetic = 0;
   for (std::uint32_t i = s.first; i < s.first + s.total; ++i) vertices.velocity[i] = Vec3::Zero();
-  Event e;
-  e.kind = EventKind::sleep;
-  e.a = s.object;
-  events.add_pending(e);
+  events.add_pending({.kind = EventKind::sleep, .a = s.object, .b = {}});
 }
 
 void Cloth::Impl::update_sleep(StepContext& c) {
   if (!c.sleeping) return;
-  const Forces* forces = store.find<Forces>();
   for (auto& p : sheets) {
     Sheet& s = *p;
     if (!s.active()) continue;
@@ -55,9 +45,7 @@ void Cloth::Impl::update_sleep(StepContext& c) {
     const Real cap = kSleepSpeed * kSleepSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
     s.state.sleep_energy = std::min(energy + (std::min(s.state.sleep_energy, cap) - energy) * keep, cap);
     bool steady = true;  // generators on areas may gust
-    if (forces)
-      for (const ForceEntry& f : forces->list)
-        if (acts_on(f, s.object, objects.tags(s.object))) steady = steady && !f.force->on_area();
+    each_force(s, [&](const ForceEntry& f) { steady = steady && !f.force->on_area(); });
     if (!steady || s.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
       s.state.sleep_steps = 0;
       continue;

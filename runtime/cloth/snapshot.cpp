@@ -2,6 +2,21 @@
 #include "cloth/impl.h"
 
 namespace feder {
+namespace {
+
+// Calls number(field) for what is saved as bytes before the solver of a cloth, and list(array) for its mesh behind it.
+template <class S, class F>
+void each_number(S& s, F&& number) {
+  number(s.object), number(s.first), number(s.points), number(s.total), number(s.version);
+  number(s.settings), number(s.state), number(s.mass), number(s.mesh.grid);
+}
+template <class M, class F>
+void each_list(M& mesh, F&& list) {
+  list(mesh.triangles), list(mesh.edges), list(mesh.links), list(mesh.hinges), list(mesh.ghosts);
+}
+
+}  // namespace
+
 void Cloth::hash(Hash& h) const {
   const ClothVertices& p = impl_->vertices;
   for (const auto& s : impl_->sheets)
@@ -29,15 +44,11 @@ void Cloth::save(Writer& w) const {
   for (int k = 0; k < 3; ++k) w.add(impl_->gravity[k]);
   w.add(static_cast<std::uint64_t>(impl_->sheets.size()));
   for (const auto& s : impl_->sheets) {
-    w.add(s->object), w.add(s->first), w.add(s->points), w.add(s->total), w.add(s->version);
-    w.add(s->settings);
-    w.add(s->state);
-    w.add(s->mass), w.add(s->mesh.grid);
+    each_number(*s, [&](const auto& x) { w.add(x); });
     w.text(s->solver_name);
     s->solver_options.save(w);
     s->solver->save(w);
-    w.list(s->mesh.triangles), w.list(s->mesh.edges), w.list(s->mesh.links), w.list(s->mesh.hinges);
-    w.list(s->mesh.ghosts);
+    each_list(s->mesh, [&](const auto& array) { w.list(array); });
   }
 }
 
@@ -52,18 +63,14 @@ void Cloth::load(Reader& r) {
   m.sheets.clear();
   for (std::uint64_t k = 0; k < count; ++k) {
     auto s = std::make_unique<Sheet>(m.arena);
-    r.get(s->object), r.get(s->first), r.get(s->points), r.get(s->total), r.get(s->version);
-    r.get(s->settings);
-    r.get(s->state);
-    r.get(s->mass), r.get(s->mesh.grid);
+    each_number(*s, [&](auto& x) { r.get(x); });
     std::string name;
     r.text(name);
     Params options;
     options.load(r);
     m.attach_solver(*s, name, options);
     s->solver->load(r);
-    r.list(s->mesh.triangles), r.list(s->mesh.edges), r.list(s->mesh.links), r.list(s->mesh.hinges);
-    r.list(s->mesh.ghosts);
+    each_list(s->mesh, [&](auto& array) { r.list(array); });
     m.sheets.push_back(std::move(s));
   }
   m.declare_surfaces();

@@ -43,7 +43,7 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   s.paths_stale = false;
   s.bend_step = -1;
   constexpr std::uint32_t kFar = kNone;
-  std::vector<std::uint32_t> rows_to(s.points, kFar), queue, start(s.points + 1, 0), next;
+  std::vector<std::uint32_t> rows_to(s.points, kFar), queue;
   std::vector<Real> path_to(s.points, 0);
   for (std::uint32_t i = 0; i < s.points; ++i)
     if (vertices.inv_mass[s.first + i] == 0) queue.push_back(i);
@@ -62,22 +62,17 @@ void Cloth::Impl::measure_paths(Sheet& s) {
   }
   for (const std::uint32_t i : queue) rows_to[i] = 0;
 
-  const auto walked = [&](const ClothLink& l) { return !l.shear; };
-  for (const ClothLink& l : s.mesh.links)
-    if (walked(l)) ++start[l.a + 1], ++start[l.b + 1];
-  for (std::uint32_t i = 0; i < s.points; ++i) start[i + 1] += start[i];
-  next.resize(start[s.points]);
-  std::vector<std::uint32_t> at(start.begin(), start.end() - 1);
-  for (std::uint32_t k = 0; k < s.mesh.links.size(); ++k)
-    if (walked(s.mesh.links[k])) next[at[s.mesh.links[k].a]++] = k, next[at[s.mesh.links[k].b]++] = k;
-  FEDER_ASSERT(at.back() == start.back());  // as many neighbours as were counted
+  const Incidence links(s.points, [&](auto&& f) {
+    for (std::uint32_t k = 0; k < s.mesh.links.size(); ++k)
+      if (const ClothLink& l = s.mesh.links[k]; !l.shear) f(l.a, k), f(l.b, k);
+  });
   // the queue is in the order of rows_to
   s.rows = 1, s.path = s.mesh.links[0].rest;
   for (std::size_t q = 0; q < queue.size(); ++q) {
     const std::uint32_t i = queue[q];
     if (static_cast<Real>(rows_to[i]) > s.rows) s.rows = static_cast<Real>(rows_to[i]), s.path = path_to[i];
-    for (std::uint32_t k = start[i]; k < start[i + 1]; ++k) {
-      const ClothLink& l = s.mesh.links[next[k]];
+    for (const std::uint32_t k : links.of(i)) {
+      const ClothLink& l = s.mesh.links[k];
       const std::uint32_t j = l.a == i ? l.b : l.a;
       if (rows_to[j] != kFar) continue;
       rows_to[j] = rows_to[i] + 1, path_to[j] = path_to[i] + l.rest;

@@ -80,13 +80,8 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
     FEDER_ASSERT(std::find(fan.begin(), fan.end(), kNone) == fan.end());
     if (fans < 2) continue;
     // the event, and a new vertex for each fan but the first
-    Event e;
-    e.kind = kTear;
-    e.a = s.object;
-    e.index = v;
-    e.force = l.stiffness * strain * l.rest;
-    e.point = middle;
-    c.events->add(e);
+    const Real tension = l.stiffness * strain * l.rest;
+    c.events->add({.kind = kTear, .a = s.object, .b = {}, .index = v, .point = middle, .force = tension});
     for (std::uint32_t f = 1; f < fans; ++f) {
       std::vector<std::uint32_t> list;
       for (std::size_t i = 0; i < round.size(); ++i)

@@ -30,13 +30,9 @@ struct Label {
 class Geodesic {
  public:
   Geodesic(const ClothMesh& mesh, std::span<const Vec3> rest, std::uint32_t points, std::size_t nearest)
-      : mesh_(mesh), rest_(rest), nearest_(nearest), labels_(points * nearest), start_(points + 1, 0) {
-    for (const std::uint32_t v : mesh.triangles) ++start_[v + 1];
-    for (std::uint32_t i = 0; i < points; ++i) start_[i + 1] += start_[i];
-    round_.resize(mesh.triangles.size());
-    std::vector<std::uint32_t> at(start_.begin(), start_.end() - 1);
-    for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) round_[at[mesh.triangles[k]]++] = k / 3;
-  }
+      : mesh_(mesh), rest_(rest), nearest_(nearest), labels_(points * nearest), round_(points, [&](auto&& f) {
+          for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) f(mesh.triangles[k], k / 3);
+        }) {}
 
   void spread(std::span<const std::uint32_t> anchors) {
     FEDER_ASSERT(!anchors.empty() && queue_.empty());
@@ -47,8 +43,8 @@ class Geodesic {
       Label* l = find(vertex, kNone);
       if (!l || find(vertex, anchor)) continue;
       *l = {anchor, distance};
-      for (std::uint32_t k = start_[vertex]; k < start_[vertex + 1]; ++k) {
-        const std::uint32_t* t = &mesh_.triangles[3 * round_[k]];
+      for (const std::uint32_t triangle : round_.of(vertex)) {
+        const std::uint32_t* t = &mesh_.triangles[3 * triangle];
         const int at = t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
         FEDER_ASSERT(t[at] == vertex);  // round_ lists the triangles of the vertex
         pass_on(*l, vertex, t[(at + 1) % 3], t[(at + 2) % 3]);
@@ -95,7 +91,7 @@ class Geodesic {
   std::span<const Vec3> rest_;
   std::size_t nearest_;
   std::vector<Label> labels_;
-  std::vector<std::uint32_t> start_, round_;  // triangles at each vertex
+  Incidence round_;  // triangles at each vertex
   std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue_;
 };
 

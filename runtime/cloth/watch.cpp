@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "cloth/impl.h"
-#include "forces/forces.h"
 
 namespace feder {
 namespace {
@@ -30,17 +29,13 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
     if (vertices.inv_mass[i] != 0)
       all += number(vertices.mass[i]) * number(length(acceleration[i])) * number(length(delta_position[i].vec()));
   // generators one by one: loss of potential, or force times displacement
-  const Forces* forces = store.find<Forces>();
   double fall = 0, rest = 0;
   bool held = false, area = false;
-  for (std::size_t k = 0; forces && k < forces->list.size(); ++k) {
-    const ForceEntry& f = forces->list[k];
-    if (!acts_on(f, s.object, objects.tags(s.object))) continue;
+  each_force(s, [&](const ForceEntry& f) {
     area = area || f.force->on_area();
     double potential[2] = {0, 0}, push = 0;
     for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
-      const Real size = vertices.mass[i] / s.settings.area_density;
-      MassPoint point{vertices.position[i], vertices.velocity[i], vertices.mass[i], size, size * s.settings.thickness};
+      MassPoint point = mass_point(s, i);
       Vec3 force_before = Vec3::Zero(), force_after = Vec3::Zero();
       potential[1] += f.force->potential(&point, 1);
       f.force->add(&point, 1, c.time + number(c.dt), &force_after);
@@ -56,7 +51,7 @@ double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
       fall += std::fmax(potential[0] - potential[1], 0.0);
     else
       rest += push;
-  }
+  });
   // with a potential: that, and the work of weight and scripts
   if (!held || area) return all;
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {

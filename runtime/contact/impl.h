@@ -65,6 +65,8 @@ struct SurfaceContact::Impl {
   void begin_substep(StepContext& c);
   void find_near(StepContext& c);
   void coast(StepContext& c);
+  template <class F>
+  void each_coasting(const SurfaceGroup& g, F&& f);
   void advance_bodies(StepContext& c);
   void solve_attachments(StepContext& c);
   void solve(StepContext& c);
@@ -87,6 +89,7 @@ struct SurfaceContact::Impl {
 
   // near.cpp: candidate pairs of features in this step, and their rows
   bool near_wanted(const SurfaceGroup& g) const;
+  bool paired(std::uint32_t surface) const;  // it is in a candidate pair, whose surfaces are both in its group
   std::uint32_t surface_pair_of(std::uint32_t a, std::uint32_t b) const;  // kNone: they do not collide
   Vec3 current_position(std::uint32_t vertex) const { return position[vertex] + delta_position[vertex].vec(); }
   // `time`: rest of the step, s; `part`: from the making of rows to the projection, s; `held`: points may be held back
@@ -114,7 +117,6 @@ struct SurfaceContact::Impl {
 
   // surface_contact.cpp
   void wake_left();
-  const Surface* surface_of(ObjectId object) const;
   Aabb swept_bounds(const Surface& s, StepContext& c) const;
   void report(const SurfacePair& k);
   void wake(ObjectId sleeper, ObjectId other);

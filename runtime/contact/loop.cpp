@@ -46,27 +46,27 @@ void SurfaceContact::Impl::find_near(StepContext& c) {
   if (k == 0) g.crowded = near.near && !g.near_rows.empty();
 }
 
-void SurfaceContact::Impl::coast(StepContext& c) {
-  const SurfaceGroup& g = group(c);
+// Calls f(point, solver substep) for the points of active surfaces that coast.
+template <class F>
+void SurfaceContact::Impl::each_coasting(const SurfaceGroup& g, F&& f) {
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     if (!s.coasts || !s.active) continue;
-    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
-      if (delta_position[i].w != 0) delta_position[i].add(g.step * velocity[i].vec());
-      before[i] = {delta_position[i].x, delta_position[i].y, delta_position[i].z, 1};
-    }
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) f(i, g.step);
   }
+}
+
+void SurfaceContact::Impl::coast(StepContext& c) {
+  each_coasting(group(c), [&](std::uint32_t i, Real h) {
+    if (delta_position[i].w != 0) delta_position[i].add(h * velocity[i].vec());
+    before[i] = {delta_position[i].x, delta_position[i].y, delta_position[i].z, 1};
+  });
 }
 
 // Velocities of what coasts change by its contact corrections over the solver substep.
 void SurfaceContact::Impl::read_velocities(StepContext& c) {
-  const SurfaceGroup& g = group(c);
-  for (const std::uint32_t n : g.members) {
-    const Surface& s = list[n];
-    if (!s.coasts || !s.active) continue;
-    for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
-      velocity[i].add((delta_position[i].vec() - before[i].vec()) / g.step);
-  }
+  each_coasting(group(c),
+                [&](std::uint32_t i, Real h) { velocity[i].add((delta_position[i].vec() - before[i].vec()) / h); });
 }
 
 void SurfaceContact::Impl::project(StepContext& c) {

@@ -89,11 +89,14 @@ std::uint32_t SurfaceContact::Impl::surface_pair_of(std::uint32_t a, std::uint32
   return kNone;
 }
 
+bool SurfaceContact::Impl::paired(std::uint32_t n) const {
+  return std::any_of(surface_pairs.begin(), surface_pairs.end(),
+                     [&](const SurfacePair& k) { return k.a == n || k.b == n; });
+}
+
 bool SurfaceContact::Impl::near_wanted(const SurfaceGroup& g) const {
   for (const std::uint32_t n : g.members) {
-    if (list[n].active && list[n].self) return true;
-    for (const SurfacePair& k : surface_pairs)
-      if (k.a == n) return true;  // and the other one is in the group too
+    if ((list[n].active && list[n].self) || paired(n)) return true;
   }
   return false;
 }
@@ -105,9 +108,7 @@ void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     box[n] = others_box[n] = Aabb();
-    bool meets = false;
-    for (const SurfacePair& k : surface_pairs) meets = meets || k.a == n || k.b == n;
-    if (meets)
+    if (paired(n))
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i) box[n].include(vertex_box[i]);
     if (s.active && s.self) others_box[n] = Aabb::everything();
   }
@@ -144,9 +145,7 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   near_surface.resize(size);
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
-    bool takes_part = s.active && s.self;
-    for (const SurfacePair& k : surface_pairs) takes_part = takes_part || k.a == n || k.b == n;
-    if (!takes_part) continue;
+    if (!(s.active && s.self) && !paired(n)) continue;
     const Real half = Real(0.5) * s.thickness;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
       near.near_vertex.push_back(i);
@@ -188,13 +187,12 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   FEDER_ASSERT(near.near_triangle.size() % 3 == 0 && near.near_vertex.size() <= size);
   near.triangle_box.resize(near.near_triangle.size() / 3), near.edge_box.resize(near.near_edge.size() / 2);
   for (std::size_t t = 0; t < near.triangle_box.size(); ++t) {
-    near.triangle_box[t] = vertex_box[near.near_triangle[3 * t]];
-    near.triangle_box[t].include(vertex_box[near.near_triangle[3 * t + 1]]);
-    near.triangle_box[t].include(vertex_box[near.near_triangle[3 * t + 2]]);
+    const std::uint32_t* v = &near.near_triangle[3 * t];
+    near.triangle_box[t] = box_of(v[0], v[1], v[2]);
   }
   for (std::size_t e = 0; e < near.edge_box.size(); ++e) {
-    near.edge_box[e] = vertex_box[near.near_edge[2 * e]];
-    near.edge_box[e].include(vertex_box[near.near_edge[2 * e + 1]]);
+    const std::uint32_t* v = &near.near_edge[2 * e];
+    near.edge_box[e] = box_of(v[0], v[1], v[1]);
   }
 }
 

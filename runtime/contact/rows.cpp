@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/body_point.h"
 #include "contact/impl.h"
 
 namespace feder {
@@ -68,10 +69,7 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
     // body
     Vec3 change = x.vec() - before[k.vertex].vec();
     if (before[k.vertex].w != 0) change += h * velocity[k.vertex].vec();
-    if (k.solver_index != 0) {
-      const SolverBody& m = solver_bodies->state[k.solver_index];
-      change -= h * (m.velocity + cross(m.angular_velocity, k.arm));
-    }
+    if (k.solver_index != 0) change -= h * velocity_at(solver_bodies->state[k.solver_index], k.arm);
     const Vec3 start = error - change;
     const Real open = length(start), closed = kPullSpeed * h;
     if (open > closed) error -= (1 - closed / open) * start;
@@ -100,10 +98,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
     FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < surface_pairs.size());
-    if (r.solver_index != 0) {
-      const SolverBody& m = solver_bodies->state[r.solver_index];
-      change -= h * (m.velocity + cross(m.angular_velocity, r.arm));
-    }
+    if (r.solver_index != 0) change -= h * velocity_at(solver_bodies->state[r.solver_index], r.arm);
     // normal: the closing of this solver substep at once, older overlap at kPushSpeed
     const Real closing = dot(r.normal, change);
     const Real along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
@@ -192,10 +187,7 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
       response.add(delta_position[r.vertex[k]].w, r.weight[k]);
     }
     if (r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h) continue;
-    if (r.solver_index != 0) {
-      const SolverBody& m = solver_bodies->state[r.solver_index];
-      u -= m.velocity + cross(m.angular_velocity, r.arm);
-    }
+    if (r.solver_index != 0) u -= velocity_at(solver_bodies->state[r.solver_index], r.arm);
     const Real parting = dot(r.normal, u),
                along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "contact/impl.h"
+#include "contact/seen_pairs.h"
 
 namespace feder {
 namespace {
@@ -57,11 +58,7 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   if (pairs) plan.add<&Impl::finish>(Rank::surface_events, "contact states", kName, m);
 }
 
-std::size_t SurfaceContact::count() const {
-  std::size_t sum = 0;
-  impl_->contacts.each(impl_->finder, [&](const ContactRecord&) { ++sum; });
-  return sum;
-}
+std::size_t SurfaceContact::count() const { return count_pairs(impl_->contacts, impl_->finder); }
 
 void SurfaceContact::Impl::begin_step(StepContext&) {
   surfaces.begin();
@@ -71,22 +68,15 @@ void SurfaceContact::Impl::begin_step(StepContext&) {
   pairs_seen = 0;
 }
 
-const Surface* SurfaceContact::Impl::surface_of(ObjectId object) const {
-  for (const Surface& s : list)
-    if (s.object == object) return &s;
-  return nullptr;
-}
-
 void SurfaceContact::Impl::wake(ObjectId sleeper, ObjectId other) {
-  const Surface* s = surface_of(other);
+  const Surface* s = surface_of(surfaces, other);
   surfaces.wakes.push_back({sleeper, other, s ? s->wakes : WakeCause::contact});
 }
 
 // Surfaces that were in contact with an object that is gone wake.
 void SurfaceContact::Impl::wake_left() {
-  contacts.each(finder, [&](const ContactRecord& r) {
-    for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
-      if (objects.alive(left) && !objects.alive(gone)) surfaces.wakes.push_back({left, gone, WakeCause::destroyed});
+  each_left(contacts, finder, objects, [&](ObjectId left, ObjectId gone) {
+    surfaces.wakes.push_back({left, gone, WakeCause::destroyed});
   });
 }
 
@@ -138,14 +128,12 @@ void SurfaceContact::Impl::report(const SurfacePair& k) {
 void SurfaceContact::Impl::finish(StepContext&) {
   for (const SurfacePair& k : surface_pairs) report(k);
   contacts.each(finder, [&](const ContactRecord& r) {
-    const Surface *a = surface_of(r.key.a), *b = surface_of(r.key.b);
+    const Surface *a = surface_of(surfaces, r.key.a), *b = surface_of(surfaces, r.key.b);
     if (a && b && !a->active && !b->active) contacts.keep(finder, r);
   });
 }
 
-void SurfaceContact::hash(Hash& h) const {
-  impl_->contacts.each(impl_->finder, [&](const ContactRecord& r) { h.add(r.key.a.slot), h.add(r.key.b.slot); });
-}
+void SurfaceContact::hash(Hash& h) const { hash_pairs(impl_->contacts, impl_->finder, h); }
 
 void SurfaceContact::load(Reader&) {
   impl_->surfaces.forget();

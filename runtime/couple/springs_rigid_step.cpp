@@ -11,6 +11,7 @@
 // slowly.
 #include <algorithm>
 
+#include "contact/body_point.h"
 #include "couple/springs_rigid.h"
 #include "state/bodies.h"
 #include "state/contacts.h"
@@ -30,8 +31,6 @@ Vec3 closing_velocity(const Vec3& error, Real rate) {
   const Real fast = rate * length(error);
   return fast > kPullSpeed ? Vec3((rate * kPullSpeed / fast) * error) : Vec3(rate * error);
 }
-
-Vec3 velocity_at(const SolverBody& s, const Vec3& arm) { return s.velocity + cross(s.angular_velocity, arm); }
 
 }  // namespace
 

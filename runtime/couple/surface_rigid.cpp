@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "contact/body_point.h"
+#include "contact/seen_pairs.h"
 #include "contact/surface_contact.h"
 #include "couple/coupling.h"
 #include "couple/surface_triangle.h"
@@ -49,18 +51,12 @@ void SurfaceRigid::add_passes(StepPlan& plan) {
   plan.add<&S::finish>(Rank::surface_events, "bodies loaded", kName, this);
 }
 
-std::size_t SurfaceRigid::count() const {
-  std::size_t sum = 0;
-  contacts_.each(finder_, [&](const ContactRecord&) { ++sum; });
-  return sum;
-}
+std::size_t SurfaceRigid::count() const { return count_pairs(contacts_, finder_); }
 
 // A surface that was in contact with a body that is gone wakes.
 void SurfaceRigid::wake_left() {
-  contacts_.each(finder_, [&](const ContactRecord& r) {
-    for (const auto& [left, gone] : {std::pair(r.key.a, r.key.b), std::pair(r.key.b, r.key.a)})
-      if (objects_.alive(left) && !objects_.alive(gone) && objects_.kind(left) != kBodyKind)
-        surfaces_.wakes.push_back({left, gone, WakeCause::destroyed});
+  each_left(contacts_, finder_, objects_, [&](ObjectId left, ObjectId gone) {
+    if (objects_.kind(left) != kBodyKind) surfaces_.wakes.push_back({left, gone, WakeCause::destroyed});
   });
   std::erase_if(warned_, [&](const Warned& w) { return !objects_.alive(w.body) || !objects_.alive(w.surface); });
 }
@@ -248,17 +244,9 @@ void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {
     t.normal = -r.normal;
     Vec3 u = Vec3::Zero();
     for (int k = 0; k < 3; ++k) u += r.weight[k] * surfaces_.velocity[r.vertex[k]].vec();
-    if (r.solver_index)
-      u -= solver_bodies_.state[r.solver_index].velocity +
-           cross(solver_bodies_.state[r.solver_index].angular_velocity, r.arm);
+    if (r.solver_index) u -= velocity_at(solver_bodies_.state[r.solver_index], r.arm);
     t.slip = length(Vec3(u - dot(u, r.normal) * r.normal));
   }
-}
-
-const Surface* SurfaceRigid::surface_of(ObjectId object) const {
-  for (const Surface& s : surfaces_.list)
-    if (s.object == object) return &s;
-  return nullptr;
 }
 
 // Reports in the order of the objects.
@@ -267,12 +255,12 @@ void SurfaceRigid::finish(StepContext&) {
     return x.surface != y.surface ? x.surface < y.surface : x.body < y.body;
   });
   for (const ContactState& t : contact_states_) {
-    const Surface* s = surface_of(t.surface);
+    const Surface* s = surface_of(surfaces_, t.surface);
     FEDER_ASSERT(s && objects_.alive(t.body));
     if (t.impulse > 0 && s->active) report(t, *s);
   }
   contacts_.each(finder_, [&](const ContactRecord& r) {
-    const Surface* s = surface_of(objects_.kind(r.key.a) == kBodyKind ? r.key.b : r.key.a);
+    const Surface* s = surface_of(surfaces_, objects_.kind(r.key.a) == kBodyKind ? r.key.b : r.key.a);
     if (s && !s->active) contacts_.keep(finder_, r);
   });
   surfaces_.clear_rows();
@@ -294,9 +282,7 @@ void SurfaceRigid::report(const ContactState& t, const Surface& s) {
   contacts_.see(finder_, n);
 }
 
-void SurfaceRigid::hash(Hash& h) const {
-  contacts_.each(finder_, [&](const ContactRecord& r) { h.add(r.key.a.slot), h.add(r.key.b.slot); });
-}
+void SurfaceRigid::hash(Hash& h) const { hash_pairs(contacts_, finder_, h); }
 
 void SurfaceRigid::save(Writer& w) const { w.list(warned_); }
 

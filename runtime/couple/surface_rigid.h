@@ -78,7 +78,6 @@ class SurfaceRigid final : public System {
                const Vec3& normal, Real gap, const Vec3& point);
   std::uint32_t state_of(const Surface& surface, ObjectId body);
   void report(const ContactState& t, const Surface& surface);
-  const Surface* surface_of(ObjectId object) const;
   Vec3 current_position(std::uint32_t point) const {
     return surfaces_.position[point] + surfaces_.delta_position[point].vec();
   }

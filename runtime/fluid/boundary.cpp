@@ -20,8 +20,6 @@ struct NearShapes {
   bool all = false;
 };
 
-Vec3 boundary_velocity(const BoundaryBody& b, const Vec3& x) { return b.velocity_at(x); }
-
 // A mesh has no inside: whether a particle passed it follows from a ray along its displacement.
 bool crosses(const BoundaryShape& w, const Vec3& from, const Vec3& to, RayHit& hit) {
   return w.shape->raycast(from, to - from, hit) && hit.fraction < 1;
@@ -57,7 +55,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   FEDER_ASSERT(speculative_time >= 0 && contact_first.size() > count);
   const Real fall = length(gravity) * speculative_time * speculative_time;
   const auto swept_bounds = [&](std::uint32_t i, const BoundaryBody& b) {
-    return support + fall + speculative_time * length(Vec3(v[i].vec() - boundary_velocity(b, start[i].vec())));
+    return support + fall + speculative_time * length(Vec3(v[i].vec() - b.velocity_at(start[i].vec())));
   };
   // broad phase: shapes that a run of neighbouring particles may meet
   const auto near_shapes = [&](std::uint32_t first, std::uint32_t last, NearShapes& near) {
@@ -72,9 +70,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
       const BoundaryBody& b = boundary.bodies[solid.body];
       if (!meets(solid)) continue;
       Aabb wide = solid.box;
-      const Real arc =
-          b.angular_velocity.isZero(0) ? 0 : length(b.angular_velocity) * solid.shape->extent(Vec3::Zero());
-      wide.grow(support + fall + speculative_time * (speed + length(b.velocity) + arc));
+      wide.grow(support + fall + speculative_time * (speed + length(b.velocity) + solid.rim_speed(b)));
       if (!overlaps(wide, box)) continue;
       if (near.count == kMaxShapes) {
         near.all = true;
@@ -153,16 +149,13 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   });
   dynamic_contacts.clear();
   for (std::uint32_t k = 0; k < total; ++k)
-    if (boundary.bodies[boundary.shapes[contacts[k].shape].body].dynamic) dynamic_contacts.push_back(k);
+    if (boundary.body_of(contacts[k]).dynamic) dynamic_contacts.push_back(k);
   record_contact_states(boundary);
 }
 
 // Particles nearer than 0.75 spacings are in contact: at rest they lie half a spacing from the boundary.
 void FluidPool::record_contact_states(const Boundary& boundary) {
   if (contact_states.size() < boundary.bodies.size()) contact_states.resize(boundary.bodies.size());
-  const auto at = [&](const BoundaryContact& c) -> FluidContactState& {
-    return contact_states[boundary.shapes[c.shape].body];
-  };
   const std::uint32_t total = contact_first[count];
   const Real near = Real(0.75) * desc.spacing;
   for (FluidContactState& t : contact_states) t.count = 0, t.point = t.normal = Vec3::Zero();
@@ -171,12 +164,11 @@ void FluidPool::record_contact_states(const Boundary& boundary) {
     const Vec3 position = x[c.particle].vec();
     if (dot(c.normal, position) - c.offset > near) continue;
     FEDER_ASSERT(c.particle < count && c.shape < boundary.shapes.size());
-    FluidContactState& t = at(c);
-    t.body = boundary.bodies[boundary.shapes[c.shape].body].object;
+    FluidContactState& t = contact_states[boundary.shapes[c.shape].body];
+    t.body = boundary.body_of(c).object;
     ++t.count;
     t.point += position, t.normal += c.normal;
-    const Real closing =
-        dot(c.normal, Vec3(boundary.bodies[boundary.shapes[c.shape].body].velocity_at(position) - v[c.particle].vec()));
+    const Real closing = dot(c.normal, Vec3(boundary.body_of(c).velocity_at(position) - v[c.particle].vec()));
     t.speed = std::max(t.speed, closing);
   }
 }
@@ -184,7 +176,7 @@ void FluidPool::record_contact_states(const Boundary& boundary) {
 void FluidPool::weigh_fixed(Boundary& boundary) const {
   for (std::uint32_t k = 0; k < contact_first[count]; ++k) {
     const BoundaryContact& c = contacts[k];
-    BoundaryBody& b = boundary.bodies[boundary.shapes[c.shape].body];
+    BoundaryBody& b = boundary.body_of(c);
     if (!b.dynamic) b.impulse -= c.impulse * c.normal;
   }
 }
@@ -193,9 +185,9 @@ void FluidPool::share_bodies(Boundary& boundary) {
   for (const std::uint32_t k : dynamic_contacts) {
     FEDER_ASSERT(k < contact_first[count]);
     const BoundaryContact& c = contacts[k];
-    const Real d = dot(c.normal, x[c.particle].vec()) - c.offset;
-    boundary.bodies[boundary.shapes[c.shape].body].contact_weight += table->at(d / support).slope / support;
-    FEDER_ASSERT(!(boundary.bodies[boundary.shapes[c.shape].body].contact_weight < 0));
+    const Real d = c.distance(x[c.particle].vec());
+    boundary.body_of(c).contact_weight += table->at(d / support).slope / support;
+    FEDER_ASSERT(!(boundary.body_of(c).contact_weight < 0));
   }
 }
 

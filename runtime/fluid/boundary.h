@@ -49,6 +49,11 @@ struct BoundaryShape {
   Pose start;         // at the start of the substep
   bool away = false;  // pose is not start
   Aabb box;           // of the pose, world
+
+  // Largest speed of its points by the rotation of its body, m/s.
+  Real rim_speed(const BoundaryBody& b) const {
+    return b.angular_velocity.isZero(0) ? Real(0) : length(b.angular_velocity) * shape->extent(Vec3::Zero());
+  }
 };
 
 // Contact state of a fluid and a body in a step.
@@ -58,6 +63,19 @@ struct FluidContactState {
   Real speed = 0;              // largest closing speed of a particle, m/s
   Vec3 point = Vec3::Zero();   // mean of their positions, m
   Vec3 normal = Vec3::Zero();  // mean, out of the body
+};
+
+// Contact of a particle: the tangent plane at the nearest point of the boundary when the contact was made.
+struct BoundaryContact {
+  std::uint32_t shape = 0, particle = 0;
+  Vec3 normal = Vec3::Zero();        // out of the solid, world
+  Real offset = 0;                   // normal . x on the plane, m
+  Vec3 from = Vec3::Zero();          // the particle's position then, in the frame of the shape
+  Vec3 local_normal = Vec3::Zero();  // likewise
+  Real local_offset = 0;             // m
+  Real impulse = 0;                  // along the normal on the particle, of the running iteration, N s
+
+  Real distance(const Vec3& x) const { return dot(normal, x) - offset; }
 };
 
 // Shapes and bodies in the order in which the coupling adds them, which is always the same.
@@ -70,19 +88,10 @@ struct Boundary {
   void move_to(Real seconds);
   Array<BoundaryShape> shapes;
   Array<BoundaryBody> bodies;
+  BoundaryBody& body_of(const BoundaryContact& c) { return bodies[shapes[c.shape].body]; }
+  const BoundaryBody& body_of(const BoundaryContact& c) const { return bodies[shapes[c.shape].body]; }
   bool away = false;     // a pose is not that of the start
   bool weighed = false;  // impulses on bodies that do not move are counted as well
-};
-
-// Contact of a particle: the tangent plane at the nearest point of the boundary when the contact was made.
-struct BoundaryContact {
-  std::uint32_t shape = 0, particle = 0;
-  Vec3 normal = Vec3::Zero();        // out of the solid, world
-  Real offset = 0;                   // normal . x on the plane, m
-  Vec3 from = Vec3::Zero();          // the particle's position then, in the frame of the shape
-  Vec3 local_normal = Vec3::Zero();  // likewise
-  Real local_offset = 0;             // m
-  Real impulse = 0;                  // along the normal on the particle, of the running iteration, N s
 };
 
 }  // namespace feder

@@ -13,11 +13,8 @@
 namespace feder {
 namespace {
 
-void need(bool ok, const std::string& what, const char* expected, double got) {
-  if (!ok) throw SceneError("fluid: " + what + ": expected " + expected + ", got " + std::to_string(got));
-}
-
 void check_desc(const FluidDesc& d) {
+  const Need need{"fluid"};
   need(d.spacing > 0 && is_finite(d.spacing), "spacing", "a finite number above 0", d.spacing);
   need(d.density > 0 && is_finite(d.density), "density", "a finite number above 0", d.density);
   need(d.viscosity >= 0 && is_finite(d.viscosity), "viscosity", "a finite number, 0 or more", d.viscosity);

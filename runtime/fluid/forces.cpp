@@ -20,10 +20,6 @@ namespace {
 constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2/nu, largest time of a round; 0.125 in Morris 1997
 constexpr int kMaxRounds = 64;             // in a solver substep
 
-Real boundary_distance(const FluidPool& p, const BoundaryContact& k) {
-  return dot(k.normal, p.x[k.particle].vec()) - k.offset;
-}
-
 void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   FEDER_ASSERT(h > 0 && p.desc.viscosity > 0);
   const int d = p.dimension;
@@ -45,10 +41,10 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   // at the boundary, implicit in each contact
   for (std::uint32_t i = 0; i < p.count; ++i)
     for (const BoundaryContact& k : p.contacts_of(i)) {
-      const Real s = boundary_distance(p, k) / p.support;
+      const Real s = k.distance(p.x[i].vec()) / p.support;
       if (s >= 1) continue;
       FEDER_ASSERT(k.particle == i && k.shape < boundary.shapes.size());
-      BoundaryBody& b = boundary.bodies[boundary.shapes[k.shape].body];
+      BoundaryBody& b = boundary.body_of(k);
       const Vec3 at = p.x[i].vec(), slip = p.v[i].vec() - b.velocity_at(at);
       const Vec3 along = slip - dot(slip, k.normal) * k.normal;
       const Real rate = h * nu * p.table->at(std::max(s, Real(0))).friction / (std::max(s, Real(0.05)) * r2);

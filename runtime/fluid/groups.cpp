@@ -26,8 +26,7 @@ Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
 // Bounds of a solid then.
 Aabb swept_bounds(const BoundaryShape& w, const BoundaryBody& b, Real h) {
   Aabb box = w.box;
-  const Real arc = b.angular_velocity.isZero(0) ? Real(0) : length(b.angular_velocity) * w.shape->extent(Vec3::Zero());
-  box.grow(h * (length(b.velocity) + arc));
+  box.grow(h * (length(b.velocity) + w.rim_speed(b)));
   return box;
 }
 

@@ -8,6 +8,15 @@
 
 namespace feder {
 
+// Checks one number of a description of `thing`.
+struct Need {
+  const char* thing;
+  void operator()(bool ok, const char* what, const std::string& expected, double got) const {
+    if (!ok)
+      throw SceneError(std::string(thing) + ": " + what + ": expected " + expected + ", got " + std::to_string(got));
+  }
+};
+
 // Plain data, saved as bytes; nozzle sites follow from the settings.
 struct FluidEmitter {
   ObjectId object, fluid;

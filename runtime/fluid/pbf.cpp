@@ -254,7 +254,7 @@ Real Pbf::distance(const FluidPool& p, const BoundaryContact& k) const {
   FEDER_ASSERT(k.particle < p.count && k.shape < boundary->shapes.size());
   const Vec3 x = p.x[k.particle].vec();
   const Real d = dot(k.normal, x) - k.offset;
-  const BoundaryBody& b = boundary->bodies[boundary->shapes[k.shape].body];
+  const BoundaryBody& b = boundary->body_of(k);
   return d - h_ * dot(k.normal, b.velocity_at(x));
 }
 
@@ -303,7 +303,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
         const Real slope = s.slope / p.support;
         wall -= slope * k.normal;
         opposed += slope * slope;
-        const BoundaryBody& b = boundary->bodies[boundary->shapes[k.shape].body];
+        const BoundaryBody& b = boundary->body_of(k);
         if (b.dynamic) shared += slope * std::max(b.contact_weight, slope) * b.response(p.x[i].vec(), k.normal);
       }
       if (first_round) {
@@ -370,7 +370,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
   for (const std::uint32_t at : p.dynamic_contacts) {
     FEDER_ASSERT(at < p.contact_first[p.count]);
     const BoundaryContact& k = p.contacts[at];
-    boundary->bodies[boundary->shapes[k.shape].body].push(p.start[k.particle].vec(), -k.impulse * k.normal);
+    boundary->body_of(k).push(p.start[k.particle].vec(), -k.impulse * k.normal);
   }
   if (boundary->weighed) p.weigh_fixed(*boundary);
 }

@@ -145,18 +145,14 @@ void FluidPool::sort_by_cell(Real skin) {
   const bool identity = grid.sort({&x[0].x, 4 * std::size_t(count)}, support + skin, order);
   if (identity) return;
   FEDER_ASSERT(order.size() >= count);
-  const auto reorder4 = [&](Array<Row4Real>& a) {
-    for (std::uint32_t k = 0; k < count; ++k) swap4[k] = a[order[k]];
-    std::copy(swap4.begin(), swap4.begin() + count, a.begin());
+  const auto reorder = [&](auto& array, auto& work) {
+    for (std::uint32_t k = 0; k < count; ++k) work[k] = array[order[k]];
+    std::copy(work.begin(), work.begin() + count, array.begin());
   };
-  const auto reorder1 = [&](Array<Real>& a) {
-    for (std::uint32_t k = 0; k < count; ++k) swap1[k] = a[order[k]];
-    std::copy(swap1.begin(), swap1.begin() + count, a.begin());
-  };
-  reorder4(x), reorder4(v), reorder4(start), reorder1(lambda), reorder1(ratio), reorder1(screen);
-  if (!origin.empty()) reorder4(origin);
-  for (std::uint32_t k = 0; k < count; ++k) swap_id[k] = id[order[k]];
-  std::copy(swap_id.begin(), swap_id.begin() + count, id.begin());
+  for (auto* array : {&x, &v, &start}) reorder(*array, swap4);
+  for (auto* array : {&lambda, &ratio, &screen}) reorder(*array, swap1);
+  if (!origin.empty()) reorder(origin, swap4);
+  reorder(id, swap_id);
   if constexpr (kAsserts) validate_order();
 }
 
@@ -185,8 +181,7 @@ void FluidPool::find_ratios(JobPool& jobs) {
     sweeps->values(in, first, last, sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
       Real r = value_factor * sum[i] + own_value + screen[i];
-      for (const BoundaryContact& c : contacts_of(i))
-        r += table->at((dot(c.normal, x[i].vec()) - c.offset) / support).value;
+      for (const BoundaryContact& c : contacts_of(i)) r += table->at(c.distance(x[i].vec()) / support).value;
       ratio[i] = r;
     }
   });

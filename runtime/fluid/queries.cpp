@@ -148,7 +148,7 @@ void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& n
   for (const std::uint32_t i : impl_->by_id(p)) {
     Vec3 n = p.slope_factor * p.move[i].vec();
     for (const BoundaryContact& k : p.contacts_of(i))
-      n -= p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support).colour / p.support * k.normal;
+      n -= p.table->at(k.distance(p.x[i].vec()) / p.support).colour / p.support * k.normal;
     if (length(n) * p.support < kSurface) continue;
     points.push_back(p.x[i].vec());
     normals.push_back(normalized_or(-n, vec3(0, 1, 0)));

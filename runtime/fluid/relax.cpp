@@ -32,7 +32,7 @@ Real excess_of(FluidPool& p, JobPool& jobs) {
       const Real crowd = p.value_factor * p.move[i].w + p.own_value;
       Real walled = 0, steep = 0;
       for (const BoundaryContact& k : p.contacts_of(i)) {
-        const BoundaryTerms s = p.table->at((dot(k.normal, p.x[i].vec()) - k.offset) / p.support);
+        const BoundaryTerms s = p.table->at(k.distance(p.x[i].vec()) / p.support);
         walled += s.value;
         steep += s.slope * s.slope / (p.support * p.support);
       }
@@ -59,7 +59,7 @@ void push_apart(FluidPool& p, JobPool& jobs) {
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
       for (const BoundaryContact& k : p.contacts_of(i)) {
-        const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
+        const Real d = k.distance(p.x[i].vec());
         move -= p.x[i].w * p.table->at(d / p.support).slope / p.support * k.normal;
       }
       move += kCarry * p.extra[i].vec();

@@ -57,10 +57,7 @@ void Fluid::Impl::make_room() {
 
 ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   Impl& m = *impl_;
-  const auto need = [](bool ok, const char* what, const char* expected, double got) {
-    if (!ok)
-      throw SceneError(std::string("emitter: ") + what + ": expected " + expected + ", got " + std::to_string(got));
-  };
+  const Need need{"emitter"};
   need(d.speed > 0 && is_finite(d.speed), "speed", "a finite number above 0", d.speed);
   need(d.radius >= 0 && is_finite(d.radius), "radius", "a finite number, 0 or more", d.radius);
   need(d.rate >= 0 && is_finite(d.rate), "rate", "a finite number, 0 or more", d.rate);
@@ -77,9 +74,8 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   const double about = p.dimension == 2 ? 2 * across + 1 : 3.14159265 * across * across + 1;
   const std::string limit =
       "a nozzle of at most max_particles = " + std::to_string(p.desc.max_particles) + " particles";
-  need(about <= 1.1 * static_cast<double>(p.desc.max_particles) + 10, "radius", limit.c_str(),
-       static_cast<double>(d.radius));
-  need(Impl::site_count(e, p) <= p.desc.max_particles, "radius", limit.c_str(), static_cast<double>(d.radius));
+  need(about <= 1.1 * static_cast<double>(p.desc.max_particles) + 10, "radius", limit, static_cast<double>(d.radius));
+  need(Impl::site_count(e, p) <= p.desc.max_particles, "radius", limit, static_cast<double>(d.radius));
   if (static_cast<double>(d.rate) > m.full_rate(e, p) * 1.0001)
     throw SceneError("emitter: rate: expected at most " + std::to_string(m.full_rate(e, p)) +
                      " particles per second, what a jet of this speed and radius holds, got " + std::to_string(d.rate));
@@ -186,10 +182,8 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   if (e.limit == 0 || e.made < e.limit) return;
   // its limit is reached
   e.running = 0, e.done = 1;
-  Event event;
-  event.kind = kEmitterDone;
-  event.a = e.object, event.b = e.fluid, event.index = static_cast<std::uint32_t>(e.made);
-  c.events->add(event);
+  const auto made = static_cast<std::uint32_t>(e.made);
+  c.events->add({.kind = kEmitterDone, .a = e.object, .b = e.fluid, .index = made});
 }
 
 }  // namespace feder

@@ -29,10 +29,7 @@ void Fluid::Impl::drain(StepContext& c) {
     FEDER_ASSERT(p.count + taken == marked.size());
     p.contact_first[p.count] = 0;
     d.taken += taken;
-    Event e;
-    e.kind = kDrained;
-    e.a = d.object, e.b = d.fluid, e.index = taken;
-    c.events->add(e);
+    c.events->add({.kind = kDrained, .a = d.object, .b = d.fluid, .index = taken});
   }
 }
 

@@ -229,10 +229,9 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
       Vec3 a = factor * p.move[i].vec() + gravity;
       for (BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i && h > 0);
-        const Real d = dot(k.normal, p.x[i].vec()) - k.offset;
+        const Real d = k.distance(p.x[i].vec());
         // velocity relative to the body after this step without the push: limits the rebound
-        const Vec3 off =
-            p.v[i].vec() - boundary->bodies[boundary->shapes[k.shape].body].velocity_at(p.x[i].vec()) + h * a;
+        const Vec3 off = p.v[i].vec() - boundary->body_of(k).velocity_at(p.x[i].vec()) + h * a;
         const Real most = std::max(Real(0), (rebound - dot(k.normal, off)) / h);
         const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * density));
         a += push * k.normal;
@@ -244,7 +243,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
   // opposite impulses on bodies
   for (const std::uint32_t at : p.dynamic_contacts) {
     const BoundaryContact& k = p.contacts[at];
-    boundary->bodies[boundary->shapes[k.shape].body].push(p.x[k.particle].vec(), -k.impulse * k.normal);
+    boundary->body_of(k).push(p.x[k.particle].vec(), -k.impulse * k.normal);
   }
   if (boundary->weighed) p.weigh_fixed(*boundary);
 }

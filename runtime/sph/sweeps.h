@@ -60,6 +60,24 @@ template <class F>
   for (const unsigned* end = at + s.rounded[i]; at != end; at += kLanes) f(at);
 }
 
+struct Sum3 {
+  Lanes x = zero_lanes(), y = x, z = x;
+};
+
+// A vector sum for each particle of [first, last): add(i, own, at, sum) adds the terms of eight neighbours to particle
+// i, whose row is `own`.
+template <class F>
+[[gnu::always_inline]] inline void sum_vectors(const SweepInput& s, unsigned first, unsigned last, WideReal* out4,
+                                               F&& add) {
+  for (unsigned i = first; i < last; ++i) {
+    const Four own = spread(s.points + 4ul * i);
+    Sum3 sum;
+    each_eight(s, i, [&](const unsigned* at) { add(i, own, at, sum); });
+    out4[4ul * i] = total(sum.x), out4[4ul * i + 1] = total(sum.y), out4[4ul * i + 2] = total(sum.z),
+               out4[4ul * i + 3] = 0;
+  }
+}
+
 // Density, gradient and viscosity may come from different kernels; pressure that is the gradient of an energy needs
 // the first two to be one.
 template <class Density, class Gradient, class Laplacian>
@@ -94,84 +112,62 @@ struct SweepsOf {
 
   static void push(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support);
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i);
-      Lanes x = zero_lanes(), y = x, z = x;
-      each_eight(s, i, [&](const unsigned* at) {
-        const Four other = gather(s.points, at);
-        const Pair p = pair(own, other, inv);
-        const Lanes f = Gradient::slope(p.u) * (own.w + other.w);
-        x += f * p.x, y += f * p.y, z += f * p.z;
-      });
-      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
-    }
+    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four other = gather(s.points, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes f = Gradient::slope(p.u) * (own.w + other.w);
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
   }
 
   static void push_from(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support);
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i), y0 = spread(s.velocity + 4ul * i);
-      Lanes x = zero_lanes(), y = x, z = x;
-      each_eight(s, i, [&](const unsigned* at) {
-        const Four other = gather(s.points, at), y1 = gather(s.velocity, at);
-        const Pair p = pair(own, other, inv);
-        const Lanes f = Gradient::slope(p.u) * (own.w + other.w);
-        x += f * (y0.x - y1.x), y += f * (y0.y - y1.y), z += f * (y0.z - y1.z);
-      });
-      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
-    }
+    sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four y0 = spread(s.velocity + 4ul * i);
+      const Four other = gather(s.points, at), y1 = gather(s.velocity, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes f = Gradient::slope(p.u) * (own.w + other.w);
+      sum.x += f * (y0.x - y1.x), sum.y += f * (y0.y - y1.y), sum.z += f * (y0.z - y1.z);
+    });
   }
 
   // Artificial viscosity of Monaghan 1992: only between particles that approach.
   static void push_damped(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft), damp = all_lanes(s.damping);
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i), v = spread(s.velocity + 4ul * i);
-      Lanes x = zero_lanes(), y = x, z = x;
-      each_eight(s, i, [&](const unsigned* at) {
-        const Four other = gather(s.points, at), vo = gather(s.velocity, at);
-        const Pair p = pair(own, other, inv);
-        const Lanes closing = (v.x - vo.x) * p.x + (v.y - vo.y) * p.y + (v.z - vo.z) * p.z;
-        const Lanes r2 = p.x * p.x + p.y * p.y + p.z * p.z;
-        const Lanes f = Gradient::slope(p.u) * ((own.w + other.w) - damp * min(closing, zero_lanes()) / (r2 + soft));
-        x += f * p.x, y += f * p.y, z += f * p.z;
-      });
-      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
-    }
+    sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four v = spread(s.velocity + 4ul * i);
+      const Four other = gather(s.points, at), vo = gather(s.velocity, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes closing = (v.x - vo.x) * p.x + (v.y - vo.y) * p.y + (v.z - vo.z) * p.z;
+      const Lanes r2 = p.x * p.x + p.y * p.y + p.z * p.z;
+      const Lanes f = Gradient::slope(p.u) * ((own.w + other.w) - damp * min(closing, zero_lanes()) / (r2 + soft));
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
   }
 
   // Cohesion of Akinci, Akinci & Teschner 2013, eq. 2: attraction that is 1, its maximum, at half the support, and
   // repulsion close by.
   static void cohere(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), tiny = all_lanes(WideReal(1e-3));
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i);
-      Lanes x = zero_lanes(), y = x, z = x;
-      each_eight(s, i, [&](const unsigned* at) {
-        const Pair p = pair(own, gather(s.points, at), inv);
-        const Lanes a = (all_lanes(1) - p.u) * p.u, a3 = all_lanes(64) * a * a * a;
-        const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
-        const LaneMask close = p.u < all_lanes(WideReal(0.5));
-        const Lanes f = (a3 + select(close, near, zero_lanes())) / max(p.u, tiny);
-        x += f * p.x, y += f * p.y, z += f * p.z;
-      });
-      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
-    }
+    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+      const Pair p = pair(own, gather(s.points, at), inv);
+      const Lanes a = (all_lanes(1) - p.u) * p.u, a3 = all_lanes(64) * a * a * a;
+      const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
+      const LaneMask close = p.u < all_lanes(WideReal(0.5));
+      const Lanes f = (a3 + select(close, near, zero_lanes())) / max(p.u, tiny);
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
   }
 
   static void viscous(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft);
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i), v = spread(s.velocity + 4ul * i);
-      Lanes x = zero_lanes(), y = x, z = x;
-      each_eight(s, i, [&](const unsigned* at) {
-        const Four vo = gather(s.velocity, at);
-        const Pair p = pair(own, gather(s.points, at), inv);
-        const Lanes vx = v.x - vo.x, vy = v.y - vo.y, vz = v.z - vo.z;
-        Laplacian::add(p, vx, vy, vz, soft, x, y, z);
-      });
-      out4[4ul * i] = total(x), out4[4ul * i + 1] = total(y), out4[4ul * i + 2] = total(z), out4[4ul * i + 3] = 0;
-    }
+    sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four v = spread(s.velocity + 4ul * i);
+      const Four vo = gather(s.velocity, at);
+      const Pair p = pair(own, gather(s.points, at), inv);
+      const Lanes vx = v.x - vo.x, vy = v.y - vo.y, vz = v.z - vo.z;
+      Laplacian::add(p, vx, vy, vz, soft, sum.x, sum.y, sum.z);
+    });
   }
 
   static constexpr Sweeps table() { return {values, slopes, push, push_damped, push_from, cohere, viscous}; }

@@ -38,8 +38,8 @@ TEST_CASE("a cloth falls as a point does, without strain, whatever its stiffness
   CHECK(std::fabs(static_cast<double>(cloth.max_strain(id))) < 300 * static_cast<double>(kEpsilon));
 }
 
-// theta'' = -Gamma (1 - s) cos theta, theta(0) = 0, theta'(1) = 0: drop and reach of a clamped strip under its own
-// weight, Gamma = area density g L^3/bend. Solved here by shooting, to compare with published numbers first.
+// theta'' = -Gamma (1 - s) cos theta, theta(0) = 0, theta'(1) = 0: drop and horizontal extent of a clamped strip under
+// its own weight, Gamma = area density g L^3/bend. Solved here by shooting, to compare with published numbers first.
 namespace {
 void elastica(double gamma, double& drop, double& reach) {
   const auto shoot = [&](double curvature, double& h, double& w) {

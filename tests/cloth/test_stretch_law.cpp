@@ -31,7 +31,7 @@ TEST_CASE("a hanging sheet keeps the strain of the law 2 g n^2 h^2/L, and g n^2 
   const double worst = static_cast<double>(cloth.max_strain(id));
   std::printf("hanging n %u, %d solver substeps: max %.4f (law %.4f), whole %.4f (law %.4f)\n", rows,
               small * wd.substeps, worst, 2 * law, whole, law / 2);
-  if (law > 0.3) return;  // beyond its reach
+  if (law > 0.3) return;  // beyond its range
   CAPTURE(rows, small, law, whole, worst);
   CHECK(whole == Approx(law / 2).epsilon(0.1));
   CHECK(worst < 2.2 * law);

@@ -1,4 +1,4 @@
-// The contact book: begins and ends alternate and come once per pair, whoever tells of the contacts.
+// The contact book: begins and ends alternate and come once per pair, whichever finder reports the contacts.
 #include "state/contact_book.h"
 #include "support/aborts.h"
 #include "support/catch.h"
@@ -113,7 +113,7 @@ TEST_CASE("events of a pair tell where, how hard and how many", "[contact][event
   CHECK(all[0].impulse == Real(1.5));
   CHECK(all[0].slip == 3);
   d.book.each(d.pools, [&](const ContactRecord& r) { d.book.keep(d.pools, r); });
-  CHECK(d.merge().empty());  // what sleeps is not told of
+  CHECK(d.merge().empty());  // sleepers are not reported
   all = d.merge();
   REQUIRE(all.size() == 1);
   CHECK(all[0].kind == EventKind::contact_end);
@@ -188,6 +188,6 @@ TEST_CASE("what the contact book cannot be told stops where asserts are on", "[c
     d.book.see(d.sheets, d.finding(d.cloth, d.one));
     d.merge();
     d.objects.remove(d.one, "");
-    d.book.validate(d.objects, d.events);  // its end was not told
+    d.book.validate(d.objects, d.events);  // its end was not reported
   }));
 }

@@ -81,8 +81,8 @@ inline NetDesc mat(std::uint32_t n, Real size, Real mass, Real stiffness) {
   return d;
 }
 
-// A blob at 2 m/s strikes what hangs free in the middle: the sum of momentum and angular momentum stays, and at least
-// `share` of the blob's momentum has been over there, as `momentum_of_it` tells.
+// A blob at 2 m/s hits an object that floats free in the middle: the sums of momentum and angular momentum stay, and at
+// least `share` of the blob's momentum has passed to the object, by `momentum_of_it`.
 template <class F>
 void check_blow(World& w, const std::string& solver, const char* mismatch, double share, F&& momentum_of_it) {
   Fluid& fluid = w.need<Fluid>();

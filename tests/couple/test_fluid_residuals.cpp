@@ -112,7 +112,7 @@ TEST_CASE("what leaves a fluid arrives at the bodies, and what is stolen on the 
   const double before = residual(s.world, "fluid_rigid.impulse_mismatch");
   s.world.step();
   const double told = residual(s.world, "fluid_rigid.impulse_mismatch");
-  // all impulses of a step at rest: the weight of the water on the floor, and what the walls take of it
+  // all impulses of a step at rest: the weight of the water on the floor, and the share of it that the walls carry
   const double water = 256 * static_cast<double>(p.mass) * 9.81 / 60;
   CAPTURE(before, told, water);
   CHECK(told > 10 * before);

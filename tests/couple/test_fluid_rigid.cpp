@@ -47,7 +47,7 @@ struct Watched {
     b.shape = std::move(shape), b.position = at;
     return rigid().add_body(b);
   }
-  // Steps, and tells what sensors said: +count and -count, by sensor and fluid.
+  // Steps, and collects sensor events: +count and -count, by sensor and fluid.
   std::vector<int> steps(int n, ObjectId sensor, ObjectId other) {
     std::vector<int> said;
     for (int k = 0; k < n; ++k) {

@@ -15,8 +15,8 @@ using test::aborts;
 
 namespace {
 
-// Two sheets on each other, a ball and water on the upper one, a net with faces beside them that holds a box and
-// catches water too, a floor, and a sensor in the water's way.
+// Two sheets on each other, a ball and water on the upper one, a net with faces beside them with a box attached, that
+// catches water too, a floor, and a sensor in the path of the water.
 struct Mixed {
   World w{WorldDesc{}, mixed_catalog()};
   Cloth& cloth = w.need<Cloth>();
@@ -120,7 +120,7 @@ TEST_CASE("validation finds damage", "[couple][cloth][fluid][springs]") {
       {"an array that did not grow", [&] { vertices.script_force.pop_back(); }},
       {"a cloth that is no object", [&] { m.w.objects().remove(m.sheets[0], ""); }},
       {"a row of contact on a vertex that is gone", [&] { surfaces.groups[0]->rows.emplace_back().vertex[2] = 1000; }},
-      {"a row of a body that outlives its substep", [&] { surfaces.groups[0]->rows.emplace_back().touch = 0; }},
+      {"a row of a body that outlives its substep", [&] { surfaces.groups[0]->rows.emplace_back().contact_state = 0; }},
       {"a row of a fluid that outlives its substep", [&] { surfaces.groups[0]->rows.emplace_back(); }},
       {"a pair of cloths listed twice",
        [&] {
