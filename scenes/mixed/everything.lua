@@ -9,7 +9,7 @@ local crates = feder.param("crates", 6, { min = 2, max = 12 })
 
 local spacing, size = 0.05, 0.3  -- of the particles, of a crate, m
 
--- Counts touchings by the kinds of the two.
+-- Counts contact pairs by the kinds of the two.
 local function touched(scene, a, b)
   if not a or not b then return end
   local ka, kb = a:kind(), b:kind()

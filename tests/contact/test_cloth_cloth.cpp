@@ -29,17 +29,17 @@ TEST_CASE("a world of one cloth has no pass for cloth on cloth; the second bring
   alone.self_collision = false;
   cloth.add_cloth(alone);
   w.step();
-  for (const char* pass : {"who may touch", "near surfaces", "contacts", "non-penetration", "touches", "coast"})
+  for (const char* pass : {"surface pairs", "near surfaces", "contacts", "non-penetration", "touches", "coast"})
     CHECK_FALSE(has_pass(w, pass));
   ClothDesc d = sheet(5, 5, 1, 1);
   d.pose.position = Vec3(0, 1, 0);
   const ObjectId second = cloth.add_cloth(d);
   w.step();
-  CHECK(has_pass(w, "who may touch"));
+  CHECK(has_pass(w, "surface pairs"));
   CHECK(has_pass(w, "near surfaces"));
   cloth.destroy_cloth(second, "");
   w.step();
-  CHECK_FALSE(has_pass(w, "who may touch"));
+  CHECK_FALSE(has_pass(w, "surface pairs"));
 }
 
 TEST_CASE("the end of a contact between cloths comes with the end of one of them, and after a restore",
