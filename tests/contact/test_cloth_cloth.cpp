@@ -29,7 +29,7 @@ TEST_CASE("a world of one cloth has no pass for cloth on cloth; the second bring
   alone.self_collision = false;
   cloth.add_cloth(alone);
   w.step();
-  for (const char* pass : {"surface pairs", "near surfaces", "contacts", "non-penetration", "touches", "coast"})
+  for (const char* pass : {"surface pairs", "near surfaces", "contacts", "non-penetration", "contact states", "coast"})
     CHECK_FALSE(has_pass(w, pass));
   ClothDesc d = sheet(5, 5, 1, 1);
   d.pose.position = Vec3(0, 1, 0);
