@@ -142,7 +142,7 @@ void SurfaceContact::load(Reader&) {
 
 void SurfaceContact::residuals(std::vector<Residual>& out) const {
   const Impl& m = *impl_;
-  out.push_back({"contact.projected", static_cast<double>(m.projected)});
+  out.push_back({"contact.guarded", static_cast<double>(m.projected)});
   out.push_back({"contact.widened", static_cast<double>(m.widened)});
   out.push_back({"contact.impulse_mismatch", m.given > 0 ? m.mismatch / m.given : 0});
   out.push_back({"contact.impulse_ns", m.given});

@@ -79,7 +79,7 @@ TEST_CASE("contact.projected and contact.widened: 0 where nothing meets, more wh
   double projected = 0, widened = 0;
   for (int k = 0; k < 10; ++k) {
     w.step();
-    projected += residual(w, "contact.projected"), widened += residual(w, "contact.widened");
+    projected += residual(w, "contact.guarded"), widened += residual(w, "contact.widened");
   }
   CAPTURE(projected, widened);
   CHECK((projected > 0) == strikes);
