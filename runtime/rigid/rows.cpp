@@ -157,7 +157,8 @@ void Rigid::Impl::integrate_velocities(StepContext& c) {
   each_moving(c, [&](std::uint32_t p) { integrate_body(p, c); });
 }
 
-void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
+// Flattened: rotations called from here, out of line, cost 7 % of the steps of scenes/rigid/incline.lua.
+[[gnu::flatten]] void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
   const std::uint32_t i = moving[p];
   if (bodies.type[i] != BodyType::dynamic) return;
   // linear, with implicit damping
