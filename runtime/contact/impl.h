@@ -96,7 +96,13 @@ struct SurfaceContact::Impl {
   // from the extrapolated motion by all of it.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void bound_others(const SurfaceGroup& g);
-  Aabb box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+  // Bounds of three points over the rest of the step; c may be b.
+  Aabb box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    Aabb all = vertex_box[a];
+    all.include(vertex_box[b]);
+    if (c != b) all.include(vertex_box[c]);
+    return all;
+  }
   void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
   void measure(NearPair& p, Real (&weight)[4]) const;

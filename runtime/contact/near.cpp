@@ -118,13 +118,6 @@ void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
   }
 }
 
-// Bounds of three points over the rest of the step.
-Aabb SurfaceContact::Impl::box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-  Aabb all = vertex_box[a];
-  all.include(vertex_box[b]), all.include(vertex_box[c]);
-  return all;
-}
-
 // Points, triangles and edges of the surfaces that take part, with their swept boxes.
 void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
   near.near_vertex.clear(), near.near_triangle.clear(), near.near_edge.clear();
