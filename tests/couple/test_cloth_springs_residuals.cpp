@@ -64,7 +64,7 @@ TEST_CASE("cloth.small_steps and cloth.row_updates count the work of a step", "[
   CHECK(updates[1] == 7 * updates[0]);
 }
 
-TEST_CASE("contact.projected and contact.widened: 0 where nothing meets, more where cloth strikes cloth",
+TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more where cloth strikes cloth",
           "[couple][residuals]") {
   const bool strikes = GENERATE(false, true);
   World w(weightless(), kCatalog);
