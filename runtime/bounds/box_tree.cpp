@@ -62,6 +62,13 @@ void BoxTree::find_last() {
 }
 
 void BoxTree::fit() {
+  const std::size_t next = items_.size() + kLeaf;
+  sides_.resize(6 * next);
+  for (std::size_t k = 0; k < items_.size(); ++k)
+    for (std::size_t d = 0; d < 3; ++d) {
+      const Aabb& b = boxes_[items_[k]];
+      sides_[2 * d * next + k] = b.lo[static_cast<int>(d)], sides_[(2 * d + 1) * next + k] = b.hi[static_cast<int>(d)];
+    }
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     node.box = Aabb{};

@@ -2,6 +2,8 @@
 // longest side, refitted when the items move, built anew when the refitted tree has grown loose. Answers come in
 // ascending order of the tree's leaves, the same for any thread count.
 #pragma once
+#include <algorithm>
+#include <cstring>
 #include <span>
 
 #include "feder/memory.h"
@@ -13,7 +15,7 @@ namespace feder {
 // items (closed boxes), each once. Allocates only when items outnumber every earlier call.
 class BoxTree {
  public:
-  explicit BoxTree(Arena& a) : nodes_(&a), items_(&a), sort_(&a) {}
+  explicit BoxTree(Arena& a) : nodes_(&a), items_(&a), sort_(&a), leaves_(&a), sides_(&a) {}
 
   void build(std::span<const Aabb> boxes);
   // The same items in new places; builds anew when the tree's surface has grown by half.
@@ -26,23 +28,39 @@ class BoxTree {
   std::size_t size() const { return items_.size(); }
   Aabb bounds() const { return nodes_.empty() ? Aabb{} : nodes_[0].box; }
 
-  // visit(item) for the items whose box overlaps `box`; in the second form only those with a number of `least` or more,
-  // in the same order.
+  // visit(item) for the items whose box overlaps `box`.
   template <class F>
   void query(const Aabb& box, F&& visit) const {
-    query(box, 0, visit);
+    descend([&](const Node& n) { return overlaps(n.box, box); }, [&](const Node& n) { query_leaf(n, box, visit); });
   }
+  // visit(a, b) for all overlapping items a < b: by ascending a, and for each in the order of query.
   template <class F>
-  void query(const Aabb& box, std::uint32_t least, F&& visit) const {
-    descend([&](const Node& n) { return n.last >= least && overlaps(n.box, box); },
-            [&](std::uint32_t item) {
-              if (item >= least && overlaps(boxes_[item], box)) visit(item);
+  void pairs(F&& visit) {
+    constexpr std::uint32_t kTogether = 8;  // neighbours in number are so in space: one descent for a few of them
+    const auto count = static_cast<std::uint32_t>(items_.size());
+    leaves_.reserve(count);
+    for (std::uint32_t first = 0; first < count; first += kTogether) {
+      const std::uint32_t end = std::min(first + kTogether, count);
+      Aabb all;
+      for (std::uint32_t a = first; a < end; ++a) all.include(boxes_[a]);
+      leaves_.clear();
+      descend([&](const Node& n) { return n.last > first && overlaps(n.box, all); },
+              [&](const Node& n) { leaves_.push_back(static_cast<std::uint32_t>(&n - nodes_.data())); });
+      for (std::uint32_t a = first; a < end; ++a)
+        for (const std::uint32_t leaf : leaves_)
+          if (const Node& n = nodes_[leaf]; n.last > a && overlaps(n.box, boxes_[a]))
+            query_leaf(n, boxes_[a], [&](std::uint32_t b) {
+              if (b > a) visit(a, b);
             });
+    }
   }
   // visit(item) for all items below nodes whose boxes pass test(box); the items' own boxes are not asked.
   template <class Test, class F>
   void query_if(Test&& test, F&& visit) const {
-    descend([&](const Node& n) { return test(n.box); }, visit);
+    descend([&](const Node& n) { return test(n.box); },
+            [&](const Node& n) {
+              for (std::uint32_t k = n.first; k < n.first + n.count; ++k) visit(items_[k]);
+            });
   }
 
  private:
@@ -59,7 +77,7 @@ class BoxTree {
     std::uint32_t item;
   };
   template <class Test, class F>
-  void descend(Test&& test, F&& visit) const {
+  void descend(Test&& test, F&& visit_leaf) const {
     if (nodes_.empty()) return;
     std::uint32_t stack[kDepth];
     int top = 0;
@@ -68,12 +86,27 @@ class BoxTree {
       const Node& n = nodes_[stack[--top]];
       if (!test(n)) continue;
       if (n.count > 0) {
-        for (std::uint32_t k = n.first; k < n.first + n.count; ++k) visit(items_[k]);
+        visit_leaf(n);
         continue;
       }
       stack[top++] = n.first + 1;
       stack[top++] = n.first;
     }
+  }
+  // All boxes of a leaf are compared together.
+  template <class F>
+  void query_leaf(const Node& leaf, const Aabb& box, F&& visit) const {
+    using Sides [[gnu::vector_size(kLeaf * sizeof(Real))]] = Real;
+    const Real* side = &sides_[leaf.first];
+    const std::size_t next = items_.size() + kLeaf;
+    auto overlap = Sides{} == Sides{};
+    for (int d = 0; d < 3; ++d, side += 2 * next) {
+      Sides lo, hi;
+      std::memcpy(&lo, side, sizeof lo), std::memcpy(&hi, side + next, sizeof hi);
+      overlap &= (lo <= box.hi[d]) & (hi >= box.lo[d]);
+    }
+    for (std::uint32_t k = 0; k < leaf.count; ++k)
+      if (overlap[k]) visit(items_[leaf.first + k]);
   }
   void split(std::uint32_t node);
   void find_last();
@@ -82,7 +115,9 @@ class BoxTree {
 
   Array<Node> nodes_;
   Array<std::uint32_t> items_;
-  Array<Middle> sort_;  // in the order of items_
+  Array<Middle> sort_;           // in the order of items_
+  Array<std::uint32_t> leaves_;  // of the descent under way
+  Array<Real> sides_;  // of the items' boxes in that order, each with room for a leaf: x from, x to, y from ...
   std::span<const Aabb> boxes_;
   Real built_cost_ = 0;
 };

@@ -44,7 +44,6 @@ struct SurfaceContact::Impl {
   Array<Aabb> vertex_box{&arena};                                // swept over the rest of the step, beside the drift
   Array<Vec3> search_position{&arena}, search_velocity{&arena};  // where the search extrapolates from, m, m/s
   Array<Real> max_deviation{&arena};  // by point: from that motion, as the search allows for, m
-  Array<std::uint32_t> found{&arena};
   Array<Row4> projection_start{&arena};       // displacements at the start of the part, m
   Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones{&arena};                  // by lowest point

@@ -248,27 +248,18 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   for (const std::uint32_t i : near.near_vertex) {
     const Surface& own = list[near_surface[i]];
     if (!(own.self && own.active) && !overlaps(vertex_box[i], others_box[near_surface[i]])) continue;
-    found.clear();
-    near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) { found.push_back(t); });
-    for (const std::uint32_t t : found) {
+    near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) {
       FEDER_ASSERT(t < near.triangle_box.size());
       const std::uint32_t* k = &near.near_triangle[3 * t];
-      if (k[0] == i || k[1] == i || k[2] == i) continue;
-      add_pair(near, {i, k[0], k[1], k[2]}, false, time);
-    }
+      if (k[0] != i && k[1] != i && k[2] != i) add_pair(near, {i, k[0], k[1], k[2]}, false, time);
+    });
   }
   // edges against later edges
-  for (std::uint32_t e = 0; e < near.edge_box.size(); ++e) {
-    found.clear();
-    near.edge_tree.query(near.edge_box[e], e + 1, [&](std::uint32_t f) { found.push_back(f); });
+  near.edge_tree.pairs([&](std::uint32_t e, std::uint32_t f) {
     const std::uint32_t a = near.near_edge[2 * e], b = near.near_edge[2 * e + 1];
-    for (const std::uint32_t f : found) {
-      FEDER_ASSERT(f > e && f < near.edge_box.size());  // each pair once
-      const std::uint32_t p = near.near_edge[2 * f], q = near.near_edge[2 * f + 1];
-      if (a == p || a == q || b == p || b == q) continue;
-      add_pair(near, {a, b, p, q}, true, time);
-    }
-  }
+    const std::uint32_t p = near.near_edge[2 * f], q = near.near_edge[2 * f + 1];
+    if (a != p && a != q && b != p && b != q) add_pair(near, {a, b, p, q}, true, time);
+  });
 }
 
 // Normal, distance and weights at the present positions.
