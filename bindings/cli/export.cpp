@@ -53,7 +53,7 @@ class Export final : public Command {
     run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
     view::Collector collector;
     view::Frame frame;
-    collector.collect(*session.world(), session.script().look(), wish.toggles, frame);
+    collector.collect(*session.world(), session.script().appearance(), wish.toggles, frame);
     if (kind == ".obj")
       view::write_obj(frame, session.world()->objects(), out_);
     else
@@ -70,7 +70,7 @@ class Export final : public Command {
     view::GltfWriter writer;
     for (std::size_t i = 0; i < count; ++i) {
       run_to(session, from + static_cast<double>(i) / fps);
-      collector.collect(*session.world(), session.script().look(), wish.toggles, frame);
+      collector.collect(*session.world(), session.script().appearance(), wish.toggles, frame);
       writer.add(frame, session.world()->objects());
     }
     if (writer.left_out() > 0)

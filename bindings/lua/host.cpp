@@ -120,7 +120,7 @@ std::string Script::title() const { return impl_->state.scene.title; }
 double Script::seconds() const { return impl_->state.scene.seconds; }
 double Script::picture() const { return impl_->state.scene.picture; }
 const SceneCamera& Script::camera() const { return impl_->state.scene.camera; }
-const Look* Script::look() const {
+const Appearance* Script::appearance() const {
   const WorldRecord* r = impl_->state.current();
   return r ? &r->appearance : nullptr;
 }

@@ -56,7 +56,7 @@ struct WorldRecord {
   Tasks tasks;
   std::vector<ScriptForce> forces;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
-  Look appearance;
+  Appearance appearance;
 
   bool planar() const { return settings.desc.dimension == 2; }
 };

@@ -50,7 +50,7 @@ Collector::Collector(std::span<const Row> sources) {
   for (const Row& row : sources) sources_.push_back(row.make());
 }
 
-void Collector::collect(World& world, const lua::Look* appearance, const Toggles& toggles, Frame& frame) {
+void Collector::collect(World& world, const lua::Appearance* appearance, const Toggles& toggles, Frame& frame) {
   frame.clear();
   frame.time = world.time();
   frame.step = world.step_count();

@@ -18,7 +18,7 @@ namespace feder::view {
 // What a source works with.
 struct Collecting {
   World& world;
-  const lua::Look& appearance;  // colours and faces that the script gave
+  const lua::Appearance& appearance;  // colours and faces that the script gave
   const Toggles& toggles;
   GeometryCache& geometry;
   Frame& frame;
@@ -50,12 +50,12 @@ class Collector {
  public:
   explicit Collector(std::span<const Row> sources = frame_sources());
   // `appearance` may be null.
-  void collect(World& world, const lua::Look* appearance, const Toggles& toggles, Frame& frame);
+  void collect(World& world, const lua::Appearance* appearance, const Toggles& toggles, Frame& frame);
 
  private:
   GeometryCache geometry_;
   std::vector<std::unique_ptr<FrameSource>> sources_;
-  const lua::Look no_appearance_;
+  const lua::Appearance no_appearance_;
 };
 
 // For sources.

@@ -72,7 +72,7 @@ void apply_target(const lua::SceneCamera& scene, Camera& camera) {
 RendererHost::RendererHost(int width, int height) : headless_(width, height), renderer_(headless_.loader()) {}
 
 const Frame& RendererHost::collect(lua::Script& script, const Toggles& toggles) {
-  collector_.collect(*script.world(), script.look(), toggles, frame_);
+  collector_.collect(*script.world(), script.appearance(), toggles, frame_);
   return frame_;
 }
 

@@ -132,7 +132,7 @@ class Viewer {
   void collect() {
     // while the past is lived again there is nothing new to see
     if (!live_.has_scene() || live_.rewriting()) return;
-    collector_.collect(live_.world(), live_.script().look(), layout_.toggles, frame_);
+    collector_.collect(live_.world(), live_.script().appearance(), layout_.toggles, frame_);
     highlight();
   }
 

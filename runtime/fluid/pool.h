@@ -9,15 +9,9 @@
 #include "neighbors/neighbor_search.h"
 #include "sph/boundary_table.h"
 #include "sph/kernel.h"
+#include "state/surface.h"
 
 namespace feder {
-
-// A row of four numbers, as the sums over neighbours load it at once.
-struct alignas(4 * sizeof(Real)) Row4Real {
-  Real x = 0, y = 0, z = 0, w = 0;
-  Vec3 vec() const { return Vec3(x, y, z); }
-  void set(const Vec3& v) { x = v[0], y = v[1], z = v[2]; }
-};
 
 struct FluidPool {
   FluidPool(Arena& a, const FluidDesc& desc, int dimension);
@@ -49,8 +43,8 @@ struct FluidPool {
   std::uint32_t count = 0;
   // Position, m, and in w the weight of the particle in the pair sums of a running sweep (sweep_table.h), else 0. One
   // more than there are particles: the sentinel of padded lists, far away.
-  Array<Row4Real> x{&arena};
-  Array<Row4Real> v{&arena};  // m/s
+  Array<Row4> x{&arena};
+  Array<Row4> v{&arena};  // m/s
   // Pressure variable of the solver. pbf: multiplier of the last substep, kg m^2, read by queries only; wcsph: pressure
   // that is added to Tait's, Pa.
   Array<Real> lambda{&arena};
@@ -72,22 +66,22 @@ struct FluidPool {
   double crowded = 0;                      // s, for which new particles may still be closer than at rest
 
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
-  Array<Real> screen{&arena};      // their term of density over density at rest
-  Array<Row4Real> origin{&arena};  // position at the start of the substep, m; empty until such a coupling asks for it
-  std::uint64_t screened = 0;      // number of the substep for which both were set
+  Array<Real> screen{&arena};  // their term of density over density at rest
+  Array<Row4> origin{&arena};  // position at the start of the substep, m; empty until such a coupling asks for it
+  std::uint64_t screened = 0;  // number of the substep for which both were set
 
   // Work.
-  Array<Row4Real> start{&arena};             // x where contacts are found: at the start of the solver substep, or now
-  Array<Row4Real> listed_at{&arena};         // wcsph: x where the lists were made; empty until it asks for it
-  Array<Row4Real> move{&arena};              // sums of the sweeps, and the displacement or acceleration from them
-  Array<Row4Real> extra{&arena};             // further rows: changes of velocity by viscosity; last moves of relax.cpp
+  Array<Row4> start{&arena};                 // x where contacts are found: at the start of the solver substep, or now
+  Array<Row4> listed_at{&arena};             // wcsph: x where the lists were made; empty until it asks for it
+  Array<Row4> move{&arena};                  // sums of the sweeps, and the displacement or acceleration from them
+  Array<Row4> extra{&arena};                 // further rows: changes of velocity by viscosity; last moves of relax.cpp
   Array<Real> sum{&arena}, squares{&arena};  // density sums, sums of squared gradients
   Array<Real> diagonal{&arena};              // K of pbf
   Array<Real> ratio{&arena};                 // density over density at rest
   Array<Real> next_weight{&arena};           // pbf, relax: becomes the weight in x before the next sweep
   Array<std::uint8_t> isolated{&arena};      // 1: meets no other particle in this substep, see components.h
   Array<std::uint32_t> order{&arena};
-  Array<Row4Real> swap4{&arena};  // these three: work of sort_by_cell
+  Array<Row4> swap4{&arena};  // these three: work of sort_by_cell
   Array<Real> swap1{&arena};
   Array<std::uint32_t> swap_id{&arena};
   CellGrid grid{arena};

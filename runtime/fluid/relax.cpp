@@ -81,7 +81,7 @@ void Fluid::Impl::relax(StepContext& c) {
     FluidPool& p = *pool;
     if (!p.fresh || p.frozen || p.count == 0) continue;
     p.fresh = false;
-    std::fill(p.extra.begin(), p.extra.begin() + p.count, Row4Real{});
+    std::fill(p.extra.begin(), p.extra.begin() + p.count, Row4{});
     p.sort_by_cell();
     Real best = kInfinity;
     for (int round = 0, since = 0; round < kMaxRounds && since < kPatience; ++round, ++since) {

@@ -1,5 +1,5 @@
-// The pair 5(4) of Dormand & Prince 1980 with its dense output (Hairer, Norsett & Wanner 1993, II.6). Kept between
-// calls: the slopes of the last attempt. Weak spot: explicit, so stiff forces decide its steps.
+// The pair 5(4) of Dormand & Prince 1980. Kept between calls: the slopes of the last attempt. Weak spot: explicit, so
+// stiff forces decide its steps.
 #include "integrate/dormand_prince.h"
 
 #include <cmath>
@@ -21,10 +21,6 @@ constexpr double kCoupling[] = {
 // clang-format on
 constexpr const double* kWeights = kCoupling + 6 * kStages;
 constexpr double kError[] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-constexpr double kDense[] = {-12715105075.0 / 11282082432,  0,
-                             87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
-                             701980252875.0 / 199316789632, -1453857185.0 / 822651844,
-                             69997945.0 / 29380423};
 
 }  // namespace
 
@@ -57,24 +53,6 @@ double DormandPrince::attempt(ForceField& field, double t, Real h, std::span<con
     count += 2;
   }
   return count == 0 ? 0 : static_cast<double>(std::fabs(h)) * std::sqrt(sum / static_cast<double>(count));
-}
-
-void DormandPrince::interpolate(double theta, Real h, std::span<const Vec3> x, std::span<const Vec3> v,
-                                std::span<Vec3> x_out, std::span<Vec3> v_out) {
-  const auto one = [&](std::span<const Vec3> start, std::span<const Vec3> end, bool velocity, std::span<Vec3> out) {
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      const auto slope = [&](int s) -> Vec3d {
-        return (velocity ? stages_.slope_v(s)[i] : stages_.slope_x(s)[i]).cast<double>() * static_cast<double>(h);
-      };
-      Vec3d bend = Vec3d::Zero();
-      for (int s = 0; s < kStages; ++s) bend += kDense[s] * slope(s);
-      const Vec3d rise = (end[i] - start[i]).cast<double>(), first = slope(0) - rise, last = rise - slope(6) - first;
-      const double back = 1 - theta;
-      out[i] = start[i] + Vec3d(theta * (rise + back * (first + theta * (last + back * bend)))).cast<Real>();
-    }
-  };
-  one(x, end_x(), false, x_out);
-  one(v, end_v(), true, v_out);
 }
 
 void DormandPrince::accept() {

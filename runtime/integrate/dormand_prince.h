@@ -1,5 +1,4 @@
-// One step of the Runge-Kutta pair 5(4) of Dormand & Prince 1980, its error estimate, and the state anywhere inside the
-// step (dense output of order 4, Hairer, Norsett & Wanner II.6): for rk45 and for finding events and references.
+// One step of the Runge-Kutta pair 5(4) of Dormand & Prince 1980 and its error estimate: for rk45 and for references.
 #pragma once
 #include "integrate/runge_kutta.h"
 
@@ -19,9 +18,6 @@ class DormandPrince {
   std::span<const Vec3> end_x() const { return stages_.last_x(); }
   std::span<const Vec3> end_low() const { return stages_.last_low(); }
   std::span<const Vec3> end_v() const { return stages_.last_v(); }
-  // The state at t + theta h of the last attempt from (x, v), 0 <= theta <= 1. Before accept().
-  void interpolate(double theta, Real h, std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> x_out,
-                   std::span<Vec3> v_out);
   // The end of the last attempt becomes the start of the next: its slope is known already.
   void accept();
 

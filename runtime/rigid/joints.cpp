@@ -130,8 +130,12 @@ void Rigid::Impl::activate_joints(StepContext& c) {
   FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
-    joints[j].active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
-    if (!joints[j].active) continue;
+    SolverJoint& s = joints[j];
+    s.active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
+    if (!s.active) continue;
+    FEDER_ASSERT(s.kind && (s.slot_a != kNone || s.slot_b != kNone) && s.slot_a != s.slot_b);
+    FEDER_ASSERT(s.slot_a == kNone || s.slot_a < solver_bodies.index.size());
+    FEDER_ASSERT(s.slot_b == kNone || s.slot_b < solver_bodies.index.size());
     load_inertia(r.body_a), load_inertia(r.body_b);
     if (!r.mass_checked) check_mass_ratio(j, c);
   }

@@ -47,6 +47,7 @@ void Rigid::add_passes(StepPlan& plan) {
   plan.add<&Impl::update_boxes>(Rank::body_bounds, "update boxes", kName, s);
   plan.add<&Impl::wake_touched>(Rank::wake_touched, "wake touched", kName, s);
   plan.add<&Impl::gather>(Rank::gather_bodies, "gather", kName, s);
+  if (s->joint_count) plan.add<&Impl::activate_joints>(Rank::gather_bodies, "joints of awake bodies", kName, s);
   plan.add<&Impl::prepare>(Rank::joint_rows, "prepare rows", kName, s);
   const Forces* forces = s->store.find<Forces>();
   std::size_t count = 0;

@@ -88,7 +88,6 @@ void Rigid::Impl::gather(StepContext& c) {
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), given_angular_velocity.resize(count), bad.resize(count);
   each_moving(c, [&](std::uint32_t p) { gather_body(p); });
-  activate_joints(c);
   if constexpr (kAsserts) check_gathered();
 }
 

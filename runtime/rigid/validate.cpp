@@ -17,12 +17,6 @@ void Rigid::Impl::check_gathered() const {
   for (const std::uint32_t index : solver_bodies.index) FEDER_ASSERT(index < solver_bodies.state.size());
   const SolverMass& world = solver_bodies.mass[0];
   FEDER_ASSERT(world.inv_mass == 0 && world.inv_inertia.isZero(0));
-  for (const SolverJoint& j : joints) {
-    if (!j.active) continue;
-    FEDER_ASSERT(j.kind && (j.slot_a != kNone || j.slot_b != kNone) && j.slot_a != j.slot_b);
-    FEDER_ASSERT(j.slot_a == kNone || j.slot_a < solver_bodies.index.size());
-    FEDER_ASSERT(j.slot_b == kNone || j.slot_b < solver_bodies.index.size());
-  }
 }
 
 void Rigid::Impl::check_body(std::uint32_t i) const {

@@ -1,9 +1,8 @@
-// rk45 (step control, dense output), the exponential method on linear systems, BDF2 with a varying step.
+// rk45 (step control), the exponential method on linear systems, BDF2 with a varying step.
 #include <cmath>
 
 #include "feder/memory.h"
 #include "fields.h"
-#include "integrate/dormand_prince.h"
 #include "integrate/integrator.h"
 #include "integrate/limits.h"
 #include "spring_field.h"
@@ -60,31 +59,6 @@ TEST_CASE("rk45 says when it ran out of steps", "[integrate]") {
   m->step(f, 0, static_cast<Real>(kYear), s.x, s.v);
   CHECK(m->stats.unconverged == 1);
   CHECK(m->stats.substeps <= 6);
-}
-
-TEST_CASE("dense output is of order 4 inside a step", "[integrate]") {
-  if (kFloat) return;
-  const auto error = [](Real h) {
-    Arena arena("test");
-    DormandPrince pair(arena);
-    Oscillator f(1, 0);
-    IntegratorStats stats;
-    const Vec3 x(1, 0, 0), low(0, 0, 0), v(0, 0, 0);
-    pair.start(f, 0, {&x, 1}, {&low, 1}, {&v, 1}, stats);
-    pair.attempt(f, 0, h, {&x, 1}, {&low, 1}, {&v, 1}, 1, 1, stats);
-    double worst = 0;
-    for (int k = 0; k <= 10; ++k) {
-      const double theta = k / 10.0;
-      Vec3 at, speed;
-      pair.interpolate(theta, h, {&x, 1}, {&v, 1}, {&at, 1}, {&speed, 1});
-      const double time = theta * static_cast<double>(h);
-      worst = std::max({worst, std::fabs(static_cast<double>(at[0]) - std::cos(time)),
-                        std::fabs(static_cast<double>(speed[0]) + std::sin(time))});
-      if (k == 10) CHECK(at == pair.end_x()[0]);
-    }
-    return worst;
-  };
-  CHECK(std::log2(error(Real(0.2)) / error(Real(0.1))) == Approx(5).margin(0.3));  // local error
 }
 
 TEST_CASE("the exponential method is exact on oscillators at any step", "[integrate]") {

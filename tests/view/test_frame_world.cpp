@@ -160,7 +160,7 @@ TEST_CASE("a script's colours and faces reach the frame", "[view]") {
   script.build();
   Collector collector;
   Frame f;
-  collector.collect(*script.world(), script.look(), {}, f);
+  collector.collect(*script.world(), script.appearance(), {}, f);
   REQUIRE(f.instances.size() == 2);
   CHECK(f.instances[0].color == Color{255, 0, 0, 255});
   CHECK(f.instances[1].color == Color{0, 255, 128, 255});

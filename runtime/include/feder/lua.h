@@ -91,7 +91,7 @@ struct SceneCamera {
 };
 
 // Appearance of the objects of a world.
-struct Look {
+struct Appearance {
   std::map<ObjectId, std::uint32_t> colors;              // 0xrrggbb; objects without one are not here
   std::map<ObjectId, std::vector<std::uint32_t>> faces;  // of nets: three point numbers (from 0) per triangle
   std::uint64_t version = 0;                             // goes up when a colour of an older object changes
@@ -208,7 +208,7 @@ class Script {
   // The scene's world, or the last world a plain script made; null when there is none.
   World* world();
   // Colours and faces in that world; null without one.
-  const Look* look() const;
+  const Appearance* appearance() const;
   // One step: world.step(), then timers, events, tasks, update(). Handler errors are collected, not thrown.
   void step();
   // Studies: what the scene declares; its error now, in whatever unit it has (several numbers: their rms), against its
