@@ -19,11 +19,17 @@ void Frame::clear() {
   instances.clear(), batches.clear(), grounds.clear();
   vertices.clear(), indices.clear(), meshes.clear();
   points.clear(), point_groups.clear();
-  lines.clear(), overlay_lines.clear(), labels.clear(), plots.clear(), marks.clear();
+  lines.clear(), overlay_lines.clear(), labels.clear(), plots.clear();
   moving = bounds = Bounds{};
 }
 
 namespace {
+
+Label label_at(const Vec3& at, Color color, std::string_view text) {
+  Label label{to_float3(at), color, {}};
+  text.copy(label.text, sizeof label.text - 1);
+  return label;
+}
 
 void collect_plots(World& world, Frame& frame) {
   const auto add = [&frame](std::string_view name, double value) {
@@ -37,11 +43,11 @@ void collect_plots(World& world, Frame& frame) {
   for (const Residual& r : world.residuals()) add(r.name, r.value);
 }
 
+// What begins, ends and hits: its name where it happened.
 void collect_marks(World& world, Frame& frame) {
-  for (const Event& e : world.events().list()) {
-    if (e.kind == EventKind::step || e.kind == EventKind::contact_stay || e.kind == EventKind::warning) continue;
-    frame.marks.push_back({e.kind, e.a, e.b, to_float3(e.point), static_cast<float>(std::max(e.impulse, e.force))});
-  }
+  for (const Event& e : world.events().list())
+    if (e.kind.has(EventKind::kPair) && e.kind != EventKind::contact_stay)
+      frame.labels.push_back(label_at(e.point, rgb(0xd83a8c), e.kind.text()));
 }
 
 }  // namespace
@@ -105,10 +111,7 @@ Color Collecting::color(ObjectId object, std::string_view group) const {
 
 void Collecting::label(ObjectId object, const Vec3& at, Color color) const {
   const std::string& name = world.objects().name(object);
-  if (!toggles.labels || name.empty()) return;
-  Label label{to_float3(at), color, {}};
-  name.copy(label.text, sizeof label.text - 1);
-  frame.labels.push_back(label);
+  if (toggles.labels && !name.empty()) frame.labels.push_back(label_at(at, color, name));
 }
 
 void add_mesh(Frame& f, ObjectId object, Color color, std::span<const Vec3> points,

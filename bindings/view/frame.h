@@ -89,13 +89,6 @@ struct PlotValue {
   double value;
 };
 
-struct EventMark {
-  EventKind kind;
-  ObjectId a, b;
-  Float3 position;
-  float size;  // strength: impulse in N s, 0 for kinds without one
-};
-
 struct Bounds {
   Float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   bool empty() const { return !(low.x <= high.x); }
@@ -126,7 +119,6 @@ struct Frame {
   std::vector<Line> overlay_lines;  // seen through everything: joints, contacts
   std::vector<Label> labels;
   std::vector<PlotValue> plots;
-  std::vector<EventMark> marks;
 
   Bounds moving;  // of what is not fixed
   Bounds bounds;  // of everything finite

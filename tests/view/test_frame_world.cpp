@@ -46,6 +46,20 @@ TEST_CASE("a frame shows bodies where they are", "[view]") {
   CHECK((f.instances[1].flags & kFixed) != 0);
 }
 
+TEST_CASE("events of the step are named where they happened", "[view]") {
+  World world({}, catalog());
+  add_ground(world);
+  add_box(world, vec3(1, 1, 1), vec3(0, Real(0.5), 0));
+  world.step();
+  CHECK(collected(world).labels.empty());
+  Toggles toggles;
+  toggles.marks = true;
+  const Frame f = collected(world, toggles);
+  REQUIRE(f.labels.size() == 1);
+  CHECK(std::string_view(f.labels[0].text) == "contact_begin");
+  CHECK(std::fabs(f.labels[0].position.y) < 0.1f);
+}
+
 TEST_CASE("sleeping bodies are marked and greyer", "[view]") {
   World world({}, catalog());
   add_ground(world);
