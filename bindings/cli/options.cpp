@@ -136,4 +136,6 @@ std::vector<std::filesystem::path> library_roots() {
   return {FEDER_SOURCE_SCRIPTS};
 }
 
+std::filesystem::path scenes_folder() { return library_roots().front().parent_path() / "scenes"; }
+
 }  // namespace feder::cli

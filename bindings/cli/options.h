@@ -47,5 +47,7 @@ std::string command_text(const std::vector<std::string>& words);
 
 // Where `require` looks for the scripts that come with feder.
 std::vector<std::filesystem::path> library_roots();
+// The scenes that come with feder.
+std::filesystem::path scenes_folder();
 
 }  // namespace feder::cli

@@ -1,12 +1,15 @@
 // feder stability: verdicts over two axes for every method, with the limit found by bisection beside theory's.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "cli/command.h"
 #include "cli/progress.h"
+#include "cli/scene_files.h"
+#include "cli/session.h"
 #include "cli/study_parts.h"
+#include "cli/test_file.h"
 #include "report/stability_report.h"
-#include "study/extreme.h"
 
 namespace feder::cli {
 namespace {
@@ -153,16 +156,42 @@ class Stability final : public Command {
       fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
   }
 
-  int run_extreme_suite(const report::RunContext& context, const Options& options) const {
+  // The cases of a test of scenes/extreme, a line that it prints for each: ok or not, input, expected, got, detail,
+  // apart by tabs. What ended it, and what went wrong in its handlers, is added to `errors`.
+  static std::vector<report::ExtremeRow> extreme_rows(const std::string& file, const Options& options,
+                                                      std::vector<std::string>& errors) {
     std::vector<report::ExtremeRow> rows;
-    Progress bar(!options.quiet && !options.json);
-    const std::vector<ExtremeCase> cases = extreme_cases();
-    for (const ExtremeCase& c : cases) {
-      if (bar.due()) bar.show(static_cast<double>(rows.size()) / static_cast<double>(cases.size()), c.name);
-      const ExtremeOutcome o = c.run();
-      rows.push_back(
-          {fmt::format("{}: {}", c.system, c.name), c.expected, name_of(o.verdict), o.detail, o.as_expected});
+    lua::HostOptions host = host_options(options);
+    host.print = [&](std::string_view text) {
+      const std::vector<std::string> f = split_list(std::string(text.substr(0, text.find('\n'))), '\t');
+      if (f.size() == 5) rows.push_back({f[1], f[2], f[3], f[4], f[0] == "ok"});
+    };
+    const auto add_error = [&](const std::string& error) { errors.push_back(error); };
+    try {
+      Session(std::move(host), add_error, file).need_to_go_on();
+    } catch (const Failure& e) {
+      // a case that is not as expected is an error too, at the end of its script
+      if (e.status() != kFailed || rows.empty()) throw;
+      add_error(e.what());
     }
+    if (rows.empty()) throw Failure(kNothingRan, file + ": prints no case");
+    return rows;
+  }
+
+  int run_extreme_suite(const report::RunContext& context, const Options& options) const {
+    // the cases say all that worlds are made of
+    Options own;
+    own.build = options.build, own.limit = options.limit, own.memory = options.memory;
+    const auto folder = (scenes_folder() / "extreme").lexically_proximate(std::filesystem::current_path());
+    const std::vector<std::string> files = find_files({folder.string()}, is_plain_test);
+    std::vector<report::ExtremeRow> rows;
+    std::vector<std::string> errors;
+    Progress bar(!options.quiet && !options.json);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (bar.due()) bar.show(static_cast<double>(i) / static_cast<double>(files.size()), files[i]);
+      std::ranges::move(extreme_rows(files[i], own, errors), std::back_inserter(rows));
+    }
+    // page, table, sum
     StabilityResult none;
     none.real = kRealName;
     write(out_, none, context, rows);
@@ -171,7 +200,8 @@ class Stability final : public Command {
     const auto passed =
         static_cast<std::size_t>(std::ranges::count_if(rows, [](const report::ExtremeRow& e) { return e.pass; }));
     if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", passed, rows.size());
-    return passed < rows.size() ? kFailed : kPass;
+    for (const std::string& error : errors) print_error(error);
+    return passed < rows.size() || !errors.empty() ? kFailed : kPass;
   }
 
   std::string problem_, methods_, suite_, axes_, x_, y_, out_;

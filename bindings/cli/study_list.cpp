@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path study_folder() { return library_roots().front().parent_path() / "scenes" / "study"; }
+fs::path study_folder() { return scenes_folder() / "study"; }
 
 std::string unknown_problem(const std::string& name) {
   const std::vector<std::string> known = problem_names();
@@ -44,13 +44,13 @@ std::string range_text(const ProblemParam& p) {
 
 }  // namespace
 
-std::vector<std::string> split_list(const std::string& text) {
+std::vector<std::string> split_list(const std::string& text, char separator) {
   std::vector<std::string> out;
   std::size_t at = 0;
   while (at <= text.size() && !text.empty()) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    out.push_back(text.substr(at, comma - at));
-    at = comma + 1;
+    const std::size_t end = std::min(text.find(separator, at), text.size());
+    out.push_back(text.substr(at, end - at));
+    at = end + 1;
   }
   return out;
 }

@@ -12,7 +12,7 @@
 namespace feder::cli {
 
 // "a,b" as words; "" as none.
-std::vector<std::string> split_list(const std::string& text);
+std::vector<std::string> split_list(const std::string& text, char separator = ',');
 
 bool is_scene_file(const std::string& name);
 

@@ -1,4 +1,4 @@
-// Sheets of the maps and extreme inputs of cloth. Private to the module.
+// Sheets of the maps of cloth. Private to the module.
 #pragma once
 #include "cloth/solver.h"
 #include "contact/surface_contact.h"

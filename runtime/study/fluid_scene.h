@@ -1,4 +1,4 @@
-// The tank of the maps and extreme inputs of fluids, in the plane. Private to the module.
+// The tank of the maps of fluids, in the plane. Private to the module.
 #pragma once
 #include "couple/fluid_rigid.h"
 #include "feder/query.h"

@@ -1,4 +1,4 @@
-// Worlds of maps and extreme inputs: how they are described, and what is read from them. Private to the module.
+// Worlds of studies and maps: how they are described, and what is read from them. Private to the module.
 #pragma once
 #include "feder/net.h"
 #include "feder/world.h"
@@ -23,19 +23,14 @@ inline double total_energy(const World& w) {  // J
   return e.kinetic + e.potential + e.elastic;
 }
 
-// What a run warned of last, and whether any warning named the object.
+// What a run warned of last.
 struct WarningRecord {
   std::string last;
-  bool named = false;
 
-  void read(World& w, ObjectId object = {}) {
-    for (const Event& e : w.events().list()) {
-      if (e.kind != EventKind::warning) continue;
-      last = w.events().warning_message(e);
-      named = named || e.a == object;
-    }
+  void read(World& w) {
+    for (const Event& e : w.events().list())
+      if (e.kind == EventKind::warning) last = w.events().warning_message(e);
   }
-  std::string words() const { return last.empty() ? "" : "; warned: " + last; }
 };
 
 }  // namespace feder

@@ -39,7 +39,7 @@ function extreme.case(input, expected, run)
   if done then
     report(as_expected, input, expected, verdict, detail)
   else
-    report(false, input, expected, "refused", as_expected)
+    report(false, input, expected, "refused", tostring(as_expected))
   end
 end
 

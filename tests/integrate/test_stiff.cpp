@@ -1,6 +1,7 @@
-// Springs far too stiff for the step: no implicit method may go non-finite, and none may stop in silence.
+// Springs far too stiff for the step: no implicit method may go non-finite or gain energy, and none may stop in
+// silence.
 #include "feder/memory.h"
-#include "integrate/integrator.h"
+#include "integrate/limits.h"
 #include "linear/block_ldl.h"
 #include "spring_field.h"
 #include "support/catch.h"
@@ -50,6 +51,26 @@ TEST_CASE("implicit methods stay finite on springs of any stiffness", "[integrat
     for (std::size_t i = 0; i < s.x.size(); ++i) finite = finite && is_finite(s.x[i]) && is_finite(s.v[i]);
   }
   CHECK(finite);
+}
+
+TEST_CASE("methods without a limit gain no energy when the step grows a thousandfold", "[integrate][contract]") {
+  const int row = GENERATE(range(0, static_cast<int>(integrators().size())));
+  const auto& method = integrators()[static_cast<std::size_t>(row)];
+  CAPTURE(method.name);
+  Arena arena("test");
+  const auto m = method.make(arena, Params());
+  if (!std::isinf(m->info().stability_limit)) return;
+  Oscillator field(100, 0);
+  Vec3 x(1, 0, 0), v(0, 0, 0);
+  const auto energy = [&] { return 1e4 * static_cast<double>(dot(x, x)) + static_cast<double>(dot(v, v)); };
+  for (int k = 0; k < 100; ++k) m->step(field, 0, Real(1e-4), {&x, 1}, {&v, 1});
+  const double before = energy();
+  double most = 0;
+  for (int k = 0; k < 200; ++k) {
+    m->step(field, 0, Real(1e-1), {&x, 1}, {&v, 1});
+    most = std::max(most, energy());
+  }
+  CHECK(most <= 1.01 * before);
 }
 
 TEST_CASE("a stiff chain hangs at rest with its weight in the springs", "[integrate][contract]") {

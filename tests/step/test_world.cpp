@@ -1,4 +1,5 @@
 // The world with systems made up for the test: plan order, systems on demand, couplings, snapshots, absence.
+#include <cmath>
 #include <limits>
 
 #include "feder/world.h"
@@ -84,6 +85,14 @@ TEST_CASE("a world without systems has a plan of its own two passes and no syste
   CHECK(world.absent().size() == 4);
   CHECK(world.step_count() == 1);
   CHECK(world.time() == Approx(1.0 / 60));
+}
+
+TEST_CASE("the time is right after ten million steps", "[world]") {
+  World world(two_substeps(), kCatalog);
+  constexpr int kSteps = 10000000;
+  for (int k = 0; k < kSteps; ++k) world.step();
+  CHECK(world.step_count() == kSteps);
+  CHECK(std::fabs(world.time() * 60 / kSteps - 1) < 1e-9);
 }
 
 TEST_CASE("a world whose energy is not finite is not finite", "[world]") {
