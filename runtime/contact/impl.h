@@ -43,7 +43,7 @@ struct SurfaceContact::Impl {
   // proximity search and projection, by point; each group writes the entries of its own points
   Array<Aabb> vertex_box{&arena};                                // swept over the rest of the step, beside the drift
   Array<Vec3> search_position{&arena}, search_velocity{&arena};  // where the search extrapolates from, m, m/s
-  Array<Real> max_deviation{&arena};  // by point: from that motion, as the search allows for, m
+  Array<Real> max_deviation{&arena};          // by point: from that motion, as the search allows for, m
   Array<Row4> projection_start{&arena};       // displacements at the start of the part, m
   Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones{&arena};                  // by lowest point
