@@ -141,8 +141,8 @@ for _, solver in ipairs(feder.choices("fluid.solver")) do
   case("one particle 100 tanks away", "falls freely, the others stand", stray)
   case("all particles at random", "settle, no energy from nowhere", all_random)
   case("a beam of 1e-2 of its density", "floats", beam, 1e-2)
-  case("a beam of 1e2 times its density", "lies on the floor; what it traps is at most a fifth of a spacing in it", beam,
-    1e2)
+  case("a beam of 1e2 times its density", "lies on the floor; what it traps is at most a fifth of a spacing in it",
+    beam, 1e2)
   case("bulk modulus of 1 Pa", "falls together, or stays as stiff as it can", soft)
   case("compression of 1e-4 in one step of its own", "held, or a warning says what to expect", poor)
 end

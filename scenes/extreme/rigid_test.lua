@@ -114,9 +114,8 @@ local function stack(solver, count, seconds, top_mass)
     ("drift, m/min %.6g, kinetic, J %.6g, sunk, m %.6g"):format(drift, kinetic, sunk)
 end
 
-extreme.case("rigid: stack of 40 boxes for 60 s, impulse", "drift below 1 mm/min, kinetic energy below 1e-6 J", function()
-  return stack("impulse", 40, 60, 1)
-end)
+extreme.case("rigid: stack of 40 boxes for 60 s, impulse", "drift below 1 mm/min, kinetic energy below 1e-6 J",
+  function() return stack("impulse", 40, 60, 1) end)
 extreme.case("rigid: heavy 1000 : 1 on light, impulse", "stands", function() return stack("impulse", 2, 10, 1000) end)
 -- the light box is pressed in, which must show as a penetration
 extreme.case("rigid: heavy 1000 : 1 on light, soft_step", "sinks in: inaccurate, its contacts are springs", function()

@@ -69,7 +69,8 @@ end)
 
 extreme.case("springs: rest length 0", "f = k x, the amplitude stays", function()
   local world = weightless(1 / 240)
-  local net = world:net(pair { springs = { { 1, 2, stiffness = 100, rest_length = 0 } }, integrator = "velocity_verlet" })
+  local spring = { 1, 2, stiffness = 100, rest_length = 0 }
+  local net = world:net(pair { springs = { spring }, integrator = "velocity_verlet" })
   net:pin(1)
   world:step(4300)
   local most = 0

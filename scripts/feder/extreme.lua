@@ -32,8 +32,8 @@ function extreme.refused(input, word, world, act)
   report(#faults == 0, input, "refused, " .. word .. " named", accepted and "stable" or "refused", detail)
 end
 
--- `run` returns whether the run ended as the sentence `expected` says, its verdict, and numbers as text. Its errors fail
--- the case, not those after it.
+-- `run` returns whether it ended as the sentence `expected` says, its verdict, and numbers as text. An error in it
+-- fails this case, and those after it run.
 function extreme.case(input, expected, run)
   local done, as_expected, verdict, detail = pcall(run)
   if done then
@@ -50,7 +50,7 @@ function extreme.finish()
   end
 end
 
--- What the world warns of from now on: `named` when a warning was about the object, `text` for details, of the last one.
+-- What the world warns of from now on: `named` when a warning was about the object; `text`, the last one for details.
 function extreme.warnings(world, object)
   local warnings = { named = false, text = "" }
   world:on("warning", function(e)
