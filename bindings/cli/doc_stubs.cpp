@@ -138,6 +138,7 @@ struct Stubs {
     if (r.type == "string" && !r.allowed.empty() && !r.allowed.starts_with("a "))
       for (const std::string_view word : split_choices(r.allowed))
         names += (names.empty() ? "\"" : "|\"") + std::string(word) + '"';
+    if (p.title == "feder.scene" && r.name == "world") return "feder.WorldOptions";
     std::string type = !names.empty()       ? names
                        : plain_type(r.type) ? r.type
                        : is_class(r.type)   ? class_name(r.type)
@@ -166,6 +167,10 @@ struct Stubs {
                          r.text, r.fallback.empty() ? "" : " Default " + r.fallback + ".");
       types.erase(type);
     }
+    if (p.title != "feder.world") return;
+    for (const lua::ReferencePage& system : pages)
+      if (system.kind == lua::PageKind::options)
+        out += "---@field " + system.name + "? " + class_name(system.name, "Options") + " " + system.text + "\n";
   }
 
   void event_class(const lua::ReferencePage& p) {
