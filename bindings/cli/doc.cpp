@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include "cli/doc_pages.h"
-#include "feder/params.h"
 
 namespace feder::cli {
 namespace {
@@ -23,14 +22,15 @@ class Doc final : public Command {
   int run(const Options& options) override {
     const Pages pages = all_pages(options.build);
     if (!html_.empty()) return write_html(pages, options);
+    if (options.json && !word_.empty()) return print_json(pages_json(find_pages(pages, word_).pages)), kPass;
     const std::string whole = markdown_         ? pages_markdown(pages)
                               : luacats_        ? pages_luacats(pages)
                               : man_            ? pages_man(pages)
                               : !shell_.empty() ? completion(pages, shell_)
-                              : !word_.empty()  ? ""
+                              : !word_.empty()  ? doc_text(pages, word_)
                               : options.json    ? report::to_text(pages_json(pages))
                                                 : index_text(pages);
-    return whole.empty() ? print_word(pages, options) : print_text(whole);
+    return print_text(whole);
   }
 
  private:
@@ -38,31 +38,6 @@ class Doc final : public Command {
     if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
       throw Failure(kFailed, "feder doc: standard output cannot be written");
     return kPass;
-  }
-
-  int print_word(const Pages& pages, const Options& options) const {
-    const Found found = find_pages(pages, word_);
-    if (found.pages.empty()) {
-      std::vector<std::string> known;
-      for (const lua::ReferencePage& p : pages) known.push_back(p.title), known.push_back(p.name);
-      throw Failure(kFailed, "feder doc: nothing about '{}'{}", word_, did_you_mean("; ", word_, known));
-    }
-    if (options.json) return print_json(pages_json(found.pages)), kPass;
-    std::string text;
-    for (const lua::ReferencePage& p : found.pages) {
-      if (found.exact && !text.empty()) text += "\n";
-      text += found.exact ? page_text(p) : line_text(p);
-    }
-    if (found.exact) text += methods_of(pages);
-    return print_text(text);
-  }
-
-  // What objects of that name can do, by name.
-  std::string methods_of(const Pages& pages) const {
-    std::string names;
-    for (const lua::ReferencePage& p : pages)
-      if (p.owner == word_) names += " " + p.title;
-    return names.empty() ? "" : "\nMethods (feder doc NAME):" + names + "\n";
   }
 
   int write_html(const Pages& pages, const Options& options) const {

@@ -19,6 +19,9 @@ struct Found {
 };
 Found find_pages(const Pages& all, const std::string& word);
 
+// What `feder doc WORD` prints. Failure where nothing has the word.
+std::string doc_text(const Pages& all, const std::string& word);
+
 // Owners in their order, each with what it is: "world", "a world's methods".
 struct Owner {
   std::string name, text;

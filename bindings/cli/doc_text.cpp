@@ -81,6 +81,24 @@ std::string line_text(const lua::ReferencePage& page) {
   return page.signature + "\n    " + wrapped(page.text, 96, "    ") + "\n";
 }
 
+std::string doc_text(const Pages& all, const std::string& word) {
+  const Found found = find_pages(all, word);
+  if (found.pages.empty()) {
+    std::vector<std::string> known;
+    for (const lua::ReferencePage& p : all) known.push_back(p.title), known.push_back(p.name);
+    throw Failure(kFailed, "feder doc: nothing about '{}'{}", word, did_you_mean("; ", word, known));
+  }
+  std::string text, methods;
+  for (const lua::ReferencePage& p : found.pages) {
+    if (found.exact && !text.empty()) text += "\n";
+    text += found.exact ? page_text(p) : line_text(p);
+  }
+  // and what objects of that name can do
+  for (const lua::ReferencePage& p : all)
+    if (found.exact && p.owner == word) methods += " " + p.title;
+  return methods.empty() ? text : text + "\nMethods (feder doc NAME):" + wrapped(methods, 96, "  ") + "\n";
+}
+
 std::string index_text(const Pages& pages) {
   std::string out;
   for (const Owner& owner : owners(pages)) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "feder/world.h"
+
 namespace feder::lua {
 namespace {
 
@@ -53,6 +55,19 @@ void add_rows(const std::string& owner, const std::string& before, const std::ve
   }
 }
 
+// Defaults and names of what systems read from the world's own options: broad_phase, air_density.
+void complete_world(Catalog systems, std::vector<ReferenceRow>& rows) {
+  World probe({}, systems);
+  for (const SystemDescriptor* d : systems)
+    if (d->joins.empty()) probe.need_system(d->name);
+  for (const OptionInfo& o : probe.desc().options.rows())
+    for (ReferenceRow& row : rows) {
+      if (row.name != o.row.name) continue;
+      if (row.fallback.empty()) row.fallback = o.fallback;
+      if (row.allowed.empty()) row.allowed = allowed(o);
+    }
+}
+
 std::string title_of(const DocRow& row) { return row.owner + (row.owner == "feder" ? "." : ":") + row.name; }
 
 ReferencePage event_page(EventKind kind) {
@@ -92,6 +107,7 @@ std::vector<ReferencePage> reference(std::span<const Part* const> parts, Catalog
     const PageKind kind = row.owner == "feder" ? PageKind::function : PageKind::method;
     pages.push_back({kind, title_of(row), row.owner, row.name, row.signature, row.doc, "", {}});
     add_rows(row.name, "", row.options, pages.back().rows);
+    if (pages.back().title == "feder.world") complete_world(systems, pages.back().rows);
   }
   for (const EventKind& kind : event_kinds(systems)) pages.push_back(event_page(kind));
   for (const SystemDescriptor* d : systems) {

@@ -152,3 +152,23 @@ TEST_CASE("man page and completion of shells have every option of every command"
   CHECK(p.shell(first).status == 0);
   CHECK(p.run("doc --completion tcsh").status == 2);
 }
+
+TEST_CASE("feder repl runs lines, goes on where one is not whole, and steps a scene", "[cli][repl]") {
+  const Program p;
+  const auto typed = [&](const std::string& text, const std::string& scene = "") {
+    p.write("lines.txt", text);
+    return p.shell("export S; sh -c '" FEDER_BINARY_DIR "/feder repl " + scene + " < lines.txt'");
+  };
+  const Outcome plain = typed(
+      "ball = world:body { shape = feder.sphere(1),\n  position = { 0, 5, 0 } }\nworld:step(60)\n"
+      "ball:position()\n1 + 1\n");
+  CHECK(plain.status == 0);
+  CHECK_THAT(plain.out, Catch::Contains("2\n"));
+  const Outcome wrong = typed("world:bdy {}\nprint('goes on')\n");
+  CHECK(wrong.status == 1);
+  CHECK_THAT(wrong.err, Catch::Contains("did you mean 'body'"));
+  CHECK_THAT(wrong.out, Catch::Contains("goes on"));
+  const Outcome scene = typed(".step 60\nworld:time()\n.doc hit\n.check\n.quit\n", "$S/rigid/tower.lua");
+  CHECK_THAT(scene.out, Catch::Contains("1 s") && Catch::Contains("e.speed") && Catch::Contains("checks passed"));
+  CHECK(typed("for i = 1, 2 do\n").status == 1);
+}
