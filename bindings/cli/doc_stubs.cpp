@@ -23,7 +23,7 @@ const std::map<std::string, std::string>& types_of_names() {
     add("any", {"default", "value"});
     add("fun(): feder.Event", {"iterator"});
     add("table", {"filter", "table"});
-    add("feder.Body|feder.Net|feder.Cloth", {"a", "b"});
+    add("feder.Object", {"a", "b"});
     add("number",
         {"x",         "y",       "z",     "w",         "dx",         "dy",      "dz",          "nx",
          "ny",        "nz",      "px",    "py",        "pz",         "qx",      "qy",          "qz",
