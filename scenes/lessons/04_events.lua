@@ -1,7 +1,7 @@
 -- Lesson 4: events: three balls bounce on a floor, each hit is counted, a gate counts who passes, and rest is noticed.
 local feder = require "feder"
 
-local bounce = feder.param("bounce", 0.7, { min = 0, max = 0.9, help = "share of the speed that a ball keeps" })
+local bounce = feder.param("bounce", 0.7, { min = 0, max = 0.8, help = "share of the speed that a ball keeps" })
 
 return feder.scene {
   title = "4 Events",

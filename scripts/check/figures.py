@@ -141,8 +141,10 @@ def rivals_all(_feder, _folder):
 
 
 def hello(feder, _):
-    """What the scene of README.md prints; its check must hold."""
+    """What the scene of README.md prints; its check must hold, and it stays short."""
     scene = re.search(r"```lua\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+    if scene.count("\n") > 12:
+        sys.exit(f"figures: hello has {scene.count(chr(10))} lines, more than 12")
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "hello.lua")
         file.write_text(scene)
