@@ -4,14 +4,14 @@ local feder = require "feder"
 local fluid = require "feder.fluid"
 
 local wind = feder.param("wind", 6, { min = 0, max = 12, help = "from astern, m/s" })
-local spacing = feder.param("spacing", 0.08, { min = 0.04, max = 0.1, help = "of the particles of water, m" })
+local spacing = feder.param("spacing", 0.1, { min = 0.05, max = 0.12, help = "of the particles of water, m" })
 
-local long, wide, level = 4, 1.2, 0.48  -- of the basin, and the height of the water, m
+local long, wide, level = 4, 1.2, 0.5  -- of the basin, and the height of the water, m
 
 return feder.scene {
   title = "Sail boat",
-  seconds = 5,
-  picture = 2.5,
+  seconds = 4,
+  picture = 2,
   camera = { target = { 1.9, 0.85, 0.6 }, distance = 4.6, yaw = feder.deg(25), pitch = feder.deg(16) },
 
   build = function(world, scene)
@@ -48,7 +48,7 @@ return feder.scene {
 
   check = function(world, scene, expect)
     local x = scene.boat:position()
-    expect(x > (wind >= 5 and 1.5 or 0.3), ("the boat sailed %.2f m only"):format(x - 0.6))
+    expect(x > (wind >= 5 and 1.2 or 0.3), ("the boat sailed %.2f m only"):format(x - 0.6))
     expect(scene.lowest > level - 0.1, "the boat sinks")
     local _, _, _, w = scene.boat:rotation()
     expect(w > 0.9, "the boat has capsized")
