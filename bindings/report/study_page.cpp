@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "report/page.h"
 #include "report/xml.h"
@@ -217,13 +216,6 @@ std::string suite_page(const std::string& suite, const std::vector<StudyResult>&
   gate_part(page, context);
   machine_part(page, context);
   return page.text();
-}
-
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.flush();
-  if (!out) throw std::runtime_error(file + ": cannot be written");
 }
 
 void write_folder(const std::string& folder, const std::vector<Figure>& figures,
