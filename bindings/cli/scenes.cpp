@@ -47,7 +47,10 @@ class Scenes final : public Command {
     print(examples, options);
     for (const Example& e : examples)
       if (!e.error.empty()) print_error(e.error);
-    if (stop_flag()) return stop_status();
+    if (stop_flag()) {
+      print_error("feder scenes: " + stop_text());
+      return stop_status();
+    }
     if (examples.empty())
       throw Failure(kNothingRan, "feder scenes: no scene has '{}' in its path, title or systems", word_);
     return std::ranges::all_of(examples, [](const Example& e) { return e.error.empty(); }) ? kPass : kFailed;

@@ -187,6 +187,7 @@ std::string study_page(const StudyResult& r, const StudyContext& context, const 
   page.lead(lead);
   if (r.shards > 1 && r.points.size() < r.planned)
     page.paragraph(fmt::format("Part {} of {}: {} of {} points.", r.shard, r.shards, r.points.size(), r.planned));
+  if (r.interrupted) page.paragraph(fmt::format("Interrupted: {} of {} points.", r.points.size(), r.planned));
   for (const Figure& f : figures) page.figure(f.inline_svg, f.caption);
   decision_part(page, r);
   method_part(page, r);
