@@ -38,14 +38,10 @@ char** complete_line(const char* word, int, int end) {
   // what stands between libedit's word and ours is kept
   const std::size_t start = line.size() - std::char_traits<char>::length(word);
   const std::string kept = line.substr(std::min(start, found.from), found.from - std::min(start, found.from));
-  std::string common = found.words[0];
-  for (const std::string& w : found.words)
-    common.resize(static_cast<std::size_t>(std::mismatch(common.begin(), common.end(), w.begin(), w.end()).first -
-                                           common.begin()));
   const bool many = found.words.size() > 1;
   char** const list = static_cast<char**>(std::calloc(found.words.size() + 2, sizeof(char*)));
   std::size_t n = 0;
-  list[n++] = strdup((kept + common).c_str());
+  list[n++] = strdup((kept + found.common()).c_str());
   for (const std::string& w : found.words)
     if (many) list[n++] = strdup((kept + w).c_str());
   return list;
