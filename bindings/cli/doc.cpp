@@ -1,9 +1,9 @@
 // feder doc: the reference, on the terminal, as Markdown, as a page to search, and for editors and shells.
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "cli/doc_pages.h"
+#include "report/output_file.h"
 
 namespace feder::cli {
 namespace {
@@ -42,12 +42,14 @@ class Doc final : public Command {
 
   int write_html(const Pages& pages, const Options& options) const {
     namespace fs = std::filesystem;
-    std::error_code failed;
-    fs::create_directories(html_, failed);
     const std::string file = (fs::path(html_) / "index.html").string();
-    std::ofstream out(file, std::ios::binary);
-    out << pages_html(pages);
-    if (!out.flush()) throw Failure(kFailed, file + ": cannot be written");
+    std::error_code told_by_the_file;
+    fs::create_directories(html_, told_by_the_file);
+    try {
+      report::write_text(file, pages_html(pages));
+    } catch (const std::runtime_error& e) {
+      throw Failure(kFailed, e.what());
+    }
     if (options.json)
       print_json({{"file", file}});
     else if (!options.quiet)

@@ -1,10 +1,9 @@
-// feder new: a first scene to change.
-#include <cstdio>
+// feder new: a first scene to change, and what the Lua language server needs to complete and check it.
 #include <filesystem>
-#include <fstream>
 
-#include "cli/command.h"
+#include "cli/doc_pages.h"
 #include "report/json.h"
+#include "report/output_file.h"
 
 namespace feder::cli {
 namespace {
@@ -53,23 +52,42 @@ class New final : public Command {
     std::string title = path.stem().string();
     for (char& c : title)
       if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20) c = '_';
-    std::ofstream out(path, std::ios::binary);
-    out << fmt::format(kTemplate, fmt::arg("file", path.filename().string()), fmt::arg("title", title));
-    if (!out.flush()) throw Failure(kFailed, file + ": cannot be written");
-    if (options.json) {
-      print_json({{"file", file}});
-    } else if (!options.quiet) {
-      fmt::print("{}\n", file);
+    std::vector<std::string> written = {file};
+    try {
+      report::write_text(file,
+                         fmt::format(kTemplate, fmt::arg("file", path.filename().string()), fmt::arg("title", title)));
+      write_stubs(path.parent_path(), options.build, written);
+    } catch (const std::runtime_error& e) {
+      throw Failure(kFailed, e.what());
     }
+    if (options.json)
+      print_json({{"file", file}, {"files", written}});
+    else if (!options.quiet)
+      fmt::print("{}\n", fmt::join(written, "\n"));
     return kPass;
   }
 
  private:
+  // Stubs of this version; the settings that lead to them where the folder has none.
+  static void write_stubs(const std::filesystem::path& folder, const Build& build, std::vector<std::string>& written) {
+    const std::string stubs = (folder / ".feder" / "feder.lua").string(), settings = (folder / ".luarc.json").string();
+    std::error_code told_by_the_file;
+    std::filesystem::create_directories(folder / ".feder", told_by_the_file);
+    report::write_text(stubs, pages_luacats(all_pages(build)));
+    written.push_back(stubs);
+    if (std::filesystem::exists(settings)) return;
+    const report::Json json = {{"runtime.version", "Lua 5.4"},
+                               {"workspace.library", {".feder", library_roots().front().string()}},
+                               {"workspace.checkThirdParty", false}};
+    report::write_text(settings, report::to_text(json));
+    written.push_back(settings);
+  }
+
   std::string name_;
 };
 
 }  // namespace
 
-Row cli_new() { return command_row<New>("new", "writes a scene to start from"); }
+Row cli_new() { return command_row<New>("new", "writes a scene to start from, and stubs for the Lua language server"); }
 
 }  // namespace feder::cli

@@ -257,6 +257,8 @@ TEST_CASE("new writes a scene that passes its own check, and overwrites nothing"
   CHECK(p.run("new first").status == 0);
   CHECK(p.run("run first.lua --check --quiet").status == 0);
   CHECK(p.run("check first.lua").status == 0);
+  CHECK_THAT(p.read(".feder/feder.lua"), Catch::Contains("---@class feder.World"));
+  CHECK(nlohmann::json::parse(p.read(".luarc.json"))["workspace.library"][0] == ".feder");
   const std::string before = p.read("first.lua");
   CHECK(p.run("new first").status != 0);
   CHECK(p.read("first.lua") == before);
