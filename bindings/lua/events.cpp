@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
+#include "lua/docs.h"
 #include "lua/method.h"
+#include "lua/sandbox.h"
 
 namespace feder::lua {
 namespace {
 
-bool is_contact(EventKind k) { return k.has(EventKind::kPair); }
-bool is_sensor(EventKind k) { return k.has(EventKind::kSensed); }
 bool is_source(EventKind k) { return k.has(EventKind::kAmount); }  // of an emitter or drain, and its fluid
 bool has_two(EventKind k) { return k.has(EventKind::kPair | EventKind::kSensed); }
 
@@ -18,6 +18,7 @@ struct EventBlock {
   std::uint32_t world = 0;
   bool valid = false;
   bool swapped = false;
+  bool own = false;  // of a handler of an object
   Event event;
 };
 
@@ -33,80 +34,127 @@ struct EventView {
   lua_State* L;
   WorldRecord& record;
   const Event& e;
-  bool swapped;
+  bool swapped, own;
 
-  bool has(std::uint32_t any) const { return e.kind.has(any); }
-  // Pushes the value, or nil when the event has no such field.
-  template <class T>
-  void value(bool present, const T& x) const {
-    present ? push(L, x) : push(L, nullptr);
+  void object(ObjectId id) const { push_handle(L, record, id); }
+  // Does one of its two objects, `id`, report where on it, under this name?
+  bool reported(ObjectId id, std::string_view field) const { return has_two(e.kind) && reports(L, record, id, field); }
+  void index(bool told, lua_Integer first) const {
+    told ? push(L, static_cast<lua_Integer>(e.index) + first) : push(L, nullptr);
   }
-  void object(bool present, ObjectId id) const { push_handle(L, record, present ? id : ObjectId{}); }
-  // Does it say which point of an object, or how many?
-  bool has_index() const {
-    if (has(EventKind::kPlace)) return true;
-    return has_two(e.kind) && (reports(L, record, e.a, "index") || reports(L, record, e.b, "index"));
-  }
-  bool has_count() const { return is_source(e.kind) || (has_two(e.kind) && reports(L, record, e.b, "count")); }
-  bool has_text() const { return has(EventKind::kText) && e.text != kNone; }
 };
 
-template <std::uint32_t kFlag, Real Event::*Member>
+template <Real Event::*Member>
 void push_number(const EventView& v) {
-  v.value(v.has(kFlag), v.e.*Member);
+  push(v.L, v.e.*Member);
 }
 template <int kAxis>
 void push_coordinate(const EventView& v) {
-  v.value(is_contact(v.e.kind), v.e.point[kAxis]);
+  push(v.L, v.e.point[kAxis]);
 }
 template <int kAxis>
 void push_normal(const EventView& v) {
-  v.value(is_contact(v.e.kind), (v.swapped ? Real(-1) : Real(1)) * v.e.normal[kAxis]);
+  push(v.L, (v.swapped ? Real(-1) : Real(1)) * v.e.normal[kAxis]);
 }
 template <auto Text>
 void push_warning(const EventView& v) {
-  v.has_text() ? push(v.L, (v.record.world->events().*Text)(v.e)) : push(v.L, nullptr);
+  v.e.text == kNone ? push(v.L, nullptr) : push(v.L, (v.record.world->events().*Text)(v.e));
 }
 
+constexpr std::uint32_t kEvery = 0, kOneObject = 1u << 31, kOwnPair = 1u << 30;
+
+// A field of events, nil where an event's kind has none of `of`; kEvery: of all kinds, kOneObject: of those about one
+// object, kOwnPair: of pairs, in handlers of one of the two.
 struct EventField {
-  const char* name;
-  void (*push)(const EventView& v);  // or nil; none: of a method
+  OptionRow row;
+  const char* type;
+  std::uint32_t of;
+  void (*push)(const EventView& v);  // none: of a method
 };
+constexpr std::uint32_t kTwo = EventKind::kPair | EventKind::kSensed;
 constexpr EventField kFields[] = {
-    {"kind", [](const EventView& v) { v.value(true, v.e.kind.text()); }},
-    {"time", [](const EventView& v) { v.value(true, v.record.world->time()); }},
-    {"step", [](const EventView& v) { v.value(true, v.record.world->step_count()); }},
-    {"a", [](const EventView& v) { v.object(is_contact(v.e.kind), v.swapped ? v.e.b : v.e.a); }},
-    {"b", [](const EventView& v) { v.object(is_contact(v.e.kind), v.swapped ? v.e.a : v.e.b); }},
-    {"x", push_coordinate<0>},
-    {"y", push_coordinate<1>},
-    {"z", push_coordinate<2>},
-    {"nx", push_normal<0>},
-    {"ny", push_normal<1>},
-    {"nz", push_normal<2>},
-    {"impulse", push_number<EventKind::kImpulse, &Event::impulse>},
-    {"slip", push_number<EventKind::kSlip, &Event::slip>},
-    {"speed", push_number<EventKind::kSpeed, &Event::speed>},
-    {"object", [](const EventView& v) { v.object(!has_two(v.e.kind) && !v.has(EventKind::kAlone), v.e.a); }},
-    {"cause", [](const EventView& v) { v.value(v.has(EventKind::kCause), v.e.cause.text()); }},
-    {"other", [](const EventView& v) { v.object(v.has(EventKind::kOther | EventKind::kSensed), v.e.b); }},
-    {"sensor", [](const EventView& v) { v.object(is_sensor(v.e.kind), v.e.a); }},
-    {"index", [](const EventView& v) { v.value(v.has_index(), static_cast<lua_Integer>(v.e.index) + 1); }},
-    {"force", push_number<EventKind::kForce, &Event::force>},
-    {"count", [](const EventView& v) { v.value(v.has_count(), v.e.index); }},
-    {"code", push_warning<&Events::warning_code>},
-    {"message", push_warning<&Events::warning_message>},
-    {"copy", nullptr},
+    {{"kind"}, "string", kEvery, [](const EventView& v) { push(v.L, v.e.kind.text()); }},
+    {{"time", "s"}, "number", kEvery, [](const EventView& v) { push(v.L, v.record.world->time()); }},
+    {{"step"}, "integer", kEvery, [](const EventView& v) { push(v.L, v.record.world->step_count()); }},
+    {{"a"}, "object", EventKind::kPair, [](const EventView& v) { v.object(v.swapped ? v.e.b : v.e.a); }},
+    {{"b"}, "object", EventKind::kPair, [](const EventView& v) { v.object(v.swapped ? v.e.a : v.e.b); }},
+    {{"x", "m"}, "number", EventKind::kPair, push_coordinate<0>},
+    {{"y", "m"}, "number", EventKind::kPair, push_coordinate<1>},
+    {{"z", "m"}, "number", EventKind::kPair, push_coordinate<2>},
+    {{"nx"}, "number", EventKind::kPair, push_normal<0>},
+    {{"ny"}, "number", EventKind::kPair, push_normal<1>},
+    {{"nz"}, "number", EventKind::kPair, push_normal<2>},
+    {{"impulse", "N s"}, "number", EventKind::kImpulse, push_number<&Event::impulse>},
+    {{"slip", "m/s"}, "number", EventKind::kSlip, push_number<&Event::slip>},
+    {{"speed", "m/s"}, "number", EventKind::kSpeed, push_number<&Event::speed>},
+    {{"object"}, "object", kOneObject, [](const EventView& v) { v.object(v.e.a); }},
+    {{"cause"}, "string", EventKind::kCause, [](const EventView& v) { push(v.L, v.e.cause.text()); }},
+    {{"other"},
+     "object",
+     EventKind::kOther | EventKind::kSensed | kOwnPair,
+     [](const EventView& v) { v.object(v.e.kind.has(EventKind::kPair) && v.swapped ? v.e.a : v.e.b); }},
+    {{"sensor"}, "object", EventKind::kSensed, [](const EventView& v) { v.object(v.e.a); }},
+    {{"index"},
+     "integer",
+     EventKind::kPlace | kTwo,
+     [](const EventView& v) {
+       v.index(v.e.kind.has(EventKind::kPlace) || v.reported(v.e.a, "index") || v.reported(v.e.b, "index"), 1);
+     }},
+    {{"force", "N"}, "number", EventKind::kForce, push_number<&Event::force>},
+    {{"count"},
+     "integer",
+     EventKind::kAmount | kTwo,
+     [](const EventView& v) { v.index(is_source(v.e.kind) || v.reported(v.e.b, "count"), 0); }},
+    {{"code"}, "string", EventKind::kText, push_warning<&Events::warning_code>},
+    {{"message"}, "string", EventKind::kText, push_warning<&Events::warning_message>},
+    {{"copy"}, "method", kEvery, nullptr},
 };
+
+bool carries(EventKind kind, const EventField& field, bool own) {
+  if (field.of == kOneObject) return !kind.has(kTwo | EventKind::kAlone);
+  return field.of == kEvery || kind.has(field.of) || (own && (field.of & kOwnPair) && kind.has(EventKind::kPair));
+}
+
+void push_field(const EventView& v, const EventField& field) {
+  carries(v.e.kind, field, v.own) ? field.push(v) : lua_pushnil(v.L);
+}
 
 bool readable(lua_State* L, const EventBlock& block) { return block.valid && state(L).worlds[block.world]->world; }
 
-int event_copy(lua_State* L) {
+// Of a block that is readable.
+EventView view_of(lua_State* L, const EventBlock& block) {
+  return {L, *state(L).worlds[block.world], block.event, block.swapped, block.own};
+}
+
+// A plain table with the fields of the event.
+void push_fields(const EventView& v) {
+  lua_newtable(v.L);
+  for (const EventField& field : kFields) {
+    if (!field.push) continue;
+    push_field(v, field);
+    lua_setfield(v.L, -2, field.row.name);
+  }
+}
+
+const EventBlock& check_event(lua_State* L, const char* what) {
   const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
-  if (!block) fail(L, "event:copy: expected an event before the ':', got " + describe(L, 1));
-  if (!readable(L, *block)) fail(L, "event:copy: an event is valid inside its handler only; copy it there");
-  push_event_copy(L, *state(L).worlds[block->world], block->event, block->swapped);
+  if (!block) fail(L, std::string(what) + ": expected an event before the ':', got " + describe(L, 1));
+  if (!readable(L, *block)) fail(L, std::string(what) + ": an event is valid inside its handler only; copy it there");
+  return *block;
+}
+
+int event_copy(lua_State* L) {
+  push_fields(view_of(L, check_event(L, "event:copy")));
   return 1;
+}
+
+// The fields that it has, as pairs gives those of its copy.
+int event_pairs(lua_State* L) {
+  const EventBlock& block = check_event(L, "pairs");
+  lua_getglobal(L, "pairs");
+  push_fields(view_of(L, block));
+  lua_call(L, 1, 3);
+  return 3;
 }
 
 int event_index(lua_State* L) {  // upvalues: table of fields, copy
@@ -116,7 +164,7 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   const auto number = static_cast<std::size_t>(lua_tointeger(L, -1));
   if (number == 0) {
     std::vector<std::string> known;
-    for (const EventField& f : kFields) known.emplace_back(f.name);
+    for (const EventField& f : kFields) known.emplace_back(f.row.name);
     fail(L,
          "event: no field " + describe(L, 2) +
              (lua_type(L, 2) == LUA_TSTRING ? did_you_mean_or(lua_tostring(L, 2), known) : "; known: " + join(known)));
@@ -127,20 +175,34 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
     return 1;
   }
   if (!readable(L, *block))
-    fail(L, "event." + std::string(field.name) + ": an event is valid inside its handler only; keep it with e:copy()");
-  field.push({L, *state(L).worlds[block->world], block->event, block->swapped});
+    fail(L,
+         "event." + std::string(field.row.name) + ": an event is valid inside its handler only; keep it with e:copy()");
+  push_field(view_of(L, *block), field);
   return 1;
 }
 
 int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
 
+// "event hit { a = body "ball", speed = 3.2, ... }", without the fields that it does not have.
 std::string event_tostring(lua_State* L) {
-  const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
-  return block->valid ? std::string("event ") + block->event.kind.text() : "event (over)";
+  const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
+  if (!block || !readable(L, *block)) return "event (over)";
+  std::string text;
+  for (const EventField& field : kFields) {
+    if (!field.push || std::string_view(field.row.name) == "kind") continue;
+    push_field(view_of(L, *block), field);
+    if (!lua_isnil(L, -1)) {
+      push_text(L, -1);
+      text += (text.empty() ? " " : ", ") + std::string(field.row.name) + " = " + std::string(text_at(L, -1));
+      lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+  }
+  return std::string("event ") + block->event.kind.text() + " {" + text + " }";
 }
 
 EventBlock& push_event(lua_State* L, const WorldRecord& record) {
-  return push_userdata(L, Class::event, EventBlock{record.id, false, false, {}});
+  return push_userdata(L, Class::event, EventBlock{record.id, false, false, false, {}});
 }
 
 void forget_subscription(lua_State* L, WorldRecord& record, Subscription& s) {
@@ -239,15 +301,16 @@ const Method kEventMethods[] = {
 }  // namespace
 
 std::span<const Method> event_methods() { return kEventMethods; }
+std::vector<OptionInfo> event_fields(EventKind kind, bool own) {
+  std::vector<OptionInfo> all;
+  for (const EventField& f : kFields)
+    if (f.push && carries(kind, f, own)) all.push_back({.row = f.row, .type = f.type, .fallback = "", .choices = ""});
+  return all;
+}
 std::span<const Method> connection_methods() { return kConnectionMethods; }
 
 void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool swapped) {
-  lua_newtable(L);
-  for (const EventField& field : kFields) {
-    if (!field.push) continue;
-    field.push({L, record, e, swapped});
-    lua_setfield(L, -2, field.name);
-  }
+  push_fields({L, record, e, swapped, false});
 }
 
 Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
@@ -266,13 +329,13 @@ Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
     if (is_source(e.kind)) return e.a == s.self || e.b == s.self ? Side::same : Side::none;
     if (!has_two(e.kind)) return e.a == s.self && (!a || a == e.a) && (!b || b == e.b) ? Side::same : Side::none;
     if (e.a != s.self && e.b != s.self) return Side::none;
-    if (is_contact(e.kind)) {
+    if (e.kind.has(EventKind::kPair)) {
       if (a && a != s.self) return Side::none;
       a = s.self;
     }
   }
   if ((!a || e.a == a) && (!b || e.b == b)) return Side::same;
-  if (is_contact(e.kind) && (!a || e.b == a) && (!b || e.a == b)) return Side::swapped;
+  if (e.kind.has(EventKind::kPair) && (!a || e.b == a) && (!b || e.a == b)) return Side::swapped;
   return Side::none;
 }
 
@@ -322,6 +385,7 @@ void dispatch_events(lua_State* L, WorldRecord& record) {
       }
       block.event = e;
       block.swapped = match(record, *sub, e) == Side::swapped;
+      block.own = bool(sub->self);
       block.valid = true;
       lua_rawgeti(L, data, sub->function);
       lua_pushvalue(L, data + 1);
@@ -391,15 +455,21 @@ constexpr Option<FilterReading> kBreakFilter[] = {field<&EventFilter::min_force>
 constexpr Option<FilterReading> kWakeFilter[] = {special("cause", "string", read_cause),
                                                  object_row<&EventFilter::b>("other")};
 
+// The rows that filters of such events have.
+template <class F>
+void each_filter(EventKind kind, F&& visit) {
+  visit(kAnyFilter);
+  if (kind.has(EventKind::kPair)) visit(kContactFilter);
+  if (kind.has(EventKind::kSensed)) visit(kSensorFilter);
+  if (kind.has(EventKind::kForce)) visit(kBreakFilter);
+  if (kind.has(EventKind::kCause)) visit(kWakeFilter);
+}
+
 EventFilter read_filter(lua_State* L, int index, WorldRecord& record, EventKind kind) {
   FilterReading f;
   f.record = &record;
   Options o(L, index, std::string(function_name(L)) + "(\"" + kind.text() + "\")");
-  o.read_some(kAnyFilter, f);
-  if (is_contact(kind)) o.read_some(kContactFilter, f);
-  if (is_sensor(kind)) o.read_some(kSensorFilter, f);
-  if (kind.has(EventKind::kForce)) o.read_some(kBreakFilter, f);
-  if (kind.has(EventKind::kCause)) o.read_some(kWakeFilter, f);
+  each_filter(kind, [&](const auto& rows) { o.read_some(rows, f); });
   o.finish();
   return f;
 }
@@ -440,14 +510,23 @@ int world_events(lua_State* L) {
 }
 
 void open_events(lua_State* L) {
-  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}});
+  set_metamethods(
+      L, Class::event,
+      {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}, {"__pairs", guard<event_pairs>}});
   push_class(L, Class::event);
   lua_newtable(L);
-  for (std::size_t i = 0; i < std::size(kFields); ++i) set_field(L, kFields[i].name, i + 1);
+  for (std::size_t i = 0; i < std::size(kFields); ++i) set_field(L, kFields[i].row.name, i + 1);
   push(L, guard<event_copy>);
   lua_pushcclosure(L, guard<event_index>, 2);
   lua_setfield(L, -2, "__index");
   lua_pop(L, 1);
+}
+
+std::vector<OptionInfo> event_filters(EventKind kind) {
+  std::vector<OptionInfo> all;
+  if (kind.has(EventKind::kAlone)) return all;
+  each_filter(kind, [&](const auto& rows) { all = join_rows(std::move(all), describe_rows(rows)); });
+  return all;
 }
 
 }  // namespace feder::lua
