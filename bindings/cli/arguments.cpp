@@ -9,6 +9,35 @@ struct Arguments::Impl {
   CLI::App app;
 };
 
+namespace {
+
+// What a help text calls the value of an option, where "TEXT" says too little.
+struct ValueWord {
+  std::string_view option, word;
+};
+constexpr ValueWord kValueWords[] = {
+    {"--seconds", "S"},      {"--at", "S"},
+    {"--dt", "S"},           {"--timeout", "S"},
+    {"--fps", "N"},          {"--seed", "N"},
+    {"--limit", "N"},        {"--memory", "BYTES"},
+    {"--set", "NAME=VALUE"}, {"--world", "KEY=VALUE"},
+    {"--size", "WxH"},       {"--shard", "I/N"},
+    {"--out", "PATH"},       {"--junit", "FILE"},
+    {"--compare", "FILE"},   {"--record", "FILE"},
+    {"--export", "FILE"},    {"--baseline", "FILE"},
+    {"--markdown", "FILE"},  {"--screenshot", "FILE"},
+    {"--status", "FILE"},    {"--methods", "NAMES"},
+    {"--suite", "NAME"},     {"--select", "NAME"},
+};
+
+void name_value(CLI::Option& option, const std::string& name) {
+  if (name[0] != '-') return;  // what stands alone is called by its name
+  for (const ValueWord& row : kValueWords)
+    if (name.ends_with(row.option)) option.type_name(std::string(row.word));
+}
+
+}  // namespace
+
 Arguments::Arguments(const std::string& command, const std::string& summary)
     : impl_(std::make_unique<Impl>(command, summary)) {}
 Arguments::~Arguments() = default;
@@ -20,17 +49,21 @@ void Arguments::flag(const std::string& name, bool& value, const std::string& he
 void Arguments::hidden_flag(const std::string& name, bool& value) { impl_->app.add_flag(name, value)->group(""); }
 
 void Arguments::text(const std::string& name, std::string& value, const std::string& help) {
-  impl_->app.add_option(name, value, help);
+  name_value(*impl_->app.add_option(name, value, help), name);
 }
 
 void Arguments::whole(const std::string& name, int& value, int lowest, int highest, const std::string& help) {
-  impl_->app.add_option(name, value, help)->check(CLI::Range(lowest, highest));
+  const std::string range = std::to_string(lowest) + ".." + std::to_string(highest);
+  impl_->app.add_option(name, value, help)->type_name("N")->check(CLI::Range(lowest, highest).description(range));
 }
 
 void Arguments::list(const std::string& name, std::vector<std::string>& value, const std::string& help) {
   CLI::Option* option = impl_->app.add_option(name, value, help);
   if (name[0] == '-') option->allow_extra_args(false);  // one value each time, so that a path may follow
+  name_value(*option, name);
 }
+
+void Arguments::hide(const std::string& name) { impl_->app.get_option(name)->group(""); }
 
 void Arguments::require(const std::string& name) { impl_->app.get_option(name)->required(); }
 

@@ -22,6 +22,7 @@ class Arguments {
   void whole(const std::string& name, int& value, int lowest, int highest, const std::string& help);
   void list(const std::string& name, std::vector<std::string>& value, const std::string& help);  // name may be repeated
   void require(const std::string& name);
+  void hide(const std::string& name);  // taken, and not in the help
 
   // False when help was asked for. std::invalid_argument "what is wrong".
   bool parse(int argc, char* argv[]);

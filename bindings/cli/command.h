@@ -35,6 +35,8 @@ class Command {
   virtual ~Command() = default;
   // Declares the options beside the common ones.
   virtual void declare(Arguments& arguments) = 0;
+  // Commands that run no scene take the options of scenes too, and do not list them.
+  virtual bool runs_scenes() const { return true; }
   // Returns the exit status, or throws Failure.
   virtual int run(const Options& options) = 0;
 };

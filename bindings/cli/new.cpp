@@ -43,6 +43,8 @@ class New final : public Command {
     a.require("NAME");
   }
 
+  bool runs_scenes() const override { return false; }
+
   int run(const Options& options) override {
     namespace fs = std::filesystem;
     const std::string file = name_.ends_with(".lua") ? name_ : name_ + ".lua";

@@ -60,6 +60,11 @@ void declare(Arguments& a, Options& o) {
   a.text("--timeout", o.timeout, "seconds of processor time; exit status 4 (default: any; test: 60 per file)");
 }
 
+void hide_scene_options(Arguments& a) {
+  for (const char* name : {"--seed", "--set", "--world", "--dt", "--threads", "--limit", "--memory", "--timeout"})
+    a.hide(name);
+}
+
 lua::HostOptions host_options(const Options& o) {
   lua::HostOptions host;
   host.parts = o.build.parts, host.systems = o.build.systems;

@@ -19,6 +19,7 @@ class Run final : public Command {
     a.text("SCENE", scene_, "a .lua or .yaml file");
     a.require("SCENE");
     a.text("--seconds", seconds_, "simulated time (default: what the scene says, else 10)");
+    a.whole("--steps", steps_, 0, 1000000000, "or so many steps");
     a.flag("--check", check_, "run the scene's check at the end; exit status 1 when it fails");
     a.text("--csv", csv_, "write time, energy, each feder.plot and --track to this file, a row per step");
     a.list(
@@ -33,6 +34,7 @@ class Run final : public Command {
     // stdout belongs to the JSON value
     if (options.json) host.print = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
     const double wanted = seconds_.empty() ? -1 : read_number(seconds_, "--seconds");
+    if (wanted >= 0 && steps_ >= 0) throw Failure(kUsage, "feder run: expected --seconds or --steps, got both");
     Session session(std::move(host), print_error);
     const StopSignals signals;
     if (!csv_.empty()) trace_.emplace(csv_, track_);
@@ -68,8 +70,9 @@ class Run final : public Command {
 
   void step_scene(Session& session, double wanted, const Options& options) {
     const double own = session.script().seconds();
-    const double seconds = wanted >= 0 ? wanted : own > 0 ? own : 10;
-    const std::uint64_t steps = session.steps_for(seconds);
+    const double given = steps_ >= 0 ? steps_ * session.world()->desc().dt : wanted;
+    const double seconds = given >= 0 ? given : own > 0 ? own : 10;
+    const std::uint64_t steps = steps_ >= 0 ? static_cast<std::uint64_t>(steps_) : session.steps_for(seconds);
     Progress progress(!options.quiet);
     for (std::uint64_t i = 0; i < steps && session.goes_on(); ++i) {
       session.step();
@@ -135,6 +138,7 @@ class Run final : public Command {
 
   std::string scene_, seconds_, csv_;
   std::vector<std::string> track_;
+  int steps_ = -1;
   bool check_ = false;
   std::optional<Trace> trace_;
 };

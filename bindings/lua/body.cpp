@@ -150,6 +150,13 @@ bool body_is_sensor(const Body& b) {
   return first != kNone && b.world.need<Collide>().colliders().sensor[first];
 }
 
+void body_set_sensor(const Body& b, lua_State* L) {
+  const bool all = lua_type(L, 2) == LUA_TSTRING && text_at(L, 2) == kSensorAll;
+  if (!all && lua_type(L, 2) != LUA_TBOOLEAN)
+    fail_here(L, std::string("expected ") + kSensorValues + ", got " + describe(L, 2));
+  b.system.set_sensor(b.id, lua_toboolean(L, 2) != 0, all);
+}
+
 const Method kBodyMethods[] = {
     {"position", method<body_position>, "body:position() -> x, y, z", "of the body's origin, m"},
     {"set_position", method<body_set_position>, "body:set_position(x, y, z) -> self",
@@ -201,7 +208,8 @@ const Method kBodyMethods[] = {
     {"set_filter", method<body_set_filter>, "body:set_filter{ group =, mask = } -> self",
      "32-bit numbers; a pair meets when each group is in the other's mask", rows_of<kSetFilter>},
     {"is_sensor", method<body_is_sensor>, "body:is_sensor() -> boolean", "does it only notice?"},
-    {"set_sensor", method<&Rigid::set_sensor>, "body:set_sensor(on) -> self", "sensors notice and do not push"},
+    {"set_sensor", method<body_set_sensor>, "body:set_sensor(on) -> self",
+     "sensors notice and do not push; \"all\": static bodies too"},
 };
 
 }  // namespace

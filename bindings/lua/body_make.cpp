@@ -57,6 +57,17 @@ void read_mass(Options& o, const OptionRow& row, BodyReading& b) {
   if (o.real("mass", b.mass, row.range) && o.has("density")) o.raise("mass", "expected density or mass, got both");
 }
 
+// sensor = true | false | "all"
+void read_sensor(Options& o, const OptionRow& row, BodyReading& b) {
+  if (!o.push_any(row.name)) return;
+  b.senses_fixed = lua_type(o.L(), -1) == LUA_TSTRING && text_at(o.L(), -1) == kSensorAll;
+  if (!b.senses_fixed && lua_type(o.L(), -1) != LUA_TBOOLEAN) o.wrong(row.name, kSensorValues);
+  b.sensor = lua_toboolean(o.L(), -1) != 0;
+  lua_pop(o.L(), 1);
+}
+
+std::string show_sensor(const BodyReading& b) { return print_value(b.sensor); }
+
 void read_center(Options& o, const OptionRow&, BodyReading& b) {
   b.has_center = o.vector("center_of_mass", b.center_of_mass);
 }
@@ -91,7 +102,7 @@ constexpr Option<BodyReading> kBody[] = {
     {{.name = "lock", .choices = "x, y, z, rx, ry, rz"}, "string or list of strings", read_lock},
     field<&BodyDesc::group>("group", "", kBits),
     field<&BodyDesc::mask>("mask", "", kBits),
-    field<&BodyDesc::sensor>("sensor"),
+    {{.name = "sensor"}, "boolean or string", read_sensor, show_sensor},
     later<BodyReading>("tags", kWordsType),
 };
 

@@ -23,8 +23,9 @@ struct Part;
 std::vector<DocRow> docs(std::span<const Part* const> parts);
 // The options of a system: world = { <system> = { ... } }. Rows that one variant alone reads name it.
 std::vector<OptionInfo> system_options(Catalog systems, std::string_view system);
-// The fields of such events in a handler, and what subscriptions to them may filter by.
-std::vector<OptionInfo> event_fields(EventKind kind);
+// The fields of such events in a handler (`own`: one of an object, object:on), and what subscriptions to them may
+// filter by.
+std::vector<OptionInfo> event_fields(EventKind kind, bool own = false);
 std::vector<OptionInfo> event_filters(EventKind kind);
 // What an option means, of a method (`world:body`), table or variant: in one sentence, "" where nobody wrote one. In a
 // library of its own (feder_reference): a host without a reference does not link the sentences.

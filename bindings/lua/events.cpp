@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "lua/docs.h"
 #include "lua/method.h"
+#include "lua/sandbox.h"
 
 namespace feder::lua {
 namespace {
@@ -16,6 +18,7 @@ struct EventBlock {
   std::uint32_t world = 0;
   bool valid = false;
   bool swapped = false;
+  bool own = false;  // of a handler of an object
   Event event;
 };
 
@@ -31,7 +34,7 @@ struct EventView {
   lua_State* L;
   WorldRecord& record;
   const Event& e;
-  bool swapped;
+  bool swapped, own;
 
   void object(ObjectId id) const { push_handle(L, record, id); }
   // Does one of its two objects, `id`, report where on it, under this name?
@@ -58,10 +61,10 @@ void push_warning(const EventView& v) {
   v.e.text == kNone ? push(v.L, nullptr) : push(v.L, (v.record.world->events().*Text)(v.e));
 }
 
-constexpr std::uint32_t kEvery = 0, kOneObject = 1u << 31;
+constexpr std::uint32_t kEvery = 0, kOneObject = 1u << 31, kOwnPair = 1u << 30;
 
 // A field of events, nil where an event's kind has none of `of`; kEvery: of all kinds, kOneObject: of those about one
-// object.
+// object, kOwnPair: of pairs, in handlers of one of the two.
 struct EventField {
   OptionRow row;
   const char* type;
@@ -86,7 +89,10 @@ constexpr EventField kFields[] = {
     {{"speed", "m/s"}, "number", EventKind::kSpeed, push_number<&Event::speed>},
     {{"object"}, "object", kOneObject, [](const EventView& v) { v.object(v.e.a); }},
     {{"cause"}, "string", EventKind::kCause, [](const EventView& v) { push(v.L, v.e.cause.text()); }},
-    {{"other"}, "object", EventKind::kOther | EventKind::kSensed, [](const EventView& v) { v.object(v.e.b); }},
+    {{"other"},
+     "object",
+     EventKind::kOther | EventKind::kSensed | kOwnPair,
+     [](const EventView& v) { v.object(v.e.kind.has(EventKind::kPair) && v.swapped ? v.e.a : v.e.b); }},
     {{"sensor"}, "object", EventKind::kSensed, [](const EventView& v) { v.object(v.e.a); }},
     {{"index"},
      "integer",
@@ -104,23 +110,51 @@ constexpr EventField kFields[] = {
     {{"copy"}, "method", kEvery, nullptr},
 };
 
-bool carries(EventKind kind, const EventField& field) {
+bool carries(EventKind kind, const EventField& field, bool own) {
   if (field.of == kOneObject) return !kind.has(kTwo | EventKind::kAlone);
-  return field.of == kEvery || kind.has(field.of);
+  return field.of == kEvery || kind.has(field.of) || (own && (field.of & kOwnPair) && kind.has(EventKind::kPair));
 }
 
 void push_field(const EventView& v, const EventField& field) {
-  carries(v.e.kind, field) ? field.push(v) : lua_pushnil(v.L);
+  carries(v.e.kind, field, v.own) ? field.push(v) : lua_pushnil(v.L);
 }
 
 bool readable(lua_State* L, const EventBlock& block) { return block.valid && state(L).worlds[block.world]->world; }
 
-int event_copy(lua_State* L) {
+// Of a block that is readable.
+EventView view_of(lua_State* L, const EventBlock& block) {
+  return {L, *state(L).worlds[block.world], block.event, block.swapped, block.own};
+}
+
+// A plain table with the fields of the event.
+void push_fields(const EventView& v) {
+  lua_newtable(v.L);
+  for (const EventField& field : kFields) {
+    if (!field.push) continue;
+    push_field(v, field);
+    lua_setfield(v.L, -2, field.row.name);
+  }
+}
+
+const EventBlock& check_event(lua_State* L, const char* what) {
   const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
-  if (!block) fail(L, "event:copy: expected an event before the ':', got " + describe(L, 1));
-  if (!readable(L, *block)) fail(L, "event:copy: an event is valid inside its handler only; copy it there");
-  push_event_copy(L, *state(L).worlds[block->world], block->event, block->swapped);
+  if (!block) fail(L, std::string(what) + ": expected an event before the ':', got " + describe(L, 1));
+  if (!readable(L, *block)) fail(L, std::string(what) + ": an event is valid inside its handler only; copy it there");
+  return *block;
+}
+
+int event_copy(lua_State* L) {
+  push_fields(view_of(L, check_event(L, "event:copy")));
   return 1;
+}
+
+// The fields that it has, as pairs gives those of its copy.
+int event_pairs(lua_State* L) {
+  const EventBlock& block = check_event(L, "pairs");
+  lua_getglobal(L, "pairs");
+  push_fields(view_of(L, block));
+  lua_call(L, 1, 3);
+  return 3;
 }
 
 int event_index(lua_State* L) {  // upvalues: table of fields, copy
@@ -143,19 +177,32 @@ int event_index(lua_State* L) {  // upvalues: table of fields, copy
   if (!readable(L, *block))
     fail(L,
          "event." + std::string(field.row.name) + ": an event is valid inside its handler only; keep it with e:copy()");
-  push_field({L, *state(L).worlds[block->world], block->event, block->swapped}, field);
+  push_field(view_of(L, *block), field);
   return 1;
 }
 
 int event_no_write(lua_State* L) { fail(L, "event: an event cannot be changed; e:copy() gives a table"); }
 
+// "event hit { a = body "ball", speed = 3.2, ... }", without the fields that it does not have.
 std::string event_tostring(lua_State* L) {
-  const auto* block = static_cast<const EventBlock*>(lua_touserdata(L, 1));
-  return block->valid ? std::string("event ") + block->event.kind.text() : "event (over)";
+  const auto* block = static_cast<const EventBlock*>(test_class(L, 1, Class::event));
+  if (!block || !readable(L, *block)) return "event (over)";
+  std::string text;
+  for (const EventField& field : kFields) {
+    if (!field.push || std::string_view(field.row.name) == "kind") continue;
+    push_field(view_of(L, *block), field);
+    if (!lua_isnil(L, -1)) {
+      push_text(L, -1);
+      text += (text.empty() ? " " : ", ") + std::string(field.row.name) + " = " + std::string(text_at(L, -1));
+      lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+  }
+  return std::string("event ") + block->event.kind.text() + " {" + text + " }";
 }
 
 EventBlock& push_event(lua_State* L, const WorldRecord& record) {
-  return push_userdata(L, Class::event, EventBlock{record.id, false, false, {}});
+  return push_userdata(L, Class::event, EventBlock{record.id, false, false, false, {}});
 }
 
 void forget_subscription(lua_State* L, WorldRecord& record, Subscription& s) {
@@ -254,21 +301,16 @@ const Method kEventMethods[] = {
 }  // namespace
 
 std::span<const Method> event_methods() { return kEventMethods; }
-std::vector<OptionInfo> event_fields(EventKind kind) {
+std::vector<OptionInfo> event_fields(EventKind kind, bool own) {
   std::vector<OptionInfo> all;
   for (const EventField& f : kFields)
-    if (f.push && carries(kind, f)) all.push_back({.row = f.row, .type = f.type, .fallback = "", .choices = ""});
+    if (f.push && carries(kind, f, own)) all.push_back({.row = f.row, .type = f.type, .fallback = "", .choices = ""});
   return all;
 }
 std::span<const Method> connection_methods() { return kConnectionMethods; }
 
 void push_event_copy(lua_State* L, WorldRecord& record, const Event& e, bool swapped) {
-  lua_newtable(L);
-  for (const EventField& field : kFields) {
-    if (!field.push) continue;
-    push_field({L, record, e, swapped}, field);
-    lua_setfield(L, -2, field.row.name);
-  }
+  push_fields({L, record, e, swapped, false});
 }
 
 Side match(const WorldRecord& record, const Subscription& s, const Event& e) {
@@ -343,6 +385,7 @@ void dispatch_events(lua_State* L, WorldRecord& record) {
       }
       block.event = e;
       block.swapped = match(record, *sub, e) == Side::swapped;
+      block.own = bool(sub->self);
       block.valid = true;
       lua_rawgeti(L, data, sub->function);
       lua_pushvalue(L, data + 1);
@@ -467,7 +510,9 @@ int world_events(lua_State* L) {
 }
 
 void open_events(lua_State* L) {
-  set_metamethods(L, Class::event, {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}});
+  set_metamethods(
+      L, Class::event,
+      {{"__newindex", event_no_write}, {"__tostring", method<event_tostring>}, {"__pairs", guard<event_pairs>}});
   push_class(L, Class::event);
   lua_newtable(L);
   for (std::size_t i = 0; i < std::size(kFields); ++i) set_field(L, kFields[i].row.name, i + 1);

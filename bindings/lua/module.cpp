@@ -71,6 +71,16 @@ const Method kFederFunctions[] = {
     {"version", method<feder_version>, "feder.version() -> string", "of feder"},
 };
 
+// A name that the module has not.
+int unknown_function(lua_State* L) {
+  if (lua_type(L, 2) != LUA_TSTRING) fail(L, "feder has nothing under " + describe(L, 2));
+  std::vector<std::string> known;
+  for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1))
+    if (lua_type(L, -2) == LUA_TSTRING) known.emplace_back(lua_tostring(L, -2));
+  std::sort(known.begin(), known.end());
+  fail(L, "feder has no '" + std::string(text_at(L, 2)) + "'" + did_you_mean(text_at(L, 2), known));
+}
+
 }  // namespace
 
 void open_module(lua_State* L) {
@@ -87,6 +97,9 @@ void open_module(lua_State* L) {
   add_methods(L, shape_functions(), "feder.", 0);
   for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
   set_field(L, "pi", 3.14159265358979323846);
+  lua_newtable(L);
+  set_field(L, "__index", guard<unknown_function>);
+  lua_setmetatable(L, -2);
   lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
   lua_pushvalue(L, -2);
   lua_setfield(L, -2, "feder");

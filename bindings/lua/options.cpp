@@ -25,6 +25,20 @@ std::string expected_number(lua_State* L, int index, const Range& range) {
   return std::abs(x) > kHuge && range.hi >= kHuge ? "a number of at most 1e30" : range.text();
 }
 
+// The table at `index` for messages: "a table of 2 values", "a table with the keys d, h, w".
+std::string describe_table(lua_State* L, int index) {
+  index = lua_absindex(L, index);
+  if (const auto size = lua_rawlen(L, index))
+    return "a table of " + std::to_string(size) + (size == 1 ? " value" : " values");
+  std::vector<std::string> keys;
+  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
+    if (lua_type(L, -2) == LUA_TSTRING) keys.emplace_back(text_at(L, -2).substr(0, 20));
+  if (keys.empty()) return "an empty table";
+  std::sort(keys.begin(), keys.end());
+  if (keys.size() > 8) keys.resize(8), keys.emplace_back("...");
+  return std::string("a table with the key") + (keys.size() == 1 ? " " : "s ") + join(keys);
+}
+
 // The vector at `index`. wrong(i, expected, got) raises what is none: component i from 1 on, or the whole of it (0).
 template <class F>
 Vec3 read_vector(lua_State* L, int index, bool planar, F&& wrong) {
@@ -32,8 +46,7 @@ Vec3 read_vector(lua_State* L, int index, bool planar, F&& wrong) {
   const char* expected = planar ? "{x, y} or {x, y, z}" : "{x, y, z}";
   if (lua_type(L, index) != LUA_TTABLE) wrong(0, expected, describe(L, index));
   const auto size = lua_rawlen(L, index);
-  if (size != 3 && !(planar && size == 2))
-    wrong(0, expected, "a table of " + std::to_string(size) + (size == 1 ? " value" : " values"));
+  if (size != 3 && !(planar && size == 2)) wrong(0, expected, describe_table(L, index));
   Vec3 v = Vec3::Zero();
   each_entry(L, index, [&](lua_Integer i) {
     const double x = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : std::nan("");
@@ -42,6 +55,8 @@ Vec3 read_vector(lua_State* L, int index, bool planar, F&& wrong) {
   });
   return v;
 }
+
+constexpr double kQuaternionTolerance = 1e-3;  // of its length: a few digits written by hand, no other quantity
 
 struct RotationOptions {
   Vec3 axis = Vec3::Zero(), euler = Vec3::Zero();
@@ -123,27 +138,26 @@ Vec3 check_vector(lua_State* L, int index, const std::string& what, bool planar)
 
 Quat check_rotation(lua_State* L, int index, const std::string& what) {
   index = lua_absindex(L, index);
-  if (lua_type(L, index) != LUA_TTABLE)
-    wrong_value(L, index, what, "{x, y, z, w}, {axis =, angle =} or {euler = {..}}");
-  if (lua_rawlen(L, index) == 4) {
-    Real q[4] = {};
-    double n = 0;
+  const std::string expected = "{x, y, z, w}, {axis =, angle =} or {euler = {..}}";
+  if (lua_type(L, index) != LUA_TTABLE) wrong_value(L, index, what, expected);
+  const auto count = lua_rawlen(L, index);
+  if (count > 0 && count != 4) fail(L, what + ": expected " + expected + ", got " + describe_table(L, index));
+  if (count == 4) {
+    double q[4] = {}, n = 0;
     each_entry(L, index, [&](lua_Integer i) {
-      q[i - 1] = static_cast<Real>(check_number(L, -1, what + "." + "xyzw"[i - 1]));
-      n += static_cast<double>(q[i - 1]) * q[i - 1];
+      q[i - 1] = check_number(L, -1, what + "." + "xyzw"[i - 1]);
+      n += q[i - 1] * q[i - 1];
     });
-    if (!(n > 1e-12 && n < 1e12))
+    if (!(std::abs(std::sqrt(n) - 1) <= kQuaternionTolerance))
       fail(L, what + ": expected a quaternion of length 1, got one of length " + print_number(std::sqrt(n)));
-    return normalized({q[0], q[1], q[2], q[3]});
+    return normalized(
+        {static_cast<Real>(q[0]), static_cast<Real>(q[1]), static_cast<Real>(q[2]), static_cast<Real>(q[3])});
   }
   Options o(L, index, what);
   RotationOptions rotation;
   o.read(kRotation, rotation);
   if (o.has("euler")) return euler_rotation(o, rotation);
-  if (!o.has("axis") || !o.has("angle"))
-    fail(L, what + ": expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got " +
-                (lua_rawlen(L, index) ? "a table of " + std::to_string(lua_rawlen(L, index)) + " values"
-                                      : "a table without them"));
+  if (!o.has("axis") || !o.has("angle")) fail(L, what + ": expected " + expected + ", got " + describe_table(L, index));
   return from_axis_angle(rotation.axis, rotation.angle);
 }
 
@@ -387,6 +401,10 @@ void Options::finish() {
     found = true;
   }
   if (!found) return;
+  for (const auto& [name, rows] : inner_)
+    for (const OptionInfo& o : rows())
+      if (unknown == o.row.name)
+        raise_at(unknown, owner_ + ": '" + unknown + "' belongs into `" + name + " = { ... }`");
   const std::vector<std::string> names(known_.begin(), known_.end());
   raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" + did_you_mean_or(unknown, names));
 }

@@ -40,7 +40,10 @@ class Options {
   // Reads by rows, all of them, in their order. A key without a row is a mistake unless rest() takes it.
   template <class T, std::size_t N>
   void read_some(const Option<T> (&rows)[N], T& out) {
-    for (const Option<T>& r : rows) known_.push_back(r.row.name);
+    for (const Option<T>& r : rows) {
+      known_.push_back(r.row.name);
+      if (r.inner) inner_.emplace_back(r.row.name, r.inner);
+    }
     for (const Option<T>& r : rows) r.read(*this, r.row, out);
   }
   template <class T, std::size_t N>
@@ -116,6 +119,8 @@ class Options {
   bool planar_;
   lua_Integer entries_ = 0;
   std::vector<std::string_view> known_;
+  std::vector<std::pair<const char*, std::vector<OptionInfo> (*)()>>
+      inner_;  // keys whose tables have rows of their own
 };
 
 inline constexpr const char* kWordsType = "string or list of strings";

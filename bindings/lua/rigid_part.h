@@ -6,6 +6,8 @@
 
 namespace feder::lua {
 
+inline constexpr const char *kSensorAll = "all", *kSensorValues = "true, false or \"all\"";
+
 const Part& rigid_part();
 
 template <>

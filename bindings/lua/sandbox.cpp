@@ -171,6 +171,10 @@ void push_text(lua_State* L, int index) {
     case LUA_TSTRING: luaL_tolstring(L, index, nullptr); return;
     default: break;
   }
+  if (const std::string method = method_text(L, index); !method.empty()) {
+    push(L, method);
+    return;
+  }
   std::string name = luaL_typename(L, index);
   const int type = luaL_getmetafield(L, index, "__name");
   if (type == LUA_TSTRING) name = lua_tostring(L, -1);

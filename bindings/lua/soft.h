@@ -14,13 +14,25 @@ double soft_mass(const Object<S>& s, lua_State* L) {
   return sum;
 }
 
+// The points that the argument at 2 means: a number, or where the system has names, those of a side.
+template <class S>
+std::vector<std::uint32_t> points_argument(lua_State* L, const Object<S>& s) {
+  if constexpr (requires { s.system.named(s.id, ""); })
+    if (lua_type(L, 2) == LUA_TSTRING) return s.system.named(s.id, lua_tostring(L, 2));
+  return {static_cast<std::uint32_t>(point_argument(L, s, 2))};
+}
+
 template <class S>
 void soft_attach(const Object<S>& s, lua_State* L) {
-  const std::size_t i = point_argument(L, s, 2);
+  const std::vector<std::uint32_t> points = points_argument(L, s);
   const ObjectId body = check_object(L, 3, s.record, std::string(function_name(L)) + ".body", "body");
-  const Vec3 local = lua_isnoneornil(L, 4) ? to_local(pose_of(L, s.record, body), s.system.point(s.id, i))
-                                           : vector_argument(L, 4, s.record.planar());
-  s.system.attach(s.id, i, body, local);
+  const bool has_place = !lua_isnoneornil(L, 4);
+  if (has_place && points.size() > 1)
+    fail_here(L, "expected no place for " + describe(L, 2) + ": it is several points");
+  const Vec3 place = has_place ? vector_argument(L, 4, s.record.planar()) : Vec3(Vec3::Zero());
+  const Pose pose = pose_of(L, s.record, body);
+  for (const std::uint32_t i : points)
+    s.system.attach(s.id, i, body, has_place ? place : to_local(pose, s.system.point(s.id, i)));
 }
 
 }  // namespace feder::lua

@@ -414,8 +414,71 @@ std::string join(std::span<const std::string> words) {
   return all;
 }
 
+namespace {
+
+// What other engines call it.
+struct OtherWord {
+  std::string_view word;
+  const char* ours;
+};
+constexpr OtherWord kOtherWords[] = {
+    {"ball", "sphere"},
+    {"cube", "box"},
+    {"cuboid", "box"},
+    {"ground", "plane"},
+    {"rigid_body", "body"},
+    {"constraint", "joint"},
+    {"collision", "contact_begin"},
+    {"collision_enter", "contact_begin"},
+    {"collision_exit", "contact_end"},
+    {"trigger_enter", "sensor_enter"},
+    {"trigger_exit", "sensor_leave"},
+    {"trigger", "sensor"},
+    {"remove", "destroy"},
+    {"delete", "destroy"},
+    {"timer", "after"},
+    {"timeout", "after"},
+    {"interval", "every"},
+    {"pos", "position"},
+    {"orientation", "rotation"},
+    {"bounciness", "restitution"},
+    {"bounce", "restitution"},
+    {"weight", "mass"},
+    {"colour", "color"},
+};
+
+// getPosition, GetPosition, get_position -> position; applyForce -> apply_force.
+std::string plain_word(std::string_view word) {
+  std::string plain;
+  for (char c : word) {
+    const bool upper = c >= 'A' && c <= 'Z';
+    if (upper && !plain.empty() && plain.back() != '_') plain += '_';
+    plain += upper ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return plain.starts_with("get_") ? plain.substr(4) : plain;
+}
+
+// The member of `known` that somebody means who writes `word`; "" when there is none.
+std::string meant_name(std::string_view word, const std::vector<std::string>& known) {
+  const auto knows = [&](std::string_view name) { return std::find(known.begin(), known.end(), name) != known.end(); };
+  const std::string plain = plain_word(word);
+  if (knows(plain)) return plain;
+  std::vector<std::string> words = known;
+  for (const OtherWord& other : kOtherWords)
+    if (knows(other.ours)) words.emplace_back(other.word);
+  std::string near;
+  for (const OtherWord& other : kOtherWords)
+    if (plain == other.word && knows(other.ours)) near = other.word;
+  if (near.empty()) near = nearest_name(plain, words);
+  for (const OtherWord& other : kOtherWords)
+    if (near == other.word && knows(other.ours) && !knows(near)) return other.ours;
+  return near;
+}
+
+}  // namespace
+
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
-  const std::string near = nearest_name(word, known);
+  const std::string near = meant_name(word, known);
   return near.empty() ? "" : "; did you mean '" + near + "'?";
 }
 
@@ -429,9 +492,26 @@ void add_methods(lua_State* L, std::span<const Method> rows, const std::string& 
   for (const Method& row : rows) {
     metatable ? lua_pushvalue(L, metatable) : lua_pushnil(L);
     push(L, prefix + row.name);
-    lua_pushcclosure(L, row.fn, 2);
+    lua_pushlightuserdata(L, const_cast<Method*>(&row));  // what tostring shows
+    lua_pushcclosure(L, row.fn, 3);
     lua_setfield(L, -2, row.name);
   }
+}
+
+std::string method_text(lua_State* L, int index) {
+  if (!lua_iscfunction(L, index) || !lua_getupvalue(L, index, 3)) return {};
+  const auto* row = lua_islightuserdata(L, -1) ? static_cast<const Method*>(lua_touserdata(L, -1)) : nullptr;
+  lua_getupvalue(L, index, 2);
+  const std::string name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+  lua_pop(L, 2);
+  if (!row || !name.ends_with(row->name)) return {};
+  // methods of all objects have a signature of their own: h:name()
+  const std::string_view signature = row->signature;
+  const std::size_t at = signature.find(row->name), end = at + std::string_view(row->name).size();
+  const bool method = name.find(':') != std::string::npos;
+  const bool plain = at != std::string_view::npos && signature.substr(0, at).find(' ') == std::string_view::npos;
+  return std::string(method ? "method " : "function ") +
+         (plain ? name + std::string(signature.substr(end)) : std::string(signature));
 }
 
 void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists) {

@@ -210,9 +210,12 @@ int guard(lua_State* L) {
   relay(L, message);
 }
 
-// Fills the table on top of the stack: each function gets upvalues (metatable of its class or nil, qualified name).
+// Fills the table on top of the stack: each function gets upvalues (metatable of its class or nil, qualified name,
+// row). The rows outlive the state.
 void add_methods(lua_State* L, std::span<const Method> rows, const std::string& prefix, int metatable);
 // Makes the metatable of a class from its methods; leaves it on the stack for metamethods.
+// "method body:position() -> x, y, z" of a function at `index` that add_methods made; "" for others.
+std::string method_text(lua_State* L, int index);
 void make_class(lua_State* L, Class c, const std::vector<std::span<const Method>>& method_lists);
 void push_class(lua_State* L, Class c);
 

@@ -127,7 +127,7 @@ constexpr Option<WorldSettings> kWorld[] = {
     special("broad_phase", "string", read_world_text),
     special("narrow_phase", "string", read_world_text),
     {kAirDensity, "number", read_air_density},
-    {{.name = "materials"}, "table", read_materials, nullptr, rows_of<kMaterial>},
+    {{.name = "materials"}, "tables by name", read_materials, nullptr, rows_of<kMaterial>},
     {{.name = "material_pairs"}, "list", read_material_pairs, nullptr, rows_of<kMaterialPair>},
 };
 

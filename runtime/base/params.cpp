@@ -152,6 +152,15 @@ void Params::check_all_read(std::string_view owner) const {
   }
 }
 
+// How many letters two words share at their ends.
+static std::size_t shared_ends(std::string_view a, std::string_view b) {
+  const std::size_t most = std::min(a.size(), b.size());
+  std::size_t front = 0, back = 0;
+  while (front < most && a[front] == b[front]) ++front;
+  while (back < most && a[a.size() - 1 - back] == b[b.size() - 1 - back]) ++back;
+  return front + back;
+}
+
 std::string nearest_name(std::string_view word, const std::vector<std::string>& known) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 2) + 1;
@@ -169,7 +178,9 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
         diagonal = above;
       }
     }
-    if (row.back() < best_distance) best_distance = row.back(), best = candidate;
+    const bool closer = row.back() < best_distance || (row.back() == best_distance && !best.empty() &&
+                                                       shared_ends(word, candidate) > shared_ends(word, best));
+    if (closer) best_distance = row.back(), best = candidate;
   }
   return best;
 }

@@ -65,14 +65,14 @@ Real max_strain_of(const ClothDesc& d) {
 }
 
 // The vertices of a named side or corner; `clamped`: the name asks to hold the slope of its edges as well.
-std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, bool& clamped) {
+std::vector<std::uint32_t> named_vertices(const std::string& what, std::uint32_t nx, std::uint32_t ny, std::string name,
+                                          bool& clamped) {
   static const char kSuffix[] = "_clamped";
   const std::string full = name;
   clamped = name.size() > sizeof kSuffix && name.ends_with(kSuffix);
   if (clamped) name.resize(name.size() - (sizeof kSuffix - 1));
-  const std::uint32_t nx = d.nx, ny = d.ny;
   std::vector<std::uint32_t> v;
-  if (nx == 0) throw SceneError("cloth: pins: '" + full + "': only sheets have named sides; give vertex numbers");
+  if (nx == 0) throw SceneError(what + ": '" + full + "': only sheets have named sides; give vertex numbers");
   if (name == "top_left")
     v = {0};
   else if (name == "top_right")
@@ -90,7 +90,7 @@ std::vector<std::uint32_t> named_vertices(const ClothDesc& d, std::string name, 
         nearest_name(name, std::vector<std::string>{"top_left", "top_right", "bottom_left", "bottom_right", "top",
                                                     "bottom", "left", "right"});
     throw SceneError(
-        "cloth: pins: unknown name '" + full + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+        what + ": unknown name '" + full + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
         "; known: top_left, top_right, bottom_left, bottom_right, top, bottom, left, right, each with _clamped");
   }
   return v;
@@ -195,7 +195,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   }
   std::vector<ClothGhost> ghosts;
   s->mesh.triangles.assign(triangles.begin(), triangles.end());
-  s->mesh.grid = desc.nx > 0;
+  s->mesh.grid = desc.nx;
   const ClothStiffness stiffness{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend};
   const bool limit_free = desc.max_strain > 0;
   s->settings = {stiffness,           desc.area_density, desc.damping,      desc.thickness,      desc.friction,
@@ -206,7 +206,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   // pins by name, with a ghost vertex for each end of a clamped border edge
   for (const std::string& name : desc.pin_names) {
     bool clamped = false;
-    const std::vector<std::uint32_t> v = named_vertices(desc, name, clamped);
+    const std::vector<std::uint32_t> v = named_vertices("cloth: pins", desc.nx, desc.ny, name, clamped);
     for (const std::uint32_t i : v) pinned[i] = 1;
     if (!clamped) continue;
     if (v.size() == 1)  // a corner keeps its slope when its neighbours stay
@@ -244,6 +244,16 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   m.declare_surfaces();
   *m.structure_changed = true;
   return m.sheets.back()->object;
+}
+
+std::vector<std::uint32_t> Cloth::named(ObjectId id, const std::string& name) const {
+  const ClothMesh& mesh = impl_->sheet(id).mesh;
+  // tearing adds vertices and takes no triangles
+  const auto cells = static_cast<std::uint32_t>(mesh.triangles.size() / 6);
+  bool clamped = false;
+  auto all = named_vertices("attach", mesh.grid, mesh.grid ? cells / (mesh.grid - 1) + 1 : 0, name, clamped);
+  if (clamped) throw SceneError("attach: '" + name + "': an attachment holds places, not slopes; leave _clamped out");
+  return all;
 }
 
 void Cloth::destroy_cloth(ObjectId id, std::string where) {

@@ -40,7 +40,7 @@ struct ClothGhost {
 struct ClothMesh {
   explicit ClothMesh(Arena& a) : triangles(&a), edges(&a), links(&a), hinges(&a), ghosts(&a) {}
   Array<std::uint32_t> triangles;  // three per triangle
-  std::uint32_t grid = 0;          // 1: triangles 2k and 2k+1 are the halves of cell k
+  std::uint32_t grid = 0;          // of a sheet: its columns; triangles 2k and 2k+1 are the halves of cell k
   Array<ClothEdge> edges;
   Array<ClothLink> links;
   Array<ClothHinge> hinges;

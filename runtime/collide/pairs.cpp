@@ -61,6 +61,12 @@ void Collide::Impl::find_pairs(StepContext&) {
   broad->find_pairs(colliders->box, motion, pairs);
 }
 
+// Does the sensor i leave the collider out, because that is scenery?
+static bool overlooks(const Colliders& c, std::uint32_t i, std::uint32_t other) {
+  return c.sensor[i] == kSensesMoving && c.motion[other] == ColliderMotion::fixed &&
+         c.owner[other] == ColliderOwner::body;
+}
+
 bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
   const Colliders& c = *colliders;
   if (c.object[a] == c.object[b]) return false;
@@ -68,6 +74,7 @@ bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
     return false;  // nets and cloths meet as surfaces
   if (!(c.group[a] & c.mask[b]) || !(c.group[b] & c.mask[a])) return false;
   if (c.sensor[a] && c.sensor[b]) return false;  // sensors do not see each other
+  if (overlooks(c, a, b) || overlooks(c, b, a)) return false;
   const bool dynamic = c.motion[a] == ColliderMotion::dynamic || c.motion[b] == ColliderMotion::dynamic;
   if (!dynamic && !c.sensor[a] && !c.sensor[b]) return false;
   return exclusions.empty() || !excluded(c.object[a], c.object[b]);

@@ -214,7 +214,7 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const BodySo
     colliders.owner_index[k] = i;
     colliders.solver_slot[k] = d.type == BodyType::fixed ? kNone : bodies.solver_slot[i];
     colliders.object[k] = bodies.object[i];
-    colliders.sensor[k] = d.sensor;
+    colliders.sensor[k] = sensing(d.sensor, d.senses_fixed);
     colliders.bullet[k] = d.bullet;
     colliders.friction_static[k] = d.friction_static;
     colliders.friction_dynamic[k] = d.friction_dynamic;

@@ -157,11 +157,11 @@ void Rigid::set_gravity_scale(ObjectId body, Real scale) {
   impl_->bodies.gravity_scale[i] = scale;
 }
 
-void Rigid::set_sensor(ObjectId body, bool sensor) {
+void Rigid::set_sensor(ObjectId body, bool sensor, bool senses_fixed) {
   const std::uint32_t i = impl_->index(body);
   impl_->wake_touching(i, WakeCause::script);
   impl_->changed(i);
-  impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.sensor[k] = sensor; });
+  impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.sensor[k] = sensing(sensor, senses_fixed); });
 }
 
 void Rigid::wake(ObjectId body, WakeCause cause, ObjectId other) { impl_->wake(impl_->index(body), cause, other); }

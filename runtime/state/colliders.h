@@ -15,14 +15,19 @@ namespace feder {
 
 enum class ColliderOwner : std::uint8_t { body, point };                       // point: of a surface
 enum class ColliderMotion : std::uint8_t { none, fixed, kinematic, dynamic };  // none: a free index
+inline constexpr std::uint8_t kSensesAll = 1, kSensesMoving = 2;               // of a sensor; moving: no fixed bodies
+
+inline std::uint8_t sensing(bool sensor, bool senses_fixed) {
+  return !sensor ? std::uint8_t(0) : senses_fixed ? kSensesAll : kSensesMoving;
+}
 
 struct Colliders {
   explicit Colliders(Arena& a) : arena(a) {}
 
   Arena& arena;
   Array<ColliderMotion> motion{&arena};
-  Array<std::uint8_t> awake{&arena};  // owner awake (kinematic: moving)
-  Array<std::uint8_t> sensor{&arena};
+  Array<std::uint8_t> awake{&arena};   // owner awake (kinematic: moving)
+  Array<std::uint8_t> sensor{&arena};  // 0: none
   Array<std::uint8_t> bullet{&arena};
   Array<const Shape*> shape{&arena};  // kept alive by `shapes`
   Array<ColliderOwner> owner{&arena};

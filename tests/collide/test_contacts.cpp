@@ -297,6 +297,31 @@ TEST_CASE("sensors see sleeping and fixed bodies, once per object", "[collide][s
   CHECK(w.of(EventKind::sensor_leave)[0].b == gone);
 }
 
+TEST_CASE("a sensor of what moves leaves fixed bodies out", "[collide][sensor]") {
+  FakeWorld w;
+  const std::uint32_t zone = w.add(make_box(4, 4, 4), Vec3::Zero(), ColliderMotion::fixed);
+  w.each(zone, [&](std::uint32_t k) { w.c().sensor[k] = kSensesMoving; });
+  const std::uint32_t wall = w.add(make_box(1, 1, 1), Vec3(0, 2, 0), ColliderMotion::fixed);
+  w.add(make_box(1, 1, 1), Vec3(0, -2, 0), ColliderMotion::kinematic);
+  w.add(make_sphere(1), Vec3::Zero());
+  w.step();
+  CHECK(w.of(EventKind::sensor_enter).size() == 2);
+  const auto becomes = [&](std::uint32_t body, ColliderMotion motion) {
+    w.changed(body);
+    w.each(body, [&](std::uint32_t k) { w.c().motion[k] = motion; });
+    w.step();
+  };
+  becomes(wall, ColliderMotion::kinematic);
+  REQUIRE(w.of(EventKind::sensor_enter).size() == 1);
+  CHECK(w.of(EventKind::sensor_enter)[0].b == w.bodies[wall].object);
+  becomes(wall, ColliderMotion::fixed);
+  CHECK(w.of(EventKind::sensor_leave).size() == 1);
+  w.changed(zone);
+  w.each(zone, [&](std::uint32_t k) { w.c().sensor[k] = kSensesAll; });
+  w.step();
+  CHECK(w.of(EventKind::sensor_enter).size() == 1);
+}
+
 TEST_CASE("a compound on a floor begins once, hits once, and ends with its name", "[collide][events]") {
   FakeWorld w;
   ground(w);

@@ -31,6 +31,67 @@ TEST_CASE("an object's own handler sees itself as a", "[lua][events]") {
   )") == "ball\tball\tfloor\ttrue\nfloor\tfloor\tball\ttrue\nfilter\tball\ttrue\n");
 }
 
+TEST_CASE("other is the one that a handler's object meets", "[lua][events]") {
+  CHECK(output_of(std::string(kFloor) + kBall + R"(
+    ball:on("hit", function(e) print("ball", e.other:name(), e:copy().other:name()) end)
+    world:find("floor"):on("hit", function(e) print("floor", e.other:name()) end)
+    world:on("hit", function(e) print("world", e.other, e:copy().other) end)
+    world:step(30)
+  )") == "ball\tfloor\tfloor\nfloor\tball\nworld\tnil\tnil\n");
+}
+
+TEST_CASE("an event shows its fields as text and to pairs", "[lua][events]") {
+  CHECK(output_of(std::string(kFloor) + kBall + R"(
+    local kept, keys = nil, {}
+    world:on("hit", function(e)
+      kept = e
+      local text = tostring(e)
+      print(text:sub(1, 12), text:find('a = body "floor", b = body "ball"', 1, true) ~= nil,
+        text:find("speed = " .. e.speed, 1, true) ~= nil, text:find("cause"), text:find("copy"))
+      for key, value in pairs(e) do
+        keys[#keys + 1] = key
+        assert(e[key] == value)
+      end
+    end)
+    world:step(30)
+    table.sort(keys)
+    print(table.concat(keys, " "))
+    print(kept, pcall(pairs, kept))
+  )") == "event hit { \ttrue\ttrue\tnil\tnil\na b impulse kind nx ny nz speed step time x y z\n"
+         "event (over)\tfalse\ttest.lua:16: pairs: an event is valid inside its handler only; copy it there\n");
+}
+
+TEST_CASE("a sensor leaves static bodies out unless it is to see all", "[lua][events]") {
+  for (const char* when : {"made", "set"}) {
+    CAPTURE(when);
+    const std::string changed = std::string(when) + " == 'set'";
+    CHECK(output_of(std::string("local made, set = 'made', 'set' local later = ") + changed + R"( or false
+      local function zone(name, x, sensor)
+        local b = world:body{ name = name, type = "static", shape = feder.box(1, 1, 1), position = {x, 0, 0},
+          sensor = later and true or sensor }
+        if later then b:set_sensor(sensor) end
+        b:on("sensor_enter", function(e) print(name, e.other:name()) end)
+        world:body{ name = "wall", type = "static", shape = feder.box(0.1, 0.1, 0.1), position = {x, 0, 0} }
+        world:body{ name = "lift", type = "kinematic", shape = feder.box(0.1, 0.1, 0.1), position = {x + 0.2, 0, 0} }
+        world:body{ name = "ball", shape = feder.sphere(0.05), position = {x - 0.2, 0, 0} }
+      end
+      zone("moving", 0, true)
+      zone("all", 10, "all")
+      world:region{ name = "region", shape = feder.box(1, 1, 1), position = {20, 0, 0} }:on("sensor_enter", function(e)
+        print("region", e.other:name())
+      end)
+      world:body{ name = "wall", type = "static", shape = feder.box(0.1, 0.1, 0.1), position = {20, 0, 0} }
+      world:body{ name = "ball", shape = feder.sphere(0.05), position = {20.2, 0, 0} }
+      world:step(2)
+      print(world:find("moving"):is_sensor(), world:find("all"):is_sensor())
+      -- what becomes movable is seen, what becomes scenery is not
+      world:step(1)
+      world:bodies()[2]:set_type("kinematic")
+      world:step(1)
+    )") == "moving\tlift\nmoving\tball\nall\twall\nall\tlift\nall\tball\nregion\tball\ntrue\ttrue\nmoving\twall\n");
+  }
+}
+
 TEST_CASE("filters are kept: tags, speed, objects", "[lua][events]") {
   CHECK(output_of(std::string(kFloor) + kBall + R"(
     local hits = { slow = 0, fast = 0, tag = 0, other = 0, object = 0 }

@@ -64,6 +64,39 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
        "test.lua:1: world:body.rotation.axis: expected a direction, got {0, 0, 0}"},
       {"world:body{ shape = feder.box(1,1,1), rotation = {0,0,0,0} }",
        "test.lua:1: world:body.rotation: expected a quaternion of length 1, got one of length 0"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {0, 0, 15} }",
+       "test.lua:1: world:body.rotation: expected {x, y, z, w}, {axis =, angle =} or {euler = {..}}, got a table of 3 "
+       "values"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {0, 0, 15, 0} }",
+       "test.lua:1: world:body.rotation: expected a quaternion of length 1, got one of length 15"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {0, 0, 0, 1.002} }",
+       "test.lua:1: world:body.rotation: expected a quaternion of length 1, got one of length 1.002"},
+      {"world:body{ shape = feder.box(1,1,1) }:set_rotation(0, 0, 0, 0.99)",
+       "test.lua:1: body:set_rotation: expected a quaternion of length 1, got one of length 0.99"},
+      {"world:body{ shape = feder.box(1,1,1), rotation = {} }", "or {euler = {..}}, got an empty table"},
+      {"world:body{ shape = feder.box(1,1,1), position = {x = 1, y = 2} }",
+       "test.lua:1: world:body.position: expected {x, y, z}, got a table with the keys x, y"},
+      {"feder.box{ w = 1, h = 1, d = 1 }",
+       "test.lua:1: feder.box: expected {x, y, z}, got a table with the keys d, h, w"},
+      {"feder.ball(1)", "test.lua:1: feder has no 'ball'; did you mean 'sphere'?"},
+      {"feder.Box(1, 1, 1)", "test.lua:1: feder has no 'Box'; did you mean 'box'?"},
+      {"feder.sfere(1)", "test.lua:1: feder has no 'sfere'; did you mean 'sphere'?"},
+      {"world:body{ shape = feder.box(1,1,1) }:get_position()",
+       "test.lua:1: a body has no method 'get_position'; did you mean 'position'?"},
+      {"world:body{ shape = feder.box(1,1,1) }:getPosition()",
+       "test.lua:1: a body has no method 'getPosition'; did you mean 'position'?"},
+      {"world:body{ shape = feder.box(1,1,1) }:setPosition(0, 0, 0)",
+       "test.lua:1: a body has no method 'setPosition'; did you mean 'set_position'?"},
+      {"world:body{ shape = feder.box(1,1,1) }:AddForce(0, 0, 0)", "did you mean 'apply_force'?"},
+      {"world:on('collision', print)",
+       "test.lua:1: world:on: unknown event 'collision'; did you mean 'contact_begin'?"},
+      {"world:body{ shape = feder.box(1,1,1), sensor = 'al' }",
+       "test.lua:1: world:body.sensor: expected true, false or \"all\", got 'al'"},
+      {"feder.scene{ dimension = 2, build = print }",
+       "test.lua:1: feder.scene: 'dimension' belongs into `world = { ... }`"},
+      {"feder.scene{ rigid = {}, build = print }", "test.lua:1: feder.scene: unknown option 'rigid'; "},
+      {"world:body{ shape = feder.box(1,1,1), static = 1 }",
+       "test.lua:1: world:body: 'static' belongs into `friction = { ... }`"},
       {"world:body{ shape = feder.box(1,1,1), rotation = {euler={0,0,0}, order='xxw'} }",
        "test.lua:1: world:body.rotation.order: expected three of the letters x, y, z, got 'xxw'"},
       {"world:body{ shape = feder.box(1,1,1), group = 1.5 }",
@@ -135,6 +168,22 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
   }
 }
 
+TEST_CASE("a quaternion may be as long as a few digits make it", "[lua][options]") {
+  CHECK(output_of(R"(
+    local x, y, z, w = world:body{ shape = feder.sphere(1), rotation = {0, 0.7071, 0, 0.7071} }:rotation()
+    print(math.abs(x * x + y * y + z * z + w * w - 1) < 1e-6)
+  )") == "true\n");
+}
+
+TEST_CASE("a method shows how it is called", "[lua][options]") {
+  CHECK(output_of(R"(
+    local b = world:body{ shape = feder.sphere(1) }
+    print(b.position) print(b.alive) print(world.time) print(feder.deg) print(tostring(feder.sphere):sub(1, 21))
+    print(("%s"):format(b.mass), tostring(print):match("^function: #%d+$") ~= nil)
+  )") == "method body:position() -> x, y, z\nmethod body:alive() -> boolean\nmethod world:time() -> number\n"
+         "function feder.deg(degrees) -> radians\nfunction feder.sphere\nmethod body:mass() -> number\ttrue\n");
+}
+
 TEST_CASE("a refused option leaves the world as it was", "[lua][options]") {
   CHECK(output_of(R"(
     world:body{ shape = feder.sphere(1), position = {0, 5, 0} }
@@ -179,7 +228,7 @@ TEST_CASE("rotations in every form", "[lua][options]") {
       local x, y, z, w = world:body{ shape = feder.sphere(1), rotation = r }:rotation()
       print(("%.4f %.4f %.4f %.4f"):format(x, y, z, w))
     end
-    show{ 0, 0, 2, 0 }
+    show{ 0, 0, 1, 0 }
     show{ axis = {0, 3, 0}, angle = feder.deg(90) }
     show{ euler = {feder.deg(90), 0, 0} }
     show{ euler = {feder.deg(90), feder.deg(90), 0}, order = "xyz" }

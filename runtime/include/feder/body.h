@@ -40,6 +40,7 @@ struct BodyDesc {
   std::uint8_t lock = 0;  // LockBits
   std::uint32_t group = 1, mask = 0xffffffffu;
   bool sensor = false;
+  bool senses_fixed = false;  // of a sensor: static bodies too
   std::string material;
 };
 

@@ -84,6 +84,8 @@ class Cloth final : public System {
   std::size_t vertex_count(ObjectId cloth) const;
   std::size_t triangle_count(ObjectId cloth) const;
   std::size_t edge_count(ObjectId cloth) const;
+  // The vertices of a side or corner of a sheet, "top_left"; SceneError for other names and for meshes.
+  std::vector<std::uint32_t> named(ObjectId cloth, const std::string& name) const;
   // i counts from 0 within the cloth; SceneError when out of range.
   Vec3 point(ObjectId cloth, std::size_t i) const;
   void set_point(ObjectId cloth, std::size_t i, const Vec3& x);  // moves a pinned vertex, teleports a free one

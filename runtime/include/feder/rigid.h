@@ -60,7 +60,7 @@ class Rigid final : public System {
   void set_surface_velocity(ObjectId body, const Vec3& v);
   void set_damping(ObjectId body, Real linear, Real angular);
   void set_gravity_scale(ObjectId body, Real scale);
-  void set_sensor(ObjectId body, bool sensor);
+  void set_sensor(ObjectId body, bool sensor, bool senses_fixed = false);
   void wake(ObjectId body, WakeCause cause = WakeCause::script, ObjectId other = {});  // and its island
   void sleep(ObjectId body);
   void wake_all(WakeCause cause);
