@@ -121,20 +121,22 @@ std::string own_program() {
   return program;
 }
 
-// Takes the results of one child, until it has ended or the command has to. `at` counts files.
-void receive(Child& child, const std::vector<std::string>& files, std::size_t& at,
+// Takes the results of one child, until it has ended or the command has to. `at` counts tests.
+void receive(Child& child, const std::vector<std::string>& tests, std::size_t& at,
              const std::function<void(TestResult)>& done) {
   std::uint64_t start = clock_nanoseconds();
   const auto seconds = [&] { return static_cast<double>(clock_nanoseconds() - start) * 1e-9; };
-  // the file that the child was at has failed
+  // the test that the child was at has failed
   const auto fail = [&](const std::string& message, bool exceeded) {
-    if (at >= files.size()) return;
+    if (at >= tests.size()) return;
     TestResult r;
-    r.name = files[at++];
+    r.name = tests[at++];
+    const TestCase test = read_case(r.name);
+    r.file = test.file, r.set = test.set;
     r.status = TestStatus::failed;
     r.seconds = seconds();
     r.exceeded = exceeded;
-    r.failures.push_back({"", message});
+    r.failures.push_back({.message = message});
     done(std::move(r));
   };
   std::string line;
@@ -143,7 +145,7 @@ void receive(Child& child, const std::vector<std::string>& files, std::size_t& a
     if (child.next_line(line, waiting)) {
       const report::Json json = report::Json::parse(line, nullptr, false);
       start = clock_nanoseconds();
-      if (!json.is_object() || json.contains("start") || at >= files.size()) continue;
+      if (!json.is_object() || json.contains("start") || at >= tests.size()) continue;
       done(report::read_as<TestResult>(json));
       ++at;
     } else if (!waiting) {
@@ -158,17 +160,28 @@ void receive(Child& child, const std::vector<std::string>& files, std::size_t& a
 
 }  // namespace
 
-void run_isolated(const std::vector<std::string>& files, const std::vector<std::string>& arguments,
+void run_isolated(const std::vector<std::string>& tests, const std::vector<std::string>& arguments,
                   const std::function<void(TestResult)>& done) {
   const std::string program = own_program();
   std::size_t at = 0;
-  while (at < files.size() && !stop_flag()) {
+  while (at < tests.size() && !stop_flag()) {
     std::vector<std::string> words = {program, "test", "--worker"};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    words.insert(words.end(), files.begin() + static_cast<std::ptrdiff_t>(at), files.end());
+    words.insert(words.end(), tests.begin() + static_cast<std::ptrdiff_t>(at), tests.end());
     Child child(words);
-    receive(child, files, at, done);
+    receive(child, tests, at, done);
   }
+}
+
+int run_own_program(std::vector<std::string> words) {
+  words.insert(words.begin(), own_program());
+  Child child(words);
+  std::string line;
+  bool waiting = false;
+  while (child.next_line(line, waiting) || waiting)
+    if (stop_flag()) return -1;
+  const int status = child.end(true);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 void send_line(const report::Json& line) {

@@ -3,94 +3,245 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <fstream>
+#include <optional>
 
 #include "cli/session.h"
 #include "cli/stop.h"
+#include "cli/test_golden.h"
 #include "feder/profile.h"
 
 namespace feder::cli {
 namespace {
 
+using report::TestFailure;
 using report::TestResult;
 using report::TestStatus;
 
 constexpr std::size_t kKeptOutput = std::size_t(1) << 20;  // bytes of what a script prints
 
 // "scene.lua:12: message" taken apart again.
-report::TestFailure failure_from(const std::string& text, const std::string& file) {
+TestFailure failure_from(const std::string& text, const std::string& file) {
   std::size_t at = text.starts_with(file) ? file.size() : text.find(':');
-  if (at == std::string::npos || at >= text.size() || text[at] != ':') return {"", text};
+  if (at == std::string::npos || at >= text.size() || text[at] != ':') return {.message = text};
   const std::size_t end = text.find_first_not_of("0123456789", at + 1);
-  if (end == at + 1 || end == std::string::npos || text.compare(end, 2, ": ") != 0) return {"", text};
-  return {text.substr(0, end), text.substr(end + 2)};
+  if (end == at + 1 || end == std::string::npos || text.compare(end, 2, ": ") != 0) return {.message = text};
+  return {.where = text.substr(0, end), .message = text.substr(end + 2)};
 }
 
-void step_and_check(Session& session, TestResult& result) {
-  const double own = session.script().seconds();
-  const std::uint64_t steps = session.steps_for(own > 0 ? own : 10);
-  for (std::uint64_t i = 0; i < steps && session.goes_on(); ++i) session.step();
-  if (!session.goes_on()) return;
-  const lua::CheckResult check = session.script().check();
-  result.checks = check.passed;
-  result.exceeded = check.limit != lua::Limit::none;
-  for (const auto& f : check.failures) {
-    const bool limited = result.exceeded && &f == &check.failures.back();
-    result.failures.push_back({f.where, limited ? limit_text(f.message, check.limit) : f.message});
+TestFailure failure_from(const lua::CheckFailure& f) {
+  return {.where = f.where,
+          .message = f.message,
+          .source = "",
+          .time = f.time,
+          .step = static_cast<int>(f.step),
+          .object = f.object,
+          .expected = f.expected,
+          .actual = f.actual,
+          .tolerance = f.tolerance};
+}
+
+// The line of the script that `where` names, of those files that the script has read.
+std::string source_line(const std::string& where, const std::vector<std::string>& files) {
+  const std::size_t colon = where.rfind(':');
+  if (colon == std::string::npos) return {};
+  for (const std::string& file : files) {
+    if (!file.ends_with(where.substr(0, colon))) continue;
+    std::ifstream in(file);
+    std::string line;
+    for (int n = std::atoi(where.c_str() + colon + 1); n > 0; --n)
+      if (!std::getline(in, line)) return {};
+    const std::size_t first = line.find_first_not_of(" \t");
+    return first == std::string::npos ? "" : line.substr(first, 200);
   }
-  if (!session.world()->is_finite()) result.failures.push_back({"", "the state is not finite at the end"});
-  if (!check.has_check) {
-    result.status = TestStatus::skipped;
-    result.notice = "has no check";
+  return {};
+}
+
+// One run of one case.
+class TestRun {
+ public:
+  TestRun(const TestCase& test, const Options& options, const TestSettings& settings)
+      : test_(test), options_(options), settings_(settings) {
+    options_.set.insert(options_.set.end(), test.set.begin(), test.set.end());
+  }
+
+  TestResult run() {
+    result_.name = test_.name(), result_.file = test_.file, result_.set = test_.set;
+    if (settings_.begun) settings_.begun();
+    const std::uint64_t start = clock_nanoseconds();
+    const TimeLimit time(timeout_seconds(options_, kTestProcessorTime), kTestWallTime);
+    try {
+      run_session();
+    } catch (const Failure& e) {
+      take(e);
+    } catch (const std::exception& e) {
+      result_.failures.push_back(failure_from(e.what(), test_.file));
+    }
+    if (session_) look_back();
+    if (!result_.failures.empty()) result_.status = TestStatus::failed;
+    for (TestFailure& f : result_.failures) f.source = source_line(f.where, result_.files);
+    result_.seconds = static_cast<double>(clock_nanoseconds() - start) * 1e-9;
+    return result_;
+  }
+
+  const std::vector<lua::ParamInfo>& params() const { return params_; }
+  int random() const { return random_; }
+
+ private:
+  // A plain test fails by its error; whatever else does not get as far as its first step was not loaded.
+  void take(const Failure& e) {
+    const std::string text = e.what();
+    if (e.status() == kUsage && !test_.set.empty() && text.find("unknown parameter") != std::string::npos) {
+      result_.status = TestStatus::skipped;
+      result_.notice = text.substr(0, text.find(';'));
+      return;
+    }
+    result_.exceeded = e.status() == kBudget;
+    result_.loaded = result_.exceeded || (e.status() == kFailed && is_plain_test(test_.file));
+    result_.failures.push_back(failure_from(text, test_.file));
+  }
+
+  void run_session() {
+    lua::HostOptions host = host_options(options_);
+    host.print = [this](std::string_view text) {
+      if (result_.output.size() < kKeptOutput) result_.output += text.substr(0, kKeptOutput - result_.output.size());
+    };
+    if (settings_.coverage) host.coverage = &result_.lines;
+    session_ = std::make_unique<Session>(std::move(host), nullptr);
+    session_->load(test_.file);
+    result_.scene = session_->is_scene();
+    params_ = session_->script().params(), random_ = session_->script().random_tests();
+    if (result_.scene) {
+      step_and_check();
+    } else if (!is_plain_test(test_.file)) {
+      result_.status = TestStatus::skipped;
+      result_.notice = "is neither a scene nor a *_test.lua";
+    }
+  }
+
+  void step_and_check() {
+    Session& session = *session_;
+    const double own = session.script().seconds();
+    const std::uint64_t steps = session.steps_for(own > 0 ? own : 10);
+    std::optional<GoldenRun> golden;
+    if (session.script().golden().declared && compares_golden()) golden.emplace(session);
+    if (golden) golden->look();
+    for (std::uint64_t i = 0; i < steps && session.goes_on(); ++i) {
+      session.step();
+      if (golden && session.goes_on()) golden->look();
+    }
+    if (!session.goes_on()) return;
+    if (golden) golden->finish(settings_.update_golden, result_);
+    const lua::CheckResult check = session.script().check();
+    result_.exceeded = check.limit != lua::Limit::none;
+    if (!session.world()->is_finite()) result_.failures.push_back({.message = "the state is not finite at the end"});
+    if (!check.has_check && !golden && check.passed == 0 && check.failures.empty()) {
+      result_.status = TestStatus::skipped;
+      result_.notice = "has no check";
+    }
+  }
+
+  // Other values are another run, with nothing to be compared with.
+  bool compares_golden() {
+    if (options_.set.empty() && options_.world.empty() && options_.dt.empty() && options_.seed.empty()) return true;
+    result_.notice = "the golden run is one without options";
+    return false;
+  }
+
+  // What is known at the end, also of a run that failed.
+  void look_back() {
+    lua::Script& script = session_->script();
+    const lua::CheckResult& checks = script.checks();
+    result_.checks = checks.passed;
+    for (const auto& f : checks.failures) {
+      result_.failures.push_back(failure_from(f));
+      if (result_.exceeded && &f == &checks.failures.back())
+        result_.failures.back().message = limit_text(f.message, checks.limit);
+    }
+    for (const auto& f : checks.notes) result_.notes.push_back(failure_from(f));
+    bool limited = false;
+    for (const auto& e : script.handler_errors()) {
+      limited = limited || e.limit != lua::Limit::none;
+      if (e.expectation) continue;
+      result_.failures.push_back({.where = e.where,
+                                  .message = fmt::format("{} ({} x, in a handler)",
+                                                         failure_from(error_text(e), test_.file).message, e.count)});
+    }
+    if (!session_->goes_on() && !limited && !result_.exceeded) result_.failures.push_back({.message = stop_text()});
+    result_.exceeded = result_.exceeded || !session_->goes_on();
+    for (const auto& file : script.files()) result_.files.push_back(file.string());
+    const World* world = session_->world();
+    if (!world) return;
+    result_.time = world->time(), result_.hash = fmt::format("{:016x}", world->hash());
+  }
+
+  TestCase test_;
+  Options options_;
+  const TestSettings& settings_;
+  TestResult result_;
+  std::unique_ptr<Session> session_;
+  std::vector<lua::ParamInfo> params_;
+  int random_ = 0;
+};
+
+// Every run must end in the same state.
+void repeat(const TestCase& test, const Options& options, const TestSettings& settings, TestResult& result) {
+  for (int i = 2; i <= settings.repeat && result.status == TestStatus::passed && !stop_flag(); ++i) {
+    TestResult next = TestRun(test, options, settings).run();
+    if (next.status == TestStatus::failed) result.failures = next.failures;
+    if (next.hash != result.hash)
+      result.failures.push_back({.message = fmt::format("run {} of {} ended in another state: {} instead of {}", i,
+                                                        settings.repeat, next.hash, result.hash)});
+    if (result.failures.empty()) continue;
+    result.status = TestStatus::failed;
+    result.again = fmt::format("--repeat {}", settings.repeat);
   }
 }
 
-void run_session(const std::string& file, const Options& options, TestResult& result) {
-  lua::HostOptions host = host_options(options);
-  host.print = [&result](std::string_view text) {
-    if (result.output.size() < kKeptOutput) result.output += text.substr(0, kKeptOutput - result.output.size());
+void try_random(const TestCase& test, const Options& options, const TestSettings& settings, const TestRun& first,
+                TestResult& result) {
+  const int count = settings.random < 0 ? first.random() : settings.random;
+  if (count == 0 || result.status != TestStatus::passed || stop_flag()) return;
+  // what is set stays
+  std::vector<lua::ParamInfo> params = first.params();
+  std::erase_if(params, [&](const lua::ParamInfo& p) {
+    const auto sets = [&](const std::string& s) { return s.starts_with(p.name + "="); };
+    return std::ranges::any_of(options.set, sets) || std::ranges::any_of(test.set, sets);
+  });
+  const std::uint64_t seed = host_options(options).seed;
+  TestResult last;
+  const auto run = [&](const Draw& draw) {
+    TestCase drawn = test;
+    for (const std::string& word : set_words(draw)) drawn.set.push_back(word);
+    TestResult r = TestRun(drawn, options, settings).run();
+    const bool failed = r.status == TestStatus::failed;
+    if (failed) last = std::move(r);
+    return failed && !stop_flag();
   };
-  Session session(std::move(host), nullptr, file);
-  if (session.is_scene()) {
-    step_and_check(session, result);
-  } else if (!is_plain_test(file)) {
-    result.status = TestStatus::skipped;
-    result.notice = "is neither a scene nor a *_test.lua";
+  const CounterExample found = find_counter_example(params, count, seed, run);
+  if (found.number == 0) {
+    if (!params.empty()) result.notice = fmt::format("{} random draws", count);
+    return;
   }
-  bool limited = false;
-  for (const auto& e : session.script().handler_errors()) {
-    limited = limited || e.limit != lua::Limit::none;
-    result.failures.push_back(
-        {e.where, fmt::format("{} ({} x, in a handler)", failure_from(error_text(e), file).message, e.count)});
-  }
-  if (!session.goes_on() && !limited) result.failures.push_back({"", stop_text()});
-  result.exceeded = result.exceeded || !session.goes_on();
+  // the failures of the smallest values
+  const double seconds = result.seconds;
+  const std::string name = result.name;
+  result = last;
+  result.name = name, result.set = test.set, result.seconds += seconds;
+  result.drawn = set_words(found.shrunk);
+  const std::string words =
+      result.drawn.empty() ? "defaults" : fmt::format("--set {}", fmt::join(result.drawn, " --set "));
+  for (TestFailure& f : result.failures)
+    f.message += fmt::format(" (with {}, from draw {} of {})", words, found.number, count);
 }
 
 }  // namespace
 
-bool is_plain_test(const std::string& file) {
-  const std::string stem = std::filesystem::path(file).stem().string();
-  return file.ends_with(".lua") && (stem.ends_with("_test") || stem.starts_with("test_"));
-}
-
-TestResult run_test(const std::string& file, const Options& options) {
-  TestResult result;
-  result.name = file;
-  const std::uint64_t start = clock_nanoseconds();
-  const TimeLimit time(timeout_seconds(options, kTestProcessorTime), kTestWallTime);
-  try {
-    run_session(file, options, result);
-  } catch (const Failure& e) {
-    // a plain test fails by its error; whatever else does not get as far as its first step was not loaded
-    result.exceeded = e.status() == kBudget;
-    result.loaded = result.exceeded || (e.status() == kFailed && is_plain_test(file));
-    result.failures.push_back(failure_from(e.what(), file));
-  } catch (const std::exception& e) {
-    result.failures.push_back(failure_from(e.what(), file));
-  }
-  if (!result.failures.empty()) result.status = TestStatus::failed;
-  result.seconds = static_cast<double>(clock_nanoseconds() - start) * 1e-9;
+TestResult run_test(const TestCase& test, const Options& options, const TestSettings& settings) {
+  TestRun first(test, options, settings);
+  TestResult result = first.run();
+  repeat(test, options, settings, result);
+  try_random(test, options, settings, first, result);
   return result;
 }
 

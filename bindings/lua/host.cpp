@@ -1,7 +1,9 @@
 // Script: the C++ face. Every way into Lua goes through State::call, so that nothing unwinds into the host.
 #include "feder/lua.h"
 #include "lua/console.h"
+#include "lua/coverage.h"
 #include "lua/library.h"
+#include "lua/object_points.h"
 #include "lua/params.h"
 #include "lua/records.h"
 #include "lua/scene.h"
@@ -40,10 +42,11 @@ struct Script::Impl {
     if (!state.call(L, 1, 0, failure)) raise(state, failure);
   }
 
-  void run(std::string_view text, const std::string& name) {
+  void run(std::string_view text, const std::string& name, const std::filesystem::path& file = {}) {
     begin_load();
     protect([&](lua_State* L) {
       if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + name).c_str(), "t") != LUA_OK) lua_error(L);
+      if (!file.empty()) cover_chunk(L, file);
       lua_call(L, 0, 1);
       state.is_scene = take_scene(L, name);
     });
@@ -110,7 +113,7 @@ void Script::load_file(const std::filesystem::path& file) {
   std::string_view code = text;
   if (code.substr(0, 3) == "\xef\xbb\xbf") code.remove_prefix(3);
   if (code.substr(0, 1) == "#") code.remove_prefix(std::min(code.find('\n'), code.size()));
-  impl_->run(code, chunk_name(file));
+  impl_->run(code, chunk_name(file), file);
 }
 
 void Script::load_string(std::string_view text, const std::string& chunk) { impl_->run(text, chunk_name(chunk)); }
@@ -170,6 +173,13 @@ CheckResult Script::check() {
   return run_check(impl_->state.L);
 }
 
+const CheckResult& Script::checks() const { return impl_->state.checks; }
+int Script::random_tests() const { return impl_->state.scene.random; }
+std::vector<ObjectSample> Script::sample() {
+  if (!world()) return {};
+  return impl_->run_in(Phase::checking, [&](lua_State* L) { return sample_objects(L, *impl_->state.current()); });
+}
+const GoldenWish& Script::golden() const { return impl_->state.scene.golden; }
 const std::vector<HandlerError>& Script::handler_errors() const { return impl_->state.errors; }
 std::vector<HandlerProfile> Script::handler_profile() const {
   std::vector<HandlerProfile> used = impl_->state.profile;

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "lua/coverage.h"
 #include "lua/options.h"
 #include "lua/stack.h"
 
@@ -44,6 +45,7 @@ void run_module(lua_State* L, const std::string& name, const fs::path& file) {
   record_file(s, file);
   const std::string text = read_text(file);
   if (luaL_loadbufferx(L, text.data(), text.size(), ("@" + chunk_name(file)).c_str(), "t") != LUA_OK) lua_error(L);
+  cover_chunk(L, file);
   struct Loading {
     State& s;
     ~Loading() { s.loading.pop_back(); }

@@ -8,6 +8,7 @@
 #include "feder/world.h"
 #include "lua/events.h"
 #include "lua/force.h"
+#include "lua/observe.h"
 #include "lua/options.h"
 #include "lua/part.h"
 #include "lua/state.h"
@@ -57,6 +58,7 @@ struct WorldRecord {
   std::vector<ScriptForce> forces;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
   Appearance appearance;
+  Observed observed;
 
   bool planar() const { return settings.desc.dimension == 2; }
 };

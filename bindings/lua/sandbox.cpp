@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/trig.h"
+#include "lua/expect.h"
 #include "lua/objects.h"
 #include "lua/stack.h"
 
@@ -227,6 +228,7 @@ int open_sandbox(lua_State* L) {
   open_text(L);
   make_classes(L);
   open_module(L);
+  open_expect(L);
 
   // one script cannot change the strings of another
   lua_pushstring(L, "");

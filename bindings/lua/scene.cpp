@@ -1,6 +1,7 @@
 // feder.scene{...} and what the host does with it.
 #include "lua/scene.h"
 
+#include "lua/expect.h"
 #include "lua/options.h"
 #include "lua/stack.h"
 #include "lua/study.h"
@@ -57,6 +58,26 @@ void read_world(Options& o, const OptionRow& row, SceneState&) {
   if (o.push(row.name, LUA_TTABLE, "a table of options")) lua_pop(o.L(), 1);
 }
 
+constexpr Option<GoldenWish> kGolden[] = {
+    field<&GoldenWish::every>("every", "s", kPositive),
+    field<&GoldenWish::position>("position", "m", kNotNegative),
+    field<&GoldenWish::rotation>("rotation", "rad", kNotNegative),
+    field<&GoldenWish::energy>("energy", "", kNotNegative),
+};
+
+// golden = { position = 1e-3, ... } or true
+void read_golden(Options& o, const OptionRow& row, SceneState& scene) {
+  lua_State* L = o.L();
+  scene.golden = {};
+  if (!o.push_any(row.name)) return;
+  scene.golden.declared = lua_type(L, -1) == LUA_TTABLE || lua_toboolean(L, -1);
+  if (lua_type(L, -1) == LUA_TTABLE)
+    Options(L, lua_gettop(L), o.path(row.name)).read(kGolden, scene.golden);
+  else if (lua_type(L, -1) != LUA_TBOOLEAN)
+    o.wrong(row.name, "true or a table of tolerances");
+  lua_pop(L, 1);
+}
+
 void read_study_table(Options& o, const OptionRow&, SceneState& scene) { scene.study = read_study(o); }
 
 // What the host asks about.
@@ -69,6 +90,8 @@ constexpr Option<SceneState> kScene[] = {
     special("build", "function(world, scene)", read_build),
     special("update", "function(world, scene)", read_update),
     special("check", "function(world, scene, expect)", read_check),
+    {{.name = "golden"}, "true or table", read_golden, nullptr, rows_of<kGolden>},
+    field<&SceneState::random>("random", "", {0, 10000}).unset(),
     {{.name = "study"}, "table", read_study_table, nullptr, study_rows},
 };
 
@@ -78,70 +101,6 @@ void push_scene_copy(lua_State* L) {
   lua_newtable(L);
   copy_fields(L, -2);
   lua_remove(L, -2);
-}
-
-CheckResult& result_of(lua_State* L) {  // upvalue 1, light
-  return *static_cast<CheckResult*>(lua_touserdata(L, lua_upvalueindex(1)));
-}
-
-int expect(lua_State* L) {  // (expect, condition, [message])
-  lua_remove(L, 1);
-  luaL_checkany(L, 1);
-  if (lua_toboolean(L, 1)) {
-    ++result_of(L).passed;
-    lua_pushvalue(L, 1);
-    return 1;
-  }
-  std::string message = "expectation failed";
-  if (!lua_isnoneornil(L, 2)) {
-    lua_getglobal(L, "tostring");
-    lua_pushvalue(L, 2);
-    lua_call(L, 1, 1);
-    message = lua_isstring(L, -1) ? lua_tostring(L, -1) : "?";
-  }
-  result_of(L).failures.push_back({location(L), message});
-  lua_pushvalue(L, 1);
-  return 1;
-}
-
-// expect.error(value, "<", 1e-3, [what]): NaN holds against nothing.
-int expect_error(lua_State* L) {
-  if (lua_type(L, 1) != LUA_TNUMBER) fail(L, "expect.error: expected a number, got " + describe(L, 1));
-  const double value = lua_tonumber(L, 1);
-  const std::string sign = check_text(L, 2, "expect.error: comparison");
-  const double bound = check_number(L, 3, "expect.error: bound");
-  bool holds = false;
-  if (sign == "<")
-    holds = value < bound;
-  else if (sign == "<=")
-    holds = value <= bound;
-  else if (sign == ">")
-    holds = value > bound;
-  else if (sign == ">=")
-    holds = value >= bound;
-  else
-    fail(L, "expect.error: expected \"<\", \"<=\", \">\" or \">=\", got '" + sign + "'");
-  const std::string what = lua_isnoneornil(L, 4) ? "error" : check_text(L, 4, "expect.error: message");
-  if (holds)
-    ++result_of(L).passed;
-  else
-    result_of(L).failures.push_back(
-        {location(L), what + ": expected " + sign + " " + print_number(bound) + ", got " + print_number(value)});
-  return push(L, holds);
-}
-
-// A table that is called, and has comparisons by name.
-void push_expect(lua_State* L, CheckResult& result) {
-  const auto method = [&](const char* name, lua_CFunction fn) {
-    lua_pushlightuserdata(L, &result);
-    lua_pushcclosure(L, fn, 1);
-    lua_setfield(L, -2, name);
-  };
-  lua_newtable(L);
-  method("error", guard<expect_error>);
-  lua_newtable(L);
-  method("__call", expect);
-  lua_setmetatable(L, -2);
 }
 
 }  // namespace
@@ -189,7 +148,7 @@ bool take_scene(lua_State* L, const std::string& file) {
   if (lua_type(L, -1) != LUA_TTABLE)
     raise_error(L, s.where + ": expected the file to return the scene made here, got " + describe(L, -1));
   const std::string where = s.where;
-  s.title.clear(), s.seconds = 0, s.picture = -1, s.camera = {};
+  s.title.clear(), s.seconds = 0, s.picture = -1, s.camera = {}, s.random = 0;
   Options(L, lua_gettop(L), "feder.scene").read(kScene, s);
   s.where = where.empty() ? file : where;
   lua_pushvalue(L, -1);
@@ -218,6 +177,9 @@ int build_scene(lua_State* L) {
   WorldRecord& record = push_new_world(L, settings);  // at 3
   replace_reference(L, st.last_world_ref);
   st.last_world = record.id;
+  st.checks = {}, st.handler_instructions = 0;
+  record.observed.on = s.has_check;
+  if (s.has_check) record.world->events().set_wanted(EventKind::hit, true);  // expect.events counts them
   if (old && s.passed != LUA_NOREF) close_world(L, *old);
   push_scene_copy(L);  // at 4
   replace_reference(L, s.passed);
@@ -240,18 +202,17 @@ void run_update(lua_State* L, WorldRecord& record) {
 
 CheckResult run_check(lua_State* L) {
   State& st = state(L);
-  CheckResult result;
-  result.has_check = scene(L).has_check;
-  if (!result.has_check || !st.current()) return result;
+  st.checks.has_check = scene(L).has_check;
+  if (!st.checks.has_check || !st.current()) return st.checks;
   push_callback(L, "check");
   push_scene_world(L);
-  push_expect(L, result);
+  lua_rawgeti(L, LUA_REGISTRYINDEX, st.expect_ref);
   Failure failure;
   if (!st.call(L, 3, 0, failure)) {
-    result.failures.push_back({failure.where, failure.message});
-    result.limit = failure.limit;
+    st.checks.failures.push_back({.where = failure.where, .message = failure.message});
+    st.checks.limit = failure.limit;
   }
-  return result;
+  return st.checks;
 }
 
 }  // namespace feder::lua

@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "feder/params.h"
+#include "lua/coverage.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
 #include "lua/stack.h"
@@ -48,8 +49,9 @@ int panic(lua_State* L) {
   return 0;
 }
 
-void limit_hook(lua_State* L, lua_Debug*) {
+void limit_hook(lua_State* L, lua_Debug* at) {
   State& s = state(L);
+  if (at->event == LUA_HOOKLINE) return cover_line(L, at);
   s.spend(L, std::min<std::uint64_t>(kHookSlice, s.options.instruction_limit));
   const std::uint64_t now = clock_nanoseconds();
   if (s.lua_start > 0 && now - s.last_time_check < 100'000'000) return;
@@ -149,9 +151,9 @@ State::State(HostOptions o) : options(std::move(o)), rng(options.has_seed ? opti
   if (!L) throw ScriptError("not enough memory for a Lua state");
   *static_cast<State**>(lua_getextraspace(L)) = this;
   lua_atpanic(L, &panic);
-  if (options.instruction_limit > 0)
-    lua_sethook(L, &limit_hook, LUA_MASKCOUNT,
-                static_cast<int>(std::min<std::uint64_t>(kHookSlice, options.instruction_limit)));
+  const int mask = (options.instruction_limit > 0 ? LUA_MASKCOUNT : 0) | (options.coverage ? LUA_MASKLINE : 0);
+  if (mask != 0)
+    lua_sethook(L, &limit_hook, mask, static_cast<int>(std::min<std::uint64_t>(kHookSlice, options.instruction_limit)));
   lua_pushcfunction(L, &open_sandbox);
   Failure failure;
   if (!call(L, 0, 0, failure)) {
@@ -236,6 +238,7 @@ void State::take_failure(lua_State* on, lua_State* outer, int status, Failure& f
 void State::spend(lua_State* on, std::uint64_t units) {
   if (limit != Limit::none) raise_limit(on);
   if (stopped()) trip(on, Limit::interrupted);
+  if (phase == Phase::running || phase == Phase::loading) handler_instructions += units;
   if (options.instruction_limit == 0) return;
   if (budget < units) trip(on, Limit::instructions);
   budget -= units;
@@ -280,12 +283,13 @@ double State::thread_seconds() {
 void State::report(const Failure& failure) {
   // without a location, the message tells errors apart
   for (HandlerError& e : errors) {
-    if (e.where == failure.where && (!e.where.empty() || e.message == failure.message)) {
+    if (e.where == failure.where && (!e.where.empty() || e.message == failure.message) &&
+        e.expectation == failure.expectation) {
       ++e.count;
       return;
     }
   }
-  errors.push_back({failure.where, failure.message, 1, failure.limit});
+  errors.push_back({failure.where, failure.message, 1, failure.limit, failure.expectation});
 }
 
 void State::print(std::string_view text) const {

@@ -7,6 +7,7 @@
 #include <lualib.h>
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <new>
 #include <span>
@@ -48,6 +49,7 @@ struct Failure {
   std::string where;    // file:line, may be empty
   std::string message;  // one line
   Limit limit = Limit::none;
+  bool expectation = false;  // no error: an expectation that does not hold
   std::string text() const { return where.empty() ? message : where + ": " + message; }
 };
 
@@ -61,6 +63,8 @@ struct SceneState {
   SceneCamera camera;
   std::string where;  // file:line of feder.scene
   bool has_update = false, has_check = false;
+  int random = 0;  // draws of the parameters that a test makes
+  GoldenWish golden;
   StudyDeclaration study;
   int last = LUA_NOREF;  // of feder.scene, while the file loads
 };
@@ -153,11 +157,15 @@ struct State {
   std::vector<ParamInfo> params;
   int params_ref = 0;  // name -> value
   std::vector<HandlerError> errors;
+  CheckResult checks;                      // of all expectations so far
+  int expect_ref = LUA_NOREF;              // feder.expect
+  std::uint64_t handler_instructions = 0;  // of a scene's steps, or of a plain script
   std::vector<HandlerProfile> profile;
   std::function<void(World&)> on_step;
   std::vector<PlotSeries> plots;
-  std::vector<std::filesystem::path> files;  // read so far
-  int console_ref = LUA_NOREF;               // environment of Script::run_string
+  std::vector<std::filesystem::path> files;                       // read so far
+  std::map<std::string, std::string, std::less<>> covered_files;  // chunk name -> path
+  int console_ref = LUA_NOREF;                                    // environment of Script::run_string
 };
 
 const char* class_name(const State& s, Class c);

@@ -57,8 +57,10 @@ void run_step(lua_State* L, WorldRecord& record) {
   const int top = lua_gettop(L);
   apply_script_forces(L, record);
   begin_stages(L, record);
+  observe_start(*record.world, record.observed);
   state(L).outside_lua([&] { record.world->step(); });
   end_stages(L, record);
+  observe_step(*record.world, record.observed);
   run_timers(L, record);
   dispatch_events(L, record);
   run_tasks(L, record);

@@ -52,6 +52,10 @@ class OptionError : public ScriptError {
 struct Part;
 std::span<const Part* const> parts();  // all of this build, in the library feder_lua
 
+// How often each line with code has run, by file.
+using LineCounts = std::map<int, std::uint64_t>;
+using Coverage = std::map<std::string, LineCounts>;
+
 // A host that wants fewer systems names its own parts (feder/parts.h) and catalog where it makes the options, as
 // HostOptions{.parts = mine, .systems = my_systems}, and links feder_lua_core and feder_lua_<module> alone. Both lists
 // outlive the script.
@@ -79,6 +83,8 @@ struct HostOptions {
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
+  // Counts lines of Lua files that run, when not null: slow. It outlives the script.
+  Coverage* coverage = nullptr;
 };
 
 // Camera of a scene: no part of the world, its hash or its snapshots.
@@ -119,18 +125,41 @@ struct HandlerError {
   std::string message;
   std::uint64_t count = 0;
   Limit limit = Limit::none;  // that ended it
+  bool expectation = false;   // no error: a feder.expect outside check, which is among checks() too
 };
 
-// One failed expect() of a scene's check.
+// An expectation that does not hold. Texts that it does not have are empty.
 struct CheckFailure {
-  std::string where;  // file:line of the expect call
-  std::string message;
+  std::string where = {};  // file:line of the expect call
+  std::string message = {};
+  double time = 0;                         // s, simulated
+  std::uint64_t step = 0;                  // steps done
+  std::string object = {};                 // 'body "crate3"'
+  std::string expected = {}, actual = {};  // with units
+  std::string tolerance = {};
 };
 struct CheckResult {
   bool has_check = false;
   int passed = 0;
   std::vector<CheckFailure> failures;
-  Limit limit = Limit::none;  // that ended it
+  std::vector<CheckFailure> notes;  // that fail nothing
+  Limit limit = Limit::none;        // that ended it
+};
+
+// A scene's golden = { ... }: what a run keeps to be compared, and how far a later one may be from it.
+struct GoldenWish {
+  bool declared = false;
+  double every = 0.25;                                     // s between samples
+  double position = 1e-3, rotation = 1e-2, energy = 1e-3;  // m, rad, share of the largest energy
+};
+
+// Where an object is: a body's pose, or the centre of the points of a soft thing.
+struct ObjectSample {
+  std::string name;  // 'body "crate3"'
+  std::size_t parts = 1;
+  double position[3] = {0, 0, 0};     // m
+  bool turns = false;                 // has it a rotation?
+  double rotation[4] = {0, 0, 0, 1};  // x y z w
 };
 
 // Name -> values, in the order of the names.
@@ -219,8 +248,12 @@ class Script {
   double study_error(std::span<const double> refined = {});
   StudyState study_state(const char* name, double t = 0);
   std::vector<double> study_numbers(const char* name, double t = 0);
-  // Runs the scene's check.
+  // Runs the scene's check, which may step the world on. Expectations of all handlers and of plain scripts count too.
   CheckResult check();
+  const CheckResult& checks() const;  // so far
+  int random_tests() const;           // draws of the parameters that a test of the scene makes
+  const GoldenWish& golden() const;
+  std::vector<ObjectSample> sample();  // all objects that are somewhere, in the order of their kinds and slots
   const std::vector<HandlerError>& handler_errors() const;
   std::vector<HandlerProfile> handler_profile() const;
 

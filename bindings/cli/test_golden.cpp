@@ -1,0 +1,187 @@
+#include "cli/test_golden.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+namespace feder::cli {
+namespace {
+
+using report::Json;
+using report::TestFailure;
+using report::TestResult;
+
+constexpr const char* kSchema = "golden/1";
+constexpr const char* kEnergies[] = {"kinetic energy", "potential energy", "elastic energy"};
+
+// A quantity, where it differs most from the golden run, and by how much.
+struct Difference {
+  std::string quantity, unit;
+  double tolerance = 0, largest = 0, time = 0;
+  std::string object = {}, expected = {}, actual = {};
+};
+
+std::string numbers_text(const double* x, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += fmt::format("{}{:.6g}", i ? ", " : "", x[i]);
+  return count == 1 ? text : "(" + text + ")";
+}
+
+double distance(const double* a, const double* b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+double angle(const double* a, const double* b) {
+  double dot = 0;
+  for (int k = 0; k < 4; ++k) dot += a[k] * b[k];
+  return 2 * std::acos(std::min(1.0, std::abs(dot)));
+}
+
+class Comparison {
+ public:
+  Comparison(const lua::GoldenWish& wish, const std::vector<GoldenSample>& golden)
+      : differences_{Difference{"position", " m", wish.position}, Difference{"rotation", " rad", wish.rotation},
+                     Difference{"energy", " of the largest", wish.energy}} {
+    for (const GoldenSample& s : golden)
+      for (const double e : s.energy) scale_ = std::max(scale_, std::abs(e));
+  }
+
+  void compare(const GoldenSample& golden, const GoldenSample& now) {
+    if (golden.hash == now.hash) return;
+    for (std::size_t i = 0; i < golden.names.size(); ++i) {
+      const std::string& name = golden.names[i];
+      const auto at = static_cast<std::size_t>(std::ranges::find(now.names, name) - now.names.begin());
+      if (at == now.names.size()) {
+        first_ = first_ ? first_ : Difference{"object", "", 0, 0, now.time, name, "in the world", "gone"};
+        continue;
+      }
+      compare_pose(name, now.time, golden.poses.at(i), now.poses[at]);
+    }
+    for (std::size_t k = 0; k < std::min<std::size_t>(3, std::min(golden.energy.size(), now.energy.size())); ++k)
+      note(2, std::abs(now.energy[k] - golden.energy[k]) / (scale_ > 0 ? scale_ : 1), now.time, kEnergies[k],
+           &golden.energy[k], &now.energy[k], 1);
+  }
+
+  // The first that is over its tolerance, in time.
+  const std::optional<Difference>& first() const { return first_; }
+  bool same() const {
+    return !first_ && std::ranges::all_of(differences_, [](const Difference& d) { return d.object.empty(); });
+  }
+  std::string table() const {
+    std::string text = "  quantity    largest difference  tolerance  at        object\n";
+    for (const Difference& d : differences_)
+      text += fmt::format("  {:<10}  {:<18.4g}  {:<9.4g}  {:<8}  {}\n", d.quantity, d.largest, d.tolerance,
+                          d.object.empty() ? "" : fmt::format("{:.4g} s", d.time), d.object);
+    return text;
+  }
+
+ private:
+  void compare_pose(const std::string& name, double time, const std::vector<double>& golden,
+                    const std::vector<double>& now) {
+    if (golden.size() < 3 || now.size() < 3) return;
+    note(0, distance(golden.data(), now.data()), time, name, golden.data(), now.data(), 3);
+    if (golden.size() >= 7 && now.size() >= 7) note(1, angle(&golden[3], &now[3]), time, name, &golden[3], &now[3], 4);
+  }
+
+  void note(std::size_t quantity, double value, double time, const std::string& object, const double* expected,
+            const double* actual, std::size_t count) {
+    Difference& d = differences_[quantity];
+    if (value <= d.largest) return;
+    Difference found = d;
+    found.largest = value, found.time = time, found.object = object;
+    found.expected = numbers_text(expected, count), found.actual = numbers_text(actual, count);
+    d = found;
+    // not a number is over every tolerance
+    if (!(value <= d.tolerance) && !first_) first_ = found;
+  }
+
+  std::array<Difference, 3> differences_;
+  double scale_ = 0;
+  std::optional<Difference> first_;
+};
+
+std::vector<GoldenSample> read_golden(const std::string& file) {
+  const Json json = Json::parse(read_text(file), nullptr, false);
+  try {
+    if (json.at("schema") != kSchema) throw Failure(kFailed, "{}: another version of golden runs", file);
+    std::vector<GoldenSample> samples;
+    report::read_into(json.at("samples"), samples);
+    return samples;
+  } catch (const Json::exception&) {
+    throw Failure(kFailed, "{}: no golden run; --update-golden writes it anew", file);
+  }
+}
+
+}  // namespace
+
+GoldenRun::GoldenRun(Session& session) : session_(session), wish_(session.script().golden()) {
+  every_ = std::max<std::uint64_t>(1, session.steps_for(wish_.every));
+}
+
+void GoldenRun::look() {
+  const World& world = *session_.world();
+  if (world.step_count() % every_ != 0) return;
+  const Energy e = world.energy();
+  GoldenSample s{world.time(), fmt::format("{:016x}", world.hash()), {e.kinetic, e.potential, e.elastic}, {}, {}};
+  for (const lua::ObjectSample& o : session_.script().sample()) {
+    std::string name = o.name;
+    for (int n = 2; std::ranges::find(s.names, name) != s.names.end(); ++n) name = fmt::format("{} ({})", o.name, n);
+    s.names.push_back(name);
+    s.poses.emplace_back(std::begin(o.position), std::end(o.position));
+    if (o.turns) s.poses.back().insert(s.poses.back().end(), std::begin(o.rotation), std::end(o.rotation));
+  }
+  samples_.push_back(std::move(s));
+}
+
+std::string GoldenRun::file() const {
+  return std::filesystem::path(session_.file()).replace_extension(".golden.json").string();
+}
+
+void GoldenRun::finish(bool update, TestResult& result) {
+  std::error_code ignored;
+  const bool exists = std::filesystem::exists(file(), ignored);
+  if (!exists && !update) {
+    result.failures.push_back({.message = "no golden run " + file() + "; --update-golden writes it"});
+    return;
+  }
+  const std::vector<GoldenSample> golden = exists ? read_golden(file()) : samples_;
+  Comparison comparison(wish_, golden);
+  for (std::size_t i = 0; i < std::min(golden.size(), samples_.size()); ++i) comparison.compare(golden[i], samples_[i]);
+  const bool other_length = golden.size() != samples_.size();
+  if (!comparison.same() || other_length) result.diff = comparison.table();
+  if (update) {
+    if (!exists || !comparison.same() || other_length) write(result);
+    return;
+  }
+  if (other_length)
+    result.failures.push_back({.message = fmt::format("the golden run has {} samples, this one has {}; --update-golden "
+                                                      "writes it anew",
+                                                      golden.size(), samples_.size())});
+  if (!comparison.first()) return;
+  const Difference& d = *comparison.first();
+  const std::string subject = std::string_view(d.quantity) == "energy" ? d.object : d.quantity + " of " + d.object;
+  TestFailure f{.message = fmt::format("not as in the golden run: {} is {:.4g}{} off from {:.4g} s on", subject,
+                                       d.largest, d.unit, d.time)};
+  f.time = d.time, f.step = static_cast<int>(std::llround(d.time / session_.world()->desc().dt));
+  f.object = d.object, f.expected = d.expected, f.actual = d.actual;
+  f.tolerance = fmt::format("{:g}{}", d.tolerance, d.unit);
+  result.failures.push_back(f);
+}
+
+// Beside, then renamed: a golden run is whole or not there.
+void GoldenRun::write(TestResult& result) const {
+  const std::string name = file(), part = name + ".part";
+  std::ofstream out(part, std::ios::binary);
+  out << "{\"schema\": \"" << kSchema << "\", \"samples\": [";
+  for (const GoldenSample& sample : samples_)
+    out << (&sample == samples_.data() ? "\n" : ",\n") << report::written(sample).dump();
+  out << "\n]}\n";
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(part, name, error);
+  if (!out || error) throw Failure(kFailed, "{}: cannot be written", name);
+  result.notice = name + " written";
+}
+
+}  // namespace feder::cli

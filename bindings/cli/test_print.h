@@ -1,0 +1,22 @@
+// Results of tests for a reader: a line each, with colour on a terminal.
+#pragma once
+#include "report/test_report.h"
+
+namespace feder::cli {
+
+class TestPrinter {
+ public:
+  // `arguments`: of the command, for lines that show a failure again.
+  TestPrinter(bool quiet, std::string arguments);
+  void print(const report::TestResult& result) const;
+  void close(const report::TestCounts& counts) const;
+
+ private:
+  std::string painted(const char* color, const std::string& text) const;
+  void print_failures(const report::TestResult& result) const;
+
+  bool quiet_, colored_;
+  std::string arguments_;
+};
+
+}  // namespace feder::cli
