@@ -152,7 +152,8 @@ const char* const kRight[] = {
     // an options table that grows
     "local feder = require 'feder'\nlocal w = feder.world {}\nlocal o = {}\no.shape = feder.sphere(1)\nw:body(o)\n",
     // Lua 5.4 in full
-    "for i = 1, 2 do if i > 1 then goto next end ::next:: end\nlocal x <const>, y <close> = 0x1p-4, nil\nprint(x // 1 | ~x << 2, x ~= y, #'a' .. 'b' .. 1e-3, -2 ^ "
+    "for i = 1, 2 do if i > 1 then goto next end ::next:: end\nlocal x <const>, y <close> = 0x1p-4, nil\nprint(x // 1 "
+    "| ~x << 2, x ~= y, #'a' .. 'b' .. 1e-3, -2 ^ "
     "-2)\n"
     "do return (function(...) return ... end)(1, [==[\n]]]==], '\\z\n   \\x41\\u{48}\\65', { [1] = 2; 3, f = "
     "1 }) "
