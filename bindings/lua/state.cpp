@@ -420,36 +420,28 @@ std::string join(std::span<const std::string> words) {
 
 namespace {
 
-// What other engines call it.
+// What other engines call it, and what it is called here.
+constexpr std::string_view kOtherWords =
+    "ball sphere, cube box, cuboid box, ground plane, rigid_body body, constraint joint, "
+    "collision contact_begin, collision_enter contact_begin, collision_exit contact_end, "
+    "trigger_enter sensor_enter, trigger_exit sensor_leave, trigger sensor, remove destroy, delete destroy, "
+    "timer after, timeout after, interval every, pos position, orientation rotation, bounciness restitution, "
+    "bounce restitution, weight mass, colour color";
+
 struct OtherWord {
-  std::string_view word;
-  const char* ours;
+  std::string word, ours;
 };
-constexpr OtherWord kOtherWords[] = {
-    {"ball", "sphere"},
-    {"cube", "box"},
-    {"cuboid", "box"},
-    {"ground", "plane"},
-    {"rigid_body", "body"},
-    {"constraint", "joint"},
-    {"collision", "contact_begin"},
-    {"collision_enter", "contact_begin"},
-    {"collision_exit", "contact_end"},
-    {"trigger_enter", "sensor_enter"},
-    {"trigger_exit", "sensor_leave"},
-    {"trigger", "sensor"},
-    {"remove", "destroy"},
-    {"delete", "destroy"},
-    {"timer", "after"},
-    {"timeout", "after"},
-    {"interval", "every"},
-    {"pos", "position"},
-    {"orientation", "rotation"},
-    {"bounciness", "restitution"},
-    {"bounce", "restitution"},
-    {"weight", "mass"},
-    {"colour", "color"},
-};
+const std::vector<OtherWord>& other_words() {
+  static const std::vector<OtherWord> rows = [] {
+    std::vector<OtherWord> all;
+    for (const std::string_view row : split_choices(kOtherWords)) {
+      const std::size_t blank = row.find(' ');
+      all.push_back({std::string(row.substr(0, blank)), std::string(row.substr(blank + 1))});
+    }
+    return all;
+  }();
+  return rows;
+}
 
 // getPosition, GetPosition, get_position -> position; applyForce -> apply_force.
 std::string plain_word(std::string_view word) {
@@ -468,13 +460,13 @@ std::string meant_name(std::string_view word, const std::vector<std::string>& kn
   const std::string plain = plain_word(word);
   if (knows(plain)) return plain;
   std::vector<std::string> words = known;
-  for (const OtherWord& other : kOtherWords)
+  for (const OtherWord& other : other_words())
     if (knows(other.ours)) words.emplace_back(other.word);
   std::string near;
-  for (const OtherWord& other : kOtherWords)
+  for (const OtherWord& other : other_words())
     if (plain == other.word && knows(other.ours)) near = other.word;
   if (near.empty()) near = nearest_name(plain, words);
-  for (const OtherWord& other : kOtherWords)
+  for (const OtherWord& other : other_words())
     if (near == other.word && knows(other.ours) && !knows(near)) return other.ours;
   return near;
 }
