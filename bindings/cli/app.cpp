@@ -1,11 +1,14 @@
 #include "cli/app.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <new>
 
 #include "cli/command.h"
 #include "cli/stop.h"
 #include "feder/params.h"
+#include "report/build_info.h"
 
 namespace feder::cli {
 namespace {
@@ -37,6 +40,13 @@ std::string unknown_command(const std::string& word) {
   return message;
 }
 
+std::string version_text() {
+  const std::string commit = report::build_commit();
+  return fmt::format("feder {} ({})\n  commit    {}\n  compiler  {} {}\n  simd      {}\n", FEDER_VERSION, kRealName,
+                     commit.empty() ? "unknown" : commit, report::build_compiler(), report::build_flags(),
+                     report::simd_path());
+}
+
 int run_command(const Row& row, int argc, char* argv[], const Build& build) {
   Arguments arguments(row.name, row.summary);
   Options options;
@@ -54,6 +64,27 @@ int run_command(const Row& row, int argc, char* argv[], const Build& build) {
   return command->run(options);
 }
 
+// Exceptions as one line and a status.
+int run_guarded(int argc, char* argv[], const Build& build) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  try {
+    if (word == "--help" || word == "-h" || word == "help") return fmt::print("{}", help_text()), kPass;
+    if (word == "--version") return fmt::print("{}", version_text()), kPass;
+    if (word.empty()) return fmt::print(stderr, "{}", help_text()), kUsage;
+    const Row* row = find_command(word);
+    if (!row) throw Failure(kUsage, unknown_command(word));
+    return run_command(*row, argc - 1, argv + 1, build);
+  } catch (const Failure& e) {
+    print_error(e.what());
+    return e.status();
+  } catch (const std::bad_alloc&) {
+    print_error("feder: out of memory");
+  } catch (const std::exception& e) {
+    print_error(std::string("feder: ") + e.what());
+  }
+  return kFailed;
+}
+
 }  // namespace
 
 std::string did_you_mean(const char* lead, const std::string& word, const std::vector<std::string>& known) {
@@ -69,22 +100,13 @@ void print_error(const std::string& line) {
 }
 
 int run_program(int argc, char* argv[], const Build& build) {
-  const std::string word = argc > 1 ? argv[1] : "";
-  try {
-    if (word == "--help" || word == "-h" || word == "help") return fmt::print("{}", help_text()), kPass;
-    if (word == "--version") return fmt::print("feder {} ({})\n", FEDER_VERSION, kRealName), kPass;
-    if (word.empty()) return fmt::print(stderr, "{}", help_text()), kUsage;
-    const Row* row = find_command(word);
-    if (!row) throw Failure(kUsage, unknown_command(word));
-    return run_command(*row, argc - 1, argv + 1, build);
-  } catch (const Failure& e) {
-    print_error(e.what());
-    return e.status();
-  } catch (const std::bad_alloc&) {
-    print_error("feder: out of memory");
-  } catch (const std::exception& e) {
-    print_error(std::string("feder: ") + e.what());
-  }
+  const int status = run_guarded(argc, argv, build);
+  // what a full disk did not take
+  errno = 0;
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout);
+  if (!lost || status != kPass) return status;
+  const std::string why = errno ? std::string(": ") + std::strerror(errno) : "";
+  fmt::print(stderr, "feder: standard output: cannot be written{}\n", why);
   return kFailed;
 }
 

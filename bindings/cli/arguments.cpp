@@ -80,4 +80,18 @@ bool Arguments::parse(int argc, char* argv[]) {
 
 std::string Arguments::help() const { return impl_->app.help(); }
 
+std::vector<Arguments::Declared> Arguments::declared() const {
+  std::vector<Declared> all;
+  for (const CLI::Option* o : impl_->app.get_options()) {
+    if (o->get_group().empty()) continue;
+    const bool flag = o->get_items_expected() == 0, whole = o->get_type_name().starts_with("INT");
+    all.push_back({o->get_name(false, true),
+                   flag    ? ""
+                   : whole ? "whole number"
+                           : "text",
+                   o->get_description(), o->get_required()});
+  }
+  return all;
+}
+
 }  // namespace feder::cli

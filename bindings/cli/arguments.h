@@ -27,6 +27,14 @@ class Arguments {
   // False when help was asked for. std::invalid_argument "what is wrong".
   bool parse(int argc, char* argv[]);
   std::string help() const;
+  // Every option that help shows, in its order.
+  struct Declared {
+    std::string name;  // "--seconds", "-q, --quiet", "SCENE"
+    std::string type;  // "", "text", "number"
+    std::string help;
+    bool required = false;
+  };
+  std::vector<Declared> declared() const;
 
  private:
   struct Impl;

@@ -5,6 +5,7 @@
 
 #include "cli/session.h"
 #include "lua/part.h"
+#include "lua/reference.h"
 
 namespace feder::cli {
 
@@ -28,8 +29,7 @@ ScriptNames::ScriptNames(const Options& options)
     // of an object whose class is not known: what any of them has
     members_["object"].insert(members_["object"].end(), own.begin(), own.end());
   }
-  events_.assign(std::begin(kEventKinds), std::end(kEventKinds));
-  for (const SystemDescriptor* d : systems_) events_.insert(events_.end(), d->events.begin(), d->events.end());
+  events_ = lua::event_kinds(systems_);
   for (EventKind kind : events_) event_names_.emplace_back(kind.text());
   ask_sandbox(options);
 }

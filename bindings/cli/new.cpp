@@ -20,10 +20,13 @@ return feder.scene {{
   world   = {{ gravity = {{ 0, -9.81, 0 }} }},
 
   build = function(world, scene)
-    world:body {{ type = "static", shape = feder.plane() }}
+    world:body {{ name = "floor", type = "static", shape = feder.plane() }}
     for i = 1, count do
-      scene.top = world:body {{ name = "crate" .. i, shape = feder.box(1, 1, 1), position = {{ 0, i - 0.5, 0 }} }}
+      scene.top = world:body {{ name = "crate" .. i, shape = feder.box(1, 1, 1), position = {{ 0, 1.1 * i, 0 }} }}
     end
+    world:on("hit", {{ min_speed = 1 }}, function(e)
+      print(("%s hits %s at %.1f m/s"):format(e.b:name(), e.a:name(), e.speed))
+    end)
   end,
 
   check = function(world, scene, expect)

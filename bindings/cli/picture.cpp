@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/stop.h"
 #include "feder/error.h"
 
 namespace feder::cli {
@@ -46,6 +47,16 @@ void run_to(Session& session, double seconds) {
     session.step();
   }
   session.need_to_go_on();
+}
+
+bool run_on_to(Session& session, double seconds) {
+  try {
+    run_to(session, seconds);
+  } catch (const Failure&) {
+    if (!stop_flag()) throw;
+    return false;
+  }
+  return true;
 }
 
 double read_fps(const std::string& given, double otherwise) {

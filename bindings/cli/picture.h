@@ -27,6 +27,8 @@ double thumbnail_time(const lua::Script& script);
 
 // A plain script has run when it is loaded; a scene is stepped to `seconds`. Failure when there is no world.
 void run_to(Session& session, double seconds);
+// The same; false when the command has to end before (cli/stop.h).
+bool run_on_to(Session& session, double seconds);
 
 // Of an animation: samples per second as given, else `otherwise`; its length, s, as given, else the scene's own,
 // else 4.

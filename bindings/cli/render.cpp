@@ -49,14 +49,18 @@ class Render final : public Command {
   }
 
  private:
-  void report_end(const Options& options, const std::string& how, const Session* session, int frames) const {
+  // `wanted`: pictures that were to be there.
+  int report_end(const Options& options, const std::string& how, const Session* session, int frames, int wanted) const {
     if (options.json) {
       report::Json json = {{"out", out_}, {"frames", frames}, {"gl", how}};
       if (session) json["title"] = session->title();
       print_json(json);
     } else if (!options.quiet) {
-      fmt::print("{}{} ({})\n", out_, frames > 1 ? fmt::format(", {} frames", frames) : "", how);
+      fmt::print("{}{} ({})\n", out_, wanted > 1 ? fmt::format(", {} frames", frames) : "", how);
     }
+    if (!stop_flag()) return kPass;
+    print_error(fmt::format("feder render: {}, {} of {} pictures are there", stop_text(), frames, wanted));
+    return stop_status();
   }
 
   int still(const std::string& file, const PictureWish& wish, const Options& options) const {
@@ -64,27 +68,24 @@ class Render final : public Command {
     Session session(silent_host_options(options), print_error, file);
     run_to(session, wish.at >= 0 ? wish.at : thumbnail_time(session.script()));
     view::write_png(take_picture(renderer, session, wish), out_);
-    report_end(options, renderer.how(), &session, 1);
-    return kPass;
+    return report_end(options, renderer.how(), &session, 1, 1);
   }
 
   int sheet(const std::vector<std::string>& files, PictureWish wish, const Options& options) const {
     if (!out_.ends_with(".png"))
       throw Failure(kUsage, "feder render: a sheet of several scenes is a .png, got " + out_);
     if (picture_.size.empty()) wish.width = 480, wish.height = 320;
-    int failed = 0;
+    int failed = 0, drawn = 0;
     const view::Image image =
         contact_sheet(files, options, wish, [&](const std::string& file, const std::string& error) {
-          failed += !error.empty();
+          failed += !error.empty(), ++drawn;
           if (!error.empty()) fmt::print(stderr, "{}: {}\n", file, error);
           if (!options.quiet && !options.json && isatty(STDOUT_FILENO)) fmt::print("{}\n", file);
         });
-    // a sheet is never seen half written, and two runs do not disturb each other
-    const std::string temporary = fmt::format("{}.{}.png", out_, getpid());
-    view::write_png(image, temporary);
-    fs::rename(temporary, out_);
-    report_end(options, fmt::format("{} scenes", files.size()), nullptr, 1);
-    return failed ? kFailed : kPass;
+    view::write_png(image, out_);
+    const int status =
+        report_end(options, fmt::format("{} scenes", drawn), nullptr, drawn, static_cast<int>(files.size()));
+    return status == kPass && failed ? kFailed : status;
   }
 
   // The subject of a whole animation, from a run of its own: the camera must not move while things do.
@@ -98,6 +99,12 @@ class Render final : public Command {
       all.include(view::subject_of(renderer.collect(probe.script(), wish.toggles)));
     }
     return all;
+  }
+
+  void make_folder() const {
+    std::error_code error;
+    fs::create_directories(out_, error);
+    if (error) throw Failure(kFailed, "{}: cannot be made: {}", out_, error.message());
   }
 
   int animation(const std::string& file, const PictureWish& given, const Options& options) const {
@@ -118,19 +125,18 @@ class Render final : public Command {
         renderer.aim(session.script(), wish.camera, seen, session.world()->desc().dimension == 2);
     std::optional<view::GifWriter> writer;
     if (gif) writer.emplace(out_, wish.width, wish.height, fps);
-    if (!gif) fs::create_directories(out_);
-    for (int i = 0; i < count; ++i) {
-      run_to(session, from + i / fps);
+    if (!gif) make_folder();
+    int drawn = 0;
+    for (; drawn < count && run_on_to(session, from + drawn / fps); ++drawn) {
       renderer.collect(session.script(), wish.toggles);
       const view::Image image = renderer.draw(camera, {});
       if (gif)
         writer->add(image);
       else
-        view::write_png(image, fs::path(out_) / fmt::format("frame{:05d}.png", i));
+        view::write_png(image, fs::path(out_) / fmt::format("frame{:05d}.png", drawn));
     }
-    if (gif) writer->close();
-    report_end(options, renderer.how(), &session, count);
-    return kPass;
+    if (gif && drawn > 0) writer->close();
+    return report_end(options, renderer.how(), &session, drawn, count);
   }
 
   std::vector<std::string> scenes_;

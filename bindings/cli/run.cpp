@@ -1,12 +1,14 @@
 // feder run: a scene or a plain script without a window.
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/summary.h"
+#include "cli/trace.h"
 
 namespace feder::cli {
 namespace {
@@ -19,13 +21,15 @@ class Run final : public Command {
     a.text("--seconds", seconds_, "simulated time (default: what the scene says, else 10)");
     a.whole("--steps", steps_, 0, 1000000000, "or so many steps");
     a.flag("--check", check_, "run the scene's check at the end; exit status 1 when it fails");
-    a.text("--record", record_, "write a recording (not in this version)");
-    a.text("--export", export_, "write an animation (not in this version)");
+    a.text("--csv", csv_, "write time, energy, each feder.plot and --track to this file, a row per step");
+    a.list(
+        "--track", track_,
+        "NAME: place, rotation and velocities of a body, or centre, box and velocity of what is made of points, into "
+        "--csv; * and ? stand for any text and any character (may be repeated)");
   }
 
   int run(const Options& options) override {
-    if (!record_.empty()) throw Failure(kUsage, "feder run: this version writes no recordings (--record)");
-    if (!export_.empty()) throw Failure(kUsage, "feder run: this version exports nothing (--export)");
+    if (csv_.empty() && !track_.empty()) throw Failure(kUsage, "feder run: --track needs --csv");
     lua::HostOptions host = host_options(options);
     // stdout belongs to the JSON value
     if (options.json) host.print = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
@@ -33,7 +37,10 @@ class Run final : public Command {
     if (wanted >= 0 && steps_ >= 0) throw Failure(kUsage, "feder run: expected --seconds or --steps, got both");
     Session session(std::move(host), print_error);
     const StopSignals signals;
+    if (!csv_.empty()) trace_.emplace(csv_, track_);
+    if (trace_) session.after_each_step([&](World& world) { trace_->record(session, world); });
     int status = load(session);
+    if (session.is_scene() && trace_) trace_->record(session, *session.world());
     if (session.is_scene() && status == kPass) step_scene(session, wanted, options);
     if (status == kPass) status = report_end(session);
     return finish(session, options, status);
@@ -91,6 +98,7 @@ class Run final : public Command {
       if (check_) fmt::print("  check   {} held, {} failed\n", result.passed, result.failures.size());
     }
     std::fflush(stdout);
+    if (!close_trace(session) && status == kPass) status = kUsage;
     for (const auto& failure : result.failures) fmt::print(stderr, "{}: {}\n", failure.where, failure.message);
     if (!summary.finite) fmt::print(stderr, "{}: the state is not finite\n", scene_);
     bool held = false;  // what was not finite has been stopped
@@ -102,6 +110,12 @@ class Run final : public Command {
     if (status != kPass) return status;
     return summary.finite && !held && session.script().handler_errors().empty() && result.failures.empty() ? kPass
                                                                                                            : kFailed;
+  }
+
+  bool close_trace(Session& session) {
+    const std::string wrong = trace_ ? trace_->close(session) : "";
+    if (!wrong.empty()) print_error("feder run: " + wrong);
+    return wrong.empty();
   }
 
   lua::CheckResult run_check(Session& session) {
@@ -122,9 +136,11 @@ class Run final : public Command {
     return {{"passed", result.passed}, {"failed", result.failures.size()}, {"failures", failures}};
   }
 
-  std::string scene_, seconds_, record_, export_;
+  std::string scene_, seconds_, csv_;
   int steps_ = -1;
+  std::vector<std::string> track_;
   bool check_ = false;
+  std::optional<Trace> trace_;
 };
 
 }  // namespace

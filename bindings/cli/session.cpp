@@ -172,6 +172,7 @@ void Session::after_step(World& world) {
     if (at == warnings_.end()) at = warnings_.insert(at, {code, world.events().warning_message(e), 0});
     ++at->count;
   }
+  if (callback_ && &world == this->world()) callback_(world);
   report_errors();
 }
 

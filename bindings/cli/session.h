@@ -28,6 +28,9 @@ class Session {
   // it does not take, kBudget at a limit, kInterrupted and kTerminated.
   void load(const std::string& file);
 
+  // Called after every step of session.world(), those of plain scripts too.
+  void after_each_step(std::function<void(World&)> callback) { callback_ = std::move(callback); }
+
   const std::string& file() const { return file_; }
   bool is_scene() const { return script_->is_scene(); }
   lua::Script& script() { return *script_; }
@@ -53,6 +56,7 @@ class Session {
 
   std::string file_;
   std::function<void(const std::string&)> report_;
+  std::function<void(World&)> callback_;
   std::unique_ptr<lua::Script> script_;
   std::vector<Warning> warnings_;
   std::size_t reported_errors_ = 0, limit_error_ = kNone;

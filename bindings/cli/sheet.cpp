@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cli/picture.h"
+#include "cli/stop.h"
 #include "view/font.h"
 
 namespace feder::cli {
@@ -51,7 +52,7 @@ view::Image contact_sheet(const std::vector<std::string>& scenes, const Options&
   fill(sheet, 0, 0, sheet.width, sheet.height, kPaper);
   view::RendererHost renderer(w, h);
   const view::Font title_font(kTitle), font(kCommand);
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
+  for (std::size_t i = 0; i < scenes.size() && !stop_flag(); ++i) {
     const int x = kGap + static_cast<int>(i) % columns * cell_w, y = kGap + static_cast<int>(i) / columns * cell_h;
     std::string title = scenes[i], error;
     try {
@@ -64,6 +65,7 @@ view::Image contact_sheet(const std::vector<std::string>& scenes, const Options&
     } catch (const SceneError& e) {
       error = e.what();
     }
+    if (stop_flag()) break;  // the error is that
     if (!error.empty()) {
       fill(sheet, x, y, w, h, 0xf3e6e4);
       write_block(sheet, font, error, x + 10, y + 10, w - 20, 8);

@@ -7,6 +7,7 @@
 #include "cli/progress.h"
 #include "cli/scene_files.h"
 #include "cli/session.h"
+#include "cli/stop.h"
 #include "cli/study_parts.h"
 #include "cli/test_file.h"
 #include "report/stability_report.h"
@@ -33,6 +34,7 @@ class Stability final : public Command {
   int run(const Options& options) override {
     warn_of_scene_options(options);
     if (list_) return print_list(options);
+    const StopSignals signals;
     report::RunContext context;
     context.machine = report::machine_info(FEDER_VERSION, kRealName);
     context.command = command_line();
@@ -44,18 +46,29 @@ class Stability final : public Command {
       plans.push_back(plan_for(problem_.empty() ? "oscillator" : problem_));
     else
       for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
-    for (const StabilityPlan& plan : plans) {
+    std::size_t finished = 0;
+    for (StabilityPlan& plan : plans) {
+      if (stop_flag()) break;
+      plan.stop = &stop_flag();
       const std::string folder = out_.empty() || plans.size() == 1 ? out_ : out_ + "/" + plan.problem;
       try {
-        finish(run_stability(plan), context, folder, options, plan.problem);
+        const StabilityResult result = run_stability(plan);
+        if (!result.maps.empty()) finish(result, context, folder, options, plan.problem);
+        finished += !result.interrupted;
       } catch (const SceneError& e) {
         throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
       }
     }
-    return kPass;
+    return stop_flag() ? report_stop(finished, plans.size(), "problems") : kPass;
   }
 
  private:
+  // The status of a command that had to end.
+  static int report_stop(std::size_t done, std::size_t all, const char* what) {
+    print_error(fmt::format("feder stability: {}, {} of {} {} are finished", stop_text(), done, all, what));
+    return stop_status();
+  }
+
   // Maps are run as their problem and axes say.
   static void warn_of_scene_options(const Options& o) {
     std::vector<const char*> given;
@@ -158,9 +171,9 @@ class Stability final : public Command {
 
   // The cases of a test of scenes/extreme, a line that it prints for each: ok or not, input, expected, got, detail,
   // apart by tabs. What ended it, and what went wrong in its handlers, is added to `errors`.
-  static std::vector<report::ExtremeRow> extreme_rows(const std::string& file, const Options& options,
-                                                      std::vector<std::string>& errors) {
-    std::vector<report::ExtremeRow> rows;
+  static void add_extreme_rows(const std::string& file, const Options& options, std::vector<report::ExtremeRow>& rows,
+                               std::vector<std::string>& errors) {
+    const std::size_t before = rows.size();
     lua::HostOptions host = host_options(options);
     host.print = [&](std::string_view text) {
       const std::vector<std::string> f = split_list(std::string(text.substr(0, text.find('\n'))), '\t');
@@ -170,12 +183,12 @@ class Stability final : public Command {
     try {
       Session(std::move(host), add_error, file).need_to_go_on();
     } catch (const Failure& e) {
+      if (stop_flag()) return;
       // a case that is not as expected is an error too, at the end of its script
-      if (e.status() != kFailed || rows.empty()) throw;
+      if (e.status() != kFailed || rows.size() == before) throw;
       add_error(e.what());
     }
-    if (rows.empty()) throw Failure(kNothingRan, file + ": prints no case");
-    return rows;
+    if (rows.size() == before) throw Failure(kNothingRan, file + ": prints no case");
   }
 
   int run_extreme_suite(const report::RunContext& context, const Options& options) const {
@@ -187,9 +200,11 @@ class Stability final : public Command {
     std::vector<report::ExtremeRow> rows;
     std::vector<std::string> errors;
     Progress bar(!options.quiet && !options.json);
-    for (std::size_t i = 0; i < files.size(); ++i) {
-      if (bar.due()) bar.show(static_cast<double>(i) / static_cast<double>(files.size()), files[i]);
-      std::ranges::move(extreme_rows(files[i], own, errors), std::back_inserter(rows));
+    std::size_t finished = 0;
+    for (; finished < files.size() && !stop_flag(); finished += !stop_flag()) {
+      const std::string& file = files[finished];
+      if (bar.due()) bar.show(static_cast<double>(finished) / static_cast<double>(files.size()), file);
+      add_extreme_rows(file, own, rows, errors);
     }
     // page, table, sum
     StabilityResult none;
@@ -201,6 +216,7 @@ class Stability final : public Command {
         static_cast<std::size_t>(std::ranges::count_if(rows, [](const report::ExtremeRow& e) { return e.pass; }));
     if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", passed, rows.size());
     for (const std::string& error : errors) print_error(error);
+    if (stop_flag()) return report_stop(finished, files.size(), "files");
     return passed < rows.size() || !errors.empty() ? kFailed : kPass;
   }
 

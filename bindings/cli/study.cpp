@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/point_log.h"
 #include "cli/progress.h"
+#include "cli/stop.h"
 #include "cli/study_parts.h"
 #include "report/gate.h"
 #include "report/study_identity.h"
@@ -64,6 +65,7 @@ class Study final : public Command {
     check_words();
     if (list_) return print_list(options);
     if (merge_) return merge(options);
+    const StopSignals signals;
     if (!suite_.empty()) return run_suite(options);
     if (words_.size() != 1)
       throw Failure(kUsage, "feder study: expected one PROBLEM or scene (feder study --list names them)");
@@ -161,6 +163,7 @@ class Study final : public Command {
     o.progress = [&](double done, const std::string& where) {
       if (bar.due()) bar.show(done, where);
     };
+    o.limits.stop = &stop_flag();
     if (methods != "all") o.methods = split_list(methods);
     if (!budget_.empty()) o.limits.budget_work = read_budget();
     o.timing.enabled = repeat_ > 0;
@@ -220,9 +223,17 @@ class Study final : public Command {
   }
 
   int check_and_finish(const StudyResult& result, StudyContext& context, const Options& options) const {
-    gate({&result, 1}, context);
-    finish(result, context, out_, options);
+    if (!stop_flag()) gate({&result, 1}, context);
+    if (!result.points.empty()) finish(result, context, out_, options);
+    if (stop_flag()) return report_stop(result.points.size(), result.planned, "points");
     return violated(context) ? kFailed : kPass;
+  }
+
+  // The status of a command that had to end.
+  int report_stop(std::size_t done, std::size_t all, const char* what) const {
+    print_error(fmt::format("feder study: {}, {} of {} {} are finished{}", stop_text(), done, all, what,
+                            out_.empty() || !suite_.empty() ? "" : "; --resume goes on"));
+    return stop_status();
   }
 
   int run_suite(const Options& options) {
@@ -230,13 +241,19 @@ class Study final : public Command {
     StudyContext context = new_context(options);
     std::vector<StudyResult> all;
     std::vector<std::string> broken;
-    for (const SuiteRow& row : suite_rows(suite_)) {
+    const std::vector<SuiteRow> rows = suite_rows(suite_);
+    for (const SuiteRow& row : rows) {
+      if (stop_flag()) break;
       Options of_row = options;
       of_row.set = row.set;
       const auto problem = open_problem(row.problem, of_row);
       const std::string methods = fmt::format("{}", fmt::join(row.methods, ","));
       all.push_back(sweep(*problem, problem_file(row.problem), of_row, methods, row.ladders, context, ""));
       const StudyResult& r = all.back();
+      if (r.points.empty()) {  // stopped
+        all.pop_back();
+        break;
+      }
       list_broken(row, r, broken);
       if (!out_.empty())
         finish(r, context, out_ + "/" + report::file_name(report::problem_label(r.problem)), options, true);
@@ -244,8 +261,8 @@ class Study final : public Command {
         fmt::print("{}: {} points\n", report::problem_label(r.problem), r.points.size());
     }
     context.machine.load_after = report::load_now();
-    gate(all, context);
-    if (!out_.empty()) {
+    if (!stop_flag()) gate(all, context);
+    if (!out_.empty() && !all.empty()) {
       report::write_text(out_ + "/points.csv", report::points_csv(all, true));
       report::write_text(out_ + "/index.html", report::suite_page(suite_, all, context));
     }
@@ -253,6 +270,7 @@ class Study final : public Command {
       print_json({{"suite", suite_}, {"problems", all.size()}, {"diverged", broken}, {"gate", context.gate}});
     for (const std::string& line : broken) fmt::print(stderr, "{}\n", line);
     print_violations(context);
+    if (stop_flag()) return report_stop(all.size(), rows.size(), "problems");
     return violated(context) || !broken.empty() ? kFailed : kPass;
   }
 

@@ -2,8 +2,10 @@
 #include <cstdio>
 
 #include "cli/command.h"
+#include "cli/doc_pages.h"
 #include "cli/session.h"
 #include "cli/summary.h"
+#include "lua/completion.h"
 #include "view/viewer.h"
 #include "view/window.h"
 
@@ -40,6 +42,7 @@ class View final : public Command {
     o_.file = scene_;
     o_.live.host = host_options(options);
     o_.live.reload = reload_mode();
+    o_.complete = [pages = all_pages(options.build)](std::string_view line) { return lua::complete(pages, line); };
     o_.detail = detail();
     if (!seconds_.empty()) o_.seconds = read_number(seconds_, "--seconds");
     read_size();

@@ -13,6 +13,8 @@ struct JointReading : JointDesc {
   const JointKind* kind = nullptr;
 };
 
+std::string joint_names() { return variant_names(joint_kinds()); }
+
 void read_kind(Options& o, const OptionRow&, JointReading& j) {
   std::string& type = j.type;
   if (!o.text("type", type)) o.wrong("type", "the name of a joint");
@@ -131,7 +133,7 @@ void read_rest_length(Options& o, const OptionRow& row, JointReading& j) {
 }
 
 constexpr Option<JointReading> kJoint[] = {
-    special("type", "string", read_kind),
+    {{.name = "type"}, "string", read_kind, nullptr, nullptr, joint_names},
     field<&JointDesc::name>("name"),
     special("a", "body", read_a),
     special("b", "body", read_b),

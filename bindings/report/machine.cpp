@@ -9,6 +9,8 @@
 #include <fstream>
 #include <thread>
 
+#include "report/build_info.h"
+
 namespace feder::report {
 namespace {
 
@@ -25,16 +27,6 @@ std::string first_value(const char* file, const std::string& key) {
     return value;
   }
   return "";
-}
-
-std::string compiler_name() {
-#if defined(__clang__)
-  return "clang " + std::to_string(__clang_major__) + "." + std::to_string(__clang_minor__);
-#elif defined(__GNUC__)
-  return "gcc " + std::to_string(__GNUC__) + "." + std::to_string(__GNUC_MINOR__);
-#else
-  return "unknown";
-#endif
 }
 
 // Smallest difference the clock shows.
@@ -57,10 +49,6 @@ std::string now_text() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(t));
 }
 
-constexpr const char* kCommit =
-#include "commit.inc"
-    ;
-
 }  // namespace
 
 double load_now() {
@@ -72,11 +60,11 @@ double load_now() {
 
 MachineInfo machine_info(const std::string& tool_version, const std::string& real) {
   MachineInfo m;
-  m.git = kCommit;
+  m.git = build_commit();
   m.tool = "feder " + tool_version;
   m.date = now_text();
-  m.compiler = compiler_name();
-  m.flags = FEDER_FLAGS;
+  m.compiler = build_compiler();
+  m.flags = build_flags();
   m.real = real;
   m.cpu = first_value("/proc/cpuinfo", "model name");
   m.cores = static_cast<int>(std::thread::hardware_concurrency());

@@ -38,9 +38,9 @@ std::string sentence(std::string text) {
 
 std::string lead(const StabilityResult& r) {
   if (r.maps.empty()) return fmt::format("Scalar type {}; each input is given to a world of its own.", r.real);
-  std::string text;
+  std::string text = r.interrupted ? "Interrupted: there would have been more cells. " : "";
   for (const StabilityProblemInfo& info : stability_problem_infos())
-    if (info.name == r.maps[0].problem) text = sentence(info.summary) + ". ";
+    if (info.name == r.maps[0].problem) text += sentence(info.summary) + ". ";
   return text + fmt::format("Scalar type {}; each cell is a run of its own. Point at a cell for its numbers.", r.real);
 }
 
@@ -186,13 +186,15 @@ Json stability_json(const StabilityResult& r, const RunContext& context) {
                       {"implicit", m.implicit},
                       {"stable_share", json_value(m.stable_share)}});
   }
-  return {{"schema", "stability/1"},
-          {"run", written(context.machine)},
-          {"command", context.command},
-          {"real", r.real},
-          {"methods", shares},
-          {"limits", limits},
-          {"rows", rows}};
+  Json json = {{"schema", "stability/1"},
+               {"run", written(context.machine)},
+               {"command", context.command},
+               {"real", r.real},
+               {"methods", shares},
+               {"limits", limits},
+               {"rows", rows}};
+  if (r.interrupted) json["interrupted"] = true;
+  return json;
 }
 
 Json extreme_json(const std::vector<ExtremeRow>& rows) { return written(rows); }

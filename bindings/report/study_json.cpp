@@ -128,6 +128,8 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
     for (const StudySeries* s : drawn_series(r)) series.push_back(written(*s));
   for (const std::size_t k : r.front_time) front_time.push_back(r.points[k].index);
   for (const std::size_t k : r.front_work) front_work.push_back(r.points[k].index);
+  Json plan = {{"points", r.planned}, {"shard", r.shard}, {"shards", r.shards}};
+  if (r.interrupted) plan["interrupted"] = true;
   return {{"schema", "accuracy/1"},
           {"study", identity_json(r)},
           {"run", written(context.machine)},
@@ -135,7 +137,7 @@ Json study_json(const StudyResult& r, const StudyContext& context) {
           {"settings", context.settings},
           {"problem", written(r.problem)},
           {"methods", written(r.methods)},
-          {"plan", {{"points", r.planned}, {"shard", r.shard}, {"shards", r.shards}}},
+          {"plan", plan},
           {"weights", written(r.weights)},
           {"points", written(r.points)},
           {"fits", written(r.fits)},

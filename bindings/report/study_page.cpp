@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "report/page.h"
 #include "report/xml.h"
@@ -188,6 +187,7 @@ std::string study_page(const StudyResult& r, const StudyContext& context, const 
   page.lead(lead);
   if (r.shards > 1 && r.points.size() < r.planned)
     page.paragraph(fmt::format("Part {} of {}: {} of {} points.", r.shard, r.shards, r.points.size(), r.planned));
+  if (r.interrupted) page.paragraph(fmt::format("Interrupted: {} of {} points.", r.points.size(), r.planned));
   for (const Figure& f : figures) page.figure(f.inline_svg, f.caption);
   decision_part(page, r);
   method_part(page, r);
@@ -217,13 +217,6 @@ std::string suite_page(const std::string& suite, const std::vector<StudyResult>&
   gate_part(page, context);
   machine_part(page, context);
   return page.text();
-}
-
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.flush();
-  if (!out) throw std::runtime_error(file + ": cannot be written");
 }
 
 void write_folder(const std::string& folder, const std::vector<Figure>& figures,

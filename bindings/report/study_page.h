@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "report/output_file.h"
 #include "report/study_figures.h"
 
 namespace feder::report {
@@ -17,8 +18,5 @@ void write_study(const std::string& folder, const StudyResult& r, const StudyCon
 // The figures and the texts by the names of their files; the folder is made.
 void write_folder(const std::string& folder, const std::vector<Figure>& figures,
                   const std::vector<std::pair<std::string, std::string>>& texts);
-
-// The whole text, or std::runtime_error.
-void write_text(const std::string& file, const std::string& text);
 
 }  // namespace feder::report

@@ -10,6 +10,7 @@
 
 #include "feder/error.h"
 #include "view/export.h"
+#include "view/output_file.h"
 #include "view/palette.h"
 #include "view/solids.h"
 #include "view/tessellate.h"
@@ -344,9 +345,10 @@ void GltfWriter::write(const std::filesystem::path& file) {
   if (w.model.animations[0].channels.empty()) w.model.animations.clear();
   if (w.model.nodes.empty()) throw SceneError(file.string() + ": the scene has nothing that can be exported");
   tinygltf::TinyGLTF writer;
-  const bool binary = file.extension() == ".glb";
-  if (!writer.WriteGltfSceneToFile(&w.model, file.string(), true, true, true, binary))
-    throw SceneError(file.string() + ": cannot be written");
+  write_file(file, [&](std::ostream& out) {
+    if (!writer.WriteGltfSceneToStream(&w.model, out, true, file.extension() == ".glb"))
+      out.setstate(std::ios::failbit);
+  });
 }
 
 }  // namespace feder::view

@@ -57,7 +57,7 @@ void write_png(const Image& image, const std::filesystem::path& file) {
 // GIF: a palette of 255 colours per frame by its median cut, ordered dithering against bands. What has
 // not changed since the frame before is transparent, which makes still backgrounds cheap.
 struct GifWriter::Impl {
-  std::ofstream out;
+  std::unique_ptr<report::OutputFile> out;
   std::vector<std::uint8_t> before;  // the last frame's pixels
   std::filesystem::path file;
   GifFileType* gif = nullptr;
@@ -81,9 +81,12 @@ GifWriter::GifWriter(const std::filesystem::path& file, int width, int height, d
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   g.red.resize(pixels), g.green.resize(pixels), g.blue.resize(pixels), g.index.resize(pixels);
   int error = 0;
-  g.out.open(file, std::ios::binary);
-  if (!g.out) g.fail(E_GIF_ERR_OPEN_FAILED);
-  g.gif = EGifOpen(&g.out, append, &error);
+  try {
+    g.out = std::make_unique<report::OutputFile>(file);
+  } catch (const std::runtime_error& e) {
+    throw SceneError(e.what());
+  }
+  g.gif = EGifOpen(&g.out->stream(), append, &error);
   if (!g.gif) g.fail(error);
   EGifSetGifVersion(g.gif, true);
   g.require(EGifPutScreenDesc(g.gif, width, height, 8, 0, nullptr));
@@ -146,8 +149,11 @@ void GifWriter::close() {
   const int result = EGifCloseFile(g.gif, &error);
   g.gif = nullptr;
   if (result == GIF_ERROR) g.fail(error);
-  g.out.close();
-  if (!g.out) g.fail(E_GIF_ERR_WRITE_FAILED);
+  try {
+    g.out->close();
+  } catch (const std::runtime_error& e) {
+    throw SceneError(e.what());
+  }
 }
 
 }  // namespace feder::view

@@ -1,19 +1,23 @@
 // Files that are written in one go.
 #pragma once
-#include <filesystem>
-#include <fstream>
-
 #include "feder/error.h"
+#include "report/output_file.h"
 
 namespace feder::view {
 
-// Calls write(stream). SceneError when the file cannot be opened or written.
+// Calls write(stream); the file is there when all of it is (report/output_file.h). SceneError when it cannot be
+// written.
 template <class F>
 void write_file(const std::filesystem::path& file, F&& write) {
-  std::ofstream out(file, std::ios::binary);
-  if (out) write(out);
-  out.close();
-  if (!out) throw SceneError(file.string() + ": cannot be written");
+  try {
+    report::OutputFile out(file);
+    write(out.stream());
+    out.close();
+  } catch (const SceneError&) {
+    throw;
+  } catch (const std::runtime_error& e) {
+    throw SceneError(e.what());
+  }
 }
 
 }  // namespace feder::view

@@ -18,8 +18,23 @@ ImU32 line_color(ConsoleLine::Kind kind) {
   }
 }
 
-int on_history(ImGuiInputTextCallbackData* data) {
+// Tab: what all candidates have in common, and their list where there are several.
+void complete_input(Console& c, ImGuiInputTextCallbackData* data) {
+  if (!c.complete) return;
+  const std::string line(data->Buf, static_cast<std::size_t>(data->CursorPos));
+  const lua::Completion found = c.complete(line);
+  if (found.words.empty()) return;
+  data->DeleteChars(static_cast<int>(found.from), data->CursorPos - static_cast<int>(found.from));
+  data->InsertChars(static_cast<int>(found.from), found.common().c_str());
+  if (found.words.size() == 1) return;
+  std::string list;
+  for (const std::string& word : found.words) list += (list.empty() ? "" : "  ") + word;
+  c.add(ConsoleLine::print, list);
+}
+
+int on_key(ImGuiInputTextCallbackData* data) {
   Console& c = *static_cast<Console*>(data->UserData);
+  if (data->EventFlag == ImGuiInputTextFlags_CallbackCompletion) return complete_input(c, data), 0;
   const int count = static_cast<int>(c.past.size());
   if (count == 0) return 0;
   if (data->EventKey == ImGuiKey_UpArrow) c.past_at = c.past_at < 0 ? count - 1 : std::max(0, c.past_at - 1);
@@ -72,9 +87,11 @@ void draw_console(PanelLayout& layout, const PanelSizes& sizes) {
   ImGui::SetNextItemWidth(-1);
   if (c.focus) ImGui::SetKeyboardFocusHere();
   c.focus = false;
-  const bool entered = ImGui::InputTextWithHint(
-      "##input", "Lua", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackHistory,
-      &on_history, &c);
+  const bool entered =
+      ImGui::InputTextWithHint("##input", "Lua", text, sizeof text,
+                               ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackHistory |
+                                   ImGuiInputTextFlags_CallbackCompletion,
+                               &on_key, &c);
   c.input = text;
   if (entered) {
     if (!c.input.empty()) run_line(layout, c.input);

@@ -1,9 +1,11 @@
 // What the panels of the viewer show and change. Plain data; each panel is a function of its own file.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lua/completion.h"
 #include "view/camera.h"
 #include "view/live_scene.h"
 #include "view/renderer.h"
@@ -24,6 +26,7 @@ struct Console {
   int past_at = -1;
   std::string input;
   bool scroll = false, focus = false;
+  std::function<lua::Completion(std::string_view)> complete;  // of what stands before the cursor; may be empty
   void add(ConsoleLine::Kind kind, const std::string& text);
 };
 

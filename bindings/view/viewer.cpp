@@ -47,6 +47,7 @@ class Viewer {
     window_.keep_pace(options.seconds < 0);
     layout_.show_ui = !options.hide_panels;
     layout_.show_console = options.console, layout_.show_help = options.help;
+    layout_.console.complete = options.complete;
     live_.set_paused(options.paused);
     layout_.scenes = scenes_beside(options.file);
     live_.open(options.file);

@@ -3,8 +3,10 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 
+#include "lua/completion.h"
 #include "view/live_scene.h"
 
 namespace feder::view {
@@ -25,6 +27,7 @@ struct ViewerOptions {
   int frames = -1;      // >= 0: ends after so many pictures
   std::string picture;  // PNG of the window: of the last picture, or of number `picture_at`
   int picture_at = -1;
+  std::function<lua::Completion(std::string_view)> complete;  // what Tab offers in the console; empty: nothing
   std::string status;  // JSON file that tells what is going on, a few times a second
 };
 

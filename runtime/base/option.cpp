@@ -1,5 +1,6 @@
 // Ranges, choices and values as text.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -41,8 +42,14 @@ std::string print_number(double x) {
 
 std::string print_value(double x) { return std::isfinite(x) ? print_number(x) : ""; }
 
+std::string print_value(float x) {
+  char buffer[40];
+  if (!std::isfinite(x)) return "";
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
 std::string print_value(const Vec3& x) {
-  return "{" + print_number(x[0]) + ", " + print_number(x[1]) + ", " + print_number(x[2]) + "}";
+  return "{" + print_value(x[0]) + ", " + print_value(x[1]) + ", " + print_value(x[2]) + "}";
 }
 
 }  // namespace feder

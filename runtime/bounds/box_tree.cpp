@@ -95,7 +95,7 @@ Real BoxTree::cost() const {
 }
 
 void BoxTree::refit(std::span<const Aabb> boxes) {
-  if (boxes.size() != items_.size()) return build(boxes);
+  if (boxes.size() != items_.size() || boxes.empty()) return build(boxes);
   boxes_ = boxes;
   fit();
   if (!(cost() <= Real(1.5) * built_cost_)) build(boxes);

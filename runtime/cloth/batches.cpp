@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "base/jobs.h"
+#include "base/wide.h"
 
 namespace feder {
 namespace {
@@ -35,7 +36,7 @@ double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]) {
 
 void ClothBatches::pick([[maybe_unused]] bool wide) {
 #if defined(__x86_64__) || defined(__i386__)
-  if (wide && __builtin_cpu_supports("avx2")) kernels_ = &kClothKernelsAvx2;
+  if (wide && runs_avx2()) kernels_ = &kClothKernelsAvx2;
 #endif
 }
 

@@ -2,6 +2,7 @@
 // independent, so they run in parallel, and what concerns others (events, warnings) is done afterwards, in order.
 #include <cmath>
 
+#include "base/wide.h"
 #include "feder/net.h"
 #include "integrate/integrator.h"
 #include "springs/impl.h"
@@ -66,7 +67,7 @@ std::uint32_t Springs::Impl::spring(ObjectId id, std::size_t k) const {
 
 const SpringKernels& pick_kernels([[maybe_unused]] bool wide) {
 #if defined(__x86_64__) || defined(__i386__)
-  if (wide && __builtin_cpu_supports("avx2")) return kSpringKernelsAvx2;
+  if (wide && runs_avx2()) return kSpringKernelsAvx2;
 #endif
   return kSpringKernelsPlain;
 }

@@ -218,6 +218,7 @@ void run_point(const StudyProblem& problem, const MethodInfo& method, const RunS
   watch.start(*run);
   const double size = std::max(1, problem.info().dof);
   for (std::int64_t k = 1; k <= spec.steps; ++k) {
+    if (limits.stopped()) return;
     run->step();
     if (!watch.wants(k, spec.steps)) continue;
     if (!watch.record(*run, k, spec.steps)) break;

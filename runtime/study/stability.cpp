@@ -124,13 +124,15 @@ StabilityMap run_map(const StabilityProblem& problem, const StabilityMethod& met
     std::size_t stable = 0;
     for (const double y : m.y.values)
       for (const double x : m.x.values) {
+        if (plan.stopped()) break;
         m.cells.push_back(problem.cell(method.name, x, y, plan.thresholds));
         stable += m.cells.back().verdict == Verdict::stable;
       }
     m.stable_share = static_cast<double>(stable) / static_cast<double>(std::max<std::size_t>(1, m.cells.size()));
   }
   if (plan.bisect && info.bisects) {
-    for (const double y : m.y.values) m.limits.push_back(problem.limit(method.name, y));
+    for (const double y : m.y.values)
+      if (!plan.stopped()) m.limits.push_back(problem.limit(method.name, y));
     m.limit_how = problem.limit_how();
   }
   return m;
@@ -172,7 +174,12 @@ StabilityResult run_stability(const StabilityPlan& plan) {
   StabilityResult result;
   result.thresholds = plan.thresholds;
   result.real = kRealName;
-  for (const StabilityMethod& m : methods) result.maps.push_back(run_map(*problem, m, plan));
+  for (const StabilityMethod& m : methods) {
+    StabilityMap map = run_map(*problem, m, plan);
+    result.interrupted = plan.stopped();
+    if (!result.interrupted || !map.cells.empty()) result.maps.push_back(std::move(map));
+    if (result.interrupted) break;
+  }
   return result;
 }
 

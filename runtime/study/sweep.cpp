@@ -93,6 +93,18 @@ double measure(const StudyProblem& problem, const RunSpec& spec, int loops) {
   return seconds_since(start) / loops;
 }
 
+// False, also for the exception of a script that was interrupted, when the sweep has to stop.
+template <class F>
+bool run_unless_stopped(const RunLimits& limits, F&& run) {
+  if (limits.stopped()) return false;
+  try {
+    run();
+  } catch (...) {
+    if (!limits.stopped()) throw;
+  }
+  return !limits.stopped();
+}
+
 struct Timed {
   const PlannedPoint* planned;
   StudyPoint* point;
@@ -162,13 +174,16 @@ void time_points(const StudyProblem& problem, std::span<const PlannedPoint> plan
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i].completed) timed.push_back({&plan[i], &points[i], 1, 0, 0, {}});
   const auto begun = Clock::now();
-  for (int round = 0;; ++round) {
-    bool more = false;
-    for (std::size_t i = 0; i < timed.size(); ++i) {
+  bool more = true, stopped = false;
+  for (int round = 0; more && !stopped; ++round) {
+    more = false;
+    for (std::size_t i = 0; i < timed.size() && !stopped; ++i) {
       Timed& t = timed[i];
       const bool late = seconds_since(begun) > o.budget_s;
       if (satisfied(t, o) || (late && !t.samples.empty())) continue;
-      const double s = measure(problem, t.planned->spec, t.loops);
+      double s = 0;
+      stopped = !run_unless_stopped(options.limits, [&] { s = measure(problem, t.planned->spec, t.loops); });
+      if (stopped) break;
       if (round == 0) t.loops = s < kShortest ? static_cast<int>(std::ceil(kShortest / std::max(s, 1e-7))) : 1;
       // long runs need no warming up
       if (t.warm < o.warm_ups && s < 0.05 && !late) {
@@ -181,7 +196,6 @@ void time_points(const StudyProblem& problem, std::span<const PlannedPoint> plan
       if (options.progress && round == 0)
         options.progress(0.5 + 0.5 * static_cast<double>(i + 1) / static_cast<double>(timed.size()), "timing");
     }
-    if (!more) break;
   }
   for (Timed& t : timed) record_times(t, o, problem.info().t_end);
 }
@@ -202,8 +216,8 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
     if (p.index % static_cast<std::size_t>(options.shards) == static_cast<std::size_t>(options.shard))
       plan.push_back(p);
   }
-  r.points.resize(plan.size());
   bool any_run = false;
+  std::vector<PlannedPoint> finished;
   for (std::size_t i = 0; i < plan.size(); ++i) {
     FinishedPoint now;
     const auto before = std::find_if(options.done.begin(), options.done.end(),
@@ -213,11 +227,15 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
     } else {
       now.point.index = now.series.point = plan[i].index;
       now.point.machine = options.machine;
-      run_point(problem, plan[i].method, plan[i].spec, options.limits, options.weights, now.point, &now.series);
+      const bool done = run_unless_stopped(options.limits, [&] {
+        run_point(problem, plan[i].method, plan[i].spec, options.limits, options.weights, now.point, &now.series);
+      });
+      if (!done) continue;  // those that were done before are taken over
       any_run = true;
       if (options.finished) options.finished(now, problem.info());
     }
-    r.points[i] = std::move(now.point);
+    finished.push_back(plan[i]);
+    r.points.push_back(std::move(now.point));
     if (!now.series.t.empty()) r.series.push_back(std::move(now.series));
     if (options.progress)
       options.progress(
@@ -226,7 +244,8 @@ StudyResult run_sweep(const StudyProblem& problem, const SweepOptions& options) 
   }
   // a self-refined reference knows its uncertainty by now
   r.problem = any_run || !options.learned ? problem.info() : *options.learned;
-  if (options.timing.enabled) time_points(problem, plan, options, r.points);
+  if (options.timing.enabled) time_points(problem, finished, options, r.points);
+  r.interrupted = options.limits.stopped();
   evaluate(r);
   return r;
 }

@@ -141,8 +141,10 @@ def rivals_all(_feder, _folder):
 
 
 def hello(feder, _):
-    """What the scene of README.md prints; its check must hold."""
+    """What the scene of README.md prints; its check must hold, and it stays short."""
     scene = re.search(r"```lua\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+    if scene.count("\n") > 12:
+        sys.exit(f"figures: hello has {scene.count(chr(10))} lines, more than 12")
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "hello.lua")
         file.write_text(scene)
@@ -210,16 +212,24 @@ def variants(_feder, _folder):
 
 
 def scenes(_feder, folder):
-    """The first comment of every scene, and its parameters."""
-    rows = ["| scene | what it shows | `--set` |", "|---|---|---|"]
-    for path in sorted(p for p in (ROOT / "scenes").rglob("*") if p.suffix in (".lua", ".yaml")):
-        text = path.read_text()
-        comment = re.match(r"(?:(?:--|#) .*\n)+", text)[0]
-        words = " ".join(line.lstrip("-# ") for line in comment.splitlines())
-        names = re.findall(r'feder\.param\("(\w+)"', text) + re.findall(r"^  (\w+): \{ value:", text, re.M)
-        name = os.path.relpath(path, folder)
-        rows.append(f"| [{name}]({name}) | {words} | {', '.join(f'`{n}`' for n in names)} |".replace("|  |", "| |"))
-    return "\n".join(rows)
+    """By folder: title, first comment and parameters of every scene, and the command that draws them."""
+    out = []
+    for group in sorted(p for p in (ROOT / "scenes").iterdir() if p.is_dir()):
+        out += ["", f"### {group.name}", ""]
+        rows = ["| scene | title | what it shows | `--set` |", "|---|---|---|---|"]
+        for path in sorted(p for p in group.rglob("*") if p.suffix in (".lua", ".yaml")):
+            text = path.read_text()
+            title = re.search(r'^ *title *[=:] *"?(.*?)"?,?$', text, re.M)
+            comment = re.match(r"(?:(?:--|#) .*\n)+", text)[0]
+            words = " ".join(line.lstrip("-# ") for line in comment.splitlines())
+            names = re.findall(r'feder\.param\("(\w+)"', text) + re.findall(r"^  (\w+): \{ value:", text, re.M)
+            cells = [f"[{path.name}]({os.path.relpath(path, folder)})", title[1] if title else "tests", words,
+                     ", ".join(f"`{n}`" for n in names)]
+            rows.append(f"| {' | '.join(cells)} |".replace("|  |", "| |"))
+        if not any("| tests |" in row for row in rows):
+            out += [f"`scripts/gallery build/{group.name}.png scenes/{group.name}` draws them.", ""]
+        out += rows
+    return "\n".join(out[1:])
 
 
 def api(_feder, _folder):

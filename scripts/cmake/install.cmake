@@ -9,7 +9,7 @@ include(CMakePackageConfigHelpers)
 
 set(FEDER_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/feder)
 get_property(feder_modules GLOBAL PROPERTY FEDER_MODULES)
-list(REMOVE_ITEM feder_modules report cli view live window reference)  # parts of the program, not of the library
+list(REMOVE_ITEM feder_modules report cli view live states window reference)  # parts of the program, not of the library
 
 add_library(feder_all INTERFACE)
 add_library(feder::feder ALIAS feder_all)

@@ -34,6 +34,8 @@ function(feder_use_pch target kind)
       add_library(feder_pch_library STATIC ${PROJECT_BINARY_DIR}/pch/library.cpp)
       target_link_libraries(feder_pch_library PRIVATE feder_flags)
       target_precompile_headers(feder_pch_library PRIVATE ${feder_pch_standard})
+      # as the libraries that take it: clang refuses another visibility
+      set_target_properties(feder_pch_library PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     endif()
   endif()
   target_precompile_headers(${target} REUSE_FROM feder_pch_${kind})

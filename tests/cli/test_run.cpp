@@ -11,7 +11,7 @@ TEST_CASE("usage errors end with status 2 and one line", "[cli]") {
   const Outcome unknown = p.run("rnu x.lua");
   CHECK(unknown.status == 2);
   CHECK(count_lines(unknown.err) == 1);
-  for (const char* name : {"run", "test", "explain", "bench", "check", "new"})
+  for (const char* name : {"run", "test", "explain", "bench", "check", "new", "scenes"})
     CHECK(unknown.err.find(name) != std::string::npos);
   CHECK(p.run("").status == 2);
   CHECK(p.run("run").status == 2);
@@ -24,6 +24,59 @@ TEST_CASE("usage errors end with status 2 and one line", "[cli]") {
   CHECK(p.run("test --tap --json $S").status == 2);
   CHECK(p.run("--help").status == 0);
   CHECK(p.run("run --help").status == 0);
+  CHECK(p.run("run --help").out.find("not in this version") == std::string::npos);
+}
+
+TEST_CASE("the version names what was built, and what of it runs here", "[cli]") {
+  const Program p;
+  const Outcome o = p.run("--version");
+  CHECK(o.status == 0);
+  CHECK(o.out.starts_with("feder "));
+  CHECK(o.out.find("(float)\n") != std::string::npos);
+  const Outcome commit = p.shell("git -C '" FEDER_SOURCE_DIR "' rev-parse --short HEAD");
+  const std::string known = commit.status == 0 ? commit.out : "";
+  CHECK((o.out.find("  commit    " + known) != std::string::npos ||
+         o.out.find("commit    unknown") != std::string::npos));
+  for (const char* word : {"  compiler  ", " -O", "  simd      "}) CHECK(o.out.find(word) != std::string::npos);
+  const bool wide = read_file("/proc/cpuinfo").find(" avx2 ") != std::string::npos;
+  CHECK(o.out.find(wide ? "simd      avx2\n" : "simd      plain\n") != std::string::npos);
+}
+
+TEST_CASE("standard output that cannot be written is a failure of every command", "[cli]") {
+  const Program p;
+  p.write("ball.lua", scene(kBall));
+  for (const std::string arguments :
+       {"--version", "--help", "run ball.lua", "run ball.lua --json", "test ball.lua", "explain ball.lua",
+        "bench ball.lua --runs 1 --steps 2", "check ball.lua", "new fresh", "scenes rigid"}) {
+    const Outcome o = p.shell("('" FEDER_BINARY_DIR "/feder' " + arguments + " >/dev/full)");
+    CAPTURE(arguments, o.err);
+    CHECK(o.status == 1);
+    CHECK(o.err.find("cannot be written") + o.err.find("cannot write") != 2 * std::string::npos);
+    CHECK(count_lines(o.err) == 1);
+  }
+}
+
+TEST_CASE("scenes lists the examples with titles and systems", "[cli]") {
+  const Program p;
+  const Outcome o = p.run("scenes --json");
+  REQUIRE(o.status == 0);
+  bool found = false;
+  for (const auto& s : o.json()) {
+    CHECK(std::filesystem::exists(s["scene"].get<std::string>()));
+    if (!s["scene"].get<std::string>().ends_with("scenes/mixed/trampoline.lua")) continue;
+    found = true;
+    CHECK(s["title"] == "Trampoline");
+    CHECK(s["systems"] == nlohmann::json{"collide", "springs", "rigid", "cloth"});
+  }
+  CHECK(found);
+  CHECK(o.json().size() > 40);
+  const Outcome some = p.run("scenes fluid");
+  CHECK(some.status == 0);
+  CHECK(some.out.find("Glass of water") != std::string::npos);
+  CHECK(some.out.find("Tower") == std::string::npos);
+  CHECK(p.run("scenes no-such-thing").status == 5);
+  CHECK(p.shell("(cd '" FEDER_SOURCE_DIR "' && '" FEDER_BINARY_DIR "/feder' scenes glass)")
+            .out.find("\nscenes/fluid/glass.lua ") != std::string::npos);
 }
 
 TEST_CASE("run prints a summary, or one JSON value with the promised keys", "[cli]") {
@@ -159,7 +212,7 @@ TEST_CASE("explain lists what is used and names the rest", "[cli]") {
   CHECK(text.out.find("rigid") != std::string::npos);
 }
 
-TEST_CASE("bench reports median, min and max, and compares", "[cli]") {
+TEST_CASE("bench reports minimum, median and maximum, and compares", "[cli]") {
   const Program p;
   p.write("ball.lua", scene(kBall));
   const Outcome first = p.run("bench ball.lua --runs 3 --steps 20 --json");
@@ -177,6 +230,26 @@ TEST_CASE("bench reports median, min and max, and compares", "[cli]") {
   CHECK(compared["compared"]["ratio"].get<double>() > 0);
   CHECK(p.run("bench ball.lua ball.lua --runs 1 --steps 5 --json").json().size() == 2);
   CHECK(p.run("bench ball.lua --compare nothing.json").status == 2);
+  const std::string text = p.run("bench ball.lua --runs 2 --steps 5 --quiet").out;
+  CHECK(text.find("min ") < text.find("median "));
+}
+
+TEST_CASE("bench --fail-above fails for what is slower than before, or was not there", "[cli]") {
+  const Program p;
+  p.write("ball.lua", scene(kBall));
+  const auto gate = [&](const std::string& before, const std::string& percent) {
+    p.write("before.json", before);
+    return p.run("bench ball.lua --runs 1 --steps 5 --compare before.json --fail-above " + percent);
+  };
+  CHECK(gate(R"({"scene": "ball.lua", "ms_per_step": {"min": 1e6, "median": 1e-9}})", "0").status == 0);
+  const Outcome slow = gate(R"({"scene": "ball.lua", "ms_per_step": {"min": 1e-9, "median": 1e6}})", "50");
+  CHECK(slow.status == 1);
+  CHECK(slow.err.starts_with("ball.lua: "));
+  CHECK(slow.err.find("slower than in before.json, more than 50 %") != std::string::npos);
+  CHECK(slow.out.find("ms/step") != std::string::npos);
+  CHECK(gate(R"([{"scene": "other.lua", "ms_per_step": {"min": 1}}])", "50").status == 1);
+  CHECK(gate("[]", "-1").status == 2);
+  CHECK(p.run("bench ball.lua --fail-above 5").status == 2);
 }
 
 TEST_CASE("new writes a scene that passes its own check, and overwrites nothing", "[cli]") {

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "feder/world.h"
-#include "lua/docs.h"
+#include "lua/reference.h"
 #include "support/script.h"
 
 using namespace feder;
@@ -29,6 +29,13 @@ std::vector<Found> everything() {
   for (const lua::DocRow& row : lua::docs(lua::parts())) add(all, row.name, row.options);
   for (const SystemDescriptor* d : catalog())
     if (d->joins.empty()) add(all, d->name, lua::system_options(catalog(), d->name));
+  for (const EventKind& kind : lua::event_kinds(catalog())) {
+    add(all, "event", lua::event_fields(kind));
+    add(all, "filter", lua::event_filters(kind));
+    OptionInfo itself;
+    itself.row.name = kind.text(), itself.type = "event";
+    all.push_back({"events", itself});
+  }
   return all;
 }
 

@@ -70,6 +70,7 @@ std::string print_number(double x);
 
 // As a script would write it; "" for what is none.
 std::string print_value(double x);
+std::string print_value(float x);  // with as many digits as tell it from its neighbours
 inline std::string print_value(bool x) { return x ? "true" : "false"; }
 template <class Whole>
 requires std::is_integral_v<Whole> std::string print_value(Whole x) { return std::to_string(x); }

@@ -2,6 +2,7 @@
 // beside the one that theory predicts. Plain data for tables and drawings; NaN stands for "does not apply". In the
 // library feder::study; runs on the calling thread.
 #pragma once
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -86,12 +87,16 @@ struct StabilityPlan {
   bool cells = true, bisect = false;
   StabilityThresholds thresholds;
   std::vector<double> x_values, y_values;  // empty: the problem's ladders
+  // Set by others, may be null: the cells and limits that are finished are returned.
+  const std::atomic<bool>* stop = nullptr;
+  bool stopped() const { return stop && *stop; }
 };
 
 struct StabilityResult {
   StabilityThresholds thresholds;
   std::vector<StabilityMap> maps;  // by method
   std::string real;                // "float" or "double"
+  bool interrupted = false;        // StabilityPlan::stop: there would have been more
 };
 
 struct StabilityProblemInfo {

@@ -3,6 +3,7 @@
 // several may run at once, a problem in one of them.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -165,6 +166,7 @@ struct StudyResult {
   int shard = 0, shards = 1;
   Provenance provenance;
   WorkWeights weights;
+  bool interrupted = false;        // RunLimits::stop: points are missing, or were timed less often
   std::vector<StudyPoint> points;  // by index
   std::vector<StudySeries> series;
   // made by evaluate()
@@ -261,6 +263,9 @@ void set_option(Params& options, std::string_view assignment);
 struct RunLimits {
   double budget_work = 4e7;  // force evaluations times points; more: slow, and stopped
   bool series = true;        // keep the curves over time
+  // Set by others, may be null: the run ends within a step, and a sweep returns the points that are finished.
+  const std::atomic<bool>* stop = nullptr;
+  bool stopped() const { return stop && *stop; }
 };
 
 // A sweep: every method of a problem up its ladder. First the error pass, point by point; then the timing pass on the
