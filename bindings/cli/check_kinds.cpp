@@ -237,6 +237,9 @@ Kind Kinds::of_index(const LuaNode* index) {
   if (index->text.empty()) return element(index->parts[0]);
   const Kind base = of(index->parts[0]);
   if (base.name.empty()) return {};
+  if (base.name == "event" &&
+      std::ranges::all_of(base.events, [&](const std::string& event) { return names_.is_object(event, index->text); }))
+    return {.name = "object", .guessed = base.guessed};
   if (base.name != "scene" || base.list) return kNothingKnown;
   const auto found = fields_.find(index->text);
   return found == fields_.end() ? Kind{} : found->second;

@@ -5,6 +5,7 @@
 
 #include "cli/session.h"
 #include "lua/part.h"
+#include "lua/reference.h"
 
 namespace feder::cli {
 
@@ -20,11 +21,15 @@ ScriptNames::ScriptNames(const Options& options)
     members_[row.owner].push_back(row.name);
   }
   classes_.insert(objects_.begin(), objects_.end());
-  classes_.erase("feder"), classes_.erase("object");
-  for (const std::string& name : objects_)
-    members_[name].insert(members_[name].end(), members_["object"].begin(), members_["object"].end());
-  events_.assign(std::begin(kEventKinds), std::end(kEventKinds));
-  for (const SystemDescriptor* d : systems_) events_.insert(events_.end(), d->events.begin(), d->events.end());
+  classes_.erase("feder");
+  const Words shared = members_["object"];
+  for (const std::string& name : objects_) {
+    Words& own = members_[name];
+    own.insert(own.end(), shared.begin(), shared.end());
+    // of an object whose class is not known: what any of them has
+    members_["object"].insert(members_["object"].end(), own.begin(), own.end());
+  }
+  events_ = lua::event_kinds(systems_);
   for (EventKind kind : events_) event_names_.emplace_back(kind.text());
   ask_sandbox(options);
 }
@@ -80,6 +85,14 @@ Words ScriptNames::event_fields(const std::string& name, bool own) const {
   if (const EventKind* kind = event(name))
     for (const OptionInfo& field : lua::event_fields(*kind, own)) fields.emplace_back(field.row.name);
   return fields;
+}
+
+bool ScriptNames::is_object(const std::string& name, std::string_view field) const {
+  const EventKind* const kind = event(name);
+  if (!kind) return false;
+  const std::vector<OptionInfo> fields = lua::event_fields(*kind, true);
+  const auto found = std::ranges::find_if(fields, [&](const OptionInfo& f) { return field == f.row.name; });
+  return found != fields.end() && std::string_view(found->type) == "object";
 }
 
 const std::vector<OptionInfo>& ScriptNames::event_filters(const std::string& name) const {

@@ -33,6 +33,7 @@ class ScriptNames {
   const EventKind* event(std::string_view name) const;
   const Words& events() const { return event_names_; }
   Words event_fields(const std::string& event, bool own) const;
+  bool is_object(const std::string& event, std::string_view field) const;
   const std::vector<OptionInfo>& event_filters(const std::string& event) const;
 
   // Options in world = { ... }, its systems included.

@@ -110,7 +110,7 @@ class Rules {
     const std::string near = lua::did_you_mean(node.text, *known);
     if (kind.guessed && near.empty()) return;
     if (names_.is_class(kind.name) && !library)
-      say(node, fmt::format("a {} has no method '{}'{}", name, node.text, near));
+      say(node, fmt::format("{} {} has no method '{}'{}", name == "object" ? "an" : "a", name, node.text, near));
     else
       say(node, fmt::format("{}{} has no '{}'{}", module ? "the module " : "", name, node.text, near));
   }

@@ -75,7 +75,7 @@ ReferencePage event_page(EventKind kind) {
   ReferencePage page{PageKind::event, name, "event", name, "", std::string(option_sentence("events", name)), "", {}};
   page.signature =
       "world:on(\"" + name + "\", " + (kind.has(EventKind::kAlone) ? "" : "[filter], ") + "function(e) end)";
-  add_rows("event", "e.", event_fields(kind), page.rows);
+  add_rows("event", "e.", event_fields(kind, true), page.rows);
   add_rows("filter", "filter.", event_filters(kind), page.rows);
   return page;
 }

@@ -83,6 +83,10 @@ const Mistake kMistakes[] = {
      "5: world:on(\"hit\"): unknown option 'min_sped'; did you mean 'min_speed'?"},
     {"event that a task waits for", in_build("world:task(function() feder.wait_for('hitt') end)"),
      "5: unknown event 'hitt'; did you mean 'hit'?"},
+    {"method of what an event tells", in_build("world:on('hit', function(e) print(e.a:nme()) end)"),
+     "5: an object has no method 'nme'; did you mean 'name'?"},
+    {"method of what is found", in_build("world:find('x'):psition()"),
+     "5: an object has no method 'psition'; did you mean 'position'?"},
     // tables in tables
     {"option of the world",
      std::string(kFeder) + "return feder.scene { world = { gravty = { 0, 0, 0 } }, build = print }\n",
@@ -141,6 +145,10 @@ const char* const kRight[] = {
     // the other one in a handler of an object
     "local feder = require 'feder'\nlocal w = feder.world {}\nlocal b = w:body { shape = feder.sphere(1) }\n"
     "b:on('hit', function(e) print(e.other, e:copy().mine) end)\n",
+    // objects whose class only the run knows
+    "local feder = require 'feder'\nlocal w = feder.world {}\nw:on('hit', function(e) e.a:velocity() e.b:set_point(1, "
+    "0, "
+    "0, 0) end)\nw:find('x'):set_motor(1, 2)\n",
     // what must fail
     "local feder = require 'feder'\nlocal w = feder.world {}\nlocal good = pcall(function() w:body { shap = 1 } end)\n"
     "local there = pcall(require, 'none.such')\nprint(good, there)\n",
