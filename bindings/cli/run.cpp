@@ -137,13 +137,8 @@ class Run final : public Command {
   }
 
   std::string scene_, seconds_, csv_;
-<<<<<<< HEAD
   std::vector<std::string> track_;
   int steps_ = -1;
-=======
-  int steps_ = -1;
-  std::vector<std::string> track_;
->>>>>>> f637e3f2c1b0a63552b8814386b1f87da7f71584
   bool check_ = false;
   std::optional<Trace> trace_;
 };
