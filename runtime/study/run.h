@@ -4,7 +4,8 @@
 
 namespace feder {
 
-// Fills everything of `point` but timing, fronts and index. Same spec, same bits; when it was stopped, not all is there.
+// Fills everything of `point` but timing, fronts and index. Same spec, same bits; when it was stopped, not all is
+// there.
 void run_point(const StudyProblem& problem, const MethodInfo& method, const RunSpec& spec, const RunLimits& limits,
                const WorkWeights& weights, StudyPoint& point, StudySeries* series);
 
