@@ -84,6 +84,7 @@ class Run final : public Command {
 
   // `status`: of what ended the run early, or kPass.
   int finish(Session& session, const Options& options, int status) {
+    const int traced = close_trace(session);
     lua::CheckResult result;
     if (check_ && status == kPass) result = run_check(session);
     if (result.limit != lua::Limit::none) status = limit_status(result.limit);
@@ -98,7 +99,6 @@ class Run final : public Command {
       if (check_) fmt::print("  check   {} held, {} failed\n", result.passed, result.failures.size());
     }
     std::fflush(stdout);
-    if (!close_trace(session) && status == kPass) status = kUsage;
     for (const auto& failure : result.failures) fmt::print(stderr, "{}: {}\n", failure.where, failure.message);
     if (!summary.finite) fmt::print(stderr, "{}: the state is not finite\n", scene_);
     bool held = false;  // what was not finite has been stopped
@@ -108,14 +108,22 @@ class Run final : public Command {
       held = true;
     }
     if (status != kPass) return status;
+    if (traced != kPass) return traced;
     return summary.finite && !held && session.script().handler_errors().empty() && result.failures.empty() ? kPass
                                                                                                            : kFailed;
   }
 
-  bool close_trace(Session& session) {
-    const std::string wrong = trace_ ? trace_->close(session) : "";
-    if (!wrong.empty()) print_error("feder run: " + wrong);
-    return wrong.empty();
+  // The status of it; what else there is to say goes on.
+  int close_trace(Session& session) {
+    try {
+      const std::string wrong = trace_ ? trace_->close(session) : "";
+      if (wrong.empty()) return kPass;
+      print_error("feder run: " + wrong);
+      return kUsage;
+    } catch (const Failure& e) {
+      print_error(e.what());
+      return e.status();
+    }
   }
 
   lua::CheckResult run_check(Session& session) {

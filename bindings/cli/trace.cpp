@@ -68,7 +68,7 @@ void Trace::track(World& world, ObjectId object) {
   const std::string name = own.empty() ? world.objects().describe(object) : own;
   bool wanted = false;
   for (std::size_t k = 0; k < names_.size(); ++k)
-    if (fnmatch(names_[k].c_str(), name.c_str(), 0) == 0) wanted = found_[k] = true;
+    if (names_[k] == name || fnmatch(names_[k].c_str(), name.c_str(), 0) == 0) wanted = found_[k] = true;
   if (!wanted) {
     if (!own.empty() && others_.size() < 1000) others_.push_back(own);
     return;

@@ -1,3 +1,4 @@
+// Compiled again at each commit (build_info.h): nothing else stands here.
 namespace feder::report {
 
 const char* build_commit();

@@ -45,7 +45,10 @@ void OutputFile::close() {
   std::error_code error;
   errno = 0;
   out_.close();
-  if (out_ && side_ != file_) fs::rename(side_, file_, error);
+  if (out_ && side_ != file_) {
+    if (fs::exists(file_, error)) fs::permissions(side_, fs::status(file_).permissions(), error);  // those stay
+    fs::rename(side_, file_, error);
+  }
   if (out_ && !error) return;
   if (error) errno = error.value();
   const int why = errno;

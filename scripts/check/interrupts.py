@@ -93,7 +93,7 @@ def check_stability(folder, out):
 def check_gif(folder, out):
     frames = said(out, r"out\.gif, (\d+) frames")
     there = folder / "out.gif"
-    need(there.exists() == (frames > 0), f"{frames} frames were said, the file is {'' if there.exists() else 'not '}there")
+    need(there.exists() == (frames > 0), f"{frames} frames were said, a file is there: {there.exists()}")
     if frames:
         need(gif_frames(there.read_bytes()) == frames, f"not the {frames} frames that were said")
     return f"{frames} frames"

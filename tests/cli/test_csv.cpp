@@ -160,6 +160,12 @@ TEST_CASE("names that fit nothing are a usage error, and the file is there", "[c
   CHECK(o.err == "feder run: --track: nothing with a place is called 'bll'; did you mean 'ball'?\n");
   CHECK(parse(p.read("out.csv")).rows.size() == 31);
   CHECK(p.run("run scene.lua --track ball").status == 2);
+  const Outcome json = p.run("run scene.lua --json --csv out.csv --track bll --check");
+  CHECK(json.status == 2);
+  CHECK(json.json()["interrupted"] == false);
+  CHECK(json.json()["check"]["passed"] == 1);
+  p.write("odd.lua", scene("world:body { name = 'a[1]', shape = feder.sphere(1) }"));
+  CHECK(p.run("run odd.lua -q --csv out.csv --track 'a[1]' --track 'a?1?'").status == 0);
   p.write("twice.lua", scene(std::string(kBall) + "\n" + kBall));
   REQUIRE(p.run("run twice.lua -q --csv out.csv --track ball").status == 0);
   CHECK(parse(p.read("out.csv")).text(0, "ball#2.y [m]") == "3");

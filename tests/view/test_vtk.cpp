@@ -87,8 +87,9 @@ local feder = require "feder"
 return feder.scene { title = "Points", seconds = 0.2, picture = 0.1,
   build = function(world)
     world:body { name = "ground", type = "static", shape = feder.plane() }
-    world:net { name = "flag -- <1>", points = { { 3, 2, 0 }, { 4, 2, 0 }, { 4, 3, 0 } }, springs = { { 1, 2 }, { 2, 3 } },
-                faces = { { 1, 2, 3 } }, velocities = { { 1, 0, 0 }, { 1, 0, 0 }, { 1, 0, 0 } } }
+    world:net { name = "flag -- <1>", points = { { 3, 2, 0 }, { 4, 2, 0 }, { 4, 3, 0 } },
+                springs = { { 1, 2 }, { 2, 3 } }, faces = { { 1, 2, 3 } },
+                velocities = { { 1, 0, 0 }, { 1, 0, 0 }, { 1, 0, 0 } } }
     world:cloth { name = "sheet", size = { 1, 1 }, resolution = { 3, 4 }, position = { 0, 5, 0 } }
     local water = world:fluid { name = "water", spacing = 0.1, density = 900 }
     water:fill { box = { { 0, 0.1, 0 }, { 0.3, 0.4, 0.2 } } }
