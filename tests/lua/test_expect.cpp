@@ -66,6 +66,7 @@ TEST_CASE("physics expectations hold where they should and say why not elsewhere
       {"expect.energy_drift(0.02, 1)", ""},
       {kFloor + "expect.energy_drift(1e-3, 2)", "energy: expected a drift of at most 0.001, got"},
       {"expect.no_warnings()", ""},
+      {"expect.no_warnings('non_finite', 1) expect.near(world:time(), 1, 1e-9)", ""},
       {"expect.error(1, '<', 2)", ""},
       {"expect.error(3, '<', 2, 'drop')", "drop: expected < 2, got 3"},
   };
