@@ -41,7 +41,8 @@ class Test final : public Command {
             "random draws of the parameters that each scene is tested with (default: what the scene says)");
     a.flag("--watch", watch_, "go on: run again what reads a file that was saved");
     output_.declare(a);
-    a.text("--artifacts", artifacts_, "folder for what failed tests leave: output, picture of the last frame");
+    a.text("--artifacts", artifacts_,
+           "folder for what failed tests leave: output, last events, picture of the last frame");
     a.flag("--update-golden", settings_.update_golden, "write golden runs beside their scenes, and print what changed");
     a.flag("--isolate,!--no-isolate", isolate_,
            "run the tests in a process of their own, so that a crash is one failed test (default when CI is set)");
@@ -55,6 +56,7 @@ class Test final : public Command {
     if (choice_.paths.empty()) choice_.paths = {"scenes"};
     if (settings_.update_golden && runs_in_ci())
       throw Failure(kUsage, "feder test: --update-golden: golden runs are not written where CI is set");
+    settings_.events = !artifacts_.empty();
     settings_.coverage = !output_.coverage().empty();
     const StopSignals signals;
     if (worker_) return work(options);
@@ -110,7 +112,9 @@ class Test final : public Command {
 
   std::vector<std::string> worker_arguments(const Options& o) const {
     std::vector<std::string> words = scene_arguments(o);
-    add_options(words, {{"--repeat", std::to_string(settings_.repeat)}, {"--coverage", output_.coverage()}});
+    add_options(words, {{"--repeat", std::to_string(settings_.repeat)},
+                        {"--coverage", output_.coverage()},
+                        {"--artifacts", artifacts_}});
     if (settings_.random >= 0) add_options(words, {{"--random", std::to_string(settings_.random)}});
     if (settings_.update_golden) words.emplace_back("--update-golden");
     return words;

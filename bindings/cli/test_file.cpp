@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <fstream>
 #include <optional>
 #include <utility>
@@ -109,6 +110,7 @@ class TestRun {
     };
     if (settings_.coverage) host.coverage = &result_.lines;
     session_ = std::make_unique<Session>(std::move(host), nullptr);
+    if (settings_.events) session_->script().on_step([this](World& world) { keep_events(world); });
     session_->load(test_.file);
     result_.scene = session_->is_scene();
     params_ = session_->script().params(), random_ = session_->script().random_tests();
@@ -142,6 +144,19 @@ class TestRun {
     }
   }
 
+  // One line each, of the last ones.
+  void keep_events(World& world) {
+    constexpr std::size_t kKept = 1000;
+    for (const Event& e : world.events().list()) {
+      std::string line = fmt::format("{:.4f} s  {}", world.time(), e.kind.text());
+      for (const ObjectId id : {e.a, e.b})
+        if (id) line += "  " + world.objects().describe(id);
+      if (e.kind == EventKind::warning) line += "  " + world.events().warning_message(e);
+      events_.push_back(line + "\n");
+      if (events_.size() > kKept) events_.pop_front();
+    }
+  }
+
   // Other values are another run, with nothing to be compared with.
   bool compares_golden() {
     if (options_.set.empty() && options_.world.empty() && options_.dt.empty() && options_.seed.empty()) return true;
@@ -170,6 +185,7 @@ class TestRun {
     }
     if (!session_->goes_on() && !limited && !result_.exceeded) result_.failures.push_back({.message = stop_text()});
     result_.exceeded = result_.exceeded || !session_->goes_on();
+    for (const std::string& line : events_) result_.events += line;
     for (const auto& file : script.files()) result_.files.push_back(file.string());
     const World* world = session_->world();
     if (!world) return;
@@ -183,6 +199,7 @@ class TestRun {
   std::unique_ptr<Session> session_;
   std::vector<lua::ParamInfo> params_;
   int random_ = 0;
+  std::deque<std::string> events_;
 };
 
 // One more run of a test that has a result: its time and lines count, too.

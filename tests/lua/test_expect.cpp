@@ -174,6 +174,18 @@ TEST_CASE("expect outlives its check", "[lua][expect]") {
   CHECK(script.handler_errors()[0].message == "later");
 }
 
+TEST_CASE("expectations of the file and of build count, those of an earlier build do not", "[lua][expect]") {
+  lua::Script script({});
+  script.load_string(
+      "local feder = require 'feder'\nfeder.expect(false, 'load')\nreturn feder.scene { build = function() "
+      "feder.expect(false, 'build') end }",
+      "scene.lua");
+  script.build();
+  CHECK(script.checks().failures.size() == 2);
+  script.build();
+  CHECK(script.checks().failures.size() == 1);
+}
+
 TEST_CASE("lines that ran and could run are counted", "[lua][coverage]") {
   lua::Coverage lines;
   lua::HostOptions options;
