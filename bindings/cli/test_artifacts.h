@@ -1,4 +1,5 @@
-// What a failed test leaves for a reader: a picture of its last frame, and its messages and output.
+// What a failed test leaves for a reader: a picture of its last frame, its messages and output, and
+// the last events.
 #pragma once
 #include <string>
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <fstream>
 #include <optional>
+#include <utility>
 
 #include "cli/session.h"
 #include "cli/stop.h"
@@ -108,6 +110,7 @@ class TestRun {
     };
     if (settings_.coverage) host.coverage = &result_.lines;
     session_ = std::make_unique<Session>(std::move(host), nullptr);
+    if (settings_.events) session_->script().on_step([this](World& world) { keep_events(world); });
     session_->load(test_.file);
     result_.scene = session_->is_scene();
     params_ = session_->script().params(), random_ = session_->script().random_tests();
@@ -141,6 +144,19 @@ class TestRun {
     }
   }
 
+  // One line each, of the last ones.
+  void keep_events(World& world) {
+    constexpr std::size_t kKept = 1000;
+    for (const Event& e : world.events().list()) {
+      std::string line = fmt::format("{:.4f} s  {}", world.time(), e.kind.text());
+      for (const ObjectId id : {e.a, e.b})
+        if (id) line += "  " + world.objects().describe(id);
+      if (e.kind == EventKind::warning) line += "  " + world.events().warning_message(e);
+      events_.push_back(line + "\n");
+      if (events_.size() > kKept) events_.pop_front();
+    }
+  }
+
   // Other values are another run, with nothing to be compared with.
   bool compares_golden() {
     if (options_.set.empty() && options_.world.empty() && options_.dt.empty() && options_.seed.empty()) return true;
@@ -169,6 +185,7 @@ class TestRun {
     }
     if (!session_->goes_on() && !limited && !result_.exceeded) result_.failures.push_back({.message = stop_text()});
     result_.exceeded = result_.exceeded || !session_->goes_on();
+    for (const std::string& line : events_) result_.events += line;
     for (const auto& file : script.files()) result_.files.push_back(file.string());
     const World* world = session_->world();
     if (!world) return;
@@ -182,12 +199,22 @@ class TestRun {
   std::unique_ptr<Session> session_;
   std::vector<lua::ParamInfo> params_;
   int random_ = 0;
+  std::deque<std::string> events_;
 };
+
+// One more run of a test that has a result: its time and lines count, too.
+TestResult run_again(const TestCase& test, const Options& options, const TestSettings& settings, TestResult& result) {
+  TestResult next = TestRun(test, options, settings).run();
+  result.seconds += next.seconds;
+  for (const auto& [file, lines] : next.lines)
+    for (const auto& [line, count] : lines) result.lines[file][line] += count;
+  return next;
+}
 
 // Every run must end in the same state.
 void repeat(const TestCase& test, const Options& options, const TestSettings& settings, TestResult& result) {
   for (int i = 2; i <= settings.repeat && result.status == TestStatus::passed && !stop_flag(); ++i) {
-    TestResult next = TestRun(test, options, settings).run();
+    const TestResult next = run_again(test, options, settings, result);
     if (next.status == TestStatus::failed) result.failures = next.failures;
     if (next.hash != result.hash)
       result.failures.push_back({.message = fmt::format("run {} of {} ended in another state: {} instead of {}", i,
@@ -198,41 +225,43 @@ void repeat(const TestCase& test, const Options& options, const TestSettings& se
   }
 }
 
-void try_random(const TestCase& test, const Options& options, const TestSettings& settings, const TestRun& first,
-                TestResult& result) {
-  const int count = settings.random < 0 ? first.random() : settings.random;
-  if (count == 0 || result.status != TestStatus::passed || stop_flag()) return;
-  // what is set stays
-  std::vector<lua::ParamInfo> params = first.params();
+// Parameters that the command line leaves to chance.
+std::vector<lua::ParamInfo> free_params(const TestRun& run, const TestCase& test, const Options& options) {
+  std::vector<lua::ParamInfo> params = run.params();
   std::erase_if(params, [&](const lua::ParamInfo& p) {
     const auto sets = [&](const std::string& s) { return s.starts_with(p.name + "="); };
     return std::ranges::any_of(options.set, sets) || std::ranges::any_of(test.set, sets);
   });
-  const std::uint64_t seed = host_options(options).seed;
-  TestResult last;
-  const auto run = [&](const Draw& draw) {
-    TestCase drawn = test;
-    for (const std::string& word : set_words(draw)) drawn.set.push_back(word);
-    TestResult r = TestRun(drawn, options, settings).run();
-    const bool failed = r.status == TestStatus::failed;
-    if (failed) last = std::move(r);
-    return failed && !stop_flag();
-  };
-  const CounterExample found = find_counter_example(params, count, seed, run);
-  if (found.number == 0) {
-    if (!params.empty()) result.notice = fmt::format("{} random draws", count);
-    return;
-  }
-  // the failures of the smallest values
-  const double seconds = result.seconds;
-  const std::string name = result.name;
-  result = last;
-  result.name = name, result.set = test.set, result.seconds += seconds;
+  return params;
+}
+
+// Takes the failures of the smallest values.
+void report_counter_example(const CounterExample& found, int count, const TestResult& failed, TestResult& result) {
+  const TestResult passed = std::exchange(result, failed);
+  result.name = passed.name, result.set = passed.set, result.seconds = passed.seconds, result.lines = passed.lines;
   result.drawn = set_words(found.shrunk);
   const std::string words =
       result.drawn.empty() ? "defaults" : fmt::format("--set {}", fmt::join(result.drawn, " --set "));
   for (TestFailure& f : result.failures)
     f.message += fmt::format(" (with {}, from draw {} of {})", words, found.number, count);
+}
+
+void try_random(const TestCase& test, const Options& options, const TestSettings& settings, const TestRun& first,
+                TestResult& result) {
+  const int count = settings.random < 0 ? first.random() : settings.random;
+  const std::vector<lua::ParamInfo> params = free_params(first, test, options);
+  if (count == 0 || params.empty() || result.status != TestStatus::passed || stop_flag()) return;
+  TestResult last;
+  const CounterExample found = find_counter_example(params, count, host_options(options).seed, [&](const Draw& draw) {
+    TestCase drawn = test;
+    for (const std::string& word : set_words(draw)) drawn.set.push_back(word);
+    TestResult next = run_again(drawn, options, settings, result);
+    if (next.status != TestStatus::failed || stop_flag()) return false;
+    last = std::move(next);
+    return true;
+  });
+  if (found.number > 0) return report_counter_example(found, count, last, result);
+  result.notice += fmt::format("{}{} random draws", result.notice.empty() ? "" : "; ", count);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ struct TestSettings {
   int random = -1;              // draws of the parameters; < 0: as the scene says
   bool update_golden = false;   // writes golden runs
   bool coverage = false;        // counts lines
+  bool events = false;          // keeps the last events
   std::function<void()> begun;  // before each run
 };
 

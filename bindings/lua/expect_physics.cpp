@@ -220,15 +220,18 @@ int expect_energy_drift(lua_State* L) {
                                      print_number(limit))));
 }
 
-// ([code])
+// ([code], [within])
 int expect_no_warnings(lua_State* L) {
   const std::string code = lua_isnoneornil(L, 1) ? "" : check_text(L, 1, function_name(L));
+  WorldRecord& record = tested_world(L);
+  const auto is_meant = [&](const Observed::Warning& w) { return code.empty() || w.code == code; };
+  wait_until(L, record, time_argument(L, 2, 0),
+             [&] { return std::ranges::any_of(record.observed.warnings, is_meant); });
   bool holds = true;
-  for (const Observed::Warning& w : tested_world(L).observed.warnings) {
-    if (!code.empty() && w.code != code) continue;
-    holds = expected(L, false,
-                     failure_of("warnings", "none of '" + w.code + "'", std::to_string(w.count) + ": " + w.message));
-  }
+  for (const Observed::Warning& w : record.observed.warnings)
+    if (is_meant(w))
+      holds = expected(L, false,
+                       failure_of("warnings", "none of '" + w.code + "'", std::to_string(w.count) + ": " + w.message));
   if (holds) expected(L, true, {});
   return push(L, holds);
 }
@@ -246,7 +249,7 @@ const Method kPhysicsExpectations[] = {
      "so many since the world was made; contact_stay (and hit in plain scripts) from the first call on"},
     {"energy_drift", guard<expect_energy_drift>, "expect.energy_drift(limit, [within = 0]) -> boolean",
      "of the sum of energies since the first step, as a share of the largest part"},
-    {"no_warnings", guard<expect_no_warnings>, "expect.no_warnings([code]) -> boolean",
+    {"no_warnings", guard<expect_no_warnings>, "expect.no_warnings([code], [within = 0]) -> boolean",
      "since the world was made, with that code or at all"},
 };
 

@@ -177,7 +177,8 @@ int build_scene(lua_State* L) {
   WorldRecord& record = push_new_world(L, settings);  // at 3
   replace_reference(L, st.last_world_ref);
   st.last_world = record.id;
-  st.checks = {}, st.handler_instructions = 0;
+  if (s.passed != LUA_NOREF) st.checks = {};  // of the world before
+  st.handler_instructions = 0;
   record.observed.on = s.has_check;
   if (s.has_check) record.world->events().set_wanted(EventKind::hit, true);  // expect.events counts them
   if (old && s.passed != LUA_NOREF) close_world(L, *old);

@@ -18,7 +18,8 @@
 namespace feder::lua {
 namespace {
 
-const char* const kSceneKeys[] = {"title", "seconds", "picture", "camera", "world", "params", "forces", "check"};
+const char* const kSceneKeys[] = {"title",  "seconds", "picture", "camera", "world",
+                                  "params", "forces",  "check",   "golden", "random"};
 
 // Raises an error at the table's line of the file, when it is known.
 [[noreturn]] void fail_in(lua_State* L, int table, const std::string& message) {
@@ -279,7 +280,7 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   const int scene = lua_gettop(L);
   lua_newtable(L);
   copy_locations(L, scene, -1);
-  for (const char* key : {"title", "seconds", "picture", "camera", "world"}) {
+  for (const char* key : {"title", "seconds", "picture", "camera", "world", "golden", "random"}) {
     lua_getfield(L, scene, key);
     lua_setfield(L, -2, key);
   }

@@ -36,6 +36,7 @@ struct TestResult {
   std::string notice;     // why it was skipped, or what else is to be said
   std::string output;     // what the script printed
   std::string diff;       // lines on what differs from a golden run
+  std::string events;     // lines of the last events
   bool scene = false;     // a plain script otherwise
   bool loaded = true;     // false: the file could not be loaded
   bool exceeded = false;  // a limit ended it
@@ -77,7 +78,8 @@ void fields(auto& r, auto& v, const TestResult*) {
   v("name", r.name).named("status", r.status, {TestStatus::passed, TestStatus::failed, TestStatus::skipped});
   v("file", r.file)("set", r.set)("seconds", r.seconds)("checks", r.checks)("time", r.time)("hash", r.hash);
   v("notice", r.notice).part("failures", r.failures).part("notes", r.notes);
-  v("output", r.output)("diff", r.diff)("scene", r.scene)("loaded", r.loaded)("exceeded", r.exceeded);
+  v("output", r.output)("diff", r.diff)("events", r.events)("scene", r.scene)("loaded", r.loaded)("exceeded",
+                                                                                                  r.exceeded);
   v("drawn", r.drawn)("again", r.again)("files", r.files)("lines", r.lines);
 }
 

@@ -87,7 +87,7 @@ TEST_CASE("repeated runs must end in the same state", "[cli][runner]") {
   // scripts cannot know which run they are in; but a file that they read changes meanwhile
   p.write("part.lua", "return 1\n");
   p.write("part2.lua", "return 2\n");
-  p.write("other.lua", scene("world:body { shape = feder.sphere(require('part')) }"));
+  p.write("other.lua", scene("world:body { shape = feder.sphere(1), position = { require('part'), 0, 0 } }"));
   const Outcome o =
       p.shell("{ '" FEDER_BINARY_DIR
               "/feder' test other.lua --repeat 100000 >text & sleep 1; mv part2.lua part.lua; wait $!; }");

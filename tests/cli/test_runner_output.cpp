@@ -117,18 +117,25 @@ TEST_CASE("colour on a terminal, none elsewhere and none with NO_COLOR", "[cli][
   CHECK(!says(p.run("test wrong.lua").out, "\033["));
 }
 
-TEST_CASE("a failed test leaves its messages and a picture of the last frame", "[cli][runner]") {
+TEST_CASE("a failed test leaves its messages, events and a picture of the last frame", "[cli][runner]") {
   const Program p;
   p.write("good.lua", scene(kBall));
-  p.write("d/wrong.lua", scene(kBall, "print('said') expect(false, 'no')"));
-  const Outcome o = p.run("test good.lua d/wrong.lua --artifacts left");
-  CAPTURE(o.out, o.err);
-  CHECK(says(o.out, "d/wrong.lua (left left/d_wrong.lua.txt"));
-  CHECK(says(p.read("left/d_wrong.lua.txt"), "d/wrong.lua:8: no\n"));
-  CHECK(says(p.read("left/d_wrong.lua.txt"), "said"));
-  CHECK(p.read("left/good.lua.txt").empty());
-  if (says(p.run("--help").out, "render") && !says(o.err, "OpenGL"))
-    CHECK(p.read("left/d_wrong.lua.png").starts_with("\x89PNG"));
+  p.write("d/wrong.lua", scene("world:body { type = 'static', shape = feder.plane() } " + std::string(kBall),
+                               "print('said') expect.near(scene.ball, { 0, 0, 0 }, 0.1, 1)"));
+  for (const std::string how : {" --no-isolate", " --isolate"}) {
+    p.shell("rm -rf left");
+    const Outcome o = p.run("test good.lua d/wrong.lua --artifacts left" + how);
+    CAPTURE(o.out, o.err);
+    CHECK(says(o.out, "d/wrong.lua (left left/d_wrong.lua.txt"));
+    const std::string text = p.read("left/d_wrong.lua.txt");
+    CAPTURE(text);
+    CHECK(says(text, "d/wrong.lua:8: body \"ball\": expected at (0, 0, 0) within 1 s, got (0, 0.49"));
+    CHECK(says(text, "--- printed\nsaid\n--- last events\n"));
+    CHECK(says(text, " s  contact_begin  body "));
+    CHECK(p.read("left/good.lua.txt").empty());
+    if (says(p.run("--help").out, "render") && !says(o.err, "OpenGL"))
+      CHECK(p.read("left/d_wrong.lua.png").starts_with("\x89PNG"));
+  }
 }
 
 TEST_CASE("line coverage is written as LCOV", "[cli][runner]") {

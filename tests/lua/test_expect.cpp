@@ -66,6 +66,7 @@ TEST_CASE("physics expectations hold where they should and say why not elsewhere
       {"expect.energy_drift(0.02, 1)", ""},
       {kFloor + "expect.energy_drift(1e-3, 2)", "energy: expected a drift of at most 0.001, got"},
       {"expect.no_warnings()", ""},
+      {"expect.no_warnings('non_finite', 1) expect.near(world:time(), 1, 1e-9)", ""},
       {"expect.error(1, '<', 2)", ""},
       {"expect.error(3, '<', 2, 'drop')", "drop: expected < 2, got 3"},
   };
@@ -171,6 +172,18 @@ TEST_CASE("expect outlives its check", "[lua][expect]") {
   CHECK(script.checks().failures.size() == 1);
   REQUIRE(script.handler_errors().size() == 1);
   CHECK(script.handler_errors()[0].message == "later");
+}
+
+TEST_CASE("expectations of the file and of build count, those of an earlier build do not", "[lua][expect]") {
+  lua::Script script({});
+  script.load_string(
+      "local feder = require 'feder'\nfeder.expect(false, 'load')\nreturn feder.scene { build = function() "
+      "feder.expect(false, 'build') end }",
+      "scene.lua");
+  script.build();
+  CHECK(script.checks().failures.size() == 2);
+  script.build();
+  CHECK(script.checks().failures.size() == 1);
 }
 
 TEST_CASE("lines that ran and could run are counted", "[lua][coverage]") {
