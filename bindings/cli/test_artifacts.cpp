@@ -66,7 +66,10 @@ std::string save_artifacts(const std::string& folder, const TestResult& result, 
   std::vector<std::string> shared = {result.file, "--quiet"};
   add_scene_options(shared, options);
   for (const std::string& s : result.set) add_options(shared, {{"--set", s}});
-  add_options(shared, {{"--seed", options.seed}, {"--limit", options.limit}, {"--memory", options.memory}});
+  add_options(shared, {{"--seed", options.seed},
+                       {"--limit", options.limit},
+                       {"--memory", options.memory},
+                       {"--timeout", options.timeout.empty() ? "60" : options.timeout}});
   for (const std::string& s : result.drawn) add_options(shared, {{"--set", s}});
   for (const Artifact& a : kArtifacts) {
     if (!has_command(a.command)) continue;
