@@ -48,6 +48,7 @@ void write_text(const fs::path& file, const TestResult& r) {
     out << report::failure_text(f) << "\n";
     for (const std::string& line : report::failure_details(f)) out << "  " << line << "\n";
   }
+  out << "again: " << r.again << "\n";
   out << r.diff << (r.output.empty() ? "" : "--- printed\n") << r.output;
   if (!r.events.empty()) out << "--- last events\n" << r.events;
   if (!out.flush()) throw Failure(kFailed, file.string() + ": cannot be written");

@@ -147,7 +147,7 @@ TEST_CASE("a failed test leaves its messages, events and a picture of the last f
     const std::string text = p.read("left/d_wrong.lua.txt");
     CAPTURE(text);
     CHECK(says(text, "d/wrong.lua:8: body \"ball\": expected at (0, 0, 0) within 1 s, got (0, 0.49"));
-    CHECK(says(text, "--- printed\nsaid\n--- last events\n"));
+    CHECK(says(text, "again: feder test d/wrong.lua\n--- printed\nsaid\n--- last events\n"));
     CHECK(says(text, " s  contact_begin  body "));
     CHECK(p.read("left/good.lua.txt").empty());
     if (says(p.run("--help").out, "render") && !says(o.err, "OpenGL"))
