@@ -52,7 +52,7 @@ class Test final : public Command {
 
   int run(const Options& options) override {
     host_options(options);  // complain about the options before the first test
-    output_.open(options, command_text(scene_arguments(options)));
+    output_.open(options);
     if (choice_.paths.empty()) choice_.paths = {"scenes"};
     if (settings_.update_golden && runs_in_ci())
       throw Failure(kUsage, "feder test: --update-golden: golden runs are not written where CI is set");
@@ -120,11 +120,23 @@ class Test final : public Command {
     return words;
   }
 
+  // What shows the failure again, to be pasted.
+  std::string command_again(const TestResult& r, const Options& options) const {
+    // command_text quotes spaces, and no brackets
+    const bool quoted = r.name.find('[') != std::string::npos && r.name.find(' ') == std::string::npos;
+    std::vector<std::string> words = {"feder", "test", quoted ? "'" + r.name + "'" : r.name};
+    for (const std::string& set : r.drawn) add_options(words, {{"--set", set}});
+    if (settings_.repeat > 1) add_options(words, {{"--repeat", std::to_string(settings_.repeat)}});
+    for (const std::string& word : scene_arguments(options)) words.push_back(word);
+    return command_text(words);
+  }
+
   // Runs tests, and prints each as soon as it is done.
   Results run_all(const std::vector<TestCase>& tests, const Options& options) {
     Results results;
     output_.begin(tests.size());
     const auto take = [&](TestResult result) {
+      if (result.status == TestStatus::failed) result.again = command_again(result, options);
       if (!artifacts_.empty() && result.status == TestStatus::failed) {
         const std::string files = save_artifacts(artifacts_, result, options);
         result.notice += (result.notice.empty() ? "" : "; ") + ("left " + files);

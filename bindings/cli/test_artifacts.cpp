@@ -48,6 +48,7 @@ void write_text(const fs::path& file, const TestResult& r) {
     out << report::failure_text(f) << "\n";
     for (const std::string& line : report::failure_details(f)) out << "  " << line << "\n";
   }
+  out << "again: " << r.again << "\n";
   out << r.diff << (r.output.empty() ? "" : "--- printed\n") << r.output;
   if (!r.events.empty()) out << "--- last events\n" << r.events;
   if (!out.flush()) throw Failure(kFailed, file.string() + ": cannot be written");
@@ -66,7 +67,10 @@ std::string save_artifacts(const std::string& folder, const TestResult& result, 
   std::vector<std::string> shared = {result.file, "--quiet"};
   add_scene_options(shared, options);
   for (const std::string& s : result.set) add_options(shared, {{"--set", s}});
-  add_options(shared, {{"--seed", options.seed}, {"--limit", options.limit}, {"--memory", options.memory}});
+  add_options(shared, {{"--seed", options.seed},
+                       {"--limit", options.limit},
+                       {"--memory", options.memory},
+                       {"--timeout", options.timeout.empty() ? "60" : options.timeout}});
   for (const std::string& s : result.drawn) add_options(shared, {{"--set", s}});
   for (const Artifact& a : kArtifacts) {
     if (!has_command(a.command)) continue;

@@ -59,7 +59,7 @@ TestOutput::Output TestOutput::read(const std::string& given) {
                 fmt::join(known, ", "));
 }
 
-void TestOutput::open(const Options& options, const std::string& words) {
+void TestOutput::open(const Options& options) {
   // all ways to name a format, in one list
   for (const std::string& given : formats_) outputs_.push_back(read(given));
   if (tap_) outputs_.push_back(read("tap"));
@@ -79,7 +79,7 @@ void TestOutput::open(const Options& options, const std::string& words) {
     stdout_ = o.format;
   }
   if (!stdout_) stdout_ = &kFormats[0];
-  printer_ = TestPrinter(options.quiet, words);
+  printer_ = TestPrinter(options.quiet);
 }
 
 bool TestOutput::prints_lines() const { return stdout_->text == nullptr; }

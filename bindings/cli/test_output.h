@@ -20,8 +20,8 @@ class TestOutput {
   using Results = std::vector<report::TestResult>;
 
   void declare(Arguments& arguments);
-  // Failure (usage) for formats that do not go together. `words`: of the command, for lines that show a failure again.
-  void open(const Options& options, const std::string& words);
+  // Failure (usage) for formats that do not go together.
+  void open(const Options& options);
   bool prints_lines() const;
   const std::string& coverage() const { return coverage_; }  // file; empty: not wanted
 
@@ -45,7 +45,7 @@ class TestOutput {
   bool tap_ = false;
   std::vector<Output> outputs_;
   const TestFormat* stdout_ = nullptr;
-  TestPrinter printer_{false, ""};
+  TestPrinter printer_{false};
   std::uint64_t written_ = 0;  // ns, when files were last written
 };
 

@@ -34,8 +34,7 @@ std::string detail_of(const TestResult& r) {
 
 }  // namespace
 
-TestPrinter::TestPrinter(bool quiet, std::string arguments)
-    : quiet_(quiet), colored_(wants_color()), arguments_(std::move(arguments)) {}
+TestPrinter::TestPrinter(bool quiet) : quiet_(quiet), colored_(wants_color()) {}
 
 std::string TestPrinter::painted(const char* color, const std::string& text) const {
   return colored_ ? fmt::format("\033[{}m{}\033[0m", color, text) : text;
@@ -67,11 +66,7 @@ void TestPrinter::print_failures(const TestResult& r) const {
   }
   if (r.failures.size() > kShown) fmt::print("{}: and {} more failures\n", r.name, r.failures.size() - kShown);
   if (!r.output.empty()) fmt::print("--- printed by {}\n{}{}", r.name, r.output, r.output.ends_with('\n') ? "" : "\n");
-  std::string line = r.name.find_first_of(" []") == std::string::npos ? r.name : "'" + r.name + "'";
-  for (const std::string& set : r.drawn) line += " --set " + set;
-  for (const std::string& more : {r.again, arguments_})
-    if (!more.empty()) line += " " + more;
-  fmt::print("  again: feder test {}\n", line);
+  fmt::print("  again: {}\n", r.again);
 }
 
 void TestPrinter::close(const report::TestCounts& counts) const {

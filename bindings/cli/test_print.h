@@ -6,8 +6,7 @@ namespace feder::cli {
 
 class TestPrinter {
  public:
-  // `arguments`: of the command, for lines that show a failure again.
-  TestPrinter(bool quiet, std::string arguments);
+  explicit TestPrinter(bool quiet);
   void print(const report::TestResult& result) const;
   void close(const report::TestCounts& counts) const;
 
@@ -16,7 +15,6 @@ class TestPrinter {
   void print_failures(const report::TestResult& result) const;
 
   bool quiet_, colored_;
-  std::string arguments_;
 };
 
 }  // namespace feder::cli

@@ -2,6 +2,7 @@
 #include "lua/advice.h"
 #include "lua/buffer.h"
 #include "lua/docs.h"
+#include "lua/expect.h"
 #include "lua/library.h"
 #include "lua/method.h"
 #include "lua/params.h"
@@ -125,6 +126,7 @@ std::vector<DocRow> docs(std::span<const Part* const> parts) {
   for (const Part* p : parts)
     for (const ObjectClass& c : p->classes) add(c.name, c.methods);
   add("force", force_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
+  add("expect", expect_methods()), add("expect", physics_expectations());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;
 }

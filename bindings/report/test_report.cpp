@@ -51,6 +51,7 @@ Json row_json(const TestResult& r) {
   row["failures"] = written(r.failures);
   if (!r.notes.empty()) row["notes"] = written(r.notes);
   if (!r.drawn.empty()) row["counter_example"] = r.drawn;
+  if (!r.again.empty()) row["again"] = r.again;
   return row;
 }
 

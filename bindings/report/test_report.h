@@ -43,7 +43,7 @@ struct TestResult {
   std::vector<TestFailure> failures;
   std::vector<TestFailure> notes;  // that fail nothing
   std::vector<std::string> drawn;  // NAME=VALUE of a counter-example
-  std::string again;               // options that show the failure, besides name and drawn values
+  std::string again;               // the command that shows the failure
   std::vector<std::string> files;  // that it has read
   Coverage lines;
 };

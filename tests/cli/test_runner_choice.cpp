@@ -148,6 +148,20 @@ TEST_CASE("random values find a counter-example and shrink it", "[cli][runner]")
   CHECK(plain(seeded) == plain(p.run("test rare.lua --random 300 --seed 5").out));
 }
 
+TEST_CASE("scenes in YAML have random values and golden runs too", "[cli][runner]") {
+  const Program p;
+  const std::string yaml =
+      "seconds: 0.1\nrandom: 10\nparams: { n: { value: 1, min: 1, max: 9 } }\nbodies:\n  - { name: a, shape: { "
+      "sphere: 1 "
+      "}, position: [$n, 0, 0] }\ncheck: |\n  local x = world:find('a'):position()\n  expect(x < 6, 'far')\n";
+  p.write("scene.yaml", yaml);
+  const Outcome o = p.run("test scene.yaml");
+  CAPTURE(o.out, o.err);
+  CHECK(says(o.out, "again: feder test scene.yaml --set n=6\n"));
+  p.write("scene.yaml", yaml + "golden: { position: 0.1 }\n");
+  CHECK(says(p.run("test scene.yaml --random 0").out, "no golden run scene.golden.json"));
+}
+
 TEST_CASE("a test under watch runs again when a file it reads is saved", "[cli][runner]") {
   const Program p;
   p.write("part.lua", "return 1\n");

@@ -65,6 +65,23 @@ TEST_CASE("a suite with an endless and a crashing script reports both and runs t
   CHECK(nlohmann::json::parse(p.read("out.json"))["failed"] == 2);
 }
 
+TEST_CASE("plain tests expect too, and a run fails by them", "[cli][runner]") {
+  const Program p;
+  p.write(
+      "plain_test.lua",
+      "local feder = require 'feder'\nlocal w = feder.world {}\nlocal b = w:body { name = 'b', shape = feder.sphere(1) "
+      "}\nfeder.expect.near(b, { 0, 5, 0 }, 0.5)\nfeder.expect(w:time() == 0)\nprint('went on')\n");
+  const Outcome o = p.run("test plain_test.lua");
+  CAPTURE(o.out);
+  CHECK(o.status == 1);
+  CHECK(says(o.out, "plain_test.lua:4: body \"b\": expected at (0, 5, 0), got (0, 0, 0), 5 m away\n"));
+  CHECK(says(o.out, "went on"));
+  CHECK(p.run("test plain_test.lua --json").json()["tests"][0]["checks"] == 1);
+  const Outcome run = p.run("run plain_test.lua");
+  CHECK(run.status == 1);
+  CHECK(says(run.err, "plain_test.lua:4: body \"b\": expected at"));
+}
+
 TEST_CASE("several formats at once, and annotations of GitHub", "[cli][runner]") {
   const Program p;
   p.write("wrong.lua", kWrong);
@@ -130,7 +147,7 @@ TEST_CASE("a failed test leaves its messages, events and a picture of the last f
     const std::string text = p.read("left/d_wrong.lua.txt");
     CAPTURE(text);
     CHECK(says(text, "d/wrong.lua:8: body \"ball\": expected at (0, 0, 0) within 1 s, got (0, 0.49"));
-    CHECK(says(text, "--- printed\nsaid\n--- last events\n"));
+    CHECK(says(text, "again: feder test d/wrong.lua\n--- printed\nsaid\n--- last events\n"));
     CHECK(says(text, " s  contact_begin  body "));
     CHECK(p.read("left/good.lua.txt").empty());
     if (says(p.run("--help").out, "render") && !says(o.err, "OpenGL"))

@@ -133,6 +133,23 @@ TEST_CASE("a check waits: the host steps the world, with handlers and update", "
   CHECK(result.failures[0].step > 40);
 }
 
+TEST_CASE("a check waits in coroutines and protected calls too, and loses what dies meanwhile", "[lua][expect]") {
+  const std::string build =
+      "scene.b = world:body{ name = 'b', shape = feder.box(1, 1, 1) } world:after(0.5, function() if scene.b:alive() "
+      "then "
+      "scene.b:destroy() end end)";
+  const lua::CheckResult good = check_of(
+      build,
+      "expect(pcall(expect.near, scene.b, {0, 0, 0}, 1, 0.1)) coroutine.wrap(function() expect.near(scene.b, {0, "
+      "0, 0}, 9, 0.2) expect.events('hit', 0, 0.1) end)() expect(world:time() > 0.1)");
+  CHECK(good.failures.empty());
+  CHECK(good.passed == 5);
+  const lua::CheckResult lost = check_of(build, "expect.near(scene.b, {0, 9, 0}, 1, 3)");
+  REQUIRE(lost.failures.size() == 1);
+  CAPTURE(lost.failures[0].message);
+  CHECK(lost.failures[0].message.find("expect.near: body \"b\" was destroyed at scene.lua:2") != std::string::npos);
+}
+
 TEST_CASE("handlers cannot wait, and are counted by a budget", "[lua][expect]") {
   const std::string error = error_of(
       "local b = world:body{ shape = feder.sphere(1) } world:after(0.1, function() feder.expect.settles(b, 1) end) "
