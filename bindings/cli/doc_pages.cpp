@@ -53,6 +53,7 @@ std::vector<Owner> owners(const Pages& pages) {
   static const Owner known[] = {{"feder", "functions of the module"},
                                 {"world", "methods of a world"},
                                 {"object", "methods of every object"},
+                                {"expect", "what checks expect"},
                                 {"event", "kinds of events, with their fields"},
                                 {"options", "options of systems in world = {}"},
                                 {"command", "commands of the program"}};
@@ -60,7 +61,9 @@ std::vector<Owner> owners(const Pages& pages) {
   for (const lua::ReferencePage& page : pages) {
     if (std::ranges::any_of(out, [&](const Owner& o) { return o.name == page.owner; })) continue;
     const auto row = std::ranges::find_if(known, [&](const Owner& o) { return o.name == page.owner; });
-    out.push_back(row != std::end(known) ? *row : Owner{page.owner, "methods of a " + page.owner});
+    out.push_back(row != std::end(known) ? *row
+                                         : Owner{page.owner, std::string("methods of ") +
+                                                                 (page.owner[0] == 'e' ? "an " : "a ") + page.owner});
   }
   return out;
 }

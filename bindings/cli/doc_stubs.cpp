@@ -18,20 +18,20 @@ const std::map<std::string, std::string>& types_of_names() {
     };
     add("integer", {"i", "j", "k", "n", "count", "vertices_count", "integer", "points_count", "springs", "edges"});
     add("boolean", {"on", "boolean", "tension_only"});
-    add("string", {"kind", "name", "option", "snapshot", "file", "string"});
+    add("string", {"kind", "name", "option", "snapshot", "file", "string", "what", "code"});
     add("function", {"fn"});
     add("any", {"default", "value"});
     add("fun(): feder.Event", {"iterator"});
     add("table", {"filter", "table"});
     add("feder.Object", {"a", "b"});
-    add("number",
-        {"x",         "y",       "z",     "w",         "dx",         "dy",      "dz",          "nx",
-         "ny",        "nz",      "px",    "py",        "pz",         "qx",      "qy",          "qz",
-         "qw",        "d",       "e",     "s",         "max",        "angular", "linear",      "dynamic",
-         "static",    "radius",  "width", "height",    "depth",      "degrees", "radians",     "seconds",
-         "lo",        "hi",      "speed", "max_force", "number",     "kinetic", "potential",   "elastic",
-         "mean",      "largest", "ixx",   "iyy",       "izz",        "ixy",     "ixz",         "iyz",
-         "stiffness", "damping", "power", "distance",  "separation", "impulse", "rest_length", "break_strain"});
+    add("number", {"x",         "y",       "z",     "w",           "dx",         "dy",      "dz",          "nx",
+                   "ny",        "nz",      "px",    "py",          "pz",         "qx",      "qy",          "qz",
+                   "qw",        "d",       "e",     "s",           "max",        "angular", "linear",      "dynamic",
+                   "static",    "radius",  "width", "height",      "depth",      "degrees", "radians",     "seconds",
+                   "lo",        "hi",      "speed", "max_force",   "number",     "kinetic", "potential",   "elastic",
+                   "mean",      "largest", "ixx",   "iyy",         "izz",        "ixy",     "ixz",         "iyz",
+                   "stiffness", "damping", "power", "distance",    "separation", "impulse", "rest_length", "within",
+                   "tolerance", "limit",   "bound", "break_strain"});
     return all;
   }();
   return types;
@@ -88,6 +88,24 @@ std::string class_name(const std::string& word, const char* behind = "") {
     capital = c == '_';
   }
   return out + behind;
+}
+
+// At commas or bars that stand in no braces or quotes, without blanks around.
+std::vector<std::string> split_top(const std::string& text, char at) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  bool quoted = false;
+  for (const char c : text) {
+    quoted = quoted != (c == '"');
+    depth += c == '{' ? 1 : c == '}' ? -1 : 0;
+    if (c == at && depth == 0 && !quoted)
+      parts.emplace_back();
+    else if (c != ' ' || !parts.back().empty())
+      parts.back() += c;
+  }
+  for (std::string& part : parts) part.resize(part.find_last_not_of(' ') + 1);
+  std::erase(parts, "");
+  return parts;
 }
 
 bool is_object(const std::string& owner) {
@@ -179,41 +197,52 @@ struct Stubs {
       if (r.name.starts_with("e.")) out += "---@field " + r.name.substr(2) + " " + type_of(r, p) + " " + r.text + "\n";
   }
 
+  // Of one part of a signature: "x", "fn | buffer", "within = 10", "{min, max}", "\"<\" | \"<=\"".
+  std::pair<std::string, std::string> name_and_type(const std::string& part) const {
+    std::string name, types;
+    for (const std::string& one : split_top(part, '|')) {
+      const std::string word = one.substr(0, one.find(" ="));
+      const std::string inner = one[0] == '{' ? one.substr(1, one.find('}') - 1) : "";
+      if (name.empty()) name = one[0] == '"' ? "word" : inner.empty() ? word : split_top(inner, ',').front();
+      std::string type = one[0] == '"' ? one : type_of(word);
+      if (inner == "min, max") type = "number[][]", name = name == "min" ? "box" : name;
+      if (inner == "x, y, z") type = "number[]";
+      if (inner == "least, most") type = "integer[]";
+      if (inner == "objects") type = "feder.Object[]";
+      types += (types.empty() ? "" : "|") + type;
+    }
+    return {name, types};
+  }
+
   void function(const lua::ReferencePage& p) {
     const std::string& s = p.signature;
     const std::size_t open = s.find_first_of("({"), arrow = s.find(" -> ");
-    std::string arguments;
-    out += "\n---" + p.text + "\n";
-    // arguments: names, optional ones in brackets, or one table of options
     const bool table = open != std::string::npos && s[open] == '{';
-    std::string list = table || open == std::string::npos ? "" : s.substr(open + 1, s.rfind(')', arrow) - open - 1);
-    bool optional = false, options = table;
-    for (std::size_t at = 0; at < list.size();) {
-      if (list[at] == ' ' || list[at] == ',' || list[at] == '[' || list[at] == ']') {
-        optional = optional || list[at] == '[';
-        ++at;
-        continue;
-      }
-      if (list[at] == '{') {
-        options = true;
-        break;
-      }
-      const std::size_t end = std::min(list.find_first_of(",]", at), list.size());
-      std::string name = list.substr(at, end - at);
-      const std::string type = type_of(name);
-      name = name.substr(0, name.find(' '));
+    std::string arguments;
+    const auto add = [&](const std::string& name, bool optional, const std::string& type) {
       out += "---@param " + name + (optional ? "? " : " ") + type + "\n";
       arguments += (arguments.empty() ? "" : ", ") + name;
-      at = end;
+    };
+    out += "\n---" + p.text + "\n";
+    // arguments: optional ones in brackets; one table of options
+    const std::string list =
+        table || open == std::string::npos ? "" : s.substr(open + 1, s.rfind(')', arrow) - open - 1);
+    bool optional = false, options = table;
+    for (std::string part : split_top(list, ',')) {
+      optional = optional || part.find('[') != std::string::npos;
+      std::erase_if(part, [](char c) { return c == '[' || c == ']'; });
+      if (part[0] == '{' && part.find('=') != std::string::npos) {
+        options = true;
+        continue;
+      }
+      const auto [name, type] = name_and_type(part);
+      add(name, optional, type);
     }
-    if (options) {
-      out += "---@param options" + std::string(optional ? "? " : " ") +
-             (p.rows.empty() ? "table" : class_name(p.name, "Options")) + "\n";
-      arguments += arguments.empty() ? "options" : ", options";
-    }
+    if (options) add("options", optional, p.rows.empty() ? "table" : class_name(p.name, "Options"));
     results(arrow == std::string::npos ? "" : s.substr(arrow + 4), p.owner);
     if (p.name == "on") handlers(p.owner);
-    out += "function " + (p.owner == "feder" ? "feder." : p.owner + ":") + p.name + "(" + arguments + ") end\n";
+    const bool dot = s.starts_with(p.owner + ".");
+    out += "function " + p.owner + (dot ? "." : ":") + p.name + "(" + arguments + ") end\n";
   }
 
   void results(const std::string& list, const std::string& owner) {
@@ -252,6 +281,7 @@ std::string pages_luacats(const Pages& pages) {
     stubs.out += "\n---@class " + (owner.name == "feder" ? "feder" : class_name(owner.name)) +
                  (is_object(owner.name) ? " : feder.Object" : "") + "\n";
     if (owner.name == "buffer") stubs.out += "---@field [integer] number\n---@operator len: integer\n";
+    if (owner.name == "expect") stubs.out += "---@overload fun(condition: any, message?: string): boolean\n";
     stubs.out += "local " + owner.name + " = {}\n";
     for (const lua::ReferencePage& p : pages)
       if (p.owner == owner.name && p.kind != lua::PageKind::event) stubs.function(p);

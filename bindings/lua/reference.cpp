@@ -68,7 +68,9 @@ void complete_world(Catalog systems, std::vector<ReferenceRow>& rows) {
     }
 }
 
-std::string title_of(const DocRow& row) { return row.owner + (row.owner == "feder" ? "." : ":") + row.name; }
+std::string title_of(const DocRow& row) {
+  return row.owner + (row.signature.starts_with(row.owner + ".") ? "." : ":") + row.name;
+}
 
 ReferencePage event_page(EventKind kind) {
   const std::string name = kind.text();

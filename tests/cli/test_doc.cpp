@@ -23,18 +23,18 @@ std::set<std::string> matches(const std::string& text, const char* pattern) {
   return out;
 }
 
-// Arguments in a signature: those in parentheses, a table of options as one.
+// Arguments in a signature: those in parentheses, a table in braces as one.
 std::size_t arity(std::string signature) {
   signature = signature.substr(0, signature.find(" -> "));
-  if (const std::size_t table = signature.find('{'); table != std::string::npos) {
-    const bool in_list = signature.rfind('(', table) != std::string::npos;
-    signature = signature.substr(0, table) + "options" + (in_list ? ")" : "");
-    if (!in_list) return 1;
+  const std::size_t open = signature.find_first_of("({");
+  if (open == std::string::npos || signature[open + 1] == ')') return 0;
+  std::size_t count = 1;
+  int depth = 0;
+  for (const char c : signature.substr(open)) {
+    depth += c == '(' || c == '{' ? 1 : c == ')' || c == '}' ? -1 : 0;
+    count += c == ',' && depth == 1 && signature[open] == '(';
   }
-  const std::size_t open = signature.find('('), close = signature.rfind(')');
-  if (open == std::string::npos || close <= open + 1) return 0;
-  const std::string list = signature.substr(open + 1, close - open - 1);
-  return static_cast<std::size_t>(std::count(list.begin(), list.end(), ',')) + 1;
+  return count;
 }
 
 }  // namespace
