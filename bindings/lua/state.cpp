@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "feder/params.h"
+#include "feder/shape.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
 #include "lua/stack.h"
@@ -416,16 +417,12 @@ std::string join(std::span<const std::string> words) {
 
 namespace {
 
-// What other engines call it.
+// What other engines call it; shapes say it in their rows.
 struct OtherWord {
   std::string_view word;
   const char* ours;
 };
 constexpr OtherWord kOtherWords[] = {
-    {"ball", "sphere"},
-    {"cube", "box"},
-    {"cuboid", "box"},
-    {"ground", "plane"},
     {"rigid_body", "body"},
     {"constraint", "joint"},
     {"collision", "contact_begin"},
@@ -458,20 +455,27 @@ std::string plain_word(std::string_view word) {
   return plain.starts_with("get_") ? plain.substr(4) : plain;
 }
 
+// Those whose word of ours is known.
+std::vector<OtherWord> other_words(const std::vector<std::string>& known) {
+  std::vector<OtherWord> all(std::begin(kOtherWords), std::end(kOtherWords));
+  for (const ShapeKind& kind : shape_kinds())
+    for (std::string_view word : split_choices(kind.other_names)) all.push_back({word, kind.name});
+  std::erase_if(all, [&](const OtherWord& o) { return std::find(known.begin(), known.end(), o.ours) == known.end(); });
+  return all;
+}
+
 // The member of `known` that somebody means who writes `word`; "" when there is none.
-std::string meant_name(std::string_view word, const std::vector<std::string>& known) {
-  const auto knows = [&](std::string_view name) { return std::find(known.begin(), known.end(), name) != known.end(); };
+std::string meant_name(std::string_view word, std::vector<std::string> known) {
   const std::string plain = plain_word(word);
-  if (knows(plain)) return plain;
-  std::vector<std::string> words = known;
-  for (const OtherWord& other : kOtherWords)
-    if (knows(other.ours)) words.emplace_back(other.word);
-  std::string near;
-  for (const OtherWord& other : kOtherWords)
-    if (plain == other.word && knows(other.ours)) near = other.word;
-  if (near.empty()) near = nearest_name(plain, words);
-  for (const OtherWord& other : kOtherWords)
-    if (near == other.word && knows(other.ours) && !knows(near)) return other.ours;
+  if (std::find(known.begin(), known.end(), plain) != known.end()) return plain;
+  const std::vector<OtherWord> others = other_words(known);
+  for (const OtherWord& other : others)
+    if (plain == other.word) return other.ours;
+  // near a word of ours, or of theirs
+  for (const OtherWord& other : others) known.emplace_back(other.word);
+  const std::string near = nearest_name(plain, known);
+  for (const OtherWord& other : others)
+    if (near == other.word) return other.ours;
   return near;
 }
 

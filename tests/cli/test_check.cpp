@@ -124,6 +124,8 @@ const char* const kRight[] = {
     "if jit then print('no') end\nlocal unpack = unpack or table.unpack\nprint(unpack { 1 }, not bit32, setfenv == "
     "nil)\n",
     "setmetatable(_G, { __index = function() return 1 end })\nprint(whatever)\n",
+    "load('whatever = 1')()\nprint(whatever)\n",
+    "local name = 'string'\nrequire(name)\nprint(whatever)\n",
     "local _ENV = { print = print }\nprint(whatever)\n",
     "string.trim = function(s) return (s:gsub('^%s+', '')) end\nprint(string.trim(' x'), (' x'):trim())\n",
     "local feder = require 'feder'\nfeder.twice = function(x) return 2 * x end\nprint(feder.twice(2))\n",
@@ -197,9 +199,10 @@ TEST_CASE("check knows the modules beside a scene, and what they make", "[cli][c
   const Program p;
   p.write("level.lua",
           "local feder = require 'feder'\nlocal crates = require 'parts.crates'\nprint(crates.tower, shared)\n"
-          "print(crates.towr)\n");
+          "print(crates.towr)\nlevel_size = 3\n");
   p.write("parts/crates.lua",
-          "local wheels = require 'parts.wheels'\nshared = 1\nlocal M = { wheels = wheels }\nfunction M.tower() end\n"
+          "local wheels = require 'parts.wheels'\nshared = level_size\nlocal M = { wheels = wheels }\nfunction "
+          "M.tower() end\n"
           "return M\n");
   p.write("parts/wheels.lua", "return { count = 4 }\n");
   const Outcome o = p.run("check .");
