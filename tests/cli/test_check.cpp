@@ -159,6 +159,10 @@ const char* const kRight[] = {
     "  study = { error = function(world) return world:time() end, reference = 0, axes = { dt = { 1 }, mine = { from = "
     "1, to "
     "= 2, step = 1 } } },\n  build = function(world) world:force { each = '-k*x', params = { k = 1 } } end }\n",
+    // what needs itself
+    "local function f() return f() end\nlocal function g(x) return x and g(x) or f(g) end\nlocal a, b\na = b\nb = a\n"
+    "local t = {}\nt[1] = t[1]\nfor _, v in ipairs(t) do t[2] = v end\nprint(f, g, a, b)\n"
+    "function even(n) return odd(n - 1) end\nfunction odd(n) return even(n - 1) end\n",
     // an options table that grows
     "local feder = require 'feder'\nlocal w = feder.world {}\nlocal o = {}\no.shape = feder.sphere(1)\nw:body(o)\n",
     // Lua 5.4 in full
