@@ -16,18 +16,15 @@ struct ValueWord {
   std::string_view option, word;
 };
 constexpr ValueWord kValueWords[] = {
-    {"--seconds", "S"},      {"--at", "S"},
-    {"--dt", "S"},           {"--timeout", "S"},
-    {"--fps", "N"},          {"--seed", "N"},
-    {"--limit", "N"},        {"--memory", "BYTES"},
-    {"--set", "NAME=VALUE"}, {"--world", "KEY=VALUE"},
-    {"--size", "WxH"},       {"--shard", "I/N"},
-    {"--out", "PATH"},       {"--junit", "FILE"},
-    {"--compare", "FILE"},   {"--record", "FILE"},
-    {"--export", "FILE"},    {"--baseline", "FILE"},
-    {"--markdown", "FILE"},  {"--screenshot", "FILE"},
-    {"--status", "FILE"},    {"--methods", "NAMES"},
-    {"--suite", "NAME"},     {"--select", "NAME"},
+    {"--seconds", "S"},       {"--at", "S"},          {"--dt", "S"},
+    {"--timeout", "S"},       {"--fps", "N"},         {"--seed", "N"},
+    {"--limit", "N"},         {"--memory", "BYTES"},  {"--set", "NAME=VALUE"},
+    {"--world", "KEY=VALUE"}, {"--size", "WxH"},      {"--shard", "I/N"},
+    {"--out", "PATH"},        {"--junit", "FILE"},    {"--compare", "FILE"},
+    {"--record", "FILE"},     {"--csv", "FILE"},      {"--track", "NAME"},
+    {"--export", "FILE"},     {"--baseline", "FILE"}, {"--markdown", "FILE"},
+    {"--screenshot", "FILE"}, {"--status", "FILE"},   {"--methods", "NAMES"},
+    {"--suite", "NAME"},      {"--select", "NAME"},
 };
 
 void name_value(CLI::Option& option, const std::string& name) {

@@ -30,7 +30,9 @@ class Check final : public Command {
   int run(const Options& options) override {
     const std::vector<std::string> files = files_of(paths_);
     if (files.empty()) throw Failure(kNothingRan, "feder check: no .lua file and no scene there");
-    const ScriptNames names(options);
+    ScriptNames names(options);
+    for (const std::string& file : files)
+      if (!is_yaml(file)) names.add_globals(file);
     for (const std::string& file : files) check(file, names, options);
     if (options.json) {
       print_json({{"files", files.size()}, {"findings", json_}});

@@ -74,8 +74,15 @@ bool Kinds::find_all() {
       Kind& kind = fields[place.field];
       kind = join(kind, of(source.value, source.result));
     }
+  std::map<const LuaNode*, Kind> returned;
+  for (const LuaNode& node : tree_.nodes) {
+    if (node.syntax != Syntax::function) continue;
+    Kind& kind = returned[&node] = node.returns.empty() ? kNothingKnown : Kind{};
+    for (const LuaNode* value : node.returns) kind = join(kind, of(value));
+  }
   std::map<Place, Kind> elements = find_elements();
-  const bool same = variables == variables_ && fields == fields_ && elements == elements_;
+  const bool same = variables == variables_ && fields == fields_ && elements == elements_ && returned == returned_;
+  returned_ = std::move(returned);
   variables_ = std::move(variables), fields_ = std::move(fields), elements_ = std::move(elements);
   return !same;
 }
@@ -210,15 +217,12 @@ Kind Kinds::of_call(const LuaNode* call, std::size_t result) {
   if (call->syntax == Syntax::call && callee->syntax == Syntax::name && result == 0 && !callee->variable->function &&
       callee->variable->sources.size() == 1) {
     const LuaNode* const function = callee->variable->sources[0].value;
-    if (function && function->syntax == Syntax::function) return returned(function);
+    if (function && function->syntax == Syntax::function) {
+      const auto found = returned_.find(function);
+      return found == returned_.end() ? Kind{} : found->second;
+    }
   }
   return kNothingKnown;
-}
-
-Kind Kinds::returned(const LuaNode* function) {
-  Kind kind;
-  for (const LuaNode* value : function->returns) kind = join(kind, of(value));
-  return function->returns.empty() ? kNothingKnown : kind;
 }
 
 Kind Kinds::of_loop(const LuaNode* loop, std::size_t result) {

@@ -59,7 +59,6 @@ class Kinds {
   Kind of_call(const LuaNode* call, std::size_t result);
   Kind of_index(const LuaNode* index);
   Kind of_loop(const LuaNode* loop, std::size_t result);
-  Kind returned(const LuaNode* function);
   // What a function gets as its k-th parameter where it stands as a value: a handler, an option.
   Kind passed(const LuaNode* function, const LuaNode* place, std::size_t k);
   Kind event_of(const LuaNode* call, const lua::DocRow& row, const Kind& receiver) const;
@@ -81,7 +80,8 @@ class Kinds {
   std::map<const LuaNode*, const LuaVariable*> holder_;  // of values that a variable is given
   // As far as the rounds have come.
   std::map<const LuaVariable*, Kind> variables_;
-  std::map<std::string, Kind> fields_;  // of the scene
+  std::map<const LuaNode*, Kind> returned_;  // by functions
+  std::map<std::string, Kind> fields_;       // of the scene
   std::map<Place, Kind> elements_;
   std::map<std::pair<const LuaNode*, std::size_t>, Kind> known_;  // in this round
   bool waits_ = false;                                            // row_of has met a value without a kind yet

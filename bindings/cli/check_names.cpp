@@ -61,6 +61,14 @@ for member in pairs(require "feder") do print("feder", member) end)",
   std::ranges::sort(globals_);
 }
 
+void ScriptNames::add_globals(const fs::path& file) {
+  const LuaTree* const tree = module_tree(file);
+  if (!tree) return;
+  for (const auto& [name, variable] : tree->globals)
+    if (!variable->sources.empty()) globals_.push_back(name);
+  std::ranges::sort(globals_);
+}
+
 const lua::DocRow* ScriptNames::function(std::string_view owner, std::string_view name) const {
   const auto find = [&](std::string_view of) {
     const auto found = std::ranges::find_if(rows_, [&](const auto& r) { return r.owner == of && r.name == name; });

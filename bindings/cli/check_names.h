@@ -27,7 +27,9 @@ class ScriptNames {
   // Of an object's class or "world", "shape" ...; of "feder"; of a library of Lua, "library string". Null: not known.
   const Words* members(const std::string& kind) const;
   bool is_class(std::string_view name) const { return classes_.count(std::string(name)) > 0; }
-  const Words& globals() const { return globals_; }
+  const Words& globals() const { return globals_; }  // sorted
+  // The globals that a file makes, which is checked with others, are known to them.
+  void add_globals(const std::filesystem::path& file);
 
   // Null for what is no event. The names of all; the fields of one, `own`: in a handler of an object.
   const EventKind* event(std::string_view name) const;

@@ -63,6 +63,7 @@ class Rules {
       }
     }
     for (const LuaVariable& v : tree.variables) open_ = open_ || v.name == "_ENV";
+    open_ = open_ || runs_other(tree);
     for (const auto& [target, source] : tree.writes) added_.insert(owner_of(*target->parts[0]) + "." + target->text);
     for (const LuaNode& node : tree.nodes) {
       const std::string module = kinds_.required(&node);
@@ -70,6 +71,17 @@ class Rules {
       const std::filesystem::path file = names_.module_file(module, folder_);
       if (const LuaTree* inner = file.empty() ? nullptr : names_.module_tree(file)) collect_globals(*inner);
     }
+  }
+
+  // Does it run what is not written in it: a text by load, a module whose name is no constant?
+  static bool runs_other(const LuaTree& tree) {
+    if (tree.globals.count("load")) return true;
+    const auto require = tree.globals.find("require");
+    if (require == tree.globals.end()) return false;
+    return std::ranges::any_of(require->second->uses, [](const LuaNode* use) {
+      return !use->parent || std::ranges::none_of(use->parent->parts,
+                                                  [](const LuaNode* part) { return part->syntax == Syntax::string; });
+    });
   }
 
   // The library or module that a name stands for in whatever text: "library string", "feder", "module x".

@@ -40,6 +40,7 @@ const std::map<std::string, std::string>& types_of_names() {
 // "number[][]" of lists of points where a script gives them.
 const std::map<std::string, std::string>& types_of_rows() {
   static const std::map<std::string, std::string> types = {
+      {"boolean or string", "boolean|string"},
       {"boolean or table", "boolean|table"},
       {"color", "string|number[]"},
       {"direction", "number[]"},
@@ -52,6 +53,7 @@ const std::map<std::string, std::string>& types_of_rows() {
       {"list of point numbers", "integer[]"},
       {"list of vectors or buffer", "number[][]|feder.Buffer"},
       {"list of vertex numbers or names", "(integer|string)[]"},
+      {"list of tables", "table[]"},
       {"list of {i, j, ...}", "table[]"},
       {"list of {i, j, k}", "integer[][]"},
       {"list of {i, j, k} or buffer", "integer[][]|feder.Buffer"},
@@ -64,6 +66,7 @@ const std::map<std::string, std::string>& types_of_rows() {
       {"rotation", "number|table"},
       {"string or list of strings", "string|string[]"},
       {"table of numbers", "table<string, number>"},
+      {"tables by name", "table<string, table>"},
       {"tag, list of tags or object", "string|string[]|feder.Object"},
       {"vector", "number[]"},
       {"{columns, rows}", "integer[]"},
@@ -162,7 +165,7 @@ struct Stubs {
                        : is_class(r.type)   ? class_name(r.type)
                                             : "unknown";
     if (const auto known = types_of_rows().find(r.type); known != types_of_rows().end()) type = known->second;
-    if (inner.empty()) return type;
+    if (inner.empty() || type.starts_with("table<")) return type;
     const std::string table = "{ " + inner + " }";
     return type == "table"            ? table
            : type.ends_with("|table") ? type.substr(0, type.size() - 5) + table

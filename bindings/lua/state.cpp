@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "feder/params.h"
+#include "feder/shape.h"
 #include "lua/coverage.h"
 #include "lua/records.h"
 #include "lua/sandbox.h"
@@ -420,28 +421,32 @@ std::string join(std::span<const std::string> words) {
 
 namespace {
 
-// What other engines call it, and what it is called here.
-constexpr std::string_view kOtherWords =
-    "ball sphere, cube box, cuboid box, ground plane, rigid_body body, constraint joint, "
-    "collision contact_begin, collision_enter contact_begin, collision_exit contact_end, "
-    "trigger_enter sensor_enter, trigger_exit sensor_leave, trigger sensor, remove destroy, delete destroy, "
-    "timer after, timeout after, interval every, pos position, orientation rotation, bounciness restitution, "
-    "bounce restitution, weight mass, colour color";
-
+// What other engines call it; shapes say it in their rows.
 struct OtherWord {
-  std::string word, ours;
+  std::string_view word;
+  const char* ours;
 };
-const std::vector<OtherWord>& other_words() {
-  static const std::vector<OtherWord> rows = [] {
-    std::vector<OtherWord> all;
-    for (const std::string_view row : split_choices(kOtherWords)) {
-      const std::size_t blank = row.find(' ');
-      all.push_back({std::string(row.substr(0, blank)), std::string(row.substr(blank + 1))});
-    }
-    return all;
-  }();
-  return rows;
-}
+constexpr OtherWord kOtherWords[] = {
+    {"rigid_body", "body"},
+    {"constraint", "joint"},
+    {"collision", "contact_begin"},
+    {"collision_enter", "contact_begin"},
+    {"collision_exit", "contact_end"},
+    {"trigger_enter", "sensor_enter"},
+    {"trigger_exit", "sensor_leave"},
+    {"trigger", "sensor"},
+    {"remove", "destroy"},
+    {"delete", "destroy"},
+    {"timer", "after"},
+    {"timeout", "after"},
+    {"interval", "every"},
+    {"pos", "position"},
+    {"orientation", "rotation"},
+    {"bounciness", "restitution"},
+    {"bounce", "restitution"},
+    {"weight", "mass"},
+    {"colour", "color"},
+};
 
 // getPosition, GetPosition, get_position -> position; applyForce -> apply_force.
 std::string plain_word(std::string_view word) {
@@ -454,20 +459,27 @@ std::string plain_word(std::string_view word) {
   return plain.starts_with("get_") ? plain.substr(4) : plain;
 }
 
+// Those whose word of ours is known.
+std::vector<OtherWord> other_words(const std::vector<std::string>& known) {
+  std::vector<OtherWord> all(std::begin(kOtherWords), std::end(kOtherWords));
+  for (const ShapeKind& kind : shape_kinds())
+    for (std::string_view word : split_choices(kind.other_names)) all.push_back({word, kind.name});
+  std::erase_if(all, [&](const OtherWord& o) { return std::find(known.begin(), known.end(), o.ours) == known.end(); });
+  return all;
+}
+
 // The member of `known` that somebody means who writes `word`; "" when there is none.
-std::string meant_name(std::string_view word, const std::vector<std::string>& known) {
-  const auto knows = [&](std::string_view name) { return std::find(known.begin(), known.end(), name) != known.end(); };
+std::string meant_name(std::string_view word, std::vector<std::string> known) {
   const std::string plain = plain_word(word);
-  if (knows(plain)) return plain;
-  std::vector<std::string> words = known;
-  for (const OtherWord& other : other_words())
-    if (knows(other.ours)) words.emplace_back(other.word);
-  std::string near;
-  for (const OtherWord& other : other_words())
-    if (plain == other.word && knows(other.ours)) near = other.word;
-  if (near.empty()) near = nearest_name(plain, words);
-  for (const OtherWord& other : other_words())
-    if (near == other.word && knows(other.ours) && !knows(near)) return other.ours;
+  if (std::find(known.begin(), known.end(), plain) != known.end()) return plain;
+  const std::vector<OtherWord> others = other_words(known);
+  for (const OtherWord& other : others)
+    if (plain == other.word) return other.ours;
+  // near a word of ours, or of theirs
+  for (const OtherWord& other : others) known.emplace_back(other.word);
+  const std::string near = nearest_name(plain, known);
+  for (const OtherWord& other : others)
+    if (near == other.word) return other.ours;
   return near;
 }
 

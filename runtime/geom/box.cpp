@@ -98,7 +98,9 @@ ShapeKind geom_box() {
       [] {
         return std::vector<ShapePtr>{make_box(1, 2, 3), make_box(2, Real(0.05), 2),
                                      make_box(Real(0.01), Real(0.02), Real(0.01))};
-      }};
+      },
+      false,
+      "cube, cuboid"};
 }
 
 }  // namespace feder

@@ -55,7 +55,9 @@ ShapeKind geom_plane() {
           make,
           [] {
             return std::vector<ShapePtr>{make_plane(vec3(0, 1, 0), 0), make_plane(vec3(1, -2, Real(0.5)), Real(0.3))};
-          }};
+          },
+          false,
+          "ground, floor"};
 }
 
 }  // namespace feder

@@ -46,7 +46,9 @@ ShapeKind geom_sphere() {
           },
           [] {
             return std::vector<ShapePtr>{make_sphere(1), make_sphere(Real(0.01))};
-          }};
+          },
+          false,
+          "ball"};
 }
 
 }  // namespace feder

@@ -124,6 +124,8 @@ const char* const kRight[] = {
     "if jit then print('no') end\nlocal unpack = unpack or table.unpack\nprint(unpack { 1 }, not bit32, setfenv == "
     "nil)\n",
     "setmetatable(_G, { __index = function() return 1 end })\nprint(whatever)\n",
+    "load('whatever = 1')()\nprint(whatever)\n",
+    "local name = 'string'\nrequire(name)\nprint(whatever)\n",
     "local _ENV = { print = print }\nprint(whatever)\n",
     "string.trim = function(s) return (s:gsub('^%s+', '')) end\nprint(string.trim(' x'), (' x'):trim())\n",
     "local feder = require 'feder'\nfeder.twice = function(x) return 2 * x end\nprint(feder.twice(2))\n",
@@ -157,6 +159,10 @@ const char* const kRight[] = {
     "  study = { error = function(world) return world:time() end, reference = 0, axes = { dt = { 1 }, mine = { from = "
     "1, to "
     "= 2, step = 1 } } },\n  build = function(world) world:force { each = '-k*x', params = { k = 1 } } end }\n",
+    // what needs itself
+    "local function f() return f() end\nlocal function g(x) return x and g(x) or f(g) end\nlocal a, b\na = b\nb = a\n"
+    "local t = {}\nt[1] = t[1]\nfor _, v in ipairs(t) do t[2] = v end\nprint(f, g, a, b)\n"
+    "function even(n) return odd(n - 1) end\nfunction odd(n) return even(n - 1) end\n",
     // an options table that grows
     "local feder = require 'feder'\nlocal w = feder.world {}\nlocal o = {}\no.shape = feder.sphere(1)\nw:body(o)\n",
     // Lua 5.4 in full
@@ -197,9 +203,10 @@ TEST_CASE("check knows the modules beside a scene, and what they make", "[cli][c
   const Program p;
   p.write("level.lua",
           "local feder = require 'feder'\nlocal crates = require 'parts.crates'\nprint(crates.tower, shared)\n"
-          "print(crates.towr)\n");
+          "print(crates.towr)\nlevel_size = 3\n");
   p.write("parts/crates.lua",
-          "local wheels = require 'parts.wheels'\nshared = 1\nlocal M = { wheels = wheels }\nfunction M.tower() end\n"
+          "local wheels = require 'parts.wheels'\nshared = level_size\nlocal M = { wheels = wheels }\nfunction "
+          "M.tower() end\n"
           "return M\n");
   p.write("parts/wheels.lua", "return { count = 4 }\n");
   const Outcome o = p.run("check .");

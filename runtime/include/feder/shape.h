@@ -133,6 +133,7 @@ struct ShapeKind {
   ShapePtr (*make)(const ShapeInput&);  // SceneError on non-finite or non-positive sizes
   std::vector<ShapePtr> (*samples)();   // a few for the contract tests: ordinary, flat, tiny
   bool any_convex = false;              // its pair tests serve every convex shape without a kind of its own
+  const char* other_names = "";         // "cube, cuboid": what else people call it, for messages
 };
 std::span<const ShapeKind> shape_kinds();
 int shape_kind_id(const char* name);  // SceneError when this build has none
