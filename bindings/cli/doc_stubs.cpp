@@ -67,6 +67,7 @@ const std::map<std::string, std::string>& types_of_rows() {
       {"string or list of strings", "string|string[]"},
       {"table of numbers", "table<string, number>"},
       {"tables by name", "table<string, table>"},
+      {"true or table", "true|table"},
       {"tag, list of tags or object", "string|string[]|feder.Object"},
       {"vector", "number[]"},
       {"{columns, rows}", "integer[]"},
@@ -208,7 +209,7 @@ struct Stubs {
       const std::string inner = one[0] == '{' ? one.substr(1, one.find('}') - 1) : "";
       if (name.empty()) name = one[0] == '"' ? "word" : inner.empty() ? word : split_top(inner, ',').front();
       std::string type = one[0] == '"' ? one : type_of(word);
-      if (inner == "min, max") type = "number[][]", name = name == "min" ? "box" : name;
+      if (inner == "min, max") type = "number[][]", name = name == "min" ? "corners" : name;
       if (inner == "x, y, z") type = "number[]";
       if (inner == "least, most") type = "integer[]";
       if (inner == "objects") type = "feder.Object[]";
