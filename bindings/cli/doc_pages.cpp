@@ -21,6 +21,7 @@ lua::ReferencePage command_page(const Row& row) {
     page.rows.push_back({o.name, o.type, "", "", "", "", o.help});
   }
   page.signature += " [options]";
+  for (lua::ReferenceRow& field : output_fields(row.name)) page.rows.push_back(std::move(field));
   return page;
 }
 
@@ -81,6 +82,7 @@ Found find_pages(const Pages& all, const std::string& word) {
     lua::ReferencePage part = page;
     std::erase_if(part.rows, [&](const lua::ReferenceRow& r) {
       const std::string name = plain(r.name), full = plain(page.name) + ":" + name;
+      if (name[0] == ':' && name.ends_with(":" + wanted)) return false;  // of what --json prints
       return name != wanted && full != wanted && name != "e:" + wanted && name.find("--" + wanted) == std::string::npos;
     });
     if (part.rows.empty()) continue;

@@ -36,6 +36,10 @@ std::string pages_html(const Pages& pages);                            // one pa
 std::string pages_luacats(const Pages& pages);                         // a stub file, library/feder.lua
 std::string pages_man(const Pages& pages);                             // feder.1, roff
 std::string completion(const Pages& pages, const std::string& shell);  // bash, zsh, fish; Failure (usage) for others
+// What --json of a command prints, a row per field: ".energy.kinetic".
+std::vector<lua::ReferenceRow> output_fields(const std::string& command);
+// OUTPUT.schema.json for everything that --json prints; their paths. std::runtime_error "file: cannot be written".
+std::vector<std::string> write_schemas(const std::string& folder);
 report::Json pages_json(const Pages& pages);
 
 }  // namespace feder::cli

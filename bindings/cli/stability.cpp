@@ -47,18 +47,21 @@ class Stability final : public Command {
     else
       for (const StabilityProblemInfo& info : stability_problem_infos()) plans.push_back(plan_for(info.name));
     std::size_t finished = 0;
+    report::Json all = report::Json::array();
     for (StabilityPlan& plan : plans) {
       if (stop_flag()) break;
       plan.stop = &stop_flag();
       const std::string folder = out_.empty() || plans.size() == 1 ? out_ : out_ + "/" + plan.problem;
       try {
         const StabilityResult result = run_stability(plan);
-        if (!result.maps.empty()) finish(result, context, folder, options, plan.problem);
+        if (!result.maps.empty()) finish(result, context, folder, options, plan.problem, all);
         finished += !result.interrupted;
       } catch (const SceneError& e) {
         throw Failure(kUsage, "feder stability {}: {}", plan.problem, e.what());
       }
     }
+    if (options.json && plans.size() > 1) print_json(all);
+    if (options.json && plans.size() == 1 && !all.empty()) print_json(all[0]);
     return stop_flag() ? report_stop(finished, plans.size(), "problems") : kPass;
   }
 
@@ -157,10 +160,10 @@ class Stability final : public Command {
   }
 
   static void finish(const StabilityResult& r, const report::RunContext& context, const std::string& folder,
-                     const Options& options, const std::string& problem) {
+                     const Options& options, const std::string& problem, report::Json& all) {
     write(folder, r, context, {});
     if (options.json) {
-      print_json(report::stability_json(r, context));
+      all.push_back(report::stability_json(r, context));
       return;
     }
     if (!options.quiet) fmt::print("{} ({}): {} methods\n\n", problem, r.real, r.maps.size());
