@@ -50,7 +50,9 @@ TEST_CASE("what cannot be written is a failure with a line that names it", "[cli
 
 TEST_CASE("a study that was interrupted goes on to the same end", "[cli][output]") {
   const Program p;
-  const std::string study = "study oscillator --repeat 0 -q --methods rk4,bdf2,implicit_euler";
+  const std::string study =
+      "study oscillator --repeat 0 -q --methods "
+      "rk4,bdf2,tr_bdf2,ros2,rk45,exponential,implicit_midpoint,implicit_euler";
   REQUIRE(p.run(study + " --out whole").status == 0);
   const Outcome o = p.shell("{ '" FEDER_BINARY_DIR "/feder' " + study +
                             " --out part & pid=$!; for i in $(seq 500); do [ $(wc -l <part/points.jsonl) -gt 3 ] "
