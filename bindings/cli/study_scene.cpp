@@ -113,7 +113,7 @@ std::vector<std::string> solvers_of(const World& world, std::string& system) {
       const std::string own = options.text({"solver"}, o.fallback);
       std::vector<std::string> names;
       for (std::string_view name : split_choices(o.choices)) names.emplace_back(name);
-      std::ranges::stable_partition(names, [&](const std::string& n) { return n == own; });
+      std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == own; });
       return names;
     }
   }
@@ -133,7 +133,7 @@ RungTargets find_methods(const std::string& file, lua::Script& script, SceneDesc
     targets.method_param = name;
     names = p->choices;
     // the scene's own comes first
-    std::ranges::stable_partition(names, [&](const std::string& n) { return n == p->value; });
+    std::stable_partition(names.begin(), names.end(), [&](const std::string& n) { return n == p->value; });
     break;
   }
   if (!study.method.empty() && targets.method_param.empty())
