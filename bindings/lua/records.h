@@ -56,6 +56,8 @@ struct WorldRecord {
   Timers timers;
   Tasks tasks;
   std::vector<ScriptForce> forces;
+  std::vector<ScriptForce> lost_forces;  // that snapshots may bring back
+  bool has_snapshots = false;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
   Appearance appearance;
   Observed observed;

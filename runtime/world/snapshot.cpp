@@ -1,5 +1,6 @@
 // Snapshots: time, objects and every system's state as one byte image.
 #include "feder/world.h"
+#include "forces/forces.h"
 #include "state/contact_book.h"
 #include "world/own.h"
 
@@ -31,6 +32,10 @@ std::string World::snapshot() const {
     p.system->save(w);
   }
   if (const ContactBook* book = store_.find<ContactBook>()) book->save(w);
+  if (const Forces* forces = store_.find<Forces>())
+    forces->save(w);
+  else
+    w.add(std::uint64_t{0});
   return image;
 }
 
@@ -55,6 +60,10 @@ void World::load_image(std::string_view image) {
     p.system->load(r);
   }
   if (ContactBook* book = store_.find<ContactBook>()) book->load(r);
+  if (Forces* forces = store_.find<Forces>())
+    forces->load(r);
+  else if (r.get<std::uint64_t>() != 0)
+    throw SceneError("snapshot: made by another world (forces)");
   if (!r.at_end()) throw SceneError("snapshot: longer than expected");
   structure_changed_ = true;
 }

@@ -52,7 +52,7 @@ std::span<const Variant<Force>> force_kinds();
 // A force in a world, and its targets.
 struct ForceEntry {
   ObjectId object;                         // the force's own handle
-  std::unique_ptr<Force> force;            // null for a scripted force
+  std::shared_ptr<const Force> force;      // null for a scripted force
   bool all = false;                        // acts on everything
   TagMask tags = 0;                        // or on objects with one of these tags
   ObjectId target;                         // or on one object
