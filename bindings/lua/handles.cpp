@@ -155,6 +155,7 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   const auto word = [&random] { return static_cast<std::uint64_t>(random()) << 32 | random(); };
   record->key.a = word(), record->key.b = word();
   record->world = std::make_unique<World>(settings.desc, s.options.systems);
+  if (s.options.made) s.options.made(*record->world);
 
   WorldBlock& block = push_userdata(L, Class::world, WorldBlock{kNone}, 1);
   lua_newtable(L);

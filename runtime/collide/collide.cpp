@@ -12,7 +12,7 @@
 namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup)
-    : arena(setup.store.arena(kName)), colliders(&setup.store.need<Colliders>(kName)),
+    : arena(setup.store.arena(kName)), commands(setup.commands), colliders(&setup.store.need<Colliders>(kName)),
       contacts(&setup.store.need<Contacts>(kName)), book(&setup.store.need<ContactBook>(kName)),
       narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")) {
   broad =
@@ -41,7 +41,10 @@ Colliders& Collide::colliders() { return *impl_->colliders; }
 Contacts& Collide::contacts() { return *impl_->contacts; }
 const NarrowPhase& Collide::narrow() const { return impl_->narrow; }
 void Collide::near(const Aabb& box, Array<std::uint32_t>& found) const { impl_->broad->query(box, found); }
-void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
+void Collide::forget(std::uint32_t collider) {
+  const Command command(impl_->commands, "collide.forget", collider);
+  impl_->forget(collider);
+}
 
 void Collide::residuals(std::vector<Residual>& out) const {
   out.push_back({"collide.max_penetration_m", static_cast<double>(max_penetration())});
@@ -64,6 +67,7 @@ bool Collide::Impl::excluded(ObjectId a, ObjectId b) const {
 }
 
 void Collide::exclude(ObjectId a, ObjectId b) {
+  const Command command(impl_->commands, "collide.exclude", a, b);
   Array<Exclusion>& list = impl_->exclusions;
   const auto it = place_of(list, a, b);
   if (impl_->excluded(a, b)) return void(++it->count);
@@ -72,6 +76,7 @@ void Collide::exclude(ObjectId a, ObjectId b) {
 }
 
 void Collide::include(ObjectId a, ObjectId b) {
+  const Command command(impl_->commands, "collide.include", a, b);
   if (!impl_->excluded(a, b)) return;
   const auto it = place_of(impl_->exclusions, a, b);
   FEDER_ASSERT(it->count > 0);
@@ -93,6 +98,7 @@ void Collide::check_shape(const Shape& shape) const {
 }
 
 std::uint16_t Collide::material(std::string_view name) {
+  const Command command(impl_->commands, "collide.material", name);
   std::vector<std::string>& list = impl_->materials;
   const auto it = std::find(list.begin(), list.end(), name);
   if (it != list.end()) return static_cast<std::uint16_t>(it - list.begin() + 1);
@@ -102,6 +108,7 @@ std::uint16_t Collide::material(std::string_view name) {
 }
 
 void Collide::set_material_pair(const MaterialPair& pair) {
+  const Command command(impl_->commands, "collide.set_material_pair", pair);
   MaterialPair p = pair;
   if (p.a > p.b) std::swap(p.a, p.b);
   FEDER_ASSERT(p.b <= impl_->materials.size());

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluid/solver.h"
+#include "state/command_log.h"
 #include "step/watch.h"
 
 namespace feder {
@@ -40,6 +41,7 @@ struct Fluid::Impl {
 
   Arena& arena;
   Objects& objects;
+  CommandLog& commands;
   Watch& watched;
   Boundary& boundary;
   int dimension;

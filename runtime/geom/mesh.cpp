@@ -73,11 +73,11 @@ class Mesh final : public Shape {
   }
 
   std::vector<Vec3> vertices_;
-  std::vector<Corners> corners_;    // in the order of the hierarchy's leaves
+  std::vector<Corners> corners_;      // in the order of the hierarchy's leaves
   std::vector<std::uint32_t> given_;  // which of the triangles as they were given
-  std::vector<std::uint8_t> flat_;  // Triangle::flat_edges
-  std::vector<Real> cosine_;        // Triangle::edge_cosine
-  std::vector<Aabb> boxes_;         // of the triangles
+  std::vector<std::uint8_t> flat_;    // Triangle::flat_edges
+  std::vector<Real> cosine_;          // Triangle::edge_cosine
+  std::vector<Aabb> boxes_;           // of the triangles
   Arena arena_{"mesh"};
   BoxTree tree_{arena_};
 };

@@ -1,6 +1,7 @@
 // Snapshots: time, objects and every system's state as one byte image.
 #include "feder/world.h"
 #include "forces/forces.h"
+#include "state/command_log.h"
 #include "state/contact_book.h"
 #include "world/own.h"
 
@@ -12,6 +13,12 @@ constexpr std::uint64_t kMagic = 0x3130726564656600ull + sizeof(Real);  // "fede
 std::uint64_t owner_key(const World* world) {
   Hash h;
   h.add(reinterpret_cast<std::uintptr_t>(world));
+  return h.value();
+}
+// Names an image in recordings.
+std::uint64_t hash_of(std::string_view image) {
+  Hash h;
+  h.bytes(image.data(), image.size());
   return h.value();
 }
 }  // namespace
@@ -36,6 +43,7 @@ std::string World::snapshot() const {
     forces->save(w);
   else
     w.add(std::uint64_t{0});
+  const Command command(*commands_, "world.snapshot", commands_->recording() ? hash_of(image) : 0);
   return image;
 }
 
@@ -70,6 +78,7 @@ void World::load_image(std::string_view image) {
 
 void World::restore(std::string_view image) {
   if (stepping_) throw SceneError("world: restore() called inside a step");
+  const Command command(*commands_, "world.restore", commands_->recording() ? hash_of(image) : 0);
   const std::string before = snapshot();
   try {
     load_image(image);

@@ -105,7 +105,8 @@ TEST_CASE("a shape is made again from its arguments, to the last bit", "[geom][c
     for (int i = 0; i < 12; ++i) plane.emplace_back(rng.uniform(-1, 1), rng.uniform(-1, 1));
     std::vector<std::uint32_t> triangles;
     for (int i = 0; i < 90; ++i) triangles.push_back(static_cast<std::uint32_t>(rng.uniform(0, Real(23.9))));
-    again(make_hull(points)), again(make_polygon(plane, k % 2 ? Real(0.1) : Real(0))), again(make_mesh(points, triangles));
+    again(make_hull(points)), again(make_polygon(plane, k % 2 ? Real(0.1) : Real(0))),
+        again(make_mesh(points, triangles));
     again(make_plane(3 * points[0], points[1][0]));
     const Real r = rng.uniform(Real(0.01), 3);
     again(make_capsule(r, r * rng.uniform(2, 5)));

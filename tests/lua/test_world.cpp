@@ -60,7 +60,8 @@ TEST_CASE("forces come back with a snapshot, whoever makes them", "[lua][world]"
     CHECK(output_of(R"(
       local world = feder.world{ gravity = {0, 0, 0} }
       local net = world:net{ points = { {1, 0, 0}, {2, 0, 0} }, springs = { {1, 2} } }
-      local force = world:force{ )" + make + R"( }
+      local force = world:force{ )" +
+                    make + R"( }
       world:step(5)
       local s = world:snapshot()
       world:step(20)

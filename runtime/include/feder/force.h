@@ -59,6 +59,12 @@ struct ForceEntry {
   std::vector<std::uint32_t> points = {};  // of `target`, a net: on these only, ascending; empty: on all
   bool enabled = true;
   bool warned = false;  // of an evaluation without a value
+
+  // Calls f(field) for what says whom it acts on.
+  template <class E, class F>
+  static void each_field(E& e, F&& f) {
+    f(e.all), f(e.tags), f(e.target), f(e.points), f(e.enabled);
+  }
 };
 
 }  // namespace feder

@@ -80,6 +80,8 @@ struct HostOptions {
   std::uint64_t instruction_limit = 100'000'000;
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
+  // Called with each world as it is made, before anything is in it: to record it.
+  std::function<void(World&)> made = {};
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};

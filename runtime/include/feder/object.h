@@ -12,6 +12,7 @@
 
 namespace feder {
 
+class CommandLog;
 class Writer;
 class Reader;
 
@@ -62,6 +63,7 @@ class Objects {
   // Only objects of known kinds can be added.
   Objects(std::initializer_list<ObjectKind> kinds = {});
   void know(ObjectKind kind);
+  void log_to(CommandLog& log) { log_ = &log; }  // tags that are set from outside
   // `index` is that in the owning system. The name may be empty.
   ObjectId add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags);
   // `where` ("scene.lua:41", may be empty) is kept for the message about stale handles.
@@ -116,6 +118,7 @@ class Objects {
 
   bool knows(ObjectKind kind) const;
 
+  CommandLog* log_ = nullptr;
   std::vector<ObjectKind> kinds_ = {ObjectKind::none};
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_;  // first in, first out: a stale handle keeps its tombstone as long as possible
