@@ -136,7 +136,10 @@ class Diff final : public Command {
 
   // Other builds and other scripts are no difference by themselves, but what a reader wants to know beside one.
   void compare_facts(const Recording& a, const Recording& b) {
-    json_ = {{"same", true}, {"facts", report::Json::array()}, {"command", nullptr}, {"state", nullptr},
+    json_ = {{"same", true},
+             {"facts", report::Json::array()},
+             {"command", nullptr},
+             {"state", nullptr},
              {"objects", report::Json::array()}};
     for (const auto& [name, text] : a.facts())
       if (b.fact(name) != text) json_["facts"].push_back(name);
@@ -186,7 +189,8 @@ class Diff final : public Command {
 
   // The same commands give the same state here, but not where they were recorded.
   void say_builds(Side& a, Side& b, const std::string& world, std::uint64_t step) {
-    say(fmt::format("{}step {}: the hashes part, but this build gives the same state for both: they were recorded by "
+    say(
+        fmt::format("{}step {}: the hashes part, but this build gives the same state for both: they were recorded by "
                     "builds that differ\n  first   {}{}\n  second  {}{}",
                     world, step, recorded_by(a.recording), a.replay->same() ? " (as this build)" : "",
                     recorded_by(b.recording), b.replay->same() ? " (as this build)" : ""));
@@ -200,7 +204,8 @@ class Diff final : public Command {
   void say_objects(const std::vector<Difference>& found, const std::string& world, std::uint64_t step,
                    std::uint64_t hidden) {
     if (hidden > 0) say_hidden(world, step - hidden);
-    std::string text = fmt::format("{}step {}: {} object{} part", world, step, found.size(), found.size() == 1 ? "" : "s");
+    std::string text =
+        fmt::format("{}step {}: {} object{} part", world, step, found.size(), found.size() == 1 ? "" : "s");
     for (std::size_t k = 0; k < std::min(found.size(), kMaxRows); ++k) {
       const Difference& d = found[k];
       const std::string unit = d.unit.empty() ? "" : " " + d.unit;
@@ -208,11 +213,8 @@ class Diff final : public Command {
                   ? fmt::format("\n  {}: {}", d.object, d.quantity)
                   : fmt::format("\n  {}: {} {:.9g} and {:.9g}{}, {:.3g}{} apart", d.object, d.quantity, d.a, d.b, unit,
                                 std::abs(d.a - d.b), unit);
-      json_["objects"].push_back({{"object", d.object},
-                                  {"quantity", d.quantity},
-                                  {"unit", d.unit},
-                                  {"first", d.a},
-                                  {"second", d.b}});
+      json_["objects"].push_back(
+          {{"object", d.object}, {"quantity", d.quantity}, {"unit", d.unit}, {"first", d.a}, {"second", d.b}});
     }
     if (found.size() > kMaxRows) text += fmt::format("\n  ... and {} more", found.size() - kMaxRows);
     say(text);
@@ -225,6 +227,8 @@ class Diff final : public Command {
 
 }  // namespace
 
-Row cli_diff() { return command_row<Diff>("diff", "names the first step, object and quantity in which recordings part"); }
+Row cli_diff() {
+  return command_row<Diff>("diff", "names the first step, object and quantity in which recordings part");
+}
 
 }  // namespace feder::cli

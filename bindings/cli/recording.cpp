@@ -33,7 +33,8 @@ RecordFile::RecordFile(const std::string& file, const std::string& scene, const 
 
 void RecordFile::close(Session& session, const std::string& how) {
   RecordingFacts files;
-  for (const auto& path : session.script().files()) files.emplace_back("file " + path.string(), read_text(path.string()));
+  for (const auto& path : session.script().files())
+    files.emplace_back("file " + path.string(), read_text(path.string()));
   recorder_->add_facts(files);
   recorder_->finish(how);
   try {
@@ -62,8 +63,10 @@ Recording read_recording(const std::string& file) {
   return with_name(file, [&] { return Recording(std::move(bytes)); });
 }
 
-std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& recording, std::size_t world, const Options& options) {
-  return with_name(file, [&] { return std::make_unique<Replay>(recording, world, options.build.systems, options.threads); });
+std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& recording, std::size_t world,
+                                    const Options& options) {
+  return with_name(file,
+                   [&] { return std::make_unique<Replay>(recording, world, options.build.systems, options.threads); });
 }
 
 bool step_replay(const std::string& file, Replay& replay, std::vector<RecordedCommand>* commands) {

@@ -26,7 +26,8 @@ class RecordFile {
 // Failure (kLoadError) "file: why" when it is none, damaged, truncated or of another build.
 Recording read_recording(const std::string& file);
 // A replay of one of its worlds, and a step of it, with such failures.
-std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& recording, std::size_t world, const Options& options);
+std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& recording, std::size_t world,
+                                    const Options& options);
 bool step_replay(const std::string& file, Replay& replay, std::vector<RecordedCommand>* commands = nullptr);
 // "feder 0.4.0 ab12cd3, gcc 12.2, float"
 std::string recorded_by(const Recording& recording);

@@ -89,7 +89,7 @@ class ReplayRun final : public Command {
       if (options.json)
         json.push_back({{"name", name}, {"text", text}});
       else
-        fmt::print("{}: {}{}\n", name, text.find('\n') == std::string::npos ? "" : "\n", text);
+        fmt::print("{}:{}{}\n", name, text.find('\n') == std::string::npos ? " " : "\n", text);
     }
     if (options.json) print_json({{"facts", json}, {"ended", recording.how()}});
     return kPass;

@@ -89,6 +89,8 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
 ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose) {
   const Command command(impl_->commands, "fluid.add_drain", fluid, name, tags, shape, pose);
   Impl& m = *impl_;
+  m.objects.index(fluid, kFluidKind);
+  if (!shape) throw SceneError("drain: expected a shape");
   FluidDrain d;
   d.fluid = fluid;
   d.shape = static_cast<std::uint32_t>(m.shapes.size());
@@ -102,23 +104,22 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
 
 void Fluid::destroy_emitter(ObjectId id, std::string where) {
   const Command command(impl_->commands, "fluid.destroy_emitter", id, where);
-  impl_->destroy(impl_->emitters, id, std::move(where));
+  impl_->destroy(impl_->emitters, kEmitterKind, id, std::move(where));
 }
 
 void Fluid::destroy_drain(ObjectId id, std::string where) {
   const Command command(impl_->commands, "fluid.destroy_drain", id, where);
-  impl_->destroy(impl_->drains, id, std::move(where));
+  impl_->destroy(impl_->drains, kDrainKind, id, std::move(where));
 }
 
 void Fluid::set_running(ObjectId id, bool running) {
   const Command command(impl_->commands, "fluid.set_running", id, running);
-  FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == kEmitterKind);
-  FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
+  FluidEmitter& e = impl_->emitter(id);
   e.running = running && !e.done;
   *impl_->structure_changed = true;
 }
 
-bool Fluid::running(ObjectId id) const { return impl_->emitters[impl_->objects.index(id)].running != 0; }
+bool Fluid::running(ObjectId id) const { return impl_->emitter(id).running != 0; }
 
 std::uint64_t Fluid::passed(ObjectId id) const {
   const std::uint32_t index = impl_->objects.index(id);
@@ -134,7 +135,7 @@ void Fluid::aim(ObjectId id, const Vec3& position, const Vec3& direction) {
   const Command command(impl_->commands, "fluid.aim", id, position, direction);
   if (!is_finite(position) || !is_finite(direction) || !(length(direction) > 0))
     throw SceneError("emitter: expected a finite position, and a direction that is not zero");
-  FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
+  FluidEmitter& e = impl_->emitter(id);
   e.position = position;
   e.direction = normalized_or(direction, vec3(0, -1, 0));
 }

@@ -109,7 +109,8 @@ CommandRow method_row(const char* name) {
             const auto arguments = read_all<Args...>(in);
             [&]<std::size_t... K>(std::index_sequence<K...>) {
               (find_owner<C>(*state.world).*Method)(Stored<Args>::pass(std::get<K>(arguments))...);
-            }(std::index_sequence_for<Args...>());
+            }
+            (std::index_sequence_for<Args...>());
           }};
 }
 
@@ -127,7 +128,8 @@ CommandRow row_of(const char* name, R (*)(ReplayState&, Args...)) {
             const auto arguments = read_all<Args...>(in);
             [&]<std::size_t... K>(std::index_sequence<K...>) {
               Function(state, Stored<Args>::pass(std::get<K>(arguments))...);
-            }(std::index_sequence_for<Args...>());
+            }
+            (std::index_sequence_for<Args...>());
           }};
 }
 

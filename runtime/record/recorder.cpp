@@ -48,9 +48,7 @@ class Listener final : public LogListener {
   }
 
  private:
-  bool due() const {
-    return hash_every_ > 0 && world_->step_count() % static_cast<std::uint64_t>(hash_every_) == 0;
-  }
+  bool due() const { return hash_every_ > 0 && world_->step_count() % static_cast<std::uint64_t>(hash_every_) == 0; }
   void write(char kind, std::string_view content) {
     sink_(recording::block(kind, content));
     ++blocks_;
@@ -101,8 +99,7 @@ void Recorder::add(World& world) {
     throw SceneError("recording: expected a world without steps and systems");
   if (world.commands().recording()) throw SceneError("recording: the world is recorded already");
   const std::uint64_t number = impl_->listeners.size();
-  impl_->listeners.push_back(
-      std::make_unique<Listener>(world, number, impl_->hash_every, impl_->sink, impl_->blocks));
+  impl_->listeners.push_back(std::make_unique<Listener>(world, number, impl_->hash_every, impl_->sink, impl_->blocks));
 }
 
 void Recorder::note(World& world, std::string_view kind, std::string_view text) {

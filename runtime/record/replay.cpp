@@ -52,8 +52,7 @@ Recording::Recording(std::string bytes) {
   }
   std::uint64_t steps = 0;
   for (const World& w : worlds_) steps += w.steps;
-  if (!ended)
-    throw SceneError("the recording has no end: it is truncated, behind step " + std::to_string(steps));
+  if (!ended) throw SceneError("the recording has no end: it is truncated, behind step " + std::to_string(steps));
 }
 
 std::string Recording::fact(std::string_view name) const {
@@ -101,8 +100,8 @@ struct Replay::Impl {
     const CommandRow* row = find_command(name);
     if (!row) throw SceneError("recording: this build has no command '" + name + "'");
     if (row->signature != signature)
-      throw SceneError("recording: its command '" + name + "' has the arguments " + signature + ", that of this build " +
-                       row->signature);
+      throw SceneError("recording: its command '" + name + "' has the arguments " + signature +
+                       ", that of this build " + row->signature);
     rows.push_back(row);
   }
 
@@ -132,7 +131,8 @@ struct Replay::Impl {
     has_hash = in.whole() != 0;
     if (has_hash) hash = in.whole();
     world->step();
-    const bool good = state.forces_fit && state.next_force == state.forces.size() && (!has_hash || world->hash() == hash);
+    const bool good =
+        state.forces_fit && state.next_force == state.forces.size() && (!has_hash || world->hash() == hash);
     if (!good && same) same = false, parted = world->step_count();
     state.forces.clear(), state.next_force = 0, state.forces_fit = true;
   }

@@ -52,8 +52,9 @@ struct Springs::Impl {
   Array<Vec3> surface_end, surface_velocity;
 
   Net& net(ObjectId id) const {
-    FEDER_ASSERT(objects.kind(id) == kNetKind && nets[objects.index(id)]->object == id);
-    return *nets[objects.index(id)];
+    const std::uint32_t index = objects.index(id, kNetKind);
+    FEDER_ASSERT(nets[index]->object == id);
+    return *nets[index];
   }
   // Index in Particles; SceneError when there is no such point.
   std::uint32_t point(ObjectId id, std::size_t i) const;

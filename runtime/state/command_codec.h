@@ -25,8 +25,8 @@ class CommandBytes {
   void whole(std::uint64_t x);
   void number(double x);
   void text(std::string_view x);
-  void shape(const ShapePtr& x);       // its content when it is new
-  void content(const Shape& x);        // always
+  void shape(const ShapePtr& x);  // its content when it is new
+  void content(const Shape& x);   // always
   void params(const Params& x);
   const std::string& bytes() const { return bytes_; }
   void clear() { bytes_.clear(); }

@@ -74,6 +74,13 @@ std::uint32_t Objects::index(ObjectId id) const {
   return slots_[id.slot].index;
 }
 
+std::uint32_t Objects::index(ObjectId id, ObjectKind expected) const {
+  const Slot* s = slot(id);
+  if (!s || !s->alive || s->kind != expected)
+    throw SceneError(std::string("expected a living ") + expected.text() + ", got " + describe(id));
+  return s->index;
+}
+
 void Objects::set_index(ObjectId id, std::uint32_t index) {
   FEDER_ASSERT(alive(id));
   slots_[id.slot].index = index;

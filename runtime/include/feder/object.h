@@ -70,8 +70,9 @@ class Objects {
   void remove(ObjectId id, std::string where);
 
   bool alive(ObjectId id) const;
-  ObjectKind kind(ObjectId id) const;      // also of destroyed ones, until the slot is used again
-  std::uint32_t index(ObjectId id) const;  // alive only
+  ObjectKind kind(ObjectId id) const;                       // also of destroyed ones, until the slot is used again
+  std::uint32_t index(ObjectId id) const;                   // alive only
+  std::uint32_t index(ObjectId id, ObjectKind kind) const;  // SceneError unless it is alive and of that kind
   void set_index(ObjectId id, std::uint32_t index);
   const std::string& name(ObjectId id) const;  // also of destroyed ones, until the slot is used again; else ""
   const std::string& destroyed_at(ObjectId id) const;
