@@ -54,7 +54,7 @@ int run_command(const Row& row, int argc, char* argv[], const Build& build) {
   const auto command = row.make();
   command->declare(arguments);
   declare(arguments, options);
-  if (!command->runs_scenes()) hide_scene_options(arguments);
+  if (!command->runs_scenes()) hide_scene_options(arguments, command->makes_worlds());
   try {
     if (!arguments.parse(argc, argv)) return fmt::print("{}", arguments.help()), kPass;
   } catch (const std::invalid_argument& e) {

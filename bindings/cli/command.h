@@ -37,6 +37,7 @@ class Command {
   virtual void declare(Arguments& arguments) = 0;
   // Commands that run no scene take the options of scenes too, and do not list them.
   virtual bool runs_scenes() const { return true; }
+  virtual bool makes_worlds() const { return runs_scenes(); }  // takes and lists --threads
   // Returns the exit status, or throws Failure.
   virtual int run(const Options& options) = 0;
 };

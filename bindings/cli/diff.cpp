@@ -108,6 +108,9 @@ class Diff final : public Command {
     arguments.require("SECOND");
   }
 
+  bool runs_scenes() const override { return false; }
+  bool makes_worlds() const override { return true; }
+
   int run(const Options& options) override {
     const StopSignals signals;
     Side a{file_[0], read_recording(file_[0]), {}, {}, true}, b{file_[1], read_recording(file_[1]), {}, {}, true};
@@ -126,6 +129,7 @@ class Diff final : public Command {
       print_json(json_);
     } else {
       for (const std::string& line : lines_) fmt::print("{}\n", line);
+      if (!lines_.empty() && !facts_.empty()) fmt::print("the runs:\n{}", facts_);
       if (lines_.empty() && !options.quiet) fmt::print("the same: every command and every hash\n");
     }
     return lines_.empty() ? kPass : kFailed;
@@ -134,17 +138,32 @@ class Diff final : public Command {
  private:
   void say(const std::string& line) { lines_.push_back(line); }
 
-  // Other builds and other scripts are no difference by themselves, but what a reader wants to know beside one.
+  // Other builds and scripts are no difference by themselves, but what a reader wants to know beside one.
   void compare_facts(const Recording& a, const Recording& b) {
     json_ = {{"same", true},
              {"facts", report::Json::array()},
              {"command", nullptr},
              {"state", nullptr},
              {"objects", report::Json::array()}};
-    for (const auto& [name, text] : a.facts())
-      if (b.fact(name) != text) json_["facts"].push_back(name);
-    for (const auto& [name, text] : b.facts())
-      if (a.fact(name).empty() && !text.empty()) json_["facts"].push_back(name);
+    std::vector<std::string> names;
+    for (const Recording* r : {&a, &b})
+      for (const auto& [name, text] : r->facts())
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    for (const std::string& name : names) {
+      const std::string x = all_of(a, name), y = all_of(b, name);
+      if (x == y) continue;
+      const bool file = name.starts_with("file ");
+      facts_ += fmt::format("  {}: {}\n", name, file ? "another text" : fmt::format("'{}' and '{}'", x, y));
+      json_["facts"].push_back({{"name", name}, {"first", x}, {"second", y}});
+    }
+  }
+
+  // --set may be there several times.
+  static std::string all_of(const Recording& recording, const std::string& name) {
+    std::string out;
+    for (const auto& [key, text] : recording.facts())
+      if (key == name) out += (out.empty() ? "" : " ") + text;
+    return out;
   }
 
   void compare_worlds(Side& a, Side& b, std::size_t number, const Options& options) {
@@ -160,7 +179,7 @@ class Diff final : public Command {
       const bool kept = a.replay->has_hash() && b.replay->has_hash();
       const bool kept_part = kept && a.replay->hash() != b.replay->hash();
       const bool part = a.replay->world().hash() != b.replay->world().hash();
-      if (kept_part && !part) return say_builds(a, b, world, step);
+      if (kept_part && !part) return say_builds(a, b, world, number + 1, step);
       if (!part) continue;
       if (hidden == 0) json_["state"] = {{"world", number + 1}, {"step", step}, {"time", a.replay->world().time()}};
       const std::vector<Difference> found = Comparison::of(a.replay->world(), b.replay->world());
@@ -188,13 +207,13 @@ class Diff final : public Command {
   }
 
   // The same commands give the same state here, but not where they were recorded.
-  void say_builds(Side& a, Side& b, const std::string& world, std::uint64_t step) {
+  void say_builds(Side& a, Side& b, const std::string& world, std::size_t number, std::uint64_t step) {
     say(
         fmt::format("{}step {}: the hashes part, but this build gives the same state for both: they were recorded by "
                     "builds that differ\n  first   {}{}\n  second  {}{}",
                     world, step, recorded_by(a.recording), a.replay->same() ? " (as this build)" : "",
                     recorded_by(b.recording), b.replay->same() ? " (as this build)" : ""));
-    json_["state"] = {{"world", 1}, {"step", step}, {"time", a.replay->world().time()}};
+    json_["state"] = {{"world", number}, {"step", step}, {"time", a.replay->world().time()}};
   }
 
   void say_hidden(const std::string& world, std::uint64_t step) {
@@ -222,6 +241,7 @@ class Diff final : public Command {
 
   std::string file_[2];
   std::vector<std::string> lines_;
+  std::string facts_;  // that differ
   report::Json json_;
 };
 

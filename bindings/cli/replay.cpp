@@ -19,6 +19,9 @@ class ReplayRun final : public Command {
     a.flag("--facts", facts_, "print what the recording knows of its run, with the files of the scene, and end");
   }
 
+  bool runs_scenes() const override { return false; }
+  bool makes_worlds() const override { return true; }
+
   int run(const Options& options) override {
     const Recording recording = read_recording(file_);
     if (facts_) return print_facts(recording, options);

@@ -79,7 +79,8 @@ TEST_CASE("every scene, with an edit in the middle, is the same in its replay at
     const Recording recording(bytes);
     REQUIRE(recording.world_count() == worlds.size());
     bool same = true;
-    for (std::size_t k = 0; k < worlds.size(); ++k) CHECK(replayed(recording, k, 1 + scenes % 2, same) == hashes[worlds[k]]);
+    for (std::size_t k = 0; k < worlds.size(); ++k)
+      CHECK(replayed(recording, k, 1 + scenes % 2, same) == hashes[worlds[k]]);
     CHECK(same);
     scenes += !worlds.empty();
   }

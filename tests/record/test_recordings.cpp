@@ -1,8 +1,7 @@
 // Recordings: whatever is altered, cut off or foreign is refused by a line; forces of hosts and snapshots are played
 // again; worlds are recorded from their beginning.
-#include "feder/record.h"
-
 #include "feder/net.h"
+#include "feder/record.h"
 #include "feder/rigid.h"
 #include "record/format.h"
 #include "state/command_log.h"
@@ -128,7 +127,7 @@ TEST_CASE("each class of bytes is refused by its name", "[record]") {
     return refusal(bad);
   };
   CHECK(altered(0) == "not a recording of feder: it does not begin with 'feder recording'");
-  CHECK(altered(line - 2).find("this build reads format 1") != std::string::npos);  // the format
+  CHECK(altered(line - 2).find("this build reads format 1") != std::string::npos);                    // the format
   CHECK(altered(line) == "block 1 at byte 18 of the recording is damaged: its checksum is another");  // kind
   CHECK(altered(line + 8).find("bytes, but only") != std::string::npos);                              // length
   CHECK(altered(line + 12).find("block 1 at byte 18 of the recording is damaged") == 0);              // content
@@ -144,7 +143,8 @@ TEST_CASE("each class of bytes is refused by its name", "[record]") {
   CHECK(refusal(with_block(good, 1, recording::kHeader, "")).find("second header") != std::string::npos);
   CommandBytes other;
   other.text(kRealName == std::string("float") ? "double" : "float"), other.whole(0);
-  CHECK(refusal(with_block(good, 0, recording::kHeader, other.bytes())).find("of the scalar type") != std::string::npos);
+  CHECK(refusal(with_block(good, 0, recording::kHeader, other.bytes())).find("of the scalar type") !=
+        std::string::npos);
   CommandBytes end;
   end.text("finished"), end.whole(9);
   CHECK(refusal(with_block(good, 3, recording::kEnd, end.bytes())) == "the recording lacks blocks before its end");
@@ -172,8 +172,9 @@ TEST_CASE("commands of another build are refused by name", "[record]") {
         "recording: a command for rigid comes before the system");
   CHECK(with_items([&](CommandBytes& o) { name(o, "world.restore", "u"), o.whole(2), o.whole(0), o.text("\5"); }) ==
         "recording: it restores a snapshot that it has not taken");
-  CHECK(with_items([&](CommandBytes& o) { name(o, "world.set_gravity", "v"), o.whole(2), o.whole(0), o.text("123"); }) ==
-        "recording: a command ends too early");
+  CHECK(with_items([&](CommandBytes& o) {
+          name(o, "world.set_gravity", "v"), o.whole(2), o.whole(0), o.text("123");
+        }) == "recording: a command ends too early");
   CHECK(with_items([&](CommandBytes& o) { o.whole(99); }) == "recording: an item of an unknown kind");
 }
 
@@ -239,7 +240,8 @@ TEST_CASE("snapshots that are restored are taken again", "[record]") {
 TEST_CASE("several worlds, one that ends early, in one recording; threads change nothing", "[record]") {
   std::string bytes;
   Recorder recorder([&](std::string_view more) { bytes += more; }, {});
-  auto first = std::make_unique<World>(WorldDesc{}, catalog()), second = std::make_unique<World>(WorldDesc{}, catalog());
+  auto first = std::make_unique<World>(WorldDesc{}, catalog()),
+       second = std::make_unique<World>(WorldDesc{}, catalog());
   recorder.add(*first), recorder.add(*second);
   for (World* w : {second.get(), first.get()}) {
     BodyDesc body;
