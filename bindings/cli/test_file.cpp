@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <deque>
-#include <fstream>
 #include <optional>
 #include <utility>
 
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/test_golden.h"
+#include "cli/test_source.h"
 #include "feder/profile.h"
 
 namespace feder::cli {
@@ -31,32 +31,13 @@ TestFailure failure_from(const std::string& text, const std::string& file) {
   return {.where = text.substr(0, end), .message = text.substr(end + 2)};
 }
 
-TestFailure failure_from(const lua::CheckFailure& f) {
-  return {.where = f.where,
-          .message = f.message,
-          .source = "",
-          .time = f.time,
-          .step = static_cast<int>(f.step),
-          .object = f.object,
-          .expected = f.expected,
-          .actual = f.actual,
-          .tolerance = f.tolerance};
-}
-
-// The line of the script that `where` names, of those files that the script has read.
-std::string source_line(const std::string& where, const std::vector<std::string>& files) {
-  const std::size_t colon = where.rfind(':');
-  if (colon == std::string::npos) return {};
-  for (const std::string& file : files) {
-    if (!file.ends_with(where.substr(0, colon))) continue;
-    std::ifstream in(file);
-    std::string line;
-    for (int n = std::atoi(where.c_str() + colon + 1); n > 0; --n)
-      if (!std::getline(in, line)) return {};
-    const std::size_t first = line.find_first_not_of(" \t");
-    return first == std::string::npos ? "" : line.substr(first, 200);
-  }
-  return {};
+TestFailure failure_from(const lua::CheckFailure& f, const std::vector<std::string>& files) {
+  TestFailure failure{.where = f.where, .message = f.message};
+  failure.time = f.time, failure.step = static_cast<int>(f.step);
+  failure.object = f.object, failure.expected = f.expected, failure.actual = f.actual;
+  failure.delta = f.delta, failure.tolerance = f.tolerance;
+  add_source(failure, files, f.call);
+  return failure;
 }
 
 // One run of one case.
@@ -81,7 +62,8 @@ class TestRun {
     }
     if (session_) look_back();
     if (!result_.failures.empty()) result_.status = TestStatus::failed;
-    for (TestFailure& f : result_.failures) f.source = source_line(f.where, result_.files);
+    for (TestFailure& f : result_.failures)
+      if (f.source.empty()) add_source(f, result_.files, "");
     result_.seconds = static_cast<double>(clock_nanoseconds() - start) * 1e-9;
     return result_;
   }
@@ -169,12 +151,13 @@ class TestRun {
     lua::Script& script = session_->script();
     const lua::CheckResult& checks = script.checks();
     result_.checks = checks.passed;
+    for (const auto& file : script.files()) result_.files.push_back(file.string());
     for (const auto& f : checks.failures) {
-      result_.failures.push_back(failure_from(f));
+      result_.failures.push_back(failure_from(f, result_.files));
       if (result_.exceeded && &f == &checks.failures.back())
         result_.failures.back().message = limit_text(f.message, checks.limit);
     }
-    for (const auto& f : checks.notes) result_.notes.push_back(failure_from(f));
+    for (const auto& f : checks.notes) result_.notes.push_back(failure_from(f, result_.files));
     bool limited = false;
     for (const auto& e : script.handler_errors()) {
       limited = limited || e.limit != lua::Limit::none;
@@ -186,7 +169,6 @@ class TestRun {
     if (!session_->goes_on() && !limited && !result_.exceeded) result_.failures.push_back({.message = stop_text()});
     result_.exceeded = result_.exceeded || !session_->goes_on();
     for (const std::string& line : events_) result_.events += line;
-    for (const auto& file : script.files()) result_.files.push_back(file.string());
     const World* world = session_->world();
     if (!world) return;
     result_.time = world->time(), result_.hash = fmt::format("{:016x}", world->hash());

@@ -31,7 +31,7 @@ TEST_CASE("a failure says time, step, object, expected, actual, tolerance and th
   CAPTURE(o.out);
   CHECK(o.status == 1);
   CHECK(says(o.out, "wrong.lua:9: body \"ball\": expected at (0, 3, 0), got (0, 1.7"));
-  CHECK(says(o.out, "\n  > expect.near(scene.ball, { 0, 3, 0 }, 0.5)\n"));
+  CHECK(says(o.out, "\n  > expect.near(scene.ball, { 0, 3, 0 }, 0.5)\n    ^" + std::string(40, '~') + "\n"));
   CHECK(says(o.out, "\n  at 0.5 s, step 30, tolerance 0.5 m\n"));
   const auto failure = p.run("test wrong.lua --json").json()["tests"][0]["failures"][0];
   CHECK(failure["step"] == 30);
@@ -39,7 +39,33 @@ TEST_CASE("a failure says time, step, object, expected, actual, tolerance and th
   CHECK(failure["expected"] == "at (0, 3, 0)");
   CHECK(failure["tolerance"] == "0.5 m");
   CHECK(says(failure["actual"], "(0, 1.7"));
+  CHECK(std::string(failure["delta"]).starts_with("1.2"));
   CHECK(failure["source"] == "expect.near(scene.ball, { 0, 3, 0 }, 0.5)");
+}
+
+TEST_CASE("the call that failed has a caret below it", "[cli][runner]") {
+  // each line of a check, and what is below it
+  const std::pair<std::string, std::string> rows[] = {
+      {"if true then expect(1 > 2) end", "             ^~~~~~~~~~~~~"},
+      {"local n, e = 'expect(1)', expect; e(n == '')", "                                  ^~~~~~~~~~"},
+      {"expect.error(1, '<', (0))  -- expect.error()", "^~~~~~~~~~~~~~~~~~~~~~~~~"},
+      {"expect.near(1,", "^~~~~~~~~~~~~~"},
+      {"  2, 0)", ""},
+      // Lua says no column: it may be either
+      {"expect(1 > 2) expect(1)", "^~~~~~~~~~~~~ ^~~~~~~~~"},
+      {"expect.events('hit', -1)", "^~~~~~~~~~~~~~~~~~~~~~~~"},
+  };
+  std::string check;
+  for (const auto& [line, marks] : rows) check += line + "\n";
+  const Program p;
+  p.write("wrong.lua", scene(kBall, check));
+  const Outcome o = p.run("test wrong.lua");
+  CAPTURE(o.out);
+  for (const auto& [line, marks] : rows) {
+    CAPTURE(line);
+    const std::string source = line.substr(line.find_first_not_of(' '));
+    CHECK(says(o.out, "  > " + source + "\n    " + marks + "\n") == !marks.empty());
+  }
 }
 
 TEST_CASE("a suite with an endless and a crashing script reports both and runs the rest", "[cli][runner]") {

@@ -136,7 +136,8 @@ struct CheckFailure {
   std::uint64_t step = 0;                  // steps done
   std::string object = {};                 // 'body "crate3"'
   std::string expected = {}, actual = {};  // with units
-  std::string tolerance = {};
+  std::string tolerance = {}, delta = {};  // between the two
+  std::string call = {};                   // name of the function that was called, as the script has it
 };
 struct CheckResult {
   bool has_check = false;
