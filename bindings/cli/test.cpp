@@ -1,7 +1,6 @@
 // feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include "cli/command.h"
@@ -19,11 +18,6 @@ namespace {
 using report::TestResult;
 using report::TestStatus;
 using Results = std::vector<TestResult>;
-
-bool runs_in_ci() {
-  const char* const ci = std::getenv("CI");
-  return ci && *ci;
-}
 
 class Test final : public Command {
  public:
@@ -126,6 +120,7 @@ class Test final : public Command {
     const bool quoted = r.name.find('[') != std::string::npos && r.name.find(' ') == std::string::npos;
     std::vector<std::string> words = {"feder", "test", quoted ? "'" + r.name + "'" : r.name};
     for (const std::string& set : r.drawn) add_options(words, {{"--set", set}});
+    if (options.seed.empty()) add_options(words, {{"--seed", r.seed}});
     if (settings_.repeat > 1) add_options(words, {{"--repeat", std::to_string(settings_.repeat)}});
     for (const std::string& word : scene_arguments(options)) words.push_back(word);
     return command_text(words);

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <deque>
 #include <optional>
-#include <utility>
 
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/test_golden.h"
+#include "cli/test_property.h"
 #include "cli/test_source.h"
 #include "feder/profile.h"
 
@@ -215,36 +216,25 @@ std::vector<lua::ParamInfo> free_params(const TestRun& run, const TestCase& test
   return params;
 }
 
-// Takes the failures of the smallest values.
-void report_counter_example(const CounterExample& found, int count, const TestResult& failed, TestResult& result) {
-  const TestResult passed = std::exchange(result, failed);
-  result.name = passed.name, result.set = passed.set, result.seconds = passed.seconds, result.lines = passed.lines;
-  result.drawn = set_words(found.shrunk);
-  const std::string words =
-      result.drawn.empty() ? "defaults" : fmt::format("--set {}", fmt::join(result.drawn, " --set "));
-  for (TestFailure& f : result.failures)
-    f.message += fmt::format(" (with {}, from draw {} of {})", words, found.number, count);
-}
-
 void try_random(const TestCase& test, const Options& options, const TestSettings& settings, const TestRun& first,
                 TestResult& result) {
-  const int count = settings.random < 0 ? first.random() : settings.random;
   const std::vector<lua::ParamInfo> params = free_params(first, test, options);
-  if (count == 0 || params.empty() || result.status != TestStatus::passed || stop_flag()) return;
-  TestResult last;
-  const CounterExample found = find_counter_example(params, count, host_options(options).seed, [&](const Draw& draw) {
-    TestCase drawn = test;
-    for (const std::string& word : set_words(draw)) drawn.set.push_back(word);
-    TestResult next = run_again(drawn, options, settings, result);
-    if (next.status != TestStatus::failed || stop_flag()) return false;
-    last = std::move(next);
-    return true;
-  });
-  if (found.number > 0) return report_counter_example(found, count, last, result);
-  result.notice += fmt::format("{}{} random draws", result.notice.empty() ? "" : "; ", count);
+  if (settings.random == 0 || params.empty() || result.status != TestStatus::passed || stop_flag()) return;
+  const auto run = [&](const TestCase& drawn, const Options& own) { return run_again(drawn, own, settings, result); };
+  try {
+    PropertyTest(test, options, run, result).run(params, settings.random < 0 ? first.random() : settings.random);
+  } catch (const Failure& e) {
+    result.status = TestStatus::failed;
+    result.failures.push_back({.message = e.what()});
+  }
 }
 
 }  // namespace
+
+bool runs_in_ci() {
+  const char* const ci = std::getenv("CI");
+  return ci && *ci;
+}
 
 TestResult run_test(const TestCase& test, const Options& options, const TestSettings& settings) {
   TestRun first(test, options, settings);

@@ -44,6 +44,7 @@ struct TestResult {
   std::vector<TestFailure> failures;
   std::vector<TestFailure> notes;  // that fail nothing
   std::vector<std::string> drawn;  // NAME=VALUE of a counter-example
+  std::string seed;                // of --seed when it was found
   std::string again;               // the command that shows the failure
   std::vector<std::string> files;  // that it has read
   Coverage lines;
@@ -81,7 +82,7 @@ void fields(auto& r, auto& v, const TestResult*) {
   v("notice", r.notice).part("failures", r.failures).part("notes", r.notes);
   v("output", r.output)("diff", r.diff)("events", r.events)("scene", r.scene)("loaded", r.loaded)("exceeded",
                                                                                                   r.exceeded);
-  v("drawn", r.drawn)("again", r.again)("files", r.files)("lines", r.lines);
+  v("drawn", r.drawn)("seed", r.seed)("again", r.again)("files", r.files)("lines", r.lines);
 }
 
 }  // namespace feder::report
