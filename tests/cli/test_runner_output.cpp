@@ -215,7 +215,9 @@ TEST_CASE("golden runs are written when asked, and compared by tolerances", "[cl
   const Outcome o = p.run("test box.lua");
   CAPTURE(o.out);
   CHECK(o.status == 1);
-  CHECK(says(o.out, "not as in the golden run: position of body \"box\" is 0.01 m off from 0 s on\n"));
+  CHECK(says(o.out,
+             "not as in the golden run: position of body \"box\" is 0.01 m off from 0 s on; the states part at "
+             "step 0\n"));
   CHECK(says(o.out, "expected (0, 2, 0), got (0, 2.01, 0), tolerance 0.001 m"));
   CHECK(std::regex_search(o.out, std::regex("position +0\\.01 +0\\.001 ")));
   // a tolerance per quantity
@@ -223,6 +225,18 @@ TEST_CASE("golden runs are written when asked, and compared by tolerances", "[cl
   CHECK(p.run("test box.lua").status == 0);
   p.write("box.lua", golden_scene("2.01", "{ position = 0.02, energy = 1e-6 }"));
   CHECK(says(p.run("test box.lua").out, "potential energy is"));
+  // falling, it is 2.6 m away by 0.75 s
+  const std::string pushed = "world:after(0.3, function() world:find('box'):set_velocity(0, -3, 0) end) ";
+  const auto with_push = [&](const std::string& golden_table) {
+    std::string text = golden_scene("2", golden_table);
+    text.insert(text.rfind("end }"), pushed);
+    p.write("box.lua", text);
+    return p.run("test box.lua").out;
+  };
+  CHECK(says(with_push("{ position = 0.001, energy = 1 }"), " m off from 0.5 s on; the states part at step 18\n"));
+  CHECK(says(with_push("{ position = 0.001, energy = 1, relative = 0.001 }"), "tolerance 0.002"));
+  CHECK(says(with_push("{ position = 0.001, energy = 1, relative = 0.5 }"), "ok "));
+  p.write("box.lua", golden_scene("2.01", "{ position = 0.02, energy = 1e-6 }"));
   // other values are another run
   CHECK(p.run("test box.lua --set push=1").status == 5);
   CHECK(says(p.shell(by_hand + "--update-golden").out, "potential energy"));

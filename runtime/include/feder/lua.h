@@ -152,6 +152,7 @@ struct GoldenWish {
   bool declared = false;
   double every = 0.25;                                     // s between samples
   double position = 1e-3, rotation = 1e-2, energy = 1e-3;  // m, rad, share of the largest energy
+  double relative = 0;                                     // of the way that an object has gone, on top of position
 };
 
 // Where an object is: a body's pose, or the centre of the points of a soft thing.
