@@ -41,6 +41,15 @@ TestFailure failure_from(const lua::CheckFailure& f, const std::vector<std::stri
   return failure;
 }
 
+struct EventNumber {
+  EventKind::Tells field;
+  Real Event::*value;
+  const char* unit;
+};
+constexpr EventNumber kEventNumbers[] = {{EventKind::kSpeed, &Event::speed, "m/s"},
+                                         {EventKind::kImpulse, &Event::impulse, "N s"},
+                                         {EventKind::kForce, &Event::force, "N"}};
+
 // One run of one case.
 class TestRun {
  public:
@@ -131,9 +140,11 @@ class TestRun {
   void keep_events(World& world) {
     constexpr std::size_t kKept = 1000;
     for (const Event& e : world.events().list()) {
-      std::string line = fmt::format("{:.4f} s  {}", world.time(), e.kind.text());
+      std::string line = fmt::format("step {}  {:.4f} s  {}", world.step_count(), world.time(), e.kind.text());
       for (const ObjectId id : {e.a, e.b})
         if (id) line += "  " + world.objects().describe(id);
+      for (const EventNumber& n : kEventNumbers)
+        if (e.kind.has(n.field)) line += fmt::format("  {:.4g} {}", e.*n.value, n.unit);
       if (e.kind == EventKind::warning) line += "  " + world.events().warning_message(e);
       events_.push_back(line + "\n");
       if (events_.size() > kKept) events_.pop_front();

@@ -46,8 +46,10 @@ class Comparison {
       : differences_{Difference{"position", " m", wish.position}, Difference{"rotation", " rad", wish.rotation},
                      Difference{"energy", " of the largest", wish.energy}},
         relative_(wish.relative) {
-    for (const GoldenSample& s : golden)
+    for (const GoldenSample& s : golden) {
       for (const double e : s.energy) scale_ = std::max(scale_, std::abs(e));
+      for (std::size_t i = 0; i < s.names.size(); ++i) starts_.try_emplace(s.names[i], s.poses.at(i));
+    }
   }
 
   void compare(const GoldenSample& golden, const GoldenSample& now) {
@@ -82,8 +84,9 @@ class Comparison {
  private:
   void compare_pose(const std::string& name, double time, const std::vector<double>& golden,
                     const std::vector<double>& now) {
-    if (golden.size() < 3 || now.size() < 3) return;
-    const double way = distance(golden.data(), starts_.try_emplace(name, golden).first->second.data());
+    const std::vector<double>& start = starts_.at(name);
+    if (golden.size() < 3 || now.size() < 3 || start.size() < 3) return;
+    const double way = distance(golden.data(), start.data());
     note(0, distance(golden.data(), now.data()), time, name, golden.data(), now.data(), 3, relative_ * way);
     if (golden.size() >= 7 && now.size() >= 7) note(1, angle(&golden[3], &now[3]), time, name, &golden[3], &now[3], 4);
   }
