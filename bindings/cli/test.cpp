@@ -73,7 +73,8 @@ class Test final : public Command {
     if (!choice_.shuffle) return;
     const std::string seed = order_.empty() ? options.seed : order_;
     choice_.order = seed.empty() ? std::random_device()() : static_cast<std::uint64_t>(read_number(seed, "--order"));
-    if (output_.prints_lines()) fmt::print("order: --order {}\n", choice_.order);
+    const std::string line = fmt::format("order: --order {}", choice_.order);
+    output_.prints_lines() ? fmt::print("{}\n", line) : print_error(line);
   }
 
   int list(const std::vector<TestCase>& tests, bool json) const {

@@ -71,6 +71,7 @@ TEST_CASE("a shuffled order is printed, and comes again", "[cli][runner]") {
   std::smatch seed;
   REQUIRE(std::regex_search(o.out, seed, std::regex("order: (--order [0-9]+)")));
   CHECK(p.run("test t --list " + seed[1].str()).out == o.out);
+  CHECK(says(p.run("test t --tap --shuffle --seed 7").err, "order: --order 7\n"));
   const auto seven = lines_of(p.run("test t --list --shuffle --seed 7").out);
   CHECK(seven == lines_of(p.run("test t --list --shuffle --seed 7").out));
   CHECK(seven != lines_of(p.run("test t --list --shuffle --seed 8").out));

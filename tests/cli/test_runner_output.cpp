@@ -89,6 +89,30 @@ TEST_CASE("a suite with an endless and a crashing script reports both and runs t
   CHECK(last_line(text) == "# 2 passed, 2 failed, 0 skipped");
   CHECK(says(p.read("out.xml"), "tests=\"4\" failures=\"2\""));
   CHECK(nlohmann::json::parse(p.read("out.json"))["failed"] == 2);
+  // in one process nothing is left of a crash; the endless one ends by its own limit there too
+  p.shell("rm s/b_crash_test.lua");
+  const Outcome one = p.run("test s --no-isolate --limit 1e6");
+  CAPTURE(one.out);
+  CHECK(one.status == 4);
+  CHECK(says(one.out, "s/c_endless_test.lua:1: instruction limit of 1000000 reached"));
+  CHECK(last_line(one.out) == "2 passed, 1 failed, 0 skipped");
+}
+
+TEST_CASE("tests share nothing, and each has the memory that is allowed", "[cli][runner]") {
+  const Program p;
+  p.write("a_test.lua", "left, math.left = 1, 2 require('part').n = 3 require('feder').world {} string.format = nil");
+  p.write("b_test.lua", "assert(not left and not math.left and string.format and require('part').n == 1)");
+  p.write("part.lua", "return { n = 1 }");
+  p.write("c_test.lua", "local t = {} for i = 1, 1e5 do t[i] = { i } end");
+  p.write("d_test.lua", "assert(true)");
+  for (const std::string how : {" --no-isolate", " --isolate"}) {
+    CHECK(p.run("test a_test.lua c_test.lua d_test.lua" + how).status == 0);
+    const Outcome o = p.run("test a_test.lua b_test.lua c_test.lua d_test.lua --memory 3e6" + how);
+    CAPTURE(o.out);
+    CHECK(o.status == 4);
+    CHECK(says(o.out, "c_test.lua:1: not enough memory"));
+    CHECK(last_line(o.out) == "3 passed, 1 failed, 0 skipped");
+  }
 }
 
 TEST_CASE("plain tests expect too, and a run fails by them", "[cli][runner]") {
