@@ -107,9 +107,10 @@ int expect_max_penetration(lua_State* L) {
 // ({x, y, z}, tolerance, [during])
 template <double (Momentum::*Part)[3]>
 int expect_momentum(lua_State* L) {
-  constexpr bool kLinear = Part == &Momentum::linear;
-  const std::string unit = kLinear ? " kg m/s" : " kg m2/s";
-  const Vec3 wanted = check_vector(L, 1, function_name(L));
+  const bool linear = Part == &Momentum::linear;
+  const std::string unit = linear ? " kg m/s" : " kg m2/s";
+  const Vec3 v = check_vector(L, 1, function_name(L));
+  const double wanted[] = {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
   const double tolerance = check_number(L, 2, function_name(L), kNotNegative), during = time_argument(L, 3, 0);
   WorldRecord& record = tested_world(L);
   Momentum now;
@@ -117,14 +118,14 @@ int expect_momentum(lua_State* L) {
   const bool holds = holds_during(L, record, during, [&] {
     now = record.world->momentum();
     const double* const p = now.*Part;
-    off = std::hypot(p[0] - double(wanted[0]), p[1] - double(wanted[1]), p[2] - double(wanted[2]));
+    off = std::hypot(p[0] - wanted[0], p[1] - wanted[1], p[2] - wanted[2]);
     return off <= tolerance;
   });
-  const double at[3] = {double(wanted[0]), double(wanted[1]), double(wanted[2])};
-  return push(L, expected(L, holds,
-                          failure_of(kLinear ? "momentum" : "angular momentum",
-                                     point_text(at) + unit + time_text("during", during), point_text(now.*Part) + unit,
-                                     print_number(tolerance) + unit, print_number(off) + unit)));
+  return push(L,
+              expected(L, holds,
+                       failure_of(linear ? "momentum" : "angular momentum",
+                                  point_text(wanted) + unit + time_text("during", during), point_text(now.*Part) + unit,
+                                  print_number(tolerance) + unit, print_number(off) + unit)));
 }
 
 // The objects of an argument, an object or a list of objects; none for nil: any.
