@@ -18,20 +18,23 @@ const std::map<std::string, std::string>& types_of_names() {
     };
     add("integer", {"i", "j", "k", "n", "count", "vertices_count", "integer", "points_count", "springs", "edges"});
     add("boolean", {"on", "boolean", "tension_only"});
-    add("string", {"kind", "name", "option", "snapshot", "file", "string", "what", "code"});
+    add("string", {"kind", "name", "option", "snapshot", "file", "string", "what", "code", "hash"});
     add("function", {"fn"});
     add("any", {"default", "value"});
     add("fun(): feder.Event", {"iterator"});
     add("table", {"filter", "table"});
     add("feder.Object", {"a", "b"});
-    add("number", {"x",         "y",       "z",     "w",           "dx",         "dy",      "dz",          "nx",
-                   "ny",        "nz",      "px",    "py",          "pz",         "qx",      "qy",          "qz",
-                   "qw",        "d",       "e",     "s",           "max",        "angular", "linear",      "dynamic",
-                   "static",    "radius",  "width", "height",      "depth",      "degrees", "radians",     "seconds",
-                   "lo",        "hi",      "speed", "max_force",   "number",     "kinetic", "potential",   "elastic",
-                   "mean",      "largest", "ixx",   "iyy",         "izz",        "ixy",     "ixz",         "iyz",
-                   "stiffness", "damping", "power", "distance",    "separation", "impulse", "rest_length", "within",
-                   "tolerance", "limit",   "bound", "break_strain"});
+    add("number", {"x",           "y",       "z",         "w",        "dx",         "dy",
+                   "dz",          "nx",      "ny",        "nz",       "px",         "py",
+                   "pz",          "qx",      "qy",        "qz",       "qw",         "d",
+                   "e",           "s",       "max",       "angular",  "linear",     "dynamic",
+                   "static",      "radius",  "width",     "height",   "depth",      "degrees",
+                   "radians",     "seconds", "lo",        "hi",       "speed",      "max_force",
+                   "number",      "kinetic", "potential", "elastic",  "mean",       "largest",
+                   "ixx",         "iyy",     "izz",       "ixy",      "ixz",        "iyz",
+                   "stiffness",   "damping", "power",     "distance", "separation", "impulse",
+                   "rest_length", "within",  "tolerance", "limit",    "bound",      "break_strain",
+                   "during",      "wanted",  "from"});
     return all;
   }();
   return types;
@@ -211,6 +214,7 @@ struct Stubs {
       std::string type = one[0] == '"' ? one : type_of(word);
       if (inner == "min, max") type = "number[][]", name = name == "min" ? "corners" : name;
       if (inner == "x, y, z") type = "number[]";
+      if (inner == "from, to" && name == "from") name = "window";
       if (inner == "least, most") type = "integer[]";
       if (inner == "objects") type = "feder.Object[]";
       types += (types.empty() ? "" : "|") + type;

@@ -112,6 +112,7 @@ void Session::load(const std::string& file) {
     status = kLoadError;
     if (script_->is_scene()) script_->build();
   } catch (...) {
+    report_errors();
     fail_by_script(status, file + ": ");
   }
   report_errors();

@@ -1,7 +1,6 @@
 // feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include "cli/command.h"
@@ -19,11 +18,6 @@ namespace {
 using report::TestResult;
 using report::TestStatus;
 using Results = std::vector<TestResult>;
-
-bool runs_in_ci() {
-  const char* const ci = std::getenv("CI");
-  return ci && *ci;
-}
 
 class Test final : public Command {
  public:
@@ -79,7 +73,8 @@ class Test final : public Command {
     if (!choice_.shuffle) return;
     const std::string seed = order_.empty() ? options.seed : order_;
     choice_.order = seed.empty() ? std::random_device()() : static_cast<std::uint64_t>(read_number(seed, "--order"));
-    if (output_.prints_lines()) fmt::print("order: --order {}\n", choice_.order);
+    const std::string line = fmt::format("order: --order {}", choice_.order);
+    output_.prints_lines() ? fmt::print("{}\n", line) : print_error(line);
   }
 
   int list(const std::vector<TestCase>& tests, bool json) const {
@@ -126,6 +121,7 @@ class Test final : public Command {
     const bool quoted = r.name.find('[') != std::string::npos && r.name.find(' ') == std::string::npos;
     std::vector<std::string> words = {"feder", "test", quoted ? "'" + r.name + "'" : r.name};
     for (const std::string& set : r.drawn) add_options(words, {{"--set", set}});
+    if (options.seed.empty()) add_options(words, {{"--seed", r.seed}});
     if (settings_.repeat > 1) add_options(words, {{"--repeat", std::to_string(settings_.repeat)}});
     for (const std::string& word : scene_arguments(options)) words.push_back(word);
     return command_text(words);

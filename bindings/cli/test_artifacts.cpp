@@ -71,7 +71,7 @@ std::string save_artifacts(const std::string& folder, const TestResult& result, 
   std::vector<std::string> shared = {result.file, "--quiet"};
   add_scene_options(shared, options);
   for (const std::string& s : result.set) add_options(shared, {{"--set", s}});
-  add_options(shared, {{"--seed", options.seed},
+  add_options(shared, {{"--seed", options.seed.empty() ? result.seed : options.seed},
                        {"--limit", options.limit},
                        {"--memory", options.memory},
                        {"--timeout", options.timeout.empty() ? "60" : options.timeout}});

@@ -83,6 +83,8 @@ struct Self {
   ObjectId id;
 };
 
+std::string hash_text(std::uint64_t hash);  // 16 hex digits
+
 // Makes a world and pushes its userdata.
 WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings);
 void push_world(lua_State* L, const WorldRecord& record);

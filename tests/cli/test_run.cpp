@@ -229,6 +229,8 @@ TEST_CASE("bench reports minimum, median and maximum, and compares", "[cli]") {
   CHECK(compared["compared"]["ratio"].get<double>() > 0);
   CHECK(p.run("bench ball.lua ball.lua --runs 1 --steps 5 --json").json().size() == 2);
   CHECK(p.run("bench ball.lua --compare nothing.json").status == 2);
+  p.write("odd.json", "[{\"scene\": 3}]");
+  CHECK(p.run("bench ball.lua --runs 1 --steps 5 --compare odd.json").status == 2);
   const std::string text = p.run("bench ball.lua --runs 2 --steps 5 --quiet").out;
   CHECK(text.find("min ") < text.find("median "));
 }

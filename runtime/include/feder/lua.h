@@ -138,7 +138,8 @@ struct CheckFailure {
   std::uint64_t step = 0;                  // steps done
   std::string object = {};                 // 'body "crate3"'
   std::string expected = {}, actual = {};  // with units
-  std::string tolerance = {};
+  std::string tolerance = {}, delta = {};  // between the two
+  std::string call = {};                   // name of the function that was called, as the script has it
 };
 struct CheckResult {
   bool has_check = false;
@@ -153,6 +154,7 @@ struct GoldenWish {
   bool declared = false;
   double every = 0.25;                                     // s between samples
   double position = 1e-3, rotation = 1e-2, energy = 1e-3;  // m, rad, share of the largest energy
+  double relative = 0;                                     // of the way that an object has gone, on top of position
 };
 
 // Where an object is: a body's pose, or the centre of the points of a soft thing.
