@@ -31,11 +31,10 @@ RecordFile::RecordFile(const std::string& file, const std::string& scene, const 
       facts, hash_every);
 }
 
-void RecordFile::close(Session& session, const std::string& how) {
-  RecordingFacts files;
-  for (const auto& path : session.script().files())
-    files.emplace_back("file " + path.string(), read_text(path.string()));
-  recorder_->add_facts(files);
+void RecordFile::close(const std::vector<std::filesystem::path>& files, const std::string& how) {
+  RecordingFacts texts;
+  for (const auto& path : files) texts.emplace_back("file " + path.string(), read_text(path.string()));
+  recorder_->add_facts(texts);
   recorder_->finish(how);
   try {
     file_->close();
@@ -71,6 +70,22 @@ std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& re
 
 bool step_replay(const std::string& file, Replay& replay, std::vector<RecordedCommand>* commands) {
   return with_name(file, [&] { return replay.step(commands); });
+}
+
+std::string replay_difference(std::string bytes, Catalog systems) {
+  try {
+    const Recording recording(std::move(bytes));
+    for (std::size_t k = 0; k < recording.world_count(); ++k) {
+      Replay replay(recording, k, systems);
+      while (replay.step()) {
+      }
+      if (!replay.same())
+        return fmt::format("the replay of world {} is another from step {} on", k + 1, replay.parted());
+    }
+  } catch (const SceneError& e) {
+    return std::string("the replay fails: ") + e.what();
+  }
+  return "";
 }
 
 std::string recorded_by(const Recording& recording) {

@@ -14,8 +14,8 @@ class RecordFile {
  public:
   RecordFile(const std::string& file, const std::string& scene, const Options& options, int hash_every);
   Recorder& recorder() { return *recorder_; }
-  // `how`: "finished", or why the run ended early. The files of the scene go in by their content.
-  void close(Session& session, const std::string& how);
+  // `how`: "finished", or why the run ended early. The files go in by their content.
+  void close(const std::vector<std::filesystem::path>& files, const std::string& how);
 
  private:
   std::string name_;
@@ -29,6 +29,8 @@ Recording read_recording(const std::string& file);
 std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& recording, std::size_t world,
                                     const Options& options);
 bool step_replay(const std::string& file, Replay& replay, std::vector<RecordedCommand>* commands = nullptr);
+// Why a replay of the bytes is not as recorded; "" when it is.
+std::string replay_difference(std::string bytes, Catalog systems);
 // "feder 0.4.0 ab12cd3, gcc 12.2, float"
 std::string recorded_by(const Recording& recording);
 

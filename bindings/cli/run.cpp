@@ -54,7 +54,8 @@ class Run final : public Command {
     if (session.is_scene() && status == kPass) step_scene(session, wanted, options);
     if (status == kPass) status = report_end(session);
     status = finish(session, options, status);
-    if (file) file->close(session, status == kPass ? "finished" : fmt::format("exit status {}", status));
+    if (file)
+      file->close(session.script().files(), status == kPass ? "finished" : fmt::format("exit status {}", status));
     return status;
   }
 

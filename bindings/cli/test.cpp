@@ -31,6 +31,7 @@ class Test final : public Command {
     a.text("--order", order_, "seed of the order of --shuffle, as a shuffled run prints it");
     a.flag("--list", list_, "print the names and tags of the tests, run nothing");
     a.whole("--repeat", settings_.repeat, 1, 100000, "runs of each test, which must end in the same state");
+    a.flag("--replay", settings_.replay, "record each run in memory; its replay, without Lua, must have every state");
     a.whole("--random", settings_.random, 0, 10000,
             "random draws of the parameters that each scene is tested with (default: what the scene says)");
     a.flag("--watch", watch_, "go on: run again what reads a file that was saved");
@@ -112,6 +113,7 @@ class Test final : public Command {
                         {"--artifacts", artifacts_}});
     if (settings_.random >= 0) add_options(words, {{"--random", std::to_string(settings_.random)}});
     if (settings_.update_golden) words.emplace_back("--update-golden");
+    if (settings_.replay) words.emplace_back("--replay");
     return words;
   }
 

@@ -7,6 +7,7 @@
 #include <deque>
 #include <optional>
 
+#include "cli/recording.h"
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/test_golden.h"
@@ -101,6 +102,10 @@ class TestRun {
       if (result_.output.size() < kKeptOutput) result_.output += text.substr(0, kKeptOutput - result_.output.size());
     };
     if (settings_.coverage) host.coverage = &result_.lines;
+    if (settings_.replay) {
+      recorder_.emplace([this](std::string_view more) { recorded_ += more; }, RecordingFacts{});
+      host.made = [this](World& world) { recorder_->add(world); };
+    }
     session_ = std::make_unique<Session>(std::move(host), nullptr);
     if (settings_.events) session_->script().on_step([this](World& world) { keep_events(world); });
     session_->load(test_.file);
@@ -181,15 +186,24 @@ class TestRun {
     if (!session_->goes_on() && !limited && !result_.exceeded) result_.failures.push_back({.message = stop_text()});
     result_.exceeded = result_.exceeded || !session_->goes_on();
     for (const std::string& line : events_) result_.events += line;
+    if (recorder_) compare_replay();
     const World* world = session_->world();
     if (!world) return;
     result_.time = world->time(), result_.hash = fmt::format("{:016x}", world->hash());
+  }
+
+  void compare_replay() {
+    recorder_->finish("finished");
+    const std::string why = replay_difference(std::move(recorded_), options_.build.systems);
+    if (!why.empty()) result_.failures.push_back({.message = why});
   }
 
   TestCase test_;
   Options options_;
   const TestSettings& settings_;
   TestResult result_;
+  std::string recorded_;
+  std::optional<Recorder> recorder_;  // outlives the worlds
   std::unique_ptr<Session> session_;
   std::vector<lua::ParamInfo> params_;
   int random_ = 0;

@@ -23,6 +23,7 @@ struct TestSettings {
   bool update_golden = false;   // writes golden runs
   bool coverage = false;        // counts lines
   bool events = false;          // keeps the last events
+  bool replay = false;          // records the run, which its replay must be
   std::function<void()> begun;  // before each run
 };
 

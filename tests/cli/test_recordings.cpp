@@ -1,6 +1,4 @@
 // feder run --record, replay and diff; and every scene, edited in the middle, against its replay.
-#include <map>
-
 #include "cli/program.h"
 #include "feder/lua.h"
 #include "feder/record.h"
@@ -37,14 +35,6 @@ constexpr const char* kEdit = R"(
   world:set_gravity(0.1, -9, 0)
 )";
 
-std::vector<std::uint64_t> replayed(const Recording& recording, std::size_t world, int threads, bool& same) {
-  std::vector<std::uint64_t> hashes;
-  Replay replay(recording, world, catalog(), threads);
-  while (replay.step()) hashes.push_back(replay.world().hash());
-  same = same && replay.same();
-  return hashes;
-}
-
 }  // namespace
 
 TEST_CASE("every scene, with an edit in the middle, is the same in its replay at every step", "[cli][recordings]") {
@@ -55,8 +45,8 @@ TEST_CASE("every scene, with an edit in the middle, is the same in its replay at
     if ((kind != ".lua" && kind != ".yaml") || file.find("/extreme/") != std::string::npos) continue;
     CAPTURE(file);
     std::string bytes;
-    std::map<const World*, std::vector<std::uint64_t>> hashes;
-    std::vector<const World*> worlds;
+    std::vector<World*> worlds;
+    std::vector<std::uint64_t> ends;
     {
       Recorder recorder([&](std::string_view more) { bytes += more; }, {});
       lua::HostOptions host;
@@ -65,23 +55,27 @@ TEST_CASE("every scene, with an edit in the middle, is the same in its replay at
       host.load_yaml = yaml::push;
       host.made = [&](World& world) { recorder.add(world), worlds.push_back(&world); };
       lua::Script script(host);
-      script.on_step([&](World& world) { hashes[&world].push_back(world.hash()); });
       script.load_file(file);
       if (script.is_scene()) {
         script.build();
         for (int k = 0; k < kSteps; ++k) script.step();
         script.run_string(kEdit);
         for (int k = 0; k < kSteps; ++k) script.step();
+        script.run_string(kEdit);
         ++edited;
       }
+      if (script.is_scene()) ends.push_back(script.world()->hash());
       recorder.finish("finished");
     }
+    // the recording has the hash of each step
     const Recording recording(bytes);
     REQUIRE(recording.world_count() == worlds.size());
-    bool same = true;
-    for (std::size_t k = 0; k < worlds.size(); ++k)
-      CHECK(replayed(recording, k, 1 + scenes % 2, same) == hashes[worlds[k]]);
-    CHECK(same);
+    for (std::size_t k = 0; k < worlds.size(); ++k) {
+      Replay replay(recording, k, catalog(), 1 + scenes % 2);
+      while (replay.step()) CHECK(replay.has_hash());
+      CHECK(replay.same());
+      if (k < ends.size()) CHECK(replay.world().hash() == ends[k]);
+    }
     scenes += !worlds.empty();
   }
   CHECK(scenes > 60);
@@ -126,6 +120,25 @@ TEST_CASE("a plain script's worlds are recorded, and a run that is stopped", "[c
   CHECK(replay.status == 0);
   CHECK(replay.json()["ended"] == "exit status 4");
   CHECK(replay.json()["worlds"][0]["steps"] > 100);
+}
+
+TEST_CASE("feder test --replay holds each run against its replay", "[cli][recordings]") {
+  const Program p;
+  for (const char* how : {"", " --isolate"}) {
+    const Outcome o = p.run(std::string("test $S/rigid/tower.lua $S/mixed/everything.lua --replay") + how);
+    CHECK(o.status == 0);
+    CHECK(o.out.find("2 passed, 0 failed") != std::string::npos);
+  }
+}
+
+TEST_CASE("a failed test leaves its recording", "[cli][recordings]") {
+  const Program p;
+  std::string text = kScene;
+  text.replace(text.rfind('}'), 1, "check = function(world) expect(false, 'never') end }");
+  p.write("scene.lua", "local expect = require('feder').expect\n" + text);
+  CHECK(p.run("test scene.lua --artifacts left").status == 1);
+  const auto worlds = p.run("replay left/scene.lua.rec --json").json()["worlds"];
+  CHECK((worlds[0]["same"] == true && worlds[0]["steps"] == 60));
 }
 
 TEST_CASE("what is no recording, cut off or cannot be written ends in a line", "[cli][recordings]") {

@@ -20,7 +20,8 @@ TEST_CASE("usage errors end with status 2 and one line", "[cli]") {
   CHECK(p.run("run $S/rigid/tower.lua --dt 1/0").status == 2);
   CHECK(p.run("run $S/rigid/tower.lua --set height").status == 2);
   CHECK(p.run("run $S/rigid/tower.lua --seed -1").status == 2);
-  CHECK(p.run("run $S/rigid/tower.lua --record x").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --record").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --export x").status == 2);
   CHECK(p.run("test --tap --json $S").status == 2);
   CHECK(p.run("--help").status == 0);
   CHECK(p.run("run --help").status == 0);
