@@ -1,7 +1,8 @@
 // Fuzzer over the API: runs operations.lua with one seed after another until its time is over. Built with address and
 // undefined-behaviour sanitizers by the preset `fuzz`; each report, also that of a sanitizer, ends with the seed.
 //   fuzz [--seconds S] [--seed N] [--count N] [--operations N] [--keep-going]
-// --seconds is processor time (default 60); a seed that takes 60 s of it is a failure too.
+// --seconds is processor time (default 60); a seed that takes 120 s of it, for its run and its replay, is a
+// failure too.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -111,7 +112,7 @@ int main(int count, char** words) {
   text << file.rdbuf();
   unsigned long long done = 0, failed = 0;
   for (; done < seeds && processor_time() < seconds; ++seed, ++done) {
-    const rlimit limit{static_cast<rlim_t>(processor_time()) + 60, RLIM_INFINITY};
+    const rlimit limit{static_cast<rlim_t>(processor_time()) + 120, RLIM_INFINITY};
     setrlimit(RLIMIT_CPU, &limit);
     const std::string said = run_seed(text.str());
     if (said.empty()) continue;
