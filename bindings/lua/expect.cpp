@@ -213,6 +213,7 @@ void open_expect(lua_State* L) {
   add_methods(L, world_expectations(), "expect.", 0);
   lua_newtable(L);
   set_field(L, "__call", expect_condition);
+  refuse_unknown(L, "expect");
   set_field(L, "__metatable", false);
   lua_setmetatable(L, -2);
   lua_pushvalue(L, -1);
