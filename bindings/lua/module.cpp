@@ -133,7 +133,7 @@ std::vector<DocRow> docs(std::span<const Part* const> parts) {
     for (const ObjectClass& c : p->classes) add(c.name, c.methods);
   add("force", force_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
   add("expect", expect_methods()), add("expect", object_expectations());
-  add("expect", world_expectations());
+  add("expect", place_expectations()), add("expect", world_expectations());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;
 }
