@@ -41,6 +41,8 @@ int feder_choices(lua_State* L) {
       push_list(L, split_choices(o.choices), [&](std::string_view choice) { push(L, choice); });
       return 1;
     }
+  const std::string module = wanted.substr(0, wanted.find('.'));
+  if (is_left_out("feder." + module)) fail_here(L, "this build leaves out the module '" + module + "'");
   fail_here(L, "expected an option with choices, such as \"fluid.solver\", got " + describe(L, 1));
 }
 
