@@ -33,7 +33,8 @@ class Test final : public Command {
     a.whole("--repeat", settings_.repeat, 1, 100000, "runs of each test, which must end in the same state");
     a.flag("--replay", settings_.replay, "record each run in memory; its replay, without Lua, must have every state");
     a.whole("--random", settings_.random, 0, 10000,
-            "random draws of the parameters that each scene is tested with (default: what the scene says)");
+            "random draws of the parameters that each scene is tested with, behind the counter-examples that are kept "
+            "(default: what the scene says; 0: neither)");
     a.flag("--watch", watch_, "go on: run again what reads a file that was saved");
     output_.declare(a);
     a.text("--artifacts", artifacts_,

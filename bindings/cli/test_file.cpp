@@ -83,14 +83,18 @@ class TestRun {
   int random() const { return random_; }
 
  private:
+  void skip(const std::string& why) {
+    result_.status = TestStatus::skipped;
+    result_.notice = why;
+  }
+
   // A plain test fails by its error; whatever else does not get as far as its first step was not loaded.
   void take(const Failure& e) {
     const std::string text = e.what();
-    if (e.status() == kUsage && !test_.set.empty() && text.find("unknown parameter") != std::string::npos) {
-      result_.status = TestStatus::skipped;
-      result_.notice = text.substr(0, text.find(';'));
-      return;
-    }
+    const std::size_t lacks = text.find("this build leaves out");
+    if (lacks != std::string::npos) return skip(text.substr(lacks));
+    if (e.status() == kUsage && !test_.set.empty() && text.find("unknown parameter") != std::string::npos)
+      return skip(text.substr(0, text.find(';')));
     result_.exceeded = e.status() == kBudget;
     result_.loaded = result_.exceeded || (e.status() == kFailed && is_plain_test(test_.file));
     result_.failures.push_back(failure_from(text, test_.file));
@@ -114,8 +118,7 @@ class TestRun {
     if (result_.scene) {
       step_and_check();
     } else if (!is_plain_test(test_.file)) {
-      result_.status = TestStatus::skipped;
-      result_.notice = "is neither a scene nor a *_test.lua";
+      skip("is neither a scene nor a *_test.lua");
     }
   }
 
@@ -136,8 +139,7 @@ class TestRun {
     result_.exceeded = check.limit != lua::Limit::none;
     if (!session.world()->is_finite()) result_.failures.push_back({.message = "the state is not finite at the end"});
     if (!check.has_check && !golden && check.passed == 0 && check.failures.empty()) {
-      result_.status = TestStatus::skipped;
-      result_.notice = "has no check";
+      skip("has no check");
     }
   }
 

@@ -209,10 +209,11 @@ void open_expect(lua_State* L) {
   push_module(L);
   lua_newtable(L);
   add_methods(L, kExpectations, "expect.", 0);
-  add_methods(L, object_expectations(), "expect.", 0);
-  add_methods(L, world_expectations(), "expect.", 0);
+  for (const auto rows : {object_expectations(), place_expectations(), world_expectations()})
+    add_methods(L, rows, "expect.", 0);
   lua_newtable(L);
   set_field(L, "__call", expect_condition);
+  refuse_unknown(L, "expect");
   set_field(L, "__metatable", false);
   lua_setmetatable(L, -2);
   lua_pushvalue(L, -1);

@@ -38,6 +38,7 @@ int expect_same_as(lua_State* L);  // may raise SceneError
 void open_expect(lua_State* L);    // feder.expect, and State::expect_ref
 std::span<const Method> expect_methods();
 std::span<const Method> object_expectations();
+std::span<const Method> place_expectations();
 std::span<const Method> world_expectations();
 std::vector<OptionInfo> budget_rows();
 

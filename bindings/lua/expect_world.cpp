@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "lua/events.h"
-#include "lua/expect.h"
-#include "lua/object_points.h"
+#include "lua/expect_objects.h"
 #include "lua/stack.h"
 
 namespace feder::lua {
@@ -163,8 +162,8 @@ std::string objects_text(lua_State* L, int index) {
 // (a, [b], [{from, to} | within]): in contact at some moment of that time, or never
 template <bool kWanted>
 int expect_contact(lua_State* L) {
-  if (lua_isnoneornil(L, 1)) fail_here(L, "expected an object or a list of objects, got " + describe(L, 1));
-  WorldRecord& record = tested_world(L);
+  const std::string subject = objects_text(L, 1);
+  WorldRecord& record = tested_objects(L);
   const World& world = *record.world;
   const std::vector<Observed::Touch>& touches = record.observed.touches;
   const std::vector<ObjectId> a = objects_argument(L, 1, record), b = objects_argument(L, 2, record);
@@ -189,7 +188,7 @@ int expect_contact(lua_State* L) {
   }
   const std::string wanted = std::string(kWanted ? "contact" : "no contact") + " with " + objects_text(L, 2) +
                              " from " + print_number(w.from) + " to " + print_number(w.to) + " s";
-  return push(L, expected(L, touched == kWanted, failure_of(objects_text(L, 1), wanted, got)));
+  return push(L, expected(L, touched == kWanted, failure_of(subject, wanted, got)));
 }
 
 // (hash)

@@ -235,6 +235,10 @@ TEST_CASE("mistakes in expectations are errors with the line", "[lua][expect]") 
   }
 }
 
+TEST_CASE("an expectation that nothing is called by is named with the nearest", "[lua][expect]") {
+  CHECK(error_of("feder.expect.setles(1)") == "test.lua:1: expect has no 'setles'; did you mean 'settles'?");
+}
+
 TEST_CASE("a check waits: the host steps the world, with handlers and update", "[lua][expect]") {
   const lua::CheckResult result = check_of(
       "world:body{ type = 'static', shape = feder.plane() } scene.b = world:body{ name = 'b', shape = feder.box(1, 1, "
