@@ -36,12 +36,12 @@ Recording::Recording(std::string bytes) {
       }
     } else if (block.kind == recording::kWorld) {
       if (p.in.whole() != worlds_.size()) throw SceneError(where + " is of a world out of order");
-      worlds_.push_back({std::string(p.in.rest()), "", 0});
+      worlds_.push_back(std::make_shared<World>(World{std::string(p.in.rest()), "", 0}));
     } else if (block.kind == recording::kItems) {
       const std::uint64_t number = p.in.whole();
       if (number >= worlds_.size()) throw SceneError(where + " is of a world that is not there");
-      worlds_[number].steps += p.in.whole();
-      worlds_[number].items += p.in.rest();
+      worlds_[number]->steps += p.in.whole();
+      worlds_[number]->items += p.in.rest();
     } else if (block.kind == recording::kEnd) {
       how_ = p.in.text();
       if (p.in.whole() + 1 != blocks.count()) throw SceneError("the recording lacks blocks before its end");
@@ -51,7 +51,7 @@ Recording::Recording(std::string bytes) {
     }
   }
   std::uint64_t steps = 0;
-  for (const World& w : worlds_) steps += w.steps;
+  for (const auto& w : worlds_) steps += w->steps;
   if (!ended) throw SceneError("the recording has no end: it is truncated, behind step " + std::to_string(steps));
 }
 
@@ -62,18 +62,20 @@ std::string Recording::fact(std::string_view name) const {
 }
 
 WorldDesc Recording::desc(std::size_t world) const {
-  Plain p(worlds_.at(world).desc);
+  Plain p(worlds_.at(world)->desc);
   WorldDesc out;
   command::read(p.in, out);
   return out;
 }
 
 struct Replay::Impl {
-  explicit Impl(const std::string& items) : in(none), arguments(shapes) { in.read_from(items); }
+  explicit Impl(std::shared_ptr<const Recording::World> of) : recorded(std::move(of)), in(none), arguments(shapes) {
+    in.read_from(recorded->items);
+  }
 
   // Which snapshots are restored later: the others need not be taken.
-  void find_restored(const std::string& items) {
-    Plain p(items);
+  void find_restored() {
+    Plain p(recorded->items);
     std::vector<std::string> all;
     while (!p.in.at_end()) {
       switch (static_cast<LogItem>(p.in.whole())) {
@@ -137,6 +139,7 @@ struct Replay::Impl {
     state.forces.clear(), state.next_force = 0, state.forces_fit = true;
   }
 
+  std::shared_ptr<const Recording::World> recorded;
   std::vector<ShapePtr> none, shapes;
   CommandReader in, arguments;
   std::vector<const CommandRow*> rows;  // by number
@@ -147,10 +150,10 @@ struct Replay::Impl {
 };
 
 Replay::Replay(const Recording& recording, std::size_t world, Catalog catalog, int threads)
-    : impl_(std::make_unique<Impl>(recording.worlds_.at(world).items)) {
+    : impl_(std::make_unique<Impl>(recording.worlds_.at(world))) {
   if (recording.real() != kRealName)
     throw SceneError("the recording is of the scalar type " + recording.real() + ", this build is of " + kRealName);
-  impl_->find_restored(recording.worlds_[world].items);
+  impl_->find_restored();
   WorldDesc desc = recording.desc(world);
   if (threads > 0) desc.threads = threads;
   impl_->world = std::make_unique<World>(desc, catalog);

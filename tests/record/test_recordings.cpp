@@ -269,6 +269,13 @@ TEST_CASE("a world is recorded from its beginning, and once", "[record]") {
   CHECK_THROWS_WITH(r.recorder.add(used), Catch::Contains("without steps"));
 }
 
+TEST_CASE("a replay outlives its recording", "[record]") {
+  Replay replay(Recording(small_recording()), 0, catalog());
+  while (replay.step()) {
+  }
+  CHECK((replay.same() && replay.world().step_count() == 3));
+}
+
 TEST_CASE("a replay that parts from its recording says from which step", "[record]") {
   Recorded r;
   r.add_ball(Vec3(0, 1, 0));

@@ -48,7 +48,7 @@ class Recording {
   const std::string& real() const { return real_; }
   const std::string& how() const { return how_; }  // it ended
   std::size_t world_count() const { return worlds_.size(); }
-  std::uint64_t steps(std::size_t world) const { return worlds_[world].steps; }
+  std::uint64_t steps(std::size_t world) const { return worlds_[world]->steps; }
   WorldDesc desc(std::size_t world) const;
 
  private:
@@ -59,7 +59,7 @@ class Recording {
   };
   RecordingFacts facts_;
   std::string real_, how_;
-  std::vector<World> worlds_;
+  std::vector<std::shared_ptr<World>> worlds_;  // a replay has its share
 };
 
 // One command of a recording.
