@@ -260,7 +260,7 @@ std::vector<std::uint32_t> Cloth::named(ObjectId id, const std::string& name) co
 void Cloth::destroy_cloth(ObjectId id, std::string where) {
   const Command command(impl_->commands, "cloth.destroy_cloth", id, where);
   Impl& m = *impl_;
-  const std::uint32_t index = m.objects.index(id, kClothKind);
+  const std::uint32_t index = m.objects.index(id);
   FEDER_ASSERT(index < m.sheets.size() && m.sheets[index]->object == id);
   const std::uint32_t first = m.sheets[index]->first, count = m.sheets[index]->total;
   // later vertices, sheets and attachments move down

@@ -42,7 +42,10 @@ struct Cloth::Impl {
 
   mutable Array<std::uint32_t> marks{&arena};  // of validate(), by vertex
 
-  Sheet& sheet(ObjectId id) const { return *sheets[objects.index(id, kClothKind)]; }
+  Sheet& sheet(ObjectId id) const {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kClothKind);
+    return *sheets[objects.index(id)];
+  }
   std::uint32_t vertex(ObjectId id, std::size_t i) const;  // index in ClothVertices; SceneError when there is none
   ClothView view(Sheet& s);
   void attach_solver(Sheet& s, const std::string& name, const Params& options);

@@ -41,10 +41,7 @@ Colliders& Collide::colliders() { return *impl_->colliders; }
 Contacts& Collide::contacts() { return *impl_->contacts; }
 const NarrowPhase& Collide::narrow() const { return impl_->narrow; }
 void Collide::near(const Aabb& box, Array<std::uint32_t>& found) const { impl_->broad->query(box, found); }
-void Collide::forget(std::uint32_t collider) {
-  const Command command(impl_->commands, "collide.forget", collider);
-  impl_->forget(collider);
-}
+void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
 
 void Collide::residuals(std::vector<Residual>& out) const {
   out.push_back({"collide.max_penetration_m", static_cast<double>(max_penetration())});
@@ -111,7 +108,7 @@ void Collide::set_material_pair(const MaterialPair& pair) {
   const Command command(impl_->commands, "collide.set_material_pair", pair);
   MaterialPair p = pair;
   if (p.a > p.b) std::swap(p.a, p.b);
-  FEDER_ASSERT(p.b <= impl_->materials.size());
+  if (p.b > impl_->materials.size()) throw SceneError("set_material_pair: expected numbers of known materials");
   std::vector<MaterialPair>& list = impl_->material_pairs;
   const auto same = [&](const MaterialPair& q) { return q.a == p.a && q.b == p.b; };
   const auto it = std::find_if(list.begin(), list.end(), same);

@@ -124,7 +124,7 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
   FEDER_ASSERT(
       std::none_of(m.emitters.begin(), m.emitters.end(), [&](const FluidEmitter& e) { return e.fluid == id; }));
   FEDER_ASSERT(std::none_of(m.drains.begin(), m.drains.end(), [&](const FluidDrain& d) { return d.fluid == id; }));
-  m.destroy(m.pools, kFluidKind, id, std::move(where));
+  m.destroy(m.pools, id, std::move(where));
 }
 
 // A lattice of whole cells in the shape's box: centred in it along x and z, from its bottom upwards along y.

@@ -56,14 +56,20 @@ struct Fluid::Impl {
   Array<std::uint32_t> group_number{&arena};  // likewise
   std::uint64_t lost = 0;                     // particles removed because they went non-finite
 
-  FluidPool& pool(ObjectId id) const { return *pools[objects.index(id, kFluidKind)]; }
-  FluidEmitter& emitter(ObjectId id) { return emitters[objects.index(id, kEmitterKind)]; }
+  FluidPool& pool(ObjectId id) const {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kFluidKind);
+    return *pools[objects.index(id)];
+  }
+  FluidEmitter& emitter(ObjectId id) {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kEmitterKind);
+    return emitters[objects.index(id)];
+  }
   FluidSolver& solver_of(const FluidPool& p);
   void validate_sources() const;  // validate.cpp
   // Removes an object from its list: later ones move down.
   template <class List>
-  void destroy(List& list, ObjectKind kind, ObjectId id, std::string where) {
-    const std::uint32_t index = objects.index(id, kind);
+  void destroy(List& list, ObjectId id, std::string where) {
+    const std::uint32_t index = objects.index(id);
     FEDER_ASSERT(index < list.size() && object_of(list[index]) == id);
     list.erase(list.begin() + index);
     for (std::uint32_t k = index; k < list.size(); ++k) objects.set_index(object_of(list[k]), k);

@@ -89,7 +89,6 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
 ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose) {
   const Command command(impl_->commands, "fluid.add_drain", fluid, name, tags, shape, pose);
   Impl& m = *impl_;
-  m.objects.index(fluid, kFluidKind);
   if (!shape) throw SceneError("drain: expected a shape");
   FluidDrain d;
   d.fluid = fluid;
@@ -104,12 +103,12 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
 
 void Fluid::destroy_emitter(ObjectId id, std::string where) {
   const Command command(impl_->commands, "fluid.destroy_emitter", id, where);
-  impl_->destroy(impl_->emitters, kEmitterKind, id, std::move(where));
+  impl_->destroy(impl_->emitters, id, std::move(where));
 }
 
 void Fluid::destroy_drain(ObjectId id, std::string where) {
   const Command command(impl_->commands, "fluid.destroy_drain", id, where);
-  impl_->destroy(impl_->drains, kDrainKind, id, std::move(where));
+  impl_->destroy(impl_->drains, id, std::move(where));
 }
 
 void Fluid::set_running(ObjectId id, bool running) {

@@ -22,6 +22,7 @@ struct CommandRow {
   const char* name;
   std::string signature;
   void (*run)(ReplayState& state, CommandReader& in);
+  ObjectKind first = ObjectKind::none;
 };
 
 namespace command {
@@ -135,10 +136,13 @@ CommandRow row_of(const char* name, R (*)(ReplayState&, Args...)) {
 
 }  // namespace command
 
-// The row of a method, or of a function whose first argument is the ReplayState.
+// The row of a method, or of a function whose first argument is the ReplayState. `first`: the kind of the object that
+// is its first argument, which must be alive; none for functions that check it.
 template <auto Function>
-CommandRow command_row(const char* name) {
-  return command::row_of<Function>(name, Function);
+CommandRow command_row(const char* name, ObjectKind first = ObjectKind::none) {
+  CommandRow row = command::row_of<Function>(name, Function);
+  row.first = first;
+  return row;
 }
 
 using CommandRows = std::vector<CommandRow>;

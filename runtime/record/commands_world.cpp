@@ -62,6 +62,11 @@ void prepare_rank(ReplayState& state, int from_end) {
   state.world->prepare_queries(static_cast<Rank>(rank));
 }
 
+void set_tags(ReplayState& state, ObjectId id, TagMask tags) {
+  if (!state.world->objects().alive(id)) throw SceneError("recording: it sets tags of what is not alive");
+  state.world->objects().set_tags(id, tags);
+}
+
 void keep_image(ReplayState& state, std::uint64_t hash) {
   if (std::binary_search(state.restored.begin(), state.restored.end(), hash))
     state.images[hash] = state.world->snapshot();
@@ -82,11 +87,11 @@ CommandRows record_world() {
           command_row<&prepare_rank>("world.prepare_queries"),
           command_row<&add_known_force>("world.add_force"),
           command_row<&add_host_force>("world.add_host_force"),
-          command_row<&World::remove_force>("world.remove_force"),
+          command_row<&World::remove_force>("world.remove_force", kForceKind),
           command_row<&World::set_force_enabled>("world.set_force_enabled"),
           command_row<&keep_image>("world.snapshot"),
           command_row<&restore_image>("world.restore"),
-          command_row<&Objects::set_tags>("objects.set_tags"),
+          command_row<&set_tags>("objects.set_tags"),
           command_row<&Objects::tag_bit>("objects.tag_bit")};
 }
 

@@ -116,6 +116,12 @@ struct Replay::Impl {
       const Objects& objects = world->objects();
       list->push_back({row.name, std::string(given), command_text(row.name, row.signature, given, objects)});
     }
+    if (row.first != ObjectKind::none) {
+      ObjectId first;
+      arguments.read_from(given);
+      command::read(arguments, first);
+      world->objects().index(first, row.first);  // throws
+    }
     arguments.read_from(given);
     row.run(state, arguments);
   }

@@ -52,9 +52,8 @@ struct Springs::Impl {
   Array<Vec3> surface_end, surface_velocity;
 
   Net& net(ObjectId id) const {
-    const std::uint32_t index = objects.index(id, kNetKind);
-    FEDER_ASSERT(nets[index]->object == id);
-    return *nets[index];
+    FEDER_ASSERT(objects.kind(id) == kNetKind && nets[objects.index(id)]->object == id);
+    return *nets[objects.index(id)];
   }
   // Index in Particles; SceneError when there is no such point.
   std::uint32_t point(ObjectId id, std::size_t i) const;

@@ -133,7 +133,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
 void Springs::destroy_net(ObjectId id, std::string where) {
   const Command command(impl_->commands, "springs.destroy_net", id, where);
   Impl& m = *impl_;
-  const std::uint32_t index = m.objects.index(id, kNetKind);
+  const std::uint32_t index = m.objects.index(id);
   const std::uint32_t first = m.nets[index]->first, count = m.nets[index]->points;
   for (std::uint32_t i = first; i < first + count; ++i)
     if (m.particles.collider[i] != kNone || m.particles.solver_slot[i] != kNone)
