@@ -36,6 +36,8 @@ void check_numbers(const ClothDesc& d) {
          double(d.nx) * double(d.ny));
   }
   need(is_finite(d.pose.position), "position", "finite numbers", d.pose.position[0]);
+  const Quat& q = d.pose.rotation;
+  need(is_finite(q.vec()) && is_finite(q.w) && is_unit(q), "rotation", "a quaternion of length 1", q.w);
   need(is_finite(d.velocity), "velocity", "finite numbers", d.velocity[0]);
   need(positive(d.area_density), "area_density", "a number above 0", d.area_density);
   need(positive(d.stretch), "stretch", "a number above 0", d.stretch);

@@ -131,6 +131,7 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
 std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const Vec3& velocity) {
   const Command command(impl_->commands, "fluid.fill", id, shape, pose, velocity);
   FluidPool& p = impl_->pool(id);
+  check_pose(pose, "fluid: fill");
   const Aabb box = shape.bounds(Pose{});
   const double d = p.desc.spacing;
   // cells along each axis, and the middle of the first

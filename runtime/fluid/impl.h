@@ -10,6 +10,12 @@
 namespace feder {
 
 // Checks one number of a description of `thing`.
+inline void check_pose(const Pose& pose, const char* owner) {
+  const Quat& q = pose.rotation;
+  if (!is_finite(pose.position) || !is_finite(q.vec()) || !is_finite(q.w) || !is_unit(q))
+    throw SceneError(std::string(owner) + ": expected a finite position, and a rotation of length 1");
+}
+
 struct Need {
   const char* thing;
   void operator()(bool ok, const char* what, const std::string& expected, double got) const {

@@ -88,6 +88,8 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
 
 ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose) {
   const Command command(impl_->commands, "fluid.add_drain", fluid, name, tags, shape, pose);
+  if (!shape) throw SceneError("drain: expected a shape");
+  check_pose(pose, "drain");
   Impl& m = *impl_;
   if (!shape) throw SceneError("drain: expected a shape");
   FluidDrain d;
