@@ -62,6 +62,15 @@ void prepare_rank(ReplayState& state, int from_end) {
   state.world->prepare_queries(static_cast<Rank>(rank));
 }
 
+// A system from outside has no commands: what is done to it was not kept.
+void need_system(ReplayState& state, std::string_view name) {
+  state.world->need_system(name);
+  const std::string prefix = std::string(name) + ".";
+  for (const std::string& command : command_names())
+    if (command.starts_with(prefix)) return;
+  throw SceneError("recording: the system '" + std::string(name) + "' has no commands, so it cannot be played again");
+}
+
 void set_tags(ReplayState& state, ObjectId id, TagMask tags) {
   if (!state.world->objects().alive(id)) throw SceneError("recording: it sets tags of what is not alive");
   state.world->objects().set_tags(id, tags);
@@ -82,7 +91,7 @@ void restore_image(ReplayState& state, std::uint64_t hash) {
 
 CommandRows record_world() {
   return {command_row<&World::set_gravity>("world.set_gravity"),
-          command_row<&World::need_system>("world.need_system"),
+          command_row<&need_system>("world.need_system"),
           command_row<&World::plan>("world.plan"),
           command_row<&prepare_rank>("world.prepare_queries"),
           command_row<&add_known_force>("world.add_force"),

@@ -1,6 +1,7 @@
 // A system from outside enters by the doors of the house alone: scripts, YAML, events, snapshots, the hash, explain and
 // the viewer's frame know it, and no file outside this folder names it.
 #include "cli/program.h"
+#include "feder/record.h"
 #include "feder/rigid.h"
 #include "support/catch.h"
 #include "toy/parts.h"
@@ -110,6 +111,22 @@ end })",
   CHECK_THAT(printed, Catch::Contains("object\tsock\ttrue\tobject \"sock\""));
   CHECK_THAT(printed, Catch::Contains("false\ta.lua:6: object:destroy: this host has no part that destroys wind_sock"));
   CHECK(script.world()->is_finite());
+}
+
+TEST_CASE("a system from outside is not recorded, and a replay says so", "[toy]") {
+  const ToyBuild toy;
+  std::string bytes;
+  {
+    Recorder recorder([&](std::string_view more) { bytes += more; }, {});
+    World w(WorldDesc{}, toy.systems);
+    recorder.add(w);
+    w.need_system("wind_socks");
+    w.step();
+    recorder.finish("finished");
+  }
+  const Recording recording(bytes);
+  Replay replay(recording, 0, toy.systems);
+  CHECK_THROWS_WITH(replay.step(), Catch::Contains("the system 'wind_socks' has no commands"));
 }
 
 TEST_CASE("a system from outside: snapshots, hash and absence", "[toy]") {
