@@ -80,7 +80,9 @@ class New final : public Command {
     if (std::filesystem::exists(settings)) return;
     const report::Json json = {{"runtime.version", "Lua 5.4"},
                                {"workspace.library", {".feder", library_roots().front().string()}},
-                               {"workspace.checkThirdParty", false}};
+                               {"workspace.checkThirdParty", false},
+                               // what an event or world:find gives may be any kind of object
+                               {"type.weakUnionCheck", true}};
     report::write_text(settings, report::to_text(json));
     written.push_back(settings);
   }

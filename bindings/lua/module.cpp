@@ -52,7 +52,7 @@ const Method kFederFunctions[] = {
     {"scene", guard<feder_scene>,
      "feder.scene{ title =, seconds =, picture =, camera =, world =, build =, update =, check =, study = } -> scene",
      "what a scene file returns", scene_rows},
-    {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value",
+    {"param", guard<feder_param>, "feder.param(name, default, [{ min =, max =, step =, choices =, help = }]) -> value",
      "a value that --set, a viewer or a study may change", param_rows},
     {"load", guard<feder_load>, "feder.load(file) -> table",
      "a YAML file (materials.yaml) beside the scene or in the libraries"},
