@@ -14,6 +14,7 @@
 #include "lua/scene.h"
 #include "lua/shapes.h"
 #include "lua/stack.h"
+#include "lua/world_options.h"
 
 namespace feder::lua {
 namespace {
@@ -273,6 +274,7 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   for (const char* key : kSceneKeys) o.know(key);
   for (const Part* part : state(L).options.parts)
     for (const YamlList& list : part->yaml) o.know(list.key);
+  misplace_world_options(o, state(L).options.systems, ": ");
   o.finish();
   declare_params(L, given);
   lua_pushvalue(L, given);

@@ -84,3 +84,28 @@ TEST_CASE("rows know the defaults, ranges and names that their readers use", "[l
   CHECK(by_name.at("soft_step.contact_hertz").fallback == "72");
   CHECK(by_name.at("rk45.max_steps").row.range.whole() == "a whole number from 1 to 100000000");
 }
+
+TEST_CASE("feder.choices answers to the path of every option that has names", "[lua][reference]") {
+  // names are those of the pages; ranges of numbers are no names
+  std::map<std::string, std::set<std::string>> names;
+  for (const lua::ReferencePage& page : lua::reference(lua::parts(), catalog()))
+    for (const lua::ReferenceRow& row : page.rows)
+      if (page.owner != "event" && row.type.starts_with("string") && !row.allowed.empty() &&
+          !row.allowed.starts_with("a "))
+        for (std::string_view name : split_choices(row.allowed)) names[page.name + "." + row.name].emplace(name);
+  CHECK(names.size() >= 15);
+  CHECK(names.count("joint.type"));
+  CHECK(names.count("world.broad_phase"));
+  for (const auto& [path, expected] : names) {
+    CAPTURE(path);
+    std::istringstream lines(test::output_of("for _, name in ipairs(feder.choices '" + path + "') do print(name) end"));
+    std::set<std::string> got;
+    for (std::string line; std::getline(lines, line);) got.insert(line);
+    CHECK(got == expected);
+  }
+  CHECK(test::output_of("print(table.concat(feder.choices 'world.rigid.solver', ' '))") ==
+        test::output_of("print(table.concat(feder.choices 'rigid.solver', ' '))"));
+  CHECK(test::output_of("print(#feder.choices 'world:joint.type' > 3)") == "true\n");
+  CHECK_THAT(test::error_of("feder.choices 'joint.tipe'"),
+             Catch::Contains("expected an option with choices") && Catch::Contains("did you mean 'joint.type'?"));
+}
