@@ -11,8 +11,8 @@ namespace feder::cli {
 namespace {
 
 bool is_object(const std::string& owner) {
-  static const char* const others[] = {"feder", "world", "object", "shape",   "buffer", "connection",
-                                       "task",  "event", "expect", "options", "command"};
+  static const char* const others[] = {"feder", "world", "object", "shape",   "buffer",  "connection",
+                                       "task",  "event", "expect", "options", "command", "yaml"};
   return std::ranges::find(others, owner) == std::end(others);
 }
 
@@ -36,7 +36,7 @@ class Stubs {
       if (has_options(p)) options_class(p, options_name(p), "");
     }
     for (const Owner& owner : owners(pages_))
-      if (owner.name != "options" && owner.name != "command") owner_class(owner.name);
+      if (owner.name != "options" && owner.name != "command" && owner.name != "yaml") owner_class(owner.name);
     return out_ + "\n---@type number\nfeder.pi = 3.141592653589793\n\nreturn feder\n";
   }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/params.h"
 #include "lua/sandbox.h"
 #include "lua/scene.h"
 #include "lua/shapes.h"
@@ -137,6 +138,11 @@ void push_check(lua_State* L, int scene, const std::string& file) {
 }
 
 }  // namespace
+
+std::vector<OptionInfo> yaml_param_rows() {
+  return join_rows({{.row = {.name = "value"}, .type = "number, string or boolean", .fallback = "", .choices = ""}},
+                   param_rows());
+}
 
 void copy_locations(lua_State* L, int from, int to) {
   from = lua_absindex(L, from), to = lua_absindex(L, to);

@@ -16,6 +16,7 @@ namespace feder {
 namespace {
 constexpr Real kMinGravity = 1;  // m/s^2, at least: weightless cloth is pulled by something else
 constexpr double kStay = 0.9;    // hysteresis: a number that falls by less than this share stays
+
 // What to do about a cap that is too low: where the stretch law asks for the solver substeps, the stretch_error that
 // the cap can hold, in two digits upwards; and the cap itself, which has a largest value.
 std::string cap_cure(const Sheet& s, double wanted, double cap) {

@@ -4,7 +4,9 @@
 #include <sstream>
 
 #include "feder/world.h"
+#include "lua/part.h"
 #include "lua/reference.h"
+#include "lua/yaml_scene.h"
 #include "support/script.h"
 
 using namespace feder;
@@ -29,6 +31,12 @@ std::vector<Found> everything() {
   for (const lua::DocRow& row : lua::docs(lua::parts())) add(all, row.name, row.options);
   for (const SystemDescriptor* d : catalog())
     if (d->joins.empty()) add(all, d->name, lua::system_options(catalog(), d->name));
+  for (const lua::Part* part : lua::parts())
+    for (const lua::YamlList& list : part->yaml) {
+      CHECK(list.maker);
+      if (list.more) add(all, list.key, list.more());
+    }
+  add(all, "param", lua::yaml_param_rows());
   for (const EventKind& kind : lua::event_kinds(catalog())) {
     add(all, "event", lua::event_fields(kind));
     add(all, "filter", lua::event_filters(kind));
