@@ -103,7 +103,7 @@ std::vector<lua::ReferenceRow> output_fields(const std::string& command) {
   return out;
 }
 
-std::vector<std::string> write_schemas(const std::string& folder) {
+std::vector<std::string> write_schemas(const Pages& pages, const std::string& folder) {
   std::vector<std::string> files;
   for (const OutputRow& row : output_rows()) {
     if (row.path.find('.') != std::string::npos || row.path.find('[') != std::string::npos) continue;
@@ -112,6 +112,8 @@ std::vector<std::string> write_schemas(const std::string& folder) {
     files.push_back((std::filesystem::path(folder) / (row.path + ".schema.json")).string());
     report::write_text(files.back(), report::to_text(schema));
   }
+  files.push_back((std::filesystem::path(folder) / kYamlSchema).string());
+  report::write_text(files.back(), report::to_text(yaml_schema(pages)));
   return files;
 }
 

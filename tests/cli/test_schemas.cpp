@@ -62,6 +62,7 @@ std::map<std::string, json> schemas() {
   const json files = written.json()["files"];
   for (const json& file : files) {
     const std::string name = std::filesystem::path(file.get<std::string>()).filename();
+    if (name == "scene.yaml.schema.json") continue;  // of scenes, see test_yaml_schema.cpp
     out[name.substr(0, name.find('.'))] = json::parse(p.read(file));
   }
   return out;
