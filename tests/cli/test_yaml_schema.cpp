@@ -2,9 +2,9 @@
 // the other.
 #include <set>
 
-#include "cli/json_schema.h"
 #include "cli/program.h"
 #include "support/catch.h"
+#include "support/json_schema.h"
 #include "yaml/document.h"
 
 using namespace feder::test;

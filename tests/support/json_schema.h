@@ -1,17 +1,20 @@
-#include "cli/json_schema.h"
-
+// JSON Schema as far as the schemas of feder have it: type, const, enum, numbers' ranges, lists, objects, allOf, anyOf
+// and references within. What is not listed here is no keyword.
+#pragma once
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace feder::test {
-namespace {
 
-using nlohmann::json;
+class SchemaValidation {
+  using json = nlohmann::json;
 
-class Validation {
  public:
-  explicit Validation(const json& root) : root_(root) {}
+  explicit SchemaValidation(const json& root) : root_(root) {}
 
   void check(const json& value, const json& schema, const std::string& at) {
     if (schema.is_boolean()) return schema.get<bool>() ? void() : refuse(at, "is not allowed");
@@ -75,7 +78,7 @@ class Validation {
   void any_of(const json& rule, const json& value, const std::string& at) {
     std::vector<std::string> told;
     for (const json& one : rule) {
-      Validation alone(root_);
+      SchemaValidation alone(root_);
       alone.check(value, one, at);
       if (alone.errors.empty()) return;
       for (std::string& error : alone.errors) told.push_back(std::move(error));
@@ -115,13 +118,16 @@ class Validation {
   const json& root_;
 };
 
-}  // namespace
-
-std::vector<std::string> validate(const json& value, const json& schema, const json& root) {
-  Validation v(root);
+// What is wrong with the value, "/bodies/0/density: ..."; std::runtime_error for a schema that is none. References are
+// looked up in `root`.
+inline std::vector<std::string> validate(const nlohmann::json& value, const nlohmann::json& schema,
+                                         const nlohmann::json& root) {
+  SchemaValidation v(root);
   v.check(value, schema, "");
   return std::move(v.errors);
 }
-std::vector<std::string> validate(const json& value, const json& schema) { return validate(value, schema, schema); }
+inline std::vector<std::string> validate(const nlohmann::json& value, const nlohmann::json& schema) {
+  return validate(value, schema, schema);
+}
 
 }  // namespace feder::test
