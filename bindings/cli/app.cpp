@@ -16,7 +16,7 @@ namespace {
 std::string help_text() {
   std::string text = "feder: a physics sandbox scripted from Lua\n\nusage: feder COMMAND [SCENE] [options]\n\n";
   for (const Row& row : commands()) text += fmt::format("  {:<10}{}\n", row.name, row.summary);
-  return text + "\nfeder COMMAND --help lists the options of a command.\n";
+  return text + "\nfeder COMMAND --help lists the options of a command.\nExit status: " + kStatusText + ".\n";
 }
 
 const Row* find_command(const std::string& name) {
@@ -54,7 +54,7 @@ int run_command(const Row& row, int argc, char* argv[], const Build& build) {
   const auto command = row.make();
   command->declare(arguments);
   declare(arguments, options);
-  if (!command->runs_scenes()) hide_scene_options(arguments);
+  if (!command->runs_scenes()) hide_scene_options(arguments, command->makes_worlds());
   try {
     if (!arguments.parse(argc, argv)) return fmt::print("{}", arguments.help()), kPass;
   } catch (const std::invalid_argument& e) {
@@ -74,15 +74,9 @@ int run_guarded(int argc, char* argv[], const Build& build) {
     const Row* row = find_command(word);
     if (!row) throw Failure(kUsage, unknown_command(word));
     return run_command(*row, argc - 1, argv + 1, build);
-  } catch (const Failure& e) {
-    print_error(e.what());
-    return e.status();
-  } catch (const std::bad_alloc&) {
-    print_error("feder: out of memory");
-  } catch (const std::exception& e) {
-    print_error(std::string("feder: ") + e.what());
+  } catch (...) {
+    return print_exception();
   }
-  return kFailed;
 }
 
 }  // namespace
@@ -97,6 +91,29 @@ void print_json(const report::Json& value) { std::fputs(report::to_text(value).c
 void print_error(const std::string& line) {
   std::fflush(stdout);
   fmt::print(stderr, "{}\n", line);
+}
+
+int print_exception() {
+  const auto is_internal = [](const char* what) {
+    print_error(fmt::format("feder: internal error, please report it: {}", what));
+    return kInternal;
+  };
+  try {
+    throw;
+  } catch (const Failure& e) {
+    print_error(e.what());
+    return e.status();
+  } catch (const std::bad_alloc&) {
+    print_error("feder: out of memory");
+    return kFailed;
+  } catch (const std::runtime_error& e) {
+    print_error(std::string("feder: ") + e.what());
+    return kFailed;
+  } catch (const std::exception& e) {
+    return is_internal(e.what());
+  } catch (...) {
+    return is_internal("an unknown exception");
+  }
 }
 
 int run_program(int argc, char* argv[], const Build& build) {

@@ -128,11 +128,15 @@ class Bench final : public Command {
       for (const auto& e : errors) print_error(error_text(e));
   }
 
-  static void compare(report::Json& row, const report::Json& before) {
-    for (const auto& was : before) {
-      if (!was.is_object() || was.value("scene", "") != row["scene"] || !was.contains("ms_per_step")) continue;
-      const double then = was["ms_per_step"].value("min", 0.0), now = row["ms_per_step"]["min"];
-      if (then > 0) row["compared"] = {{"min", then}, {"ratio", now / then}};
+  void compare(report::Json& row, const report::Json& before) const {
+    try {
+      for (const auto& was : before) {
+        if (!was.is_object() || was.value("scene", "") != row["scene"] || !was.contains("ms_per_step")) continue;
+        const double then = was["ms_per_step"].value("min", 0.0), now = row["ms_per_step"]["min"];
+        if (then > 0) row["compared"] = {{"min", then}, {"ratio", now / then}};
+      }
+    } catch (const report::Json::exception&) {
+      throw Failure(kUsage, "--compare: {}: not what bench --json writes", compare_);
     }
   }
 

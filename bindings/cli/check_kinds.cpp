@@ -154,7 +154,8 @@ Kind Kinds::passed(const LuaNode* function, const LuaNode* place, std::size_t k)
     if (!row && waits_) return {};
     Words names = row ? parameters_in(row->type) : Words{};
     // functions of studies may be written like build
-    if (!names.empty() && function->parameters.size() > 1 && function->parameters[1]->name == "scene")
+    if (!names.empty() && names.size() < 3 && function->parameters.size() > 1 &&
+        function->parameters[1]->name == "scene")
       names = {"world", "scene"};
     const std::string name = k < names.size() ? names[k] : "";
     return name == "scene" || names_.is_class(name) ? Kind{.name = name} : kNothingKnown;

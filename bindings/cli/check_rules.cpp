@@ -121,7 +121,7 @@ class Rules {
       return;
     const std::string near = lua::did_you_mean(node.text, *known);
     if (kind.guessed && near.empty()) return;
-    if (names_.is_class(kind.name) && !library)
+    if (names_.is_class(kind.name) && !library && name != "expect")
       say(node, fmt::format("{} {} has no method '{}'{}", name == "object" ? "an" : "a", name, node.text, near));
     else
       say(node, fmt::format("{}{} has no '{}'{}", module ? "the module " : "", name, node.text, near));

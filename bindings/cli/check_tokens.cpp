@@ -113,7 +113,7 @@ void LuaTokens::read_number() {
 
 Token LuaTokens::read() {
   skip_blanks();
-  Token token{.line = line_};
+  Token token{.line = line_, .offset = at_};
   if (at_ >= text_.size()) return token;
   const std::size_t from = at_;
   if (is_letter(at())) {

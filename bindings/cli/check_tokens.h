@@ -11,6 +11,7 @@ struct Token {
   TokenKind kind = TokenKind::end;
   std::string text = {};  // strings: what they say
   int line = 1;
+  std::size_t offset = 0;  // of its first byte
 };
 
 class LuaTokens {

@@ -13,9 +13,11 @@
 
 namespace feder::cli {
 
-// Exit statuses of every command.
-inline constexpr int kPass = 0, kFailed = 1, kUsage = 2, kLoadError = 3, kBudget = 4, kNothingRan = 5,
+// Exit statuses of every command. Internal: a mistake of the program, not of what it was given (EX_SOFTWARE).
+inline constexpr int kPass = 0, kFailed = 1, kUsage = 2, kLoadError = 3, kBudget = 4, kNothingRan = 5, kInternal = 70,
                      kInterrupted = 130, kTerminated = 143;
+inline constexpr const char* kStatusText =
+    "0 done, 1 failures, 2 usage, 3 load error, 4 limit, 5 nothing ran, 70 internal error, 130 and 143 interrupted";
 
 // Ends a command: what() goes to stderr as one line ("file:line: message" where these are known).
 class Failure : public std::runtime_error {
@@ -37,6 +39,7 @@ class Command {
   virtual void declare(Arguments& arguments) = 0;
   // Commands that run no scene take the options of scenes too, and do not list them.
   virtual bool runs_scenes() const { return true; }
+  virtual bool makes_worlds() const { return runs_scenes(); }  // takes and lists --threads
   // Returns the exit status, or throws Failure.
   virtual int run(const Options& options) = 0;
 };

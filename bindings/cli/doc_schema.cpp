@@ -55,7 +55,7 @@ Json typed(std::string type) {
     if (name == "inf") schema["pattern"] = "^-?inf$";
   }
   schema["type"] = types.size() == 1 ? types[0] : types;
-  if (type == "object")
+  if (std::ranges::find(types, Json("object")) != types.end())
     schema.update({{"properties", Json::object()}, {"required", Json::array()}, {"additionalProperties", false}});
   return schema;
 }

@@ -105,9 +105,8 @@ std::string pages_man(const Pages& pages) {
     out += ".SS " + roff(p->signature) + "\n" + roff(p->text) + "\n";
     for (const lua::ReferenceRow& r : p->rows) out += ".TP\n.B " + roff(r.name) + "\n" + roff(r.text) + "\n";
   }
-  return out +
-         ".SH EXIT STATUS\n0 done, 1 failures, 2 usage, 3 load error, 4 budget, 5 nothing ran, 130 or 143 interrupted\n"
-         ".SH SEE ALSO\nfeder doc lists what scripts may use; feder doc \\-\\-html writes it as pages.\n";
+  return out + ".SH EXIT STATUS\n" + kStatusText +
+         "\n.SH SEE ALSO\nfeder doc lists what scripts may use; feder doc \\-\\-html writes it as pages.\n";
 }
 
 std::string completion(const Pages& pages, const std::string& shell) {

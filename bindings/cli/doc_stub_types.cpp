@@ -20,7 +20,7 @@ Types make_types_of_names() {
   };
   add("integer", {"i", "j", "k", "n", "count", "vertices_count", "integer", "points_count", "springs", "edges"});
   add("boolean", {"on", "boolean", "tension_only"});
-  add("string", {"name", "option", "snapshot", "file", "string", "what", "code"});
+  add("string", {"name", "option", "snapshot", "file", "string", "what", "code", "hash"});
   add("feder.EventKind", {"kind"});
   add("function", {"fn"});
   add("any", {"default", "value"});
@@ -28,14 +28,17 @@ Types make_types_of_names() {
   add("table", {"filter", "table"});
   add("feder.AnyObject", {"a", "b", "object"});
   add("number[][]", {"points", "vertices", "triangles"});
-  add("number", {"x",         "y",       "z",     "w",           "dx",         "dy",      "dz",          "nx",
-                 "ny",        "nz",      "px",    "py",          "pz",         "qx",      "qy",          "qz",
-                 "qw",        "d",       "e",     "s",           "max",        "angular", "linear",      "dynamic",
-                 "static",    "radius",  "width", "height",      "depth",      "degrees", "radians",     "seconds",
-                 "lo",        "hi",      "speed", "max_force",   "number",     "kinetic", "potential",   "elastic",
-                 "mean",      "largest", "ixx",   "iyy",         "izz",        "ixy",     "ixz",         "iyz",
-                 "stiffness", "damping", "power", "distance",    "separation", "impulse", "rest_length", "within",
-                 "tolerance", "limit",   "bound", "break_strain"});
+  add("number", {"x",           "y",       "z",         "w",        "dx",         "dy",
+                 "dz",          "nx",      "ny",        "nz",       "px",         "py",
+                 "pz",          "qx",      "qy",        "qz",       "qw",         "d",
+                 "e",           "s",       "max",       "angular",  "linear",     "dynamic",
+                 "static",      "radius",  "width",     "height",   "depth",      "degrees",
+                 "radians",     "seconds", "lo",        "hi",       "speed",      "max_force",
+                 "number",      "kinetic", "potential", "elastic",  "mean",       "largest",
+                 "ixx",         "iyy",     "izz",       "ixy",      "ixz",        "iyz",
+                 "stiffness",   "damping", "power",     "distance", "separation", "impulse",
+                 "rest_length", "within",  "tolerance", "limit",    "bound",      "break_strain",
+                 "during",      "wanted",  "from"});
   return all;
 }
 

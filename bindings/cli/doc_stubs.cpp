@@ -176,6 +176,7 @@ class Stubs {
       if (type.starts_with("fun(") && part != one) type = "(" + type + ")";
       if (inner == "min, max") type = "number[][]", out.name = out.name == "min" ? "corners" : out.name;
       if (inner == "x, y, z") type = "number[]";
+      if (inner == "from, to" && out.name == "from") out.name = "window";
       if (inner == "least, most") type = "integer[]";
       if (inner == "objects") type = "feder.AnyObject[]";
       if (word == "filter" && has_options(p)) type = options_name(p);

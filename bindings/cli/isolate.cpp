@@ -31,7 +31,7 @@ class Child {
  public:
   explicit Child(const std::vector<std::string>& words) {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Failure(kFailed, "feder test: no pipe");
+    if (pipe2(ends, O_CLOEXEC) != 0) throw Failure(kInternal, "feder test: no pipe: {}", std::strerror(errno));
     read_ = ends[0];
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
@@ -54,7 +54,7 @@ class Child {
     close(ends[1]);
     if (error != 0) {
       close(read_);
-      throw Failure(kFailed, "feder test: cannot start {}: {}", words[0], std::strerror(error));
+      throw Failure(kInternal, "feder test: cannot start {}: {}", words[0], std::strerror(error));
     }
   }
   ~Child() {
@@ -117,7 +117,7 @@ std::string death_text(int status) {
 std::string own_program() {
   std::error_code error;
   const std::string program = std::filesystem::read_symlink("/proc/self/exe", error).string();
-  if (error) throw Failure(kFailed, "feder test: --isolate: this system does not name the running program");
+  if (error) throw Failure(kInternal, "feder test: --isolate: this system does not name the running program");
   return program;
 }
 

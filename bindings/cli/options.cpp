@@ -60,9 +60,9 @@ void declare(Arguments& a, Options& o) {
   a.text("--timeout", o.timeout, "seconds of processor time; exit status 4 (default: any; test: 60 per file)");
 }
 
-void hide_scene_options(Arguments& a) {
-  for (const char* name : {"--seed", "--set", "--world", "--dt", "--threads", "--limit", "--memory", "--timeout"})
-    a.hide(name);
+void hide_scene_options(Arguments& a, bool but_threads) {
+  for (const char* name : {"--seed", "--set", "--world", "--dt", "--limit", "--memory", "--timeout"}) a.hide(name);
+  if (!but_threads) a.hide("--threads");
 }
 
 lua::HostOptions host_options(const Options& o) {

@@ -27,7 +27,7 @@ struct Options {
 
 void declare(Arguments& arguments, Options& options);
 // Leaves what only scripts and worlds use out of the help.
-void hide_scene_options(Arguments& arguments);
+void hide_scene_options(Arguments& arguments, bool but_threads);
 
 // The options as the script host takes them; silent: what scripts print goes nowhere. Failure (usage) for what cannot
 // be read.

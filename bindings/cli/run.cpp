@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/progress.h"
+#include "cli/recording.h"
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/summary.h"
@@ -26,6 +27,8 @@ class Run final : public Command {
         "--track", track_,
         "NAME: place, rotation and velocities of a body, or centre, box and velocity of what is made of points, into "
         "--csv; * and ? stand for any text and any character (may be repeated)");
+    a.text("--record", record_, "write all that is done to the worlds to this file: see feder replay, feder diff");
+    a.whole("--hash-every", hash_every_, 0, 1000000000, "steps between two hashes in --record (1); 0: none");
   }
 
   int run(const Options& options) override {
@@ -35,6 +38,13 @@ class Run final : public Command {
     if (options.json) host.print = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
     const double wanted = seconds_.empty() ? -1 : read_number(seconds_, "--seconds");
     if (wanted >= 0 && steps_ >= 0) throw Failure(kUsage, "feder run: expected --seconds or --steps, got both");
+    std::optional<RecordFile> file;
+    if (!record_.empty()) {
+      file.emplace(record_, scene_, options, hash_every_ < 0 ? 1 : hash_every_);
+      host.made = [&file](World& world) { file->recorder().add(world); };
+    } else if (hash_every_ >= 0) {
+      throw Failure(kUsage, "feder run: --hash-every needs --record");
+    }
     Session session(std::move(host), print_error);
     const StopSignals signals;
     if (!csv_.empty()) trace_.emplace(csv_, track_);
@@ -43,7 +53,10 @@ class Run final : public Command {
     if (session.is_scene() && trace_) trace_->record(session, *session.world());
     if (session.is_scene() && status == kPass) step_scene(session, wanted, options);
     if (status == kPass) status = report_end(session);
-    return finish(session, options, status);
+    status = finish(session, options, status);
+    if (file)
+      file->close(session.script().files(), status == kPass ? "finished" : fmt::format("exit status {}", status));
+    return status;
   }
 
  private:
@@ -144,7 +157,8 @@ class Run final : public Command {
     return {{"passed", result.passed}, {"failed", result.failures.size()}, {"failures", failures}};
   }
 
-  std::string scene_, seconds_, csv_;
+  std::string scene_, seconds_, csv_, record_;
+  int hash_every_ = -1;
   std::vector<std::string> track_;
   int steps_ = -1;
   bool check_ = false;

@@ -56,16 +56,15 @@ void fail_by_script(int status, const std::string& scene) {
 
 bool is_yaml(const std::string& file) { return file.ends_with(".yaml") || file.ends_with(".yml"); }
 
-std::string read_text(const std::string& file) {
+std::string read_text(const std::string& file, const char* what, std::uintmax_t largest) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) throw Failure(kLoadError, file + ": no such file");
   if (std::filesystem::is_directory(file, ignored))
-    throw Failure(kLoadError, file + ": expected a scene, got a folder");
+    throw Failure(kLoadError, "{}: expected {}, got a folder", file, what);
   if (!std::filesystem::is_regular_file(file, ignored))
-    throw Failure(kLoadError, file + ": expected a scene, got a device or a pipe");
-  constexpr std::uintmax_t kLargest = 64;  // MB, as for files that scripts load
-  if (std::filesystem::file_size(file, ignored) > kLargest << 20)
-    throw Failure(kLoadError, "{}: larger than {} MB", file, kLargest);
+    throw Failure(kLoadError, "{}: expected {}, got a device or a pipe", file, what);
+  if (std::filesystem::file_size(file, ignored) > largest << 20)
+    throw Failure(kLoadError, "{}: larger than {} MB", file, largest);
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
@@ -113,6 +112,7 @@ void Session::load(const std::string& file) {
     status = kLoadError;
     if (script_->is_scene()) script_->build();
   } catch (...) {
+    report_errors();
     fail_by_script(status, file + ": ");
   }
   report_errors();

@@ -79,6 +79,7 @@ int limit_status(lua::Limit limit);
 void check_syntax(const std::string& file, const lua::HostOptions& host);
 
 bool is_yaml(const std::string& file);
-std::string read_text(const std::string& file);  // Failure (kLoadError) when it cannot be read
+// Failure (kLoadError) when it cannot be read, as one of those ("a scene") and of so many MB.
+std::string read_text(const std::string& file, const char* what = "a scene", std::uintmax_t largest = 64);
 
 }  // namespace feder::cli

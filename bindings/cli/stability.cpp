@@ -172,8 +172,13 @@ class Stability final : public Command {
       fmt::print("  wrote {}/index.html, stability.json, cells.csv, limits.csv and the maps\n", folder);
   }
 
+  static void say_left_out(const std::string& what, const std::string& why) {
+    print_error(fmt::format("feder stability: {}: left out: {}", what, why));
+  }
+
   // The cases of a test of scenes/extreme, a line that it prints for each: ok or not, input, expected, got, detail,
-  // apart by tabs. What ended it, and what went wrong in its handlers, is added to `errors`.
+  // apart by tabs. What ended it, and what went wrong in its handlers, is added to `errors`. What needs a module that
+  // this build leaves out is said, and nothing else.
   static void add_extreme_rows(const std::string& file, const Options& options, std::vector<report::ExtremeRow>& rows,
                                std::vector<std::string>& errors) {
     const std::size_t before = rows.size();
@@ -181,12 +186,16 @@ class Stability final : public Command {
     host.print = [&](std::string_view text) {
       const std::vector<std::string> f = split_list(std::string(text.substr(0, text.find('\n'))), '\t');
       if (f.size() == 5) rows.push_back({f[1], f[2], f[3], f[4], f[0] == "ok"});
+      if (f.size() == 3 && f[0] == "left out") say_left_out(f[1], f[2]);
     };
     const auto add_error = [&](const std::string& error) { errors.push_back(error); };
     try {
       Session(std::move(host), add_error, file).need_to_go_on();
     } catch (const Failure& e) {
       if (stop_flag()) return;
+      const std::string what = e.what();
+      const std::size_t lacks = what.find("this build leaves out");
+      if (lacks != std::string::npos && rows.size() == before) return say_left_out(file, what.substr(lacks));
       // a case that is not as expected is an error too, at the end of its script
       if (e.status() != kFailed || rows.size() == before) throw;
       add_error(e.what());
@@ -220,6 +229,7 @@ class Stability final : public Command {
     if (!options.json && !options.quiet) fmt::print("  {} of {} as expected\n", passed, rows.size());
     for (const std::string& error : errors) print_error(error);
     if (stop_flag()) return report_stop(finished, files.size(), "files");
+    if (rows.empty() && errors.empty()) return kNothingRan;
     return passed < rows.size() || !errors.empty() ? kFailed : kPass;
   }
 

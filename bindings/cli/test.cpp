@@ -1,7 +1,6 @@
 // feder test: scenes with a check and *_test.lua scripts, here or in a process of their own.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include "cli/command.h"
@@ -20,11 +19,6 @@ using report::TestResult;
 using report::TestStatus;
 using Results = std::vector<TestResult>;
 
-bool runs_in_ci() {
-  const char* const ci = std::getenv("CI");
-  return ci && *ci;
-}
-
 class Test final : public Command {
  public:
   void declare(Arguments& a) override {
@@ -37,8 +31,10 @@ class Test final : public Command {
     a.text("--order", order_, "seed of the order of --shuffle, as a shuffled run prints it");
     a.flag("--list", list_, "print the names and tags of the tests, run nothing");
     a.whole("--repeat", settings_.repeat, 1, 100000, "runs of each test, which must end in the same state");
+    a.flag("--replay", settings_.replay, "record each run in memory; its replay, without Lua, must have every state");
     a.whole("--random", settings_.random, 0, 10000,
-            "random draws of the parameters that each scene is tested with (default: what the scene says)");
+            "random draws of the parameters that each scene is tested with, behind the counter-examples that are kept "
+            "(default: what the scene says; 0: neither)");
     a.flag("--watch", watch_, "go on: run again what reads a file that was saved");
     output_.declare(a);
     a.text("--artifacts", artifacts_,
@@ -79,7 +75,8 @@ class Test final : public Command {
     if (!choice_.shuffle) return;
     const std::string seed = order_.empty() ? options.seed : order_;
     choice_.order = seed.empty() ? std::random_device()() : static_cast<std::uint64_t>(read_number(seed, "--order"));
-    if (output_.prints_lines()) fmt::print("order: --order {}\n", choice_.order);
+    const std::string line = fmt::format("order: --order {}", choice_.order);
+    output_.prints_lines() ? fmt::print("{}\n", line) : print_error(line);
   }
 
   int list(const std::vector<TestCase>& tests, bool json) const {
@@ -117,6 +114,7 @@ class Test final : public Command {
                         {"--artifacts", artifacts_}});
     if (settings_.random >= 0) add_options(words, {{"--random", std::to_string(settings_.random)}});
     if (settings_.update_golden) words.emplace_back("--update-golden");
+    if (settings_.replay) words.emplace_back("--replay");
     return words;
   }
 
@@ -126,6 +124,7 @@ class Test final : public Command {
     const bool quoted = r.name.find('[') != std::string::npos && r.name.find(' ') == std::string::npos;
     std::vector<std::string> words = {"feder", "test", quoted ? "'" + r.name + "'" : r.name};
     for (const std::string& set : r.drawn) add_options(words, {{"--set", set}});
+    if (options.seed.empty()) add_options(words, {{"--seed", r.seed}});
     if (settings_.repeat > 1) add_options(words, {{"--repeat", std::to_string(settings_.repeat)}});
     for (const std::string& word : scene_arguments(options)) words.push_back(word);
     return command_text(words);

@@ -39,6 +39,10 @@ constexpr Artifact kArtifacts[] = {
      [](const std::string& time, const std::string& file) -> std::vector<std::string> {
        return {"--at", time, "--out", file, "--size", "800x450"};
      }},
+    {".rec", "run",
+     [](const std::string& time, const std::string& file) -> std::vector<std::string> {
+       return {"--seconds", time, "--record", file};
+     }},
 };
 
 void write_text(const fs::path& file, const TestResult& r) {
@@ -67,7 +71,7 @@ std::string save_artifacts(const std::string& folder, const TestResult& result, 
   std::vector<std::string> shared = {result.file, "--quiet"};
   add_scene_options(shared, options);
   for (const std::string& s : result.set) add_options(shared, {{"--set", s}});
-  add_options(shared, {{"--seed", options.seed},
+  add_options(shared, {{"--seed", options.seed.empty() ? result.seed : options.seed},
                        {"--limit", options.limit},
                        {"--memory", options.memory},
                        {"--timeout", options.timeout.empty() ? "60" : options.timeout}});
@@ -79,7 +83,11 @@ std::string save_artifacts(const std::string& folder, const TestResult& result, 
     words.insert(words.end(), shared.begin(), shared.end());
     const std::vector<std::string> own = a.words(fmt::format("{:.17g}", result.time), file);
     words.insert(words.end(), own.begin(), own.end());
-    if (run_own_program(words) == kPass) files += ", " + file;
+    // a run that fails as the test did has its file all the same
+    std::error_code none;
+    fs::remove(file, none);
+    run_own_program(words);
+    if (fs::exists(file, none)) files += ", " + file;
   }
   return files;
 }

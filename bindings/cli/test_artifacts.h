@@ -1,5 +1,5 @@
-// What a failed test leaves for a reader: a picture of its last frame, its messages and output, and
-// the last events.
+// What a failed test leaves for a reader: a picture of its last frame, its recording, its messages and
+// output, and the last events.
 #pragma once
 #include <string>
 

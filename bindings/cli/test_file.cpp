@@ -3,14 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <deque>
-#include <fstream>
 #include <optional>
-#include <utility>
 
+#include "cli/recording.h"
 #include "cli/session.h"
 #include "cli/stop.h"
 #include "cli/test_golden.h"
+#include "cli/test_property.h"
+#include "cli/test_source.h"
 #include "feder/profile.h"
 
 namespace feder::cli {
@@ -31,33 +33,23 @@ TestFailure failure_from(const std::string& text, const std::string& file) {
   return {.where = text.substr(0, end), .message = text.substr(end + 2)};
 }
 
-TestFailure failure_from(const lua::CheckFailure& f) {
-  return {.where = f.where,
-          .message = f.message,
-          .source = "",
-          .time = f.time,
-          .step = static_cast<int>(f.step),
-          .object = f.object,
-          .expected = f.expected,
-          .actual = f.actual,
-          .tolerance = f.tolerance};
+TestFailure failure_from(const lua::CheckFailure& f, const std::vector<std::string>& files) {
+  TestFailure failure{.where = f.where, .message = f.message};
+  failure.time = f.time, failure.step = static_cast<int>(f.step);
+  failure.object = f.object, failure.expected = f.expected, failure.actual = f.actual;
+  failure.delta = f.delta, failure.tolerance = f.tolerance;
+  add_source(failure, files, f.call);
+  return failure;
 }
 
-// The line of the script that `where` names, of those files that the script has read.
-std::string source_line(const std::string& where, const std::vector<std::string>& files) {
-  const std::size_t colon = where.rfind(':');
-  if (colon == std::string::npos) return {};
-  for (const std::string& file : files) {
-    if (!file.ends_with(where.substr(0, colon))) continue;
-    std::ifstream in(file);
-    std::string line;
-    for (int n = std::atoi(where.c_str() + colon + 1); n > 0; --n)
-      if (!std::getline(in, line)) return {};
-    const std::size_t first = line.find_first_not_of(" \t");
-    return first == std::string::npos ? "" : line.substr(first, 200);
-  }
-  return {};
-}
+struct EventNumber {
+  EventKind::Tells field;
+  Real Event::*value;
+  const char* unit;
+};
+constexpr EventNumber kEventNumbers[] = {{EventKind::kSpeed, &Event::speed, "m/s"},
+                                         {EventKind::kImpulse, &Event::impulse, "N s"},
+                                         {EventKind::kForce, &Event::force, "N"}};
 
 // One run of one case.
 class TestRun {
@@ -81,7 +73,8 @@ class TestRun {
     }
     if (session_) look_back();
     if (!result_.failures.empty()) result_.status = TestStatus::failed;
-    for (TestFailure& f : result_.failures) f.source = source_line(f.where, result_.files);
+    for (TestFailure& f : result_.failures)
+      if (f.source.empty()) add_source(f, result_.files, "");
     result_.seconds = static_cast<double>(clock_nanoseconds() - start) * 1e-9;
     return result_;
   }
@@ -90,14 +83,18 @@ class TestRun {
   int random() const { return random_; }
 
  private:
+  void skip(const std::string& why) {
+    result_.status = TestStatus::skipped;
+    result_.notice = why;
+  }
+
   // A plain test fails by its error; whatever else does not get as far as its first step was not loaded.
   void take(const Failure& e) {
     const std::string text = e.what();
-    if (e.status() == kUsage && !test_.set.empty() && text.find("unknown parameter") != std::string::npos) {
-      result_.status = TestStatus::skipped;
-      result_.notice = text.substr(0, text.find(';'));
-      return;
-    }
+    const std::size_t lacks = text.find("this build leaves out");
+    if (lacks != std::string::npos) return skip(text.substr(lacks));
+    if (e.status() == kUsage && !test_.set.empty() && text.find("unknown parameter") != std::string::npos)
+      return skip(text.substr(0, text.find(';')));
     result_.exceeded = e.status() == kBudget;
     result_.loaded = result_.exceeded || (e.status() == kFailed && is_plain_test(test_.file));
     result_.failures.push_back(failure_from(text, test_.file));
@@ -109,6 +106,10 @@ class TestRun {
       if (result_.output.size() < kKeptOutput) result_.output += text.substr(0, kKeptOutput - result_.output.size());
     };
     if (settings_.coverage) host.coverage = &result_.lines;
+    if (settings_.replay) {
+      recorder_.emplace([this](std::string_view more) { recorded_ += more; }, RecordingFacts{});
+      host.made = [this](World& world) { recorder_->add(world); };
+    }
     session_ = std::make_unique<Session>(std::move(host), nullptr);
     if (settings_.events) session_->script().on_step([this](World& world) { keep_events(world); });
     session_->load(test_.file);
@@ -117,8 +118,7 @@ class TestRun {
     if (result_.scene) {
       step_and_check();
     } else if (!is_plain_test(test_.file)) {
-      result_.status = TestStatus::skipped;
-      result_.notice = "is neither a scene nor a *_test.lua";
+      skip("is neither a scene nor a *_test.lua");
     }
   }
 
@@ -139,8 +139,7 @@ class TestRun {
     result_.exceeded = check.limit != lua::Limit::none;
     if (!session.world()->is_finite()) result_.failures.push_back({.message = "the state is not finite at the end"});
     if (!check.has_check && !golden && check.passed == 0 && check.failures.empty()) {
-      result_.status = TestStatus::skipped;
-      result_.notice = "has no check";
+      skip("has no check");
     }
   }
 
@@ -148,9 +147,11 @@ class TestRun {
   void keep_events(World& world) {
     constexpr std::size_t kKept = 1000;
     for (const Event& e : world.events().list()) {
-      std::string line = fmt::format("{:.4f} s  {}", world.time(), e.kind.text());
+      std::string line = fmt::format("step {}  {:.4f} s  {}", world.step_count(), world.time(), e.kind.text());
       for (const ObjectId id : {e.a, e.b})
         if (id) line += "  " + world.objects().describe(id);
+      for (const EventNumber& n : kEventNumbers)
+        if (e.kind.has(n.field)) line += fmt::format("  {:.4g} {}", e.*n.value, n.unit);
       if (e.kind == EventKind::warning) line += "  " + world.events().warning_message(e);
       events_.push_back(line + "\n");
       if (events_.size() > kKept) events_.pop_front();
@@ -169,12 +170,13 @@ class TestRun {
     lua::Script& script = session_->script();
     const lua::CheckResult& checks = script.checks();
     result_.checks = checks.passed;
+    for (const auto& file : script.files()) result_.files.push_back(file.string());
     for (const auto& f : checks.failures) {
-      result_.failures.push_back(failure_from(f));
+      result_.failures.push_back(failure_from(f, result_.files));
       if (result_.exceeded && &f == &checks.failures.back())
         result_.failures.back().message = limit_text(f.message, checks.limit);
     }
-    for (const auto& f : checks.notes) result_.notes.push_back(failure_from(f));
+    for (const auto& f : checks.notes) result_.notes.push_back(failure_from(f, result_.files));
     bool limited = false;
     for (const auto& e : script.handler_errors()) {
       limited = limited || e.limit != lua::Limit::none;
@@ -186,16 +188,24 @@ class TestRun {
     if (!session_->goes_on() && !limited && !result_.exceeded) result_.failures.push_back({.message = stop_text()});
     result_.exceeded = result_.exceeded || !session_->goes_on();
     for (const std::string& line : events_) result_.events += line;
-    for (const auto& file : script.files()) result_.files.push_back(file.string());
+    if (recorder_) compare_replay();
     const World* world = session_->world();
     if (!world) return;
     result_.time = world->time(), result_.hash = fmt::format("{:016x}", world->hash());
+  }
+
+  void compare_replay() {
+    recorder_->finish("finished");
+    const std::string why = replay_difference(std::move(recorded_), options_.build.systems);
+    if (!why.empty()) result_.failures.push_back({.message = why});
   }
 
   TestCase test_;
   Options options_;
   const TestSettings& settings_;
   TestResult result_;
+  std::string recorded_;
+  std::optional<Recorder> recorder_;  // outlives the worlds
   std::unique_ptr<Session> session_;
   std::vector<lua::ParamInfo> params_;
   int random_ = 0;
@@ -233,36 +243,25 @@ std::vector<lua::ParamInfo> free_params(const TestRun& run, const TestCase& test
   return params;
 }
 
-// Takes the failures of the smallest values.
-void report_counter_example(const CounterExample& found, int count, const TestResult& failed, TestResult& result) {
-  const TestResult passed = std::exchange(result, failed);
-  result.name = passed.name, result.set = passed.set, result.seconds = passed.seconds, result.lines = passed.lines;
-  result.drawn = set_words(found.shrunk);
-  const std::string words =
-      result.drawn.empty() ? "defaults" : fmt::format("--set {}", fmt::join(result.drawn, " --set "));
-  for (TestFailure& f : result.failures)
-    f.message += fmt::format(" (with {}, from draw {} of {})", words, found.number, count);
-}
-
 void try_random(const TestCase& test, const Options& options, const TestSettings& settings, const TestRun& first,
                 TestResult& result) {
-  const int count = settings.random < 0 ? first.random() : settings.random;
   const std::vector<lua::ParamInfo> params = free_params(first, test, options);
-  if (count == 0 || params.empty() || result.status != TestStatus::passed || stop_flag()) return;
-  TestResult last;
-  const CounterExample found = find_counter_example(params, count, host_options(options).seed, [&](const Draw& draw) {
-    TestCase drawn = test;
-    for (const std::string& word : set_words(draw)) drawn.set.push_back(word);
-    TestResult next = run_again(drawn, options, settings, result);
-    if (next.status != TestStatus::failed || stop_flag()) return false;
-    last = std::move(next);
-    return true;
-  });
-  if (found.number > 0) return report_counter_example(found, count, last, result);
-  result.notice += fmt::format("{}{} random draws", result.notice.empty() ? "" : "; ", count);
+  if (settings.random == 0 || params.empty() || result.status != TestStatus::passed || stop_flag()) return;
+  const auto run = [&](const TestCase& drawn, const Options& own) { return run_again(drawn, own, settings, result); };
+  try {
+    PropertyTest(test, options, run, result).run(params, settings.random < 0 ? first.random() : settings.random);
+  } catch (const Failure& e) {
+    result.status = TestStatus::failed;
+    result.failures.push_back({.message = e.what()});
+  }
 }
 
 }  // namespace
+
+bool runs_in_ci() {
+  const char* const ci = std::getenv("CI");
+  return ci && *ci;
+}
 
 TestResult run_test(const TestCase& test, const Options& options, const TestSettings& settings) {
   TestRun first(test, options, settings);

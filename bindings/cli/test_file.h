@@ -23,14 +23,18 @@ struct TestSettings {
   bool update_golden = false;   // writes golden runs
   bool coverage = false;        // counts lines
   bool events = false;          // keeps the last events
+  bool replay = false;          // records the run, which its replay must be
   std::function<void()> begun;  // before each run
 };
+
+bool runs_in_ci();  // by the environment
 
 report::TestResult run_test(const TestCase& test, const Options& options, const TestSettings& settings);
 
 // Values of parameters in place of their defaults.
 using Draw = std::map<std::string, std::string>;
 std::vector<std::string> set_words(const Draw& draw);  // NAME=VALUE
+Draw draw_of(const std::vector<std::string>& words);
 
 // Property tests: `fails` runs the test with the drawn values of parameters that have min and max, or choices. The
 // first of `count` draws that fails is shrunk: each value as near to its default as still fails.
@@ -38,6 +42,8 @@ struct CounterExample {
   int number = 0;  // of the draw; 0: none failed
   Draw drawn, shrunk;
 };
+// Has every parameter of the draw that value still?
+bool takes(const std::vector<lua::ParamInfo>& params, const Draw& draw);
 CounterExample find_counter_example(const std::vector<lua::ParamInfo>& params, int count, std::uint64_t seed,
                                     const std::function<bool(const Draw&)>& fails);
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <map>
 #include <optional>
+
+#include "report/output_file.h"
 
 namespace feder::cli {
 namespace {
@@ -14,7 +16,7 @@ using report::Json;
 using report::TestFailure;
 using report::TestResult;
 
-constexpr const char* kSchema = "golden/1";
+constexpr const char* kSchema = "golden/2";
 constexpr const char* kEnergies[] = {"kinetic energy", "potential energy", "elastic energy"};
 
 // A quantity, where it differs most from the golden run, and by how much.
@@ -42,9 +44,12 @@ class Comparison {
  public:
   Comparison(const lua::GoldenWish& wish, const std::vector<GoldenSample>& golden)
       : differences_{Difference{"position", " m", wish.position}, Difference{"rotation", " rad", wish.rotation},
-                     Difference{"energy", " of the largest", wish.energy}} {
-    for (const GoldenSample& s : golden)
+                     Difference{"energy", " of the largest", wish.energy}},
+        relative_(wish.relative) {
+    for (const GoldenSample& s : golden) {
       for (const double e : s.energy) scale_ = std::max(scale_, std::abs(e));
+      for (std::size_t i = 0; i < s.names.size(); ++i) starts_.try_emplace(s.names[i], s.poses.at(i));
+    }
   }
 
   void compare(const GoldenSample& golden, const GoldenSample& now) {
@@ -79,35 +84,44 @@ class Comparison {
  private:
   void compare_pose(const std::string& name, double time, const std::vector<double>& golden,
                     const std::vector<double>& now) {
-    if (golden.size() < 3 || now.size() < 3) return;
-    note(0, distance(golden.data(), now.data()), time, name, golden.data(), now.data(), 3);
+    const std::vector<double>& start = starts_.at(name);
+    if (golden.size() < 3 || now.size() < 3 || start.size() < 3) return;
+    const double way = distance(golden.data(), start.data());
+    note(0, distance(golden.data(), now.data()), time, name, golden.data(), now.data(), 3, relative_ * way);
     if (golden.size() >= 7 && now.size() >= 7) note(1, angle(&golden[3], &now[3]), time, name, &golden[3], &now[3], 4);
   }
 
+  // `more`: what the tolerance has on top.
   void note(std::size_t quantity, double value, double time, const std::string& object, const double* expected,
-            const double* actual, std::size_t count) {
+            const double* actual, std::size_t count, double more = 0) {
     Difference& d = differences_[quantity];
-    if (value <= d.largest) return;
+    const double tolerance = d.tolerance + more;
+    // not a number is over every tolerance
+    const bool fails = !(value <= tolerance) && !first_;
+    if (value <= d.largest && !fails) return;
     Difference found = d;
     found.largest = value, found.time = time, found.object = object;
     found.expected = numbers_text(expected, count), found.actual = numbers_text(actual, count);
-    d = found;
-    // not a number is over every tolerance
-    if (!(value <= d.tolerance) && !first_) first_ = found;
+    if (!(value <= d.largest)) d = found;
+    if (!fails) return;
+    first_ = found;
+    first_->tolerance = tolerance;
   }
 
   std::array<Difference, 3> differences_;
-  double scale_ = 0;
+  double scale_ = 0, relative_;
+  std::map<std::string, std::vector<double>> starts_;  // poses that objects began with
   std::optional<Difference> first_;
 };
 
-std::vector<GoldenSample> read_golden(const std::string& file) {
+GoldenFile read_golden(const std::string& file) {
   const Json json = Json::parse(read_text(file), nullptr, false);
   try {
     if (json.at("schema") != kSchema) throw Failure(kFailed, "{}: another version of golden runs", file);
-    std::vector<GoldenSample> samples;
-    report::read_into(json.at("samples"), samples);
-    return samples;
+    GoldenFile golden;
+    report::read_into(json.at("samples"), golden.samples);
+    golden.hashes = json.at("hashes").get<std::vector<std::string>>();
+    return golden;
   } catch (const Json::exception&) {
     throw Failure(kFailed, "{}: no golden run; --update-golden writes it anew", file);
   }
@@ -121,9 +135,10 @@ GoldenRun::GoldenRun(Session& session) : session_(session), wish_(session.script
 
 void GoldenRun::look() {
   const World& world = *session_.world();
+  run_.hashes.push_back(fmt::format("{:016x}", world.hash()));
   if (world.step_count() % every_ != 0) return;
   const Energy e = world.energy();
-  GoldenSample s{world.time(), fmt::format("{:016x}", world.hash()), {e.kinetic, e.potential, e.elastic}, {}, {}};
+  GoldenSample s{world.time(), run_.hashes.back(), {e.kinetic, e.potential, e.elastic}, {}, {}};
   for (const lua::ObjectSample& o : session_.script().sample()) {
     std::string name = o.name;
     for (int n = 2; std::ranges::find(s.names, name) != s.names.end(); ++n) name = fmt::format("{} ({})", o.name, n);
@@ -131,7 +146,7 @@ void GoldenRun::look() {
     s.poses.emplace_back(std::begin(o.position), std::end(o.position));
     if (o.turns) s.poses.back().insert(s.poses.back().end(), std::begin(o.rotation), std::end(o.rotation));
   }
-  samples_.push_back(std::move(s));
+  run_.samples.push_back(std::move(s));
 }
 
 std::string GoldenRun::file() const {
@@ -145,10 +160,11 @@ void GoldenRun::finish(bool update, TestResult& result) {
     result.failures.push_back({.message = "no golden run " + file() + "; --update-golden writes it"});
     return;
   }
-  const std::vector<GoldenSample> golden = exists ? read_golden(file()) : samples_;
-  Comparison comparison(wish_, golden);
-  for (std::size_t i = 0; i < std::min(golden.size(), samples_.size()); ++i) comparison.compare(golden[i], samples_[i]);
-  const bool other_length = golden.size() != samples_.size();
+  const GoldenFile golden = exists ? read_golden(file()) : run_;
+  const std::size_t count = golden.samples.size(), own = run_.samples.size();
+  Comparison comparison(wish_, golden.samples);
+  for (std::size_t i = 0; i < std::min(count, own); ++i) comparison.compare(golden.samples[i], run_.samples[i]);
+  const bool other_length = count != own;
   if (!comparison.same() || other_length) result.diff = comparison.table();
   if (update) {
     if (!exists || !comparison.same() || other_length) write(result);
@@ -157,31 +173,30 @@ void GoldenRun::finish(bool update, TestResult& result) {
   if (other_length)
     result.failures.push_back({.message = fmt::format("the golden run has {} samples, this one has {}; --update-golden "
                                                       "writes it anew",
-                                                      golden.size(), samples_.size())});
+                                                      count, own)});
   if (!comparison.first()) return;
   const Difference& d = *comparison.first();
   const std::string subject = std::string_view(d.quantity) == "energy" ? d.object : d.quantity + " of " + d.object;
   TestFailure f{.message = fmt::format("not as in the golden run: {} is {:.4g}{} off from {:.4g} s on", subject,
                                        d.largest, d.unit, d.time)};
+  const auto parted = std::ranges::mismatch(golden.hashes, run_.hashes);
+  if (parted.in1 != golden.hashes.end())
+    f.message += fmt::format("; the states part at step {}", parted.in1 - golden.hashes.begin());
   f.time = d.time, f.step = static_cast<int>(std::llround(d.time / session_.world()->desc().dt));
   f.object = d.object, f.expected = d.expected, f.actual = d.actual;
-  f.tolerance = fmt::format("{:g}{}", d.tolerance, d.unit);
+  f.delta = fmt::format("{:.4g}{}", d.largest, d.unit), f.tolerance = fmt::format("{:g}{}", d.tolerance, d.unit);
   result.failures.push_back(f);
 }
 
-// Beside, then renamed: a golden run is whole or not there.
 void GoldenRun::write(TestResult& result) const {
-  const std::string name = file(), part = name + ".part";
-  std::ofstream out(part, std::ios::binary);
-  out << "{\"schema\": \"" << kSchema << "\", \"samples\": [";
-  for (const GoldenSample& sample : samples_)
-    out << (&sample == samples_.data() ? "\n" : ",\n") << report::written(sample).dump();
-  out << "\n]}\n";
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(part, name, error);
-  if (!out || error) throw Failure(kFailed, "{}: cannot be written", name);
-  result.notice = name + " written";
+  std::string text = fmt::format("{{\"schema\": \"{}\", \"samples\": [", kSchema);
+  for (const GoldenSample& sample : run_.samples)
+    text += (&sample == run_.samples.data() ? "\n" : ",\n") + report::written(sample).dump();
+  text += "\n], \"hashes\": [";
+  for (const std::string& hash : run_.hashes)
+    text += fmt::format("{}\"{}\"", &hash == run_.hashes.data() ? "\n" : ",\n", hash);
+  report::write_text(file(), text + "\n]}\n");
+  result.notice = file() + " written";
 }
 
 }  // namespace feder::cli

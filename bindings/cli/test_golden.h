@@ -15,6 +15,11 @@ struct GoldenSample {
   std::vector<std::vector<double>> poses;  // x y z, and x y z w of bodies
 };
 
+struct GoldenFile {
+  std::vector<GoldenSample> samples;
+  std::vector<std::string> hashes;  // of the state before the first step and after each
+};
+
 class GoldenRun {
  public:
   // Of the session's scene, which declares one.
@@ -31,7 +36,7 @@ class GoldenRun {
   Session& session_;
   lua::GoldenWish wish_;
   std::uint64_t every_ = 1;  // steps
-  std::vector<GoldenSample> samples_;
+  GoldenFile run_;
 };
 
 void fields(auto& s, auto& v, const GoldenSample*) {

@@ -1,4 +1,5 @@
 // Property tests (Claessen and Hughes 2000): random values of the parameters, and shrinking of what fails.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -86,6 +87,27 @@ std::vector<std::string> set_words(const Draw& draw) {
   std::vector<std::string> words;
   for (const auto& [name, value] : draw) words.push_back(name + "=" + value);
   return words;
+}
+
+Draw draw_of(const std::vector<std::string>& words) {
+  Draw draw;
+  for (const std::string& word : words) {
+    const std::size_t equals = std::min(word.find('='), word.size());
+    draw[word.substr(0, equals)] = word.substr(std::min(equals + 1, word.size()));
+  }
+  return draw;
+}
+
+bool takes(const std::vector<ParamInfo>& params, const Draw& draw) {
+  return std::ranges::all_of(draw, [&](const auto& named) {
+    const auto& [name, value] = named;
+    const auto p = std::ranges::find(params, name, &ParamInfo::name);
+    if (p == params.end()) return false;
+    if (is_flag(*p)) return value == "true" || value == "false";
+    if (!p->choices.empty()) return std::ranges::find(p->choices, value) != p->choices.end();
+    const double x = number_of(value);
+    return std::isfinite(x) && !(p->has_min && x < p->min) && !(p->has_max && x > p->max);
+  });
 }
 
 CounterExample find_counter_example(const std::vector<ParamInfo>& params, int count, std::uint64_t seed,

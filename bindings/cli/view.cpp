@@ -1,8 +1,10 @@
 // feder view: the interactive viewer.
 #include <cstdio>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/doc_pages.h"
+#include "cli/recording.h"
 #include "cli/session.h"
 #include "cli/summary.h"
 #include "lua/completion.h"
@@ -35,6 +37,7 @@ class View final : public Command {
     a.flag("--hash", hash_, "print the state's hash at the end");
     a.text("--screenshot", o_.picture, "write a PNG of the window at the end");
     a.whole("--at-frame", o_.picture_at, 0, 1000000000, "or of that picture, counted from 0");
+    a.text("--record", record_, "write all that is done to the worlds, by scripts and by hand: see feder replay");
     a.text("--status", o_.status, "keep a JSON file up to date: error, time, hash, objects on the screen");
   }
 
@@ -47,6 +50,7 @@ class View final : public Command {
     if (!seconds_.empty()) o_.seconds = read_number(seconds_, "--seconds");
     read_size();
     read_text(scene_);  // a file that is not there is no scene to wait for
+    if (!record_.empty()) record(options);
     view::ViewerEnd end;
     try {
       end = view::run_viewer(o_);
@@ -56,6 +60,7 @@ class View final : public Command {
       throw Failure(kFailed, "feder view: {}", e.what());
     }
     if (!end.has_scene) throw Failure(kLoadError, end.error);
+    if (file_) file_->close({scene_}, "finished");
     if (options.json)
       fmt::print("{}",
                  report::to_text({{"seconds", end.seconds}, {"steps", end.steps}, {"hash", hash_text(end.hash)}}));
@@ -65,6 +70,17 @@ class View final : public Command {
   }
 
  private:
+  // Each reload makes a world: its first note is the script, where that is another than before.
+  void record(const Options& options) {
+    file_.emplace(record_, scene_, options, 1);
+    o_.live.host.made = [this](World& world) {
+      file_->recorder().add(world);
+      const std::string text = read_text(scene_);
+      if (text != noted_) file_->recorder().note(world, "script", text);
+      noted_ = text;
+    };
+  }
+
   view::ReloadMode reload_mode() const {
     if (on_save_ == "catch_up") return view::ReloadMode::catch_up;
     if (on_save_ == "start_over") return view::ReloadMode::from_start;
@@ -88,7 +104,8 @@ class View final : public Command {
       throw Failure(kUsage, "--size: expected WIDTHxHEIGHT of at least 320x240, got '{}'", size_);
   }
 
-  std::string scene_, size_, seconds_, on_save_ = "catch_up", detail_ = "auto";
+  std::string scene_, size_, seconds_, on_save_ = "catch_up", detail_ = "auto", record_, noted_;
+  std::optional<RecordFile> file_;
   bool hash_ = false;
   view::ViewerOptions o_;
 };

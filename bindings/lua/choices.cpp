@@ -7,6 +7,7 @@
 
 #include "feder/world.h"
 #include "lua/docs.h"
+#include "lua/library.h"
 #include "lua/options.h"
 #include "lua/stack.h"
 
@@ -53,6 +54,8 @@ int feder_choices(lua_State* L) {
   if (!all.count(wanted)) add_choices_of_systems(state(L).options.systems, all);
   const auto found = all.find(wanted);
   if (found != all.end()) return push_list(L, found->second, [&](const std::string& name) { push(L, name); }), 1;
+  const std::string module = wanted.substr(0, wanted.find('.'));
+  if (is_left_out("feder." + module)) fail_here(L, "this build leaves out the module '" + module + "'");
   Names known;
   for (const auto& [path, names] : all) known.push_back(path);
   fail_here(L, "expected an option with choices, such as \"joint.type\", got " + describe(L, 1) +

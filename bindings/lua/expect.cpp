@@ -49,7 +49,9 @@ int expect_error(lua_State* L) {
   const std::string what = lua_isnoneornil(L, 4) ? "error" : check_text(L, 4, "expect.error: message");
   for (const Comparison& c : kComparisons) {
     if (sign != c.sign) continue;
-    CheckFailure f{.expected = sign + " " + print_number(bound), .actual = print_number(value)};
+    CheckFailure f{.expected = sign + " " + print_number(bound),
+                   .actual = print_number(value),
+                   .delta = print_number(value - bound)};
     f.message = what + ": expected " + f.expected + ", got " + f.actual;
     return push(L, expected(L, c.holds(value, bound), f));
   }
@@ -115,12 +117,20 @@ class OwnPhase {
 
 void step_on(lua_State* L, WorldRecord& record) {
   State& s = state(L);
-  charge(L, 100);
+  charge_step(L);
   std::optional<OwnPhase> phase;
   if (s.is_scene) phase.emplace(s);
   run_step(L, record);
   phase.reset();
   if (s.on_step) s.on_step(*record.world);
+}
+
+// The name by which the script calls the running function.
+std::string called_name(lua_State* L) {
+  lua_Debug ar;
+  if (!lua_getstack(L, 0, &ar) || !lua_getinfo(L, "n", &ar)) return {};
+  const std::string full = function_name(L);
+  return ar.name ? ar.name : full.substr(full.rfind('.') + 1);
 }
 
 }  // namespace
@@ -131,7 +141,7 @@ bool expected(lua_State* L, bool holds, CheckFailure failure) {
     ++s.checks.passed;
     return true;
   }
-  failure.where = location(L);
+  failure.where = location(L), failure.call = called_name(L);
   if (const WorldRecord* r = s.current(); r && r->world)
     failure.time = r->world->time(), failure.step = r->world->step_count();
   // a check returns its failures; others are reported like errors of handlers, and the script goes on
@@ -140,12 +150,19 @@ bool expected(lua_State* L, bool holds, CheckFailure failure) {
   return false;
 }
 
-CheckFailure failure_of(std::string object, std::string wanted, std::string got, std::string tolerance) {
+CheckFailure failure_of(std::string object, std::string wanted, std::string got, std::string tolerance,
+                        std::string delta) {
   CheckFailure f;
   f.message = object + ": expected " + wanted + ", got " + got;
   f.object = std::move(object), f.expected = std::move(wanted), f.actual = std::move(got);
-  f.tolerance = std::move(tolerance);
+  f.tolerance = std::move(tolerance), f.delta = std::move(delta);
   return f;
+}
+
+std::string point_text(const double* p) {
+  std::string text = "(";
+  for (int k = 0; k < 3; ++k) text += (k ? ", " : "") + print_number(std::round(p[k] * 1e6) * 1e-6);
+  return text + ")";
 }
 
 double time_argument(lua_State* L, int index, double otherwise) {
@@ -166,6 +183,22 @@ bool wait_until(lua_State* L, WorldRecord& record, double within, const std::fun
   return holds();
 }
 
+void charge_step(lua_State* L) { charge(L, 100); }
+
+std::string CountRange::text() const {
+  return std::to_string(least) + (least == most ? "" : " to " + std::to_string(most));
+}
+
+CountRange count_argument(lua_State* L, int index) {
+  constexpr std::int64_t kMost = std::int64_t(1) << 53;
+  const auto read = [&](int at) { return check_integer(L, at, function_name(L), 0, kMost); };
+  if (lua_type(L, index) != LUA_TTABLE) return {read(index), read(index)};
+  if (lua_rawlen(L, index) != 2) fail_here(L, "expected n or {least, most}");
+  CountRange range;
+  each_entry(L, index, [&](lua_Integer k) { (k == 1 ? range.least : range.most) = read(-1); });
+  return range;
+}
+
 WorldRecord& tested_world(lua_State* L) {
   WorldRecord* const r = state(L).current();
   if (!r || !r->world) fail_here(L, "there is no world");
@@ -176,9 +209,11 @@ void open_expect(lua_State* L) {
   push_module(L);
   lua_newtable(L);
   add_methods(L, kExpectations, "expect.", 0);
-  add_methods(L, physics_expectations(), "expect.", 0);
+  for (const auto rows : {object_expectations(), place_expectations(), world_expectations()})
+    add_methods(L, rows, "expect.", 0);
   lua_newtable(L);
   set_field(L, "__call", expect_condition);
+  refuse_unknown(L, "expect");
   set_field(L, "__metatable", false);
   lua_setmetatable(L, -2);
   lua_pushvalue(L, -1);

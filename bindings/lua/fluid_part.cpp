@@ -2,6 +2,8 @@
 // made, from 1.
 #include "lua/fluid_part.h"
 
+#include <algorithm>
+
 #include "lua/buffer.h"
 #include "lua/yaml_scene.h"
 
@@ -76,6 +78,15 @@ std::array<double, 2> fluid_mass(const Liquid& f) {
   return {each * static_cast<double>(f.system.particle_count(f.id)), each};
 }
 
+// Particles at the surface lack neighbours, not density.
+double fluid_volume(const Liquid& f) {
+  std::vector<Real> ratios;
+  asked(f).densities(f.id, ratios);
+  double sum = 0;
+  for (const Real r : ratios) sum += 1 / std::max(1.0, static_cast<double>(r));
+  return sum * static_cast<double>(f.system.particle_mass(f.id) / f.system.desc(f.id).density);
+}
+
 Real fluid_spacing(const Liquid& f) { return f.system.desc(f.id).spacing; }
 
 template <bool kRunning>
@@ -106,6 +117,8 @@ const Method kFluidMethods[] = {
     {"height_at", guard<fluid_height_at>, "fluid:height_at(x, z) -> y", "of the free surface, or nil"},
     {"surface", guard<fluid_surface>, "fluid:surface([buffer]) -> buffer, count", "particles at the surface"},
     {"mass", method<fluid_mass>, "fluid:mass() -> number, number", "of all, and of one particle, kg"},
+    {"volume", method<fluid_volume>, "fluid:volume() -> number",
+     "mass over density, which counts as that at rest where it is less, m3"},
     {"spacing", method<fluid_spacing>, "fluid:spacing() -> number", "m"},
 };
 

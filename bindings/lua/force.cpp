@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forces/forces.h"
 #include "lua/method.h"
 
 namespace feder::lua {
@@ -165,22 +164,9 @@ void read_between(Options& o, WorldRecord& record, ForceEntry& target, Params& o
   options.set("between", true);
 }
 
-// The entry of a force; null when the world has none.
-ForceEntry* find_entry(World& world, ObjectId id) {
-  if (Forces* forces = world.store().find<Forces>())
-    for (ForceEntry& e : forces->list)
-      if (e.object == id) return &e;
-  return nullptr;
-}
+void force_set_enabled(const Self& self, bool enabled) { self.world.set_force_enabled(self.id, enabled); }
 
-void force_set_enabled(const Self& self, bool enabled) {
-  if (ForceEntry* e = find_entry(self.world, self.id)) e->enabled = enabled;
-}
-
-bool force_enabled(const Self& self) {
-  const ForceEntry* e = find_entry(self.world, self.id);
-  return e && e->enabled;
-}
+bool force_enabled(const Self& self) { return self.world.force_enabled(self.id); }
 
 const Method kForceMethods[] = {
     {"enabled", method<force_enabled>, "force:enabled() -> boolean", "does the force act?"},
@@ -260,10 +246,8 @@ void apply_script_forces(lua_State* L, WorldRecord& record) {
   if (record.forces.empty()) return;
   luaL_checkstack(L, 16, "forces");
   std::vector<ScriptForce> enabled;
-  for (ScriptForce& f : record.forces) {
-    const ForceEntry* e = find_entry(*record.world, f.object);
-    if (e && e->enabled) enabled.push_back(f);
-  }
+  for (const ScriptForce& f : record.forces)
+    if (record.world->force_enabled(f.object)) enabled.push_back(f);
   ForceRun run(L, record, std::move(enabled));  // a copy: a function may destroy forces, its own too
   for (const Part* part : state(L).options.parts)
     if (part->apply_forces) part->apply_forces(run);

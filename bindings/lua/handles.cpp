@@ -155,6 +155,7 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   const auto word = [&random] { return static_cast<std::uint64_t>(random()) << 32 | random(); };
   record->key.a = word(), record->key.b = word();
   record->world = std::make_unique<World>(settings.desc, s.options.systems);
+  if (s.options.made) s.options.made(*record->world);
 
   WorldBlock& block = push_userdata(L, Class::world, WorldBlock{kNone}, 1);
   lua_newtable(L);
@@ -205,7 +206,7 @@ void close_world(lua_State* L, WorldRecord& record) {
   record.subscriptions = {};
   record.timers = {};
   record.tasks = {};
-  record.forces = {};
+  record.forces = record.lost_forces = {};
   record.special.clear();
   record.world.reset();
 }
@@ -295,8 +296,12 @@ void push_handle(lua_State* L, WorldRecord& record, ObjectId id) {
 static void destroy_force(lua_State* L, WorldRecord& record, ObjectId id, const std::string& where) {
   record.world->remove_force(id, where);
   std::erase_if(record.forces, [&](const ScriptForce& f) {
-    if (f.object == id) drop(L, record, f.function);
-    return f.object == id;
+    if (f.object != id) return false;
+    if (record.has_snapshots)
+      record.lost_forces.push_back(f);
+    else
+      drop(L, record, f.function);
+    return true;
   });
   for (const Part* part : state(L).options.parts)
     if (part->clear_forces) part->clear_forces(*record.world);
@@ -352,7 +357,6 @@ void invalidate_lost(lua_State* L, WorldRecord& record, const std::string& where
     lua_rawseti(L, -2, cache_key(id));
   }
   lua_pop(L, 1);
-  std::erase_if(record.forces, [&](const ScriptForce& f) { return !objects.alive(f.object); });
 }
 
 std::string describe_object(lua_State* L, int index, Class c) {

@@ -33,13 +33,6 @@ fs::path inside(const fs::path& folder, const fs::path& name) {
   return end == root.end() ? folder / name : fs::path();
 }
 
-// Modules of feder's own that this build lacks.
-bool is_left_out(const std::string& name) {
-  constexpr std::string_view own = "feder.", without = "," FEDER_WITHOUT ",view,study,";  // the last two: to come
-  if (name.rfind(own, 0) != 0) return false;
-  return without.find("," + name.substr(own.size()) + ",") != std::string_view::npos;
-}
-
 void run_module(lua_State* L, const std::string& name, const fs::path& file) {
   State& s = state(L);
   record_file(s, file);
@@ -67,6 +60,12 @@ bool is_data_name(const std::string& name) {
 }
 
 }  // namespace
+
+bool is_left_out(const std::string& name) {
+  constexpr std::string_view own = "feder.", without = "," FEDER_WITHOUT ",view,study,";  // the last two: to come
+  if (name.rfind(own, 0) != 0) return false;
+  return without.find("," + name.substr(own.size()) + ",") != std::string_view::npos;
+}
 
 std::string read_text(const fs::path& file) {
   std::error_code error;

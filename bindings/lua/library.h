@@ -4,6 +4,8 @@
 
 namespace feder::lua {
 
+// "feder.cloth": a module of feder's own that this build lacks?
+bool is_left_out(const std::string& name);
 int lua_require(lua_State* L);
 int feder_load(lua_State* L);
 // Pushes what the text of a YAML file says, by the host's reader; its error has the location in the file.

@@ -61,17 +61,23 @@ const Method kFederFunctions[] = {
     {"version", method<feder_version>, "feder.version() -> string", "of feder"},
 };
 
-// A name that the module has not.
 int unknown_function(lua_State* L) {
-  if (lua_type(L, 2) != LUA_TSTRING) fail(L, "feder has nothing under " + describe(L, 2));
+  const std::string owner = lua_tostring(L, lua_upvalueindex(1));
+  if (lua_type(L, 2) != LUA_TSTRING) fail(L, owner + " has nothing under " + describe(L, 2));
   std::vector<std::string> known;
   for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1))
     if (lua_type(L, -2) == LUA_TSTRING) known.emplace_back(lua_tostring(L, -2));
   std::sort(known.begin(), known.end());
-  fail(L, "feder has no '" + std::string(text_at(L, 2)) + "'" + did_you_mean(text_at(L, 2), known));
+  fail(L, owner + " has no '" + std::string(text_at(L, 2)) + "'" + did_you_mean(text_at(L, 2), known));
 }
 
 }  // namespace
+
+void refuse_unknown(lua_State* L, const char* name) {
+  push(L, name);
+  lua_pushcclosure(L, guard<unknown_function>, 1);
+  lua_setfield(L, -2, "__index");
+}
 
 void open_module(lua_State* L) {
   make_class(L, Class::shape, {shape_methods()});
@@ -88,7 +94,7 @@ void open_module(lua_State* L) {
   for (const Part* part : state(L).options.parts) add_methods(L, part->functions, "feder.", 0);
   set_field(L, "pi", 3.14159265358979323846);
   lua_newtable(L);
-  set_field(L, "__index", guard<unknown_function>);
+  refuse_unknown(L, "feder");
   lua_setmetatable(L, -2);
   lua_rawgeti(L, LUA_REGISTRYINDEX, state(L).modules_ref);
   lua_pushvalue(L, -2);
@@ -115,7 +121,8 @@ std::vector<DocRow> docs(std::span<const Part* const> parts) {
   for (const Part* p : parts)
     for (const ObjectClass& c : p->classes) add(c.name, c.methods);
   add("force", force_methods()), add("shape", shape_methods()), add("buffer", buffer_methods());
-  add("expect", expect_methods()), add("expect", physics_expectations());
+  add("expect", expect_methods()), add("expect", object_expectations());
+  add("expect", place_expectations()), add("expect", world_expectations());
   add("connection", connection_methods()), add("task", task_methods()), add("event", event_methods());
   return rows;
 }

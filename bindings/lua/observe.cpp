@@ -6,6 +6,21 @@
 #include "feder/world.h"
 
 namespace feder::lua {
+namespace {
+
+void observe_contact(Observed& observed, const Event& e, double time) {
+  const std::pair pair(e.a, e.b);
+  if (e.kind == EventKind::contact_begin && observed.touches.size() < Observed::kMaxTouches) {
+    observed.lasts[pair] = observed.touches.size();
+    observed.touches.push_back({e.a, e.b, time});
+  } else if (const auto at = observed.lasts.find(pair);
+             e.kind == EventKind::contact_end && at != observed.lasts.end()) {
+    observed.touches[at->second].end = time;
+    observed.lasts.erase(at);
+  }
+}
+
+}  // namespace
 
 std::uint64_t Observed::count(EventKind kind) const {
   for (const auto& [known, n] : counts)
@@ -32,6 +47,7 @@ void observe_step(World& world, Observed& observed) {
         std::rotate(at, at + 1, observed.counts.end());
     }
     ++observed.counts.back().second;
+    observe_contact(observed, e, world.time());
     if (e.kind != EventKind::warning) continue;
     const std::string& code = events.warning_code(e);
     auto at = std::ranges::find_if(observed.warnings, [&](const auto& w) { return w.code == code; });

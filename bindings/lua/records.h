@@ -56,6 +56,8 @@ struct WorldRecord {
   Timers timers;
   Tasks tasks;
   std::vector<ScriptForce> forces;
+  std::vector<ScriptForce> lost_forces;  // that snapshots may bring back
+  bool has_snapshots = false;
   std::map<ObjectId, Class> special;  // objects whose class has another name than their kind: regions are bodies
   Appearance appearance;
   Observed observed;
@@ -80,6 +82,8 @@ struct Self {
   World& world;
   ObjectId id;
 };
+
+std::string hash_text(std::uint64_t hash);  // 16 hex digits
 
 // Makes a world and pushes its userdata.
 WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings);

@@ -29,5 +29,7 @@ void open_protected(lua_State* L);
 // The module table of require "feder" (module.cpp).
 void open_module(lua_State* L);
 void push_module(lua_State* L);  // that table
+// The metatable on top makes unknown names of a table of functions errors, with the nearest one.
+void refuse_unknown(lua_State* L, const char* name);
 
 }  // namespace feder::lua

@@ -63,6 +63,7 @@ constexpr Option<GoldenWish> kGolden[] = {
     field<&GoldenWish::position>("position", "m", kNotNegative),
     field<&GoldenWish::rotation>("rotation", "rad", kNotNegative),
     field<&GoldenWish::energy>("energy", "", kNotNegative),
+    field<&GoldenWish::relative>("relative", "", kNotNegative),
 };
 
 // golden = { position = 1e-3, ... } or true

@@ -1,6 +1,7 @@
 // A step as scripts see it, and snapshots with their owner key.
 #include "lua/step.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -43,6 +44,20 @@ std::uint64_t sip_hash(const SipKey& key, std::string_view text) {
 
 constexpr std::string_view kHeader = "feder snapshot\n";
 
+// Those with these functions act again, and no others.
+void restore_forces(WorldRecord& record, const std::vector<int>& functions) {
+  std::vector<ScriptForce>& lost = record.lost_forces;
+  lost.insert(lost.end(), record.forces.begin(), record.forces.end());
+  record.forces.clear();
+  for (const int function : functions) {
+    const auto at = std::ranges::find(lost, function, &ScriptForce::function);
+    if (at == lost.end()) continue;
+    record.forces.push_back(std::move(*at));
+    record.forces.back().held.clear();
+    lost.erase(at);
+  }
+}
+
 struct Busy {
   explicit Busy(WorldRecord& r) : record(r) { record.busy = true; }
   ~Busy() { record.busy = false; }
@@ -73,7 +88,11 @@ std::string write_snapshot(WorldRecord& record) {
   Writer w(body);
   w.add(static_cast<std::uint64_t>(record.special.size()));
   for (const auto& [id, kind] : record.special) w.add(id), w.add(kind);
-  body += record.world->snapshot();
+  std::vector<int> functions;
+  for (const ScriptForce& f : record.forces) functions.push_back(f.function);
+  w.list(functions);
+  w.text(record.world->snapshot());
+  record.has_snapshots = true;
   const std::uint64_t owner_key = sip_hash(record.key, body);
   std::string text(kHeader);
   text.append(reinterpret_cast<const char*>(&owner_key), sizeof owner_key);
@@ -89,17 +108,19 @@ void restore_snapshot(lua_State* L, WorldRecord& record, std::string_view text) 
   if (owner_key != sip_hash(record.key, text)) throw SceneError("the snapshot is another world's, or has been changed");
   Reader r(text);
   std::map<ObjectId, Class> special;
-  std::uint64_t count = 0;
-  std::size_t used = sizeof count;
-  for (r.get(count); count > 0; --count, used += sizeof(ObjectId) + sizeof(Class)) {
+  for (auto count = r.get<std::uint64_t>(); count > 0; --count) {
     ObjectId id;
     r.get(id), r.get(special[id]);
   }
+  std::vector<int> functions;
+  r.list(functions);
+  std::string image;
+  r.text(image);
   record_names(L, record);
-  record.world->restore(text.substr(used));
+  record.world->restore(image);
   record.special = std::move(special);
   record.subscriptions.events.clear();
-  for (ScriptForce& f : record.forces) f.held.clear();
+  restore_forces(record, functions);
   for (auto& s : record.subscriptions.all)
     if (s->self && !record.world->objects().alive(s->self)) unsubscribe(L, record, s->id);
   invalidate_lost(L, record, short_location(L) + " (world:restore)");

@@ -50,11 +50,7 @@ int world_residuals(lua_State* L) {
   return 1;
 }
 
-std::string world_hash(WorldRecord& r) {
-  char text[20];
-  std::snprintf(text, sizeof text, "%016" PRIx64, r.world->hash());
-  return text;
-}
+std::string world_hash(WorldRecord& r) { return hash_text(r.world->hash()); }
 
 void world_restore(WorldRecord& r, lua_State* L) {
   if (lua_type(L, 2) != LUA_TSTRING)
@@ -176,5 +172,11 @@ std::size_t number_in(lua_State* L, int index, std::size_t count, const char* wh
 }
 
 std::span<const Method> world_methods() { return kWorldMethods; }
+
+std::string hash_text(std::uint64_t hash) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016" PRIx64, hash);
+  return text;
+}
 
 }  // namespace feder::lua

@@ -118,9 +118,13 @@ std::string failure_text(const TestFailure& f) { return f.where.empty() ? f.mess
 std::vector<std::string> failure_details(const TestFailure& f) {
   std::vector<std::string> lines;
   if (!f.source.empty()) lines.push_back("> " + f.source);
+  if (!f.marks.empty()) lines.push_back("  " + f.marks);
   std::string text = f.step > 0 ? fmt::format("at {:.4g} s, step {}", f.time, f.step) : "";
-  const std::pair<const char*, const std::string*> parts[] = {
-      {"", &f.object}, {"expected ", &f.expected}, {"got ", &f.actual}, {"tolerance ", &f.tolerance}};
+  const std::pair<const char*, const std::string*> parts[] = {{"", &f.object},
+                                                              {"expected ", &f.expected},
+                                                              {"got ", &f.actual},
+                                                              {"delta ", &f.delta},
+                                                              {"tolerance ", &f.tolerance}};
   // what the message says is not said again
   for (const auto& [word, value] : parts)
     if (!value->empty() && f.message.find(*value) == std::string::npos)

@@ -18,10 +18,11 @@ const char* name_of(TestStatus status);
 struct TestFailure {
   std::string where = {};  // file:line, may be empty
   std::string message = {};
-  std::string source = {};                                              // that line of the script
-  double time = 0;                                                      // s, simulated
-  int step = 0;                                                         // steps done; 0: not said
-  std::string object = {}, expected = {}, actual = {}, tolerance = {};  // may be empty
+  std::string source = {};  // that line of the script
+  std::string marks = {};   // below it: a caret under the call that failed
+  double time = 0;          // s, simulated
+  int step = 0;             // steps done; 0: not said
+  std::string object = {}, expected = {}, actual = {}, delta = {}, tolerance = {};  // may be empty
 };
 
 struct TestResult {
@@ -43,6 +44,7 @@ struct TestResult {
   std::vector<TestFailure> failures;
   std::vector<TestFailure> notes;  // that fail nothing
   std::vector<std::string> drawn;  // NAME=VALUE of a counter-example
+  std::string seed;                // of --seed when it was found
   std::string again;               // the command that shows the failure
   std::vector<std::string> files;  // that it has read
   Coverage lines;
@@ -71,8 +73,8 @@ Json test_json(const std::vector<TestResult>& results);
 
 // One result between two processes.
 void fields(auto& f, auto& v, const TestFailure*) {
-  v("where", f.where)("message", f.message)("source", f.source)("time", f.time)("step", f.step);
-  v("object", f.object)("expected", f.expected)("actual", f.actual)("tolerance", f.tolerance);
+  v("where", f.where)("message", f.message)("source", f.source)("marks", f.marks)("time", f.time)("step", f.step);
+  v("object", f.object)("expected", f.expected)("actual", f.actual)("delta", f.delta)("tolerance", f.tolerance);
 }
 void fields(auto& r, auto& v, const TestResult*) {
   v("name", r.name).named("status", r.status, {TestStatus::passed, TestStatus::failed, TestStatus::skipped});
@@ -80,7 +82,7 @@ void fields(auto& r, auto& v, const TestResult*) {
   v("notice", r.notice).part("failures", r.failures).part("notes", r.notes);
   v("output", r.output)("diff", r.diff)("events", r.events)("scene", r.scene)("loaded", r.loaded)("exceeded",
                                                                                                   r.exceeded);
-  v("drawn", r.drawn)("again", r.again)("files", r.files)("lines", r.lines);
+  v("drawn", r.drawn)("seed", r.seed)("again", r.again)("files", r.files)("lines", r.lines);
 }
 
 }  // namespace feder::report

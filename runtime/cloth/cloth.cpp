@@ -120,7 +120,7 @@ void clamp_border(const ClothMesh& mesh, std::span<const std::uint32_t> clamped,
 
 Cloth::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), vertices(s.store.need<ClothVertices>(kName)), store(s.store),
-      watched(s.store.need<Watch>("watch")), objects(s.objects), events(s.events),
+      watched(s.store.need<Watch>("watch")), objects(s.objects), commands(s.commands), events(s.events),
       structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
       surfaces(s.store.need<Surfaces>("contact")), delta_position(surfaces.delta_position), before(surfaces.before),
       velocity(surfaces.velocity) {}
@@ -180,6 +180,7 @@ void Cloth::Impl::lump_mass(Sheet& s) {
 }
 
 ObjectId Cloth::add_cloth(const ClothDesc& desc) {
+  const Command command(impl_->commands, "cloth.add_cloth", desc);
   check_numbers(desc);
   Impl& m = *impl_;
   auto s = std::make_unique<Sheet>(m.arena);
@@ -257,6 +258,7 @@ std::vector<std::uint32_t> Cloth::named(ObjectId id, const std::string& name) co
 }
 
 void Cloth::destroy_cloth(ObjectId id, std::string where) {
+  const Command command(impl_->commands, "cloth.destroy_cloth", id, where);
   Impl& m = *impl_;
   const std::uint32_t index = m.objects.index(id);
   FEDER_ASSERT(index < m.sheets.size() && m.sheets[index]->object == id);

@@ -28,6 +28,7 @@ Real Cloth::point_mass(ObjectId id, std::size_t i) const { return impl_->vertice
 bool Cloth::pinned(ObjectId id, std::size_t i) const { return impl_->vertices.inv_mass[impl_->vertex(id, i)] == 0; }
 
 void Cloth::set_point(ObjectId id, std::size_t i, const Vec3& x) {
+  const Command command(impl_->commands, "cloth.set_point", id, i, x);
   const std::uint32_t at = impl_->vertex(id, i);
   if (!is_finite(x)) throw SceneError("set_point: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
@@ -35,6 +36,7 @@ void Cloth::set_point(ObjectId id, std::size_t i, const Vec3& x) {
 }
 
 void Cloth::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
+  const Command command(impl_->commands, "cloth.set_velocity", id, i, v);
   const std::uint32_t at = impl_->vertex(id, i);
   if (!is_finite(v)) throw SceneError("set_velocity: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
@@ -43,6 +45,7 @@ void Cloth::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
 }
 
 void Cloth::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
+  const Command command(impl_->commands, "cloth.apply_impulse", id, i, impulse);
   const std::uint32_t at = impl_->vertex(id, i);
   if (!is_finite(impulse)) throw SceneError("apply_impulse: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
@@ -51,6 +54,7 @@ void Cloth::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
 }
 
 void Cloth::pin(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "cloth.pin", id, i);
   const std::uint32_t at = impl_->vertex(id, i);
   impl_->vertices.inv_mass[at] = 0;
   impl_->vertices.velocity[at] = Vec3::Zero();
@@ -59,6 +63,7 @@ void Cloth::pin(ObjectId id, std::size_t i) {
 }
 
 void Cloth::unpin(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "cloth.unpin", id, i);
   const std::uint32_t at = impl_->vertex(id, i);
   Sheet& s = impl_->sheet(id);
   if (s.state.frozen) return;
@@ -137,6 +142,7 @@ void Cloth::smooth_positions(ObjectId id, std::vector<Vec3>& out) const {
 }
 
 void Cloth::set_script_force(ObjectId id, std::size_t i, const Vec3& force) {
+  const Command command(impl_->commands, "cloth.set_script_force", id, i, force);
   const std::uint32_t at = impl_->vertex(id, i);
   if (!is_finite(force)) throw SceneError("force: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::force, {});
@@ -144,16 +150,24 @@ void Cloth::set_script_force(ObjectId id, std::size_t i, const Vec3& force) {
 }
 
 void Cloth::clear_script_forces() {
+  const Command command(impl_->commands, "cloth.clear_script_forces");
   for (Vec3& f : impl_->vertices.script_force) f = Vec3::Zero();
 }
 
 int Cloth::substeps(ObjectId id) const { return impl_->sheet(id).state.substeps; }
 bool Cloth::asleep(ObjectId id) const { return impl_->sheet(id).state.asleep != 0; }
 bool Cloth::quarantined(ObjectId id) const { return impl_->sheet(id).state.frozen != 0; }
-void Cloth::wake(ObjectId id, WakeCause cause, ObjectId other) { impl_->wake(impl_->sheet(id), cause, other); }
-void Cloth::sleep(ObjectId id) { impl_->put_to_sleep(impl_->sheet(id)); }
+void Cloth::wake(ObjectId id, WakeCause cause, ObjectId other) {
+  const Command command(impl_->commands, "cloth.wake", id, cause, other);
+  impl_->wake(impl_->sheet(id), cause, other);
+}
+void Cloth::sleep(ObjectId id) {
+  const Command command(impl_->commands, "cloth.sleep", id);
+  impl_->put_to_sleep(impl_->sheet(id));
+}
 
 void Cloth::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
+  const Command command(impl_->commands, "cloth.attach", id, i, body, local);
   const std::uint32_t at = impl_->vertex(id, i);
   if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
     throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
@@ -166,6 +180,7 @@ void Cloth::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local)
 }
 
 void Cloth::detach(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "cloth.detach", id, i);
   const std::uint32_t at = impl_->vertex(id, i);
   if (std::erase_if(impl_->attachments, [&](const Attachment& a) { return a.vertex == at; }) == 0) return;
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
@@ -174,6 +189,7 @@ void Cloth::detach(ObjectId id, std::size_t i) {
 }
 
 void Cloth::detach_body(ObjectId body) {
+  const Command command(impl_->commands, "cloth.detach_body", body);
   for (const Attachment& a : impl_->attachments)
     if (a.body == body) impl_->sheet(a.cloth).paths_stale = true;
   if (std::erase_if(impl_->attachments, [&](const Attachment& a) { return a.body == body; }) > 0)

@@ -7,6 +7,7 @@
 #include "feder/force.h"
 #include "forces/forces.h"
 #include "state/cloth_vertices.h"
+#include "state/command_log.h"
 #include "state/surface.h"
 #include "step/watch.h"
 
@@ -20,6 +21,7 @@ struct Cloth::Impl {
   Store& store;
   Watch& watched;
   Objects& objects;
+  CommandLog& commands;
   Events& events;
   bool* structure_changed;
   const Real air_density;  // kg/m^3, of still air

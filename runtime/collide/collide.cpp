@@ -12,7 +12,7 @@
 namespace feder {
 
 Collide::Impl::Impl(SystemSetup& setup)
-    : arena(setup.store.arena(kName)), colliders(&setup.store.need<Colliders>(kName)),
+    : arena(setup.store.arena(kName)), commands(setup.commands), colliders(&setup.store.need<Colliders>(kName)),
       contacts(&setup.store.need<Contacts>(kName)), book(&setup.store.need<ContactBook>(kName)),
       narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")) {
   broad =
@@ -64,6 +64,7 @@ bool Collide::Impl::excluded(ObjectId a, ObjectId b) const {
 }
 
 void Collide::exclude(ObjectId a, ObjectId b) {
+  const Command command(impl_->commands, "collide.exclude", a, b);
   Array<Exclusion>& list = impl_->exclusions;
   const auto it = place_of(list, a, b);
   if (impl_->excluded(a, b)) return void(++it->count);
@@ -72,6 +73,7 @@ void Collide::exclude(ObjectId a, ObjectId b) {
 }
 
 void Collide::include(ObjectId a, ObjectId b) {
+  const Command command(impl_->commands, "collide.include", a, b);
   if (!impl_->excluded(a, b)) return;
   const auto it = place_of(impl_->exclusions, a, b);
   FEDER_ASSERT(it->count > 0);
@@ -93,6 +95,7 @@ void Collide::check_shape(const Shape& shape) const {
 }
 
 std::uint16_t Collide::material(std::string_view name) {
+  const Command command(impl_->commands, "collide.material", name);
   std::vector<std::string>& list = impl_->materials;
   const auto it = std::find(list.begin(), list.end(), name);
   if (it != list.end()) return static_cast<std::uint16_t>(it - list.begin() + 1);
@@ -102,9 +105,10 @@ std::uint16_t Collide::material(std::string_view name) {
 }
 
 void Collide::set_material_pair(const MaterialPair& pair) {
+  const Command command(impl_->commands, "collide.set_material_pair", pair);
   MaterialPair p = pair;
   if (p.a > p.b) std::swap(p.a, p.b);
-  FEDER_ASSERT(p.b <= impl_->materials.size());
+  if (p.b > impl_->materials.size()) throw SceneError("set_material_pair: expected numbers of known materials");
   std::vector<MaterialPair>& list = impl_->material_pairs;
   const auto same = [&](const MaterialPair& q) { return q.a == p.a && q.b == p.b; };
   const auto it = std::find_if(list.begin(), list.end(), same);

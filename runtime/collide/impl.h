@@ -9,6 +9,7 @@
 #include "feder/query.h"
 #include "narrow/narrow_phase.h"
 #include "state/colliders.h"
+#include "state/command_log.h"
 #include "state/contact_book.h"
 #include "state/contacts.h"
 
@@ -151,6 +152,7 @@ struct Collide::Impl {
   }
 
   Arena& arena;
+  CommandLog& commands;
   Colliders* colliders;
   Contacts* contacts;
   ContactBook* book;

@@ -35,7 +35,7 @@ void check_desc(const FluidDesc& d) {
 }  // namespace
 
 Fluid::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)), objects(s.objects), watched(s.store.need<Watch>("watch")),
+    : arena(s.store.arena(kName)), objects(s.objects), commands(s.commands), watched(s.store.need<Watch>("watch")),
       boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed) {}
 
 const SystemDescriptor& Fluid::descriptor() {
@@ -100,6 +100,7 @@ std::size_t Fluid::count() const {
 }
 
 ObjectId Fluid::add_fluid(const FluidDesc& desc) {
+  const Command command(impl_->commands, "fluid.add_fluid", desc);
   check_desc(desc);
   find_variant(fluid_solvers(), desc.solver, "fluid solver");
   Impl& m = *impl_;
@@ -111,6 +112,7 @@ ObjectId Fluid::add_fluid(const FluidDesc& desc) {
 }
 
 void Fluid::destroy_fluid(ObjectId id, std::string where) {
+  const Command command(impl_->commands, "fluid.destroy_fluid", id, where);
   Impl& m = *impl_;
   std::vector<ObjectId> emitters, drains;
   for (const FluidEmitter& e : m.emitters)
@@ -127,6 +129,7 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
 
 // A lattice of whole cells in the shape's box: centred in it along x and z, from its bottom upwards along y.
 std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const Vec3& velocity) {
+  const Command command(impl_->commands, "fluid.fill", id, shape, pose, velocity);
   FluidPool& p = impl_->pool(id);
   const Aabb box = shape.bounds(Pose{});
   const double d = p.desc.spacing;
@@ -162,6 +165,7 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
 }
 
 std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& velocity) {
+  const Command command(impl_->commands, "fluid.fill_points", id, points, velocity);
   Impl& m = *impl_;
   FluidPool& p = m.pool(id);
   if (!is_finite(velocity)) throw SceneError("fluid: fill: expected a finite velocity");
@@ -199,6 +203,7 @@ FluidPool& Fluid::pool_at(std::size_t n) {
 }
 
 void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
+  const Command command(impl_->commands, "fluid.set_velocities", id, v);
   FluidPool& p = impl_->pool(id);
   if (v.size() != p.count)
     throw SceneError("set_velocities: expected " + std::to_string(p.count) + " velocities, one per particle, got " +

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluid/solver.h"
+#include "state/command_log.h"
 #include "step/watch.h"
 
 namespace feder {
@@ -40,6 +41,7 @@ struct Fluid::Impl {
 
   Arena& arena;
   Objects& objects;
+  CommandLog& commands;
   Watch& watched;
   Boundary& boundary;
   int dimension;
@@ -57,6 +59,10 @@ struct Fluid::Impl {
   FluidPool& pool(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kFluidKind);
     return *pools[objects.index(id)];
+  }
+  FluidEmitter& emitter(ObjectId id) {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kEmitterKind);
+    return emitters[objects.index(id)];
   }
   FluidSolver& solver_of(const FluidPool& p);
   void validate_sources() const;  // validate.cpp

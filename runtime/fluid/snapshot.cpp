@@ -4,20 +4,6 @@
 namespace feder {
 namespace {
 
-// Fields of a description that are saved as bytes; its strings follow.
-template <class D, class F>
-void each_number(D& d, F&& f) {
-  f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.support), f(d.stiffness);
-  f(d.iterations), f(d.compression), f(d.artificial_viscosity), f(d.max_substeps), f(d.max_particles),
-      f(d.gravity_scale);
-  f(d.group), f(d.mask);
-}
-
-template <class D, class F>
-void each_word(D& d, F&& f) {
-  f(d.name), f(d.solver), f(d.kernel), f(d.neighbors);
-}
-
 template <class P, class F>
 void each_state(P& p, F&& f) {
   f(p.object), f(p.count), f(p.next_id), f(p.last_h), f(p.sound), f(p.too_dense), f(p.frozen), f(p.fresh);
@@ -42,8 +28,7 @@ void Fluid::hash(Hash& h) const {
 void Fluid::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(impl_->pools.size()));
   for (const auto& p : impl_->pools) {
-    each_number(p->desc, [&](const auto& x) { w.add(x); });
-    each_word(p->desc, [&](const std::string& s) { w.text(s); });
+    FluidDesc::each_field(p->desc, saved_to(w));
     each_state(*p, [&](const auto& x) { w.add(x); });
     for (std::uint32_t i = 0; i < p->count; ++i)
       w.add(p->x[i]), w.add(p->v[i]), w.add(p->lambda[i]), w.add(p->ratio[i]), w.add(p->id[i]);
@@ -58,8 +43,7 @@ void Fluid::load(Reader& r) {
   const auto pools = r.get<std::uint64_t>();
   for (std::uint64_t k = 0; k < pools; ++k) {
     FluidDesc d;
-    each_number(d, [&](auto& x) { r.get(x); });
-    each_word(d, [&](std::string& s) { r.text(s); });
+    FluidDesc::each_field(d, loaded_from(r));
     auto p = std::make_unique<FluidPool>(m.arena, d, m.dimension);
     each_state(*p, [&](auto& x) { r.get(x); });
     const std::uint32_t count = p->count;

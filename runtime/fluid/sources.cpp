@@ -56,6 +56,7 @@ void Fluid::Impl::make_room() {
 }
 
 ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
+  const Command command(impl_->commands, "fluid.add_emitter", fluid, d);
   Impl& m = *impl_;
   const Need need{"emitter"};
   need(d.speed > 0 && is_finite(d.speed), "speed", "a finite number above 0", d.speed);
@@ -86,7 +87,9 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
 }
 
 ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose) {
+  const Command command(impl_->commands, "fluid.add_drain", fluid, name, tags, shape, pose);
   Impl& m = *impl_;
+  if (!shape) throw SceneError("drain: expected a shape");
   FluidDrain d;
   d.fluid = fluid;
   d.shape = static_cast<std::uint32_t>(m.shapes.size());
@@ -98,18 +101,24 @@ ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapeP
   return d.object;
 }
 
-void Fluid::destroy_emitter(ObjectId id, std::string where) { impl_->destroy(impl_->emitters, id, std::move(where)); }
+void Fluid::destroy_emitter(ObjectId id, std::string where) {
+  const Command command(impl_->commands, "fluid.destroy_emitter", id, where);
+  impl_->destroy(impl_->emitters, id, std::move(where));
+}
 
-void Fluid::destroy_drain(ObjectId id, std::string where) { impl_->destroy(impl_->drains, id, std::move(where)); }
+void Fluid::destroy_drain(ObjectId id, std::string where) {
+  const Command command(impl_->commands, "fluid.destroy_drain", id, where);
+  impl_->destroy(impl_->drains, id, std::move(where));
+}
 
 void Fluid::set_running(ObjectId id, bool running) {
-  FEDER_ASSERT(impl_->objects.alive(id) && impl_->objects.kind(id) == kEmitterKind);
-  FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
+  const Command command(impl_->commands, "fluid.set_running", id, running);
+  FluidEmitter& e = impl_->emitter(id);
   e.running = running && !e.done;
   *impl_->structure_changed = true;
 }
 
-bool Fluid::running(ObjectId id) const { return impl_->emitters[impl_->objects.index(id)].running != 0; }
+bool Fluid::running(ObjectId id) const { return impl_->emitter(id).running != 0; }
 
 std::uint64_t Fluid::passed(ObjectId id) const {
   const std::uint32_t index = impl_->objects.index(id);
@@ -122,9 +131,10 @@ ObjectId Fluid::fluid_of(ObjectId id) const {
 }
 
 void Fluid::aim(ObjectId id, const Vec3& position, const Vec3& direction) {
+  const Command command(impl_->commands, "fluid.aim", id, position, direction);
   if (!is_finite(position) || !is_finite(direction) || !(length(direction) > 0))
     throw SceneError("emitter: expected a finite position, and a direction that is not zero");
-  FluidEmitter& e = impl_->emitters[impl_->objects.index(id)];
+  FluidEmitter& e = impl_->emitter(id);
   e.position = position;
   e.direction = normalized_or(direction, vec3(0, -1, 0));
 }

@@ -5,6 +5,9 @@
 
 namespace feder {
 
+class Writer;
+class Reader;
+
 // The block: a world's forces in the order they were made.
 struct Forces {
   explicit Forces(Arena&) {}
@@ -14,7 +17,14 @@ struct Forces {
     for (const ForceEntry& f : list) count += f.enabled && f.force && f.force->depends_on_velocity();
     return count > 1 ? 1 / static_cast<Real>(count) : Real(1);
   }
+  void save(Writer& w) const;
+  void load(Reader& r);
+
   std::vector<ForceEntry> list;
+
+ private:
+  // Generators stay in memory while a snapshot may need them: images hold their indices.
+  mutable std::vector<std::shared_ptr<const Force>> pinned_;
 };
 
 // Is the force meant for that object, whoever evaluates it?

@@ -18,6 +18,7 @@ class Box final : public Shape {
   }
   int face(const Vec3& direction, Vec3* points) const override;
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
+  ShapeArguments arguments() const override { return {.sizes = {2.0 * half_[0], 2.0 * half_[1], 2.0 * half_[2]}}; }
   ShapePtr section() const override;
 
  private:

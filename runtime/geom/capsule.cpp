@@ -1,5 +1,7 @@
 // Capsule: a segment along y rounded by the radius.
 // Weak spot: rays solve their quadratic in Real, so those from thousands of radii away lose digits.
+#include <algorithm>
+
 #include "feder/shape.h"
 #include "geom/sizes.h"
 
@@ -8,7 +10,8 @@ namespace {
 
 class Capsule final : public Shape {
  public:
-  Capsule(Real radius, Real half) : Shape("capsule", true, radius), half_(half) {}
+  Capsule(Real radius, Real height)
+      : Shape("capsule", true, radius), half_(std::max(Real(0), height / 2 - radius)), height_(height) {}
 
   Aabb bounds(const Pose& pose) const override {
     const Vec3 y = rotate(pose.rotation, vec3(0, half_, 0)).cwiseAbs() + Vec3::Constant(radius_);
@@ -36,6 +39,7 @@ class Capsule final : public Shape {
     points[0] = vec3(0, -half_, 0), points[1] = vec3(0, half_, 0);
     return 2;
   }
+  ShapeArguments arguments() const override { return {.sizes = {radius_, height_}}; }
   ShapePtr section() const override {
     if (half_ == 0) return make_circle(radius_);
     const Vec2 ends[2] = {{0, -half_}, {0, half_}};
@@ -43,7 +47,8 @@ class Capsule final : public Shape {
   }
 
  private:
-  Real half_;  // of the segment, m
+  Real half_;    // of the segment, m
+  Real height_;  // with its caps, m
 };
 
 // The side as an endless cylinder; hits beyond its ends go to the ball there.
@@ -80,7 +85,7 @@ ShapePtr make(const ShapeInput& in) {
   if (height < 2 * radius * (1 - Real(1e-6)))
     throw SceneError("capsule: expected a height of at least twice the radius " + std::to_string(radius) + ", got " +
                      std::to_string(height));
-  return std::make_shared<Capsule>(radius, std::max(Real(0), height / 2 - radius));
+  return std::make_shared<Capsule>(radius, height);
 }
 
 }  // namespace

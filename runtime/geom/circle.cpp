@@ -34,6 +34,7 @@ class Circle final : public Shape {
     return round_distance(vec3(p[0], p[1], 0), radius_, vec3(0, 1, 0), normal);
   }
   Vec3 support(const Vec3&) const override { return Vec3::Zero(); }
+  ShapeArguments arguments() const override { return {.sizes = {radius_}}; }
   ShapePtr section() const override { return make_circle(radius_); }
 };
 

@@ -8,7 +8,8 @@ namespace {
 
 class Compound final : public Shape {
  public:
-  explicit Compound(std::vector<CompoundPart> parts) : Shape("compound", false), parts_(std::move(parts)) {
+  Compound(std::vector<CompoundPart> parts, std::vector<CompoundPart> given)
+      : Shape("compound", false), parts_(std::move(parts)), given_(std::move(given)) {
     planar_ = true;
     for (const CompoundPart& p : parts_) planar_ = planar_ && p.shape->planar();
   }
@@ -52,6 +53,7 @@ class Compound final : public Shape {
     }
     return nearest;
   }
+  ShapeArguments arguments() const override { return {.parts = given_}; }
   // Of the parts, which must lie in the plane themselves: their poses may only turn about z.
   ShapePtr section() const override {
     std::vector<CompoundPart> flat;
@@ -67,6 +69,7 @@ class Compound final : public Shape {
 
  private:
   std::vector<CompoundPart> parts_;
+  std::vector<CompoundPart> given_;  // before their rotations were scaled
 };
 
 }  // namespace
@@ -82,7 +85,7 @@ ShapePtr make(const ShapeInput& in) {
     if (!is_finite(p.pose.position)) throw SceneError("compound: a part's position is not finite");
     p.pose.rotation = normalized(p.pose.rotation);
   }
-  return std::make_shared<Compound>(std::move(parts));
+  return std::make_shared<Compound>(std::move(parts), std::vector<CompoundPart>(in.parts.begin(), in.parts.end()));
 }
 
 }  // namespace

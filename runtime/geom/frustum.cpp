@@ -133,6 +133,7 @@ class Frustum final : public Shape {
     return length(q - nearest);
   }
 
+  ShapeArguments arguments() const override { return {.sizes = {bottom_, 2.0 * half_}}; }
   ShapePtr section() const override {
     const Vec2 corners[4] = {{-bottom_, -half_}, {bottom_, -half_}, {top_, half_}, {-top_, half_}};
     return make_polygon(corners);

@@ -6,7 +6,8 @@
 
 namespace feder {
 
-Hull::Hull(HullData data) : Shape("hull", true), data_(std::move(data)) {}
+Hull::Hull(HullData data, std::span<const Vec3> points)
+    : Shape("hull", true), data_(std::move(data)), points_(points.begin(), points.end()) {}
 
 Aabb Hull::bounds(const Pose& pose) const {
   const Mat3 r = to_matrix(pose.rotation);
@@ -139,7 +140,7 @@ ShapeKind geom_hull() {
           "(points)",
           "the convex hull of a list of {x, y, z} or a buffer",
           {{"points", ShapeArgumentType::points}},
-          [](const ShapeInput& in) -> ShapePtr { return std::make_shared<Hull>(build_hull(in.points)); },
+          [](const ShapeInput& in) -> ShapePtr { return std::make_shared<Hull>(build_hull(in.points), in.points); },
           [] {
             const Vec3 wedge[6] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {-1, 1, -1}, {-1, 1, 1}};
             const Vec3 tetra[4] = {{0, 0, 0}, {Real(0.01), 0, 0}, {0, Real(0.02), 0}, {0, 0, Real(0.01)}};

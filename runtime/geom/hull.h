@@ -26,7 +26,7 @@ HullData build_hull(std::span<const Vec3> points);
 
 class Hull final : public Shape {
  public:
-  explicit Hull(HullData data);
+  Hull(HullData data, std::span<const Vec3> points);  // of those
   const HullData& data() const { return data_; }
 
   Aabb bounds(const Pose& pose) const override;
@@ -36,10 +36,12 @@ class Hull final : public Shape {
   Vec3 support(const Vec3& direction) const override;
   int face(const Vec3& direction, Vec3* points) const override;
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
+  ShapeArguments arguments() const override { return {.points = points_}; }
   ShapePtr section() const override;
 
  private:
   HullData data_;
+  std::vector<Vec3> points_;  // as given: quickhull's corners depend on their order
 };
 
 }  // namespace feder

@@ -52,6 +52,7 @@ class Mesh final : public Shape {
   }
   bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
+  ShapeArguments arguments() const override;
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
   Triangle triangle(std::uint32_t i) const override {
     const Corners& c = corners_[i];
@@ -72,10 +73,11 @@ class Mesh final : public Shape {
   }
 
   std::vector<Vec3> vertices_;
-  std::vector<Corners> corners_;    // in the order of the hierarchy's leaves
-  std::vector<std::uint8_t> flat_;  // Triangle::flat_edges
-  std::vector<Real> cosine_;        // Triangle::edge_cosine
-  std::vector<Aabb> boxes_;         // of the triangles
+  std::vector<Corners> corners_;      // in the order of the hierarchy's leaves
+  std::vector<std::uint32_t> given_;  // which of the triangles as they were given
+  std::vector<std::uint8_t> flat_;    // Triangle::flat_edges
+  std::vector<Real> cosine_;          // Triangle::edge_cosine
+  std::vector<Aabb> boxes_;           // of the triangles
   Arena arena_{"mesh"};
   BoxTree tree_{arena_};
 };
@@ -90,6 +92,7 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles)
   std::size_t at = 0;
   for (const std::uint32_t i : tree_.order()) {
     corners_[at++] = given[i];
+    given_.push_back(i);
     boxes_.push_back(boxes[i]);
   }
   tree_.number_in_order(boxes_);
@@ -124,6 +127,13 @@ void Mesh::find_neighbors() {
       cosine_[3 * own.triangle + own.edge] = outward ? std::abs(dot(n, m)) : -std::abs(dot(n, m));
     }
   }
+}
+
+ShapeArguments Mesh::arguments() const {
+  ShapeArguments out{.points = vertices_, .triangles = std::vector<std::uint32_t>(3 * corners_.size())};
+  for (std::size_t k = 0; k < corners_.size(); ++k)
+    std::copy_n(corners_[k].v, 3, out.triangles.begin() + 3 * static_cast<std::ptrdiff_t>(given_[k]));
+  return out;
 }
 
 // Two-sided, as contacts are. Möller and Trumbore 1997.

@@ -42,7 +42,8 @@ ShapePtr make(const ShapeInput& in) {
   if (!std::isfinite(distance)) throw SceneError("plane: expected a finite distance, got " + print_number(in.sizes[0]));
   const Vec3 n = in.direction / size;
   const Real rest = length(n);  // of rounding
-  return std::make_shared<Plane>(n / rest, distance / rest);
+  return std::make_shared<Plane>(n / rest, distance / rest,
+                                 ShapeArguments{.sizes = in.sizes, .direction = in.direction});
 }
 
 }  // namespace

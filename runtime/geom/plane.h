@@ -6,7 +6,8 @@ namespace feder {
 
 class Plane final : public Shape {
  public:
-  Plane(const Vec3& normal, Real distance) : Shape("plane", false), normal_(normal), distance_(distance) {}
+  Plane(const Vec3& normal, Real distance, ShapeArguments given)
+      : Shape("plane", false), normal_(normal), distance_(distance), given_(std::move(given)) {}
   const Vec3& normal() const { return normal_; }  // unit, out of the solid
   Real distance() const { return distance_; }     // of the surface from the origin along the normal, m
 
@@ -19,11 +20,13 @@ class Plane final : public Shape {
     return dot(p, normal_) - distance_;
   }
   bool half_space(Vec3& normal, Real& distance) const override { return normal = normal_, distance = distance_, true; }
+  ShapeArguments arguments() const override { return given_; }
   ShapePtr section() const override;
 
  private:
   Vec3 normal_;
   Real distance_;
+  ShapeArguments given_;  // before they were scaled
 };
 
 }  // namespace feder

@@ -174,6 +174,12 @@ Real Polygon::distance(const Vec3& p, Real, Vec3& normal) const {
   return round_distance(q - on, radius_, face, normal);
 }
 
+ShapeArguments Polygon::arguments() const {
+  ShapeArguments out{.sizes = {radius_}};
+  for (const Vec2& p : points_) out.points.push_back(vec3(p[0], p[1], 0));
+  return out;
+}
+
 ShapePtr Polygon::section() const { return std::make_shared<Polygon>(points_, radius_); }
 
 std::vector<Vec2> convex_hull_2d(std::span<const Vec2> points) {

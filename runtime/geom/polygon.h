@@ -19,6 +19,7 @@ class Polygon final : public Shape {
   Vec3 support(const Vec3& direction) const override;
   int face(const Vec3& direction, Vec3* points) const override;
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
+  ShapeArguments arguments() const override;
   ShapePtr section() const override;
 
  private:

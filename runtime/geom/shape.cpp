@@ -27,6 +27,8 @@ Triangle Shape::triangle(std::uint32_t) const { return {Vec3::Zero(), Vec3::Zero
 
 std::span<const CompoundPart> Shape::parts() const { return {}; }
 
+ShapeArguments Shape::arguments() const { throw SceneError(std::string("shape: this ") + kind_ + " has no arguments"); }
+
 ShapePtr Shape::section() const { throw SceneError(std::string("shape: a ") + kind_ + " has no 2D section"); }
 
 MassProperties transformed(const MassProperties& m, const Pose& pose) {

@@ -31,6 +31,7 @@ class Sphere final : public Shape {
     return round_distance(p, radius_, vec3(0, 1, 0), normal);
   }
   Vec3 support(const Vec3&) const override { return Vec3::Zero(); }
+  ShapeArguments arguments() const override { return {.sizes = {radius_}}; }
   ShapePtr section() const override { return make_circle(radius_); }
 };
 

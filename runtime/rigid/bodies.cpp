@@ -110,10 +110,9 @@ BodySolid solid_of(const BodyDesc& d, int dimension) {
 }  // namespace
 
 std::uint32_t Rigid::Impl::index(ObjectId body) const {
-  if (!objects.alive(body) || objects.kind(body) != kBodyKind)
-    throw SceneError("expected a living body, got " + objects.describe(body));
-  FEDER_ASSERT(objects.index(body) < bodies.size() && bodies.object[objects.index(body)] == body);
-  return objects.index(body);
+  const std::uint32_t i = objects.index(body, kBodyKind);
+  FEDER_ASSERT(i < bodies.size() && bodies.object[i] == body);
+  return i;
 }
 
 void Rigid::Impl::set_mass(std::uint32_t i) {

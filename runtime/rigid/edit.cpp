@@ -18,12 +18,21 @@ void check_not_negative(Real x, const char* what) {
 
 }  // namespace
 
-ObjectId Rigid::add_body(const BodyDesc& desc) { return impl_->add(desc); }
-void Rigid::destroy_body(ObjectId body, const std::string& where) { impl_->remove(impl_->index(body), where); }
+ObjectId Rigid::add_body(const BodyDesc& desc) {
+  const Command command(impl_->commands, "rigid.add_body", desc);
+  return impl_->add(desc);
+}
+void Rigid::destroy_body(ObjectId body, const std::string& where) {
+  const Command command(impl_->commands, "rigid.destroy_body", body, where);
+  impl_->remove(impl_->index(body), where);
+}
 const Bodies& Rigid::bodies() const { return impl_->bodies; }
 std::uint32_t Rigid::index(ObjectId body) const { return impl_->index(body); }
 Pose Rigid::pose(ObjectId body) const { return impl_->bodies.origin_pose(impl_->index(body)); }
-void Rigid::set_pose(ObjectId body, const Pose& origin) { impl_->set_pose(impl_->index(body), origin); }
+void Rigid::set_pose(ObjectId body, const Pose& origin) {
+  const Command command(impl_->commands, "rigid.set_pose", body, origin);
+  impl_->set_pose(impl_->index(body), origin);
+}
 
 Vec3 Rigid::velocity(ObjectId body) const { return impl_->bodies.velocity[impl_->index(body)]; }
 Vec3 Rigid::angular_velocity(ObjectId body) const { return impl_->bodies.angular_velocity[impl_->index(body)]; }
@@ -48,18 +57,21 @@ void Rigid::Impl::set_rate(std::uint32_t i, Array<Vec3>& rate, const Vec3& value
 }
 
 void Rigid::set_velocity(ObjectId body, const Vec3& v) {
+  const Command command(impl_->commands, "rigid.set_velocity", body, v);
   const std::uint32_t i = impl_->index(body);
   check(v, "set_velocity");
   impl_->set_rate(i, impl_->bodies.velocity, v, kLockX);
 }
 
 void Rigid::set_angular_velocity(ObjectId body, const Vec3& w) {
+  const Command command(impl_->commands, "rigid.set_angular_velocity", body, w);
   const std::uint32_t i = impl_->index(body);
   check(w, "set_angular_velocity");
   impl_->set_rate(i, impl_->bodies.angular_velocity, w, kLockRx);
 }
 
 void Rigid::apply_force(ObjectId body, const Vec3& force, const Vec3* world_point) {
+  const Command command(impl_->commands, "rigid.apply_force", body, force, world_point);
   const std::uint32_t i = impl_->index(body);
   check(force, "apply_force");
   if (world_point) check(*world_point, "apply_force (point)");
@@ -69,6 +81,7 @@ void Rigid::apply_force(ObjectId body, const Vec3& force, const Vec3* world_poin
 }
 
 void Rigid::apply_torque(ObjectId body, const Vec3& torque) {
+  const Command command(impl_->commands, "rigid.apply_torque", body, torque);
   const std::uint32_t i = impl_->index(body);
   check(torque, "apply_torque");
   impl_->wake(i, WakeCause::force, {});
@@ -76,6 +89,7 @@ void Rigid::apply_torque(ObjectId body, const Vec3& torque) {
 }
 
 void Rigid::apply_impulse(ObjectId body, const Vec3& impulse, const Vec3* world_point) {
+  const Command command(impl_->commands, "rigid.apply_impulse", body, impulse, world_point);
   const std::uint32_t i = impl_->index(body);
   check(impulse, "apply_impulse");
   if (world_point) check(*world_point, "apply_impulse (point)");
@@ -88,6 +102,7 @@ void Rigid::apply_impulse(ObjectId body, const Vec3& impulse, const Vec3* world_
 }
 
 void Rigid::apply_angular_impulse(ObjectId body, const Vec3& impulse) {
+  const Command command(impl_->commands, "rigid.apply_angular_impulse", body, impulse);
   const std::uint32_t i = impl_->index(body);
   check(impulse, "apply_angular_impulse");
   if (impl_->bodies.type[i] != BodyType::dynamic) return;
@@ -96,6 +111,7 @@ void Rigid::apply_angular_impulse(ObjectId body, const Vec3& impulse) {
 }
 
 void Rigid::move_to(ObjectId body, const Pose& origin) {
+  const Command command(impl_->commands, "rigid.move_to", body, origin);
   const std::uint32_t i = impl_->index(body);
   check(origin.position, "move_to");
   check(origin.rotation.vec(), "move_to (rotation)");
@@ -105,9 +121,13 @@ void Rigid::move_to(ObjectId body, const Pose& origin) {
   impl_->bodies.has_target[i] = 1;
 }
 
-void Rigid::set_type(ObjectId body, BodyType type) { impl_->set_type(impl_->index(body), type); }
+void Rigid::set_type(ObjectId body, BodyType type) {
+  const Command command(impl_->commands, "rigid.set_type", body, type);
+  impl_->set_type(impl_->index(body), type);
+}
 
 void Rigid::set_filter(ObjectId body, std::uint32_t group, std::uint32_t mask) {
+  const Command command(impl_->commands, "rigid.set_filter", body, group, mask);
   const std::uint32_t i = impl_->index(body);
   impl_->wake_around(i);
   impl_->changed(i);
@@ -115,6 +135,7 @@ void Rigid::set_filter(ObjectId body, std::uint32_t group, std::uint32_t mask) {
 }
 
 void Rigid::set_friction(ObjectId body, Real fixed, Real dynamic) {
+  const Command command(impl_->commands, "rigid.set_friction", body, fixed, dynamic);
   const std::uint32_t i = impl_->index(body);
   check_not_negative(fixed, "set_friction");
   check_not_negative(dynamic, "set_friction");
@@ -127,6 +148,7 @@ void Rigid::set_friction(ObjectId body, Real fixed, Real dynamic) {
 }
 
 void Rigid::set_restitution(ObjectId body, Real e) {
+  const Command command(impl_->commands, "rigid.set_restitution", body, e);
   const std::uint32_t i = impl_->index(body);
   if (!(e >= 0 && e <= 1)) throw SceneError("set_restitution: expected a number from 0 to 1, got " + std::to_string(e));
   impl_->each_collider(i, [&](std::uint32_t k) {
@@ -136,6 +158,7 @@ void Rigid::set_restitution(ObjectId body, Real e) {
 }
 
 void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
+  const Command command(impl_->commands, "rigid.set_surface_velocity", body, v);
   const std::uint32_t i = impl_->index(body);
   check(v, "set_surface_velocity");
   impl_->wake_around(i);
@@ -143,6 +166,7 @@ void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
 }
 
 void Rigid::set_damping(ObjectId body, Real linear, Real angular) {
+  const Command command(impl_->commands, "rigid.set_damping", body, linear, angular);
   const std::uint32_t i = impl_->index(body);
   check_not_negative(linear, "set_damping");
   check_not_negative(angular, "set_damping");
@@ -151,6 +175,7 @@ void Rigid::set_damping(ObjectId body, Real linear, Real angular) {
 }
 
 void Rigid::set_gravity_scale(ObjectId body, Real scale) {
+  const Command command(impl_->commands, "rigid.set_gravity_scale", body, scale);
   const std::uint32_t i = impl_->index(body);
   if (!is_finite(scale)) throw SceneError("set_gravity_scale: expected a finite number");
   impl_->wake(i, WakeCause::script, {});
@@ -158,16 +183,24 @@ void Rigid::set_gravity_scale(ObjectId body, Real scale) {
 }
 
 void Rigid::set_sensor(ObjectId body, bool sensor, bool senses_fixed) {
+  const Command command(impl_->commands, "rigid.set_sensor", body, sensor, senses_fixed);
   const std::uint32_t i = impl_->index(body);
   impl_->wake_touching(i, WakeCause::script);
   impl_->changed(i);
   impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.sensor[k] = sensing(sensor, senses_fixed); });
 }
 
-void Rigid::wake(ObjectId body, WakeCause cause, ObjectId other) { impl_->wake(impl_->index(body), cause, other); }
-void Rigid::sleep(ObjectId body) { impl_->put_to_sleep(impl_->index(body)); }
+void Rigid::wake(ObjectId body, WakeCause cause, ObjectId other) {
+  const Command command(impl_->commands, "rigid.wake", body, cause, other);
+  impl_->wake(impl_->index(body), cause, other);
+}
+void Rigid::sleep(ObjectId body) {
+  const Command command(impl_->commands, "rigid.sleep", body);
+  impl_->put_to_sleep(impl_->index(body));
+}
 
 void Rigid::wake_all(WakeCause cause) {
+  const Command command(impl_->commands, "rigid.wake_all", cause);
   for (std::uint32_t i = 0; impl_->sleeping_count > 0 && i < impl_->bodies.size(); ++i)
     if (!impl_->bodies.awake[i]) impl_->wake(i, cause, {});
 }
@@ -176,8 +209,12 @@ Real Rigid::mass(ObjectId body) const { return impl_->bodies.mass[impl_->index(b
 Mat3 Rigid::inertia(ObjectId body) const { return impl_->bodies.inertia[impl_->index(body)]; }
 Vec3 Rigid::center_of_mass(ObjectId body) const { return impl_->bodies.position[impl_->index(body)]; }
 
-ObjectId Rigid::add_joint(const JointDesc& desc) { return impl_->add_joint(desc); }
+ObjectId Rigid::add_joint(const JointDesc& desc) {
+  const Command command(impl_->commands, "rigid.add_joint", desc);
+  return impl_->add_joint(desc);
+}
 void Rigid::destroy_joint(ObjectId joint, const std::string& where) {
+  const Command command(impl_->commands, "rigid.destroy_joint", joint, where);
   impl_->remove_joint(impl_->joint_index(joint), where, WakeCause::joint);
 }
 
@@ -200,6 +237,7 @@ Real Rigid::joint_coordinate(ObjectId joint) const {
 }
 
 void Rigid::set_motor(ObjectId joint, Real speed, Real max_force) {
+  const Command command(impl_->commands, "rigid.set_motor", joint, speed, max_force);
   const std::uint32_t j = impl_->joint_index(joint);
   SolverJoint& s = impl_->joints[j];
   if (!(s.kind->uses & kUsesMotor)) throw SceneError(std::string("set_motor: a ") + s.kind->name + " has no motor");
@@ -213,6 +251,7 @@ void Rigid::set_motor(ObjectId joint, Real speed, Real max_force) {
 }
 
 void Rigid::set_limits(ObjectId joint, Real lower, Real upper) {
+  const Command command(impl_->commands, "rigid.set_limits", joint, lower, upper);
   const std::uint32_t j = impl_->joint_index(joint);
   SolverJoint& s = impl_->joints[j];
   if (!(s.kind->uses & kUsesLimits)) throw SceneError(std::string("set_limits: a ") + s.kind->name + " has no limits");

@@ -9,6 +9,7 @@
 #include "rigid/union_find.h"
 #include "state/bodies.h"
 #include "state/colliders.h"
+#include "state/command_log.h"
 #include "state/contacts.h"
 #include "state/rows.h"
 #include "state/solver_bodies.h"
@@ -152,6 +153,7 @@ struct Rigid::Impl {
   Watch& watched;
   Objects& objects;
   Events& events;
+  CommandLog& commands;
   ContactService& collide;
   Bodies& bodies;
   Colliders& colliders;

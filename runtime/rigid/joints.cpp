@@ -39,10 +39,9 @@ void check_options(const JointDesc& d, const JointKind& kind) {
 }  // namespace
 
 std::uint32_t Rigid::Impl::joint_index(ObjectId joint) const {
-  if (!objects.alive(joint) || objects.kind(joint) != kJointKind)
-    throw SceneError("expected a living joint, got " + objects.describe(joint));
-  FEDER_ASSERT(objects.index(joint) < records.size() && records[objects.index(joint)].object == joint);
-  return objects.index(joint);
+  const std::uint32_t j = objects.index(joint, kJointKind);
+  FEDER_ASSERT(j < records.size() && records[j].object == joint);
+  return j;
 }
 
 ObjectId Rigid::Impl::add_joint(const JointDesc& d) {

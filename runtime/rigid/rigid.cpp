@@ -15,7 +15,8 @@ namespace feder {
 
 Rigid::Impl::Impl(SystemSetup& s)
     : store(s.store), arena(s.store.arena(kName)), watched(s.store.need<Watch>("watch")), objects(s.objects),
-      events(s.events), collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
+      events(s.events), commands(s.commands),
+      collide(dynamic_cast<ContactService&>(*s.systems.find_system(ContactService::kSystem))),
       bodies(s.store.need<Bodies>(kName)), colliders(s.store.need<Colliders>(ContactService::kSystem)),
       contacts(s.store.need<Contacts>(ContactService::kSystem)), solver_bodies(s.store.need<SolverBodies>(kName)),
       dimension(s.dimension), structure_changed(s.structure_changed),

@@ -8,6 +8,7 @@
 #include "forces/forces.h"
 #include "springs/net.h"
 #include "state/colliders.h"
+#include "state/command_log.h"
 #include "state/particles.h"
 #include "state/surface.h"
 #include "step/watch.h"
@@ -32,8 +33,8 @@ struct Springs::Impl {
   explicit Impl(SystemSetup& setup)
       : kernels(pick_kernels(wide_kernels(setup.options))), arena(setup.store.arena(kName)),
         particles(setup.store.need<Particles>(kName)), watched(setup.store.need<Watch>("watch")), store(setup.store),
-        objects(setup.objects), structure_changed(setup.structure_changed), air_density(still_air_density(setup.world)),
-        surface_end(&arena), surface_velocity(&arena) {}
+        objects(setup.objects), commands(setup.commands), structure_changed(setup.structure_changed),
+        air_density(still_air_density(setup.world)), surface_end(&arena), surface_velocity(&arena) {}
 
   const SpringKernels& kernels;
   Arena& arena;
@@ -41,6 +42,7 @@ struct Springs::Impl {
   Watch& watched;
   Store& store;
   Objects& objects;
+  CommandLog& commands;
   bool* structure_changed;
   const Real air_density;                  // kg/m^3, of still air
   std::vector<std::unique_ptr<Net>> nets;  // by the object's index

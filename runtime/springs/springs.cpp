@@ -86,6 +86,7 @@ void Springs::Impl::attach_integrator(Net& n, const std::string& name, const Par
 }
 
 ObjectId Springs::add_net(const NetDesc& desc) {
+  const Command command(impl_->commands, "springs.add_net", desc);
   const std::string owner = desc.name.empty() ? "net" : "net '" + desc.name + "'";
   check_net(desc, owner);
   Impl& m = *impl_;
@@ -130,6 +131,7 @@ ObjectId Springs::add_net(const NetDesc& desc) {
 }
 
 void Springs::destroy_net(ObjectId id, std::string where) {
+  const Command command(impl_->commands, "springs.destroy_net", id, where);
   Impl& m = *impl_;
   const std::uint32_t index = m.objects.index(id);
   const std::uint32_t first = m.nets[index]->first, count = m.nets[index]->points;
@@ -165,12 +167,14 @@ Real Springs::point_mass(ObjectId id, std::size_t i) const { return impl_->parti
 bool Springs::pinned(ObjectId id, std::size_t i) const { return impl_->particles.inv_mass[impl_->point(id, i)] == 0; }
 
 void Springs::set_point(ObjectId id, std::size_t i, const Vec3& x) {
+  const Command command(impl_->commands, "springs.set_point", id, i, x);
   const std::uint32_t at = impl_->point(id, i);
   check_finite(x, "set_point");
   impl_->particles.place(at, x);
 }
 
 void Springs::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
+  const Command command(impl_->commands, "springs.set_velocity", id, i, v);
   const std::uint32_t at = impl_->point(id, i);
   check_finite(v, "set_velocity");
   if (impl_->particles.inv_mass[at] != 0) impl_->particles.velocity[at] = v;
@@ -178,6 +182,7 @@ void Springs::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
 }
 
 void Springs::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
+  const Command command(impl_->commands, "springs.apply_impulse", id, i, impulse);
   const std::uint32_t at = impl_->point(id, i);
   check_finite(impulse, "apply_impulse");
   impl_->particles.velocity[at] += impl_->particles.inv_mass[at] * impulse;
@@ -185,6 +190,7 @@ void Springs::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
 }
 
 void Springs::pin(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "springs.pin", id, i);
   const std::uint32_t at = impl_->point(id, i);
   impl_->particles.inv_mass[at] = 0;
   impl_->particles.velocity[at] = Vec3::Zero();
@@ -193,6 +199,7 @@ void Springs::pin(ObjectId id, std::size_t i) {
 }
 
 void Springs::unpin(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "springs.unpin", id, i);
   const std::uint32_t at = impl_->point(id, i);
   Net& n = impl_->net(id);
   if (n.frozen) return;
@@ -201,6 +208,7 @@ void Springs::unpin(ObjectId id, std::size_t i) {
 }
 
 std::size_t Springs::add_spring(ObjectId id, const SpringDesc& spring) {
+  const Command command(impl_->commands, "springs.add_spring", id, spring);
   Net& n = impl_->net(id);
   const std::string owner = impl_->objects.describe(id);
   check_spring(spring, n.points, n.springs.size(), owner);
@@ -213,7 +221,10 @@ std::size_t Springs::add_spring(ObjectId id, const SpringDesc& spring) {
   return n.springs.size() - 1;
 }
 
-void Springs::remove_spring(ObjectId id, std::size_t k) { impl_->net(id).remove_spring(impl_->spring(id, k)); }
+void Springs::remove_spring(ObjectId id, std::size_t k) {
+  const Command command(impl_->commands, "springs.remove_spring", id, k);
+  impl_->net(id).remove_spring(impl_->spring(id, k));
+}
 
 Real Springs::strain(ObjectId id, std::size_t k) const { return impl_->net(id).strain(impl_->spring(id, k)); }
 
@@ -269,6 +280,7 @@ Springs::NetInfo Springs::net_info(std::size_t k) const {
 }
 
 void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
+  const Command command(impl_->commands, "springs.attach", id, i, body, local);
   const std::uint32_t at = impl_->point(id, i);
   if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
     throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
@@ -279,6 +291,7 @@ void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& loca
 }
 
 void Springs::detach(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "springs.detach", id, i);
   const std::uint32_t at = impl_->point(id, i);
   if (std::erase_if(impl_->attachments, [&](const Attachment& a) { return a.point == at; }) > 0)
     *impl_->structure_changed = true;
@@ -287,12 +300,14 @@ void Springs::detach(ObjectId id, std::size_t i) {
 const std::vector<Springs::Attachment>& Springs::attachments() const { return impl_->attachments; }
 
 void Springs::set_script_force(ObjectId id, std::size_t i, const Vec3& force) {
+  const Command command(impl_->commands, "springs.set_script_force", id, i, force);
   const std::uint32_t at = impl_->point(id, i);
   check_finite(force, "force");
   impl_->particles.script_force[at] = force;
 }
 
 void Springs::clear_script_forces() {
+  const Command command(impl_->commands, "springs.clear_script_forces");
   for (Vec3& f : impl_->particles.script_force) f = Vec3::Zero();
 }
 

@@ -6,6 +6,7 @@
 #include "feder/object.h"
 #include "feder/snapshot.h"
 #include "state/arrays.h"
+#include "state/command_log.h"
 
 namespace feder {
 namespace {
@@ -73,6 +74,13 @@ std::uint32_t Objects::index(ObjectId id) const {
   return slots_[id.slot].index;
 }
 
+std::uint32_t Objects::index(ObjectId id, ObjectKind expected) const {
+  const Slot* s = slot(id);
+  if (!s || !s->alive || s->kind != expected)
+    throw SceneError(std::string("expected a living ") + expected.text() + ", got " + describe(id));
+  return s->index;
+}
+
 void Objects::set_index(ObjectId id, std::uint32_t index) {
   FEDER_ASSERT(alive(id));
   slots_[id.slot].index = index;
@@ -102,6 +110,7 @@ TagMask Objects::tags(ObjectId id) const {
 
 void Objects::set_tags(ObjectId id, TagMask tags) {
   FEDER_ASSERT(alive(id));
+  const Command command(log_, "objects.set_tags", id, tags);
   slots_[id.slot].tags = tags;
 }
 
@@ -113,6 +122,7 @@ TagMask Objects::known_tag(std::string_view tag) const {
 
 TagMask Objects::tag_bit(std::string_view tag) {
   if (const TagMask known = known_tag(tag)) return known;
+  const Command command(log_, "objects.tag_bit", tag);
   if (tag_names_.size() == 64)
     throw SceneError("tags: a world knows at most 64 different tags, '" + std::string(tag) + "' is one more");
   tag_names_.emplace_back(tag);

@@ -1,5 +1,7 @@
 // Snapshots: time, objects and every system's state as one byte image.
 #include "feder/world.h"
+#include "forces/forces.h"
+#include "state/command_log.h"
 #include "state/contact_book.h"
 #include "world/own.h"
 
@@ -11,6 +13,12 @@ constexpr std::uint64_t kMagic = 0x3130726564656600ull + sizeof(Real);  // "fede
 std::uint64_t owner_key(const World* world) {
   Hash h;
   h.add(reinterpret_cast<std::uintptr_t>(world));
+  return h.value();
+}
+// Names an image in recordings.
+std::uint64_t hash_of(std::string_view image) {
+  Hash h;
+  h.bytes(image.data(), image.size());
   return h.value();
 }
 }  // namespace
@@ -31,6 +39,11 @@ std::string World::snapshot() const {
     p.system->save(w);
   }
   if (const ContactBook* book = store_.find<ContactBook>()) book->save(w);
+  if (const Forces* forces = store_.find<Forces>())
+    forces->save(w);
+  else
+    w.add(std::uint64_t{0});
+  const Command command(*commands_, "world.snapshot", commands_->recording() ? hash_of(image) : 0);
   return image;
 }
 
@@ -55,12 +68,17 @@ void World::load_image(std::string_view image) {
     p.system->load(r);
   }
   if (ContactBook* book = store_.find<ContactBook>()) book->load(r);
+  if (Forces* forces = store_.find<Forces>())
+    forces->load(r);
+  else if (r.get<std::uint64_t>() != 0)
+    throw SceneError("snapshot: made by another world (forces)");
   if (!r.at_end()) throw SceneError("snapshot: longer than expected");
   structure_changed_ = true;
 }
 
 void World::restore(std::string_view image) {
   if (stepping_) throw SceneError("world: restore() called inside a step");
+  const Command command(*commands_, "world.restore", commands_->recording() ? hash_of(image) : 0);
   const std::string before = snapshot();
   try {
     load_image(image);

@@ -7,9 +7,11 @@
 
 #include "feder/error.h"
 #include "forces/forces.h"
+#include "state/command_log.h"
 #include "state/contact_book.h"
 #include "step/watch.h"
 #include "world/own.h"
+#include "world/recorded_force.h"
 
 namespace feder {
 
@@ -30,10 +32,11 @@ void check(const WorldDesc& d) {
 Rng& World::rng() { return own_->rng; }
 
 World::World(const WorldDesc& desc, Catalog catalog)
-    : desc_(desc), catalog_(catalog), watch_(store_.need<Watch>("watch")), events_(store_.arena("events")),
-      own_(std::make_unique<Own>(desc, store_)) {
+    : desc_(desc), catalog_(catalog), commands_(std::make_unique<CommandLog>()), watch_(store_.need<Watch>("watch")),
+      events_(store_.arena("events")), own_(std::make_unique<Own>(desc, store_)) {
   check(desc);
   objects_.know(kForceKind);
+  objects_.log_to(*commands_);
   for (const SystemDescriptor* d : catalog_)
     for (ObjectKind kind : d->kinds) objects_.know(kind);
 }
@@ -43,7 +46,10 @@ World::~World() {
   while (!systems_.empty()) systems_.pop_back();
 }
 
+CommandLog& World::commands() { return *commands_; }
+
 void World::set_gravity(const Vec3& g) {
+  const Command command(*commands_, "world.set_gravity", g);
   if (!feder::is_finite(g)) throw SceneError("gravity: expected three finite numbers");
   desc_.gravity = g;
 }
@@ -62,6 +68,7 @@ const SystemDescriptor* World::find_descriptor(std::string_view name) const {
 
 System& World::need_system(std::string_view name) {
   if (System* s = find_system(name)) return *s;
+  const Command command(*commands_, "world.need_system", name);
   const SystemDescriptor* d = find_descriptor(name);
   if (!d) throw SceneError("this build leaves out the module '" + std::string(name) + "'");
   System& made = make_system(*d);
@@ -79,7 +86,8 @@ System& World::make_system(const SystemDescriptor& d) {
   }
   const auto it = desc_.systems.find(d.name);
   const Params& options = it == desc_.systems.end() ? no_options_ : it->second;
-  SystemSetup setup{store_, objects_, events_, options, desc_.options, desc_.dimension, *this, &structure_changed_};
+  SystemSetup setup{store_,     objects_,           events_, options, desc_.options, desc_.dimension, *this,
+                    *commands_, &structure_changed_};
   FEDER_ASSERT(!find_system(d.name));
   auto system = d.make(setup);
   FEDER_ASSERT(system);
@@ -161,7 +169,10 @@ void World::rebuild_plan() {
 }
 
 const StepPlan& World::plan() {
-  if (structure_changed_) rebuild_plan();
+  if (structure_changed_) {
+    const Command command(*commands_, "world.plan");
+    rebuild_plan();
+  }
   return plan_;
 }
 
@@ -185,6 +196,7 @@ StepContext World::context() {
 
 void World::prepare_queries(Rank rank) {
   if (stepping_) throw SceneError("world: query inside a step");
+  const Command command(*commands_, "world.prepare_queries", static_cast<int>(rank) - kRankCount);
   if (structure_changed_) rebuild_plan();
   StepContext c = context();
   plan_.run_queries(rank, c);
@@ -192,17 +204,20 @@ void World::prepare_queries(Rank rank) {
 
 void World::step() {
   if (stepping_) throw SceneError("world: step() called inside a step");
+  commands_->begin_step();
   if (structure_changed_) rebuild_plan();
   StepContext c = context();
   FEDER_ASSERT(plan_.nodes().size() >= 2);  // begin and finish, whatever the systems add
   stepping_ = true;
   plan_.run(c);
   stepping_ = false;
+  commands_->end_step();
   if constexpr (kAsserts) validate();
 }
 
 ObjectId World::add_force(std::string_view kind, const Params& options, ForceEntry target, std::string name,
                           TagMask tags) {
+  const Command command(*commands_, "world.add_force", kind, options, target, name, tags);
   Arena& arena = store_.arena("forces");
   target.force = find_variant(force_kinds(), kind, "force kind").make(arena, options);
   options.check_all_read("force");
@@ -210,6 +225,8 @@ ObjectId World::add_force(std::string_view kind, const Params& options, ForceEnt
 }
 
 ObjectId World::add_force(ForceEntry entry, std::string name, TagMask tags) {
+  const Command command(*commands_, "world.add_host_force", traits_of(entry.force.get()), entry, name, tags);
+  if (entry.force && command.outermost()) entry.force = recorded_force(std::move(entry.force), *commands_);
   Forces& forces = store_.need<Forces>("forces");
   entry.object = objects_.add(kForceKind, static_cast<std::uint32_t>(forces.list.size()), std::move(name), tags);
   forces.list.push_back(std::move(entry));
@@ -219,6 +236,7 @@ ObjectId World::add_force(ForceEntry entry, std::string name, TagMask tags) {
 
 void World::remove_force(ObjectId force, std::string where) {
   FEDER_ASSERT(objects_.alive(force) && objects_.kind(force) == kForceKind);
+  const Command command(*commands_, "world.remove_force", force, where);
   Forces& forces = store_.need<Forces>("forces");
   for (std::size_t i = 0; i < forces.list.size(); ++i) {
     if (forces.list[i].object != force) continue;
@@ -227,6 +245,23 @@ void World::remove_force(ObjectId force, std::string where) {
     structure_changed_ = true;
     return;
   }
+}
+
+ForceEntry* World::find_force(ObjectId force) const {
+  if (Forces* forces = store_.find<Forces>())
+    for (ForceEntry& f : forces->list)
+      if (f.object == force) return &f;
+  return nullptr;
+}
+
+void World::set_force_enabled(ObjectId force, bool enabled) {
+  const Command command(*commands_, "world.set_force_enabled", force, enabled);
+  if (ForceEntry* entry = find_force(force)) entry->enabled = enabled;
+}
+
+bool World::force_enabled(ObjectId force) const {
+  const ForceEntry* entry = find_force(force);
+  return entry && entry->enabled;
 }
 
 Energy World::energy() const {

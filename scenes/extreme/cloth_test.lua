@@ -4,6 +4,8 @@ local feder = require "feder"
 local extreme = require "feder.extreme"
 local problem = require "feder.problem"
 
+extreme.needs "cloth"
+
 local points = 9  -- along a border
 
 local function new_world(gravity) return feder.world { gravity = { 0, -gravity, 0 }, sleeping = false } end
@@ -60,6 +62,7 @@ end
 
 -- A bar of `ratio` times its mass hung from its lower border, which touches nothing: holds, or stretches and says so.
 local function hang(solver, ratio)
+  extreme.needs "body"
   local world = new_world(9.81)
   local mass = 0.2 * ratio  -- kg
   local cloth = world:cloth(sheet(mass * 9.81 / 0.05, {  -- 5 % of strain

@@ -4,6 +4,8 @@ local feder = require "feder"
 local extreme = require "feder.extreme"
 local problem = require "feder.problem"
 
+extreme.needs "fluid"
+
 local spacing, gravity = 0.05, 9.81
 
 -- A tank 1 m wide, in the plane, without a lid.
@@ -106,6 +108,7 @@ end
 
 -- A beam of `ratio` times the density.
 local function beam(solver, ratio)
+  extreme.needs "body"
   local body
   local r = run(3, block(20, 8), { solver = solver, viscosity = 2 }, function(world)
     body = world:body { shape = feder.box(0.3, 0.2, 1), density = 1000 * ratio, position = { 0.5, 0.6 } }

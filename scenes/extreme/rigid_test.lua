@@ -3,6 +3,8 @@
 local feder = require "feder"
 local extreme = require "feder.extreme"
 
+extreme.needs "body"
+
 local nan = 0 / 0
 
 local function new_world(gravity, solver)

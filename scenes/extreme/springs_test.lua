@@ -3,6 +3,8 @@
 local feder = require "feder"
 local extreme = require "feder.extreme"
 
+extreme.needs "net"
+
 local nan = 0 / 0
 
 local function weightless(dt)

@@ -25,7 +25,8 @@ OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "flu
 PUBLIC = {"springs": "net", "collide": "query"}  # feder/<name>.h of the system, where it is called otherwise
 # Where a system's name in quotes is the name of something else: a layer, node, event, part of a suite, option.
 ELSEWHERE = {"springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf.cpp"},
-             "contact": {"runtime/include/feder/events.h", "bindings/cli/study_suite.cpp"}}
+             "contact": {"runtime/include/feder/events.h", "bindings/cli/study_suite.cpp",
+                         "bindings/lua/expect_world.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
           "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",

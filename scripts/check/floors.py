@@ -18,7 +18,7 @@ FLOORS = {
     "base": 0, "bounds": 1, "geom": 2, "linear": 2, "state": 3, "step": 4,
     "integrate": 5, "forces": 5, "broad": 5, "narrow": 5, "constrain": 5, "sph": 5, "neighbors": 5,
     "collide": 6, "springs": 6, "rigid": 6, "fluid": 6, "cloth": 6,
-    "contact": 7, "couple": 8, "world": 9, "study": 10,
+    "contact": 7, "couple": 8, "world": 9, "record": 10, "study": 10,
     "lua": 11, "yaml": 11, "report": 11, "view": 11, "cli": 11, "c": 11, "web": 11,
 }
 # Bindings of one floor that may know each other; everything else on one floor stays strangers.
@@ -35,7 +35,7 @@ PUBLIC = {
     "shape": "geom", "object": "state", "events": "state", "body": "state", "order": "step", "plan": "step",
     "system": "step", "force": "forces", "integrator": "integrate", "joint": "constrain", "query": "collide",
     "net": "springs", "rigid": "rigid", "cloth": "cloth", "fluid": "fluid", "desc": "world", "world": "world",
-    "systems": "world", "study": "study", "stability": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
+    "systems": "world", "record": "record", "study": "study", "stability": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
 }
 PUBLIC_FOLDER = "runtime/include/feder"
 EIGEN = {f"{PUBLIC_FOLDER}/types.h": {"Eigen/Core"}}

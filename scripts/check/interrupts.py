@@ -66,7 +66,12 @@ def check_run(folder, out):
     need(summary["interrupted"], "the summary does not say that it was interrupted")
     rows = table(folder / "out.csv")
     need(len(rows) == summary["steps"] + 1, f"{len(rows)} rows of {summary['steps']} steps")
-    return f"{len(rows)} rows"
+    replay = subprocess.run([sys.argv[1], "replay", "out.rec", "--json"], cwd=folder, capture_output=True, text=True,
+                            check=False)
+    need(replay.returncode == 0, f"the recording: {replay.stderr}")
+    world = json.loads(replay.stdout)["worlds"][0]
+    need(world["hash"] == summary["hash"], "the recording ends in another state")
+    return f"{len(rows)} rows and a recording of {world['steps']} steps"
 
 
 def check_study(folder, out):
@@ -148,7 +153,8 @@ def check_bench(folder, out):
 TOWER, POOL = ROOT / "scenes/rigid/tower.lua", ROOT / "scenes/fluid/glass.lua"
 SMALL = ["--size", "64x48", "--seconds", "600"]
 COMMANDS = [
-    (["run", TOWER, "--seconds", "1e6", "--json", "--csv", "out.csv", "--track", "crate*"], check_run),
+    (["run", TOWER, "--seconds", "1e6", "--json", "--csv", "out.csv", "--track", "crate*", "--record", "out.rec"],
+     check_run),
     (["study", "oscillator", "--out", "out"], check_study),
     (["study", ROOT / "scenes/study/hydrostatic.lua", "--repeat", "0", "--out", "out"], check_study),
     (["stability", "swinging_chain", "--out", "out"], check_stability),
@@ -196,7 +202,7 @@ def main():
     parser.add_argument("--moments", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    feder = str(pathlib.Path(options.feder).resolve())
+    feder = sys.argv[1] = str(pathlib.Path(options.feder).resolve())
     chance = random.Random(options.seed)
     bad = 0
     for k in range(options.moments):

@@ -1,5 +1,6 @@
 # install() and the exported package. find_package(feder) gives
 #   feder::feder   the whole runtime;  feder::<module> each of its modules (a host links what its scenes use)
+#   feder::record  recordings and their replay (feder/record.h)
 #   feder::study   problems, error against run time, stability maps (feder/study.h)
 #   feder::lua     the Lua binding (feder/lua.h), when it was built; feder::lua_core and feder::lua_<module> for a host that
 #                  names the parts it wants (feder/parts.h)
@@ -26,7 +27,7 @@ foreach(module ${feder_modules})
   list(APPEND feder_exported feder_${module})
   if(module MATCHES "^lua")  # feder::lua with all its parts, feder::lua_core with those that a host names
     set(FEDER_HAS_LUA ON)
-  elseif(NOT module STREQUAL "study")
+  elseif(NOT module MATCHES "^(study|record)$")
     target_link_libraries(feder_all INTERFACE feder_${module})
   endif()
 endforeach()

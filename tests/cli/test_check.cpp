@@ -43,6 +43,8 @@ const Mistake kMistakes[] = {
      "7: a body has no method 'positoin'; did you mean 'position'?"},
     {"method of a field of the scene in check", scene(kBall, "expect(scene.ball:positoin() > 0)"),
      "8: a body has no method 'positoin'; did you mean 'position'?"},
+    {"expectation in a check", scene(kBall, "expect.setles(scene.ball)"),
+     "8: expect has no 'setles'; did you mean 'settles'?"},
     {"method of an element of a list",
      in_build(
          "scene.all = {}\nfor i = 1, 3 do scene.all[i] = world:body { shape = feder.sphere(1) } end\nworld:after(1, "

@@ -1,6 +1,10 @@
 // Runs that would not end: limits of every command, exit statuses, signals.
+#include <functional>
+#include <new>
 #include <regex>
 
+#include "cli/app.h"
+#include "cli/command.h"
 #include "cli/program.h"
 #include "support/catch.h"
 
@@ -130,6 +134,32 @@ TEST_CASE("statuses and messages of wrong words and files", "[cli][limits]") {
     CHECK(o.status == 3);
     CHECK(o.err == std::string(device) + ": expected a scene, got a device or a pipe\n");
   }
+}
+
+TEST_CASE("an error of the program itself ends with status 70", "[cli][limits]") {
+  // what it is told apart by
+  const auto status_of = [](const auto& thrown) {
+    try {
+      throw thrown;
+    } catch (...) {
+      return feder::cli::print_exception();
+    }
+  };
+  CHECK(status_of(std::out_of_range("vector::at")) == 70);
+  CHECK(status_of(std::bad_function_call()) == 70);
+  CHECK(status_of(3) == 70);
+  CHECK(status_of(std::runtime_error("file: cannot be written")) == 1);
+  CHECK(status_of(std::bad_alloc()) == 1);
+  CHECK(status_of(feder::cli::Failure(5, "nothing ran")) == 5);
+  // a runner that cannot start its child: there is no descriptor left for the pipe
+  const Program p;
+  p.write("a_test.lua", "assert(true)");
+  const Outcome o = p.shell("(ulimit -n 4; '" FEDER_BINARY_DIR "/feder' test --isolate a_test.lua)");
+  CAPTURE(o.err);
+  CHECK(o.status == 70);
+  CHECK(says(o.err, "feder test: no pipe: "));
+  CHECK(says(p.run("--help").out, "70 internal error"));
+  CHECK(says(p.run("doc --man").out, "70 internal error"));
 }
 
 TEST_CASE("a state that was not finite on the way fails a run", "[cli][limits]") {

@@ -20,7 +20,8 @@ TEST_CASE("usage errors end with status 2 and one line", "[cli]") {
   CHECK(p.run("run $S/rigid/tower.lua --dt 1/0").status == 2);
   CHECK(p.run("run $S/rigid/tower.lua --set height").status == 2);
   CHECK(p.run("run $S/rigid/tower.lua --seed -1").status == 2);
-  CHECK(p.run("run $S/rigid/tower.lua --record x").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --record").status == 2);
+  CHECK(p.run("run $S/rigid/tower.lua --export x").status == 2);
   CHECK(p.run("test --tap --json $S").status == 2);
   CHECK(p.run("--help").status == 0);
   CHECK(p.run("run --help").status == 0);
@@ -229,6 +230,8 @@ TEST_CASE("bench reports minimum, median and maximum, and compares", "[cli]") {
   CHECK(compared["compared"]["ratio"].get<double>() > 0);
   CHECK(p.run("bench ball.lua ball.lua --runs 1 --steps 5 --json").json().size() == 2);
   CHECK(p.run("bench ball.lua --compare nothing.json").status == 2);
+  p.write("odd.json", "[{\"scene\": 3}]");
+  CHECK(p.run("bench ball.lua --runs 1 --steps 5 --compare odd.json").status == 2);
   const std::string text = p.run("bench ball.lua --runs 2 --steps 5 --quiet").out;
   CHECK(text.find("min ") < text.find("median "));
 }

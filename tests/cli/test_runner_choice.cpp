@@ -71,6 +71,7 @@ TEST_CASE("a shuffled order is printed, and comes again", "[cli][runner]") {
   std::smatch seed;
   REQUIRE(std::regex_search(o.out, seed, std::regex("order: (--order [0-9]+)")));
   CHECK(p.run("test t --list " + seed[1].str()).out == o.out);
+  CHECK(says(p.run("test t --tap --shuffle --seed 7").err, "order: --order 7\n"));
   const auto seven = lines_of(p.run("test t --list --shuffle --seed 7").out);
   CHECK(seven == lines_of(p.run("test t --list --shuffle --seed 7").out));
   CHECK(seven != lines_of(p.run("test t --list --shuffle --seed 8").out));
@@ -128,6 +129,7 @@ TEST_CASE("random values find a counter-example and shrink it", "[cli][runner]")
   const Program p;
   p.write("high.lua", kHigh);
   for (const std::string how : {"", " --isolate"}) {
+    p.shell("rm -f high.counterexamples.json");
     const Outcome o = p.run("test high.lua" + how);
     CAPTURE(o.out);
     CHECK(o.status == 1);
@@ -142,10 +144,62 @@ TEST_CASE("random values find a counter-example and shrink it", "[cli][runner]")
   CHECK(p.run("test high.lua --json").json()["tests"][0]["counter_example"][0] == "n=17");
   // the draws are those of the seed
   p.write("rare.lua", std::regex_replace(kHigh, std::regex("n < 17 or kind == 'ball'"), "n ~= 33"));
-  const std::string seeded = p.run("test rare.lua --random 300 --seed 5").out;
-  CHECK(says(seeded, "--set n=33"));
-  const auto plain = [](const std::string& text) { return std::regex_replace(text, std::regex("[0-9.]+ s "), ""); };
-  CHECK(plain(seeded) == plain(p.run("test rare.lua --random 300 --seed 5").out));
+  const auto seeded = [&] {
+    const Outcome o = p.shell("CI=1 '" FEDER_BINARY_DIR "/feder' test rare.lua --random 300 --seed 5");
+    return std::regex_replace(o.out, std::regex("[0-9.]+ s "), "");
+  };
+  const std::string first = seeded();
+  CAPTURE(first);
+  CHECK(std::regex_search(first, std::regex("with --set n=33, from draw [0-9]+ of --random 300 --seed 5\\)")));
+  CHECK(says(first, "again: feder test rare.lua --set n=33 --seed 5\n"));
+  CHECK(first == seeded());
+}
+
+TEST_CASE("a counter-example is kept, tried first, and dropped when it passes", "[cli][runner]") {
+  const Program p;
+  const auto test = [&](const std::string& arguments) {
+    return p.shell("unset CI; '" FEDER_BINARY_DIR "/feder' test " + arguments);
+  };
+  const std::string file = "high.counterexamples.json";
+  p.write("high.lua", kHigh);
+  CHECK(says(test("high.lua").out, "(kept in " + file + ")"));
+  CHECK(nlohmann::json::parse(p.read(file))["examples"][0]["set"] == nlohmann::json({"n=17"}));
+  // no draws are asked for: it is the kept one that fails
+  p.write("high.lua", std::regex_replace(kHigh, std::regex("random = 12"), "random = 0"));
+  for (const std::string how : {"", " --isolate", " --random 5"}) {
+    const Outcome o = test("high.lua" + how);
+    CAPTURE(how, o.out);
+    CHECK(o.status == 1);
+    CHECK(says(o.out, "high.lua:7: too many (with --set n=17, found by an earlier run)\n"));
+    CHECK(says(o.out, "again: feder test high.lua --set n=17\n"));
+  }
+  // other options are another run, and --random 0 asks for none
+  CHECK(test("high.lua --random 0").status == 0);
+  CHECK(test("high.lua --set kind=ball").status == 0);
+  CHECK(test("high.lua --dt 1/120").status == 0);
+  // where CI is set it is tried and left alone
+  const std::string kept = p.read(file);
+  const std::string mended = std::regex_replace(kHigh, std::regex("n < 17"), "n < 18");
+  const std::string in_ci = "CI=1 '" FEDER_BINARY_DIR "/feder' test high.lua ";
+  CHECK(p.shell(in_ci).status == 1);
+  p.write("high.lua", std::regex_replace(mended, std::regex("random = 12"), "random = 0"));
+  CHECK(p.shell(in_ci).status == 0);
+  CHECK(p.read(file) == kept);
+  CHECK(says(test("high.lua").out, "n=17 passes now"));
+  CHECK(p.read(file).empty());
+  CHECK(p.shell("ls").out.find(file) == std::string::npos);
+  // the next one takes its place; a range that has become smaller leaves it out
+  p.write("high.lua", mended);
+  CHECK(says(test("high.lua").out, "--set n=18, from draw"));
+  p.write("high.lua", std::regex_replace(mended, std::regex("max = 50"), "max = 17"));
+  CHECK(says(test("high.lua").out, "n=18 passes now; 12 random draws"));
+  // with the seed that it was found by
+  p.write("high.lua", kHigh);
+  CHECK(test("high.lua --seed 3").status == 1);
+  CHECK(says(test("high.lua").out, "again: feder test high.lua --set n=17 --seed 3\n"));
+  CHECK(says(test("high.lua --seed 4").out, "from draw"));
+  p.write(file, "{}");
+  CHECK(says(test("high.lua").out, file + ": no counter-examples of a test"));
 }
 
 TEST_CASE("scenes in YAML have random values and golden runs too", "[cli][runner]") {

@@ -31,7 +31,7 @@ TEST_CASE("a failure says time, step, object, expected, actual, tolerance and th
   CAPTURE(o.out);
   CHECK(o.status == 1);
   CHECK(says(o.out, "wrong.lua:9: body \"ball\": expected at (0, 3, 0), got (0, 1.7"));
-  CHECK(says(o.out, "\n  > expect.near(scene.ball, { 0, 3, 0 }, 0.5)\n"));
+  CHECK(says(o.out, "\n  > expect.near(scene.ball, { 0, 3, 0 }, 0.5)\n    ^" + std::string(40, '~') + "\n"));
   CHECK(says(o.out, "\n  at 0.5 s, step 30, tolerance 0.5 m\n"));
   const auto failure = p.run("test wrong.lua --json").json()["tests"][0]["failures"][0];
   CHECK(failure["step"] == 30);
@@ -39,7 +39,33 @@ TEST_CASE("a failure says time, step, object, expected, actual, tolerance and th
   CHECK(failure["expected"] == "at (0, 3, 0)");
   CHECK(failure["tolerance"] == "0.5 m");
   CHECK(says(failure["actual"], "(0, 1.7"));
+  CHECK(std::string(failure["delta"]).starts_with("1.2"));
   CHECK(failure["source"] == "expect.near(scene.ball, { 0, 3, 0 }, 0.5)");
+}
+
+TEST_CASE("the call that failed has a caret below it", "[cli][runner]") {
+  // each line of a check, and what is below it
+  const std::pair<std::string, std::string> rows[] = {
+      {"if true then expect(1 > 2) end", "             ^~~~~~~~~~~~~"},
+      {"local n, e = 'expect(1)', expect; e(n == '')", "                                  ^~~~~~~~~~"},
+      {"expect.error(1, '<', (0))  -- expect.error()", "^~~~~~~~~~~~~~~~~~~~~~~~~"},
+      {"expect.near(1,", "^~~~~~~~~~~~~~"},
+      {"  2, 0)", ""},
+      // Lua says no column: it may be either
+      {"expect(1 > 2) expect(1)", "^~~~~~~~~~~~~ ^~~~~~~~~"},
+      {"expect.events('hit', -1)", "^~~~~~~~~~~~~~~~~~~~~~~~"},
+  };
+  std::string check;
+  for (const auto& [line, marks] : rows) check += line + "\n";
+  const Program p;
+  p.write("wrong.lua", scene(kBall, check));
+  const Outcome o = p.run("test wrong.lua");
+  CAPTURE(o.out);
+  for (const auto& [line, marks] : rows) {
+    CAPTURE(line);
+    const std::string source = line.substr(line.find_first_not_of(' '));
+    CHECK(says(o.out, "  > " + source + "\n    " + marks + "\n") == !marks.empty());
+  }
 }
 
 TEST_CASE("a suite with an endless and a crashing script reports both and runs the rest", "[cli][runner]") {
@@ -63,6 +89,30 @@ TEST_CASE("a suite with an endless and a crashing script reports both and runs t
   CHECK(last_line(text) == "# 2 passed, 2 failed, 0 skipped");
   CHECK(says(p.read("out.xml"), "tests=\"4\" failures=\"2\""));
   CHECK(nlohmann::json::parse(p.read("out.json"))["failed"] == 2);
+  // in one process nothing is left of a crash; the endless one ends by its own limit there too
+  p.shell("rm s/b_crash_test.lua");
+  const Outcome one = p.run("test s --no-isolate --limit 1e6");
+  CAPTURE(one.out);
+  CHECK(one.status == 4);
+  CHECK(says(one.out, "s/c_endless_test.lua:1: instruction limit of 1000000 reached"));
+  CHECK(last_line(one.out) == "2 passed, 1 failed, 0 skipped");
+}
+
+TEST_CASE("tests share nothing, and each has the memory that is allowed", "[cli][runner]") {
+  const Program p;
+  p.write("a_test.lua", "left, math.left = 1, 2 require('part').n = 3 require('feder').world {} string.format = nil");
+  p.write("b_test.lua", "assert(not left and not math.left and string.format and require('part').n == 1)");
+  p.write("part.lua", "return { n = 1 }");
+  p.write("c_test.lua", "local t = {} for i = 1, 1e5 do t[i] = { i } end");
+  p.write("d_test.lua", "assert(true)");
+  for (const std::string how : {" --no-isolate", " --isolate"}) {
+    CHECK(p.run("test a_test.lua c_test.lua d_test.lua" + how).status == 0);
+    const Outcome o = p.run("test a_test.lua b_test.lua c_test.lua d_test.lua --memory 3e6" + how);
+    CAPTURE(o.out);
+    CHECK(o.status == 4);
+    CHECK(says(o.out, "c_test.lua:1: not enough memory"));
+    CHECK(last_line(o.out) == "3 passed, 1 failed, 0 skipped");
+  }
 }
 
 TEST_CASE("plain tests expect too, and a run fails by them", "[cli][runner]") {
@@ -148,7 +198,8 @@ TEST_CASE("a failed test leaves its messages, events and a picture of the last f
     CAPTURE(text);
     CHECK(says(text, "d/wrong.lua:8: body \"ball\": expected at (0, 0, 0) within 1 s, got (0, 0.49"));
     CHECK(says(text, "again: feder test d/wrong.lua\n--- printed\nsaid\n--- last events\n"));
-    CHECK(says(text, " s  contact_begin  body "));
+    CHECK(std::regex_search(text, std::regex("\nstep [0-9]+  0\\.[0-9]+ s  contact_begin  body .*  body \"ball\"\n")));
+    CHECK(std::regex_search(text, std::regex("  hit  body .*  body \"ball\"  [0-9.]+ m/s  [0-9.e+]+ N s\n")));
     CHECK(p.read("left/good.lua.txt").empty());
     if (says(p.run("--help").out, "render") && !says(o.err, "OpenGL"))
       CHECK(p.read("left/d_wrong.lua.png").starts_with("\x89PNG"));
@@ -189,7 +240,9 @@ TEST_CASE("golden runs are written when asked, and compared by tolerances", "[cl
   const Outcome o = p.run("test box.lua");
   CAPTURE(o.out);
   CHECK(o.status == 1);
-  CHECK(says(o.out, "not as in the golden run: position of body \"box\" is 0.01 m off from 0 s on\n"));
+  CHECK(says(o.out,
+             "not as in the golden run: position of body \"box\" is 0.01 m off from 0 s on; the states part at "
+             "step 0\n"));
   CHECK(says(o.out, "expected (0, 2, 0), got (0, 2.01, 0), tolerance 0.001 m"));
   CHECK(std::regex_search(o.out, std::regex("position +0\\.01 +0\\.001 ")));
   // a tolerance per quantity
@@ -197,6 +250,18 @@ TEST_CASE("golden runs are written when asked, and compared by tolerances", "[cl
   CHECK(p.run("test box.lua").status == 0);
   p.write("box.lua", golden_scene("2.01", "{ position = 0.02, energy = 1e-6 }"));
   CHECK(says(p.run("test box.lua").out, "potential energy is"));
+  // falling, it is 2.6 m away by 0.75 s
+  const std::string pushed = "world:after(0.3, function() world:find('box'):set_velocity(0, -3, 0) end) ";
+  const auto with_push = [&](const std::string& golden_table) {
+    std::string text = golden_scene("2", golden_table);
+    text.insert(text.rfind("end }"), pushed);
+    p.write("box.lua", text);
+    return p.run("test box.lua").out;
+  };
+  CHECK(says(with_push("{ position = 0.001, energy = 1 }"), " m off from 0.5 s on; the states part at step 18\n"));
+  CHECK(says(with_push("{ position = 0.001, energy = 1, relative = 0.001 }"), "tolerance 0.002"));
+  CHECK(says(with_push("{ position = 0.001, energy = 1, relative = 0.5 }"), "ok "));
+  p.write("box.lua", golden_scene("2.01", "{ position = 0.02, energy = 1e-6 }"));
   // other values are another run
   CHECK(p.run("test box.lua --set push=1").status == 5);
   CHECK(says(p.shell(by_hand + "--update-golden").out, "potential energy"));

@@ -51,6 +51,15 @@ TEST_CASE("test counts failures, load errors and scenes without a check", "[cli]
   CHECK(last_line(p.run("test suite").out) == "3 passed, 4 failed, 1 skipped");
 }
 
+TEST_CASE("what needs a module that the build leaves out is skipped, and says why", "[cli][test]") {
+  const Program p;
+  p.write("lacks_test.lua", "require 'feder.view'\nerror('never')\n");
+  const Outcome o = p.run("test lacks_test.lua");
+  CHECK(o.status == 5);
+  CHECK(o.out.find("lacks_test.lua (this build leaves out the module 'feder.view')\n0 passed, 0 failed, 1 skipped") !=
+        std::string::npos);
+}
+
 TEST_CASE("scenes in YAML have checks too", "[cli][test]") {
   const Program p;
   p.write("scene.yaml",

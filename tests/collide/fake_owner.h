@@ -11,6 +11,7 @@
 #include "feder/query.h"
 #include "state/bodies.h"
 #include "state/colliders.h"
+#include "state/command_log.h"
 #include "state/contact_book.h"
 #include "state/contacts.h"
 
@@ -32,7 +33,7 @@ class FakeWorld {
   explicit FakeWorld(int threads = 1, const char* broad_phase = nullptr)
       : jobs(threads), scratch(store.arena("scratch")) {
     if (broad_phase) world_options.set("broad_phase", std::string(broad_phase));
-    SystemSetup setup{store, objects, events, options, world_options, 3, finder, &structure_changed};
+    SystemSetup setup{store, objects, events, options, world_options, 3, finder, commands, &structure_changed};
     collide = std::make_unique<Collide>(setup);
     for (const EventKind k : {EventKind::contact_stay, EventKind::hit}) events.set_wanted(k, true);
     context.store = &store, context.objects = &objects, context.events = &events;
@@ -150,6 +151,7 @@ class FakeWorld {
   Params options, world_options;
   NoSystems finder;
   bool structure_changed = false;
+  CommandLog commands;
   std::unique_ptr<Collide> collide;
   StepPlan plan;
   bool planned = false;

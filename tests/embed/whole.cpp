@@ -1,10 +1,11 @@
 // The whole runtime by its public headers alone: bodies, a joint, a net, a cloth and a fluid in one world, with
-// queries, events, forces and snapshots; a study; and the YAML reader handed to a script host.
+// queries, events, forces, snapshots and a recording; a study; and the YAML reader handed to a script host.
 #include <feder/cloth.h>
 #include <feder/fluid.h>
 #include <feder/lua.h>
 #include <feder/net.h>
 #include <feder/query.h>
+#include <feder/record.h>
 #include <feder/rigid.h>
 #include <feder/study.h>
 #include <feder/world.h>
@@ -51,7 +52,10 @@ void make_things(World& world) {
 }
 
 void run_world() {
+  std::string bytes;
   World world(WorldDesc{}, catalog());
+  Recorder recorder([&bytes](std::string_view more) { bytes += more; }, {});
+  recorder.add(world);
   make_things(world);
   const std::string image = world.snapshot();
   for (int i = 0; i < 30; ++i) world.step();
@@ -76,6 +80,11 @@ void run_world() {
   expect(points.size() == 25, "a sheet of 5 x 5");
   for (const PlanNode& node : world.plan().nodes()) expect(node.counter.calls > 0 || node.is_loop, node.name);
   std::printf("world: %zu systems\n", world.report().size());
+  recorder.finish("finished");
+  Replay replay(Recording(bytes), 0, catalog());
+  while (replay.step()) {
+  }
+  expect(replay.same() && replay.world().hash() == world.hash(), "a replay goes another way");
 }
 
 void run_study() {

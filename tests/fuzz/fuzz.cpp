@@ -1,7 +1,8 @@
 // Fuzzer over the API: runs operations.lua with one seed after another until its time is over. Built with address and
 // undefined-behaviour sanitizers by the preset `fuzz`; each report, also that of a sanitizer, ends with the seed.
 //   fuzz [--seconds S] [--seed N] [--count N] [--operations N] [--keep-going]
-// --seconds is processor time (default 60); a seed that takes 60 s of it is a failure too.
+// --seconds is processor time (default 60); a seed that takes 120 s of it, for its run and its replay, is a
+// failure too.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <string>
 
 #include "feder/lua.h"
+#include "feder/record.h"
 
 extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__((weak));
 
@@ -38,12 +40,31 @@ void say_and_end(int) {
 
 double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+// Whether a replay of the recording, without the script, gives each of its hashes.
+std::string replay(std::string bytes) {
+  try {
+    const feder::Recording recording(std::move(bytes));
+    for (std::size_t k = 0; k < recording.world_count(); ++k) {
+      feder::Replay again(recording, k, feder::catalog());
+      while (again.step()) {
+      }
+      if (!again.same())
+        return "the replay of world " + std::to_string(k + 1) + " parts in step " + std::to_string(again.parted());
+    }
+  } catch (const feder::SceneError& e) {
+    return std::string("the replay fails: ") + e.what();
+  }
+  return "";
+}
+
 // What the script printed or died of; "" when all is well.
 std::string run_seed(const std::string& text) {
-  std::string output;
+  std::string output, bytes;
+  feder::Recorder recorder([&bytes](std::string_view more) { bytes += more; }, {});
   feder::lua::HostOptions options;
   options.print = [&output](std::string_view more) { output += more; };
   options.memory_limit = std::size_t(256) << 20;
+  options.made = [&recorder](feder::World& world) { recorder.add(world); };
   feder::lua::Script script(std::move(options));
   try {
     script.load_string(
@@ -52,7 +73,8 @@ std::string run_seed(const std::string& text) {
   } catch (const feder::lua::ScriptError& e) {
     output += e.what();
   }
-  return output;
+  recorder.finish("finished");
+  return output + replay(std::move(bytes));
 }
 
 }  // namespace
@@ -90,7 +112,7 @@ int main(int count, char** words) {
   text << file.rdbuf();
   unsigned long long done = 0, failed = 0;
   for (; done < seeds && processor_time() < seconds; ++seed, ++done) {
-    const rlimit limit{static_cast<rlim_t>(processor_time()) + 60, RLIM_INFINITY};
+    const rlimit limit{static_cast<rlim_t>(processor_time()) + 120, RLIM_INFINITY};
     setrlimit(RLIMIT_CPU, &limit);
     const std::string said = run_seed(text.str());
     if (said.empty()) continue;

@@ -51,6 +51,69 @@ TEST_CASE("kinds know their row", "[geom][contract]") {
   });
 }
 
+namespace {
+
+// Bit for bit: the same answers to the same questions.
+void check_same(const Shape& a, const Shape& b, Rng& rng) {
+  REQUIRE(a.kind_id() == b.kind_id());
+  CHECK((a.radius() == b.radius() && a.planar() == b.planar() && a.parts().size() == b.parts().size()));
+  CHECK(a.mass(700).mass == b.mass(700).mass);
+  CHECK(a.mass(700).inertia == b.mass(700).inertia);
+  for (int k = 0; k < 40; ++k) {
+    const Vec3 d = direction(rng, a.planar()), p = 4 * direction(rng, a.planar());
+    Vec3 m, n, at[kMaxFacePoints], bt[kMaxFacePoints];
+    CHECK(a.distance(p, 100, m) == b.distance(p, 100, n));
+    CHECK(m == n);
+    RayHit g, h;
+    CHECK(a.raycast(p, Vec3(-8 * d), g) == b.raycast(p, Vec3(-8 * d), h));
+    CHECK((g.fraction == h.fraction && g.normal == h.normal));
+    const Pose q = pose(rng, a.planar());
+    CHECK((a.bounds(q).lo == b.bounds(q).lo && a.bounds(q).hi == b.bounds(q).hi));
+    if (!a.convex()) continue;
+    CHECK(a.support(d) == b.support(d));
+    const int count = a.face(d, at);
+    REQUIRE(count == b.face(d, bt));
+    for (int i = 0; i < count; ++i) CHECK(at[i] == bt[i]);
+  }
+  std::vector<std::uint32_t> found[2];
+  const auto list = [](void* to, std::uint32_t i) { static_cast<std::vector<std::uint32_t>*>(to)->push_back(i); };
+  const Aabb some{vec3(-2, -2, -2), vec3(Real(0.5), 2, 2)};
+  a.triangles_in(some, list, &found[0]), b.triangles_in(some, list, &found[1]);
+  CHECK(found[0] == found[1]);
+  for (const std::uint32_t i : found[0]) {
+    const Triangle s = a.triangle(i), t = b.triangle(i);
+    CHECK((s.a == t.a && s.b == t.b && s.c == t.c && s.flat_edges == t.flat_edges));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a shape is made again from its arguments, to the last bit", "[geom][contract]") {
+  for_samples([](const Shape& s, Real, Rng& rng) {
+    const ShapeArguments arguments = s.arguments();
+    check_same(s, *make_shape(s.kind(), arguments.input()), rng);
+  });
+  Rng rng(5);
+  const auto again = [&](const ShapePtr& s) {
+    const ShapeArguments arguments = s->arguments();
+    check_same(*s, *make_shape(s->kind(), arguments.input()), rng);
+  };
+  for (int k = 0; k < 60; ++k) {
+    std::vector<Vec3> points, flat;
+    std::vector<Vec2> plane;
+    for (int i = 0; i < 24; ++i) points.push_back(direction(rng, false) * rng.uniform(Real(0.2), 1));
+    for (int i = 0; i < 12; ++i) plane.emplace_back(rng.uniform(-1, 1), rng.uniform(-1, 1));
+    std::vector<std::uint32_t> triangles;
+    for (int i = 0; i < 90; ++i) triangles.push_back(static_cast<std::uint32_t>(rng.uniform(0, Real(23.9))));
+    again(make_hull(points)), again(make_polygon(plane, k % 2 ? Real(0.1) : Real(0))),
+        again(make_mesh(points, triangles));
+    again(make_plane(3 * points[0], points[1][0]));
+    const Real r = rng.uniform(Real(0.01), 3);
+    again(make_capsule(r, r * rng.uniform(2, 5)));
+    again(make_compound({{make_hull(points), {points[2], {points[3][0], points[3][1], points[3][2], Real(0.3)}}}}));
+  }
+}
+
 TEST_CASE("bounds hold the supports and touch them", "[geom][contract]") {
   for_samples([](const Shape& s, Real size, Rng& rng) {
     if (!s.convex()) return;

@@ -14,7 +14,9 @@ const std::string kFalling =
 // Of a plain script: failures as they are reported.
 std::vector<std::string> failures_of(const std::string& text) {
   std::vector<std::string> messages;
-  for (const auto& e : run(kFalling + text).errors) {
+  const Ran ran = run(kFalling + text);
+  CHECK(ran.error == "");
+  for (const auto& e : ran.errors) {
     CHECK(e.expectation);
     messages.push_back(e.where + ": " + e.message);
   }
@@ -67,6 +69,30 @@ TEST_CASE("physics expectations hold where they should and say why not elsewhere
       {kFloor + "expect.energy_drift(1e-3, 2)", "energy: expected a drift of at most 0.001, got"},
       {"expect.no_warnings()", ""},
       {"expect.no_warnings('non_finite', 1) expect.near(world:time(), 1, 1e-9)", ""},
+      {"expect.above(b, 1)", ""},
+      {"expect.above(b, 2.5)", "body \"b\": expected above y = 2.5, got (0, 2, 0)"},
+      {"expect.below(b, 1, 1)", ""},
+      {"expect.below(b, 1, 0.1)", "expected below y = 1 within 0.1 s, got (0, 1."},
+      {"expect.angle(b, 0, 1e-6)", ""},
+      {"b:set_rotation(0.70710678, 0, 0, 0.70710678) expect.angle(b, 0.1, 0.2)",
+       "expected an angle of 0.1 rad, got 1.570"},
+      {kFloor + "expect.contact(b, nil, 2)", ""},
+      {kFloor + "world:step(60) expect.contact(b, nil, {0.5, 0.8})", ""},
+      {kFloor + "world:step(60) expect.contact(b, b)", "expected contact with body \"b\" from 0 to 1 s, got none"},
+      {kFloor + "expect.contact(b, nil, {0, 0.3})", "expected contact with anything from 0 to 0.3 s, got none"},
+      {kFloor + "expect.no_contact(b, nil, {0, 0.3})", ""},
+      {kFloor + "world:step(60) expect.no_contact({b})",
+       "one of 1 objects: expected no contact with anything from 0 to"},
+      {kFloor + "world:step(60) b:set_position(0, 9, 0) world:step(1) expect.no_contact(b, nil, {1.02, 1.1})", ""},
+      {"expect.finite(0.1)", ""},
+      {kFloor + "expect.max_penetration(0.01, 2)", ""},
+      {kFloor + "expect.max_penetration(1e-9, 2)", "penetration: expected at most 1e-09 m during 2 s, got"},
+      {"expect.momentum({0, 0, 0}, 1e-6)", ""},
+      {"expect.momentum({0, 0, 0}, 1, 0.1)", "momentum: expected (0, 0, 0) kg m/s during 0.1 s, got (0, -163.5"},
+      {"b:set_angular_velocity(0, 6, 0) expect.angular_momentum({0, 1000, 0}, 1, 0.2)", ""},
+      {"expect.angular_momentum({0, 1000, 0}, 1)", "angular momentum: expected (0, 1000, 0) kg m2/s, got (0, 0, 0)"},
+      {"expect.hash(world:hash())", ""},
+      {"expect.hash('none')", "state: expected hash none, got "},
       {"expect.error(1, '<', 2)", ""},
       {"expect.error(3, '<', 2, 'drop')", "drop: expected < 2, got 3"},
   };
@@ -96,6 +122,93 @@ TEST_CASE("soft things are tested too", "[lua][expect]") {
   CHECK(messages[0].find("point 2 at (1, 1, 0)") != std::string::npos);
 }
 
+TEST_CASE("angles of hinges, stretch, volumes and particles are tested", "[lua][expect]") {
+  const std::string door =
+      "b:destroy() local d = world:body{ shape = feder.box(1, 2, 0.1), angular_velocity = {0, 1, 0} } local hinge = "
+      "world:joint{ type = 'hinge', a = d, axis = {0, 1, 0}, anchor = {0, 0, 0} } ";
+  const std::string cloth =
+      "local cloth = world:cloth{ size = {1, 1}, resolution = {5, 5}, position = {3, 5, 0}, pins = 'top' } ";
+  // a closed box of 1 m, the faces outwards
+  const std::string closed =
+      "local v = {} for x = 0, 1 do for y = 0, 1 do for z = 0, 1 do v[#v + 1] = {x, y + 5, z} end end end local box = "
+      "world:cloth{ vertices = v, triangles = { {1,2,4}, {1,4,3}, {5,7,8}, {5,8,6}, {1,5,6}, {1,6,2}, {3,4,8}, "
+      "{3,8,7}, "
+      "{1,3,7}, {1,7,5}, {2,6,8}, {2,8,4} } } ";
+  const std::string fluid = "local fluid = world:fluid{ spacing = 0.1 } fluid:fill{ box = {{0, 0, 0}, {1, 0.5, 1}} } ";
+  const struct {
+    std::string text, message;
+  } rows[] = {
+      {door + "expect.angle(hinge, -1, 0.02, 2)", ""},
+      {door + "expect.angle(hinge, 1, 0.02, 1)", "expected an angle of 1 rad within 1 s, got -"},
+      {cloth + "expect.stretch(cloth, 0.2, 0.5)", ""},
+      {cloth + "expect.stretch(cloth, 1e-6, 0.5)", "expected a stretch of at most 1e-06 during 0.5 s, got "},
+      {closed + "expect.volume(box, 1, 1e-5)", ""},
+      {closed + "expect.volume(box, 2, 0.1)", "expected a volume of 2 m3, got 1 m3"},
+      {fluid + "expect.volume(fluid, 0.5, 0.01)", ""},
+      {fluid + "expect.volume(fluid, 0.6, 0.01)", "expected a volume of 0.6 m3, got 0."},
+      {fluid + "expect.particles_in(fluid, {{0, 0, 0}, {1, 1, 0.5}}, 250)", ""},
+      {fluid + "expect.particles_in({fluid}, {{0, 0, 0}, {1, 1, 0.5}}, {1, 9})",
+       "particles in (0, 0, 0) to (1, 1, 0.5): expected 1 to 9, got 250"},
+      {fluid + "expect.particles_in(fluid, {{0, -9, 0}, {1, -1, 1}}, {400, 500}, 2)", ""},
+  };
+  for (const auto& row : rows) {
+    const auto messages = failures_of(row.text);
+    CAPTURE(row.text, messages);
+    REQUIRE(messages.size() == (row.message.empty() ? 0u : 1u));
+    if (!messages.empty()) CHECK(messages[0].find(row.message) != std::string::npos);
+  }
+}
+
+TEST_CASE("what has once not been finite is not finite", "[lua][expect]") {
+  const auto messages = failures_of(
+      "local light = world:body{ shape = feder.sphere(0.5), density = 1e-8, position = {9, 9, 9} } for i = 1, 100 do "
+      "light:apply_force(1e30, 0, 0) end expect.finite() world:step(1) expect(world:is_finite()) expect.finite()");
+  REQUIRE(messages.size() == 1);
+  CHECK(messages[0].find("state: expected finite numbers, got ") != std::string::npos);
+}
+
+TEST_CASE("the same scene with other options ends in the same state, or says where they part", "[lua][expect]") {
+  const auto file = std::filesystem::temp_directory_path() / "feder_same_test.lua";
+  FILE* out = std::fopen(file.c_str(), "w");
+  REQUIRE(out);
+  std::fputs(
+      "local feder = require 'feder'\nreturn feder.scene { build = function(world) world:body { type = 'static', shape "
+      "= "
+      "feder.plane() } for i = 1, 5 do world:body { name = 'b' .. i, shape = feder.box(1, 1, 1), position = { 0.02 * "
+      "i, "
+      "1.1 * i, 0 } } end end,\ncheck = function(world, scene, expect)\nexpect.same_as { threads = 2 }\nexpect.same_as "
+      "{ "
+      "dt = 1 / 60 }\nexpect.same_as { substeps = 5 }\nexpect(not pcall(expect.same_as, { bogus = 1 }))\nworld:body { "
+      "shape = feder.sphere(1), position = { 9, 9, 9 } }\nexpect.same_as {}\nend }\n",
+      out);
+  std::fclose(out);
+  lua::Script script({});
+  script.load_file(file);
+  script.build();
+  for (int i = 0; i < 30; ++i) script.step();
+  const lua::CheckResult result = script.check();
+  std::filesystem::remove(file);
+  CHECK(result.passed == 3);
+  REQUIRE(result.failures.size() == 2);
+  CAPTURE(result.failures[0].message, result.failures[1].message);
+  CHECK(result.failures[0].message.find("as with substeps = 5, got ") != std::string::npos);
+  CHECK(result.failures[0].message.find("; they part at step 1 (0.0166") != std::string::npos);
+  CHECK(result.failures[0].message.find(" m off") != std::string::npos);
+  CHECK(result.failures[1].message.find("; the check has changed the state") != std::string::npos);
+  CHECK(error_of("feder.expect.same_as { threads = 2 }").find("only the check of a scene") != std::string::npos);
+}
+
+TEST_CASE("a failure knows the difference and the name that was called", "[lua][expect]") {
+  const lua::CheckResult result = check_of(
+      "", "local near = expect.near\nnear(3, 1, 0.5)\nexpect.error(3, '<', 1)\nexpect(false)\npcall(expect, false)");
+  REQUIRE(result.failures.size() == 4);
+  CHECK(result.failures[0].delta == "2");
+  CHECK(result.failures[0].call == "near");
+  CHECK(result.failures[1].delta == "2");
+  CHECK(result.failures[1].call == "error");
+  CHECK(result.failures[2].call == "expect");
+}
+
 TEST_CASE("a spinning ball has not settled, a warning is named", "[lua][expect]") {
   CHECK(failures_of("b:destroy() local s = world:body{ shape = feder.sphere(1), gravity_scale = 0, angular_velocity = "
                     "{0, 3, 0}, angular_damping = 0 } expect.settles(s, 1)")
@@ -112,11 +225,18 @@ TEST_CASE("mistakes in expectations are errors with the line", "[lua][expect]") 
        {"feder.expect.settles(3)", "feder.expect.settles({})", "feder.expect.events('hot', 1)",
         "feder.expect.near(world, {0, 0, 0}, 1)", "feder.expect.error(1, '=', 2)", "feder.expect.energy_drift(-1)",
         "feder.expect.budget{ second = 1 }", "feder.expect.inside(world:body{ shape = feder.sphere(1) }, {{0, 0, 0}})",
-        "feder.expect.asleep(world:body{ shape = feder.sphere(1) }, -1)"}) {
+        "feder.expect.asleep(world:body{ shape = feder.sphere(1) }, -1)", "feder.expect.contact()",
+        "feder.expect.contact(world:body{ shape = feder.sphere(1) }, nil, {2, 1})", "feder.expect.no_contact({})",
+        "feder.expect.stretch(world:body{ shape = feder.sphere(1) }, 1)", "feder.expect.volume(world, 1, 1)",
+        "feder.expect.momentum({0, 0, 0}, -1)", "feder.expect.particles_in({}, {{0, 0, 0}, {1, 1, 1}}, 1)"}) {
     const std::string error = error_of(text);
     CAPTURE(text, error);
     CHECK(error.starts_with("test.lua:1: expect."));
   }
+}
+
+TEST_CASE("an expectation that nothing is called by is named with the nearest", "[lua][expect]") {
+  CHECK(error_of("feder.expect.setles(1)") == "test.lua:1: expect has no 'setles'; did you mean 'settles'?");
 }
 
 TEST_CASE("a check waits: the host steps the world, with handlers and update", "[lua][expect]") {

@@ -204,4 +204,5 @@ TEST_CASE("a script asks what an option takes", "[lua]") {
   CHECK_THAT(output_of("for _, name in ipairs(feder.choices 'net.integrator') do print(name) end"),
              Catch::Contains("velocity_verlet\n"));
   CHECK_THAT(error_of("feder.choices 'net.mass'"), Catch::Contains("option with choices"));
+  CHECK_THAT(error_of("feder.choices 'view.size'"), Catch::Contains("this build leaves out the module 'view'"));
 }

@@ -51,6 +51,34 @@ TEST_CASE("restore then run equals run, bit for bit", "[lua][world]") {
   )") == "20\tfalse\ttrue\ttrue\tregion\ttrue\ntrue\ttrue\t16\ttrue\nfalse\tfalse\ttrue\tbody \"late\"\n");
 }
 
+TEST_CASE("forces come back with a snapshot, whoever makes them", "[lua][world]") {
+  // a kind, a formula, a function and one that is asked at every stage: each destroyed and switched off behind it
+  for (const std::string make :
+       {"kind = 'attractor', position = {5, 0, 0}, strength = 30", "each = '-20*x'",
+        "each = function(x) return -20 * x, 0, 0 end", "each = function(x) return -20 * x, 0, 0 end, stages = true"}) {
+    CAPTURE(make);
+    CHECK(output_of(R"(
+      local world = feder.world{ gravity = {0, 0, 0} }
+      local net = world:net{ points = { {1, 0, 0}, {2, 0, 0} }, springs = { {1, 2} } }
+      local force = world:force{ )" +
+                    make + R"( }
+      world:step(5)
+      local s = world:snapshot()
+      world:step(20)
+      local hash = world:hash()
+      local function again() return world:step(20):hash() == hash end
+      force:destroy()
+      local other = world:force{ each = function() return 0, 9, 0 end }
+      world:step(3):restore(s)
+      print(again(), force:alive(), other:alive(), force:enabled())
+      world:restore(s)
+      force:set_enabled(false)
+      world:step(3):restore(s)
+      print(again(), force:enabled())
+    )") == "true\ttrue\tfalse\ttrue\ntrue\ttrue\n");
+  }
+}
+
 TEST_CASE("a changed or foreign snapshot is refused", "[lua][world]") {
   const std::string make = "world:body{ shape = feder.sphere(1) } local s = world:snapshot() ";
   CHECK_THAT(error_of(make + "world:restore('x')"),

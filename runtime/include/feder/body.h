@@ -42,6 +42,16 @@ struct BodyDesc {
   bool sensor = false;
   bool senses_fixed = false;  // of a sensor: static bodies too
   std::string material;
+
+  // Calls f(field) for all of them, in this order.
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.name), f(d.tags), f(d.type), f(d.shape), f(d.position), f(d.rotation), f(d.velocity), f(d.angular_velocity);
+    f(d.density), f(d.mass), f(d.has_center), f(d.center_of_mass), f(d.friction_static), f(d.friction_dynamic);
+    f(d.restitution), f(d.rolling_friction), f(d.surface_velocity), f(d.linear_damping), f(d.angular_damping);
+    f(d.gravity_scale), f(d.bullet), f(d.sleeping), f(d.can_sleep), f(d.lock), f(d.group), f(d.mask), f(d.sensor);
+    f(d.senses_fixed), f(d.material);
+  }
 };
 
 }  // namespace feder

@@ -57,6 +57,16 @@ struct ClothDesc {
   // when the slope is clamped too (sheets only); and vertex indices from 0.
   std::vector<std::string> pin_names;
   std::vector<std::uint32_t> pins;
+
+  // Calls f(field) for all of them, in this order.
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.name), f(d.tags), f(d.size), f(d.nx), f(d.ny), f(d.vertices), f(d.triangles), f(d.pose), f(d.velocity);
+    f(d.area_density), f(d.stretch), f(d.shear), f(d.bend), f(d.damping), f(d.thickness), f(d.friction);
+    f(d.self_collision), f(d.wind), f(d.drag), f(d.lift), f(d.tear_strain), f(d.max_strain), f(d.gravity_scale);
+    f(d.group), f(d.mask), f(d.substeps), f(d.stretch_error), f(d.max_substeps), f(d.solver), f(d.solver_options);
+    f(d.pin_names), f(d.pins);
+  }
 };
 
 class Cloth final : public System {

@@ -18,6 +18,13 @@ struct WorldDesc {
   int dimension = 3;                      // 2: bodies move in the xy plane
   Params options;                         // broad_phase, narrow_phase
   std::map<std::string, Params> systems;  // options per system: systems["rigid"] holds solver = "soft_step" ...
+
+  // Calls f(field) for all of them, in this order.
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.gravity), f(d.dt), f(d.substeps), f(d.seed), f(d.threads), f(d.sleeping), f(d.dimension), f(d.options);
+    f(d.systems);
+  }
 };
 
 // SceneError naming the field when something is out of range.

@@ -48,6 +48,14 @@ struct FluidDesc {
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
+
+  // Calls f(field) for all of them, in this order.
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.solver), f(d.kernel);
+    f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.compression), f(d.artificial_viscosity);
+    f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.group), f(d.mask);
+  }
 };
 
 struct EmitterDesc {
@@ -59,6 +67,11 @@ struct EmitterDesc {
   Real radius = Real(0.1);  // of the nozzle, m
   Real rate = 0;            // particles per second; 0: a full jet (layers one spacing apart)
   std::uint64_t limit = 0;  // particles in all; 0: without end
+
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.name), f(d.tags), f(d.position), f(d.direction), f(d.speed), f(d.radius), f(d.rate), f(d.limit);
+  }
 };
 
 class Fluid final : public System {

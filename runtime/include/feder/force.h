@@ -52,13 +52,19 @@ std::span<const Variant<Force>> force_kinds();
 // A force in a world, and its targets.
 struct ForceEntry {
   ObjectId object;                         // the force's own handle
-  std::unique_ptr<Force> force;            // null for a scripted force
+  std::shared_ptr<const Force> force;      // null for a scripted force
   bool all = false;                        // acts on everything
   TagMask tags = 0;                        // or on objects with one of these tags
   ObjectId target;                         // or on one object
   std::vector<std::uint32_t> points = {};  // of `target`, a net: on these only, ascending; empty: on all
   bool enabled = true;
   bool warned = false;  // of an evaluation without a value
+
+  // Calls f(field) for what says whom it acts on.
+  template <class E, class F>
+  static void each_field(E& e, F&& f) {
+    f(e.all), f(e.tags), f(e.target), f(e.points), f(e.enabled);
+  }
 };
 
 }  // namespace feder

@@ -19,6 +19,12 @@ struct JointOptions {
   bool has_motor = false;
   Real spring_hertz = 0, spring_damping = 1;  // 0 hertz: rigid
   Real rest_length = -1;                      // distance; < 0: as built
+
+  template <class O, class F>
+  static void each_field(O& o, F&& f) {
+    f(o.lower), f(o.upper), f(o.has_limits), f(o.motor_speed), f(o.motor_max), f(o.has_motor), f(o.spring_hertz);
+    f(o.spring_damping), f(o.rest_length);
+  }
 };
 
 struct JointDesc {
@@ -31,6 +37,13 @@ struct JointDesc {
   JointOptions options;
   Real break_force = kInfinity;  // N
   bool collide = false;          // joined bodies collide with each other
+
+  // Calls f(field) for all of them, in this order.
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.name), f(d.tags), f(d.type), f(d.a), f(d.b), f(d.anchor_a), f(d.anchor_b), f(d.axis), f(d.options);
+    f(d.break_force), f(d.collide);
+  }
 };
 
 }  // namespace feder

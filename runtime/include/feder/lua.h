@@ -80,6 +80,8 @@ struct HostOptions {
   std::uint64_t instruction_limit = 100'000'000;
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
+  // Called with each world as it is made, before anything is in it: to record it.
+  std::function<void(World&)> made = {};
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
@@ -136,7 +138,8 @@ struct CheckFailure {
   std::uint64_t step = 0;                  // steps done
   std::string object = {};                 // 'body "crate3"'
   std::string expected = {}, actual = {};  // with units
-  std::string tolerance = {};
+  std::string tolerance = {}, delta = {};  // between the two
+  std::string call = {};                   // name of the function that was called, as the script has it
 };
 struct CheckResult {
   bool has_check = false;
@@ -151,6 +154,7 @@ struct GoldenWish {
   bool declared = false;
   double every = 0.25;                                     // s between samples
   double position = 1e-3, rotation = 1e-2, energy = 1e-3;  // m, rad, share of the largest energy
+  double relative = 0;                                     // of the way that an object has gone, on top of position
 };
 
 // Where an object is: a body's pose, or the centre of the points of a soft thing.

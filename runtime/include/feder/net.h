@@ -22,6 +22,11 @@ struct SpringDesc {
   Real break_strain = kInfinity;  // elongation / rest length; snaps with an event
   bool tension_only = false;      // a string: slack below its rest length, and never pushes
   int power = 1;                  // force = stiffness |extension|^power towards the rest length; 1 to 9, N/m^power
+
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.i), f(d.j), f(d.stiffness), f(d.damping), f(d.rest_length), f(d.break_strain), f(d.tension_only), f(d.power);
+  }
 };
 
 struct NetDesc {
@@ -40,6 +45,14 @@ struct NetDesc {
   Real friction = Real(0.5), restitution = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   Real gravity_scale = 1;
+
+  // Calls f(field) for all of them, in this order.
+  template <class D, class F>
+  static void each_field(D& d, F&& f) {
+    f(d.name), f(d.tags), f(d.points), f(d.velocities), f(d.masses), f(d.springs), f(d.faces), f(d.integrator);
+    f(d.integrator_options), f(d.damping), f(d.radius), f(d.self_collision), f(d.friction), f(d.restitution);
+    f(d.group), f(d.mask), f(d.gravity_scale);
+  }
 };
 
 // The springs of a net as they are kept; i and j count from 0 within the net. Valid until the net is edited.

@@ -12,6 +12,7 @@
 
 namespace feder {
 
+class CommandLog;
 class Writer;
 class Reader;
 
@@ -62,14 +63,16 @@ class Objects {
   // Only objects of known kinds can be added.
   Objects(std::initializer_list<ObjectKind> kinds = {});
   void know(ObjectKind kind);
+  void log_to(CommandLog& log) { log_ = &log; }  // tags that are set from outside
   // `index` is that in the owning system. The name may be empty.
   ObjectId add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags);
   // `where` ("scene.lua:41", may be empty) is kept for the message about stale handles.
   void remove(ObjectId id, std::string where);
 
   bool alive(ObjectId id) const;
-  ObjectKind kind(ObjectId id) const;      // also of destroyed ones, until the slot is used again
-  std::uint32_t index(ObjectId id) const;  // alive only
+  ObjectKind kind(ObjectId id) const;                       // also of destroyed ones, until the slot is used again
+  std::uint32_t index(ObjectId id) const;                   // alive only
+  std::uint32_t index(ObjectId id, ObjectKind kind) const;  // SceneError unless it is alive and of that kind
   void set_index(ObjectId id, std::uint32_t index);
   const std::string& name(ObjectId id) const;  // also of destroyed ones, until the slot is used again; else ""
   const std::string& destroyed_at(ObjectId id) const;
@@ -116,6 +119,7 @@ class Objects {
 
   bool knows(ObjectKind kind) const;
 
+  CommandLog* log_ = nullptr;
   std::vector<ObjectKind> kinds_ = {ObjectKind::none};
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_;  // first in, first out: a stale handle keeps its tombstone as long as possible

@@ -31,6 +31,11 @@ struct QueryFilter {
 struct MaterialPair {
   std::uint16_t a = 0, b = 0;                                          // material numbers
   Real friction_static = -1, friction_dynamic = -1, restitution = -1;  // < 0: the usual mixing
+
+  template <class P, class F>
+  static void each_field(P& p, F&& f) {
+    f(p.a), f(p.b), f(p.friction_static), f(p.friction_dynamic), f(p.restitution);
+  }
 };
 
 class Collide final : public System, public ContactService {

@@ -53,6 +53,17 @@ struct CompoundPart {
   Pose pose;
 };
 
+// What a shape is made from; `input()` is a view of it for make_shape().
+struct ShapeInput;
+struct ShapeArguments {
+  std::vector<double> sizes = {};
+  Vec3 direction = Vec3(0, 1, 0);
+  std::vector<Vec3> points = {};
+  std::vector<std::uint32_t> triangles = {};
+  std::vector<CompoundPart> parts = {};
+  ShapeInput input() const;
+};
+
 class Shape {
  public:
   virtual ~Shape() = default;
@@ -90,6 +101,9 @@ class Shape {
   // Of a compound: a body made from it gets one collider per part. Empty for all others.
   virtual std::span<const CompoundPart> parts() const;
 
+  // What make_shape() makes an equal shape from, to the last bit. SceneError for shapes that scripts cannot make.
+  virtual ShapeArguments arguments() const;
+
   // The section in the xy plane, for worlds with dimension = 2. SceneError when the shape has none.
   virtual std::shared_ptr<const Shape> section() const;
 
@@ -116,6 +130,8 @@ struct ShapeInput {
   std::span<const CompoundPart> parts = {};
   Real size(std::size_t k) const { return static_cast<Real>(sizes[k]); }
 };
+
+inline ShapeInput ShapeArguments::input() const { return {sizes, direction, points, triangles, parts}; }
 
 enum class ShapeArgumentType : std::uint8_t { size, number, direction, points, points_2d, triangles, parts };
 struct ShapeArgument {

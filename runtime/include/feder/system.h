@@ -14,6 +14,7 @@
 
 namespace feder {
 
+class CommandLog;
 class Shape;
 
 struct Energy {
@@ -47,7 +48,8 @@ struct SystemSetup {
   const Params& options;  // world option table of that name: world { rigid = { solver = ... } }
   const Params& world;    // top-level choices: broad_phase, narrow_phase
   int dimension;
-  SystemFinder& systems;    // those listed in `needs` are there
+  SystemFinder& systems;  // those listed in `needs` are there
+  CommandLog& commands;
   bool* structure_changed;  // set to true to have the plan rebuilt before the next step
 };
 

@@ -44,6 +44,7 @@ class World final : private SystemFinder {
   double time() const { return time_; }  // s, simulated
   std::uint64_t step_count() const { return steps_; }
   void set_gravity(const Vec3& g);  // wakes no body: see Rigid::wake_all
+  CommandLog& commands();           // of what is done to it between steps (feder/record.h)
 
   // The system with S::kName, made (with what it needs) on first use. SceneError when this host leaves it out.
   template <class S>
@@ -61,6 +62,8 @@ class World final : private SystemFinder {
     prepare_queries(S::kQuery);
     return find<S>();
   }
+  // Brings what is asked at that rank, one of those between steps, up to date with the state.
+  void prepare_queries(Rank rank);
   System& need_system(std::string_view name);
   // Systems of the catalog that this world does not have.
   std::vector<std::string> absent() const;
@@ -83,6 +86,8 @@ class World final : private SystemFinder {
   // A force whose values a script writes between steps (target filled by the caller, force may be null).
   ObjectId add_force(ForceEntry entry, std::string name, TagMask tags);
   void remove_force(ObjectId force, std::string where);
+  void set_force_enabled(ObjectId force, bool enabled);
+  bool force_enabled(ObjectId force) const;
 
   // Health and conserved quantities, summed over the systems.
   Energy energy() const;
@@ -111,13 +116,13 @@ class World final : private SystemFinder {
   System& make_system(const SystemDescriptor& descriptor);
   void make_couplings();
   void rebuild_plan();
-  void prepare_queries(Rank rank);
   StepContext context();
   static void begin_step(void* self, StepContext& context);
   static void merge_contacts(void* self, StepContext& context);
   static void finish_step(void* self, StepContext& context);
   void load_image(std::string_view image);
   void warn_of_forces();
+  ForceEntry* find_force(ObjectId force) const;
   void warn_of_energy(const StepContext& c);  // watch.cpp
   // validate.cpp, where asserts are on
   void check_names() const;  // of a new plan
@@ -125,6 +130,7 @@ class World final : private SystemFinder {
 
   WorldDesc desc_;
   Catalog catalog_;
+  std::unique_ptr<CommandLog> commands_;
   Store store_;
   Watch& watch_;
   Objects objects_;
