@@ -46,11 +46,12 @@ class LineParser {
   }
 
   // "name?: type"
-  LuaField field() {
-    LuaField out{.name = name()};
-    out.optional = accept("?");
+  LuaType field() {
+    const std::string label = name();
+    const bool optional = accept("?");
     expect(":");
-    out.type = type();
+    LuaType out = type();
+    out.label = label, out.optional = optional;
     return out;
   }
 
@@ -88,8 +89,8 @@ class LineParser {
     std::set<std::string> names;
     while (!accept("}")) {
       out.fields.push_back(field());
-      if (!names.insert(out.fields.back().name).second)
-        throw std::runtime_error("field " + out.fields.back().name + " twice");
+      if (!names.insert(out.fields.back().label).second)
+        throw std::runtime_error("field " + out.fields.back().label + " twice");
       if (!accept(",")) return expect("}"), out;
     }
     return out;
@@ -142,7 +143,7 @@ class Reader {
     } else if (line.starts_with("function ")) {
       function(LineParser(line.substr(9)));
     } else if (line.starts_with("feder.")) {
-      stubs_.classes.at("feder").fields["pi"] = {.name = "pi", .type = type_};
+      stubs_.classes.at("feder").fields["pi"] = type_;
     } else if (!line.empty() && !line.starts_with("--") && line != "return feder") {
       throw std::runtime_error("neither an annotation nor a function: " + line);
     }
@@ -166,11 +167,9 @@ class Reader {
       generic_ = in.name();
       in.expect(":"), know(in.type());
     } else if (word == "param") {
-      LuaField p{.name = in.name()};
-      p.optional = in.accept("?");
-      p.type = know(in.type());
+      LuaType p = labelled(in);
       if (!signature_.fields.empty() && signature_.fields.back().optional && !p.optional)
-        throw std::runtime_error("required parameter " + p.name + " behind an optional one");
+        throw std::runtime_error("required parameter " + p.label + " behind an optional one");
       signature_.fields.push_back(std::move(p));
     } else if (word == "return") {
       signature_.parts.push_back(know(in.type()));
@@ -197,11 +196,17 @@ class Reader {
       stubs_.classes.at(class_name_).by_position = {know(in.type())};
       return;
     }
-    LuaField f{.name = in.name()};
-    f.optional = in.accept("?");
-    f.type = know(in.type());
-    if (!stubs_.classes.at(class_name_).fields.emplace(f.name, f).second)
-      throw std::runtime_error("field " + f.name + " twice");
+    const LuaType f = labelled(in);
+    if (!stubs_.classes.at(class_name_).fields.emplace(f.label, f).second)
+      throw std::runtime_error("field " + f.label + " twice");
+  }
+  // "name? type"
+  LuaType labelled(LineParser& in) {
+    const std::string label = in.name();
+    const bool optional = in.accept("?");
+    LuaType out = know(in.type());
+    out.label = label, out.optional = optional;
+    return out;
   }
 
   // "world:body(options) end", below its annotations.
@@ -214,11 +219,11 @@ class Reader {
     std::vector<std::string> names, annotated;
     while (!in.accept(")")) names.push_back(in.name()), in.accept(",");
     in.expect("end");
-    for (const LuaField& p : signature_.fields) annotated.push_back(p.name);
+    for (const LuaType& p : signature_.fields) annotated.push_back(p.label);
     signature_.form = Form::function;
     LuaSignatures all{std::move(signature_)};
     for (LuaType& overload : overloads_) {
-      if (method && (overload.fields.empty() || overload.fields[0].name != "self")) complain("overload without self");
+      if (method && (overload.fields.empty() || overload.fields[0].label != "self")) complain("overload without self");
       if (method) overload.fields.erase(overload.fields.begin());
       all.push_back(std::move(overload));
     }
@@ -233,7 +238,7 @@ class Reader {
     const std::function<void(const LuaType&)> visit = [&](const LuaType& t) {
       if (t.form == Form::name && t.name != generic_) used_.emplace_back(t.name, number_);
       for (const LuaType& part : t.parts) visit(part);
-      for (const LuaField& f : t.fields) visit(f.type);
+      for (const LuaType& f : t.fields) visit(f);
     };
     visit(type);
     if (!generic_.empty() && type.name == generic_) type.name = "any";

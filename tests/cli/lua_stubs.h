@@ -7,27 +7,22 @@
 
 namespace feder::test {
 
-struct LuaField;
-
 struct LuaType {
   enum class Form { name, literal, list, map, record, function, either };
   Form form = Form::name;
-  std::string name = {};              // of a name; of a literal what it says: "ball", false
-  std::vector<LuaType> parts = {};    // of a list its item, of a map key and value, of a function its results
-  std::vector<LuaField> fields = {};  // of a record; of a function its parameters
-};
-
-struct LuaField {
-  std::string name;
+  std::string name = {};             // of a name; of a literal what it says: "ball", false
+  std::vector<LuaType> parts = {};   // of a list its item, of a map key and value, of a function its results
+  std::vector<LuaType> fields = {};  // of a record; of a function its parameters
+  // As a field or a parameter:
+  std::string label = {};
   bool optional = false;
-  LuaType type = {};
 };
 
 using LuaSignatures = std::vector<LuaType>;  // of a function, its own first; `self` is no parameter
 
 struct LuaClass {
   std::string parent = {};
-  std::map<std::string, LuaField> fields = {};
+  std::map<std::string, LuaType> fields = {};
   std::map<std::string, LuaSignatures> functions = {};
   LuaSignatures calls = {};               // of the thing itself
   std::vector<LuaType> by_position = {};  // of [integer]; none or one

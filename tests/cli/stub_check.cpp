@@ -63,7 +63,7 @@ class Checker {
       if (const auto found = of->functions.find(name); found != of->functions.end()) return &found->second;
     return nullptr;
   }
-  const LuaField* field(const LuaClass* of, const std::string& name) const {
+  const LuaType* field(const LuaClass* of, const std::string& name) const {
     for (; of; of = class_of(named(of->parent)))
       if (const auto found = of->fields.find(name); found != of->fields.end()) return &found->second;
     return nullptr;
@@ -92,12 +92,12 @@ class Checker {
       const LuaNode& base = *target->parts[0];
       if (base.syntax != Syntax::name || base.variable != tree->result->variable) continue;
       if (!source.value || source.value->syntax != Syntax::function) {
-        at->second.fields[target->text] = {.name = target->text, .optional = true, .type = named("any")};
+        at->second.fields[target->text] = named("any");
         continue;
       }
       LuaType made{.form = Form::function, .parts = {named("any")}};
       for (const LuaVariable* p : source.value->parameters)
-        made.fields.push_back({.name = p->name, .optional = true, .type = named("any")});
+        made.fields.push_back({.name = "any", .label = p->name, .optional = true});
       at->second.functions[target->text] = {std::move(made)};
     }
     return &at->second;
@@ -153,7 +153,7 @@ class Checker {
   Known type_of_index(const LuaNode& node) {
     const Known base = type_of(*node.parts[0]);
     if (base && base->form == Form::list) return base->parts[0];
-    if (const LuaField* f = field(class_of(base), node.text)) return f->type;
+    if (const LuaType* f = field(class_of(base), node.text)) return *f;
     // a field of the scene: what the script puts there, if that is one thing
     if (!base || node.text.empty() || base->form != Form::name || base->name != "table") return {};
     Known type;
@@ -284,15 +284,15 @@ class Checker {
     const bool open = last && (last->syntax == Syntax::call || last->syntax == Syntax::method || last->text == "...");
     if (count > most) return "at most " + std::to_string(most) + " arguments, got " + std::to_string(count);
     for (std::size_t k = 0; k < most; ++k) {
-      const LuaField& p = signature.fields[k];
+      const LuaType& p = signature.fields[k];
       if (k >= count) {
-        if (!p.optional && !open) return "argument " + p.name + " is missing";
+        if (!p.optional && !open) return "argument " + p.label + " is missing";
         continue;
       }
       const LuaNode& argument = *call.parts[k + 1];
       if (argument.syntax == Syntax::nothing && p.optional) continue;
       ++out_.arguments;
-      if (std::string error = misfit(argument, p.type); !error.empty()) return p.name + ": " + error;
+      if (std::string error = misfit(argument, p); !error.empty()) return p.label + ": " + error;
     }
     return "";
   }
@@ -343,7 +343,7 @@ class Checker {
   std::string bind(const LuaNode& function, const LuaType& type) {
     for (std::size_t k = 0; k < function.parameters.size(); ++k) {
       if (k >= type.fields.size()) return "a function of at most " + std::to_string(type.fields.size()) + " parameters";
-      parameters_[function.parameters[k]] = type.fields[k].type;
+      parameters_[function.parameters[k]] = type.fields[k];
     }
     return "";
   }
@@ -371,13 +371,13 @@ class Checker {
         if (std::string error = misfit(*entry->parts[0], of->by_position[0]); !error.empty()) return error;
         continue;
       }
-      const auto own = std::ranges::find(type.fields, entry->text, &LuaField::name);
-      const LuaField* const f = of ? field(of, entry->text) : own == type.fields.end() ? nullptr : &*own;
+      const auto own = std::ranges::find(type.fields, entry->text, &LuaType::label);
+      const LuaType* const f = of ? field(of, entry->text) : own == type.fields.end() ? nullptr : &*own;
       if (!f) return "no option " + entry->text;
       ++out_.keys;
-      if (std::string error = misfit(*entry->parts[0], f->type); !error.empty()) return entry->text + ": " + error;
+      if (std::string error = misfit(*entry->parts[0], *f); !error.empty()) return entry->text + ": " + error;
     }
-    for (const auto& [name, f] : of ? of->fields : std::map<std::string, LuaField>{})
+    for (const auto& [name, f] : of ? of->fields : std::map<std::string, LuaType>{})
       if (!f.optional && std::ranges::find(table.parts, name, &LuaNode::text) == table.parts.end())
         return "option " + name + " is missing";
     return "";
