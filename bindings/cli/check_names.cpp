@@ -123,6 +123,10 @@ const std::vector<OptionInfo>& ScriptNames::world_options() const {
   return *world_options_;
 }
 
+bool ScriptNames::is_system(std::string_view name) const {
+  return std::ranges::any_of(systems_, [&](const SystemDescriptor* d) { return d->joins.empty() && name == d->name; });
+}
+
 fs::path ScriptNames::module_file(const std::string& name, const fs::path& folder) const {
   std::string relative = name + ".lua";
   std::replace(relative.begin(), relative.begin() + static_cast<std::ptrdiff_t>(name.size()), '.', '/');

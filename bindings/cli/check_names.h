@@ -40,6 +40,7 @@ class ScriptNames {
 
   // Options in world = { ... }, its systems included.
   const std::vector<OptionInfo>& world_options() const;
+  bool is_system(std::string_view name) const;  // that has options there
 
   // The file that `require` finds for a script in that folder: of the libraries, or in the folder or one around it.
   std::filesystem::path module_file(const std::string& name, const std::filesystem::path& folder) const;

@@ -175,10 +175,15 @@ class Rules {
   // As the reader of the options would say it.
   void say_unknown(const LuaNode& entry, const std::vector<OptionInfo>& rows, const Words& known,
                    const std::string& owner) {
-    for (const OptionInfo& row : rows)
-      for (const OptionInfo& inner : row.inner)
-        if (entry.text == inner.row.name)
-          return say(entry, fmt::format("{}: '{}' belongs into `{} = {{ ... }}`", owner, entry.text, row.row.name));
+    for (const OptionInfo& row : rows) {
+      const bool world = std::string_view(row.row.name) == "world";  // with its systems
+      for (const OptionInfo& inner : world ? names_.world_options() : row.inner) {
+        if (entry.text != inner.row.name) continue;
+        const std::string within = world && names_.is_system(entry.text) ? entry.text + " = { ... }" : "...";
+        return say(entry,
+                   fmt::format("{}: '{}' belongs into `{} = {{ {} }}`", owner, entry.text, row.row.name, within));
+      }
+    }
     say(entry, fmt::format("{}: unknown option '{}'{}", owner, entry.text, lua::did_you_mean_or(entry.text, known)));
   }
 

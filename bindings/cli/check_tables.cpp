@@ -33,7 +33,7 @@ const Kinds::Rows* Kinds::options_of_entry(const LuaNode* entry, std::string* ow
   if (!row || row->inner.empty()) return nullptr;
   if (owner) *owner += std::string(".") + row->row.name;
   const std::string_view type = row->type;
-  const bool list = type == "list" || type.starts_with("list of {"), named = type == "tables by name";
+  const bool list = type == "list" || type.starts_with("list of {"), named = type.ends_with(" by name");
   if (direct ? named || type.starts_with("list") : entry->text.empty() ? !list : !named) return nullptr;
   return std::string_view(row->row.name) == "world" ? &names_.world_options() : &row->inner;
 }

@@ -122,7 +122,7 @@ Token LuaTokens::read() {
     token.kind = std::ranges::find(kWords, token.text) != kWords.end() ? TokenKind::word : TokenKind::name;
   } else if (is_digit(at()) || (at() == '.' && is_digit(at(1)))) {
     read_number();
-    token.kind = TokenKind::number;
+    token.kind = TokenKind::number, token.text = text_.substr(from, at_ - from);
   } else if (const std::size_t open = long_bracket()) {
     token.kind = TokenKind::string, token.text = read_long(open);
   } else if (at() == '"' || at() == '\'') {

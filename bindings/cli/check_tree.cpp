@@ -221,8 +221,10 @@ class Parser {
     const bool sign = t.kind == TokenKind::sign && (t.text == "-" || t.text == "#" || t.text == "~");
     if (!sign && !is("not")) return simple();
     const Syntax syntax = is("not") ? Syntax::test : Syntax::other;
-    tokens_.take();
-    return around(syntax, expression(kUnary));
+    std::string text = tokens_.take().text;
+    LuaNode* const whole = around(syntax, expression(kUnary));
+    whole->text = std::move(text);
+    return whole;
   }
   LuaNode* expression(int least = 0) {
     LuaNode* left = unary();
@@ -239,8 +241,10 @@ class Parser {
   LuaNode* simple() {
     const Token& t = now();
     if (t.kind == TokenKind::string) return string();
-    if (t.kind == TokenKind::number || is("true") || is("false") || is("..."))
-      return make(Syntax::other, tokens_.take().line);
+    if (t.kind == TokenKind::number || is("true") || is("false") || is("...")) {
+      const int line = t.line;
+      return make(Syntax::other, line, tokens_.take().text);
+    }
     if (is("nil")) return make(Syntax::nothing, tokens_.take().line);
     if (is("{")) return table();
     if (is("function")) {

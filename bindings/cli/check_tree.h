@@ -24,7 +24,7 @@ enum class Syntax {
   nothing,   // nil
   loop,      // the list of a generic for: its variables are results of this
   test,      // operand of and, or, not, ==, ~=, or a condition: asks whether there is such a thing
-  other,     // operands
+  other,     // operands; text is the operator; without operands a number, true, false or ...
 };
 
 struct LuaNode {

@@ -13,7 +13,8 @@ class Doc final : public Command {
   void declare(Arguments& a) override {
     a.text("WORD", word_, "a name (world:joint, hit, run), an option (density) or any word; none: the list of all");
     a.text("--html", html_, "folder for index.html: all pages, with a search that works offline");
-    a.text("--schemas", schemas_, "folder for OUTPUT.schema.json: JSON Schemas of all that --json prints");
+    a.text("--schemas", schemas_,
+           "folder for OUTPUT.schema.json: JSON Schemas of all that --json prints, and of scenes in YAML");
     a.flag("--markdown", markdown_, "print all pages as one Markdown document");
     a.flag("--luacats", luacats_, "print stubs with types for the Lua language server");
     a.flag("--man", man_, "print the man page feder.1");
@@ -22,7 +23,7 @@ class Doc final : public Command {
 
   int run(const Options& options) override {
     const Pages pages = all_pages(options.build);
-    if (!schemas_.empty()) return write_schema_files(options);
+    if (!schemas_.empty()) return write_schema_files(pages, options);
     if (!html_.empty()) return write_html(pages, options);
     if (options.json && !word_.empty()) return print_json(pages_json(find_pages(pages, word_).pages)), kPass;
     const std::string whole = markdown_         ? pages_markdown(pages)
@@ -59,11 +60,11 @@ class Doc final : public Command {
     return kPass;
   }
 
-  int write_schema_files(const Options& options) const {
+  int write_schema_files(const Pages& pages, const Options& options) const {
     std::error_code told_by_the_file;
     std::filesystem::create_directories(schemas_, told_by_the_file);
     try {
-      const std::vector<std::string> files = write_schemas(schemas_);
+      const std::vector<std::string> files = write_schemas(pages, schemas_);
       if (options.json)
         print_json({{"files", files}});
       else if (!options.quiet)

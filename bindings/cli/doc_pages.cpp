@@ -57,6 +57,7 @@ std::vector<Owner> owners(const Pages& pages) {
                                 {"expect", "what checks expect"},
                                 {"event", "kinds of events, with their fields"},
                                 {"options", "options of systems in world = {}"},
+                                {"yaml", "what scenes in YAML have besides"},
                                 {"command", "commands of the program"}};
   std::vector<Owner> out;
   for (const lua::ReferencePage& page : pages) {

@@ -38,8 +38,12 @@ std::string pages_man(const Pages& pages);                             // feder.
 std::string completion(const Pages& pages, const std::string& shell);  // bash, zsh, fish; Failure (usage) for others
 // What --json of a command prints, a row per field: ".energy.kinetic".
 std::vector<lua::ReferenceRow> output_fields(const std::string& command);
-// OUTPUT.schema.json for everything that --json prints; their paths. std::runtime_error "file: cannot be written".
-std::vector<std::string> write_schemas(const std::string& folder);
+// OUTPUT.schema.json for everything that --json prints, and of scenes in YAML; their paths. std::runtime_error "file:
+// cannot be written".
+std::vector<std::string> write_schemas(const Pages& pages, const std::string& folder);
+// scene.yaml.schema.json: of scenes in YAML, for editors.
+inline constexpr const char* kYamlSchema = "scene.yaml.schema.json";
+report::Json yaml_schema(const Pages& pages);
 report::Json pages_json(const Pages& pages);
 
 }  // namespace feder::cli

@@ -44,6 +44,7 @@ Json typed(std::string type) {
   if (type.back() == '?') type.pop_back();
   const auto same_path = [&](const OutputRow& row) { return row.path == type; };
   if (std::ranges::any_of(output_rows(), same_path)) return schema_of(type);
+  if (type.ends_with("[0]")) return typed(type.substr(0, type.size() - 3)).at("items");
   const std::string last = type.substr(type.size() - 2), inner = type.substr(0, type.size() - 2);
   if (last == "[]") return {{"type", "array"}, {"items", typed(inner)}};
   if (last == "{}") return {{"type", "object"}, {"additionalProperties", typed(inner)}};
@@ -70,8 +71,9 @@ void place(Json& schema, const std::string& below, const OutputRow& row) {
   if (below[0] == '[') return place(schema["items"], below.substr(2), row);
   const std::size_t end = below.find_first_of(".[", 1);
   const std::string name = below.substr(1, end - 1);
-  if (end != std::string::npos) return place(schema["properties"][name], below.substr(end), row);
-  (name == "*" ? schema["additionalProperties"] : schema["properties"][name]) = described(row);
+  Json& field = name == "*" ? schema["additionalProperties"] : schema["properties"][name];
+  if (end != std::string::npos) return place(field, below.substr(end), row);
+  field = described(row);
   if (name != "*" && row.type.back() != '?') schema["required"].push_back(name);
 }
 
@@ -86,6 +88,12 @@ Json schema_of(const std::string& path) {
   return schema;
 }
 
+// Tables of a command: points.csv.
+struct Table {
+  std::string_view name, command;
+};
+constexpr Table kTables[] = {{"points", "study"}, {"cells", "stability"}, {"limits", "stability"}};
+
 }  // namespace
 
 std::vector<lua::ReferenceRow> output_fields(const std::string& command) {
@@ -94,16 +102,18 @@ std::vector<lua::ReferenceRow> output_fields(const std::string& command) {
     // study_list[].name: paths as jq has them, behind the word that makes the command print this
     const std::size_t end = std::min(path.find_first_of(".["), path.size());
     const std::string output = path.substr(0, end), word = output.substr(0, output.find('_'));
-    if (word != command && !(output == "points" && command == "study")) continue;
+    const auto table = std::ranges::find(kTables, output, &Table::name);
+    if (table == std::end(kTables) ? word != command : table->command != command) continue;
     std::string name = (end == path.size() || path[end] == '[' ? "." : "") + path.substr(end);
     if (output != word) name = output.substr(word.size() + 1) + " " + name;
-    if (output == "points") name = path;  // points.csv
-    out.push_back({name, type, unit, "", "", "", (end == path.size() ? "Of --json: " : "") + text});
+    if (table != std::end(kTables)) name = path;
+    const bool of_json = end == path.size() && !text.starts_with("In ");
+    out.push_back({name, type, unit, "", "", "", (of_json ? "Of --json: " : "") + text});
   }
   return out;
 }
 
-std::vector<std::string> write_schemas(const std::string& folder) {
+std::vector<std::string> write_schemas(const Pages& pages, const std::string& folder) {
   std::vector<std::string> files;
   for (const OutputRow& row : output_rows()) {
     if (row.path.find('.') != std::string::npos || row.path.find('[') != std::string::npos) continue;
@@ -112,6 +122,8 @@ std::vector<std::string> write_schemas(const std::string& folder) {
     files.push_back((std::filesystem::path(folder) / (row.path + ".schema.json")).string());
     report::write_text(files.back(), report::to_text(schema));
   }
+  files.push_back((std::filesystem::path(folder) / kYamlSchema).string());
+  report::write_text(files.back(), report::to_text(yaml_schema(pages)));
   return files;
 }
 

@@ -78,7 +78,7 @@ const Method kWorld[] = {
     {"cloth", method<world_cloth>, "world:cloth{ size =, resolution = | vertices =, triangles =, ... } -> cloth",
      "a sheet or a triangle mesh", cloth_rows},
 };
-const YamlList kYaml[] = {{"cloths", [](lua_State* L, int world) { make_object(L, world, "cloth"); }}};
+const YamlList kYaml[] = {{"cloths", [](lua_State* L, int world) { make_object(L, world, "cloth"); }, "cloth"}};
 
 }  // namespace
 

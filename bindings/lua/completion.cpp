@@ -59,7 +59,8 @@ void add_options(const std::vector<ReferencePage>& pages, std::string_view line,
     name = function_before(line, open.brackets[open.brackets.size() - 2]);
   }
   for (const ReferencePage& page : pages)
-    if (page.kind != PageKind::event && page.kind != PageKind::command && page.name == name)
+    if (page.kind != PageKind::event && page.kind != PageKind::command && page.kind != PageKind::yaml &&
+        page.name == name)
       for (const ReferenceRow& row : page.rows)
         if (row.name.starts_with(path) && row.name.find('.', path.size()) == std::string::npos)
           out.insert(row.name.substr(path.size()) + " =");

@@ -174,7 +174,18 @@ const Method kWorld[] = {
     {"fluid", method<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
      "particles of a liquid", fluid_rows},
 };
-const YamlList kYaml[] = {{"fluids", make_fluid}};
+std::vector<OptionInfo> source_rows() {
+  const auto row = [](const char* name, std::vector<OptionInfo> inner) {
+    return OptionInfo{.row = {.name = name},
+                      .type = "table or list of tables",
+                      .fallback = "",
+                      .choices = "",
+                      .inner = std::move(inner)};
+  };
+  return {row("fill", fill_rows()), row("emitter", emitter_rows()), row("drain", drain_rows())};
+}
+
+const YamlList kYaml[] = {{"fluids", make_fluid, "fluid", source_rows}};
 
 }  // namespace
 

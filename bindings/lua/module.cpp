@@ -1,6 +1,7 @@
 // The module "feder", the classes without a world, and the list of all functions.
 #include "lua/advice.h"
 #include "lua/buffer.h"
+#include "lua/choices.h"
 #include "lua/docs.h"
 #include "lua/expect.h"
 #include "lua/library.h"
@@ -32,20 +33,6 @@ int feder_world(lua_State* L) {
 
 double feder_deg(lua_State* L) { return check_number(L, 1, function_name(L)) * 0.01745329251994329577; }
 
-// The names that an option of a class takes: "cloth.solver".
-int feder_choices(lua_State* L) {
-  const std::string wanted = check_text(L, 1, function_name(L));
-  for (const DocRow& row : docs(state(L).options.parts))
-    for (const OptionInfo& o : row.options) {
-      if (row.name + "." + o.row.name != wanted || o.choices.empty()) continue;
-      push_list(L, split_choices(o.choices), [&](std::string_view choice) { push(L, choice); });
-      return 1;
-    }
-  const std::string module = wanted.substr(0, wanted.find('.'));
-  if (is_left_out("feder." + module)) fail_here(L, "this build leaves out the module '" + module + "'");
-  fail_here(L, "expected an option with choices, such as \"fluid.solver\", got " + describe(L, 1));
-}
-
 const char* feder_version(lua_State*) { return FEDER_VERSION; }
 
 const Method kFederFunctions[] = {
@@ -54,12 +41,12 @@ const Method kFederFunctions[] = {
     {"scene", guard<feder_scene>,
      "feder.scene{ title =, seconds =, picture =, camera =, world =, build =, update =, check =, study = } -> scene",
      "what a scene file returns", scene_rows},
-    {"param", guard<feder_param>, "feder.param(name, default, { min =, max =, step =, choices =, help = }) -> value",
+    {"param", guard<feder_param>, "feder.param(name, default, [{ min =, max =, step =, choices =, help = }]) -> value",
      "a value that --set, a viewer or a study may change", param_rows},
     {"load", guard<feder_load>, "feder.load(file) -> table",
      "a YAML file (materials.yaml) beside the scene or in the libraries"},
     {"choices", guard<feder_choices>, "feder.choices(option) -> {name, ...}",
-     "what an option takes in this build: \"cloth.solver\", \"net.integrator\""},
+     "what an option takes in this build, by its path: \"cloth.solver\", \"joint.type\", \"world.rigid.solver\""},
     {"deg", method<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},
     {"buffer", guard<feder_buffer>, "feder.buffer(n) -> buffer", "n numbers for bulk data; buf[i] counts from 1"},
     {"wait", guard<feder_wait>, "feder.wait(seconds)", "in a task: simulated seconds, at least one step"},

@@ -401,10 +401,14 @@ void Options::finish() {
     found = true;
   }
   if (!found) return;
-  for (const auto& [name, rows] : inner_)
-    for (const OptionInfo& o : rows())
-      if (unknown == o.row.name)
-        raise_at(unknown, owner_ + ": '" + unknown + "' belongs into `" + name + " = { ... }`");
+  for (const auto& [name, rows] : inner_) {
+    std::vector<std::string> keys;
+    for (const OptionInfo& o : rows()) keys.emplace_back(o.row.name);
+    belongs(std::move(keys), std::string(name) + " = { ... }");
+  }
+  for (const auto& [keys, place] : misplaced_)
+    if (std::find(keys.begin(), keys.end(), unknown) != keys.end())
+      raise_at(unknown, owner_ + ": '" + unknown + "' belongs into `" + place + "`");
   const std::vector<std::string> names(known_.begin(), known_.end());
   raise_at(unknown, owner_ + ": unknown option '" + unknown.substr(0, 60) + "'" + did_you_mean_or(unknown, names));
 }

@@ -97,6 +97,10 @@ class Options {
   // The remaining keys, which have no row, as Params: numbers, strings, booleans, lists of numbers.
   void rest(Params& out);
 
+  // Keys that have no row because they belong elsewhere: `place`, as a script writes it.
+  void belongs(std::vector<std::string> keys, std::string place) {
+    misplaced_.emplace_back(std::move(keys), std::move(place));
+  }
   void finish();  // an error when a key was given that has no row
   // Raises "owner.key: expected <expected>, got <value of key>".
   [[noreturn]] void wrong(const char* key, const std::string& expected);
@@ -119,6 +123,7 @@ class Options {
   bool planar_;
   lua_Integer entries_ = 0;
   std::vector<std::string_view> known_;
+  std::vector<std::pair<std::vector<std::string>, std::string>> misplaced_;
   std::vector<std::pair<const char*, std::vector<OptionInfo> (*)()>>
       inner_;  // keys whose tables have rows of their own
 };

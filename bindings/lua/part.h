@@ -31,6 +31,9 @@ struct ObjectClass {
 struct YamlList {
   const char* key;
   void (*make)(lua_State* L, int world);
+  // For a reference: the method of worlds whose options an entry has, and what it has besides them.
+  const char* maker = nullptr;
+  std::vector<OptionInfo> (*more)() = nullptr;
 };
 
 struct Part {

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "feder/world.h"
+#include "lua/part.h"
+#include "lua/yaml_scene.h"
 
 namespace feder::lua {
 namespace {
@@ -50,7 +52,7 @@ void add_rows(const std::string& owner, const std::string& before, const std::ve
   for (const OptionInfo& o : from) {
     const std::string& by = o.of.empty() ? owner : o.of;
     rows.push_back({before + o.row.name, o.type, o.row.unit, o.fallback, allowed(o), o.of,
-                    std::string(option_sentence(by, o.row.name))});
+                    std::string(option_sentence(by, o.row.name)), o.row.range});
     add_rows(o.row.name, before + o.row.name + ".", o.inner, rows);
   }
 }
@@ -80,6 +82,28 @@ ReferencePage event_page(EventKind kind) {
   add_rows("event", "e.", event_fields(kind, true), page.rows);
   add_rows("filter", "filter.", event_filters(kind), page.rows);
   return page;
+}
+
+// What a scene in YAML has that no function has: lists of objects, parameters, forces, a check.
+void add_yaml_pages(std::span<const Part* const> parts, std::vector<ReferencePage>& pages) {
+  const auto add = [&](const std::string& key, const std::string& form, const std::string& text) -> ReferencePage& {
+    pages.push_back({PageKind::yaml, "yaml." + key, "yaml", key, key + ": " + form, text, "", {}});
+    return pages.back();
+  };
+  for (const Part* part : parts)
+    for (const YamlList& list : part->yaml) {
+      const std::string maker = list.maker ? std::string("world:") + list.maker : "";
+      ReferencePage& page =
+          add(list.key, "[ { ... }, ... ]",
+              maker.empty() ? "objects of the world" : "objects of the world, with the options of " + maker);
+      page.maker = maker;
+      if (list.more) add_rows(list.key, "", list.more(), page.rows);
+    }
+  add("forces", "[ { ... }, ... ]", "forces of the world, with the options of world:force").maker = "world:force";
+  ReferencePage& params = add("params", "{ NAME: value, NAME: { value:, min:, max:, step:, choices:, help: }, ... }",
+                              "parameters as of feder.param; \"$NAME\" as a value anywhere below stands for one");
+  add_rows("param", "", yaml_param_rows(), params.rows);
+  add("check", "text", "Lua text that sees world, scene and expect, and makes the scene a test");
 }
 
 }  // namespace
@@ -120,6 +144,7 @@ std::vector<ReferencePage> reference(std::span<const Part* const> parts, Catalog
     add_rows(d->name, "", system_options(systems, d->name), page.rows);
     if (!page.rows.empty()) pages.push_back(std::move(page));
   }
+  add_yaml_pages(parts, pages);
   for (Example& example : examples())
     for (ReferencePage& page : pages)
       if (page.title == example.title) page.example = example.code;

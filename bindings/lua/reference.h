@@ -9,7 +9,7 @@
 
 namespace feder::lua {
 
-enum class PageKind { function, method, event, options, command };
+enum class PageKind { function, method, event, options, yaml, command };
 
 // An option, an event's field, or one of a table within (friction.static).
 struct ReferenceRow {
@@ -20,17 +20,19 @@ struct ReferenceRow {
   std::string allowed;   // names, or the range of a number; "" for any
   std::string of;        // the variant that alone reads it
   std::string text;      // what it means, one sentence
+  Range range = kAny;    // of numbers
 };
 
 struct ReferencePage {
   PageKind kind = PageKind::function;
-  std::string title;      // "world:joint", "feder.box", "hit", "world.rigid"
-  std::string owner;      // "world", "feder", "body"; "event"; "options"
+  std::string title;      // "world:joint", "feder.box", "hit", "world.rigid", "yaml.bodies"
+  std::string owner;      // "world", "feder", "body"; "event"; "options"; "yaml"
   std::string name;       // "joint"
   std::string signature;  // "world:joint{ type =, a =, ... } -> joint"; of events "world:on("hit", fn(e))"
   std::string text;       // what it does
   std::string example;    // Lua; "" for none
   std::vector<ReferenceRow> rows;
+  std::string maker = {};  // of a list in YAML: title of the method whose rows its entries have too
 };
 
 // In the order of owners as docs() has them, then events, then the options of systems.

@@ -164,9 +164,14 @@ std::vector<Method> world_rows() {
   return all;
 }
 
-const YamlList kYaml[] = {{"bodies", [](lua_State* L, int world) { make_bodies(L, world, "body"); }},
-                          {"regions", [](lua_State* L, int world) { make_bodies(L, world, "region"); }},
-                          {"joints", make_joint}};
+std::vector<OptionInfo> repeat_rows() {
+  return {{.row = {.name = "repeat"}, .type = "table", .fallback = "", .choices = "", .inner = rows_of<kRepeat>()}};
+}
+
+const YamlList kYaml[] = {
+    {"bodies", [](lua_State* L, int world) { make_bodies(L, world, "body"); }, "body", repeat_rows},
+    {"regions", [](lua_State* L, int world) { make_bodies(L, world, "region"); }, "region", repeat_rows},
+    {"joints", make_joint, "joint"}};
 
 }  // namespace
 

@@ -96,6 +96,12 @@ constexpr Option<SceneState> kScene[] = {
     {{.name = "study"}, "table", read_study_table, nullptr, study_rows},
 };
 
+void read_scene(lua_State* L, int table, SceneState& out) {
+  Options o(L, table, "feder.scene");
+  misplace_world_options(o, state(L).options.systems, " = ");
+  o.read(kScene, out);
+}
+
 // A fresh copy of the scene for build, update and check: what a build leaves there does not reach the next.
 void push_scene_copy(lua_State* L) {
   lua_rawgeti(L, LUA_REGISTRYINDEX, scene(L).table);
@@ -123,7 +129,7 @@ std::vector<OptionInfo> scene_rows() { return describe_rows(kScene); }
 
 int feder_scene(lua_State* L) {
   SceneState read;
-  Options(L, 1, "feder.scene").read(kScene, read);
+  read_scene(L, 1, read);
   // the world's options are read here too, where the script's line is known
   lua_pushstring(L, "world");
   if (lua_rawget(L, 1) == LUA_TTABLE) {
@@ -150,7 +156,7 @@ bool take_scene(lua_State* L, const std::string& file) {
     raise_error(L, s.where + ": expected the file to return the scene made here, got " + describe(L, -1));
   const std::string where = s.where;
   s.title.clear(), s.seconds = 0, s.picture = -1, s.camera = {}, s.random = 0;
-  Options(L, lua_gettop(L), "feder.scene").read(kScene, s);
+  read_scene(L, lua_gettop(L), s);
   s.where = where.empty() ? file : where;
   lua_pushvalue(L, -1);
   s.table = luaL_ref(L, LUA_REGISTRYINDEX);

@@ -98,7 +98,7 @@ void apply_forces(ForceRun& run) { apply_to_points(run, *run.record().world, kNe
 const Method kWorld[] = {
     {"net", method<world_net>, "world:net{ points =, springs =, ... } -> net", "mass points and springs", net_rows},
 };
-const YamlList kYaml[] = {{"nets", [](lua_State* L, int world) { make_object(L, world, "net"); }}};
+const YamlList kYaml[] = {{"nets", [](lua_State* L, int world) { make_object(L, world, "net"); }, "net"}};
 
 }  // namespace
 

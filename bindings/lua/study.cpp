@@ -226,7 +226,7 @@ constexpr Option<StudyDeclaration> kStudy[] = {
     field<&StudyDeclaration::methods>("methods"),
     field<&StudyDeclaration::tolerance>("tolerance"),
     field<&StudyDeclaration::seconds>("seconds", "s", kPositive).unset(),
-    {{.name = "axes"}, "tables by name", read_all_axes, nullptr, rows_of<kAxis>},
+    {{.name = "axes"}, "tables or lists by name", read_all_axes, nullptr, rows_of<kAxis>},
     {{.name = "ladders"}, "list of tables", read_ladders, nullptr, rows_of<kLadder>},
     field<&StudyDeclaration::refined_substeps>("refined_substeps", "", {1, 1e6}).unset(),
     field<&StudyDeclaration::sweeps>("sweeps", "", kPositive),

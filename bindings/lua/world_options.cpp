@@ -270,6 +270,13 @@ bool friction_option(Options& o, const char* key, Real& fixed, Real& dynamic) {
 }
 
 std::vector<OptionInfo> friction_rows() { return describe_rows(kFriction); }
+void misplace_world_options(Options& scene, Catalog systems, const std::string& is) {
+  std::vector<std::string> keys;
+  for (const OptionInfo& o : world_rows()) keys.emplace_back(o.row.name);
+  scene.belongs(std::move(keys), "world" + is + "{ ... }");
+  for (const SystemDescriptor* d : systems)
+    if (d->joins.empty()) scene.belongs({d->name}, "world" + is + "{ " + d->name + is + "{ ... } }");
+}
 std::vector<OptionInfo> world_rows() { return join_rows(describe_rows(kWorldDesc), describe_rows(kWorld)); }
 
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides) {

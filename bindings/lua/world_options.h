@@ -11,6 +11,8 @@ namespace feder::lua {
 WorldSettings read_world_options(lua_State* L, int index, const std::string& owner, bool overrides = true);
 
 std::vector<OptionInfo> world_rows();
+// Keys of a scene that belong into its world: options of worlds, and systems. `is`: " = " or, in YAML, ": ".
+void misplace_world_options(Options& scene, Catalog systems, const std::string& is);
 std::vector<std::string> material_names(const WorldSettings& settings);
 
 // key = number | { static =, dynamic = }, of which one may be missing; and that table alone.

@@ -10,10 +10,12 @@
 #include <cmath>
 
 #include "lua/options.h"
+#include "lua/params.h"
 #include "lua/sandbox.h"
 #include "lua/scene.h"
 #include "lua/shapes.h"
 #include "lua/stack.h"
+#include "lua/world_options.h"
 
 namespace feder::lua {
 namespace {
@@ -136,6 +138,11 @@ void push_check(lua_State* L, int scene, const std::string& file) {
 }
 
 }  // namespace
+
+std::vector<OptionInfo> yaml_param_rows() {
+  return join_rows({{.row = {.name = "value"}, .type = "number, string or boolean", .fallback = "", .choices = ""}},
+                   param_rows());
+}
 
 void copy_locations(lua_State* L, int from, int to) {
   from = lua_absindex(L, from), to = lua_absindex(L, to);
@@ -273,6 +280,7 @@ void yaml_to_scene(lua_State* L, const std::string& file) {
   for (const char* key : kSceneKeys) o.know(key);
   for (const Part* part : state(L).options.parts)
     for (const YamlList& list : part->yaml) o.know(list.key);
+  misplace_world_options(o, state(L).options.systems, ": ");
   o.finish();
   declare_params(L, given);
   lua_pushvalue(L, given);

@@ -16,5 +16,7 @@ void make_shape_field(lua_State* L, int table);
 void resolve_name(lua_State* L, int world, int options, const char* key);
 // Takes the locations of one table over to another, so that copies of YAML tables keep theirs.
 void copy_locations(lua_State* L, int from, int to);
+// Of a parameter that has options.
+std::vector<OptionInfo> yaml_param_rows();
 
 }  // namespace feder::lua

@@ -16,6 +16,20 @@ namespace feder {
 namespace {
 constexpr Real kMinGravity = 1;  // m/s^2, at least: weightless cloth is pulled by something else
 constexpr double kStay = 0.9;    // hysteresis: a number that falls by less than this share stays
+
+// What to do about a cap that is too low: where the stretch law asks for the solver substeps, the stretch_error that
+// the cap can hold, in two digits upwards; and the cap itself, which has a largest value.
+std::string cap_cure(const Sheet& s, double wanted, double cap) {
+  std::string cure;
+  if (wanted <= 10000) cure = "max_substeps = " + std::to_string(static_cast<int>(std::ceil(wanted)));
+  const double error = double(s.settings.stretch_error) * (wanted / cap) * (wanted / cap);
+  if (s.bend_substeps <= cap && error <= 0.5) {
+    const double digit = std::pow(10.0, std::floor(std::log10(error)) - 1);
+    cure += (cure.empty() ? "" : " or ") + ("stretch_error = " + print_number(std::ceil(error / digit) * digit));
+  }
+  return cure.empty() ? "" : ": " + cure + " would do now";
+}
+
 }  // namespace
 
 ClothView Cloth::Impl::view(Sheet& s) {
@@ -122,7 +136,8 @@ void Cloth::Impl::choose_steps(StepContext& c) {
                        objects.describe(s.object) + " would need " +
                            std::to_string(static_cast<long long>(std::ceil(std::fmin(wanted, 1e15)))) +
                            " solver substeps per substep, its max_substeps is " +
-                           std::to_string(static_cast<int>(cap)) + ": it " + s.solver->beyond_cap(),
+                           std::to_string(static_cast<int>(cap)) + ": it " + s.solver->beyond_cap() +
+                           cap_cure(s, wanted, cap),
                        s.object);
       }
       if (wanted > cap) wanted = s.solver->substeps_beyond(cap);

@@ -86,7 +86,7 @@ ShapePtr Box::section() const {
 ShapeKind geom_box() {
   return {
       "box",
-      "(width, height, depth)",
+      "(width, height, [depth])",
       "a box of full sizes; depth may be left out in 2D",
       {{"width", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}, {"depth", ShapeArgumentType::size, 1}},
       [](const ShapeInput& in) -> ShapePtr {

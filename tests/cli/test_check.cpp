@@ -104,6 +104,8 @@ const Mistake kMistakes[] = {
      "5: world:body: unknown option 'densty'; did you mean 'density'?"},
     {"option of the world at the top", std::string(kFeder) + "return feder.scene { dimension = 2, build = print }\n",
      "2: feder.scene: 'dimension' belongs into `world = { ... }`"},
+    {"system at the top", std::string(kFeder) + "return feder.scene { rigid = {}, build = print }\n",
+     "2: feder.scene: 'rigid' belongs into `world = { rigid = { ... } }`"},
     {"choice", in_build("world:body { shape = feder.sphere(1), type = 'dynamik' }"),
      "5: world:body.type: expected one of static, kinematic, dynamic, got 'dynamik'"},
     {"function of a module", std::string(kFeder) + "local build = require 'feder.build'\nprint(build.latice)\n",

@@ -62,6 +62,7 @@ std::map<std::string, json> schemas() {
   const json files = written.json()["files"];
   for (const json& file : files) {
     const std::string name = std::filesystem::path(file.get<std::string>()).filename();
+    if (name == "scene.yaml.schema.json") continue;  // of scenes, see test_yaml_schema.cpp
     out[name.substr(0, name.find('.'))] = json::parse(p.read(file));
   }
   return out;
@@ -114,6 +115,10 @@ constexpr Sample kSamples[] = {
     {"bench_scenes", "F bench $S/rigid/tower.lua $S/fluid/droplet_2d.lua --runs 1 --steps 2 --compare before.json"},
     {"test", "F test draws.lua 'draws.lua[x=2]' skipped.lua --random 9"},
     {"test", "F test warns.lua broken_test.lua"},
+    {"test_golden", "env -u CI F test golden.lua --update-golden >golden.log; cat golden.golden.json #"},
+    {"test_golden", "env -u CI F test cloth.lua --update-golden >golden.log; cat cloth.golden.json #"},
+    {"test_counterexamples", "env -u CI F test draws.lua --random 9 >t.log; cat draws.counterexamples.json #"},
+    {"test_counterexamples", "env -u CI F test draws.lua --random 9 --seed 3 >t.log; cat draws.counterexamples.json #"},
     {"test_list", "F test --list $S/cloth"},
     {"test_list", "F test --list 'draws.lua[x=2]' $S/rigid/tower.lua"},
     {"check", "F check $S/rigid/tower.lua"},
@@ -136,6 +141,9 @@ constexpr Sample kSamples[] = {
      "F study oscillator --methods explicit_euler,rk45 --ladder steps:5..80:x2 --ladder tol:1e-2..1e-6:x10 "
      "--repeat 1 --set stiffness=1000 --out study"},
     {"study", "cat study/report.json #"},
+    {"study_jsonl_first", "head -n 1 study/points.jsonl #"},
+    {"study_jsonl", "sed -n 2p study/points.jsonl #"},
+    {"study_jsonl", "tail -n 1 study/points.jsonl #"},
     {"study", "F study stack --ladder substeps:1,4 --repeat 0"},
     {"study", "F study oscillator --methods rk4 --ladder steps:80 --repeat 0 --baseline study/points.csv"},
     {"study", "I F study oscillator"},
@@ -164,6 +172,12 @@ void write_scripts(const Program& p) {
                              "expect(false, 'never')\nexpect.near(1, 2, 0.1)"));
   p.write("draws.lua", "local x = require('feder').param('x', 1, { min = 0, max = 10 })\n" +
                            scene(kBall, "expect.budget { ms = 1e-9 }\nexpect(x < 5, 'x')"));
+  const auto golden = [](const std::string& build) {
+    return "local feder = require 'feder'\nreturn feder.scene { golden = true, seconds = 0.3, check = function() end, "
+           "build = function(world, scene)\n" +
+           build + "\nend }\n";
+  };
+  p.write("golden.lua", golden(kBall)), p.write("cloth.lua", golden(cloth));
   p.write("skipped.lua",
           "local feder = require 'feder'\nreturn feder.scene { title = 'No check', seconds = 0.1, "
           "build = function() end }\n");
@@ -226,10 +240,12 @@ TEST_CASE("every output of --json is as its schema says, and every field of the 
     CHECK(validator.errors == std::vector<std::string>{});
   }
   for (const auto& [name, schema] : all)
-    if (name != "view") CHECK(count[name] >= 2);  // a window, which tests/view has
+    // a window, which tests/view has; a line that there is once
+    if (!name.starts_with("view") && name != "study_jsonl_first") CHECK(count[name] >= 2);
   for (const Row& row : rows()) {
     CAPTURE(row.path);
-    if (!row.path.starts_with("view") && !row.path.starts_with("points.csv.")) CHECK(validator.seen.count(row.path));
+    if (!row.path.starts_with("view") && row.path.find(".csv.") == std::string::npos)
+      CHECK(validator.seen.count(row.path));
   }
 }
 
@@ -277,7 +293,7 @@ TEST_CASE("a row of the table is a path of its own, a type and a sentence; pages
     CHECK((std::regex_match(type, word) || paths.count(row.type.substr(0, row.type.find('?'))) || paths.count(type)));
     CHECK((row.text.size() > 5 && row.text.back() == '.'));
     const std::string parent = row.path.substr(0, row.path.rfind('.'));
-    if (!row.path.starts_with("points.csv."))
+    if (row.path.find(".csv.") == std::string::npos)
       CHECK((paths.count(parent) || paths.count(parent.substr(0, parent.find('[', parent.rfind('.') + 1)))));
   }
   const Program p;
@@ -288,18 +304,31 @@ TEST_CASE("a row of the table is a path of its own, a type and a sentence; pages
   CHECK_THAT(p.run("doc study").out, Catch::Contains("list .[].name") && Catch::Contains("points.csv.scene_hash"));
 }
 
-TEST_CASE("every column of points.csv has a row, and every row of it is a column", "[cli][schemas]") {
+TEST_CASE("every column of a table has a row, and every row of it is a column", "[cli][schemas]") {
   const Program p;
   REQUIRE(p.run("study oscillator --methods rk4 --ladder steps:50 --repeat 0 --out d").status == 0);
-  std::istringstream header(p.read("d/points.csv").substr(0, p.read("d/points.csv").find('\n')));
-  std::set<std::string> paths, columns;
+  REQUIRE(p.run("stability --methods rk4 --x 0.1,1 --y 0 --bisect --out m").status == 0);
+  std::set<std::string> paths;
   for (const Row& row : rows()) paths.insert(row.path);
-  for (std::string column; std::getline(header, column, ',');) {
-    CAPTURE(column);
-    CHECK(paths.count("points.csv." + column) + paths.count("study.points[]." + column) == 1);
-    columns.insert("points.csv." + column);
+  // a column without a row of its own is a field of the JSON beside it
+  constexpr const char* tables[][3] = {{"points.csv", "d/points.csv", "study.points[]."},
+                                       {"cells.csv", "m/cells.csv", "stability.rows[]."},
+                                       {"limits.csv", "m/limits.csv", "stability.limits[]."}};
+  std::size_t count = 0;
+  for (const auto& [name, file, fields] : tables) {
+    const std::string text = p.read(file), own = std::string(name) + ".";
+    std::istringstream header(text.substr(0, text.find('\n')));
+    std::set<std::string> columns;
+    for (std::string column; std::getline(header, column, ','); ++count) {
+      CAPTURE(name, column);
+      CHECK(paths.count(own + column) + paths.count(fields + column) == 1);
+      columns.insert(own + column);
+    }
+    for (const std::string& path : paths)
+      if (path.starts_with(own)) CHECK(columns.count(path));
   }
-  CHECK(columns.size() > 36);
-  for (const std::string& path : paths)
-    if (path.starts_with("points.csv.")) CHECK(columns.count(path));
+  CHECK(count > 36 + 16 + 8);
+  CHECK_THAT(p.run("doc stability").out,
+             Catch::Contains("cells.csv.t_fail_s") && Catch::Contains("limits.csv.observed"));
+  CHECK_THAT(p.run("doc test").out, Catch::Contains("golden .samples[].poses"));
 }

@@ -55,3 +55,24 @@ TEST_CASE("a name that a cloth has not is refused, and so is one place for many 
         "test.lua:1: cloth:attach: 'top': only sheets have named sides; give vertex numbers");
   CHECK(output_of(std::string(kSheet) + "flag:attach('top_left', plank, 0, 0, 0) flag:attach(2, plank)") == "");
 }
+
+TEST_CASE("the warning of too few solver substeps names options that end it for now", "[lua][cloth]") {
+  const auto warnings = [](const std::string& options) {
+    return output_of(
+        "world:on('warning', function(e) print(e.code, e.message) end) "
+        "world:cloth{ size = {0.4, 0.3}, resolution = {33, 25}, area_density = 0.05, pins = {'left'}" +
+        options + " } world:step()");
+  };
+  const std::string told = warnings(", stretch_error = 1e-4");
+  CAPTURE(told);
+  REQUIRE_THAT(told, Catch::StartsWith("substep_cap") && Catch::Contains("max_substeps = ") &&
+                         Catch::Contains(" or stretch_error = "));
+  for (const char* option : {"max_substeps = ", "stretch_error = "}) {
+    // behind the sentence on what there is now
+    const std::string cure = told.substr(told.find(option, told.find(": it ")));
+    const std::string given = cure.substr(0, cure.find(' ', cure.find("= ") + 2));
+    CAPTURE(given);
+    CHECK(warnings(", stretch_error = 1e-4, " + given).find("substep_cap") == std::string::npos);
+  }
+  CHECK(warnings(", max_substeps = 400") == "");
+}

@@ -4,7 +4,9 @@
 #include <sstream>
 
 #include "feder/world.h"
+#include "lua/part.h"
 #include "lua/reference.h"
+#include "lua/yaml_scene.h"
 #include "support/script.h"
 
 using namespace feder;
@@ -29,6 +31,12 @@ std::vector<Found> everything() {
   for (const lua::DocRow& row : lua::docs(lua::parts())) add(all, row.name, row.options);
   for (const SystemDescriptor* d : catalog())
     if (d->joins.empty()) add(all, d->name, lua::system_options(catalog(), d->name));
+  for (const lua::Part* part : lua::parts())
+    for (const lua::YamlList& list : part->yaml) {
+      CHECK(list.maker);
+      if (list.more) add(all, list.key, list.more());
+    }
+  add(all, "param", lua::yaml_param_rows());
   for (const EventKind& kind : lua::event_kinds(catalog())) {
     add(all, "event", lua::event_fields(kind));
     add(all, "filter", lua::event_filters(kind));
@@ -83,4 +91,29 @@ TEST_CASE("rows know the defaults, ranges and names that their readers use", "[l
   CHECK(by_name.at("rigid.solver").choices.find("soft_step") != std::string::npos);
   CHECK(by_name.at("soft_step.contact_hertz").fallback == "72");
   CHECK(by_name.at("rk45.max_steps").row.range.whole() == "a whole number from 1 to 100000000");
+}
+
+TEST_CASE("feder.choices answers to the path of every option that has names", "[lua][reference]") {
+  // names are those of the pages; ranges of numbers are no names
+  std::map<std::string, std::set<std::string>> names;
+  for (const lua::ReferencePage& page : lua::reference(lua::parts(), catalog()))
+    for (const lua::ReferenceRow& row : page.rows)
+      if (page.owner != "event" && row.type.starts_with("string") && !row.allowed.empty() &&
+          !row.allowed.starts_with("a "))
+        for (std::string_view name : split_choices(row.allowed)) names[page.name + "." + row.name].emplace(name);
+  CHECK(names.size() >= 15);
+  CHECK(names.count("joint.type"));
+  CHECK(names.count("world.broad_phase"));
+  for (const auto& [path, expected] : names) {
+    CAPTURE(path);
+    std::istringstream lines(test::output_of("for _, name in ipairs(feder.choices '" + path + "') do print(name) end"));
+    std::set<std::string> got;
+    for (std::string line; std::getline(lines, line);) got.insert(line);
+    CHECK(got == expected);
+  }
+  CHECK(test::output_of("print(table.concat(feder.choices 'world.rigid.solver', ' '))") ==
+        test::output_of("print(table.concat(feder.choices 'rigid.solver', ' '))"));
+  CHECK(test::output_of("print(#feder.choices 'world:joint.type' > 3)") == "true\n");
+  CHECK_THAT(test::error_of("feder.choices 'joint.tipe'"),
+             Catch::Contains("expected an option with choices") && Catch::Contains("did you mean 'joint.type'?"));
 }

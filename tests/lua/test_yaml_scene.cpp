@@ -98,6 +98,8 @@ TEST_CASE("mistakes in a table are named", "[lua][yaml]") {
              Catch::Contains("world:fluid: this build leaves out the module 'fluid'"));
 #endif
   CHECK_THAT(error_of_table("world = { dt = -1 }"), Catch::Contains("world.dt: expected a number above 0"));
+  CHECK_THAT(error_of_table("dimension = 2"), Catch::Contains("scene: 'dimension' belongs into `world: { ... }`"));
+  CHECK_THAT(error_of_table("rigid = {}"), Catch::Contains("scene: 'rigid' belongs into `world: { rigid: { ... } }`"));
   CHECK_THAT(error_of_table("params = { h = { min = 1 } }"), Catch::Contains("params.h: expected value:"));
   CHECK_THAT(error_of_table("bodies = { { shape = 'plane', ['repeat'] = { count = -1 } } }"),
              Catch::Contains("repeat.count: expected a whole number from 0"));
