@@ -151,10 +151,11 @@ TEST_CASE("an error of the program itself ends with status 70", "[cli][limits]")
   CHECK(status_of(std::runtime_error("file: cannot be written")) == 1);
   CHECK(status_of(std::bad_alloc()) == 1);
   CHECK(status_of(feder::cli::Failure(5, "nothing ran")) == 5);
-  // a runner that cannot start its child: there is no descriptor left for the pipe
+  // a runner that cannot start its child: there is no descriptor left for the pipe, and one, for the loader, until then
   const Program p;
   p.write("a_test.lua", "assert(true)");
-  const Outcome o = p.shell("(ulimit -n 4; '" FEDER_BINARY_DIR "/feder' test --isolate a_test.lua)");
+  const Outcome o = p.shell("(exec 3>&- 4>&- 5>&- 6>&- 7>&- 8>&- 9>&-; ulimit -n 4; '" FEDER_BINARY_DIR
+                            "/feder' test --isolate a_test.lua)");
   CAPTURE(o.err);
   CHECK(o.status == 70);
   CHECK(says(o.err, "feder test: no pipe: "));
