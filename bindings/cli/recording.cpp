@@ -72,22 +72,6 @@ bool step_replay(const std::string& file, Replay& replay, std::vector<RecordedCo
   return with_name(file, [&] { return replay.step(commands); });
 }
 
-std::string replay_difference(std::string bytes, Catalog systems) {
-  try {
-    const Recording recording(std::move(bytes));
-    for (std::size_t k = 0; k < recording.world_count(); ++k) {
-      Replay replay(recording, k, systems);
-      while (replay.step()) {
-      }
-      if (!replay.same())
-        return fmt::format("the replay of world {} is another from step {} on", k + 1, replay.parted());
-    }
-  } catch (const SceneError& e) {
-    return std::string("the replay fails: ") + e.what();
-  }
-  return "";
-}
-
 std::string recorded_by(const Recording& recording) {
   std::string text = "feder " + recording.fact("feder");
   for (const std::string& more : {recording.fact("commit"), recording.fact("compiler"), recording.real()})

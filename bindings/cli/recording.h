@@ -29,8 +29,6 @@ Recording read_recording(const std::string& file);
 std::unique_ptr<Replay> make_replay(const std::string& file, const Recording& recording, std::size_t world,
                                     const Options& options);
 bool step_replay(const std::string& file, Replay& replay, std::vector<RecordedCommand>* commands = nullptr);
-// Why a replay of the bytes is not as recorded; "" when it is.
-std::string replay_difference(std::string bytes, Catalog systems);
 // "feder 0.4.0 ab12cd3, gcc 12.2, float"
 std::string recorded_by(const Recording& recording);
 

@@ -184,6 +184,23 @@ bool Replay::step(std::vector<RecordedCommand>* commands) {
   return false;
 }
 
+std::string replay_difference(std::string bytes, Catalog catalog) {
+  try {
+    const Recording recording(std::move(bytes));
+    for (std::size_t k = 0; k < recording.world_count(); ++k) {
+      Replay replay(recording, k, catalog);
+      while (replay.step()) {
+      }
+      if (!replay.same())
+        return "the replay of world " + std::to_string(k + 1) + " is another from step " +
+               std::to_string(replay.parted()) + " on";
+    }
+  } catch (const SceneError& e) {
+    return std::string("the replay fails: ") + e.what();
+  }
+  return "";
+}
+
 World& Replay::world() { return *impl_->world; }
 bool Replay::has_hash() const { return impl_->has_hash; }
 std::uint64_t Replay::hash() const { return impl_->hash; }

@@ -40,23 +40,6 @@ void say_and_end(int) {
 
 double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// Whether a replay of the recording, without the script, gives each of its hashes.
-std::string replay(std::string bytes) {
-  try {
-    const feder::Recording recording(std::move(bytes));
-    for (std::size_t k = 0; k < recording.world_count(); ++k) {
-      feder::Replay again(recording, k, feder::catalog());
-      while (again.step()) {
-      }
-      if (!again.same())
-        return "the replay of world " + std::to_string(k + 1) + " parts in step " + std::to_string(again.parted());
-    }
-  } catch (const feder::SceneError& e) {
-    return std::string("the replay fails: ") + e.what();
-  }
-  return "";
-}
-
 // What the script printed or died of; "" when all is well.
 std::string run_seed(const std::string& text) {
   std::string output, bytes;
@@ -74,7 +57,7 @@ std::string run_seed(const std::string& text) {
     output += e.what();
   }
   recorder.finish("finished");
-  return output + replay(std::move(bytes));
+  return output + feder::replay_difference(std::move(bytes), feder::catalog());  // without the script
 }
 
 }  // namespace

@@ -92,4 +92,7 @@ class Replay {
   std::unique_ptr<Impl> impl_;
 };
 
+// Why a replay of all worlds in the bytes is not as recorded; "" when it is.
+std::string replay_difference(std::string bytes, Catalog catalog);
+
 }  // namespace feder
