@@ -26,8 +26,10 @@ class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
 
-  // Replaces the content of `pairs`. The one virtual call of a step; loops inside stay concrete.
-  virtual void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) = 0;
+  // Replaces the content of `pairs`. The one virtual call of a step; loops inside stay concrete. `touched`: ascending,
+  // the boxes that may differ from the last call in place or motion, and all that move; the others are as they were.
+  virtual void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
+                          std::span<const std::uint32_t> touched, Array<IndexPair>& pairs) = 0;
 
   // Boxes of the last find_pairs() that overlap `box` / are hit by the segment, ascending; replaces `found`.
   virtual void query(const Aabb& box, Array<std::uint32_t>& found) const = 0;

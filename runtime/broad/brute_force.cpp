@@ -12,7 +12,8 @@ class BruteForce final : public BroadPhase {
  public:
   explicit BruteForce(Arena& arena) : boxes_(&arena), motion_(&arena) {}
 
-  void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) override {
+  void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t>,
+                  Array<IndexPair>& pairs) override {
     boxes_.assign(boxes.begin(), boxes.end());
     motion_.assign(motion.begin(), motion.end());
     pairs.clear();

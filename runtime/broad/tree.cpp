@@ -3,7 +3,8 @@
 // Bounding Volume Hierarchies", GDC); written from the talks.
 // Kept between calls: a tree of still boxes and one of moving boxes; for every box the fat box in its leaf; and the
 // sorted candidates: all pairs of overlapping fat boxes with a moving member. Only boxes that left their fat box are
-// re-inserted and re-queried, so a scene at rest costs one containment test per box and one exact test per candidate.
+// re-inserted and re-queried: what moves costs one containment test per box and one exact test per candidate, what
+// lies still costs nothing.
 // The exact test also makes the result independent of history, although fat boxes are not.
 // Boxes that are unbounded, empty or NaN stay in a side list and are tested against everything.
 // Weak spot: when most boxes leave their fat boxes in each call, trees are rebuilt and everything is queried again.
@@ -35,14 +36,14 @@ class Tree final : public BroadPhase {
         transfers_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena), sorter_(arena),
         still_(arena), moving_(arena) {}
 
-  void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, Array<IndexPair>& pairs) override {
-    update_leaves(boxes, motion);
-    if (!changed_.empty()) {
-      query_changed();
-      merge_candidates();
-    }
-    boxes_.assign(boxes.begin(), boxes.end());
-    pair_side(boxes, motion);
+  void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
+                  std::span<const std::uint32_t> touched, Array<IndexPair>& pairs) override {
+    update_leaves(boxes, motion, touched);
+    if (!changed_.empty()) query_changed();
+    if (!transfers_.empty()) merge_candidates();
+    boxes_.resize(boxes.size());
+    for (const std::uint32_t i : touched) boxes_[i] = boxes[i];
+    pair_side(boxes, motion, touched);
     write_pairs(boxes, pairs);
   }
 
@@ -98,25 +99,28 @@ class Tree final : public BroadPhase {
 
   // Brings the location of every box up to date and lists those whose candidates must be found anew. A box that comes
   // to rest within its fat box changes trees but keeps its candidates: they are a superset of what it needs.
-  void update_leaves(std::span<const Aabb> boxes, std::span<const BoxMotion> motion) {
+  void update_leaves(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
+                     std::span<const std::uint32_t> touched) {
     changed_.clear();
     transfers_.clear();
     const std::uint32_t count = static_cast<std::uint32_t>(boxes.size());
     if (leaves_.size() < count) leaves_.resize(count), fat_.resize(count), nodes_.resize(count, kNone);
-    for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
+    const auto update = [&](std::uint32_t i) {
       const Location now = leaves_[i].location;
       const Location wanted = i >= count || motion[i] == BoxMotion::absent ? kNowhere
                               : !regular(boxes[i])                         ? kSide
                               : motion[i] == BoxMotion::still              ? kStillTree
                                                                            : kMovingTree;
       const bool fits = wanted <= kSide || (now > kSide && contains(fat_[i], boxes[i]));
-      if (wanted == now && fits) continue;
+      if (wanted == now && fits) return;
       transfers_.push_back({i, wanted});
-      if (now == kMovingTree && wanted == kStillTree && fits) continue;
+      if (now == kMovingTree && wanted == kStillTree && fits) return;
       leaves_[i].changed = 1;
       changed_.push_back(i);
       if (wanted > kSide) fat_[i] = wanted == kMovingTree ? fattened(i, boxes[i]) : boxes[i];
-    }
+    };
+    for (const std::uint32_t i : touched) update(i);
+    for (std::uint32_t i = count; i < leaves_.size(); ++i) update(i);
     // inserting one by one costs about ten times as much per leaf as building
     if (transfers_.size() > still_.leaves() / 8 + moving_.leaves() / 8 + 64) {
       rebuild();
@@ -166,6 +170,7 @@ class Tree final : public BroadPhase {
 
   void merge_candidates() {
     merged_.clear();
+    if (changed_.empty()) found_.clear();
     std::size_t n = 0;
     for (const IndexPair& p : candidates_) {
       if (leaves_[p.a].changed || leaves_[p.b].changed || !one_moves(p)) continue;
@@ -182,14 +187,21 @@ class Tree final : public BroadPhase {
     return leaves_[p.a].location == kMovingTree || leaves_[p.b].location == kMovingTree;
   }
 
-  void pair_side(std::span<const Aabb> boxes, std::span<const BoxMotion> motion) {
+  // A side box that lies still meets those that move, which are all touched.
+  void pair_side(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
+                 std::span<const std::uint32_t> touched) {
     side_pairs_.clear();
     for (const std::uint32_t i : side_) {
-      for (std::uint32_t j = 0; j < boxes.size(); ++j) {
-        if (j == i || motion[j] == BoxMotion::absent || (leaves_[j].location == kSide && j < i)) continue;
-        if (motion[i] == BoxMotion::still && motion[j] == BoxMotion::still) continue;
+      const bool still = motion[i] == BoxMotion::still;
+      const auto meet = [&](std::uint32_t j) {
+        if (j == i || motion[j] == BoxMotion::absent || (leaves_[j].location == kSide && j < i)) return;
+        if (still && motion[j] == BoxMotion::still) return;
         if (overlaps(boxes[i], boxes[j])) side_pairs_.push_back({std::min(i, j), std::max(i, j)});
-      }
+      };
+      if (still)
+        for (const std::uint32_t j : touched) meet(j);
+      else
+        for (std::uint32_t j = 0; j < boxes.size(); ++j) meet(j);
     }
     sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()));
   }

@@ -28,7 +28,7 @@ const SystemDescriptor& Collide::descriptor() {
 }
 
 void Collide::add_passes(StepPlan& plan) {
-  if (count() == 0 && impl_->entries.empty()) return;
+  if (count() == 0 && impl_->entries.empty()) return;  // what rests belongs to colliders
   impl_->book->use();
   plan.add<&Impl::find_pairs>(Rank::broad, "find pairs", kName, impl_.get());
   plan.add<&Impl::collide>(Rank::narrow, "collide", kName, impl_.get());
@@ -120,8 +120,9 @@ void Collide::set_material_pair(const MaterialPair& pair) {
 }
 
 void Collide::hash(Hash& h) const {
-  h.add(static_cast<std::uint64_t>(impl_->entries.size()));
-  for (const ContactEntry& e : impl_->entries) {
+  const std::vector<ContactEntry> all = impl_->all_entries();
+  h.add(static_cast<std::uint64_t>(all.size()));
+  for (const ContactEntry& e : all) {
     const Contact& contact = impl_->contacts->slots[e.slot];
     h.add(e.a), h.add(e.b), h.add(e.sub), h.add(static_cast<std::uint16_t>(e.bits & (kTouching | kReported | kNear)));
     if (contact.point_count == 0) continue;
@@ -152,6 +153,11 @@ void Collide::load(Reader& r) {
   m.materials.resize(std::min<std::uint64_t>(r.get<std::uint64_t>(), 0xffff));
   for (std::string& name : m.materials) r.text(name);
   m.watched.clear();
+  m.motion.assign(m.seen.size(), BoxMotion::absent);
+  m.examined.resize(m.seen.size());
+  for (std::uint32_t i = 0; i < m.examined.size(); ++i) m.examined[i] = i;
+  m.examine_all = true;
+  m.relist_resting();
 }
 
 }  // namespace feder

@@ -1,7 +1,9 @@
 // State and functions of collision detection. One file per part: pairs.cpp (boxes -> list of contacts), update.cpp
-// (narrow tests and recycling), contact_states.cpp (contact states and events), queries.cpp, validate.cpp (invariants),
-// collide.cpp (system, filters, snapshots). Private to the module.
+// (narrow tests and recycling), resting.cpp (contacts at rest), contact_states.cpp (contact states and events),
+// queries.cpp, validate.cpp (invariants), collide.cpp (system, filters, snapshots). Private to the module.
 #pragma once
+#include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include "broad/broad_phase.h"
@@ -40,6 +42,9 @@ struct ContactEntry {
   std::uint16_t sub = 0;
   std::uint16_t bits = 0;
 };
+inline bool in_order(const ContactEntry& x, const ContactEntry& y) {
+  return std::tie(x.a, x.b, x.sub) < std::tie(y.a, y.b, y.sub);
+}
 enum EntryBits : std::uint16_t {
   kSensorPair = 1,
   kTouching = 2,   // has points, or overlaps (sensors)
@@ -51,12 +56,14 @@ enum EntryBits : std::uint16_t {
   kArrived = 128,  // kNear became true in this step
   kMany = 256,     // the pair has kMaxManifolds entries
   kSensorIsB = 512,
+  kResting = 1024,  // of both sides neither moves: in Contacts::resting, not in `entries`
 };
 
 // The last real narrow test of a contact, for recycling. No padding: written to snapshots as bytes.
 struct ContactMemory {
   PairCache cache;
-  std::uint32_t valid = 0;      // may be recycled
+  std::uint16_t valid = 0;      // may be recycled
+  std::uint16_t resting = 0;    // bits of the entry while it rests, else 0
   std::uint32_t about_a = 0;    // a is the smaller one
   Real extent = 0;              // of the smaller one from its centre of mass, m
   Real margin = 0;              // m
@@ -104,14 +111,38 @@ struct Collide::Impl {
   void report_contact_states(StepContext& c);
 
   // pairs.cpp
+  void list_examined();
   void compare_colliders();
+  void compare_collider(std::uint32_t i);
+  void compare_motion(std::uint32_t i);
   void merge_pairs();
   bool may_collide(std::uint32_t a, std::uint32_t b) const;
   bool keep(const ContactEntry& e, bool reported);
   void create(std::uint32_t a, std::uint32_t b);
   void release(const ContactEntry& e);
-  void forget(std::uint32_t collider);
   void write_order();
+
+  // resting.cpp
+  ContactEntry resting_entry(std::uint32_t slot) const;
+  void rest(const ContactEntry& e);
+  ContactEntry unrest(std::uint32_t slot);
+  void take_resting(std::uint32_t collider);
+  bool merge_returning();
+  void return_woken();
+  void relist_resting();
+  // Contacts that satisfy `wanted`, with those at rest, sorted.
+  template <class F>
+  std::vector<ContactEntry> listed_entries(F&& wanted) const {
+    std::vector<ContactEntry> list;
+    std::copy_if(entries.begin(), entries.end(), std::back_inserter(list), wanted);
+    if (contacts->resting.count == 0) return list;
+    for (std::uint32_t slot = 0; slot < memory.size(); ++slot)
+      if (memory[slot].resting && wanted(resting_entry(slot))) list.push_back(resting_entry(slot));
+    std::sort(list.begin(), list.end(), in_order);
+    return list;
+  }
+  std::vector<ContactEntry> all_entries() const;
+  void forget(std::uint32_t collider);
 
   // update.cpp
   void test_pair(std::uint32_t head, Real dt);
@@ -133,6 +164,8 @@ struct Collide::Impl {
   void report_stay();
 
   // validate.cpp
+  void check_unexamined();
+  void check_entry(const ContactEntry& e) const;
   void check_entries() const;
   void check_book() const;
 
@@ -159,13 +192,18 @@ struct Collide::Impl {
   std::unique_ptr<BroadPhase> broad;
   NarrowPhase narrow;
 
-  Array<BoxMotion> motion{&arena};
+  Array<BoxMotion> motion{&arena};                       // by collider
+  Array<std::uint32_t> examined{&arena};                 // colliders that may have changed or moved, ascending
+  Array<std::uint32_t> changes{&arena}, merged{&arena};  // to list those
+  Array<Aabb> checked_boxes{&arena};                     // by collider, where asserts are on
   Array<IndexPair> pairs{&arena};
   Array<SeenCollider> seen{&arena};                           // by collider
   Array<ContactEntry> entries{&arena}, next_entries{&arena};  // sorted by (a, b, sub)
+  Array<ContactEntry> returning{&arena};                      // from rest
   Array<ContactMemory> memory{&arena};                        // by slot
   Array<std::uint32_t> watched{&arena};                       // indices in `entries`
   Array<Exclusion> exclusions{&arena};                        // sorted
+  bool examine_all = false;                                   // after a load
   bool recheck_filters = false;                               // exclusions changed
   bool recheck_surfaces = false;                              // material pairs changed
   std::vector<std::string> materials;                         // number - 1

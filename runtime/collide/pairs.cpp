@@ -1,64 +1,108 @@
 // From boxes to the sorted list of contacts. The broad phase's sorted pairs are merged against the sorted contacts of
 // the last step: in both = kept, only a pair = new, only a contact = gone. No hashing, and order is always defined.
-// Kept between calls: the contacts, and what was known of each collider. A contact between two colliders at rest is
-// kept although the broad phase reports no pair of two still boxes.
+// Kept between calls: the contacts, and what was known of each collider. Contacts between two colliders at rest, which
+// the broad phase does not report, go to rest (resting.cpp). What lies still and was not changed is not looked at.
 // Weak spot: pairs that filters reject are checked again in every step.
+#include <algorithm>
+
 #include "collide/impl.h"
 
 namespace feder {
+
+// The colliders that may differ from the last step: those that counted as moving in it, and those in the lists of
+// changes. Ascending, each once.
+void Collide::Impl::list_examined() {
+  Colliders& c = *colliders;
+  const std::uint32_t count = c.size();
+  changes.assign(c.changed.begin(), c.changed.end());
+  changes.insert(changes.end(), c.touched.begin(), c.touched.end());
+  c.changed.clear(), c.touched.clear();
+  if (examine_all || recheck_surfaces) {
+    examined.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) examined[i] = i;
+    changes.assign(examined.begin(), examined.end());
+    examine_all = false;
+    return;
+  }
+  std::size_t kept = 0;
+  for (const std::uint32_t i : examined)
+    if (motion[i] == BoxMotion::moving) examined[kept++] = i;
+  examined.resize(kept);
+  if (changes.empty()) return;
+  std::sort(changes.begin(), changes.end());
+  changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
+  merged.resize(kept + changes.size());
+  std::merge(examined.begin(), examined.end(), changes.begin(), changes.end(), merged.begin());
+  merged.resize(static_cast<std::size_t>(std::unique(merged.begin(), merged.end()) - merged.begin()));
+  examined.swap(merged);
+}
 
 // Finds what changed since the last step, and what the broad phase should treat as moving: awake colliders, and
 // sensors, which detect sleeping bodies too. A changed collider counts as moving once, so that a fixed one put on top
 // of a sleeping one is found; so does one that fell asleep, because it moved after its last test.
 void Collide::Impl::compare_colliders() {
-  Colliders& c = *colliders;
-  const std::uint32_t count = c.size();
-  motion.resize(count);
-  if (seen.size() < count) seen.resize(count);
-  for (SeenCollider& s : seen) s.bits &= kConveyor | kAwake;
-  for (const std::uint32_t i : c.changed) {
+  const std::uint32_t count = colliders->size();
+  if (motion.size() < count) motion.resize(count, BoxMotion::absent), seen.resize(count);
+  for (const std::uint32_t i : examined) seen[i].bits &= kConveyor | kAwake;
+  for (const std::uint32_t i : colliders->changed) {
     FEDER_ASSERT(i < count);
     seen[i].bits |= kChanged;
   }
-  c.changed.clear();
-  for (std::uint32_t i = 0; i < count; ++i) {
-    SeenCollider& s = seen[i];
-    if (c.motion[i] == ColliderMotion::none) {
-      s = {};
-      motion[i] = BoxMotion::absent;
-      continue;
-    }
-    const auto filter = std::tie(c.motion[i], c.sensor[i], c.group[i], c.mask[i], c.object[i]);
-    const auto surface =
-        std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i], c.material[i]);
-    auto last_filter = std::tie(s.motion, s.sensor, s.group, s.mask, s.object);
-    auto last_surface = std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction, s.material);
-    // what has changed
-    if (last_filter != filter) s.bits |= kChanged;
-    const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
-    if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits ^ kConveyor) | kSurfaceChanged;
-    if (recheck_surfaces || last_surface != surface) s.bits |= kSurfaceChanged;
-    // remembered for the next step
-    if (s.bits & kChanged) {
-      last_filter = filter;
-      s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
-    }
-    if (s.bits & kSurfaceChanged) last_surface = surface;
-    // what moves
-    if (c.awake[i])
-      s.bits |= kAwake;
-    else if (s.bits & kAwake)
-      s.bits ^= kAwake | kSettled;
-    const bool moving = c.awake[i] || c.sensor[i] || (s.bits & (kChanged | kSettled));
-    motion[i] = moving ? BoxMotion::moving : BoxMotion::still;
-  }
+  list_examined();
+  for (const std::uint32_t i : changes) compare_collider(i);
+  for (const std::uint32_t i : examined) compare_motion(i);
+  if (contacts->resting.count)
+    for (const std::uint32_t i : examined) take_resting(i);
+  if constexpr (kAsserts) check_unexamined();
   recheck_surfaces = false;
 }
 
+void Collide::Impl::compare_collider(std::uint32_t i) {
+  const Colliders& c = *colliders;
+  SeenCollider& s = seen[i];
+  if (c.motion[i] == ColliderMotion::none) {
+    s = {};
+    return;
+  }
+  const auto filter = std::tie(c.motion[i], c.sensor[i], c.group[i], c.mask[i], c.object[i]);
+  const auto surface =
+      std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i], c.material[i]);
+  auto last_filter = std::tie(s.motion, s.sensor, s.group, s.mask, s.object);
+  auto last_surface = std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction, s.material);
+  // what has changed
+  if (last_filter != filter) s.bits |= kChanged;
+  const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
+  if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits ^ kConveyor) | kSurfaceChanged;
+  if (recheck_surfaces || last_surface != surface) s.bits |= kSurfaceChanged;
+  // remembered for the next step
+  if (s.bits & kChanged) {
+    last_filter = filter;
+    s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
+  }
+  if (s.bits & kSurfaceChanged) last_surface = surface;
+}
+
+void Collide::Impl::compare_motion(std::uint32_t i) {
+  const Colliders& c = *colliders;
+  if (c.motion[i] == ColliderMotion::none) {
+    motion[i] = BoxMotion::absent;
+    return;
+  }
+  SeenCollider& s = seen[i];
+  if (c.awake[i])
+    s.bits |= kAwake;
+  else if (s.bits & kAwake)
+    s.bits ^= kAwake | kSettled;
+  const bool moving = c.awake[i] || c.sensor[i] || (s.bits & (kChanged | kSettled));
+  motion[i] = moving ? BoxMotion::moving : BoxMotion::still;
+}
+
 void Collide::Impl::find_pairs(StepContext&) {
+  if (recheck_filters)
+    for (std::uint32_t i = 0; i < colliders->size(); ++i) take_resting(i);
   compare_colliders();
   FEDER_ASSERT(colliders->box.size() == motion.size());
-  broad->find_pairs(colliders->box, motion, pairs);
+  broad->find_pairs(colliders->box, motion, examined, pairs);
 }
 
 // Does the sensor i leave the collider out, because that is scenery?
@@ -124,25 +168,28 @@ void Collide::Impl::release(const ContactEntry& e) {
   if (e.bits & kReported) count(e, -1);
   FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);
   contacts->slots[e.slot] = Contact{};
+  FEDER_ASSERT(memory[e.slot].resting == 0);
   memory[e.slot] = ContactMemory{};
   contacts->free_list.push_back(e.slot);
 }
 
 void Collide::Impl::merge_pairs() {
+  bool changed = merge_returning();
   next_entries.clear();
-  bool changed = false;
   std::size_t n = 0;
   const auto drop_or_keep = [&](bool reported) {
     const ContactEntry head = entries[n];
     FEDER_ASSERT(head.sub == 0);
     const bool kept = keep(head, reported);
     for (; n < entries.size() && entries[n].a == head.a && entries[n].b == head.b; ++n) {
-      if (kept)
+      if (!kept)
+        release(entries[n]);
+      else if (reported)
         next_entries.push_back(entries[n]);
       else
-        release(entries[n]);
+        rest(entries[n]);
     }
-    changed = changed || !kept;
+    changed = changed || !kept || !reported;
     return kept;
   };
   for (const IndexPair& p : pairs) {
@@ -164,28 +211,6 @@ void Collide::Impl::merge_pairs() {
 void Collide::Impl::write_order() {
   contacts->order.resize(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) contacts->order[i] = entries[i].slot;
-}
-
-void Collide::Impl::forget(std::uint32_t collider) {
-  FEDER_ASSERT(collider < colliders->size() && colliders->motion[collider] != ColliderMotion::none);
-  std::uint32_t kept = 0;
-  std::size_t next_watched = 0, kept_watched = 0;
-  for (std::uint32_t i = 0; i < entries.size(); ++i) {
-    const bool is_watched = next_watched < watched.size() && watched[next_watched] == i;
-    next_watched += is_watched;
-    if (entries[i].a == collider || entries[i].b == collider) {
-      release(entries[i]);
-      continue;
-    }
-    if (is_watched) watched[kept_watched++] = kept;
-    entries[kept++] = entries[i];
-  }
-  if (kept == entries.size()) return;
-  watched.resize(kept_watched);
-  entries.resize(kept);
-  write_order();
-  // `active` may name freed slots until the next step
-  contacts->active.clear();
 }
 
 }  // namespace feder

@@ -95,20 +95,19 @@ void Collide::overlap(const Shape& shape, const Pose& pose, const QueryFilter& f
 
 Real Collide::max_penetration() const {
   Real deepest = 0;
-  for (const ContactEntry& e : impl_->entries) {
-    if ((e.bits & (kTouching | kSensorPair)) != kTouching) continue;
-    const Contact& contact = impl_->contacts->slots[e.slot];
+  for (const Contact& contact : impl_->contacts->slots)  // free ones and sensors have no points
     for (int k = 0; k < contact.point_count; ++k) deepest = std::max(deepest, -contact.points[k].separation);
-  }
   return deepest;
 }
 
 void Collide::contacts_of(ObjectId object, std::vector<ContactInfo>& out) const {
   out.clear();
   const Colliders& c = *impl_->colliders;
-  for (const ContactEntry& e : impl_->entries) {
+  const std::vector<ContactEntry> own =
+      impl_->listed_entries([&](const ContactEntry& e) { return c.object[e.a] == object || c.object[e.b] == object; });
+  for (const ContactEntry& e : own) {
+    if ((e.bits & (kReported | kSensorPair)) != kReported) continue;
     const bool is_a = c.object[e.a] == object;
-    if ((!is_a && c.object[e.b] != object) || (e.bits & (kReported | kSensorPair)) != kReported) continue;
     const Contact& contact = impl_->contacts->slots[e.slot];
     for (int k = 0; k < contact.point_count; ++k) {
       const ContactPoint& p = contact.points[k];

@@ -88,14 +88,9 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   const std::uint32_t a = group[0].a, b = group[0].b;
   const bool is_new = group[0].bits & kNew;
   for (ContactEntry& e : group) e.bits &= static_cast<std::uint16_t>(~(kOfStep | kNew));
-  // sensors and sleeping pairs
   const std::uint32_t seen_bits = seen[a].bits | seen[b].bits;
   if (group[0].bits & kSensorPair) return test_sensor(group[0]);
-  if (!is_new && !c.awake[a] && !c.awake[b] && !(seen_bits & (kChanged | kSettled))) {
-    if (seen_bits & kSurfaceChanged)
-      for (const ContactEntry& e : group) mix(contacts->slots[e.slot]);
-    return;
-  }
+  FEDER_ASSERT(is_new || c.awake[a] || c.awake[b] || (seen_bits & (kChanged | kSettled)));  // else it rests
   // shapes or filters changed: margins anew
   ContactMemory& m = memory[group[0].slot];
   if (seen_bits & kChanged) {
@@ -291,11 +286,11 @@ void Collide::Impl::list_arrivals() {
   }
 }
 
-// After all wakes, so that the contacts of a woken island are solved in this step: their data is that of the moment it
-// fell asleep, since when nothing of it has moved.
+// After all wakes, so that the contacts of a woken island are solved in this step.
 void Collide::Impl::list_active(StepContext&) {
   const Colliders& c = *colliders;
   const auto movable = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && c.awake[n]; };
+  return_woken();
   contacts->active.clear();
   for (const ContactEntry& e : entries) {
     if ((e.bits & (kTouching | kSensorPair)) != kTouching) continue;

@@ -1,6 +1,8 @@
 // Invariants of collision detection after each step, asserted where asserts are on (feder/error.h): sorted entries,
 // contact slots and their memory agree, active contacts have points, and the number of contacts in the contact book per
 // pair of objects is that of the entries, so that no begin or end event was lost.
+#include <algorithm>
+
 #include "base/hash.h"
 #include "collide/impl.h"
 
@@ -16,9 +18,46 @@ std::uint64_t hash_of(const ContactKey& key) {
 
 }  // namespace
 
-// Entries and slots, one to one; the order of slots is that of entries; other slots are free, once each.
-void Collide::Impl::check_entries() const {
+// What is in no list is as it was.
+void Collide::Impl::check_unexamined() {
   const Colliders& c = *colliders;
+  checked_boxes.resize(c.size());
+  const auto in = [](const Array<std::uint32_t>& list, std::uint32_t i) {
+    return std::binary_search(list.begin(), list.end(), i);
+  };
+  for (std::uint32_t i = 0; i < c.size(); ++i) {
+    const Aabb last = checked_boxes[i];
+    checked_boxes[i] = c.box[i];
+    if (c.motion[i] == ColliderMotion::none) continue;
+    const SeenCollider& s = seen[i];
+    FEDER_ASSERT(in(changes, i) ||
+                 (std::tie(s.motion, s.sensor, s.group, s.mask, s.object) ==
+                      std::tie(c.motion[i], c.sensor[i], c.group[i], c.mask[i], c.object[i]) &&
+                  std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction) ==
+                      std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i]) &&
+                  s.material == c.material[i] && ((s.bits & kConveyor) != 0) == !c.surface_velocity[i].isZero(0)));
+    FEDER_ASSERT(in(examined, i) || (!c.awake[i] && !c.sensor[i] && motion[i] == BoxMotion::still &&
+                                     !(s.bits & ~kConveyor) && last.lo == c.box[i].lo && last.hi == c.box[i].hi));
+  }
+}
+
+// A contact and its slot.
+void Collide::Impl::check_entry(const ContactEntry& e) const {
+  const Colliders& c = *colliders;
+  FEDER_ASSERT(e.a < e.b && e.b < c.size() && e.b < seen.size());
+  FEDER_ASSERT(c.motion[e.a] != ColliderMotion::none && c.motion[e.b] != ColliderMotion::none);
+  FEDER_ASSERT(e.slot < contacts->slots.size());
+  const Contact& contact = contacts->slots[e.slot];
+  FEDER_ASSERT(contact.collider_a == e.a && contact.collider_b == e.b && contact.sub == e.sub);
+  FEDER_ASSERT((contact.sensor != 0) == ((e.bits & kSensorPair) != 0));
+  FEDER_ASSERT((contact.touching != 0) == ((e.bits & kTouching) != 0));
+  FEDER_ASSERT(!(e.bits & kReported) || contact.touching);
+  FEDER_ASSERT(contact.point_count <= (contact.touching && !contact.sensor ? kMaxContactPoints : 0));
+}
+
+// Contacts and slots, one to one, in `entries` or at rest; the order of slots is that of entries; other slots are free,
+// once each.
+void Collide::Impl::check_entries() const {
   const Contacts& k = *contacts;
   FEDER_ASSERT(memory.size() == k.slots.size() && k.order.size() == entries.size());
   MultisetHash all, listed;
@@ -30,26 +69,23 @@ void Collide::Impl::check_entries() const {
   std::size_t next_active = 0;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const ContactEntry& e = entries[i];
-    FEDER_ASSERT(e.a < e.b && e.b < c.size() && e.b < seen.size());
-    if (i > 0) {
-      const ContactEntry& before = entries[i - 1];
-      FEDER_ASSERT(std::tie(before.a, before.b, before.sub) < std::tie(e.a, e.b, e.sub));
-    }
-    FEDER_ASSERT(c.motion[e.a] != ColliderMotion::none && c.motion[e.b] != ColliderMotion::none);
-    FEDER_ASSERT(k.order[i] == e.slot && e.slot < k.slots.size());
+    check_entry(e);
+    FEDER_ASSERT(i == 0 || in_order(entries[i - 1], e));
+    FEDER_ASSERT(k.order[i] == e.slot && memory[e.slot].resting == 0);
     listed.add(e.slot);
-    const Contact& contact = k.slots[e.slot];
-    FEDER_ASSERT(contact.collider_a == e.a && contact.collider_b == e.b && contact.sub == e.sub);
-    FEDER_ASSERT((contact.sensor != 0) == ((e.bits & kSensorPair) != 0));
-    FEDER_ASSERT((contact.touching != 0) == ((e.bits & kTouching) != 0));
-    FEDER_ASSERT(!(e.bits & kReported) || contact.touching);
-    FEDER_ASSERT(contact.point_count <= (contact.touching && !contact.sensor ? kMaxContactPoints : 0));
     if (next_active == k.active.size() || k.active[next_active] != e.slot) continue;
-    FEDER_ASSERT(contact.point_count > 0);
+    FEDER_ASSERT(k.slots[e.slot].point_count > 0);
     ++next_active;
   }
-  FEDER_ASSERT(all == listed);
   FEDER_ASSERT(next_active == k.active.size());  // active ones come in the order of entries, each once
+  std::uint32_t resting = 0;
+  for (std::uint32_t slot = 0; slot < memory.size(); ++slot) {
+    if (!memory[slot].resting) continue;
+    check_entry(resting_entry(slot));
+    listed.add(slot);
+    ++resting;
+  }
+  FEDER_ASSERT(all == listed && resting == k.resting.count);
 }
 
 void Collide::Impl::check_book() const {
@@ -58,8 +94,12 @@ void Collide::Impl::check_book() const {
   for (const ContactRecord& r : book->records())
     if (r.count > 0) on_record.add(hash_of(r.key), r.count);
   bool flipped = false;
-  for (const ContactEntry& e : entries)
+  const auto add = [&](const ContactEntry& e) {
     if (e.bits & kReported) reported.add(hash_of(key(e, flipped)));
+  };
+  for (const ContactEntry& e : entries) add(e);
+  for (std::uint32_t slot = 0; slot < memory.size(); ++slot)
+    if (memory[slot].resting) add(resting_entry(slot));
   FEDER_ASSERT(on_record == reported);
 }
 

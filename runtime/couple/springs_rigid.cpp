@@ -102,6 +102,7 @@ void SpringsRigid::sync_collider(std::uint32_t i, const Springs::NetInfo& net, b
     colliders_.restitution[k] = net.restitution;
   }
   FEDER_ASSERT(colliders_.owner[k] == ColliderOwner::point && colliders_.object[k] == net.object);
+  colliders_.touched.push_back(k);
   colliders_.owner_index[k] = i;
   colliders_.solver_slot[k] = slot;
   colliders_.group[k] = attached ? 0 : net.group;

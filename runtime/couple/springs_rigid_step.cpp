@@ -42,8 +42,9 @@ void SpringsRigid::update_boxes(StepContext& c) {
     const Vec3 x = particles_.position[i], v = particles_.velocity[i];
     const Vec3 travel = pinned ? Vec3(0, 0, 0) : Vec3(v * c.dt + c.gravity * (c.dt * c.dt));
     const Vec3 size = Vec3::Constant(particles_.radius[i] + kBoxMargin);
+    if (pinned) colliders_.touched.push_back(collider);  // it may have been moved
     colliders_.motion[collider] = pinned ? ColliderMotion::fixed : ColliderMotion::dynamic;
-    colliders_.awake[collider] = !pinned;
+    colliders_.set_awake(collider, !pinned);
     FEDER_ASSERT(colliders_.owner_index[collider] == i);
     colliders_.pose[collider] = {x, Quat::identity()};
     colliders_.center[collider] = x;

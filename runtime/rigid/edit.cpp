@@ -162,7 +162,10 @@ void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_surface_velocity");
   impl_->wake_around(i);
-  impl_->each_collider(i, [&](std::uint32_t k) { impl_->colliders.surface_velocity[k] = v; });
+  impl_->each_collider(i, [&](std::uint32_t k) {
+    impl_->colliders.surface_velocity[k] = v;
+    impl_->colliders.touched.push_back(k);
+  });
 }
 
 void Rigid::set_damping(ObjectId body, Real linear, Real angular) {

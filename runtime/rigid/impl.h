@@ -207,6 +207,7 @@ struct Rigid::Impl {
   Array<std::uint32_t> moving{
       &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
+  Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
   Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
   Array<Vec3> given_angular_velocity{&arena};                 // after forces, rad/s

@@ -139,6 +139,7 @@ void Rigid::load(Reader& r) {
   s.resize_arrays();
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)
     if (s.records[j].alive) s.refresh_joint(j);
+  s.solver_bodies.clear_indices();
   s.list_stale = s.poses_stale = true;
 }
 

@@ -66,6 +66,7 @@ void Rigid::Impl::aim_kinematic(std::uint32_t i, StepContext& c) {
   }
   const std::uint32_t k = bodies.first_collider[i];
   const bool starts = !bodies.velocity[i].isZero(0) || !bodies.angular_velocity[i].isZero(0);
+  each_collider(i, [&](std::uint32_t n) { colliders.touched.push_back(n); });
   if (starts && k != kNone && !colliders.awake[k]) wake_touching(i, WakeCause::contact);
 }
 
@@ -98,6 +99,7 @@ void Rigid::Impl::gather_body(std::uint32_t p) {
   SolverBody& s = solver_bodies.state[p + 1];
   SolverMass& m = solver_bodies.mass[p + 1];
   solver_bodies.index[bodies.solver_slot[i]] = p + 1;
+  solver_bodies.indexed[p + 1] = bodies.solver_slot[i];
   s.velocity = bodies.velocity[i];
   s.angular_velocity = bodies.angular_velocity[i];
   s.delta_position = s.delta_rotation = Vec3::Zero();

@@ -4,6 +4,10 @@
 // members are candidates and none is in contact with a moving kinematic body. A thrown body is no candidate at its
 // apex, because the average includes the flight. Sleeping islands are rings through next_in_island; waking one member
 // wakes all. Kept between steps: averages, candidates, rings. Weak spot: a body that creeps below 4 cm/s falls asleep.
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+
 #include "rigid/impl.h"
 
 namespace feder {
@@ -22,7 +26,7 @@ void Rigid::Impl::wake_one(std::uint32_t i, WakeCause cause, ObjectId other) {
   bodies.sleep_energy[i] = kCap;
   bodies.island[i] = kNone;
   sleep_candidate[i] = 0;
-  each_collider(i, [&](std::uint32_t k) { colliders.awake[k] = 1; });
+  each_collider(i, [&](std::uint32_t k) { colliders.set_awake(k, true); });
   list_stale = true;
   if (cause == WakeCause::none) return;  // newly made
   Event e;
@@ -72,11 +76,26 @@ void Rigid::Impl::wake_touched(StepContext&) {
 // Wakes sleepers in contact with body i, and those joined to it.
 void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   if (sleeping_count == 0) return;
-  for (const std::uint32_t slot : contacts.order) {
+  const auto touches = [&](std::uint32_t slot) {
     const Contact& contact = contacts.slots[slot];
-    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
-    if (contact.sensor || contact.point_count == 0 || (a != i && b != i)) continue;
-    const std::uint32_t other = a == i ? b : a;
+    return contact.point_count > 0 &&
+           (colliders.body_of(contact.collider_a) == i || colliders.body_of(contact.collider_b) == i);
+  };
+  // its contacts, in their order
+  touching.clear();
+  std::copy_if(contacts.order.begin(), contacts.order.end(), std::back_inserter(touching), touches);
+  each_collider(i, [&](std::uint32_t k) {
+    contacts.resting.each_of(k, [&](std::uint32_t slot) {
+      if (touches(slot)) touching.push_back(slot);
+    });
+  });
+  std::sort(touching.begin(), touching.end(), [&](std::uint32_t x, std::uint32_t y) {
+    const Contact &p = contacts.slots[x], &q = contacts.slots[y];
+    return std::tie(p.collider_a, p.collider_b, p.sub) < std::tie(q.collider_a, q.collider_b, q.sub);
+  });
+  for (const std::uint32_t slot : touching) {
+    const std::uint32_t a = colliders.body_of(contacts.slots[slot].collider_a);
+    const std::uint32_t other = a == i ? colliders.body_of(contacts.slots[slot].collider_b) : a;
     if (other != kNone && !bodies.awake[other]) wake(other, cause, bodies.object[i]);
   }
   for (const JointRecord& r : records) {

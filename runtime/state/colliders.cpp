@@ -28,6 +28,7 @@ void Colliders::remove(std::uint32_t i) {
   shape[i] = nullptr;
   shapes[i].reset();
   box[i] = Aabb{};
+  touched.push_back(i);
   free_list.push_back(i);
 }
 
@@ -60,6 +61,7 @@ void Colliders::save(Writer& w) const {
 
 void Colliders::load(Reader& r) {
   each_saved(*this, loaded_from(r));
+  touched.clear();
   shapes.assign(motion.size(), nullptr);
   shape.assign(motion.size(), nullptr);
   for (std::size_t i = 0; i < shapes.size(); ++i) {

@@ -47,12 +47,19 @@ struct Colliders {
   Array<std::uint16_t> material{&arena};             // 0 = none; index into the world's material names
   Array<std::uint32_t> group{&arena}, mask{&arena};  // collide when (group_a & mask_b) and (group_b & mask_a)
   Array<std::uint32_t> free_list{&arena};
-  Array<std::uint32_t> changed{
-      &arena};  // filter, type or pose changed by script since the last step: pairs are re-examined
+  // Since the last step, in any order, also more than once. What is awake is looked at in every step; all else only
+  // when it is in one of these lists, so that colliders at rest cost nothing.
+  Array<std::uint32_t> changed{&arena};                // filter, type or pose changed by script: pairs are re-examined
+  Array<std::uint32_t> touched{&arena};                // woken, removed, or another surface or box
   Array<std::shared_ptr<const Shape>> shapes{&arena};  // by collider index
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(motion.size()); }
   std::uint32_t add();  // index with defaults: fixed, group 1, mask all
+  void set_awake(std::uint32_t i, bool is) {
+    if (awake[i] == std::uint8_t(is)) return;
+    awake[i] = is;
+    touched.push_back(i);
+  }
   void remove(std::uint32_t i);
   void validate() const;  // asserts what holds of the arrays by themselves
 

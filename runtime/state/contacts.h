@@ -1,6 +1,8 @@
 // Contacts: one slot per pair of colliders with overlapping boxes (and per extra manifold against meshes), as long as
-// the boxes overlap. Its impulses are the warm start of the next step.
+// the boxes overlap. Its impulses are the warm start of the next step. Contacts of which no side moves are resting: no
+// pass of a step sees them.
 #pragma once
+#include "feder/error.h"
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/snapshot.h"
@@ -45,15 +47,59 @@ struct Arrival {
   std::uint32_t a, b;
 };
 
+// Slots of resting contacts in one list per collider, linked both ways: nodes 2 slot and 2 slot + 1 are in the lists of
+// the slot's colliders a and b. The order within a list is that of coming to rest: sort before it matters.
+struct RestingContacts {
+  explicit RestingContacts(Arena& a) : head(&a), next(&a), prev(&a) {}
+
+  Array<std::uint32_t> head;        // by collider: node, or kNone
+  Array<std::uint32_t> next, prev;  // by node
+  std::uint32_t count = 0;          // contacts
+
+  void reserve(std::size_t colliders, std::size_t slots) {
+    if (head.size() < colliders) head.resize(colliders, kNone);
+    if (next.size() < 2 * slots) next.resize(2 * slots, kNone), prev.resize(2 * slots, kNone);
+  }
+  void clear() { head.clear(), next.clear(), prev.clear(), count = 0; }
+  void add(std::uint32_t slot, std::uint32_t a, std::uint32_t b) { link(2 * slot, a), link(2 * slot + 1, b), ++count; }
+  void remove(std::uint32_t slot, std::uint32_t a, std::uint32_t b) {
+    FEDER_ASSERT(count > 0);
+    unlink(2 * slot, a), unlink(2 * slot + 1, b), --count;
+  }
+  // Calls f(slot); f may remove that slot.
+  template <class F>
+  void each_of(std::uint32_t collider, F&& f) const {
+    for (std::uint32_t n = collider < head.size() ? head[collider] : kNone; n != kNone;) {
+      const std::uint32_t slot = n / 2;
+      n = next[n];
+      f(slot);
+    }
+  }
+
+ private:
+  void link(std::uint32_t node, std::uint32_t collider) {
+    const std::uint32_t first = head[collider];
+    prev[node] = kNone, next[node] = first;
+    if (first != kNone) prev[first] = node;
+    head[collider] = node;
+  }
+  void unlink(std::uint32_t node, std::uint32_t collider) {
+    FEDER_ASSERT(prev[node] != kNone || head[collider] == node);
+    (prev[node] == kNone ? head[collider] : next[prev[node]]) = next[node];
+    if (next[node] != kNone) prev[next[node]] = prev[node];
+  }
+};
+
 struct Contacts {
-  explicit Contacts(Arena& a) : slots(&a), order(&a), free_list(&a), arrivals(&a), active(&a) {}
+  explicit Contacts(Arena& a) : slots(&a), order(&a), free_list(&a), arrivals(&a), active(&a), resting(a) {}
 
   Array<Contact> slots;
-  Array<std::uint32_t> order;  // slots in use, sorted by (collider_a, collider_b, sub)
+  Array<std::uint32_t> order;  // slots of contacts that do not rest, sorted by (collider_a, collider_b, sub)
   Array<std::uint32_t> free_list;
   Array<Arrival> arrivals;  // of this step, in `order`, between narrow and contact_list: owners wake those asleep
   Array<std::uint32_t>
       active;  // written by contact_list each step, in `order`: touching, no sensor, one side awake and movable
+  RestingContacts resting;
 };
 
 }  // namespace feder

@@ -30,11 +30,12 @@ struct SolverMass {
 };
 
 struct SolverBodies {
-  explicit SolverBodies(Arena& a) : index(&a), free_list(&a), state(&a), mass(&a) {}
+  explicit SolverBodies(Arena& a) : index(&a), free_list(&a), indexed(&a), state(&a), mass(&a) {}
 
   Array<std::uint32_t> index;  // by solver slot: index into state/mass this step; 0 = does not move
   Array<std::uint32_t> free_list;
-  Array<SolverBody> state;  // by solver index
+  Array<std::uint32_t> indexed;  // slots that may have an index, by solver index
+  Array<SolverBody> state;       // by solver index
   Array<SolverMass> mass;
 
   // Solver index of what owns `slot`; kNone is the world.
@@ -56,18 +57,26 @@ struct SolverBodies {
   void reset() {  // start of a step: only the world
     state.assign(1, SolverBody{});
     mass.assign(1, SolverMass{});
-    for (std::uint32_t& s : index) s = 0;
+    for (const std::uint32_t slot : indexed)
+      if (slot < index.size()) index[slot] = 0;
+    indexed.assign(1, kNone);
   }
-  // Room for `count` solver bodies after the world, for an owner that fills them by index.
+  // Room for `count` solver bodies after the world, for an owner that fills them, and `indexed`, by index.
   void resize(std::uint32_t count) {
     state.resize(count + 1);
     mass.resize(count + 1);
+    indexed.resize(count + 1, kNone);
+  }
+  void clear_indices() {  // after a load
+    for (std::uint32_t& s : index) s = 0;
+    indexed.clear();
   }
   std::uint32_t append(std::uint32_t slot, const SolverBody& s, const SolverMass& m) {
     FEDER_ASSERT(index[slot] == 0 && state.size() == mass.size() && !state.empty());
     FEDER_ASSERT(!(m.inv_mass < 0));
     state.push_back(s);
     mass.push_back(m);
+    indexed.push_back(slot);
     return index[slot] = static_cast<std::uint32_t>(state.size() - 1);
   }
 };

@@ -53,12 +53,13 @@ void random_edit(Rng& rng, FakeWorld& w, std::vector<std::pair<ObjectId, ObjectI
     case 5: {
       const auto motion = static_cast<ColliderMotion>(1 + below(rng, 3));
       w.changed(b);
-      w.each(b, [&](std::uint32_t k) { c.motion[k] = motion, c.awake[k] = motion == ColliderMotion::dynamic; });
+      w.each(b, [&](std::uint32_t k) { c.motion[k] = motion, c.set_awake(k, motion == ColliderMotion::dynamic); });
       break;
     }
     case 6:
     case 7:
-      if (c.motion[body.colliders[0]] == ColliderMotion::dynamic) w.each(b, [&](std::uint32_t k) { c.awake[k] ^= 1; });
+      if (c.motion[body.colliders[0]] == ColliderMotion::dynamic)
+        w.each(b, [&](std::uint32_t k) { c.set_awake(k, !c.awake[k]); });
       break;
     case 8: {
       if (excluded.size() > 4) break;
@@ -83,7 +84,7 @@ void drift(Rng& rng, FakeWorld& w) {
     body.pose.position = body.pose.position * Real(0.995) + random_point(rng, s);
     body.pose.rotation = integrate_rotation(body.pose.rotation, random_point(rng, s));
     if (!kinematic) continue;
-    for (const std::uint32_t k : body.colliders) c.awake[k] = 1;
+    for (const std::uint32_t k : body.colliders) c.set_awake(k, true);
   }
 }
 
@@ -170,6 +171,7 @@ struct Outcome {
 
 Outcome history(int threads, const char* broad_phase, int edits, bool check, std::uint64_t seed = 2024) {
   FakeWorld w(threads, broad_phase);
+  w.touch_all = false;
   Rng rng(seed);
   Outcome out;
   Hash h;

@@ -1,0 +1,106 @@
+// Resting contacts: those whose two sides both lie still. They leave `entries`, so that no pass of a step sees them, and
+// wait in lists by collider until a side moves, is changed or is removed. Everything that is read from these lists is
+// sorted by (a, b, sub) first: the order in which contacts came to rest decides nothing.
+// Kept between steps: their bits, beside the manifold memory; snapshots hold those, and the lists follow from them.
+// Source: sleeping sets, Catto, "Solver sets" (Box2D v3 / Box3D notes, 2024); written from the idea.
+#include <algorithm>
+
+#include "collide/impl.h"
+
+namespace feder {
+
+ContactEntry Collide::Impl::resting_entry(std::uint32_t slot) const {
+  const Contact& contact = contacts->slots[slot];
+  const std::uint16_t bits = memory[slot].resting;
+  FEDER_ASSERT(bits & kResting);
+  return {contact.collider_a, contact.collider_b, slot, static_cast<std::uint16_t>(contact.sub),
+          static_cast<std::uint16_t>(bits & ~kResting)};
+}
+
+void Collide::Impl::rest(const ContactEntry& e) {
+  constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
+  FEDER_ASSERT(memory[e.slot].resting == 0 && !(e.bits & kSensorPair));
+  memory[e.slot].resting = static_cast<std::uint16_t>((e.bits & ~kOfStep) | kResting);
+  if ((seen[e.a].bits | seen[e.b].bits) & kSurfaceChanged) mix(contacts->slots[e.slot]);
+  contacts->resting.reserve(colliders->size(), contacts->slots.size());
+  contacts->resting.add(e.slot, e.a, e.b);
+}
+
+// The contact at rest in `slot` is an entry again.
+ContactEntry Collide::Impl::unrest(std::uint32_t slot) {
+  const ContactEntry e = resting_entry(slot);
+  contacts->resting.remove(slot, e.a, e.b);
+  memory[slot].resting = 0;
+  return e;
+}
+
+// The resting contacts of a collider into `returning`.
+void Collide::Impl::take_resting(std::uint32_t collider) {
+  contacts->resting.each_of(collider, [&](std::uint32_t slot) { returning.push_back(unrest(slot)); });
+}
+
+// Merges `returning` into `entries`; false when there was nothing to merge.
+bool Collide::Impl::merge_returning() {
+  if (returning.empty()) return false;
+  std::sort(returning.begin(), returning.end(), in_order);
+  next_entries.resize(entries.size() + returning.size());
+  std::merge(entries.begin(), entries.end(), returning.begin(), returning.end(), next_entries.begin(), in_order);
+  entries.swap(next_entries);
+  next_entries.reserve(entries.capacity());
+  returning.clear();
+  return true;
+}
+
+// Contacts of what woke after the pairs were found are solved in this step: their data is that of the moment they fell
+// asleep, since when neither side has moved.
+void Collide::Impl::return_woken() {
+  for (const std::uint32_t i : colliders->touched)
+    if (colliders->awake[i]) take_resting(i);
+  if (!merge_returning()) return;
+  write_order();
+  watched.clear();
+  for (std::uint32_t i = 0; i < entries.size(); ++i)
+    if ((entries[i].bits & (kTested | kWatch | kSensorPair)) == (kTested | kWatch)) watched.push_back(i);
+}
+
+// After a load: the lists, from the bits.
+void Collide::Impl::relist_resting() {
+  RestingContacts& resting = contacts->resting;
+  resting.clear();
+  resting.reserve(colliders->size(), contacts->slots.size());
+  for (std::uint32_t slot = 0; slot < memory.size(); ++slot)
+    if (memory[slot].resting) resting.add(slot, contacts->slots[slot].collider_a, contacts->slots[slot].collider_b);
+}
+
+std::vector<ContactEntry> Collide::Impl::all_entries() const {
+  return listed_entries([](const ContactEntry&) { return true; });
+}
+
+void Collide::Impl::forget(std::uint32_t collider) {
+  FEDER_ASSERT(collider < colliders->size() && colliders->motion[collider] != ColliderMotion::none);
+  take_resting(collider);
+  // those that stay close up; indices in `watched` follow
+  std::uint32_t kept = 0;
+  std::size_t next_watched = 0, kept_watched = 0;
+  for (std::uint32_t i = 0; i < entries.size(); ++i) {
+    const bool is_watched = next_watched < watched.size() && watched[next_watched] == i;
+    next_watched += is_watched;
+    if (entries[i].a == collider || entries[i].b == collider) {
+      returning.push_back(entries[i]);
+      continue;
+    }
+    if (is_watched) watched[kept_watched++] = kept;
+    entries[kept++] = entries[i];
+  }
+  std::sort(returning.begin(), returning.end(), in_order);
+  for (const ContactEntry& e : returning) release(e);
+  returning.clear();
+  if (kept == entries.size()) return;
+  watched.resize(kept_watched);
+  entries.resize(kept);
+  write_order();
+  // `active` may name freed slots until the next step
+  contacts->active.clear();
+}
+
+}  // namespace feder
