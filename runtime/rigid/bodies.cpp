@@ -125,6 +125,7 @@ void Rigid::Impl::set_mass(std::uint32_t i) {
     bodies.inv_inertia[i](2, 2) = 1 / bodies.inertia[i](2, 2);
   else
     bodies.inv_inertia[i] = inverse(bodies.inertia[i]);
+  load_principal(i);
   asymmetric[i] = dimension == 3 && !(bodies.lock[i] & (kLockRx | kLockRy | kLockRz)) && uneven(bodies.inertia[i]);
 }
 
@@ -273,6 +274,7 @@ void Rigid::Impl::set_pose(std::uint32_t i, const Pose& origin) {
   bodies.position[i] = origin.position + rotate(bodies.rotation[i], bodies.local_com[i]);
   bodies.has_target[i] = 0;
   kept_angular_velocity[i] = kept_momentum[i] = Vec3::Zero();
+  spin_invariant[i] = kUnknownSpin;
   changed(i);
   edited(i);
   place_colliders(i, 0, Vec3::Zero());

@@ -1,11 +1,13 @@
 // State and functions of the rigid system, shared by its source files. Private to the module.
 #pragma once
+#include "base/jobs.h"
 #include "constrain/joint.h"
 #include "feder/error.h"
 #include "feder/force.h"
 #include "feder/rigid.h"
 #include "feder/system.h"
 #include "rigid/solver.h"
+#include "rigid/spin_batch.h"
 #include "rigid/union_find.h"
 #include "state/bodies.h"
 #include "state/colliders.h"
@@ -77,13 +79,28 @@ struct Rigid::Impl {
   void gather_body(std::uint32_t p);
   void integrate_body(std::uint32_t p, StepContext& c);
   void commit_body(std::uint32_t p);
+  // Calls f(p) for the bodies moving[p], in parallel.
   template <class F>
-  void each_moving(StepContext& c, F&& f);
+  void each_moving(StepContext& c, F&& f) {
+    constexpr JobGrain kGrain{256, 8'000};  // bodies per job
+    c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
+                       [&](std::uint32_t first, std::uint32_t last, int) {
+                         for (std::uint32_t p = first; p < last; ++p) f(p);
+                       });
+  }
   bool commit_finite(std::uint32_t p) const;
   void quarantine(std::uint32_t i);
   void refresh(StepContext& c);
   void rebuild_list();
   SolverInput input();
+
+  // spin.cpp
+  void list_spins(StepContext& c);
+  void fill_spin(std::uint32_t p);
+  void spin(StepContext& c);
+  void load_principal(std::uint32_t i);
+  Vec3 spin_momentum(std::uint32_t p);
+  void stop_spin(std::uint32_t p);
 
   // sleep.cpp
   void wake(std::uint32_t i, WakeCause cause, ObjectId other);
@@ -169,6 +186,9 @@ struct Rigid::Impl {
   Array<std::uint8_t> asymmetric{&arena};     // uneven moments of inertia: angular momentum is integrated
   Array<Vec3> kept_momentum{&arena};          // angular momentum at the end of the last step, N m s, and its velocity:
   Array<Vec3> kept_angular_velocity{&arena};  // unless that is edited, the momentum continues without rounding
+  Array<Quat> principal{&arena};              // principal axes of inertia in the body frame
+  Array<Vec3> inv_moments{&arena};            // about them, 1/(kg m^2)
+  Array<Real> spin_invariant{&arena};         // of a free rotation, see SpinBatch, J
   Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
@@ -186,8 +206,8 @@ struct Rigid::Impl {
   }
   template <class S, class F>
   static void each_saved_array(S& s, F&& f) {
-    for_each_of(f, s.volume, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.sleep_candidate,
-                s.next_in_island);
+    for_each_of(f, s.volume, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.principal, s.inv_moments,
+                s.spin_invariant, s.sleep_candidate, s.next_in_island);
   }
   template <class S, class F>
   static void each_saved(S& s, F&& f);  // rigid.cpp
@@ -210,7 +230,8 @@ struct Rigid::Impl {
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
   Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
-  Array<Vec3> given_angular_velocity{&arena};                 // after forces, rad/s
+  Array<SpinBatch> spin_batches{&arena};                      // of those that are on no joint
+  Array<std::uint32_t> spin_lane{&arena};                     // by p: batch * kLanes + lane, or kNone
   Array<JointedBody> jointed{&arena};                         // by solver index; empty without joints
   Array<std::uint8_t> bad{&arena};                            // by p: not finite
   Array<MassPoint> points{&arena};                            // for force generators

@@ -151,17 +151,9 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
   if (to.uneven) return;
   to.given_angular_velocity = solver_bodies.state[index].angular_velocity;
   to.momentum = angular_momentum[index - 1].cast<double>();
-  const Mat3& inv = bodies.inv_inertia[body];
   to.uneven = true;
-  to.inv_moments = inv.diagonal().cast<double>();
-  const Real aside = std::max({std::abs(inv(0, 1)), std::abs(inv(0, 2)), std::abs(inv(1, 2))});
-  if (aside > 0) {
-    Mat3 axes;
-    Vec3 values;
-    eigen_symmetric(inv, values, axes);
-    to.inv_moments = values.cast<double>();
-    to.principal = from_matrix(axes);
-  }
+  to.inv_moments = inv_moments[body].cast<double>();
+  to.principal = principal[body];
   to.axes = to.free_axes = jointed_axes(to, solver_bodies.state[index].rotation);
   const Vec3d seen = slender_inv_moments(to.inv_moments);
   to.slender = seen != to.inv_moments;

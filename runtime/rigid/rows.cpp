@@ -1,8 +1,6 @@
 // The passes of the rigid system. Bodies that take part are listed in `moving` once per step (awake dynamic and
 // kinematic ones, ascending); moving[p] has the solver index p + 1, so that all passes run over plain ranges. Free
-// rotation conserves the angular momentum L: a substep rotates the body by the angular velocity at the middle of the
-// rotation, w = R_mid I^-1 R_mid^T L (implicit midpoint, three fixed-point rounds); what contacts and joints add to w
-// is added to L through the inertia they were solved with. Jointed bodies: jointed_body.h.
+// rotation of bodies with uneven moments of inertia: spin.cpp; of jointed ones: jointed_body.h.
 #include <algorithm>
 
 #include "base/jobs.h"
@@ -11,9 +9,6 @@
 
 namespace feder {
 namespace {
-
-constexpr JobGrain kGrain{256, 8'000};  // bodies per job
-constexpr int kRotationRounds = 3;
 
 Vec3 angular_velocity_of(const Mat3& inv_inertia, const Quat& rotation, const Vec3& momentum) {
   return rotate(rotation, Vec3(inv_inertia * rotate_inverse(rotation, momentum)));
@@ -26,15 +21,6 @@ Vec3 momentum_of(const Mat3& inertia, const Quat& rotation, const Vec3& angular_
 bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
 
 }  // namespace
-
-// Calls f(p) for the bodies moving[p], in parallel.
-template <class F>
-void Rigid::Impl::each_moving(StepContext& c, F&& f) {
-  c.jobs->for_blocks(static_cast<std::uint32_t>(moving.size()), kGrain,
-                     [&](std::uint32_t first, std::uint32_t last, int) {
-                       for (std::uint32_t p = first; p < last; ++p) f(p);
-                     });
-}
 
 void Rigid::Impl::rebuild_list() {
   if (!list_stale) return;
@@ -87,7 +73,7 @@ void Rigid::Impl::gather(StepContext& c) {
   solver_bodies.resize(count);
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
-  angular_momentum.resize(count), given_angular_velocity.resize(count), bad.resize(count);
+  angular_momentum.resize(count), bad.resize(count);
   each_moving(c, [&](std::uint32_t p) { gather_body(p); });
   if constexpr (kAsserts) check_gathered();
 }
@@ -111,12 +97,10 @@ void Rigid::Impl::gather_body(std::uint32_t p) {
   applied_force[p] = bodies.force[i];
   applied_torque[p] = bodies.torque[i];
   bad[p] = 0;
-  if (asymmetric[i] && bodies.type[i] == BodyType::dynamic) {
+  if (asymmetric[i] && bodies.type[i] == BodyType::dynamic)
     angular_momentum[p] = bodies.angular_velocity[i] == kept_angular_velocity[i]
                               ? kept_momentum[i]
                               : momentum_of(bodies.inertia[i], bodies.rotation[i], bodies.angular_velocity[i]);
-    given_angular_velocity[p] = bodies.angular_velocity[i];
-  }
 }
 
 // Force generators, at the state of this substep: each sees all its points at once.
@@ -153,8 +137,8 @@ void Rigid::Impl::add_forces(StepContext& c) {
 }
 
 void Rigid::Impl::integrate_velocities(StepContext& c) {
-  FEDER_ASSERT(last_h == c.h && given_angular_velocity.size() == moving.size() &&
-               solver_bodies.state.size() > moving.size());
+  FEDER_ASSERT(last_h == c.h && spin_lane.size() == moving.size() && solver_bodies.state.size() > moving.size());
+  spin(c);
   each_moving(c, [&](std::uint32_t p) { integrate_body(p, c); });
 }
 
@@ -169,7 +153,7 @@ void Rigid::Impl::integrate_velocities(StepContext& c) {
   const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
   const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
   for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
-  // angular: plain, jointed with uneven moments, or free with uneven moments
+  // angular: plain, or jointed with uneven moments; else spin() has done it
   const Real brake = 1 / (1 + c.h * bodies.angular_damping[i]);
   if (!asymmetric[i]) {
     s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
@@ -178,20 +162,12 @@ void Rigid::Impl::integrate_velocities(StepContext& c) {
   } else if (JointedBody* j = uneven_body(p + 1)) {
     const Vec3d l = carried_momentum(*j, s, m) + (c.h * applied_torque[p]).cast<double>();
     start_jointed(*j, l * static_cast<double>(brake), c.h, s);
-  } else {
-    const Vec3 pushed = s.angular_velocity - given_angular_velocity[p];
-    Vec3& l = angular_momentum[p];
-    if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], m.start_rotation, pushed);
-    l = (l + c.h * applied_torque[p]) * brake;
-    Vec3 w = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);
-    for (int round = 0; round < kRotationRounds; ++round)
-      w = angular_velocity_of(bodies.inv_inertia[i], integrate_rotation(s.rotation, w * (c.h / 2)), l);
-    s.angular_velocity = given_angular_velocity[p] = w;
   }
   // a non-finite body must not spread through its contacts
   if (all_finite(s.velocity) && all_finite(s.angular_velocity)) return;
   bad[p] = 1;
-  s.velocity = s.angular_velocity = given_angular_velocity[p] = angular_momentum[p] = Vec3::Zero();
+  s.velocity = s.angular_velocity = Vec3::Zero();
+  stop_spin(p);
 }
 
 SolverInput Rigid::Impl::input() {
@@ -205,6 +181,7 @@ SolverInput Rigid::Impl::input() {
 
 void Rigid::Impl::prepare(StepContext& c) {
   if constexpr (kAsserts) check_gathered();
+  list_spins(c);
   solver->prepare(input(), c);
 }
 
@@ -252,13 +229,11 @@ void Rigid::Impl::commit_body(std::uint32_t p) {
   // angular momentum, and the velocity that it gives now
   if (!asymmetric[i]) return;
   Vec3& l = kept_momentum[i];
-  if (const JointedBody* j = uneven_body(p + 1)) {
+  spin_invariant[i] = kUnknownSpin;
+  if (const JointedBody* j = uneven_body(p + 1))
     l = carried_momentum(*j, s, solver_bodies.mass[p + 1]).cast<Real>();
-  } else {
-    const Vec3 pushed = s.angular_velocity - given_angular_velocity[p];
-    l = angular_momentum[p];
-    if (!pushed.isZero(0)) l += momentum_of(bodies.inertia[i], solver_bodies.mass[p + 1].start_rotation, pushed);
-  }
+  else
+    l = spin_momentum(p);
   bodies.angular_velocity[i] = kept_angular_velocity[i] = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);
   bad[p] = !all_finite(bodies.angular_velocity[i]);
 }

@@ -57,6 +57,7 @@ class SoftStep final : public RigidSolver {
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
   void finish(const SolverInput& in, StepContext& c) override;
+  bool wide() const override { return kernels_ != &kContactKernelsPlain; }
 
  private:
   void color(const SolverInput& in, StepContext& c);

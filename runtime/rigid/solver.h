@@ -54,6 +54,7 @@ class RigidSolver {
   // Each substep: velocities in; velocities, displacements and rotations out.
   virtual void solve(const SolverInput& in, StepContext& c) = 0;
   virtual void finish(const SolverInput& in, StepContext& c) = 0;  // once: restitution, impulses stored
+  virtual bool wide() const { return true; }          // kernels may take the vector instructions of the processor
   virtual std::uint64_t capped() const { return 0; }  // times an iteration limit was reached in the last step
 };
 
