@@ -2,9 +2,11 @@
 // against the sides of the reference face (Sutherland and Hodgman 1974), or the nearest points of two edges.
 // Everything is in scalars in the frame of one box, so that stacks give normals exactly along their faces. Face axes
 // win over edge axes, and faces of a over faces of b, unless the other is better by a small part of the boxes' size:
-// otherwise resting boxes would flicker between axes of equal depth, and lose their warm start.
-// Kept between calls: the last separating axis, tried first. Weak spot: when the boxes are apart corner to corner,
-// the separation along the best axis is shorter than the distance (both are beyond zero).
+// otherwise resting boxes would flicker between axes of equal depth, and lose their warm start. Of a long thin box a
+// face axis measures the far ends too: where an edge axis wins that is nearly a face normal, and that face overlaps no
+// deeper here, the face gives the points (a rod across another one would roll on a single point). Kept between calls:
+// the last separating axis, tried first. Weak spot: when the boxes are apart corner to corner, the separation along the
+// best axis is shorter than the distance (both are beyond zero).
 #include "geom/box.h"
 
 #include "narrow/clip.h"
@@ -16,6 +18,8 @@ namespace {
 
 constexpr Real kPreference = Real(0.005);      // of the smallest half size: how much better a later axis must be
 constexpr Real kParallelSquared = Real(1e-6);  // edges within 1 mrad give no axis of their own
+constexpr Real kAligned = Real(0.99);          // cosine; an edge axis nearer to a face normal takes that face's points
+constexpr Real kDeeper = Real(0.01);           // of the smallest half size, that those may overlap deeper
 constexpr Real kClipSlack = Real(1e-4);        // of the reference face: flush sides keep their corners
 constexpr int kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
 
@@ -202,6 +206,20 @@ bool best_axis(const Relative& rel, Real margin, Real preference, PairCache& cac
   return true;
 }
 
+// The face axis nearest to an axis a_i x b_j; separation: its cosine.
+Axis nearest_face(const Relative& rel, std::uint32_t edge) {
+  const int i = static_cast<int>(edge - 6) / 3, j = static_cast<int>(edge - 6) % 3;
+  const Real scale = 1 / std::sqrt(rel.edge_squared(i, j));
+  Axis best;
+  const auto take = [&](int axis, Real dot) {
+    if (std::abs(dot) * scale > best.separation) best = {static_cast<std::uint32_t>(axis), std::abs(dot) * scale};
+  };
+  // a_i x b_j is (-r[last][j], r[next][j]) along a_next, a_last, and likewise along the axes of b
+  take(kNext[i], rel.r[kLast[i]][j]), take(kLast[i], rel.r[kNext[i]][j]);
+  take(3 + kNext[j], rel.r[i][kLast[j]]), take(3 + kLast[j], rel.r[i][kNext[j]]);
+  return best;
+}
+
 int box_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin, PairCache& cache,
             Manifold* out) {
   const Mat3 ra = to_matrix(pose_a.rotation), rb = to_matrix(pose_b.rotation);
@@ -212,24 +230,36 @@ int box_box(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
   const Real smallest = std::min(std::min({rel.h[0], rel.h[1], rel.h[2]}), std::min({rel.g[0], rel.g[1], rel.g[2]}));
   Axis best, edge;
   if (!best_axis(rel, margin, kPreference * smallest, cache, best, edge)) return 0;
-  if (edge.separation > best.separation) {
-    edge_point(rel, static_cast<int>(edge.index - 6) / 3, static_cast<int>(edge.index - 6) % 3, pose_a, ra, *out);
-    return 1;
-  }
   ManifoldPoint points[8];
-  int count;
-  if (best.index < 3) {
-    const int i = static_cast<int>(best.index);
-    out->normal = rel.t[i] < 0 ? Vec3(-ra.col(i)) : Vec3(ra.col(i));
-    count = face_points(rel, i, pose_a, ra, best.index, margin, points);
-  } else {
-    const int i = static_cast<int>(best.index) - 3;
+  const auto points_of = [&](std::uint32_t axis) {
+    const int i = static_cast<int>(axis) % 3;
+    if (axis < 3) {
+      out->normal = rel.t[i] < 0 ? Vec3(-ra.col(i)) : Vec3(ra.col(i));
+      return face_points(rel, i, pose_a, ra, axis, margin, points);
+    }
     const Relative back = swapped(rel);
     out->normal = back.t[i] < 0 ? Vec3(rb.col(i)) : Vec3(-rb.col(i));
-    count = face_points(back, i, pose_b, rb, best.index, margin, points);
+    return face_points(back, i, pose_b, rb, axis, margin, points);
+  };
+  if (!(edge.separation > best.separation)) {
+    const int count = points_of(best.index);
+    reduce_points({points, static_cast<std::size_t>(count)}, out->normal, *out);
+    return count > 0 ? 1 : 0;
   }
-  reduce_points({points, static_cast<std::size_t>(count)}, out->normal, *out);
-  return count > 0 ? 1 : 0;
+  edge_point(rel, static_cast<int>(edge.index - 6) / 3, static_cast<int>(edge.index - 6) % 3, pose_a, ra, *out);
+  const Axis face = nearest_face(rel, edge.index);
+  if (face.separation < kAligned) return 1;
+  // the face's points, measured along the edge axis
+  const Manifold single = *out;
+  const int count = points_of(face.index);
+  Real deepest = kInfinity;
+  for (int k = 0; k < count; ++k) deepest = std::min(deepest, points[k].separation *= face.separation);
+  out->normal = single.normal;
+  if (count > 1 && deepest > edge.separation - kDeeper * smallest)
+    reduce_points({points, static_cast<std::size_t>(count)}, out->normal, *out);
+  else
+    *out = single;
+  return 1;
 }
 
 }  // namespace

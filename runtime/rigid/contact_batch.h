@@ -41,7 +41,7 @@ struct ContactBatch {
 
 // Cold data of a batch: what the inner loops rarely need.
 struct BatchSide {
-  Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s
+  Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s; for events
   Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s
   Lane8 restitution;
   Lane8 lands;              // 1: new, or along gravity; else 0
@@ -50,6 +50,14 @@ struct BatchSide {
   Lane8 rolling_arm;        // m
   Lane8 rolling_mass[6];    // inverse of the sum of the inverse inertias, kg m^2
   Lane8x3 rolling_impulse;  // N m s
+};
+
+// Impacts of a batch within a substep; only in steps where something bounces.
+struct StrikeBatch {
+  Lane8 approach[kBatchPoints];  // normal speed of the points that strike, m/s (negative); else 0
+  Lane8 impulse[kBatchPoints];   // of this strike, N s
+  Lane8 tangent[2];              // N s
+  unsigned acts;                 // some point strikes
 };
 
 // A solver body's mass in the order the kernels want: 16 numbers.
@@ -67,6 +75,7 @@ struct SoftFactors {
 struct ContactPass {
   ContactBatch* batches;
   BatchSide* sides;
+  StrikeBatch* strikes;
   unsigned first, last;  // range of batches
   WideReal* bodies;      // SolverBody as 16 numbers each
   const WideMass* masses;
@@ -80,10 +89,10 @@ struct ContactPass {
 struct ContactKernels {
   void (*prepare)(const ContactPass&);
   void (*warm_start)(const ContactPass&);
-  void (*release)(const ContactPass&);  // warm start of bouncing contacts taken back
-  void (*solve)(const ContactPass&);    // with bias, without friction
-  void (*relax)(const ContactPass&);    // without bias; friction, twist, rolling
-  void (*restitution)(const ContactPass&);
+  void (*mark)(const ContactPass&);    // which points strike
+  void (*strike)(const ContactPass&);  // restitution, a round over those
+  void (*solve)(const ContactPass&);   // with bias, without friction
+  void (*relax)(const ContactPass&);   // without bias; friction, twist, rolling
 };
 
 extern const ContactKernels kContactKernelsPlain;

@@ -24,6 +24,7 @@ constexpr WideReal kLightPart = 0.2f;    // of the static limit: less friction i
 constexpr WideReal kSlip = 2;            // times the static limit: an impulse that would stop a sliding manifold
 constexpr WideReal kColdSpeed = 0.001f;  // m/s; a contact without warm start that closes faster is landing
 constexpr WideReal kOver = 1.3f;         // over-relaxation (Young 1954) of what rests: towers of 60 lean without it
+constexpr WideReal kFar = 1e6f;          // m; a separation at which a point does nothing
 constexpr WideReal kTilt = 1.75f;        // compliance against tilting over that against pushing; see prepare_normals
 
 // Symmetric matrix times vector.
@@ -268,33 +269,92 @@ void warm_start_batches(const ContactPass& p) {
   }
 }
 
-// Removes the warm start of bouncing contacts: the impulse of an impact does not predict the next substep, and between
-// several bouncing bodies it would be passed on as energy.
-void release_batches(const ContactPass& p) {
-  const Lanes zero = zero_lanes(), one = all_lanes(1);
+// Which points strike now: with restitution, faster than bounce_speed, and in contact before the substep ends.
+void mark_strikes(const ContactPass& p) {
+  const Lanes zero = zero_lanes(), one = all_lanes(1), h = all_lanes(p.h);
   for (unsigned i = p.first; i < p.last; ++i) {
-    ContactBatch& c = p.batches[i];
-    BatchSide& side = p.sides[i];
-    if (!side.bounces) continue;
-    Lanes nearest = zero;
-    for (unsigned j = 0; j < c.points; ++j) nearest = min(nearest, load(side.approach[j]));
-    const Lanes hit =
-        select(nearest < all_lanes(-p.bounce_speed), one, zero) * select(load(side.restitution) > zero, one, zero);
-    const Lanes kept = one - hit;
+    if (!p.sides[i].bounces) continue;
+    const ContactBatch& c = p.batches[i];
+    StrikeBatch& strike = p.strikes[i];
     Sides s;
     gather_velocity(p, c, s);
-    push_impulses(c, side, -hit, s);
+    gather_displacement(p, c, s);
+    const Lanes3 n = load(c.normal);
+    const Lanes along = dot(n, linear(s.b) - linear(s.a)), moved = dot(n, s.delta_position);
+    const Lanes bouncing = select(load(p.sides[i].restitution) > zero, one, zero);
+    Lanes some = zero;
+    for (unsigned j = 0; j < c.points; ++j) {
+      const BatchPoint& q = c.point[j];
+      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const Lanes separation = point_speed(q, load(q.separation) + moved, s.delta_rotation_a, s.delta_rotation_b);
+      const LaneMask hits = (speed < all_lanes(-p.bounce_speed)) & (separation + speed * h < zero);
+      const Lanes approach = select(hits, speed, zero) * bouncing;
+      some = min(some, approach * load(q.mass));
+      store(strike.approach[j], approach);
+      store(strike.impulse[j], zero);
+    }
+    store(strike.tangent[0], zero), store(strike.tangent[1], zero);
+    strike.acts = any(some < zero);
+  }
+}
+
+// Friction of a strike: Coulomb's cone over the impulse `held` of its points so far.
+[[gnu::always_inline]] inline void strike_friction(const ContactBatch& c, StrikeBatch& strike, Lanes held, Sides& s) {
+  const Lanes3 t1 = load(c.tangent), t2 = cross(load(c.normal), t1);
+  const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
+  const Lanes3 v = linear(s.b) + cross(angular(s.b), rb) - linear(s.a) - cross(angular(s.a), ra);
+  const Lanes v1 = dot(v, t1) - load(c.tangent_speed[0]), v2 = dot(v, t2) - load(c.tangent_speed[1]);
+  const Lanes old1 = load(strike.tangent[0]), old2 = load(strike.tangent[1]);
+  const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
+  Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
+  const Lanes size = square_root(now1 * now1 + now2 * now2);
+  const LaneMask beyond = size > load(c.friction_static) * held;
+  const Lanes one = all_lanes(1);
+  const Lanes scale = select(beyond, load(c.friction_dynamic) * held / select(beyond, size, one), one);
+  now1 = now1 * scale, now2 = now2 * scale;
+  store(strike.tangent[0], now1), store(strike.tangent[1], now2);
+  const Lanes3 change = t1 * (now1 - old1) + t2 * (now2 - old2);
+  push(c, s, change, cross(ra, change), cross(rb, change));
+}
+
+// One round: points that strike leave with restitution x the speed they came with (Newton's law), or faster.
+void strike_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    if (!p.sides[i].bounces || !p.strikes[i].acts) continue;
+    ContactBatch& c = p.batches[i];
+    BatchSide& side = p.sides[i];
+    StrikeBatch& strike = p.strikes[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes3 n = load(c.normal);
+    const Lanes along = dot(n, linear(s.b) - linear(s.a)), zero = zero_lanes(), e = load(side.restitution);
+    Lanes speed[kBatchPoints];
+    for (unsigned j = 0; j < c.points; ++j) speed[j] = point_speed(c.point[j], along, angular(s.a), angular(s.b));
+    Lanes sum = zero, held = zero;
+    Lanes3 angular_a{}, angular_b{};
+    for (unsigned j = 0; j < c.points; ++j) {
+      BatchPoint& q = c.point[j];
+      const Lanes approach = load(strike.approach[j]), old = load(strike.impulse[j]);
+      const Lanes wanted = max(old - load(q.mass) * (speed[j] + e * approach), zero);
+      const Lanes now = select(approach < zero, wanted, zero), change = now - old;
+      store(strike.impulse[j], now);
+      store(side.total[j], load(side.total[j]) + change);
+      held += now;
+      sum += change;
+      angular_a = angular_a + load(q.angular_a) * change;
+      angular_b = angular_b + load(q.angular_b) * change;
+      for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
+    }
+    push(c, s, n * sum, angular_a, angular_b);
+    strike_friction(c, strike, held, s);
     write_back(p, c, s);
-    for (unsigned j = 0; j < c.points; ++j) store(c.point[j].impulse, load(c.point[j].impulse) * kept);
-    for (int k = 0; k < 2; ++k) store(c.tangent_impulse[k], load(c.tangent_impulse[k]) * kept);
-    store(c.twist_impulse, load(c.twist_impulse) * kept);
-    store(side.rolling_impulse, load(side.rolling_impulse) * kept);
   }
 }
 
 // The normal rows of one batch; returns with the velocities of `s` changed and impulses stored.
 template <bool kBiased>
-[[gnu::always_inline]] inline Lanes solve_normals(const ContactPass& p, ContactBatch& c, Sides& s) {
+[[gnu::always_inline]] inline Lanes solve_normals(const ContactPass& p, ContactBatch& c, const BatchSide& side,
+                                                  Sides& s) {
   const Lanes3 n = load(c.normal);
   const Lanes along = dot(n, linear(s.b) - linear(s.a));
   const Lanes normal_displacement = dot(n, s.delta_position);
@@ -312,6 +372,12 @@ template <bool kBiased>
     before[j] = load(q.impulse);
     all += before[j];
   }
+  // after the motion of the substep: what is about to strike keeps its speed
+  if (!kBiased && side.bounces)
+    for (unsigned j = 0; j < count; ++j)
+      separation[j] =
+          select((load(side.restitution) > zero) & (separation[j] > zero) & (speed[j] < all_lanes(-p.bounce_speed)),
+                 all_lanes(kFar), separation[j]);
   // one point: its impulse, and the speeds of all by the couplings
   Lanes stiffness[kBatchPoints];
   for (unsigned j = 0; j < count; ++j) stiffness[j] = reciprocal_or_zero(load(c.point[j].mass));
@@ -378,7 +444,7 @@ void solve_batches(const ContactPass& p) {
     Sides s;
     gather_velocity(p, c, s);
     gather_displacement(p, c, s);
-    solve_normals<true>(p, c, s);
+    solve_normals<true>(p, c, p.sides[i], s);
     write_back(p, c, s);
   }
 }
@@ -446,7 +512,7 @@ void relax_batches(const ContactPass& p) {
     gather_displacement(p, c, s);
     // sudden load: friction rotates the bodies, which shifts the normal impulses, which limit friction
     for (unsigned round = 0; round < kLoadRounds; ++round) {
-      const Lanes held = solve_normals<false>(p, c, s);
+      const Lanes held = solve_normals<false>(p, c, side, s);
       if (side.rolls) relax_rolling(c, side, held, s);
       relax_twist(c, s);
       if (!relax_friction(c, held, s)) break;
@@ -456,43 +522,8 @@ void relax_batches(const ContactPass& p) {
   }
 }
 
-// Restitution: points that approached fast and carried an impulse separate with restitution x approach speed.
-void restitution_batches(const ContactPass& p) {
-  for (unsigned i = p.first; i < p.last; ++i) {
-    ContactBatch& c = p.batches[i];
-    BatchSide& side = p.sides[i];
-    if (!side.bounces) continue;
-    Sides s;
-    gather_velocity(p, c, s);
-    const Lanes3 n = load(c.normal);
-    const Lanes along = dot(n, linear(s.b) - linear(s.a)), zero = zero_lanes();
-    Lanes speed[kBatchPoints];
-    for (unsigned j = 0; j < c.points; ++j) speed[j] = point_speed(c.point[j], along, angular(s.a), angular(s.b));
-    Lanes sum = zero;
-    Lanes3 angular_a{}, angular_b{};
-    for (unsigned j = 0; j < c.points; ++j) {
-      BatchPoint& q = c.point[j];
-      const Lanes approach = load(side.approach[j]), e = load(side.restitution);
-      const Lanes bounces = select(approach < all_lanes(-p.bounce_speed), all_lanes(1), zero) *
-                            select(load(side.total[j]) > zero, all_lanes(1), zero) *
-                            select(e > zero, all_lanes(1), zero);
-      const Lanes old = load(q.impulse);
-      const Lanes now = max(old - load(q.mass) * (speed[j] + e * approach), zero);
-      const Lanes change = (now - old) * bounces;
-      store(q.impulse, old + change);
-      store(side.total[j], load(side.total[j]) + change);
-      sum += change;
-      angular_a = angular_a + load(q.angular_a) * change;
-      angular_b = angular_b + load(q.angular_b) * change;
-      for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
-    }
-    push(c, s, n * sum, angular_a, angular_b);
-    write_back(p, c, s);
-  }
-}
-
-constexpr ContactKernels kKernels = {prepare_batches, warm_start_batches, release_batches,
-                                     solve_batches,   relax_batches,      restitution_batches};
+constexpr ContactKernels kKernels = {prepare_batches, warm_start_batches, mark_strikes,
+                                     strike_batches,  solve_batches,      relax_batches};
 
 }  // namespace
 }  // namespace feder

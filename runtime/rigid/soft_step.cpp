@@ -1,11 +1,15 @@
 // Soft step: substepped sequential impulses with soft constraints (Catto, "Solver2D", 2024; "Soft Constraints", GDC
-// 2011). Per substep: warm start, joints and contacts with bias, positions, the same without bias (friction only
-// here, so that it never reacts to bias velocity), and once per step a restitution pass.
+// 2011). Per substep: impacts, warm start, joints and contacts with bias, positions, the same without bias (friction
+// only here, so that it never reacts to bias velocity).
+// Impacts are pairwise and sequential, before the soft rows could share them out: all points that will touch within the
+// substep, faster than bounce_speed, strike at once with restitution (Newton's law, rounds of Gauss-Seidel); then those
+// that this has made approach, and so on, so that a row of balls passes a blow on to the last (in the spirit of
+// Guendelman, Bridson, Fedkiw 2003, and of generalized reflections, Smith et al. 2012).
 // Contacts are coloured greedily (no two of a colour push the same solver body) and solved eight at a time; those that
 // find no colour are solved alone. Contact rows do not change within a step, so the warm start of substeps 2..n is one
 // addition per solver body: the velocity change by contacts in the substep before.
 // Kept between steps: impulses, in Contacts and SolverJoint. Weak spot: stiff trees of joints, very high mass ratios
-// with few substeps; simultaneous hits are resolved in colour order.
+// with few substeps; simultaneous hits that share a body are resolved in colour order, in a few rounds.
 #include <algorithm>
 
 #include "base/hash.h"
@@ -29,6 +33,9 @@ constexpr int kFixedColor = 48;  // colours from here on: contacts against immov
 // one of 100 buckles. Immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice as
 // long, with 1 a tower sinks a twentieth deeper.
 constexpr Real kCrowd = 1, kSupport = 0.75;
+// A contact bounces when it closes faster than gravity alone would make it in so many substeps, and bounce_speed.
+constexpr Real kRestSubsteps = 4;
+constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
 constexpr JobGrain kSolveGrain{8, 2'500}, kFillGrain{8, 5'000}, kStoreGrain{8, 1'000}, kBodyGrain{512, 3'000};
 
@@ -49,7 +56,7 @@ class SoftStep final : public RigidSolver {
         contact_damping_(p.real({"contact_damping", "", {0, 1e3}}, 6)),
         contact_cap_(p.real({"contact_cap", "", kUnitRange}, 0.3)),
         push_speed_(p.real({"push_speed", "m/s", {0, 1e6}}, 3)),
-        bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 1)),
+        bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 0.02)),
         bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),
         joints_(arena, p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60), p.real({"joint_damping", "", {0, 1e3}}, 2),
                 push_speed_, p.flag({"joint_trees"}, true)) {}
@@ -79,6 +86,7 @@ class SoftStep final : public RigidSolver {
   void end_velocities(const SolverInput& in, StepContext& c);
   void report_corrections(const SolverInput& in, StepContext& c);
   ContactPass pass(const SolverInput& in, const StepContext& c) const;
+  void strike(const SolverInput& in, StepContext& c);
   void run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c);
 
   const ContactKernels* kernels_;
@@ -89,6 +97,7 @@ class SoftStep final : public RigidSolver {
   // in the step's scratch memory
   ContactBatch* batches_ = nullptr;
   BatchSide* sides_ = nullptr;
+  StrikeBatch* strikes_ = nullptr;  // null: nothing bounces
   WideMass* masses_ = nullptr;
   Real* crowd_ = nullptr;  // by solver index: stiffness of its contacts over its mass: 1 in a tower, 2 in a pyramid
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
@@ -99,7 +108,6 @@ class SoftStep final : public RigidSolver {
   std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
   std::uint32_t color_first_[kColors + 1] = {};     // first batch of each colour; the overflow comes before colour 0
   JobPool::Stage stages_[kColors];                  // of the kernel that runs: its colours
-  bool bounces_ = false;
   Vec3 gravity_ = Vec3::Zero();
 };
 
@@ -258,6 +266,7 @@ ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
   ContactPass p{};
   p.batches = batches_;
   p.sides = sides_;
+  p.strikes = strikes_;
   p.bodies = reinterpret_cast<Real*>(in.solver_bodies->state.data());
   p.masses = masses_;
   p.h = c.h;
@@ -267,7 +276,7 @@ ContactPass SoftStep::pass(const SolverInput& in, const StepContext& c) const {
   p.soft = soft_factors(hertz, contact_damping_, c.h);
   p.soft_fixed = soft_factors(2 * hertz, contact_damping_ / 2, c.h);
   p.push_speed = push_speed_;
-  p.bounce_speed = bounce_speed_;
+  p.bounce_speed = bounce_speed_ + kRestSubsteps * c.h * length(c.gravity);
   p.odd = static_cast<unsigned>(c.substep) & 1u;
   return p;
 }
@@ -302,7 +311,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(body_count) * 6);
   joints_.clear();
   batch_count_ = overflow_count_ = 0;
-  bounces_ = false;
+  strikes_ = nullptr;
   gravity_ = c.gravity;
   if (in.contacts->active.empty()) return;
   // masses in the order of the kernels
@@ -326,7 +335,9 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
     part.first = first, part.last = last;
     kernels_->prepare(part);
   });
-  for (std::uint32_t i = 0; i < batch_count_; ++i) bounces_ = bounces_ || sides_[i].bounces;
+  bool bounces = false;
+  for (std::uint32_t i = 0; i < batch_count_; ++i) bounces = bounces || sides_[i].bounces;
+  if (bounces) strikes_ = c.scratch->take<StrikeBatch>(batch_count_);
 }
 
 void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
@@ -394,10 +405,41 @@ void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
       j->correction = c.h * (j->drift_angular_velocity - in.solver_bodies->state[i].angular_velocity);
 }
 
+// What impacts change is no part of the warm start of the next substep: `before_` moves along.
+void SoftStep::strike(const SolverInput& in, StepContext& c) {
+  SolverBody* state = in.solver_bodies->state.data();
+  if (c.substep == 0)
+    each_body(in, c, [&](std::uint32_t i) {
+      for (int k = 0; k < 3; ++k) {
+        contact_change_[i * 6 + k] = state[i].velocity[k] - before_[i * 6 + k];
+        contact_change_[i * 6 + k + 3] = state[i].angular_velocity[k] - before_[i * 6 + k + 3];
+      }
+    });
+  const auto any_acts = [&] {
+    for (std::uint32_t i = 0; i < batch_count_; ++i)
+      if (sides_[i].bounces && strikes_[i].acts) return true;
+    return false;
+  };
+  bool acted = false;
+  for (int wave = 0; wave < kStrikeWaves; ++wave) {
+    run(kernels_->mark, in, c);
+    if (!any_acts()) break;
+    acted = true;
+    for (int round = 0; round < bounce_rounds_; ++round) run(kernels_->strike, in, c);
+  }
+  if (!acted) return;
+  each_body(in, c, [&](std::uint32_t i) {
+    for (int k = 0; k < 3; ++k) {
+      before_[i * 6 + k] = state[i].velocity[k] - contact_change_[i * 6 + k];
+      before_[i * 6 + k + 3] = state[i].angular_velocity[k] - contact_change_[i * 6 + k + 3];
+    }
+  });
+}
+
 void SoftStep::solve(const SolverInput& in, StepContext& c) {
   start_velocities(in, c);
   if (c.substep == 0) run(kernels_->warm_start, in, c);
-  if (bounces_) run(kernels_->release, in, c);
+  if (strikes_) strike(in, c);
   if (joint_change_) {
     joints_.start(in, c, batch_count_ > 0, joint_change_);
     joints_.solve(in, true, joint_change_);
@@ -420,8 +462,7 @@ void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
     FEDER_ASSERT(contact.collider_a != kNone && contact.point_count <= c.points);  // as it was filled
     for (int j = 0; j < contact.point_count; ++j) {
       ContactPoint& to = contact.points[j];
-      const bool bounced = contact.restitution > 0 && side.approach[j].v[lane] < -bounce_speed_;
-      to.normal_impulse = bounced ? Real(0) : c.point[j].impulse.v[lane];
+      to.normal_impulse = c.point[j].impulse.v[lane];
       to.total_impulse = side.total[j].v[lane];
       to.approach_speed = side.approach[j].v[lane];
     }
@@ -435,9 +476,6 @@ void SoftStep::store_batch(Contacts& contacts, std::uint32_t batch) const {
 
 void SoftStep::finish(const SolverInput& in, StepContext& c) {
   FEDER_ASSERT(in.contacts->active.size() == contact_count_);
-  // several rounds, so that bodies that bounce off each other do not overshoot
-  if (bounces_)
-    for (int round = 0; round < bounce_rounds_; ++round) run(kernels_->restitution, in, c);
   c.jobs->for_blocks(batch_count_, kStoreGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) store_batch(*in.contacts, i);
   });

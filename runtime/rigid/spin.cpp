@@ -1,5 +1,5 @@
-// Free rotation of awake bodies with uneven moments of inertia that are on no joint, in batches of eight (spin_batch.h).
-// Kept between steps: the angular momentum, beside the body. Jointed bodies: jointed_body.h.
+// Free rotation of awake bodies with uneven moments of inertia that are on no joint, in batches of eight
+// (spin_batch.h). Kept between steps: the angular momentum, beside the body. Jointed bodies: jointed_body.h.
 #include "base/jobs.h"
 #include "base/wide.h"
 #include "rigid/impl.h"

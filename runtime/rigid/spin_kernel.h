@@ -1,13 +1,13 @@
-// The kernel of spin_batch.h. Included by spin_plain.cpp and spin_avx2.cpp, which differ in compiler flags only and give
-// the same bits. What contacts changed of the angular velocity is added to the angular momentum L through the inertia
-// they were solved with. A substep then rotates the body by the angular velocity at the middle of the rotation: in
-// principal axes at its start I w = exp(-[h w / 2]x) L (implicit midpoint), by fixed-point rounds. A round multiplies
-// the error by about h |w| / 2, so most bodies need two or three; a lane that is done keeps its value, so that no body
-// depends on its neighbours.
-// Energy: L is kept in the world, so rounding of the pose moves it over the energies of the body. A free body is rotated
-// back onto its energy by the shortest way (projection; Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
-// The invariant is a sum without the middle axis: a body that spins about that axis has no digits of 2 E - |L|^2 / I in E.
-// Weak spot: rotations of more than about 1 rad per substep converge slowly and stay three rounds from the midpoint.
+// The kernel of spin_batch.h. Included by spin_plain.cpp and spin_avx2.cpp, which differ in compiler flags only and
+// give the same bits. What contacts changed of the angular velocity is added to the angular momentum L through the
+// inertia they were solved with. A substep then rotates the body by the angular velocity at the middle of the rotation:
+// in principal axes at its start I w = exp(-[h w / 2]x) L (implicit midpoint), by fixed-point rounds. A round
+// multiplies the error by about h |w| / 2, so most bodies need two or three; a lane that is done keeps its value, so
+// that no body depends on its neighbours. Energy: L is kept in the world, so rounding of the pose moves it over the
+// energies of the body. A free body is rotated back onto its energy by the shortest way (projection; Hairer, Lubich,
+// Wanner, Geometric Numerical Integration, IV.4). The invariant is a sum without the middle axis: a body that spins
+// about that axis has no digits of 2 E - |L|^2 / I in E. Weak spot: rotations of more than about 1 rad per substep
+// converge slowly and stay three rounds from the midpoint.
 #pragma once
 #include "rigid/spin_batch.h"
 
@@ -40,10 +40,9 @@ struct Turn {
     return {c(1) - x2 * (c(1. / 6) - x2 * (c(1. / 120) - x2 * c(1. / 5040))),
             c(0.5) - x2 * (c(1. / 24) - x2 * (c(1. / 720) - x2 * c(1. / 40320)))};
   }
-  return {c(1) - x2 * (c(1. / 6) -
-                       x2 * (c(1. / 120) -
-                             x2 * (c(1. / 5040) -
-                                   x2 * (c(1. / 362880) - x2 * (c(1. / 39916800) - x2 * c(1. / 6227020800.)))))),
+  return {c(1) - x2 * (c(1. / 6) - x2 * (c(1. / 120) - x2 * (c(1. / 5040) -
+                                                             x2 * (c(1. / 362880) - x2 * (c(1. / 39916800) -
+                                                                                          x2 * c(1. / 6227020800.)))))),
           c(0.5) - x2 * (c(1. / 24) -
                          x2 * (c(1. / 720) -
                                x2 * (c(1. / 40320) -
@@ -80,7 +79,9 @@ struct Turn {
   return v - along * turn.straight + cross(t, along) * turn.bent;
 }
 
-[[gnu::always_inline]] inline Lanes3 scaled(const Lanes3& a, const Lanes3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+[[gnu::always_inline]] inline Lanes3 scaled(const Lanes3& a, const Lanes3& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
 [[gnu::always_inline]] inline Lanes3 select3(LaneMask m, const Lanes3& yes, const Lanes3& no) {
   return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
 }

@@ -94,3 +94,58 @@ TEST_CASE("bounce series", "[rigid][closed]") {
     CHECK(apexes[i] / before == Approx(e * e).epsilon(closed_tolerance(solver).apex));
   }
 }
+
+// A blow passes through balls in a row: the last leaves with the speed of the first (Newton). Gaps within a contact's
+// margin, touching balls, and gaps of several steps.
+TEST_CASE("Newton's cradle", "[rigid][closed]") {
+  const int balls = GENERATE(3, 5, 7);
+  const double gap = GENERATE(0.0, 0.001, 0.05), v = GENERATE(0.5, 2.0, 6.0);
+  CAPTURE(balls, gap, v);
+  ClosedScene s("soft_step", 1.0 / 60);
+  s.desc.gravity = Vec3::Zero();
+  std::vector<ObjectId> row;
+  for (int k = 0; k < balls; ++k) {
+    BodyDesc d = body_of(make_sphere(Real(0.1)), Vec3(Real(k ? k * (0.2 + gap) : -0.5), 0, 0), 1);
+    d.restitution = 1;
+    d.velocity = Vec3(Real(k ? 0 : v), 0, 0);
+    row.push_back(s.rigid().add_body(d));
+  }
+  s.run(1.5 / v + 0.5);
+  for (int k = 0; k < balls; ++k)
+    CHECK(s.velocity(row[std::size_t(k)])[0] == Approx(k + 1 == balls ? v : 0).margin(1e-4 * v));
+}
+
+// Balls of mass 1 and `ratio` between a wall and infinity: the number of collisions is the digits of pi for ratios of
+// 100^n (Galperin 2003); for others it follows from the angle arctan(1 / sqrt(ratio)).
+TEST_CASE("elastic collisions between a wall and a heavy ball are counted right", "[rigid][closed]") {
+  struct Row {
+    double ratio;
+    int count;
+  };
+  const Row row = GENERATE(Row{1, 3}, Row{16, 12}, Row{100, 31});
+  CAPTURE(row.ratio);
+  ClosedScene s("soft_step", 1.0 / 60);
+  s.desc.gravity = Vec3::Zero();
+  s.desc.sleeping = true;  // the light ball is asleep when it is hit
+  BodyDesc wall;
+  wall.type = BodyType::fixed;
+  wall.shape = make_box(1, 10, 10);
+  wall.position = Vec3(Real(-0.5), 0, 0);
+  wall.restitution = 1;
+  s.rigid().add_body(wall);
+  BodyDesc d = body_of(make_sphere(Real(0.1)), Vec3(1, 0, 0), 1);
+  d.restitution = 1;
+  const ObjectId light = s.rigid().add_body(d);
+  d.position = Vec3(3, 0, 0);
+  d.mass = Real(row.ratio);
+  d.velocity = Vec3(-1, 0, 0);
+  const ObjectId heavy = s.rigid().add_body(d);
+  int begins = 0;
+  for (int k = 0; k < 60 * 12; ++k) {
+    s.world().step();
+    for (const Event& e : s.world().events().list()) begins += e.kind == EventKind::contact_begin;
+  }
+  CHECK(begins == row.count);
+  const double a = double(s.velocity(light)[0]), b = double(s.velocity(heavy)[0]);
+  CHECK(a * a + row.ratio * b * b == Approx(row.ratio).epsilon(1e-4));
+}

@@ -152,3 +152,20 @@ TEST_CASE("bodies that must not sleep stay awake", "[rigid][sleep]") {
   CHECK(s.awake(above));  // the same island
   CHECK(!s.awake(apart));
 }
+
+// A face axis of a long box measures its far ends, 5 m away, so that an edge axis wins; the contact is a face all the
+// same.
+TEST_CASE("ten long thin rods across each other fall asleep", "[rigid][sleep]") {
+  const double gap = GENERATE(0.03, 0.1);
+  CAPTURE(gap);
+  SleepScene s;
+  std::vector<ObjectId> rods;
+  for (int i = 0; i < 10; ++i) {
+    BodyDesc d = body_of(make_box(10, Real(0.02), Real(0.02)),
+                         Vec3(Real(0.1 * i), Real(0.02 + gap * i), Real(0.05 * i)), 4, Real(0.5));
+    d.rotation = from_axis_angle(Vec3(0, 1, 0), Real((i % 2) * 1.5708 + 0.1 * i));
+    rods.push_back(s.rigid().add_body(d));
+  }
+  s.run(5);
+  for (const ObjectId b : rods) CHECK(!s.awake(b));
+}
