@@ -87,9 +87,13 @@ Mat3 skew(const Vec3& a) {
 }
 
 Mat3 inverse(const Mat3& m) {
-  const Vec3 c0 = m.col(0), c1 = m.col(1), c2 = m.col(2);
+  // of the matrix with a largest entry of one: determinants of small and large bodies leave the range
+  const Real size = m.cwiseAbs().maxCoeff();
+  if (!(size > 0) || !std::isfinite(size)) return Mat3::Zero();
+  const Mat3 unit = m / size;
+  const Vec3 c0 = unit.col(0), c1 = unit.col(1), c2 = unit.col(2);
   const Vec3 r0 = cross(c1, c2), r1 = cross(c2, c0), r2 = cross(c0, c1);
-  const Real det = dot(c0, r0);
+  const Real det = dot(c0, r0) * size;
   if (det == 0 || !std::isfinite(det)) return Mat3::Zero();
   Mat3 out;
   out.row(0) = r0.transpose() / det;

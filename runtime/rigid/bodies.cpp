@@ -8,7 +8,7 @@ namespace feder {
 namespace {
 
 // kg: beyond, products of inverses leave the float range
-constexpr Real kMinMass = Real(1e-9), kMaxMass = Real(1e12);
+constexpr Real kMinMass = Real(1e-9), kMaxMass = Real(1e14);
 
 std::string text(double x) {
   char buffer[32];
@@ -22,7 +22,8 @@ void require(bool good, const char* what, double came) {
 }
 
 void require_mass(Real mass) {
-  require(mass >= kMinMass && mass <= kMaxMass, "mass: expected from 1e-9 to 1e12 kg", mass);
+  require(mass >= kMinMass && mass <= kMaxMass,
+          "mass: expected from 1e-9 to 1e14 kg (rock from 0.1 mm to 3 km in size; mind the density)", mass);
 }
 
 // Shapes with their pose in the body frame, nested compounds opened.

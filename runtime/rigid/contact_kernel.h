@@ -194,12 +194,14 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
 [[gnu::always_inline]] inline void prepare_rolling(const ContactBatch& c, BatchSide& side) {
   Lanes m[6];
   for (int k = 0; k < 6; ++k) m[k] = load(c.inv_inertia_a[k]) + load(c.inv_inertia_b[k]);
-  // an axis without rotation (planar worlds) gets no impulse
-  const Lanes trace = m[0] + m[1] + m[2];
-  for (int k = 0; k < 3; ++k) m[k] = select(m[k] > zero_lanes(), m[k], trace);
+  // an axis without rotation (planar worlds) gets no impulse; in units of the trace: determinants of large bodies
+  // underflow
+  const Lanes trace = m[0] + m[1] + m[2], per_trace = reciprocal_or_zero(trace);
+  for (int k = 0; k < 6; ++k) m[k] = m[k] * per_trace;
+  for (int k = 0; k < 3; ++k) m[k] = select(m[k] > zero_lanes(), m[k], all_lanes(1));
   const Lanes cxx = m[1] * m[2] - m[5] * m[5], cxy = m[4] * m[5] - m[3] * m[2], cxz = m[3] * m[5] - m[4] * m[1];
   const Lanes det = m[0] * cxx + m[3] * cxy + m[4] * cxz;
-  const Lanes inv = reciprocal_or_zero(det);
+  const Lanes inv = reciprocal_or_zero(det) * per_trace;
   store(side.rolling_mass[0], cxx * inv);
   store(side.rolling_mass[1], (m[0] * m[2] - m[4] * m[4]) * inv);
   store(side.rolling_mass[2], (m[0] * m[1] - m[3] * m[3]) * inv);
