@@ -98,6 +98,7 @@ constexpr Option<BodyReading> kBody[] = {
     field<&BodyDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&BodyDesc::bullet>("bullet"),
     field<&BodyDesc::can_sleep>("can_sleep"),
+    field<&BodyDesc::sleep_threshold>("sleep_threshold", "m/s", kNotNegative),
     field<&BodyDesc::sleeping>("sleeping"),
     {{.name = "lock", .choices = "x, y, z, rx, ry, rz"}, "string or list of strings", read_lock},
     field<&BodyDesc::group>("group", "", kBits),

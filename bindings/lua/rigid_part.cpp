@@ -10,26 +10,32 @@ namespace {
 
 struct BodiesFilter {
   std::vector<std::string> tag;
+  bool moved = false;
 };
 
-constexpr Option<BodiesFilter> kBodiesFilter[] = {field<&BodiesFilter::tag>("tag")};
+constexpr Option<BodiesFilter> kBodiesFilter[] = {field<&BodiesFilter::tag>("tag"),
+                                                  field<&BodiesFilter::moved>("moved")};
 
 int world_bodies(lua_State* L) {
   WorldRecord& r = check_world(L);
   const Objects& objects = r.world->objects();
   bool filtered = false;
   TagMask tags = 0;
+  BodiesFilter filter;
   if (!lua_isnoneornil(L, 2)) {
     Options o(L, 2, function_name(L));
-    BodiesFilter filter;
     o.read(kBodiesFilter, filter);
     filtered = o.has("tag");
     for (const std::string& w : filter.tag) tags |= objects.known_tag(w);
   }
   std::vector<ObjectId> found;
-  objects.for_each(kBodyKind, [&](ObjectId id) {
+  const auto take = [&](ObjectId id) {
     if (!r.special.count(id) && (!filtered || (objects.tags(id) & tags))) found.push_back(id);
-  });
+  };
+  if (!filter.moved) objects.for_each(kBodyKind, take);
+  if (Rigid* rigid = filter.moved ? r.world->find<Rigid>() : nullptr)
+    for (const ObjectId id : rigid->moved())
+      if (objects.alive(id)) take(id);
   push_list(L, found, [&](ObjectId id) { push_handle(L, r, id); });
   return 1;
 }
@@ -150,8 +156,8 @@ const Method kWorld[] = {
      "joins two bodies, or one and the world", joint_rows},
     {"region", method<world_region>, "world:region{ box = {min, max} | shape =, position = } -> region",
      "sensor_enter and sensor_leave events", region_rows},
-    {"bodies", guard<world_bodies>, "world:bodies([{ tag = }]) -> {body, ...}", "all bodies, or those with a tag",
-     rows_of<kBodiesFilter>},
+    {"bodies", guard<world_bodies>, "world:bodies([{ tag =, moved = }]) -> {body, ...}",
+     "all bodies, those with a tag, those that the last step moved", rows_of<kBodiesFilter>},
     {"max_penetration", method<world_max_penetration>, "world:max_penetration() -> number",
      "of touching contacts now, m"},
 };

@@ -60,6 +60,7 @@ void check_numbers(const BodyDesc& d) {
           "friction: expected a number not below 0", d.friction_static);
   require(d.restitution >= 0 && d.restitution <= 1, "restitution: expected a number from 0 to 1", d.restitution);
   require(not_negative(d.rolling_friction), "rolling_friction: expected a number not below 0", d.rolling_friction);
+  require(not_negative(d.sleep_threshold), "sleep_threshold: expected a number not below 0", d.sleep_threshold);
   require(not_negative(d.linear_damping), "linear_damping: expected a number not below 0", d.linear_damping);
   require(not_negative(d.angular_damping), "angular_damping: expected a number not below 0", d.angular_damping);
 }
@@ -153,6 +154,7 @@ void Rigid::Impl::load_motion(std::uint32_t i, const BodyDesc& d, const Vec3& ce
   bodies.linear_damping[i] = d.linear_damping;
   bodies.angular_damping[i] = d.angular_damping;
   bodies.can_sleep[i] = d.can_sleep;
+  bodies.sleep_threshold[i] = d.sleep_threshold;
   bodies.bullet[i] = d.bullet;
 }
 

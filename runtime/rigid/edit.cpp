@@ -27,6 +27,7 @@ void Rigid::destroy_body(ObjectId body, const std::string& where) {
   impl_->remove(impl_->index(body), where);
 }
 const Bodies& Rigid::bodies() const { return impl_->bodies; }
+std::span<const ObjectId> Rigid::moved() const { return {impl_->moved.data(), impl_->moved.size()}; }
 std::uint32_t Rigid::index(ObjectId body) const { return impl_->index(body); }
 Pose Rigid::pose(ObjectId body) const { return impl_->bodies.origin_pose(impl_->index(body)); }
 void Rigid::set_pose(ObjectId body, const Pose& origin) {

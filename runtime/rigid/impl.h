@@ -227,6 +227,7 @@ struct Rigid::Impl {
   Array<std::uint32_t> moving{
       &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
+  Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
   Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s

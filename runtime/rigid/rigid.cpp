@@ -140,6 +140,7 @@ void Rigid::load(Reader& r) {
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)
     if (s.records[j].alive) s.refresh_joint(j);
   s.solver_bodies.clear_indices();
+  s.moved.clear();
   s.list_stale = s.poses_stale = true;
 }
 

@@ -252,6 +252,8 @@ void Rigid::Impl::quarantine(std::uint32_t i) {
 void Rigid::Impl::commit(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   FEDER_ASSERT(bad.size() == count && applied_torque.size() == count);
+  moved.resize(count);
+  for (std::uint32_t p = 0; p < count; ++p) moved[p] = bodies.object[moving[p]];
   each_moving(c, [&](std::uint32_t p) { commit_body(p); });
   for (std::uint32_t p = 0; p < count; ++p)
     if (bad[p]) quarantine(moving[p]);

@@ -2,8 +2,10 @@
 // threshold about half a second after the body has come to rest; two thresholds are a hysteresis. Islands are found by
 // union-find over active contacts and joints, only when there is a sleep candidate; an island sleeps when all its
 // members are candidates and none is in contact with a moving kinematic body. A thrown body is no candidate at its
-// apex, because the average includes the flight. Sleeping islands are rings through next_in_island; waking one member
-// wakes all. Kept between steps: averages, candidates, rings. Weak spot: a body that creeps below 4 cm/s falls asleep.
+// apex, because the average includes the flight. The lower threshold is the body's (sleep_threshold), the upper one
+// twice that speed. Sleeping islands are rings through next_in_island; waking one member
+// wakes all. Kept between steps: averages, candidates, rings. Weak spot: a body that creeps below its threshold falls
+// asleep.
 #include <algorithm>
 #include <iterator>
 #include <tuple>
@@ -13,17 +15,19 @@
 namespace feder {
 namespace {
 
-constexpr Real kSleepEnergy = Real(0.5) * Real(0.04) * Real(0.04);  // m^2/s^2: 4 cm/s
-constexpr Real kRestless = Real(0.5) * Real(0.08) * Real(0.08);
-constexpr Real kCap = 25 * kSleepEnergy;  // decays to kSleepEnergy in log(25) = 3.2 time constants
-constexpr Real kMemory = Real(0.15);      // s, time constant
+constexpr Real kRestless = 4;         // the upper threshold over the lower one, of energies
+constexpr Real kCap = 25;             // decays to 1 in log(25) = 3.2 time constants
+constexpr Real kMemory = Real(0.15);  // s, time constant
+
+// Energy per mass of the speed below which a body falls asleep, m^2/s^2.
+Real sleep_energy(const Bodies& b, std::uint32_t i) { return Real(0.5) * b.sleep_threshold[i] * b.sleep_threshold[i]; }
 
 }  // namespace
 
 void Rigid::Impl::wake_one(std::uint32_t i, WakeCause cause, ObjectId other) {
   if (bodies.awake[i] || bodies.type[i] != BodyType::dynamic) return;
   bodies.awake[i] = 1;
-  bodies.sleep_energy[i] = kCap;
+  bodies.sleep_energy[i] = kCap * sleep_energy(bodies, i);
   bodies.island[i] = kNone;
   sleep_candidate[i] = 0;
   each_collider(i, [&](std::uint32_t k) { colliders.set_awake(k, true); });
@@ -40,7 +44,7 @@ void Rigid::Impl::wake_one(std::uint32_t i, WakeCause cause, ObjectId other) {
 void Rigid::Impl::wake(std::uint32_t i, WakeCause cause, ObjectId other) {
   if (bodies.type[i] != BodyType::dynamic) return;
   if (bodies.awake[i]) {
-    bodies.sleep_energy[i] = kCap;
+    bodies.sleep_energy[i] = kCap * sleep_energy(bodies, i);
     sleep_candidate[i] = 0;
     return;
   }
@@ -138,9 +142,10 @@ void Rigid::Impl::measure_motion(StepContext& c) {
         Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, momentum) * bodies.inv_mass[i]);
     any_jump |= jumps(i, energy, least);
     const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
-    bodies.sleep_energy[i] = mean < kCap ? mean : kCap;
-    if (bodies.sleep_energy[i] < kSleepEnergy && energy < kRestless) sleep_candidate[i] = 1;
-    if (bodies.sleep_energy[i] > kRestless || energy > kCap || !bodies.can_sleep[i]) sleep_candidate[i] = 0;
+    const Real low = sleep_energy(bodies, i), restless = kRestless * low, cap = kCap * low;
+    bodies.sleep_energy[i] = mean < cap ? mean : cap;
+    if (bodies.sleep_energy[i] < low && energy < restless) sleep_candidate[i] = 1;
+    if (bodies.sleep_energy[i] > restless || energy > cap || !bodies.can_sleep[i]) sleep_candidate[i] = 0;
     any_candidate = any_candidate || sleep_candidate[i];
   }
 }

@@ -16,6 +16,7 @@ struct Bodies {
   Array<BodyType> type{&arena};
   Array<std::uint8_t> awake{&arena};  // 0 or 1; fixed bodies are never awake
   Array<std::uint8_t> can_sleep{&arena};
+  Array<Real> sleep_threshold{&arena};  // m/s
   Array<std::uint8_t> bullet{&arena};
   Array<std::uint8_t> lock{&arena};  // LockBits
   Array<ObjectId> object{&arena};
@@ -59,10 +60,10 @@ struct Bodies {
   // Calls f(array) for each of the arrays that have an entry per body.
   template <class B, class F>
   static void each_array(B& b, F&& f) {
-    for_each_of(f, b.type, b.awake, b.can_sleep, b.bullet, b.lock, b.object, b.position, b.rotation, b.velocity,
-                b.angular_velocity, b.local_com, b.mass, b.inv_mass, b.inertia, b.inv_inertia, b.force, b.torque,
-                b.gravity_scale, b.linear_damping, b.angular_damping, b.extent, b.target, b.has_target, b.sleep_energy,
-                b.island, b.first_collider, b.solver_slot);
+    for_each_of(f, b.type, b.awake, b.can_sleep, b.sleep_threshold, b.bullet, b.lock, b.object, b.position, b.rotation,
+                b.velocity, b.angular_velocity, b.local_com, b.mass, b.inv_mass, b.inertia, b.inv_inertia, b.force,
+                b.torque, b.gravity_scale, b.linear_damping, b.angular_damping, b.extent, b.target, b.has_target,
+                b.sleep_energy, b.island, b.first_collider, b.solver_slot);
   }
   // Calls f(member) for what snapshots hold.
   template <class B, class F>

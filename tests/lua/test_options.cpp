@@ -21,9 +21,10 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
        "test.lua:1: world:body.density: expected a number above 0, got '5'"},
       {"world:body{ shape = feder.box(1,1,1), density = 1e-60 }",
        // 0 in the float build
-       sizeof(feder::Real) == 4 ? "test.lua:1: world:body.density: expected a number above 0, got 1e-60"
-                                : "test.lua:1: world:body.mass: expected from 1e-9 to 1e14 kg (rock from 0.1 mm to 3 km in size; mind the "
-                                  "density), got 1e-60"},
+       sizeof(feder::Real) == 4
+           ? "test.lua:1: world:body.density: expected a number above 0, got 1e-60"
+           : "test.lua:1: world:body.mass: expected from 1e-9 to 1e14 kg (rock from 0.1 mm to 3 km in size; mind the "
+             "density), got 1e-60"},
       {"world:body{ shape = feder.box(1,1,1), mass = 0/0 }",
        "test.lua:1: world:body.mass: expected a finite number, got nan"},
       {"world:body{ shape = feder.box(1,1,1), mass = -1 }",

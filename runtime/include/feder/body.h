@@ -37,7 +37,8 @@ struct BodyDesc {
   bool bullet = false;
   bool sleeping = false;  // starts asleep
   bool can_sleep = true;
-  std::uint8_t lock = 0;  // LockBits
+  Real sleep_threshold = Real(0.04);  // m/s: what stays slower falls asleep
+  std::uint8_t lock = 0;              // LockBits
   std::uint32_t group = 1, mask = 0xffffffffu;
   bool sensor = false;
   bool senses_fixed = false;  // of a sensor: static bodies too
@@ -49,8 +50,9 @@ struct BodyDesc {
     f(d.name), f(d.tags), f(d.type), f(d.shape), f(d.position), f(d.rotation), f(d.velocity), f(d.angular_velocity);
     f(d.density), f(d.mass), f(d.has_center), f(d.center_of_mass), f(d.friction_static), f(d.friction_dynamic);
     f(d.restitution), f(d.rolling_friction), f(d.surface_velocity), f(d.linear_damping), f(d.angular_damping);
-    f(d.gravity_scale), f(d.bullet), f(d.sleeping), f(d.can_sleep), f(d.lock), f(d.group), f(d.mask), f(d.sensor);
-    f(d.senses_fixed), f(d.material);
+    f(d.gravity_scale), f(d.bullet), f(d.sleeping), f(d.can_sleep), f(d.sleep_threshold), f(d.lock), f(d.group),
+        f(d.mask);
+    f(d.sensor), f(d.senses_fixed), f(d.material);
   }
 };
 

@@ -3,6 +3,7 @@
 // changed. One thread at a time, that of the world.
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 
 #include "feder/body.h"
@@ -38,6 +39,7 @@ class Rigid final : public System {
   ObjectId add_body(const BodyDesc& desc);
   void destroy_body(ObjectId body, const std::string& where);  // and its joints; end events are queued
   const Bodies& bodies() const;
+  std::span<const ObjectId> moved() const;  // awake in the last step, also if destroyed since; none after a load
   std::uint32_t index(ObjectId body) const;
 
   Pose pose(ObjectId body) const;                    // of the body frame's origin
