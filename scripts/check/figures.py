@@ -31,9 +31,18 @@ FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moy
 # problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
           ("drape", 8, "self-refined run"))
-# of rivals.csv, in README.md: what is faster and what is slower, one of each kind
-TELLING = (("large_pyramid", "Box3D"), ("large_pyramid", "Jolt"), ("convex_vs_mesh", "Jolt"), ("heavy_chains", "Box3D"),
-           ("cloth links", "Jolt"), ("pbf", "SPlisHSPlasH"))
+# of rivals.csv and rivals_by_hand.csv, in README.md: what is faster and what is slower, one of each kind
+TELLING = (("large_pyramid", "box3d"), ("large_pyramid", "jolt"), ("large_pyramid", "bullet"),
+           ("convex_vs_mesh", "jolt"), ("heavy_chains", "box3d"), ("cloth links", "Jolt"), ("pbf", "SPlisHSPlasH"))
+ENGINES = {"box3d": "Box3D", "jolt": "Jolt", "bullet": "Bullet"}
+# of the end state of each scene, what tells most: column, its factor, text around the number
+TELLS = {"large_pyramid": ("top_m", 1, "top at {:.2f} m"), "many_pyramids": ("overlap_m", 1e3, "overlap {:.1f} mm"),
+         "square_pyramid": ("overlap_m", 1e3, "overlap {:.1f} mm"), "wall": ("drift_m", 1e2, "drift {:.1f} cm"),
+         "columns": ("moved", 1, "{:.0f} of 500 moved"), "washer": ("overlap_m", 1e3, "overlap {:.0f} of 400 mm"),
+         "convex_fall": ("lost", 1, "{:.0f} lost"), "convex_pile": ("lost", 1, "{:.0f} lost"),
+         "convex_vs_mesh": ("overlap_m", 1e3, "overlap {:.0f} mm"),
+         "joint_grid": ("joint_error_m", 1e3, "joint error {:.1f} mm"),
+         "heavy_chains": ("joint_error_m", 1e3, "joint error {:.2g} mm")}
 OWNERS = {"h": "object", "buf": "buffer", "c": "connection", "e": "event"}  # words of signatures that are no class
 
 
@@ -117,27 +126,63 @@ def cloths(feder, _):
     return "\n".join(rows) + "\n\n\\* the reference is no surer than that"
 
 
-def rival_rows():
-    with open(ROOT / "tests/bench/rivals.csv", newline="") as file:
+def rows_of(name):
+    with open(ROOT / "tests/bench" / name, newline="") as file:
         return list(csv.DictReader(file))
 
 
+def measured():
+    """Rows of rivals.csv by (scene, engine, threads)."""
+    return {(r["scene"], r["engine"], r["threads"]): r for r in rows_of("rivals.csv")}
+
+
+def ratio(rows, scene, engine, threads, column):
+    """feder over another engine, as text."""
+    ours, its = rows.get((scene, "feder", threads)), rows.get((scene, engine, threads))
+    return f"{float(ours[column]) / float(its[column]):.2f}" if ours and its else "-"
+
+
+def end_states(rows, scene, engine):
+    """feder's and, in brackets, the other's."""
+    column, factor, text = TELLS[scene]
+    ours, its = (factor * float(rows[scene, name, "1"][column]) for name in ("feder", engine))
+    number = re.search(r"{:.*?}", text)[0]
+    return f"{text.format(ours)} ({number.format(its)})"
+
+
 def rivals(_feder, _folder):
-    rows = ["| scene | beside | time over its | end state (the other's) |", "|---|---|---|---|"]
+    lines, rows = ["| scene | beside | time over its | end state (the other's) |", "|---|---|---|---|"], measured()
     for scene, engine in TELLING:
-        r = next(r for r in rival_rows() if r["scene"].startswith(scene) and r["engine"] == engine)
+        if engine in ENGINES:
+            time = ratio(rows, scene, engine, "1", "processor_ms")
+            lines.append(f"| {scene} | {ENGINES[engine]} | {time} | {end_states(rows, scene, engine)} |")
+            continue
+        r = next(r for r in rows_of("rivals_by_hand.csv") if r["scene"].startswith(scene) and r["engine"] == engine)
         name = re.split(r" \(|, per| against", r["scene"])[0]
         engine += ", double" if "double" in r["flags"] else ""
-        rows.append(f"| {name} | {engine} | {float(r['ratio']):.2f} | {r['end_state'].split(';')[0]} |")
-    return "\n".join(rows)
+        lines.append(f"| {name} | {engine} | {float(r['ratio']):.2f} | {r['end_state']} |")
+    return "\n".join(lines)
 
 
 def rivals_all(_feder, _folder):
-    rows = ["| scene | beside | feder's time over its | end state of feder (the other's) |", "|---|---|---|---|"]
-    for r in rival_rows():
+    rows = measured()
+    lines = ["| scene | beside | time over its | two threads | memory over its | end state of feder (the other's) |",
+             "|---|---|---|---|---|---|"]
+    for (scene, engine, threads), r in rows.items():
+        if engine == "feder" or threads != "1":
+            continue
+        numbers = (ratio(rows, scene, engine, *what) for what in
+                   (("1", "processor_ms"), ("2", "wall_ms"), ("1", "memory_mb")))
+        lines.append(f"| {scene} ({r['steps']} steps) | {ENGINES[engine]} | {' | '.join(numbers)} | "
+                     f"{end_states(rows, scene, engine)} |")
+    used = {r["engine"]: f"{r['version']} ({r['flags']})" for r in rows.values()}
+    about = "; ".join(f"{name} {used[engine]}" for engine, name in ENGINES.items() if engine in used)
+    lines += ["", textwrap.fill(f"feder {used.get('feder')}; {about}.", 120)]
+    lines += ["", "| scene | beside | time over its | of |", "|---|---|---|---|"]
+    for r in rows_of("rivals_by_hand.csv"):
         engine = f"{r['engine']} {r['commit']}, {r['flags']}"
-        rows.append(f"| {r['scene']} | {engine} | {float(r['ratio']):.2f} | {r['end_state']} |")
-    return "\n".join(rows)
+        lines.append(f"| {r['scene']} | {engine} | {float(r['ratio']):.2f} | {r['end_state']} |")
+    return "\n".join(lines)
 
 
 def hello(feder, _):

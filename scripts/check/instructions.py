@@ -4,12 +4,15 @@
   instructions.py FEDER            compare; a scene may cost 1 % more than stored, all together 0.3 % (geometric mean)
   instructions.py --renew FEDER    store the numbers of this build under its key: an allowance, in a commit of its own
                                    that names what was mended and what it costs
+  instructions.py --idle FEDER     compare worlds with and without what does nothing (IDLE), in one build: needs no
+                                   stored numbers; and print how the time of a body grows with the size of a pyramid
 
 Only World::step is counted, in an empty environment, so the numbers repeat to the last digit on one machine. They are
 stored by compiler, flags, valgrind and whether the processor has AVX2. A scene without a stored number fails, and one
 that runs what it has no use for (a tower without joints: no function of joints). Exit
 status 77 (skipped) when valgrind or all numbers of this key are missing; with CI in the environment that fails too.
 """
+import functools
 import json
 import math
 import os
@@ -28,6 +31,17 @@ SCENES = {"scenes/springs/pendulum.lua": 0.25, "scenes/springs/hanging_net.lua":
           "scenes/mixed/everything.lua": 0.5}  # seconds simulated
 ABSENT = {"scenes/rigid/tower.lua": r"[Jj]oint"}  # functions that a scene has no use for must not run
 SCENE_LIMIT, MEAN_LIMIT = 1.01, 1.003
+# What does nothing costs nothing: of tests/bench/idle.lua a step with the first settings takes at most `factor` times
+# the instructions of one with the second, and `more`. Counted from step 20 to 60: trees and lists are made before.
+IDLE_SCENE, IDLE_STEPS = "tests/bench/idle.lua", (20, 60)
+IDLE = (  # what, settings, beside, settings, factor, more
+    ("100,000 static boxes", {"static": 100000}, "100", {"static": 100}, 1.05, 0),
+    ("10,000 boxes asleep", {"asleep": 10000}, "none", {}, 1, 5000),
+    ("100 balls among 100,000 static boxes", {"moving": 100, "static": 100000}, "among 1,000",
+     {"moving": 100, "static": 1000}, 1.5, 0),
+    ("100 balls beside 10,000 boxes asleep", {"moving": 100, "asleep": 10000}, "beside none", {"moving": 100},
+     1.05, 5000))
+GROWTH_SCENE, GROWTH_BASES, GROWTH_AIM = "scenes/rigid/pyramid.lua", (50, 200), 1.6  # times, so reported only
 
 
 def first_line(*command):
@@ -49,22 +63,62 @@ def key_of(feder):
                        first_line("valgrind", "--version"), wide, *lumps])
 
 
-def count(feder, scene, seconds):
-    """Instructions per step."""
+def collected(feder, words):
+    """Instructions in World::step, steps, and the text of callgrind's file."""
     with tempfile.TemporaryDirectory() as folder:
         out = subprocess.run(
             ["env", "-i", "PATH=/usr/bin:/bin", "valgrind", "--tool=callgrind", "--toggle-collect=feder::World::step()",
-             f"--callgrind-out-file={folder}/out", feder, "run", scene, "--seconds", str(seconds), "--json", "--quiet"],
+             f"--callgrind-out-file={folder}/out", feder, "run", *words, "--json", "--quiet"],
             capture_output=True, text=True, cwd=ROOT, check=False)
         ran = pathlib.Path(folder, "out").read_text() if out.returncode == 0 else ""
-    collected = re.search(r"Collected : (\d+)", out.stderr)
-    if out.returncode != 0 or not collected or int(collected.group(1)) == 0:
-        sys.exit(f"instructions: {scene}: no count\n{out.stderr[-2000:]}")
+    found = re.search(r"Collected : (\d+)", out.stderr)
+    if out.returncode != 0 or not found or int(found.group(1)) == 0:
+        sys.exit(f"instructions: {' '.join(words)}: no count\n{out.stderr[-2000:]}")
+    return int(found.group(1)), json.loads(out.stdout)["steps"], ran
+
+
+def count(feder, scene, seconds):
+    """Instructions per step."""
+    instructions, steps, ran = collected(feder, [scene, "--seconds", str(seconds)])
     functions = re.findall(r"^c?fn=\(\d+\) (.*)", ran, re.M)
     idle = [f for f in functions if scene in ABSENT and re.search(ABSENT[scene], f)]
     if idle or not functions:
         sys.exit(f"instructions: {scene}: runs {', '.join(idle) or 'nothing'}")
-    return int(collected.group(1)) / json.loads(out.stdout)["steps"]
+    return instructions / steps
+
+
+@functools.cache
+def count_idle(feder, settings):
+    """Instructions per step of IDLE_SCENE, between two steps."""
+    words = [IDLE_SCENE, "--check", *(f"--set={name}={value}" for name, value in settings)]
+    first, last = (collected(feder, [*words, "--steps", str(steps)])[0] for steps in IDLE_STEPS)
+    return (last - first) / (IDLE_STEPS[1] - IDLE_STEPS[0])
+
+
+def compare_idle(feder):
+    bad = 0
+    for what, settings, other, beside, factor, more in IDLE:
+        now, base = (count_idle(feder, tuple(s.items())) for s in (settings, beside))
+        most = factor * base + more
+        rule = f"{factor:g} times{f' and {more:,}' if more else ''}"
+        print(f"  {what}: {now:,.0f} per step, {other}: {base:,.0f}; {now / base:.3g} times, at most {rule}"
+              + ("" if now <= most else ": MORE"))
+        bad += now > most
+    print(growth(feder))
+    if bad:
+        print(f"instructions: {bad} of {len(IDLE)} cost more than what does nothing may")
+    return 1 if bad else 0
+
+
+def growth(feder):
+    """How the time of a body and step grows with the pyramid: a report, because times vary."""
+    times = []
+    for base in GROWTH_BASES:
+        out = subprocess.run([feder, "bench", GROWTH_SCENE, "--set", f"base={base}", "--steps", "40", "--runs", "3",
+                              "--json"], capture_output=True, text=True, cwd=ROOT, check=True)
+        times.append(1e3 * json.loads(out.stdout)["ms_per_step"]["min"] / (base * (base + 1) / 2))
+    bodies = " and ".join(f"{time:.2f} us at base {base}" for time, base in zip(times, GROWTH_BASES))
+    return f"  a body of a pyramid: {bodies}, {times[1] / times[0]:.2f} times (aim: {GROWTH_AIM}; no gate)"
 
 
 def compare(counts, stored):
@@ -87,7 +141,7 @@ def compare(counts, stored):
 
 
 def main(arguments):
-    words = [a for a in arguments if a != "--renew"]
+    words = [a for a in arguments if a not in ("--renew", "--idle")]
     if len(words) != 1:
         print(__doc__, file=sys.stderr)
         return 2
@@ -95,6 +149,8 @@ def main(arguments):
     if not shutil.which("valgrind"):
         print("instructions: skipped, valgrind is not there")
         return 1 if os.environ.get("CI") else 77
+    if "--idle" in arguments:
+        return compare_idle(feder)
     stored = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
     key = key_of(feder)
     if "--renew" not in arguments and key not in stored:
