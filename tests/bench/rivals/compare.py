@@ -5,7 +5,8 @@ The scenes are those of scenes.cpp; every engine has its own default settings. E
 its own, in rounds; figures are medians. Processor time counts all threads of a process, and is what one thread costs
 also on a busy machine; of several threads the wall clock tells, on a quiet one. Memory is what the process grows from
 the empty world to step 100; Jolt makes some of its room before. `others` is the share of the machine's processor time
-that other processes took meanwhile: above .05 the figures of several threads say little. Overlaps and joint errors are measured from poses, the same way for all engines.
+that other processes took meanwhile: runs with more than .05 count only where there is no better one, and say little of
+several threads. Overlaps and joint errors are measured from poses, the same way for all engines.
 
 A run replaces the rows of its scenes in tests/bench/rivals.csv, when it ran all engines, thread counts and steps that
 these rows have; else its rows go to build/compare/rivals.csv. The tables of the documents are made from the former:
@@ -24,6 +25,8 @@ import statistics
 import subprocess
 import sys
 
+import aims
+
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 HERE = ROOT / "tests/bench/rivals"
 WORK = ROOT / "build/compare"
@@ -31,26 +34,11 @@ STORED = ROOT / "tests/bench/rivals.csv"
 ENGINES = ("feder", "box3d", "jolt", "bullet")
 # modules of feder that bodies do not need: the build is shorter, and the same
 WITHOUT = "springs;cloth;fluid;couple;study;contact;record"
+QUIET = .05  # of the machine, taken by others
 MEASURED = ("processor_ms", "wall_ms", "memory_mb", "others")  # medians; the rest is the same in every round
 COLUMNS = ("scene", "engine", "version", "flags", "machine", "date", "rounds", "threads", "steps", "bodies", "joints",
            *MEASURED, "sink_m", "top_m", "drift_m", "moved", "lost", "overlap_m", "speed_m_s", "joint_error_m",
            "asleep")
-
-# What feder aims at, as ratios to another engine: (scene, rival, threads, column) -> at most.
-STACKS = ("many_pyramids", "square_pyramid", "wall", "columns")
-OTHERS = ("washer", "convex_fall", "convex_pile", "joint_grid", "convex_vs_mesh")
-BOUNDS = {
-    ("large_pyramid", "box3d", 1, "processor_ms"): .62,
-    **{(scene, "box3d", 1, "processor_ms"): .60 for scene in STACKS},
-    **{(scene, "box3d", 1, "processor_ms"): .85 for scene in OTHERS},
-    ("heavy_chains", "box3d", 1, "processor_ms"): 1.6,
-    **{(scene, "jolt", 1, "processor_ms"): 1. for scene in ("large_pyramid", *STACKS, *OTHERS)},
-    **{(scene, "box3d", 1, "memory_mb"): 1. for scene in ("large_pyramid", *STACKS, *OTHERS, "heavy_chains")},
-}
-# how much faster two threads are, and how their time compares with the better rival's
-SPEEDUPS = {"large_pyramid": 1.7, "many_pyramids": 1.7, "joint_grid": 1.6, "washer": 1.5}
-BETTER_RIVAL = .9
-STATES = {"heavy_chains": ("joint_error_m", 1e-3), "washer": ("overlap_m", .2), "large_pyramid": ("speed_m_s", .05)}
 
 
 def arguments():
@@ -184,71 +172,11 @@ def measure(programs, scenes, options):
     print(file=sys.stderr)
     rows = {}
     for key, found in runs.items():
+        found = [r for r in found if r["others"] <= QUIET] or found
         rows[key] = {**found[0], "rounds": len(found)}
         for column in MEASURED:
             rows[key][column] = statistics.median(r[column] for r in found)
     return rows
-
-
-def verdict(found, most):
-    return f"{found:.2f}" + ("" if most is None else f" ({'<=' if found <= most else 'ABOVE'} {most:.2f})")
-
-
-def table(head, lines):
-    widths = [max(len(str(line[k])) for line in [head, *lines]) for k in range(len(head))]
-    for line in [head, *lines]:
-        print("  ".join(str(word).ljust(width) for word, width in zip(line, widths)).rstrip())
-    print()
-
-
-def print_states(rows):
-    lines = [(s, e, t, r["steps"], f"{r['processor_ms']:.3f}", f"{r['wall_ms']:.3f}", f"{r['memory_mb']:.1f}",
-              f"{1e3 * r['sink_m']:.1f}", f"{1e3 * r['overlap_m']:.1f}", f"{r['speed_m_s']:.3f}",
-              f"{1e3 * r['joint_error_m']:.2f}", f"{r['drift_m']:.3f}", r["asleep"], r["moved"],
-              r["lost"] if r["finite"] else "NaN") for (s, e, t), r in rows.items()]
-    table(("scene", "engine", "threads", "steps", "processor ms", "wall ms", "MB", "sink mm", "overlap mm", "speed m/s",
-           "joint mm", "drift m", "asleep", "moved", "lost"), lines)
-
-
-def print_ratios(rows):
-    """feder over each rival, beside what feder aims at."""
-    lines = []
-    for (scene, engine, threads), rival in rows.items():
-        ours = rows.get((scene, "feder", threads))
-        if engine == "feder" or not ours:
-            continue
-        column = "processor_ms" if threads == 1 else "wall_ms"
-        lines.append((scene, engine, threads,
-                      verdict(ours[column] / rival[column], BOUNDS.get((scene, engine, threads, column))),
-                      verdict(ours["memory_mb"] / max(rival["memory_mb"], 1e-9),
-                              BOUNDS.get((scene, engine, threads, "memory_mb")))))
-    if lines:
-        table(("feder over", "engine", "threads", "time", "memory"), lines)
-
-
-def print_threads(rows):
-    lines = []
-    for (scene, engine, threads), row in rows.items():
-        one = rows.get((scene, engine, 1))
-        if threads == 1 or not one:
-            continue
-        aim, better = "", ""
-        speedup = one["wall_ms"] / row["wall_ms"]
-        if engine == "feder" and scene in SPEEDUPS and threads == 2:
-            aim = f" ({'>=' if speedup >= SPEEDUPS[scene] else 'BELOW'} {SPEEDUPS[scene]:.1f})"
-            rivals = [r["wall_ms"] for (s, e, t), r in rows.items() if s == scene and t == threads and e != "feder"]
-            better = verdict(row["wall_ms"] / min(rivals), BETTER_RIVAL) if rivals else ""
-        lines.append((scene, engine, threads, f"{speedup:.2f}{aim}", better))
-    if lines:
-        table(("faster than one", "engine", "threads", "times", "over the better rival"), lines)
-
-
-def print_aims(rows):
-    lines = [(scene, column, f"{rows[scene, 'feder', 1][column]:.3g}", f"{most:g}",
-              "ok" if rows[scene, "feder", 1][column] <= most else "ABOVE")
-             for scene, (column, most) in STATES.items() if (scene, "feder", 1) in rows]
-    if lines:
-        table(("end state of feder", "figure", "found", "at most", ""), lines)
 
 
 def as_csv(rows, options):
@@ -298,14 +226,11 @@ def main():
     rows = measure(programs, scenes, options)
     if not rows:
         return 1
-    print_states(rows)
-    print_ratios(rows)
-    print_threads(rows)
-    print_aims(rows)
-    disturbed = [f"{s} {e} {t}" for (s, e, t), r in rows.items() if r["others"] > .05]
+    aims.print_all(rows)
+    disturbed = sum(r["others"] > QUIET for r in rows.values())
     if disturbed:
-        print(f"other processes took more than 5 % of the machine in {len(disturbed)} of {len(rows)} rows: what they "
-              f"say of several threads says little\n")
+        print(f"other processes took more than {100 * QUIET:.0f} % of the machine in {disturbed} of {len(rows)} rows: "
+              "their figures of several threads say little\n")
     write(rows, options)
     return 0
 
