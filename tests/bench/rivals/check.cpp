@@ -72,7 +72,10 @@ void check_edges() {
 void check_places() {
   const EndState far = after({.position = {3, -30, 4}});
   expect("lost", far.lost, 1), expect("drift", far.drift, 5), expect("far", far.moved, 1), expect("top", far.top, -30);
-  expect("not finite", after({.position = {0, std::nanf(""), 0}}).finite, 0);
+  const EndState bad = after({.position = {0, std::nanf(""), 0}});
+  expect("not finite", bad.finite, 0);
+  for (const double figure : {bad.sink, bad.top, bad.drift, bad.speed, bad.overlap, bad.joint_error})
+    expect("no figure of what is not finite", std::isnan(figure), 1);
 }
 
 }  // namespace

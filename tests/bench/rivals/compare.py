@@ -136,6 +136,11 @@ def processor_times():
     return (sum(ticks) - ticks[3] - ticks[4]) / second, own.ru_utime + own.ru_stime, sum(ticks) / second
 
 
+def parse(text):
+    """A program's line: printf writes nan and inf for a state that is not finite, Python's JSON NaN and Infinity."""
+    return json.loads(re.sub(r"(: -?)inf\b", r"\1Infinity", re.sub(r": -?nan\b", ": NaN", text)))
+
+
 def run(program, scene, steps, threads):
     """What the program prints, and the share of others; None when it fails."""
     before = processor_times()
@@ -146,7 +151,7 @@ def run(program, scene, steps, threads):
         return None
     if out.stderr.strip():
         print(f"compare: {out.stderr.strip()}", file=sys.stderr)
-    return {**json.loads(out.stdout), "others": max(busy - own, 0) / max(whole, 1e-9)}
+    return {**parse(out.stdout), "others": max(busy - own, 0) / max(whole, 1e-9)}
 
 
 def measure(programs, scenes, options):

@@ -117,7 +117,11 @@ EndState end_state(const Scene& scene, const Engine& engine) {
   }
   end.sink /= std::max(end.dynamic, 1);
   end.speed /= std::max(end.dynamic, 1);
-  if (!end.finite) return end;
+  if (!end.finite) {  // no zero must stand for what cannot be measured
+    for (double* figure : {&end.sink, &end.top, &end.drift, &end.speed, &end.overlap, &end.joint_error})
+      *figure = std::numeric_limits<double>::quiet_NaN();
+    return end;
+  }
   end.overlap = largest_overlap(boxes_of(scene, states));
   end.joint_error = largest_joint_error(scene, states);
   return end;

@@ -5,7 +5,7 @@
 namespace rivals {
 
 struct EndState {
-  bool finite = true;
+  bool finite = true;      // else the figures below the counts are NaN
   int dynamic = 0;         // bodies
   int asleep = 0;          // of them
   int moved = 0;           // left their place by more than half their size
