@@ -15,6 +15,7 @@ scripts/check/figures.py --renew build/release/feder rivals rivals_all.
 import argparse
 import csv
 import datetime
+import fcntl
 import json
 import os
 import pathlib
@@ -67,6 +68,17 @@ def call(*command):
     if out.returncode:
         sys.exit(f"compare: {' '.join(map(str, command))} failed:\n{out.stdout[-4000:]}{out.stderr[-4000:]}")
     return out.stdout
+
+
+def alone():
+    """A lock, to be kept: two runs would build over each other, and each would be the other's busy machine."""
+    WORK.mkdir(parents=True, exist_ok=True)
+    lock = open(WORK / "lock", "w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        sys.exit(f"compare: another one runs here ({WORK}); wait for its end")
+    return lock
 
 
 def build(options):
@@ -222,6 +234,7 @@ def write(rows, options):
 
 def main():
     options = arguments()
+    lock = alone()
     programs = build(options)
     all_scenes = [line.split()[0] for line in call(next(iter(programs.values())), "--list").splitlines()]
     scenes = options.scene.split(",") if options.scene else all_scenes
@@ -237,6 +250,7 @@ def main():
         print(f"other processes took more than {100 * QUIET:.0f} % of the machine in {disturbed} of {len(rows)} rows: "
               "their figures of several threads say little\n")
     write(rows, options)
+    lock.close()
     return 0
 
 
