@@ -149,6 +149,7 @@ struct Rigid::Impl {
   Real row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const;
   void fill_rows(std::uint32_t j, const JointInput& in) const;
   void activate_joints(StepContext& c);
+  void list_active_joints();
   void load_inertia(std::uint32_t body);
   JointedBody* uneven_body(std::uint32_t index) { return uneven_of({jointed.data(), jointed.size()}, index); }
   void check_mass_ratio(std::uint32_t j, StepContext& c);
@@ -219,6 +220,8 @@ struct Rigid::Impl {
   Array<JointRecord> records{&arena};
   Array<std::uint32_t> free_joints{&arena};
   std::uint32_t joint_count = 0;
+  Array<std::uint32_t> active_joints{&arena};  // with an awake side, ascending
+  bool joints_stale = true;                    // that list is: bodies woke or slept, or joints were made or removed
   mutable Array<Row> rows{&arena};  // for questions about joints
   mutable Array<RowBlock> blocks{&arena};
   Real last_h = Real(1) / 240;  // s

@@ -143,13 +143,13 @@ void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) 
 
 void ImpulseSolver::load_joints(const SolverInput& in) {
   joints_.clear();
-  for (std::uint32_t i = 0; i < in.joints.size(); ++i) {
+  for (const std::uint32_t i : in.active_joints) {
     ImpulseJoint j;
     j.joint = i;
     j.a = in.solver_bodies->at(in.joints[i].slot_a);
     j.b = in.solver_bodies->at(in.joints[i].slot_b);
     FEDER_ASSERT(j.a < bodies_.size() && j.b < bodies_.size());
-    if (in.joints[i].active && (bodies_[j.a].movable || bodies_[j.b].movable)) joints_.push_back(j);
+    if (bodies_[j.a].movable || bodies_[j.b].movable) joints_.push_back(j);
   }
 }
 

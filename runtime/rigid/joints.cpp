@@ -85,6 +85,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   }
   wake_joined(records[j], WakeCause::joint);
   if (d.options.has_limits) edited(a), edited(b);
+  joints_stale = true;
   if (joint_count++ == 0) *structure_changed = true;
   return records[j].object;
 }
@@ -98,6 +99,7 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
   r = JointRecord{};
   joints[j] = SolverJoint{};
   free_joints.push_back(j);
+  joints_stale = true;
   if (--joint_count == 0) *structure_changed = true;
 }
 
@@ -125,14 +127,25 @@ void Rigid::Impl::refresh_joints_of(std::uint32_t body) {
     if (records[j].alive && (records[j].body_a == body || records[j].body_b == body)) refresh_joint(j);
 }
 
-void Rigid::Impl::activate_joints(StepContext& c) {
-  FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
+void Rigid::Impl::list_active_joints() {
+  if (!joints_stale) return;
+  joints_stale = false;
+  active_joints.clear();
+  active_joints.reserve(records.size());
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
-    SolverJoint& s = joints[j];
-    s.active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
-    if (!s.active) continue;
-    FEDER_ASSERT(s.kind && (s.slot_a != kNone || s.slot_b != kNone) && s.slot_a != s.slot_b);
+    joints[j].active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
+    if (joints[j].active) active_joints.push_back(j);
+  }
+}
+
+void Rigid::Impl::activate_joints(StepContext& c) {
+  FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
+  list_active_joints();
+  for (const std::uint32_t j : active_joints) {
+    const JointRecord& r = records[j];
+    const SolverJoint& s = joints[j];
+    FEDER_ASSERT(r.alive && s.kind && (s.slot_a != kNone || s.slot_b != kNone) && s.slot_a != s.slot_b);
     FEDER_ASSERT(s.slot_a == kNone || s.slot_a < solver_bodies.index.size());
     FEDER_ASSERT(s.slot_b == kNone || s.slot_b < solver_bodies.index.size());
     load_inertia(r.body_a), load_inertia(r.body_b);
@@ -224,7 +237,7 @@ void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
 }
 
 void Rigid::Impl::break_joints(StepContext&) {
-  for (std::uint32_t j = 0; j < records.size(); ++j) {
+  for (const std::uint32_t j : active_joints) {
     const JointRecord& r = records[j];
     if (!joints[j].active || !(r.break_force < kInfinity)) continue;
     FEDER_ASSERT(r.alive);  // else a removed joint would break again

@@ -140,7 +140,8 @@ void Rigid::load(Reader& r) {
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)
     if (s.records[j].alive) s.refresh_joint(j);
   s.solver_bodies.clear_indices();
-  s.list_stale = s.poses_stale = true;
+  s.list_stale = s.poses_stale = s.joints_stale = true;
+  s.active_joints.clear();
 }
 
 Energy Rigid::energy(const Vec3& gravity) const {

@@ -99,8 +99,9 @@ void SoftJoints::find_in_contact(const SolverInput& in) {
   in_contact_.assign(solver_bodies.state.size(), 0);
   if (in.contacts->active.empty()) return;
   groups_.reset(solver_bodies.state.size());
-  for (const SolverJoint& joint : in.joints) {
-    if (!joint.active || joint.slot_a == kNone || joint.slot_b == kNone) continue;
+  for (const std::uint32_t j : in.active_joints) {
+    const SolverJoint& joint = in.joints[j];
+    if (joint.slot_a == kNone || joint.slot_b == kNone) continue;
     const std::uint32_t a = solver_bodies.index[joint.slot_a], b = solver_bodies.index[joint.slot_b];
     if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) groups_.join(a, b);
   }
@@ -277,9 +278,8 @@ void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
   load_motions(in, c.h);
-  for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
+  for (const std::uint32_t j : in.active_joints) {
     SolverJoint& joint = in.joints[j];
-    if (!joint.active) continue;
     JointInput input = in.joint_input(joint);
     input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
     input.h = c.h;

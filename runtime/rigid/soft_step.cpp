@@ -308,7 +308,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   body_count_ = body_count, contact_count_ = in.contacts->active.size();
   before_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
   contact_change_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
-  joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(body_count) * 6);
+  joint_change_ = in.active_joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(body_count) * 6);
   joints_.clear();
   batch_count_ = overflow_count_ = 0;
   strikes_ = nullptr;

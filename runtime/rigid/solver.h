@@ -42,6 +42,7 @@ struct SolverInput {
   const Colliders* colliders = nullptr;
   SolverBodies* solver_bodies = nullptr;
   std::span<SolverJoint> joints;
+  std::span<const std::uint32_t> active_joints;  // indices into joints, ascending
   std::span<JointedBody> jointed;  // by solver index, of bodies; empty without joints
 };
 

@@ -113,6 +113,12 @@ void Rigid::Impl::check_lists() const {
     FEDER_ASSERT(bodies.awake[moving[p]] && (p == 0 || moving[p - 1] < moving[p]));
   const bool listed = lists_free(free_joints, records.size(), [&](std::uint32_t j) { return !records[j].alive; });
   FEDER_ASSERT(listed && records.size() - free_joints.size() == joint_count);
+  std::size_t active = 0;
+  for (std::uint32_t j = 0; j < records.size(); ++j) {
+    const JointRecord& r = records[j];
+    active += r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
+  }
+  FEDER_ASSERT(joints_stale || list_stale || active == active_joints.size());
 }
 
 void Rigid::validate() const {
