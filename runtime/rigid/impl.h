@@ -222,7 +222,7 @@ struct Rigid::Impl {
   std::uint32_t joint_count = 0;
   Array<std::uint32_t> active_joints{&arena};  // with an awake side, ascending
   bool joints_stale = true;                    // that list is: bodies woke or slept, or joints were made or removed
-  mutable Array<Row> rows{&arena};  // for questions about joints
+  mutable Array<Row> rows{&arena};             // for questions about joints
   mutable Array<RowBlock> blocks{&arena};
   Real last_h = Real(1) / 240;  // s
 

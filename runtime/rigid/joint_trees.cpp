@@ -250,6 +250,21 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   response_.resize(nodes_.size() * 6);
 }
 
+void JointTrees::leave_out(std::span<const std::uint8_t> left_out, std::span<const RowBlock> blocks) {
+  if (direct_.empty()) return;
+  FEDER_ASSERT(left_out.size() == blocks.size() && direct_.size() == blocks.size());
+  new_row_.clear();
+  std::uint32_t row = 0, kept = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    FEDER_ASSERT(!left_out[i] || !direct_[i]);
+    for (std::uint32_t k = 0; k < blocks[i].count; ++k) new_row_.push_back(left_out[i] ? kNone : row++);
+    if (!left_out[i]) direct_[kept++] = direct_[i];
+  }
+  direct_.resize(kept);
+  for (Link& link : links_)
+    for (int k = 0; k < link.rows; ++k) link.row[k] = new_row_[link.row[k]];
+}
+
 // Eliminates one node into its parent.
 void JointTrees::factor_node(Node& node, std::span<const Row> rows, const SolverInput& in,
                              std::span<const Mat3> inv_inertia) {

@@ -15,7 +15,10 @@ class JointTrees {
 
   // Finds the blocks that belong to trees; once per step, since the number of rows does not change within it.
   void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
-  void clear() { nodes_.clear(); }
+  void clear() { nodes_.clear(), direct_.clear(); }
+  // Takes blocks that are in no tree out of the numbering, with their rows. `left_out`: by block, as given to find().
+  void leave_out(std::span<const std::uint8_t> left_out, std::span<const RowBlock> blocks);
+  std::size_t blocks() const { return direct_.size(); }
   bool empty() const { return nodes_.empty(); }
   bool knows(std::size_t blocks) const { return direct_.size() == blocks; }  // the number of blocks is that of find()
   bool direct(std::size_t block) const {
@@ -75,6 +78,7 @@ class JointTrees {
   Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;
   Array<std::uint32_t> queue_;
+  Array<std::uint32_t> new_row_;
   Array<double> response_;  // velocity change by node, 6 each
 };
 

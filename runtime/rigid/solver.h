@@ -43,7 +43,7 @@ struct SolverInput {
   SolverBodies* solver_bodies = nullptr;
   std::span<SolverJoint> joints;
   std::span<const std::uint32_t> active_joints;  // indices into joints, ascending
-  std::span<JointedBody> jointed;  // by solver index, of bodies; empty without joints
+  std::span<JointedBody> jointed;                // by solver index, of bodies; empty without joints
 };
 
 // Called by the rigid system's passes. Rigid bodies come first; the solver bodies behind them were advanced by their
