@@ -91,10 +91,10 @@ class ImpulseSolver final : public RigidSolver {
   Array<ImpulseJoint> joints_{&arena_};      // nodes after the contacts
   Array<Row> rows_{&arena_}, spare_rows_{&arena_};
   Array<RowBlock> blocks_{&arena_}, spare_blocks_{&arena_};
-  Array<ImpulseBlock> factors_{&arena_};                        // by block
-  JointTrees trees_{arena_};                                    // stiff joints without loops
-  Array<Real> tree_bias_{&arena_}, tree_step_{&arena_};         // by row
-  Array<Mat3> tree_inertia_{&arena_};                           // inverse, by solver index
+  Array<ImpulseBlock> factors_{&arena_};                                            // by block
+  JointTrees trees_{arena_};                                                        // stiff joints without loops
+  Array<Real> tree_bias_{&arena_}, tree_step_{&arena_}, tree_compliance_{&arena_};  // by row
+  Array<Mat3> tree_inertia_{&arena_};                                               // inverse, by solver index
   UnionFind groups_{arena_};                                    // of solver bodies that contacts and joints connect
   Array<std::uint32_t> island_of_{&arena_};                     // by solver index
   Array<std::uint32_t> node_island_{&arena_}, order_{&arena_};  // by node; by rank: the node
@@ -317,7 +317,11 @@ void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
   if (trees_.empty()) return;
   tree_inertia_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) tree_inertia_[i] = bodies_[i].inv_inertia;
-  trees_.factor(rows_, in, tree_inertia_);
+  tree_compliance_.resize(rows_.size());
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    for (std::uint32_t k = 0; k < blocks_[i].count; ++k)
+      tree_compliance_[blocks_[i].first + k] = factors_[i].factor[k][k];
+  trees_.factor({rows_, tree_compliance_}, in, tree_inertia_, true);
   tree_bias_.assign(rows_.size(), Real(0));
   tree_step_.resize(rows_.size());
 }

@@ -26,12 +26,12 @@ struct PointJointBatch {
 
 struct JointPass {
   PointJointBatch* batches;
-  unsigned first, last;     // range of batches
-  WideReal* bodies;         // SolverBody as 16 numbers each
-  const WideReal* share;    // by solver index
-  WideReal* strain;         // by solver index: sum of h |impulse| |arm|, kg m^2
-  WideReal h;               // s
-  WideReal push_speed;      // largest speed at which a gap is closed, m/s
+  unsigned first, last;   // range of batches
+  WideReal* bodies;       // SolverBody as 16 numbers each
+  const WideReal* share;  // by solver index
+  WideReal* strain;       // by solver index: sum of h |impulse| |arm|, kg m^2
+  WideReal h;             // s
+  WideReal push_speed;    // largest speed at which a gap is closed, m/s
   SoftFactors soft;
 };
 

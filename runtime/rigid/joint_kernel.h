@@ -135,8 +135,7 @@ void start_joints(const JointPass& p) {
     load_sides(p, c, s);
     take_rows(p.bodies, c.index_a, 1, a);
     take_rows(p.bodies, c.index_b, 1, b);
-    for (int i = 0; i < kLanes; ++i)
-      c.share_a.v[i] = p.share[c.index_a[i]], c.share_b.v[i] = p.share[c.index_b[i]];
+    for (int i = 0; i < kLanes; ++i) c.share_a.v[i] = p.share[c.index_a[i]], c.share_b.v[i] = p.share[c.index_b[i]];
     // anchors
     const Lanes3 arm_a = turned(Lanes3{a[4], a[5], a[6]}, a[7], load(c.local_a));
     const Lanes3 arm_b = turned(Lanes3{b[4], b[5], b[6]}, b[7], load(c.local_b));

@@ -68,17 +68,26 @@ void SoftJoints::add_strain(const SolverInput& in, std::uint32_t index, const Ve
 // Inverse inertias for the joints of this substep. The strain is used up: it is summed for the next one.
 void SoftJoints::update_inertias(const SolverInput& in) {
   FEDER_ASSERT(strain_.size() == in.solver_bodies->mass.size() && norm_.size() == strain_.size());
+  bool strained = false;
   for (const std::uint32_t i : bodies_) {
     const Real ratio = strain_[i] * norm_[i];  // (h omega)^2, at most
     strain_[i] = 0;
-    share_[i] = ratio > kStrain ? kStrain / ratio : Real(1);
+    const Real share = ratio > kStrain ? kStrain / ratio : Real(1);
+    strained |= share != 1;
+    share_[i] = share;
     if (!narrow_.empty()) inv_inertia_[i] = share_[i] * in.solver_bodies->mass[i].inv_inertia;
     JointedBody* uneven = in.uneven(i);
     if (!uneven) continue;
     const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
-    for (int k = 0; k < 3; ++k) uneven->share[k] = kStrain / std::max<double>(ratios[k], kStrain);
+    for (int k = 0; k < 3; ++k) {
+      const double axis_share = kStrain / std::max<double>(ratios[k], kStrain);
+      strained |= axis_share != 1;
+      uneven->share[k] = axis_share;
+    }
     strain_axes_[i] = Vec3d::Zero();
   }
+  inertia_changed_ = strained || strained_;
+  strained_ = strained;
 }
 
 // Marks the bodies that joints connect to a body in contact. There Row::bend is not predicted: a contact's last impulse
@@ -120,13 +129,11 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   }
 }
 
-Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const {
+Real SoftJoints::prepare_row(const Row& row, Real h, ReadyRow& out) const {
   FEDER_ASSERT(row.lower <= row.upper && !(row.hertz < 0));
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
-  out.push_a = inv_inertia_[block.index_a] * row.angular_a;
-  out.push_b = inv_inertia_[block.index_b] * row.angular_b;
   out.lower = row.lower * h;
   out.upper = row.upper * h;
   out.bias = out.relaxed_bias = -row.speed;
@@ -176,13 +183,49 @@ void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
   }
 }
 
-void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
+// Velocity changes by unit impulses.
+void SoftJoints::respond(const RowBlock& block, const SolverInput& in) {
   const JointedBody *a = in.uneven(block.index_a), *b = in.uneven(block.index_b);
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
     ReadyRow& r = ready_[k];
-    if (a) r.push_a = jointed_response(*a, r.angular_a);
-    if (b) r.push_b = jointed_response(*b, r.angular_b);
+    r.push_a = a ? jointed_response(*a, r.angular_a) : Vec3(inv_inertia_[block.index_a] * r.angular_a);
+    r.push_b = b ? jointed_response(*b, r.angular_b) : Vec3(inv_inertia_[block.index_b] * r.angular_b);
   }
+}
+
+// Scale of what each row of a tree would feel alone, once per step. Even bodies have the same moment about all axes.
+void SoftJoints::measure_compliance(const RowBlock& block, const SolverInput& in) {
+  const Vec3 inv_mass =
+      in.solver_bodies->mass[block.index_a].inv_mass_axes + in.solver_bodies->mass[block.index_b].inv_mass_axes;
+  const auto angular = [&](std::uint32_t i, const Vec3& v) {
+    const JointedBody* uneven = in.uneven(i);
+    return uneven ? dot(jointed_response(*uneven, v), v) : norm_[i] * dot(v, v);
+  };
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+    const Row& r = rows_[k];
+    compliance_[k] = dot(inv_mass.cwiseProduct(r.linear), r.linear) + angular(block.index_a, r.angular_a) +
+                     angular(block.index_b, r.angular_b);
+  }
+}
+
+// Warm start of a block of a tree, which has no responses by row.
+void SoftJoints::start_direct(const RowBlock& block, const SolverInput& in) const {
+  const Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
+  if (uneven_) return apply_uneven(block, impulse, in);
+  Vec3 push = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    const Row& r = rows_[block.first + k];
+    push += r.linear * impulse[k];
+    moment_a += r.angular_a * impulse[k], moment_b += r.angular_b * impulse[k];
+  }
+  const auto side = [&](std::uint32_t i, const Vec3& linear, const Vec3& moment) {
+    if (!i) return;
+    SolverBody& s = in.solver_bodies->state[i];
+    s.velocity += in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(linear);
+    s.angular_velocity += inv_inertia_[i] * moment;
+  };
+  side(block.index_a, -push, moment_a);
+  side(block.index_b, push, moment_b);
 }
 
 void SoftJoints::prepare_block(const RowBlock& block, const SolverMass& a, const SolverMass& b, ReadyBlock& out) const {
@@ -240,18 +283,19 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
   const auto side = [&](std::uint32_t i, Real sign, Vec3 ReadyRow::*angular) {
     if (!i) return;
     Vec3 push = Vec3::Zero();
-    Vec3d moment = Vec3d::Zero();
-    for (std::uint32_t k = 0; k < block.count; ++k) {
-      const ReadyRow& r = ready_[block.first + k];
-      push += r.linear * (sign * impulse[k]);
-      moment += (r.*angular).cast<double>() * static_cast<double>(impulse[k]);
-    }
+    for (std::uint32_t k = 0; k < block.count; ++k) push += ready_[block.first + k].linear * (sign * impulse[k]);
     SolverBody& s = in.solver_bodies->state[i];
     s.velocity += in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
-    if (JointedBody* uneven = in.uneven(i))
+    if (JointedBody* uneven = in.uneven(i)) {
+      Vec3d moment = Vec3d::Zero();
+      for (std::uint32_t k = 0; k < block.count; ++k)
+        moment += (ready_[block.first + k].*angular).cast<double>() * static_cast<double>(impulse[k]);
       push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
-    else
-      s.angular_velocity += inv_inertia_[i] * moment.cast<Real>();
+      return;
+    }
+    Vec3 moment = Vec3::Zero();
+    for (std::uint32_t k = 0; k < block.count; ++k) moment += ready_[block.first + k].*angular * impulse[k];
+    s.angular_velocity += inv_inertia_[i] * moment;
   };
   side(block.index_a, -1, &ReadyRow::angular_a);
   side(block.index_b, 1, &ReadyRow::angular_b);
@@ -272,12 +316,11 @@ void SoftJoints::fill_rows(const SolverInput& in, Real h) {
   }
 }
 
-void SoftJoints::prepare_rows(const RowBlock& block, const SolverInput& in, Real h) {
+void SoftJoints::prepare_rows(const RowBlock& block, Real h) {
   Real fastest = 0;
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
-    fastest = std::max(fastest, std::abs(prepare_row(rows_[k], block, h, ready_[k])));
+    fastest = std::max(fastest, std::abs(prepare_row(rows_[k], h, ready_[k])));
   if (fastest > push_speed_) torn_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
-  if (uneven_) respond_uneven(block, in);
 }
 
 bool SoftJoints::JointKey::operator==(const JointKey& other) const {
@@ -391,6 +434,7 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c) {
   fill_rows(in, c.h);
   FEDER_ASSERT(!use_trees_ || trees_.knows(blocks_.size()));
   ready_.resize(rows_.size());
+  compliance_.resize(rows_.size());
   prepared_.resize(blocks_.size());
   const Real quarter = Real(0.25) / c.h;
   stiff_factors_ = soft_factors(hertz_ < quarter ? hertz_ : quarter, damping_ratio_, c.h);
@@ -401,14 +445,22 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c) {
   torn_.reserve(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& block = blocks_[i];
-    prepare_rows(block, in, c.h);
-    if (is_direct(i)) continue;
+    prepare_rows(block, c.h);
+    if (is_direct(i)) {
+      if (c.substep == 0) measure_compliance(block, in);
+      start_direct(block, in);
+      continue;
+    }
+    respond(block, in);
     prepare_block(block, solver_bodies.mass[block.index_a], solver_bodies.mass[block.index_b], prepared_[i]);
   }
-  if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
+  if (!trees_.empty()) trees_.factor({rows_, compliance_}, in, inv_inertia_, c.substep == 0 || inertia_changed_);
   for (const std::uint32_t i : torn_)
     if (!is_direct(i)) bound_bias(blocks_[i], in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse);
-  for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Real* impulse = in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse;
+    if (!is_direct(i)) push(blocks_[i], impulse, in);
+  }
 }
 
 JointPass SoftJoints::pass(const SolverInput& in, const StepContext& c) {
@@ -495,8 +547,9 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased) {
     FEDER_ASSERT(block.first_impulse + block.count <= in.joints[block.joint].rows);
     Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
     for (std::uint32_t k = 0; k < block.count; ++k) impulse[k] += step_[block.first + k];
-    push(block, &step_[block.first], in);
+    if (uneven_) apply_uneven(block, &step_[block.first], in);
   }
+  if (!uneven_) trees_.move_bodies(*in.solver_bodies);
 }
 
 void SoftJoints::solve_rows(const SolverInput& in, bool biased) {

@@ -60,9 +60,11 @@ class SoftJoints {
   void find_in_contact(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
   // Returns the bias speed of an equality, m/s or rad/s.
-  Real prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
+  Real prepare_row(const Row& row, Real h, ReadyRow& out) const;
   void bound_bias(const RowBlock& block, Real* impulse);
-  void respond_uneven(const RowBlock& block, const SolverInput& in);
+  void measure_compliance(const RowBlock& block, const SolverInput& in);
+  void start_direct(const RowBlock& block, const SolverInput& in) const;
+  void respond(const RowBlock& block, const SolverInput& in);
   void prepare_block(const RowBlock& block, const SolverMass& a, const SolverMass& b, ReadyBlock& out) const;
   void apply(const RowBlock& block, const Real* impulse, const SolverInput& in) const;
   void apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in) const;
@@ -76,7 +78,7 @@ class SoftJoints {
   void start(const SolverInput& in, const StepContext& c);
   JointPass pass(const SolverInput& in, const StepContext& c);
   void fill_rows(const SolverInput& in, Real h);
-  void prepare_rows(const RowBlock& block, const SolverInput& in, Real h);
+  void prepare_rows(const RowBlock& block, Real h);
   void slide_trees(const SolverInput& in);
   void solve_trees(const SolverInput& in, bool biased);
   void solve_rows(const SolverInput& in, bool biased);
@@ -103,23 +105,25 @@ class SoftJoints {
   Array<ReadyRow> ready_{&arena_};
   Array<ReadyBlock> prepared_{&arena_};
   JointTrees trees_{arena_};
-  Array<Real> bias_{&arena_}, step_{&arena_};  // by row, for the trees
-  Array<Real> strain_{&arena_};                // by solver index: h sum |impulse| |arm|, kg m^2
-  Array<Real> norm_{&arena_};                  // by solver index: of the inverse inertia, 1/(kg m^2)
-  Array<Real> share_{&arena_};                 // by solver index: of the inverse inertia that joints use
-  Array<Vec3d> strain_axes_{&arena_};          // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_{&arena_};         // by solver index
-  UnionFind groups_{arena_};                   // of solver bodies that joints connect
-  Array<std::uint8_t> in_contact_{&arena_};    // by solver index: joints connect it to a body in contact
-  Array<std::uint32_t> torn_{&arena_};         // blocks with a bias above push_speed
-  Array<BodySlide> slides_{&arena_};           // by solver index
-  Array<Mat3> inv_inertia_{&arena_};           // by solver index, world, for the joints of this substep
+  Array<Real> bias_{&arena_}, step_{&arena_}, compliance_{&arena_};  // by row, for the trees
+  Array<Real> strain_{&arena_};                                      // by solver index: h sum |impulse| |arm|, kg m^2
+  Array<Real> norm_{&arena_};                // by solver index: of the inverse inertia, 1/(kg m^2)
+  Array<Real> share_{&arena_};               // by solver index: of the inverse inertia that joints use
+  Array<Vec3d> strain_axes_{&arena_};        // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_{&arena_};       // by solver index
+  UnionFind groups_{arena_};                 // of solver bodies that joints connect
+  Array<std::uint8_t> in_contact_{&arena_};  // by solver index: joints connect it to a body in contact
+  Array<std::uint32_t> torn_{&arena_};       // blocks with a bias above push_speed
+  Array<BodySlide> slides_{&arena_};         // by solver index
+  Array<Mat3> inv_inertia_{&arena_};         // by solver index, world, for the joints of this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;  // there are contacts
   bool drifted_ = false;   // bodies have moved since the rows were filled
   bool all_direct_ = false;
-  bool uneven_ = false;  // there are jointed bodies with uneven moments
+  bool strained_ = false;         // some share_ is below 1
+  bool inertia_changed_ = false;  // since the substep before
+  bool uneven_ = false;           // there are jointed bodies with uneven moments
   SoftFactors stiff_factors_{};
 };
 

@@ -15,15 +15,14 @@ class WideJoints {
   bool empty() const { return batches_.empty(); }
   void clear() { lanes_.clear(), batches_.clear(); }
   // Colours the joints of `wanted` (ascending); those that find no colour are left to `rest`.
-  void color(const SolverInput& in, std::span<const std::uint32_t> wanted, Array<std::uint32_t>& rest,
-             StepContext& c);
+  void color(const SolverInput& in, std::span<const std::uint32_t> wanted, Array<std::uint32_t>& rest, StepContext& c);
 
   // Once per step: anchors, masses and impulses into the batches. `in_contact`: by solver index. Adds the strain of
   // the impulses to `strain`, by solver index.
   void load(const SolverInput& in, StepContext& c, std::span<const std::uint8_t> in_contact, std::span<Real> strain);
   // Each substep: rows at the poses now, warm start, and the biased pass.
   void solve(const JointPass& pass, StepContext& c);
-  void relax(const JointPass& pass, StepContext& c);  // colours in reverse
+  void relax(const JointPass& pass, StepContext& c);        // colours in reverse
   void store(const SolverInput& in, StepContext& c) const;  // once per step: impulses back
 
  private:
