@@ -18,7 +18,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kRadian = Real(0.3);  // m, that an error of one radian counts as
+constexpr JobGrain kKeyGrain{512, 8'000}, kStrainGrain{1024, 8'000};  // joints, bodies per job
+constexpr Real kRadian = Real(0.3);                                   // m, that an error of one radian counts as
 constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
 
 }  // namespace
@@ -66,28 +67,37 @@ void SoftJoints::add_strain(const SolverInput& in, std::uint32_t index, const Ve
 }
 
 // Inverse inertias for the joints of this substep. The strain is used up: it is summed for the next one.
-void SoftJoints::update_inertias(const SolverInput& in) {
+void SoftJoints::update_inertias(const SolverInput& in, StepContext& c) {
   FEDER_ASSERT(strain_.size() == in.solver_bodies->mass.size() && norm_.size() == strain_.size());
-  bool strained = false;
-  for (const std::uint32_t i : bodies_) {
-    const Real ratio = strain_[i] * norm_[i];  // (h omega)^2, at most
-    strain_[i] = 0;
-    const Real share = ratio > kStrain ? kStrain / ratio : Real(1);
-    strained |= share != 1;
-    share_[i] = share;
-    if (!narrow_.empty()) inv_inertia_[i] = share_[i] * in.solver_bodies->mass[i].inv_inertia;
-    JointedBody* uneven = in.uneven(i);
-    if (!uneven) continue;
-    const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
-    for (int k = 0; k < 3; ++k) {
-      const double axis_share = kStrain / std::max<double>(ratios[k], kStrain);
-      strained |= axis_share != 1;
-      uneven->share[k] = axis_share;
-    }
-    strain_axes_[i] = Vec3d::Zero();
+  const auto count = static_cast<std::uint32_t>(bodies_.size());
+  std::uint8_t* strained = c.scratch->take<std::uint8_t>(count / kStrainGrain.items + 1);
+  c.jobs->for_blocks(count, kStrainGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    bool any = false;
+    for (std::uint32_t n = first; n < last; ++n) any |= update_inertia(in, bodies_[n]);
+    strained[first / kStrainGrain.items] = any;
+  });
+  const bool before = strained_;
+  strained_ = false;
+  for (std::uint32_t i = 0; i < count; i += kStrainGrain.items) strained_ |= strained[i / kStrainGrain.items] != 0;
+  inertia_changed_ = before || strained_;
+}
+
+// Returns whether joints use a larger inertia.
+bool SoftJoints::update_inertia(const SolverInput& in, std::uint32_t i) {
+  const Real ratio = strain_[i] * norm_[i];  // (h omega)^2, at most
+  strain_[i] = 0;
+  share_[i] = ratio > kStrain ? kStrain / ratio : Real(1);
+  bool strained = share_[i] != 1;
+  if (!narrow_.empty()) inv_inertia_[i] = share_[i] * in.solver_bodies->mass[i].inv_inertia;
+  JointedBody* uneven = in.uneven(i);
+  if (!uneven) return strained;
+  const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
+  for (int k = 0; k < 3; ++k) {
+    uneven->share[k] = kStrain / std::max<double>(ratios[k], kStrain);
+    strained |= uneven->share[k] != 1;
   }
-  inertia_changed_ = strained || strained_;
-  strained_ = strained;
+  strain_axes_[i] = Vec3d::Zero();
+  return strained;
 }
 
 // Marks the bodies that joints connect to a body in contact. There Row::bend is not predicted: a contact's last impulse
@@ -332,23 +342,33 @@ bool SoftJoints::JointKey::operator==(const JointKey& other) const {
          kind == other.kind && equal(options, other.options);
 }
 
-// Compares keys with those of the last step, and replaces them.
-bool SoftJoints::structure_changed(const SolverInput& in) {
+SoftJoints::JointKey SoftJoints::key_of(const SolverInput& in, std::uint32_t j) const {
+  const SolverJoint& joint = in.joints[j];
   const SolverBodies& solver_bodies = *in.solver_bodies;
-  const std::size_t count = in.active_joints.size();
-  bool changed = keys_.size() != count || norm_.size() != solver_bodies.state.size();
+  const std::uint32_t a = solver_bodies.at(joint.slot_a), b = solver_bodies.at(joint.slot_b);
+  const unsigned bits = unsigned(solver_bodies.mass[a].inv_mass > 0) +
+                        2 * unsigned(solver_bodies.mass[b].inv_mass > 0) + 4 * unsigned(in.uneven(a) != nullptr) +
+                        8 * unsigned(in.uneven(b) != nullptr);
+  return {j, a, b, bits, joint.kind, joint.shape.options};
+}
+
+// Compares keys with those of the last step, and replaces them.
+bool SoftJoints::structure_changed(const SolverInput& in, StepContext& c) {
+  const auto count = static_cast<std::uint32_t>(in.active_joints.size());
+  bool changed = keys_.size() != count || norm_.size() != in.solver_bodies->state.size();
   keys_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const SolverJoint& joint = in.joints[in.active_joints[i]];
-    JointKey key{in.active_joints[i], solver_bodies.at(joint.slot_a), solver_bodies.at(joint.slot_b), 0, joint.kind,
-                 joint.shape.options};
-    key.bodies = unsigned(solver_bodies.mass[key.index_a].inv_mass > 0) +
-                 2 * unsigned(solver_bodies.mass[key.index_b].inv_mass > 0) +
-                 4 * unsigned(in.uneven(key.index_a) != nullptr) + 8 * unsigned(in.uneven(key.index_b) != nullptr);
-    if (!changed && keys_[i] == key) continue;
-    keys_[i] = key;
-    changed = true;
-  }
+  std::uint8_t* differs = c.scratch->take<std::uint8_t>(count / kKeyGrain.items + 1);
+  c.jobs->for_blocks(count, kKeyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::uint8_t any = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+      const JointKey key = key_of(in, in.active_joints[i]);
+      if (keys_[i] == key) continue;
+      keys_[i] = key;
+      any = 1;
+    }
+    differs[first / kKeyGrain.items] = any;
+  });
+  for (std::uint32_t i = 0; i < count; i += kKeyGrain.items) changed = changed || differs[i / kKeyGrain.items];
   return changed;
 }
 
@@ -415,7 +435,7 @@ void SoftJoints::prepare(const SolverInput& in, StepContext& c, bool contacts) {
   uneven_ = !in.jointed.empty();
   contacts_ = contacts;
   slides_.clear();
-  if (structure_changed(in)) find_structure(in, c);
+  if (structure_changed(in, c)) find_structure(in, c);
   find_in_contact(in);
   for (const std::uint32_t i : bodies_) {
     norm_[i] = in.solver_bodies->mass[i].inv_inertia.cwiseAbs().rowwise().sum().maxCoeff();
@@ -426,7 +446,7 @@ void SoftJoints::prepare(const SolverInput& in, StepContext& c, bool contacts) {
 }
 
 // Rows of a substep at the poses now, their effective masses and warm start.
-void SoftJoints::start(const SolverInput& in, const StepContext& c) {
+void SoftJoints::start(const SolverInput& in, StepContext& c) {
   const SolverBodies& solver_bodies = *in.solver_bodies;
   drifted_ = false;
   slides_.assign(uneven_ ? solver_bodies.state.size() : 0, BodySlide{});
@@ -439,7 +459,7 @@ void SoftJoints::start(const SolverInput& in, const StepContext& c) {
   const Real quarter = Real(0.25) / c.h;
   stiff_factors_ = soft_factors(hertz_ < quarter ? hertz_ : quarter, damping_ratio_, c.h);
   stabilize(in, c.h);
-  update_inertias(in);
+  update_inertias(in, c);
   // effective masses of what trees do not solve
   torn_.clear();
   torn_.reserve(blocks_.size());

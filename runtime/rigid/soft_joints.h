@@ -39,6 +39,14 @@ class SoftJoints {
   bool all_direct() const { return all_direct_; }
 
  private:
+  // What the order of a solve depends on; a solve is ordered anew when it changes, and by nothing else.
+  struct JointKey {
+    std::uint32_t joint, index_a, index_b;
+    std::uint32_t bodies;  // bits: which sides move, which are uneven
+    const JointKind* kind;
+    JointOptions options;
+    bool operator==(const JointKey& other) const;
+  };
   // A row prepared for the iteration.
   struct ReadyRow {
     Vec3 linear, angular_a, angular_b;
@@ -56,7 +64,8 @@ class SoftJoints {
   bool is_direct(std::size_t block) const;
   void add_strain(const SolverInput& in, std::uint32_t index, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
-  void update_inertias(const SolverInput& in);
+  void update_inertias(const SolverInput& in, StepContext& c);
+  bool update_inertia(const SolverInput& in, std::uint32_t i);
   void find_in_contact(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
   // Returns the bias speed of an equality, m/s or rad/s.
@@ -71,11 +80,12 @@ class SoftJoints {
   void push(const RowBlock& block, const Real* impulse, const SolverInput& in) const {
     uneven_ ? apply_uneven(block, impulse, in) : apply(block, impulse, in);
   }
-  bool structure_changed(const SolverInput& in);
+  JointKey key_of(const SolverInput& in, std::uint32_t j) const;
+  bool structure_changed(const SolverInput& in, StepContext& c);
   void find_structure(const SolverInput& in, StepContext& c);
   void list_bodies(const SolverInput& in);
   void choose_wide(const SolverInput& in, StepContext& c);
-  void start(const SolverInput& in, const StepContext& c);
+  void start(const SolverInput& in, StepContext& c);
   JointPass pass(const SolverInput& in, const StepContext& c);
   void fill_rows(const SolverInput& in, Real h);
   void prepare_rows(const RowBlock& block, Real h);
@@ -83,15 +93,6 @@ class SoftJoints {
   void solve_trees(const SolverInput& in, bool biased);
   void solve_rows(const SolverInput& in, bool biased);
   void solve_block(std::size_t index, const SolverInput& in, bool biased);
-
-  // What the order of a solve depends on; a solve is ordered anew when it changes, and by nothing else.
-  struct JointKey {
-    std::uint32_t joint, index_a, index_b;
-    std::uint32_t bodies;  // bits: which sides move, which are uneven
-    const JointKind* kind;
-    JointOptions options;
-    bool operator==(const JointKey& other) const;
-  };
 
   Arena& arena_;
   Array<JointKey> keys_{&arena_};             // by place in SolverInput::active_joints

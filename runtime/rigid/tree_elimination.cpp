@@ -70,8 +70,8 @@ constexpr std::size_t kTriangle = 21;  // of a symmetric matrix over six axes
 // Numbers of a node: of its body, and of the link to its parent with N rows.
 struct BodyNumbers {
   double inertia[kTriangle];  // factors of the articulated inertia
-  double load[6];      // impulses that the children ask for
-  double response[6];  // velocity change
+  double load[6];             // impulses that the children ask for
+  double response[6];         // velocity change
 };
 template <int N>
 struct LinkNumbers {

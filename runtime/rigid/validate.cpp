@@ -95,6 +95,15 @@ void Rigid::Impl::check_joint(std::uint32_t j) const {
   side(r.b, r.body_b, s.slot_b);
 }
 
+void Rigid::Impl::check_active_joints() const {
+  for (const std::uint32_t j : active_joints) {
+    const SolverJoint& s = joints[j];
+    FEDER_ASSERT(records[j].alive && s.kind && (s.slot_a != kNone || s.slot_b != kNone) && s.slot_a != s.slot_b);
+    FEDER_ASSERT(s.slot_a == kNone || s.slot_a < solver_bodies.index.size());
+    FEDER_ASSERT(s.slot_b == kNone || s.slot_b < solver_bodies.index.size());
+  }
+}
+
 // Lists and counts that follow from bodies and joints.
 void Rigid::Impl::check_lists() const {
   const std::size_t count = bodies.size();
