@@ -17,6 +17,7 @@
 #include "base/hash.h"
 #include "rigid/impulse_heap.h"
 #include "rigid/impulse_parts.h"
+#include "rigid/joint_load.h"
 #include "rigid/joint_trees.h"
 #include "rigid/union_find.h"
 
@@ -497,6 +498,9 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
     bodies_[i].last_velocity = s.state[i].velocity;
     bodies_[i].last_angular_velocity = s.state[i].angular_velocity;
   }
+  for (const ImpulseJoint& j : joints_)
+    if (in.joints[j.joint].breakable)
+      note_force(in.joints[j.joint], rows_, std::span(blocks_).subspan(j.first_block, j.block_count), s.h);
   for (const ImpulseContact& contact : contacts_) {
     Contact& to = in.contacts->slots[contact.slot];
     FEDER_ASSERT(to.collider_a != kNone && to.point_count == contact.count);

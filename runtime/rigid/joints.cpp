@@ -139,7 +139,8 @@ void Rigid::Impl::list_active_joints(StepContext& c) {
     joints[j].active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
     if (!joints[j].active) continue;
     active_joints.push_back(j);
-    if (r.break_force < kInfinity) breakable_joints.push_back(j);
+    joints[j].breakable = r.break_force < kInfinity;
+    if (joints[j].breakable) breakable_joints.push_back(j);
     for (const std::uint32_t i : {r.body_a, r.body_b})
       if (i != kNone) joined[i] = 1;
     if (!r.mass_checked) check_mass_ratio(j, c);
@@ -153,6 +154,7 @@ void Rigid::Impl::activate_joints(StepContext& c) {
   list_active_joints(c);
   if constexpr (kAsserts) check_active_joints();
   for (const std::uint32_t i : joined_bodies) load_inertia(i);
+  for (const std::uint32_t j : breakable_joints) joints[j].peak_force = 0;
 }
 
 // Principal moments of an uneven body: its inertia for joints rotates with it.
@@ -243,9 +245,7 @@ void Rigid::Impl::break_joints(StepContext&) {
     const JointRecord& r = records[j];
     if (!joints[j].active) continue;
     FEDER_ASSERT(r.alive);  // else a removed joint would break again
-    Vec3 force, torque;
-    joint_load(j, force, torque);
-    const Real size = length(force);
+    const Real size = joints[j].peak_force;
     if (!(size > r.break_force)) continue;
     Event e;
     e.kind = kJointBreak;

@@ -178,6 +178,7 @@ SolverInput Rigid::Impl::input() {
           &solver_bodies,
           {joints.data(), joint_count == 0 ? 0 : joints.size()},
           {active_joints.data(), joint_count == 0 ? 0 : active_joints.size()},
+          {breakable_joints.data(), joint_count == 0 ? 0 : breakable_joints.size()},
           {jointed.data(), jointed.size()}};
 }
 

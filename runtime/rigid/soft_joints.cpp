@@ -12,6 +12,7 @@
 
 #include "constrain/joint.h"
 #include "feder/error.h"
+#include "rigid/joint_load.h"
 #include "state/rows.h"
 #include "state/solver_bodies.h"
 
@@ -592,6 +593,17 @@ void SoftJoints::relax(const SolverInput& in, StepContext& c) {
   drifted_ = true;
   solve_rows(in, false);
   if (!wide_.empty()) wide_.relax(pass(in, c), c);
+  if (!in.breakable_joints.empty()) note_loads(in, c.h);
+}
+
+void SoftJoints::note_loads(const SolverInput& in, Real h) const {
+  wide_.note_loads(in, h);
+  for (std::size_t i = 0; i < blocks_.size();) {
+    const std::size_t first = i;
+    while (i < blocks_.size() && blocks_[i].joint == blocks_[first].joint) ++i;
+    SolverJoint& joint = in.joints[blocks_[first].joint];
+    if (joint.breakable) note_force(joint, rows_, {&blocks_[first], i - first}, h);
+  }
 }
 
 }  // namespace feder

@@ -87,6 +87,7 @@ class SoftJoints {
   void choose_wide(const SolverInput& in, StepContext& c);
   void start(const SolverInput& in, StepContext& c);
   JointPass pass(const SolverInput& in, const StepContext& c);
+  void note_loads(const SolverInput& in, Real h) const;
   void fill_rows(const SolverInput& in, Real h);
   void prepare_rows(const RowBlock& block, Real h);
   void slide_trees(const SolverInput& in);

@@ -5,6 +5,7 @@
 
 #include "base/wide.h"
 #include "feder/error.h"
+#include "rigid/joint_load.h"
 
 namespace feder {
 namespace {
@@ -179,6 +180,15 @@ void WideJoints::relax(const JointPass& pass, StepContext& c) {
     stages_[stages++] = JobPool::stage(color_first_[k], color_first_[k + 1], kJointGrain, relax);
   }
   if (!alone) c.jobs->run_stages({stages_, stages});
+}
+
+void WideJoints::note_loads(const SolverInput& in, Real h) const {
+  for (std::size_t at = 0; at < lanes_.size(); ++at) {
+    if (lanes_[at] == kNone || !in.joints[lanes_[at]].breakable) continue;
+    const Lane8x3& impulse = batches_[at / kLanes].impulse;
+    const std::size_t i = at % kLanes;
+    note_force(in.joints[lanes_[at]], Vec3(impulse.x.v[i], impulse.y.v[i], impulse.z.v[i]), h);
+  }
 }
 
 void WideJoints::store(const SolverInput& in, StepContext& c) const {

@@ -23,6 +23,7 @@ class WideJoints {
   // Each substep: rows at the poses now, warm start, and the biased pass.
   void solve(const JointPass& pass, StepContext& c);
   void relax(const JointPass& pass, StepContext& c);        // colours in reverse
+  void note_loads(const SolverInput& in, Real h) const;     // of joints that can break, after a substep
   void store(const SolverInput& in, StepContext& c) const;  // once per step: impulses back
 
  private:
