@@ -178,7 +178,7 @@ void JointTrees::factor_link(const Node& node, const TreeRows& rows, const Solve
     jacobian(row, !node.body_is_a, up, n.up[i]);
   }
   // Y = own A^-1 own^T + g
-  unrolled<N>([&](auto i) {
+  unrolled<N>([&](auto i) __attribute__((always_inline)) {
     double* y = n.stiffness + packed(i, 0);
     const double alone = static_cast<double>(rows.compliance[link.row[i]]);
     if (node.leaf) {
@@ -188,21 +188,21 @@ void JointTrees::factor_link(const Node& node, const TreeRows& rows, const Solve
     }
     for (int k = 0; k < 6; ++k) n.weight[i][k] = n.own[i][k];
     solve_factors<6>(inertia, n.weight[i]);
-    unrolled<i + 1>([&](auto j) { y[j] = dot6(n.weight[i], n.own[j]); });
+    unrolled<i + 1>([&](auto j) __attribute__((always_inline)) { y[j] = dot6(n.weight[i], n.own[j]); });
     y[i] += kCompliance * alone + 1e-30;
   });
   factorize<N>(n.stiffness);
   if (node.parent == kNone) return;
   // A_parent += up^T Y^-1 up
   double* a = body_of(&numbers_[nodes_[node.parent].first]).inertia;
-  unrolled<6>([&](auto k) {
+  unrolled<6>([&](auto k) __attribute__((always_inline)) {
     double column[N];
-    unrolled<N>([&](auto i) { column[i] = n.up[i][k]; });
+    unrolled<N>([&](auto i) __attribute__((always_inline)) { column[i] = n.up[i][k]; });
     solve_factors<N>(n.stiffness, column);
-    unrolled<N>([&](auto i) { n.across[i][k] = column[i]; });
-    unrolled<k + 1>([&](auto m) {
+    unrolled<N>([&](auto i) __attribute__((always_inline)) { n.across[i][k] = column[i]; });
+    unrolled<k + 1>([&](auto m) __attribute__((always_inline)) {
       double sum = a[packed(k, m)];
-      unrolled<N>([&](auto i) { sum += column[i] * n.up[i][m]; });
+      unrolled<N>([&](auto i) __attribute__((always_inline)) { sum += column[i] * n.up[i][m]; });
       a[packed(k, m)] = sum;
     });
   });
@@ -240,19 +240,19 @@ void JointTrees::gather_link(const Node& node, std::span<const Row> rows, const 
     v = b.velocity - a.velocity, wa = a.angular_velocity, wb = b.angular_velocity;
   }
   double wanted[N];
-  unrolled<N>([&](auto i) {
+  unrolled<N>([&](auto i) __attribute__((always_inline)) {
     const Row& row = rows[link.row[i]];
     const Real speed = dot(row.linear, v) + dot(row.angular_b, wb) + dot(row.angular_a, wa);
     wanted[i] = -static_cast<double>(speed + bias[link.row[i]]);
     if (!node.leaf) wanted[i] -= dot6(n.weight[i], load);
   });
   solve_factors<N>(n.stiffness, wanted);
-  unrolled<N>([&](auto i) { n.wanted[i] = wanted[i]; });
+  unrolled<N>([&](auto i) __attribute__((always_inline)) { n.wanted[i] = wanted[i]; });
   if (node.parent == kNone) return;
   double* to = body_of(&numbers_[nodes_[node.parent].first]).load;
-  unrolled<6>([&](auto k) {
+  unrolled<6>([&](auto k) __attribute__((always_inline)) {
     double sum = to[k];
-    unrolled<N>([&](auto i) { sum += n.up[i][k] * wanted[i]; });
+    unrolled<N>([&](auto i) __attribute__((always_inline)) { sum += n.up[i][k] * wanted[i]; });
     to[k] = sum;
   });
 }
@@ -264,13 +264,13 @@ void JointTrees::push_link(const Node& node, std::span<Real> step) {
   const double* above = node.parent == kNone ? nullptr : body_of(&numbers_[nodes_[node.parent].first]).response;
   double* response = body_of(&numbers_[node.first]).response;
   double p[N];
-  unrolled<N>([&](auto i) {
+  unrolled<N>([&](auto i) __attribute__((always_inline)) {
     p[i] = above ? n.wanted[i] - dot6(n.across[i], above) : n.wanted[i];
     step[links_[node.link].row[i]] = static_cast<Real>(p[i]);
   });
-  unrolled<6>([&](auto k) {
+  unrolled<6>([&](auto k) __attribute__((always_inline)) {
     double sum = response[k];
-    unrolled<N>([&](auto i) { sum += n.own[i][k] * p[i]; });
+    unrolled<N>([&](auto i) __attribute__((always_inline)) { sum += n.own[i][k] * p[i]; });
     response[k] = sum;
   });
 }
